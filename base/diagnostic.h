@@ -1,0 +1,104 @@
+// Diagnostics: what is wrong, where, and what would be accepted.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/source.h"
+
+namespace panwright {
+
+enum class Severity { note, warning, error };
+
+// Every code there is. E…: error, W…: warning, N…: note. The registry is base/diagnostic_codes.def.
+enum class Code : std::uint16_t {
+#define PANWRIGHT_CODE(name, title, explanation) name,
+#include "base/diagnostic_codes.def"
+#undef PANWRIGHT_CODE
+};
+
+struct CodeInfo {
+  std::string_view name;         // "E1101"
+  Severity severity;             // from the first letter of the name
+  std::string_view title;        // one lower-case phrase
+  std::string_view explanation;  // a paragraph: what it means and what to do
+};
+
+const CodeInfo& code_info(Code code);
+std::optional<Code> code_from_name(std::string_view name);  // any letter case
+std::span<const CodeInfo> all_codes();                      // in registry order
+
+struct Diagnostic {
+  Code code;
+  SourceSpan where;     // what the caret marks
+  std::string message;  // one lower-case sentence: the offending value and what is accepted
+  std::string object;   // path in the model, as group[2]/mesh; may be empty
+  std::string hint;     // "did you mean 'diffuse'?"; may be empty
+
+  Severity severity() const { return code_info(code).severity; }
+};
+
+// Collects the problems of one run and the source files they point into.
+class DiagnosticLog {
+ public:
+  // Errors, and warnings with notes, past the limit are counted and not kept.
+  explicit DiagnosticLog(std::size_t limit = 50) : limit_(limit) {}
+
+  SourceMap& sources() { return sources_; }
+  const SourceMap& sources() const { return sources_; }
+
+  // Adds a diagnostic. The severity follows from the code.
+  void report(Code code, SourceSpan where, std::string message, std::string hint = {},
+              std::string object = {});
+  // The same for a file as a whole, or for no file when name is empty.
+  void report_file(Code code, std::string_view file_name, std::string message,
+                   std::string hint = {});
+
+  const std::vector<Diagnostic>& entries() const { return entries_; }
+  std::size_t errors() const { return errors_; }
+  std::size_t warnings() const { return warnings_; }
+  std::size_t notes() const { return notes_; }
+  bool has_errors() const { return errors_ != 0; }
+  std::size_t hidden() const { return errors_ + warnings_ + notes_ - entries_.size(); }
+  bool contains(Code code) const;
+
+ private:
+  SourceMap sources_;
+  std::vector<Diagnostic> entries_;
+  std::size_t limit_;
+  std::size_t errors_ = 0;
+  std::size_t warnings_ = 0;
+  std::size_t notes_ = 0;
+  std::size_t kept_errors_ = 0;
+  std::size_t kept_others_ = 0;
+};
+
+// The process exit code that a log asks for (docs/conventions.md 15): 0 without errors; otherwise
+// 2 usage, 3 I/O, 4 a damaged pan, 1 anything else, the first of these that occurs.
+int exit_code(const DiagnosticLog& log);
+
+struct TextStyle {
+  bool color = false;
+  bool notes = true;
+};
+
+// file:line:column: severity: message [code], the source line, a caret, hints and the include
+// stack, for each entry, then one line that counts what was not shown.
+std::string to_text(const DiagnosticLog& log, const TextStyle& style = {});
+
+// One JSON object: {"schema":1,"errors":n,"warnings":n,"diagnostics":[{code,severity,message,file,
+// line,column,end_line,end_column,object,hint,included_from[]}…]}.
+std::string to_json(const DiagnosticLog& log);
+
+// A SARIF 2.1.0 log with one run.
+std::string to_sarif(const DiagnosticLog& log);
+
+// The candidate nearest to a name by edit distance (insert, delete, replace, swap), at most
+// max(1, length/3) away; ties go to the first. Letter case alone counts as distance 0.
+std::optional<std::string_view> nearest_name(std::string_view name,
+                                             std::span<const std::string_view> candidates);
+
+}  // namespace panwright

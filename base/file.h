@@ -1,0 +1,75 @@
+// Files: bounded reads, mappings, and writes that leave the old file whole when they fail.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/diagnostic.h"
+#include "base/result.h"
+
+namespace panwright {
+
+// Reads a whole regular file (or a pipe), at most max_bytes.
+//
+// Fails: E0101, E0102, E0104. where: what the diagnostic points at (an include); none: the file.
+Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t max_bytes,
+                              DiagnosticLog& log, SourceSpan where = {});
+
+// A read-only mapping of a regular file.
+class MappedFile {
+ public:
+  // Fails: E0101. An empty file maps to an empty span. Cost: O(1).
+  static Result<MappedFile> open(const std::filesystem::path& path, DiagnosticLog& log);
+
+  MappedFile(MappedFile&& other) noexcept;
+  MappedFile& operator=(MappedFile&& other) noexcept;
+  ~MappedFile();
+
+  std::span<const std::byte> bytes() const { return {data_, size_}; }
+
+ private:
+  MappedFile(const std::byte* data, std::size_t size) : data_(data), size_(size) {}
+  const std::byte* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+// A file that appears under its name only when it is complete: written to a temporary file in the
+// same folder, synced, renamed. Destroyed without commit(), it removes the temporary file.
+class AtomicFile {
+ public:
+  // Fails: E0103.
+  static Result<AtomicFile> create(const std::filesystem::path& path, DiagnosticLog& log);
+
+  AtomicFile(AtomicFile&& other) noexcept;
+  AtomicFile& operator=(AtomicFile&&) = delete;
+  ~AtomicFile();
+
+  // Appends, or writes at a place. False, once reported as E0103, when the disk refuses.
+  bool write(std::span<const std::byte> bytes, DiagnosticLog& log);
+  bool write_at(std::uint64_t offset, std::span<const std::byte> bytes, DiagnosticLog& log);
+
+  // Syncs and renames. The seconds spent in fsync are added to *sync_seconds when given.
+  bool commit(DiagnosticLog& log, double* sync_seconds = nullptr);
+
+ private:
+  AtomicFile() = default;
+  bool fail(const char* action, int error, DiagnosticLog& log);
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+  std::filesystem::path path_;
+  std::filesystem::path temporary_;
+};
+
+// create, write, commit. "-" writes to standard output.
+bool write_file(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                DiagnosticLog& log, double* sync_seconds = nullptr);
+inline std::span<const std::byte> as_bytes(std::string_view text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+}  // namespace panwright

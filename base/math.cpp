@@ -1,0 +1,52 @@
+#include "base/math.h"
+
+#include <sleef.h>
+
+#include <cmath>
+
+namespace panwright {
+
+namespace det {
+double sin(double x) { return Sleef_cinz_sind1_u10purec(x); }
+double cos(double x) { return Sleef_cinz_cosd1_u10purec(x); }
+SinCos sincos(double x) {
+  const Sleef_double_2 r = Sleef_cinz_sincosd1_u10purec(x);
+  return {r.x, r.y};
+}
+double tan(double x) { return Sleef_cinz_tand1_u10purec(x); }
+double acos(double x) { return Sleef_cinz_acosd1_u10purec(x); }
+double atan2(double y, double x) { return Sleef_cinz_atan2d1_u10purec(y, x); }
+double exp(double x) { return Sleef_cinz_expd1_u10purec(x); }
+double log(double x) { return Sleef_cinz_logd1_u10purec(x); }
+double pow(double x, double y) { return Sleef_cinz_powd1_u10purec(x, y); }
+}  // namespace det
+
+double angle_between(const Vec3& a, const Vec3& b) {
+  return det::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
+Quat quat_from_fixed_xyz(const Vec3& angles) {
+  const auto x = det::sincos(0.5 * angles.x);
+  const auto y = det::sincos(0.5 * angles.y);
+  const auto z = det::sincos(0.5 * angles.z);
+  const Quat qx(x.cos, x.sin, 0, 0);
+  const Quat qy(y.cos, 0, y.sin, 0);
+  const Quat qz(z.cos, 0, 0, z.sin);
+  return qz * qy * qx;
+}
+
+Mat3 cofactor(const Mat3& m) {
+  return Mat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+}
+
+Mat4 matrix_from_trs(const Vec3& translation, const Quat& rotation, const Vec3& scale) {
+  const Mat3 r = glm::mat3_cast(rotation);
+  return Mat4(Vec4(r[0] * scale.x, 0), Vec4(r[1] * scale.y, 0), Vec4(r[2] * scale.z, 0),
+              Vec4(translation, 1));
+}
+
+bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+}  // namespace panwright

@@ -1,0 +1,35 @@
+// A value, or nothing because a diagnostic says why not.
+#pragma once
+
+#include <cassert>
+#include <optional>
+#include <utility>
+
+namespace panwright {
+
+struct Failed {};
+// What a function returns when it has reported an error: `return failed;`
+inline constexpr Failed failed{};
+
+// Holds a T, or nothing. The reasons stand in the DiagnosticLog that the call was given.
+template <class T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : value_(std::move(value)) {}
+  Result(Failed) {}
+
+  explicit operator bool() const { return value_.has_value(); }
+  bool ok() const { return value_.has_value(); }
+
+  // Expects: ok().
+  T& operator*() & { assert(value_); return *value_; }
+  const T& operator*() const& { assert(value_); return *value_; }
+  T&& operator*() && { assert(value_); return std::move(*value_); }
+  T* operator->() { assert(value_); return &*value_; }
+  const T* operator->() const { assert(value_); return &*value_; }
+
+ private:
+  std::optional<T> value_;
+};
+
+}  // namespace panwright

@@ -1,0 +1,108 @@
+#include "base/source.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace panwright {
+
+namespace {
+
+// Length of the well-formed UTF-8 sequence at text[i], or 0.
+std::size_t utf8_length(std::string_view text, std::size_t i) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  const unsigned char lead = byte(i);
+  if (lead < 0x80) return 1;
+  std::size_t length = lead >= 0xf0 && lead < 0xf5 ? 4 : lead >= 0xe0 ? 3 : lead >= 0xc2 ? 2 : 0;
+  if (lead >= 0xf5 || length == 0 || i + length > text.size()) return 0;
+  for (std::size_t k = 1; k < length; ++k)
+    if ((byte(i + k) & 0xc0) != 0x80) return 0;
+  // overlong forms, surrogates and values past U+10FFFF
+  const unsigned char next = byte(i + 1);
+  if (lead == 0xe0 && next < 0xa0) return 0;
+  if (lead == 0xed && next > 0x9f) return 0;
+  if (lead == 0xf0 && next < 0x90) return 0;
+  if (lead == 0xf4 && next > 0x8f) return 0;
+  return length;
+}
+
+}  // namespace
+
+FileId SourceMap::add(SourceFile file) {
+  files_.push_back(std::move(file));
+  line_starts_.emplace_back();
+  return static_cast<FileId>(files_.size() - 1);
+}
+
+const SourceFile& SourceMap::file(FileId id) const {
+  assert(id < files_.size());
+  return files_[id];
+}
+
+const std::vector<std::uint32_t>& SourceMap::line_starts(FileId id) const {
+  auto& starts = line_starts_[id];
+  if (!starts.empty()) return starts;
+  starts.push_back(0);
+  if (files_[id].bytes) {
+    const std::string& text = *files_[id].bytes;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      if (text[i] == '\r' && i + 1 < text.size() && text[i + 1] == '\n') continue;
+      if (text[i] == '\n' || text[i] == '\r') starts.push_back(static_cast<std::uint32_t>(i + 1));
+    }
+  }
+  return starts;
+}
+
+Position SourceMap::position(FileId id, std::uint32_t offset) const {
+  const auto& starts = line_starts(id);
+  const auto after = std::upper_bound(starts.begin(), starts.end(), offset);
+  const auto line = static_cast<std::uint32_t>(after - starts.begin());
+  const std::uint32_t start = starts[line - 1];
+  std::uint32_t column = offset - start + 1;
+  const SourceFile& source = files_[id];
+  if (source.bytes && source.encoding == Encoding::utf8) {
+    column = 1;
+    const std::size_t stop = std::min<std::size_t>(offset, source.bytes->size());
+    for (std::size_t i = start; i < stop;) {
+      i += std::max<std::size_t>(1, utf8_length(*source.bytes, i));
+      if (i <= stop) ++column;
+    }
+  }
+  return {line, column};
+}
+
+std::string SourceMap::line_text(FileId id, std::uint32_t line) const {
+  const SourceFile& source = files_[id];
+  if (!source.bytes || source.encoding == Encoding::binary || line == 0) return {};
+  const auto& starts = line_starts(id);
+  if (line > starts.size()) return {};
+  const std::string_view text = *source.bytes;
+  std::size_t end = line < starts.size() ? starts[line] : text.size();
+  const std::size_t begin = starts[line - 1];
+  while (end > begin && (text[end - 1] == '\n' || text[end - 1] == '\r')) --end;
+  return to_utf8(text.substr(begin, end - begin), source.encoding);
+}
+
+std::string to_utf8(std::string_view bytes, Encoding encoding) {
+  std::string out;
+  out.reserve(bytes.size());
+  for (std::size_t i = 0; i < bytes.size();) {
+    const auto byte = static_cast<unsigned char>(bytes[i]);
+    if (encoding == Encoding::latin1 && byte >= 0x80) {
+      out.push_back(static_cast<char>(0xc0 | (byte >> 6)));
+      out.push_back(static_cast<char>(0x80 | (byte & 0x3f)));
+      ++i;
+      continue;
+    }
+    const std::size_t length = byte < 0x80 ? 1 : utf8_length(bytes, i);
+    if (length == 0) {
+      out += "\xef\xbf\xbd";
+      ++i;
+    } else {
+      out.append(bytes.substr(i, length));
+      i += length;
+    }
+  }
+  return out;
+}
+
+}  // namespace panwright

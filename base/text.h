@@ -1,0 +1,24 @@
+// Numbers and text, independent of the locale.
+#pragma once
+
+#include <charconv>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace panwright {
+
+// Reads a whole decimal number: optional sign, digits, point, exponent. Nothing else is accepted:
+// no blanks, hexadecimal, infinities or NaN; overflow is refused, underflow becomes 0.
+std::optional<double> parse_double(std::string_view text);
+
+// The shortest text that reads back as the same double.
+std::string format_double(double value);
+
+// "1 triangle", "2 triangles".
+std::string counted(std::size_t count, std::string_view noun);
+
+// Quotes a value for a message: control characters escaped, cut after 60 characters.
+std::string quoted(std::string_view text);
+
+}  // namespace panwright

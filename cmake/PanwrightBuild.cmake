@@ -1,0 +1,55 @@
+# Language level, warnings and the functions that declare a folder's target.
+
+include(GNUInstallDirs)
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
+
+find_program(CCACHE ccache)
+if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE}")
+  set(CMAKE_C_COMPILER_LAUNCHER "${CCACHE}")
+endif()
+
+add_library(panwright_flags INTERFACE)
+add_library(panwright::flags ALIAS panwright_flags)
+# note: -ffp-contract=off keeps results equal whatever the processor's FMA
+target_compile_options(panwright_flags INTERFACE -ffp-contract=off)
+target_compile_definitions(panwright_flags INTERFACE GLM_FORCE_CTOR_INIT GLM_FORCE_DEPTH_ZERO_TO_ONE)
+target_include_directories(panwright_flags INTERFACE
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/panwright>)
+set(PANWRIGHT_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Werror=return-type)
+
+if(PANWRIGHT_SANITIZE)
+  add_compile_options(-fsanitize=${PANWRIGHT_SANITIZE} -fno-omit-frame-pointer
+                      -fno-sanitize-recover=undefined)
+  add_link_options(-fsanitize=${PANWRIGHT_SANITIZE})
+endif()
+
+# panwright_library(name SOURCES ... PUBLIC ... PRIVATE ...): folder = namespace = target.
+function(panwright_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(panwright_${name} STATIC ${ARG_SOURCES})
+  add_library(panwright::${name} ALIAS panwright_${name})
+  set_target_properties(panwright_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(panwright_${name} PRIVATE ${PANWRIGHT_WARNINGS})
+  target_link_libraries(panwright_${name} PUBLIC panwright_flags ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
+  set_property(GLOBAL APPEND PROPERTY PANWRIGHT_LIBRARIES panwright_${name})
+endfunction()
+
+# panwright_test(name SOURCES ... LINK ... LABELS ...): one executable, one ctest entry.
+function(panwright_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  add_executable(${name}_tests ${ARG_SOURCES})
+  target_compile_options(${name}_tests PRIVATE ${PANWRIGHT_WARNINGS})
+  target_compile_definitions(${name}_tests PRIVATE
+    PANWRIGHT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" PANWRIGHT_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
+  target_link_libraries(${name}_tests PRIVATE ${ARG_LINK} GTest::gtest_main GTest::gmock)
+  add_test(NAME ${name} COMMAND ${name}_tests)
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 600)
+  endif()
+  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+endfunction()

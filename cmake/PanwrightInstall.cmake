@@ -1,0 +1,1 @@
+# cmake --install: headers, libraries, tool, schema, presets and a package config.

@@ -1,0 +1,39 @@
+// Scene → pan.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "base/diagnostic.h"
+#include "base/result.h"
+#include "scene/scene.h"
+
+namespace panwright::compiler {
+
+struct Options {
+  double max_error = 1e-3;  // metres, for shapes without explicit counts
+  std::uint64_t max_triangles = 1ull << 27;
+  bool strip_sources = false;  // leaves out the source map
+};
+
+// What a compilation did.
+struct Report {
+  std::uint64_t unique_meshes = 0;
+  std::uint64_t instances = 0;
+  std::uint64_t triangles = 0;         // instances counted
+  std::uint64_t unique_triangles = 0;  // in the file
+  std::uint64_t bytes = 0;             // of the file
+  double worst_error = 0;              // metres, in the mesh's own frame
+  double seconds_tessellate = 0;
+  double seconds_write = 0;            // without the final fsync
+  double seconds_sync = 0;
+};
+
+// Compiles a scene and writes it, atomically. Equal scenes and options give equal bytes, whatever
+// the number of threads. Equal shapes are stored once.
+//
+// Fails: E0103, E2003.
+Result<Report> compile(const scene::Scene& scene, const Options& options,
+                       const std::filesystem::path& output, DiagnosticLog& log);
+
+}  // namespace panwright::compiler

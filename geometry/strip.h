@@ -1,0 +1,23 @@
+// Triangle strips and the normals that a file leaves out.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "geometry/mesh.h"
+
+namespace panwright::geometry {
+
+// Appends the triangles of a strip: the first is (0,1,2), winding alternates. Triangles that
+// repeat an index are left out. Returns how many were left out.
+std::uint64_t append_strip(std::span<const std::uint32_t> strip, std::vector<Triangle>& triangles);
+
+// Gives a mesh unit normals by angle-weighted averaging over neighbours (Thürmer and Wüthrich,
+// "Computing vertex normals from polygonal facets", 1998). Edges whose facets meet at more than
+// crease_angle (radians) stay sharp: vertices there are duplicated, with their texcoords and
+// colours. Vertices at equal positions are taken as one. Triangles without area get no say.
+void compute_normals(Mesh& mesh, double crease_angle);
+
+}  // namespace panwright::geometry

@@ -1,0 +1,57 @@
+// Surface materials: what an author writes, and what the renderer evaluates.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/math.h"
+
+namespace panwright::materials {
+
+// The fields of a <material> as written; absent ones are inherited from the appearance around it.
+struct Fields {
+  std::optional<Vec3> diffuse;                // linear RGB
+  std::optional<Vec3> specular;               // linear RGB
+  std::optional<double> shine;                // Blinn-Phong exponent, 0..128
+  std::optional<Vec3> emissive;               // linear RGB
+  std::optional<Vec3> reflect;                // weights of diffuse, specular, emissive
+  std::optional<Vec3> refract;                // real refractive index per channel
+  std::optional<std::array<double, 4>> cook;  // factor of D, RMS slope m, factors of F and G
+  std::optional<double> oren;                 // σ, radians
+  std::optional<std::array<double, 4>> hapke; // w, h, B0, mean roughness θ̄ in degrees
+
+  // Every field that `inner` gives replaces the one here.
+  Fields overridden_by(const Fields& inner) const;
+  bool operator==(const Fields&) const = default;
+};
+
+enum class DiffuseLaw : std::uint32_t { lambert, oren_nayar, hapke };
+enum class SpecularLaw : std::uint32_t { none, blinn_phong, cook_torrance };
+
+// A complete material (docs/conventions.md 6): f = weights.x·diffuse·f_d + weights.y·specular·f_s,
+// radiance L = f·E·cosθ + weights.z·emissive·E/π.
+struct Material {
+  std::string name;
+  DiffuseLaw diffuse_law = DiffuseLaw::lambert;
+  SpecularLaw specular_law = SpecularLaw::none;
+  Vec3 diffuse{0.8};
+  Vec3 specular{0};
+  Vec3 emissive{0};
+  Vec3 weights{1, 0, 0};               // diffuse, specular, emissive
+  std::optional<Vec3> refract;         // none: F = 1
+  double shine = 0;                    // Blinn-Phong exponent
+  std::array<double, 4> cook{1, 0.5, 1, 1};
+  double oren = 0;                     // σ, radians
+  std::array<double, 4> hapke{0, 0, 0, 0};  // w, h, B0, θ̄ in radians
+  bool operator==(const Material&) const = default;
+};
+
+// Fills in the defaults and settles which laws are used.
+//
+// Reports at `where`: N1401, W1402, W1403, W1404, N1405. Never fails.
+Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log);
+
+}  // namespace panwright::materials
