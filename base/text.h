@@ -19,6 +19,6 @@ std::string format_double(double value);
 std::string counted(std::size_t count, std::string_view noun);
 
 // Quotes a value for a message: control characters escaped, cut after 60 characters.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 
 }  // namespace panwright

@@ -1,0 +1,115 @@
+#include "base/diagnostic.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+namespace panwright {
+
+namespace {
+
+constexpr Severity severity_of(std::string_view name) {
+  return name[0] == 'E' ? Severity::error : name[0] == 'W' ? Severity::warning : Severity::note;
+}
+
+constexpr std::array kCodes = {
+#define PANWRIGHT_CODE(name, title, explanation) \
+  CodeInfo{#name, severity_of(#name), title, explanation},
+#include "base/diagnostic_codes.def"
+#undef PANWRIGHT_CODE
+};
+
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+// Edit distance with swaps of neighbours (optimal string alignment), letter case ignored.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
+      if (i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) &&
+          lower(a[i - 2]) == lower(b[j - 1]))
+        row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    std::swap(before, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+}  // namespace
+
+const CodeInfo& code_info(Code code) { return kCodes[static_cast<std::size_t>(code)]; }
+
+std::span<const CodeInfo> all_codes() { return kCodes; }
+
+std::optional<Code> code_from_name(std::string_view name) {
+  std::string upper(name);
+  for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (std::size_t i = 0; i < kCodes.size(); ++i)
+    if (kCodes[i].name == upper) return static_cast<Code>(i);
+  return std::nullopt;
+}
+
+void DiagnosticLog::report(Code code, SourceSpan where, std::string message, std::string hint,
+                           std::string object) {
+  const Severity severity = code_info(code).severity;
+  std::size_t& kept = severity == Severity::error ? kept_errors_ : kept_others_;
+  ++(severity == Severity::error ? errors_ : severity == Severity::warning ? warnings_ : notes_);
+  if (kept >= limit_) return;
+  ++kept;
+  entries_.push_back({code, where, std::move(message), std::move(object), std::move(hint)});
+}
+
+void DiagnosticLog::report_file(Code code, std::string_view file_name, std::string message,
+                                std::string hint) {
+  SourceSpan where;
+  if (!file_name.empty()) {
+    for (FileId id = 0; id < sources_.size() && where.file == kNoFile; ++id)
+      if (sources_.file(id).name == file_name && !sources_.file(id).bytes) where.file = id;
+    if (where.file == kNoFile)
+      where.file = sources_.add({std::string(file_name), nullptr, Encoding::binary, {}});
+  }
+  report(code, where, std::move(message), std::move(hint));
+}
+
+bool DiagnosticLog::contains(Code code) const {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [&](const Diagnostic& entry) { return entry.code == code; });
+}
+
+int exit_code(const DiagnosticLog& log) {
+  bool usage = false, io = false, damaged = false;
+  for (const Diagnostic& entry : log.entries()) {
+    const std::string_view name = code_info(entry.code).name;
+    if (name.starts_with("E02")) usage = true;
+    if (name.starts_with("E01")) io = true;
+    if (name.starts_with("E4")) damaged = true;
+  }
+  if (!log.has_errors()) return 0;
+  return usage ? 2 : io ? 3 : damaged ? 4 : 1;
+}
+
+std::optional<std::string_view> nearest_name(std::string_view name,
+                                             std::span<const std::string_view> candidates) {
+  constexpr std::size_t kLongest = 64;  // longer names are no typing errors
+  if (name.size() > kLongest) return std::nullopt;
+  const std::size_t allowed = std::max<std::size_t>(1, name.size() / 3);
+  std::optional<std::string_view> best;
+  std::size_t best_distance = allowed + 1;
+  for (const std::string_view candidate : candidates) {
+    if (candidate.size() > name.size() + allowed || name.size() > candidate.size() + allowed)
+      continue;
+    const std::size_t distance = edit_distance(name, candidate);
+    if (distance < best_distance) {
+      best = candidate;
+      best_distance = distance;
+    }
+  }
+  return best;
+}
+
+}  // namespace panwright

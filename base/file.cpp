@@ -1,0 +1,240 @@
+#include "base/file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <utility>
+
+#include "base/text.h"
+
+namespace panwright {
+
+namespace {
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (fd_ >= 0) close(fd_);
+  }
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+void report(Code code, const std::filesystem::path& path, const std::string& message,
+            SourceSpan where, DiagnosticLog& log) {
+  if (where.file == kNoFile)
+    log.report_file(code, path.string(), message);
+  else
+    log.report(code, where, message);
+}
+
+std::string reason(const char* what, const std::filesystem::path& path, int error) {
+  return fmt::format("{} {}: {}", what, in_quotes(path.string()), std::strerror(error));
+}
+
+int open_for_reading(const std::filesystem::path& path) {
+  // note: O_NONBLOCK so that a named pipe without a writer cannot hang the process
+  return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+}
+
+bool write_all(int fd, std::span<const std::byte> bytes, std::uint64_t offset, bool positioned,
+               int* error) {
+  while (!bytes.empty()) {
+    const std::size_t piece = std::min<std::size_t>(bytes.size(), 1u << 30);
+    const ssize_t done = positioned ? ::pwrite(fd, bytes.data(), piece, static_cast<off_t>(offset))
+                                    : ::write(fd, bytes.data(), piece);
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) {
+      *error = done < 0 ? errno : ENOSPC;
+      return false;
+    }
+    bytes = bytes.subspan(static_cast<std::size_t>(done));
+    offset += static_cast<std::uint64_t>(done);
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t max_bytes,
+                              DiagnosticLog& log, SourceSpan where) {
+  const Descriptor fd(open_for_reading(path));
+  struct stat status {};
+  if (fd.get() < 0 || fstat(fd.get(), &status) != 0) {
+    report(Code::E0101, path, reason("cannot open", path, errno), where, log);
+    return failed;
+  }
+  if (S_ISDIR(status.st_mode)) {
+    report(Code::E0101, path, reason("cannot open", path, EISDIR), where, log);
+    return failed;
+  }
+  const auto too_large = [&](std::uint64_t size, const char* at_least) {
+    report(Code::E0104, path,
+           fmt::format("{} is {}{} bytes long, the limit is {}", in_quotes(path.string()), at_least,
+                       size, max_bytes),
+           where, log);
+  };
+  if (S_ISREG(status.st_mode) && static_cast<std::uint64_t>(status.st_size) > max_bytes) {
+    too_large(static_cast<std::uint64_t>(status.st_size), "");
+    return failed;
+  }
+  std::string text;
+  if (S_ISREG(status.st_mode)) text.reserve(static_cast<std::size_t>(status.st_size));
+  constexpr std::size_t kPiece = 1u << 20;
+  for (;;) {
+    const std::size_t before = text.size();
+    const std::size_t room = std::max(text.capacity() - before, std::size_t{4096});
+    text.resize(before + std::min(room, kPiece));
+    const ssize_t got = ::read(fd.get(), text.data() + before, text.size() - before);
+    if (got < 0 && errno == EINTR) {
+      text.resize(before);
+      continue;
+    }
+    if (got < 0) {
+      report(Code::E0102, path, reason("cannot read", path, errno), where, log);
+      return failed;
+    }
+    text.resize(before + static_cast<std::size_t>(got));
+    if (got == 0) break;
+    if (text.size() > max_bytes) {
+      too_large(text.size(), "more than ");
+      return failed;
+    }
+  }
+  return text;
+}
+
+Result<MappedFile> MappedFile::open(const std::filesystem::path& path, DiagnosticLog& log) {
+  const Descriptor fd(open_for_reading(path));
+  struct stat status {};
+  if (fd.get() < 0 || fstat(fd.get(), &status) != 0) {
+    log.report_file(Code::E0101, path.string(), reason("cannot open", path, errno));
+    return failed;
+  }
+  if (!S_ISREG(status.st_mode)) {
+    const int error = S_ISDIR(status.st_mode) ? EISDIR : ESPIPE;
+    log.report_file(Code::E0101, path.string(), reason("cannot map", path, error));
+    return failed;
+  }
+  const auto size = static_cast<std::size_t>(status.st_size);
+  if (size == 0) return MappedFile(nullptr, 0);
+  void* data = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd.get(), 0);
+  if (data == MAP_FAILED) {
+    log.report_file(Code::E0102, path.string(), reason("cannot map", path, errno));
+    return failed;
+  }
+  return MappedFile(static_cast<const std::byte*>(data), size);
+}
+
+MappedFile::MappedFile(MappedFile&& other) noexcept
+    : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+
+MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
+  std::swap(data_, other.data_);
+  std::swap(size_, other.size_);
+  return *this;
+}
+
+MappedFile::~MappedFile() {
+  if (data_) munmap(const_cast<std::byte*>(data_), size_);
+}
+
+Result<AtomicFile> AtomicFile::create(const std::filesystem::path& path, DiagnosticLog& log) {
+  AtomicFile file;
+  file.path_ = path;
+  // a symbolic link keeps pointing: its target is what gets replaced
+  std::error_code ignored;
+  if (std::filesystem::is_symlink(path, ignored)) {
+    const auto target = std::filesystem::weakly_canonical(path, ignored);
+    if (!ignored) file.path_ = target;
+  }
+  if (std::filesystem::is_directory(file.path_, ignored)) {
+    log.report_file(Code::E0103, path.string(), reason("cannot write", path, EISDIR));
+    return failed;
+  }
+  std::string name = file.path_.string() + ".XXXXXX";
+  file.descriptor_ = mkostemp(name.data(), O_CLOEXEC);
+  if (file.descriptor_ < 0) {
+    log.report_file(Code::E0103, path.string(), reason("cannot write", path, errno));
+    return failed;
+  }
+  file.temporary_ = name;
+  // mkostemp makes private files; give the mode that a plain open would have given
+  struct stat old {};
+  const mode_t mask = umask(0);
+  umask(mask);
+  const mode_t mode = stat(file.path_.c_str(), &old) == 0 ? old.st_mode & 07777 : 0666 & ~mask;
+  fchmod(file.descriptor_, mode);
+  return file;
+}
+
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      size_(other.size_),
+      path_(std::move(other.path_)),
+      temporary_(std::exchange(other.temporary_, {})) {}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+  if (!temporary_.empty()) unlink(temporary_.c_str());
+}
+
+bool AtomicFile::fail(const char* action, int error, DiagnosticLog& log) {
+  log.report_file(Code::E0103, path_.string(), reason(action, path_, error));
+  return false;
+}
+
+bool AtomicFile::write(std::span<const std::byte> bytes, DiagnosticLog& log) {
+  int error = 0;
+  if (!write_all(descriptor_, bytes, 0, false, &error)) return fail("cannot write", error, log);
+  size_ += bytes.size();
+  return true;
+}
+
+bool AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes,
+                          DiagnosticLog& log) {
+  int error = 0;
+  if (!write_all(descriptor_, bytes, offset, true, &error)) return fail("cannot write", error, log);
+  return true;
+}
+
+bool AtomicFile::commit(DiagnosticLog& log, double* sync_seconds) {
+  const auto start = std::chrono::steady_clock::now();
+  if (fsync(descriptor_) != 0) return fail("cannot sync", errno, log);
+  if (close(std::exchange(descriptor_, -1)) != 0) return fail("cannot close", errno, log);
+  if (rename(temporary_.c_str(), path_.c_str()) != 0) return fail("cannot rename to", errno, log);
+  temporary_.clear();
+  // the folder's entry is durable only when the folder is synced; some file systems cannot
+  const auto folder = path_.has_parent_path() ? path_.parent_path() : std::filesystem::path(".");
+  const Descriptor fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (fd.get() >= 0) fsync(fd.get());
+  if (sync_seconds)
+    *sync_seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return true;
+}
+
+bool write_file(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                DiagnosticLog& log, double* sync_seconds) {
+  if (path == "-") {
+    int error = 0;
+    if (write_all(STDOUT_FILENO, bytes, 0, false, &error)) return true;
+    log.report_file(Code::E0103, "-", reason("cannot write", path, error));
+    return false;
+  }
+  auto file = AtomicFile::create(path, log);
+  return file && file->write(bytes, log) && file->commit(log, sync_seconds);
+}
+
+}  // namespace panwright
