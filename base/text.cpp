@@ -2,9 +2,34 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace panwright {
+
+namespace {
+
+// The power of ten of the first digit that is not 0, in a number that from_chars has accepted.
+// from_chars reports underflow as it does overflow; the sign of this tells them apart.
+long decimal_exponent(std::string_view number) {
+  long exponent = 0;
+  if (const std::size_t e = number.find_first_of("eE"); e != std::string_view::npos) {
+    std::string_view digits = number.substr(e + 1);
+    if (digits.starts_with('+')) digits.remove_prefix(1);
+    const auto [end, error] =
+        std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
+    if (error == std::errc::result_out_of_range)
+      exponent = (digits[0] == '-' ? -1 : 1) * (std::numeric_limits<long>::max() / 2);
+    number = number.substr(0, e);
+  }
+  if (number.starts_with('-')) number.remove_prefix(1);
+  const auto point = static_cast<long>(std::min(number.find('.'), number.size()));
+  const auto first = static_cast<long>(std::min(number.find_first_of("123456789"), number.size()));
+  return exponent + point - first - (first < point ? 1 : 0);
+}
+
+}  // namespace
 
 std::optional<double> parse_double(std::string_view text) {
   // from_chars takes no plus sign, and takes words that are no decimal numbers
@@ -20,12 +45,7 @@ std::optional<double> parse_double(std::string_view text) {
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (end != digits.data() + digits.size() || digits.empty()) return std::nullopt;
   if (error == std::errc::result_out_of_range) {
-    // note: from_chars reports underflow the same way; a negative exponent tells them apart
-    const std::size_t exponent = digits.find_first_of("eE");
-    const bool tiny = exponent == std::string_view::npos
-                          ? digits.find('.') != std::string_view::npos
-                          : exponent + 1 < digits.size() && digits[exponent + 1] == '-';
-    if (tiny) return digits[0] == '-' ? -0.0 : 0.0;
+    if (decimal_exponent(digits) < 0) return digits[0] == '-' ? -0.0 : 0.0;
     return std::nullopt;
   }
   if (error != std::errc() || !std::isfinite(value)) return std::nullopt;

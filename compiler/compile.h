@@ -25,7 +25,7 @@ struct Report {
   std::uint64_t bytes = 0;             // of the file
   double worst_error = 0;              // metres, in the mesh's own frame
   double seconds_tessellate = 0;
-  double seconds_write = 0;            // without the final fsync
+  double seconds_write = 0;  // without the final fsync
   double seconds_sync = 0;
 };
 

@@ -41,11 +41,11 @@ struct Node {
 
 // A picture that multiplies the diffuse colour.
 struct Texture {
-  std::string name;                  // file name as written
-  std::uint32_t width = 0;           // pixels
-  std::uint32_t height = 0;          // pixels
-  std::vector<std::uint8_t> rgba;    // 4·width·height, row 0 the top row
-  bool linear = false;               // false: sRGB encoded
+  std::string name;                // file name as written
+  std::uint32_t width = 0;         // pixels
+  std::uint32_t height = 0;        // pixels
+  std::vector<std::uint8_t> rgba;  // 4·width·height, row 0 the top row
+  bool linear = false;             // false: sRGB encoded
 };
 
 // How a texture finds its place on a shape.

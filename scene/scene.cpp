@@ -1,0 +1,131 @@
+#include "scene/scene.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+#include <string_view>
+
+namespace panwright::scene {
+
+namespace {
+
+constexpr double kUnitTolerance = 1e-9;  // |q| of a rotation, after normalising in double
+
+bool is_unit(const Quat& q) { return std::abs(glm::length(q) - 1) <= kUnitTolerance; }
+
+bool in_range(std::int32_t index, std::size_t size) {
+  return index >= 0 && static_cast<std::size_t>(index) < size;
+}
+
+bool is_finite(const Mat4& m) {
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row)
+      if (!std::isfinite(m[column][row])) return false;
+  return true;
+}
+
+std::string check_nodes(const Scene& scene) {
+  if (scene.nodes.empty()) return "there is no root node";
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const Node& node = scene.nodes[i];
+    const bool parent_ok = i == 0 ? node.parent == kNone : in_range(node.parent, i);
+    if (!parent_ok) return fmt::format("node {} has parent {}", i, node.parent);
+    const Transform& t = node.parent_from_node;
+    if (!panwright::is_finite(t.translation) || !panwright::is_finite(t.scale))
+      return fmt::format("node {} has a transform that is not finite", i);
+    if (!is_unit(t.rotation)) return fmt::format("node {} has a rotation that is not unit", i);
+    if (t.scale.x == 0 || t.scale.y == 0 || t.scale.z == 0)
+      return fmt::format("node {} has a scale of zero", i);
+  }
+  return {};
+}
+
+std::string check_mesh(const geometry::Mesh& mesh) {
+  const std::size_t vertices = mesh.positions.size();
+  const auto fits = [&](std::size_t size) { return size == 0 || size == vertices; };
+  if (!fits(mesh.normals.size()) || !fits(mesh.texcoords.size()) || !fits(mesh.colours.size()))
+    return "has attribute lists of different length";
+  for (const geometry::Triangle& triangle : mesh.triangles)
+    for (const std::uint32_t index : triangle)
+      if (index >= vertices) return fmt::format("has index {} of {}", index, vertices);
+  for (const Vec3& p : mesh.positions)
+    if (!panwright::is_finite(p)) return "has a position that is not finite";
+  for (const Vec3& n : mesh.normals)
+    if (!(std::abs(glm::length(n) - 1) <= 1e-6)) return "has a normal that is not unit";
+  return {};
+}
+
+std::string check_shapes(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+    if (const auto* sphere = std::get_if<geometry::Sphere>(&scene.shapes[i])) {
+      if (!(sphere->radius > 0) || !std::isfinite(sphere->radius))
+        return fmt::format("shape {} is a sphere of radius {}", i, sphere->radius);
+      if (sphere->counts && (sphere->counts->rings < 2 || sphere->counts->quads < 3))
+        return fmt::format("shape {} is a sphere with too few rings or quads", i);
+    } else {
+      const auto& mesh = std::get<geometry::MeshShape>(scene.shapes[i]);
+      if (!mesh) return fmt::format("shape {} is a mesh that is not there", i);
+      const std::string problem = check_mesh(*mesh);
+      if (!problem.empty()) return fmt::format("shape {} {}", i, problem);
+    }
+  }
+  return {};
+}
+
+std::string check_instances(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    if (!in_range(instance.node, scene.nodes.size()) ||
+        !in_range(instance.shape, scene.shapes.size()) ||
+        !in_range(instance.material, scene.materials.size()))
+      return fmt::format("instance {} refers to nothing", i);
+    if (instance.texture != kNone && !in_range(instance.texture, scene.textures.size()))
+      return fmt::format("instance {} has texture {}", i, instance.texture);
+    if (!is_finite(instance.texture_from_shape))
+      return fmt::format("instance {} has a texture matrix that is not finite", i);
+  }
+  return {};
+}
+
+std::string check_rest(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.textures.size(); ++i) {
+    const Texture& texture = scene.textures[i];
+    if (texture.width == 0 || texture.height == 0 ||
+        texture.rgba.size() != std::size_t{4} * texture.width * texture.height)
+      return fmt::format("texture {} has {} bytes for {} x {}", i, texture.rgba.size(),
+                         texture.width, texture.height);
+  }
+  std::set<std::string_view> names;
+  for (std::size_t i = 0; i < scene.frames.size(); ++i) {
+    const Frame& frame = scene.frames[i];
+    if (!in_range(frame.node, scene.nodes.size()) || !panwright::is_finite(frame.origin) ||
+        !is_unit(frame.rotation))
+      return fmt::format("frame {} is not sound", i);
+    if (!names.insert(frame.name).second)
+      return fmt::format("two frames are called {}", frame.name);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<Mat4> world_from_nodes(const Scene& scene) {
+  std::vector<Mat4> world(scene.nodes.size());
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const Node& node = scene.nodes[i];
+    const Mat4 local = node.parent_from_node.matrix();
+    world[i] = node.parent == kNone ? local : world[static_cast<std::size_t>(node.parent)] * local;
+  }
+  return world;
+}
+
+std::string check(const Scene& scene) {
+  for (const auto& part : {check_nodes, check_shapes, check_instances, check_rest}) {
+    const std::string problem = part(scene);
+    if (!problem.empty()) return problem;
+  }
+  return {};
+}
+
+}  // namespace panwright::scene

@@ -1,0 +1,144 @@
+#include "base/file.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+
+namespace panwright {
+namespace {
+
+namespace fs = std::filesystem;
+
+class File : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "panwright-file-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder = name;
+  }
+  void TearDown() override { fs::remove_all(folder); }
+  std::size_t entries() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
+  }
+  std::string contents(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  fs::path folder;
+  DiagnosticLog log;
+};
+
+TEST_F(File, ReadsWhatIsThere) {
+  const std::string text("a\0b\r\n\xff", 6);
+  ASSERT_TRUE(write_file(folder / "f", as_bytes(text), log));
+  const auto read = read_file(folder / "f", 6, log);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(*read, text);
+  EXPECT_FALSE(log.has_errors());
+}
+
+TEST_F(File, RefusesMoreThanTheLimit) {
+  ASSERT_TRUE(write_file(folder / "f", as_bytes("123456"), log));
+  EXPECT_FALSE(read_file(folder / "f", 5, log));
+  EXPECT_TRUE(log.contains(Code::E0104));
+  EXPECT_EQ(exit_code(log), 3);
+  // a device has no size to ask for: the limit holds while reading
+  DiagnosticLog endless;
+  EXPECT_FALSE(read_file("/dev/zero", 1 << 20, endless));
+  EXPECT_TRUE(endless.contains(Code::E0104));
+}
+
+TEST_F(File, NamesTheReasonWhenItCannotOpen) {
+  EXPECT_FALSE(read_file(folder / "none", 10, log));
+  ASSERT_EQ(log.entries().size(), 1u);
+  EXPECT_EQ(log.entries()[0].code, Code::E0101);
+  EXPECT_NE(log.entries()[0].message.find("No such file"), std::string::npos);
+  EXPECT_FALSE(read_file(folder, 10, log));
+  EXPECT_FALSE(MappedFile::open(folder, log));
+  EXPECT_FALSE(MappedFile::open(folder / "none", log));
+  EXPECT_EQ(log.errors(), 4u);
+}
+
+TEST_F(File, MapsBytesAndTheEmptyFile) {
+  ASSERT_TRUE(write_file(folder / "f", as_bytes("pan"), log));
+  ASSERT_TRUE(write_file(folder / "empty", {}, log));
+  const auto mapped = MappedFile::open(folder / "f", log);
+  ASSERT_TRUE(mapped);
+  EXPECT_EQ(mapped->bytes().size(), 3u);
+  EXPECT_EQ(mapped->bytes()[1], std::byte{'a'});
+  const auto empty = MappedFile::open(folder / "empty", log);
+  ASSERT_TRUE(empty);
+  EXPECT_TRUE(empty->bytes().empty());
+}
+
+TEST_F(File, UncommittedWritesLeaveTheOldFile) {
+  ASSERT_TRUE(write_file(folder / "f", as_bytes("old"), log));
+  {
+    auto file = AtomicFile::create(folder / "f", log);
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(file->write(as_bytes("new and longer"), log));
+    EXPECT_EQ(contents(folder / "f"), "old");
+    EXPECT_EQ(entries(), 2u);
+  }
+  EXPECT_EQ(contents(folder / "f"), "old");
+  EXPECT_EQ(entries(), 1u) << "the temporary file is gone";
+}
+
+TEST_F(File, KilledWritersLeaveTheOldFile) {
+  ASSERT_TRUE(write_file(folder / "f", as_bytes("old"), log));
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    DiagnosticLog inner;
+    auto file = AtomicFile::create(folder / "f", inner);
+    file->write(as_bytes("half"), inner);
+    raise(SIGKILL);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(contents(folder / "f"), "old");
+}
+
+TEST_F(File, ReplacesTheTargetOfALinkAndKeepsTheMode) {
+  ASSERT_TRUE(write_file(folder / "target", as_bytes("old"), log));
+  ASSERT_EQ(chmod((folder / "target").c_str(), 0640), 0);
+  fs::create_symlink("target", folder / "link");
+  ASSERT_TRUE(write_file(folder / "link", as_bytes("new"), log));
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(contents(folder / "target"), "new");
+  struct stat status {};
+  ASSERT_EQ(stat((folder / "target").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0640u);
+}
+
+TEST_F(File, PatchesAPlaceBeforeCommit) {
+  auto file = AtomicFile::create(folder / "f", log);
+  ASSERT_TRUE(file);
+  ASSERT_TRUE(file->write(as_bytes("0000body"), log));
+  ASSERT_TRUE(file->write_at(0, as_bytes("HEAD"), log));
+  double seconds = 0;
+  ASSERT_TRUE(file->commit(log, &seconds));
+  EXPECT_EQ(contents(folder / "f"), "HEADbody");
+  EXPECT_GT(seconds, 0);
+}
+
+TEST_F(File, SaysWhyItCannotWrite) {
+  EXPECT_FALSE(write_file(folder / "none" / "f", as_bytes("x"), log));
+  EXPECT_FALSE(write_file(folder, as_bytes("x"), log));
+  EXPECT_EQ(log.errors(), 2u);
+  EXPECT_EQ(log.entries()[0].code, Code::E0103);
+  EXPECT_EQ(exit_code(log), 3);
+  if (fs::exists("/dev/full")) {
+    std::ofstream full("/dev/full");
+    full << "x" << std::flush;
+    EXPECT_FALSE(full.good());
+  }
+}
+
+}  // namespace
+}  // namespace panwright
