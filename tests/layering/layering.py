@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""Reads every #include "folder/…" of the tree and fails on an edge that the architecture forbids."""
+
+import pathlib
+import re
+import sys
+
+# folder: what it may include directly; the table is closed transitively below
+ALLOWED = {
+    "base": [],
+    "schemas": [],
+    "geometry": ["base", "schemas"],
+    "materials": ["base"],
+    "mli": ["geometry"],
+    "scene": ["geometry", "materials", "mli"],
+    "pan": ["geometry", "materials", "schemas"],
+    "importers": ["scene", "pan"],
+    "compiler": ["scene", "pan"],
+    "preview": ["pan"],
+    "pxn": ["scene", "importers", "schemas"],
+    "studio": ["pxn", "compiler", "preview"],
+    "tools": ["pxn", "importers", "compiler", "preview", "studio", "mli"],
+}
+UNRESTRICTED = ["bench", "tests", "examples"]
+NEVER_INCLUDED = ["tools", "bench"]
+INCLUDE = re.compile(r'^\s*#\s*include\s+"([a-z_]+)/([^"]+)"', re.M)
+
+
+def closure(folder, seen=None):
+    seen = seen if seen is not None else set()
+    for target in ALLOWED[folder]:
+        if target not in seen:
+            seen.add(target)
+            closure(target, seen)
+    return seen
+
+
+def problems(root):
+    for path in sorted(root.rglob("*")):
+        if path.suffix not in {".h", ".cpp", ".inl", ".def"} or not path.is_file():
+            continue
+        folder = path.relative_to(root).parts[0]
+        if folder in UNRESTRICTED or folder not in ALLOWED:
+            if folder not in UNRESTRICTED + ["build"]:
+                yield f"{path.relative_to(root)}: lies in no known folder"
+            allowed = None
+        else:
+            allowed = closure(folder) | {folder}
+        if folder == "build":
+            continue
+        text = path.read_text(encoding="utf-8")
+        for match in INCLUDE.finditer(text):
+            target, rest = match.groups()
+            line = text.count("\n", 0, match.start()) + 1
+            where = f"{path.relative_to(root)}:{line}"
+            if allowed is not None and target in list(ALLOWED) + UNRESTRICTED and target not in allowed:
+                yield f"{where}: {folder} must not include {target}/{rest}"
+            if target in NEVER_INCLUDED and target != folder and folder not in ("tests",):
+                yield f"{where}: nothing includes {target}/"
+            if rest.startswith("internal/") and target != folder and folder != "tests":
+                yield f"{where}: {target}/internal is private"
+        if re.search(r"embree", text) and folder != "geometry" and "embree3/" in text:
+            yield f"{path.relative_to(root)}: Embree is reached through geometry/ray.h"
+
+
+if __name__ == "__main__":
+    found = list(problems(pathlib.Path(sys.argv[1])))
+    print("\n".join(found) or "layering: ok")
+    sys.exit(1 if found else 0)

@@ -1,0 +1,283 @@
+// The command line. The only translation unit that includes CLI11, which is slow to compile.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <new>
+
+#include "base/parallel.h"
+#include "tools/commands.h"
+#include "tools/completion.h"
+#include "tools/run.h"
+
+namespace panwright::tools {
+
+namespace {
+
+constexpr int kUsage = 2;
+constexpr int kInternal = 70;
+
+struct AllOptions {
+  CompileOptions compile;
+  CheckOptions check;
+  InfoOptions info;
+  RenderOptions render;
+  DiffOptions diff;
+  ExplainOptions explain;
+  std::string completion_shell = "bash";
+  bool json_version = false;
+};
+
+void add_common(CLI::App* app, CommonOptions& common) {
+  app->add_flag("--json", common.json, "Print the result and the diagnostics as one JSON object");
+  app->add_option("--sarif", common.sarif, "Also write the diagnostics to FILE as SARIF 2.1.0")
+      ->type_name("FILE");
+  app->add_flag("-q,--quiet", common.quiet, "Leave out notes");
+  app->add_flag("--timings", common.timings, "Say how long each step took");
+  app->add_option("--color", common.color, "auto, always or never (auto respects NO_COLOR)")
+      ->check(CLI::IsMember({"auto", "always", "never"}))
+      ->type_name("WHEN");
+  app->add_option("-j,--threads", common.threads, "Threads to use; 0: all cores")->type_name("N");
+}
+
+void add_read(CLI::App* app, ReadOptions& read) {
+  app->add_option("--root", read.root,
+                  "Folder that included files must lie in (default: the file's)")
+      ->type_name("DIR");
+  app->add_option("--max-input", read.max_input, "Most bytes of input to read, e.g. 512MB")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("BYTES");
+  app->add_option("--max-error", read.max_error,
+                  "Chord error in metres for shapes without explicit counts (default 0.001)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("METRES");
+  app->add_option("--max-triangles", read.max_triangles, "Most triangles of one shape")
+      ->type_name("N");
+}
+
+void add_compile(CLI::App* app, CompileOptions& options) {
+  app->add_option("input", options.input, "The model, a .pxn file")
+      ->required()
+      ->type_name("FILE.pxn");
+  app->add_option("-o,--output", options.output,
+                  "The pan file (default: the input's name with .pan)")
+      ->type_name("FILE.pan");
+  app->add_option("-M,--depfile", options.depfile,
+                  "Write the files that were read, as a Make and Ninja dependency file")
+      ->type_name("FILE");
+  app->add_flag("--strip-sources", options.strip_sources, "Leave out where parts were written");
+  add_read(app, options.read);
+  add_common(app, options.common);
+}
+
+void add_view(CLI::App* app, ViewOptions& view) {
+  const auto add = [&](const char* name, std::optional<std::string>& value, const char* type,
+                       const char* help) {
+    return app->add_option(name, value, help)->type_name(type)->group("Camera and Sun");
+  };
+  add("--camera", view.camera, "\"X Y Z\"",
+      "Where the camera is, metres, world axes (default: in front of the model)");
+  add("--look-at", view.look_at, "\"X Y Z\"",
+      "The point that the boresight passes through (default: the origin)");
+  add("--up", view.up, "\"X Y Z\"", "Direction that is up in the image (default 0 0 1)");
+  add("--quat", view.quat, "\"W X Y Z\"",
+      "Attitude world_from_camera instead of --look-at; x right, y down, z boresight");
+  add("--camera-frame", view.camera_frame, "NAME", "Put the camera into a frame of the model");
+  add("--pose", view.pose, "\"X Y Z W I J K\"",
+      "Position and attitude world_from_model of the model");
+  add("--sun", view.sun, "\"X Y Z\"",
+      "Direction to the Sun, world axes (default: from behind the camera's left shoulder)");
+  add("--sun-distance", view.sun_distance, "AU", "Distance to the Sun (default 1)");
+  add("--sun-irradiance", view.sun_irradiance, "E|R,G,B",
+      "In-band irradiance at the target, W/m²; radiance is then W/(m² sr), otherwise per unit "
+      "irradiance, 1/sr");
+  add("--fov", view.fov, "DEG",
+      "Full horizontal field of view, degrees (default: the model fills the image)");
+  add("--ifov", view.ifov, "RAD", "Angle of the pixel on the axis, radians");
+  add("--intrinsics", view.intrinsics, "FX,FY,CX,CY", "Pinhole intrinsics in pixels");
+  add("--ortho", view.ortho, "METRES", "Orthographic image of this width");
+  add("--size", view.size, "WxH", "Image size in pixels (default 1024x1024)");
+  add("--ev", view.ev, "STOPS", "Exposure of PNG output: 2^EV (default 0)");
+}
+
+void add_render(CLI::App* app, RenderOptions& options) {
+  app->add_option("input", options.input, "A .pan file, or a .pxn file to compile on the way")
+      ->required()
+      ->type_name("FILE");
+  app->add_option("-o,--output", options.view.output,
+                  "The picture: .png, .exr, .npy (radiance) or .npz (radiance and truth layers)")
+      ->type_name("FILE");
+  add_view(app, options.view);
+  app->add_option("--views", options.views,
+                  "JSON list of views, each an object of camera and Sun options and an output")
+      ->type_name("FILE.json");
+  app->add_option("--samples", options.samples, "N x N samples in each pixel, an exact box filter")
+      ->check(CLI::Range(1u, 64u))
+      ->type_name("N");
+  app->add_flag("--flat", options.flat, "Shade with the triangles' own normals");
+  app->add_option("--gl", options.gl, "OpenGL context: auto, egl or osmesa")
+      ->check(CLI::IsMember({"auto", "egl", "osmesa"}))
+      ->type_name("KIND");
+  app->add_flag("--trust", options.trust,
+                "Skip the full check of a pan file that you wrote yourself");
+  add_read(app, options.read);
+  add_common(app, options.common);
+}
+
+// Lets values begin with a minus sign: "--sun -1,0,0" and "--sun '-1 0 0'" become one word.
+std::vector<std::string> joined_values(int argc, const char* const* argv) {
+  std::vector<std::string> words;
+  for (int i = 1; i < argc; ++i) {
+    std::string word = argv[i];
+    const bool negative = word.size() > 1 && word[0] == '-' &&
+                          (std::isdigit(static_cast<unsigned char>(word[1])) || word[1] == '.');
+    const bool after_option = !words.empty() && words.back().starts_with("--") &&
+                              words.back().find('=') == std::string::npos &&
+                              words.back().size() > 2;
+    if (negative && after_option)
+      words.back() += "=" + word;
+    else if (word == "-lic")
+      words.emplace_back("--lic");
+    else
+      words.push_back(std::move(word));
+  }
+  return words;
+}
+
+int parse_and_run(CLI::App& app, std::vector<std::string> words, const std::function<int()>& go) {
+  std::reverse(words.begin(), words.end());  // as CLI11 takes them
+  try {
+    app.parse(std::move(words));
+  } catch (const CLI::ParseError& error) {
+    const bool asked = error.get_exit_code() == 0;  // --help
+    const int code = app.exit(error);
+    return asked ? code : kUsage;
+  }
+  return go();
+}
+
+int run_converter(const std::string& name, std::vector<std::string> words) {
+  CompileOptions options;
+  CLI::App app(
+      fmt::format("{}: compiles a pxn model into a pan file; the same as 'panwright compile'",
+                  name),
+      name);
+  add_compile(&app, options);
+  app.add_option("--lic", options.license, "A licence file (-lic FILE): accepted and ignored")
+      ->type_name("FILE");
+  return parse_and_run(app, std::move(words), [&] {
+    set_thread_count(options.common.threads);
+    return compile(options);
+  });
+}
+
+void add_subcommands(CLI::App& app, AllOptions& all) {
+  auto* compile_app = app.add_subcommand("compile", "Compile a pxn model into a pan file");
+  add_compile(compile_app, all.compile);
+
+  auto* check_app =
+      app.add_subcommand("check", "Say everything that is wrong with pxn and pan files");
+  check_app->add_option("inputs", all.check.inputs, "Files to check")
+      ->required()
+      ->type_name("FILE…");
+  add_read(check_app, all.check.read);
+  add_common(check_app, all.check.common);
+
+  auto* info_app = app.add_subcommand("info", "Show what is in a model");
+  info_app->add_option("input", all.info.input, "A .pan or .pxn file")
+      ->required()
+      ->type_name("FILE");
+  add_read(info_app, all.info.read);
+  add_common(info_app, all.info.common);
+
+  auto* render_app = app.add_subcommand("render", "Render a model as a camera sees it");
+  add_render(render_app, all.render);
+
+  auto* diff_app = app.add_subcommand("diff", "Compare two models; exit code 1 when they differ");
+  diff_app->add_option("a", all.diff.a, "A .pan or .pxn file")->required()->type_name("A");
+  diff_app->add_option("b", all.diff.b, "A .pan or .pxn file")->required()->type_name("B");
+  diff_app->add_flag("--all", all.diff.all, "Count differences of provenance too");
+  add_read(diff_app, all.diff.read);
+  add_common(diff_app, all.diff.common);
+
+  auto* explain_app = app.add_subcommand("explain", "Explain a diagnostic code, or list them all");
+  explain_app->add_option("code", all.explain.code, "A code such as E1101")->type_name("CODE");
+  add_common(explain_app, all.explain.common);
+
+  auto* completion_app = app.add_subcommand("completion", "Print a shell completion script");
+  completion_app->add_option("shell", all.completion_shell, "bash, zsh or fish")
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}))
+      ->type_name("SHELL");
+}
+
+// Every command with its options, for completion scripts.
+std::vector<CommandWords> command_words(const CLI::App& app) {
+  std::vector<CommandWords> commands;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+    CommandWords words{sub->get_name(), sub->get_description(), {}};
+    for (const CLI::Option* option : sub->get_options())
+      for (const std::string& name : option->get_lnames())
+        words.options.push_back({"--" + name, option->get_description()});
+    commands.push_back(std::move(words));
+  }
+  return commands;
+}
+
+int run_panwright(std::vector<std::string> words) {
+  AllOptions all;
+  CLI::App app(
+      "panwright: spacecraft models from pxn text to checked pan files and radiometric pictures",
+      "panwright");
+  app.footer(
+      "Examples:\n"
+      "  panwright compile examples/paper/figure8.pxn -o f.pan\n"
+      "  panwright render f.pan -o f.png --camera \"0 -5 1\" --sun \"1 -1 1\"\n"
+      "  panwright explain E1101\n"
+      "Exit codes: 0 ok, 1 errors in a model, 2 usage, 3 I/O, 4 damaged pan file, 70 internal.\n"
+      "The language: docs/pxn-reference.md. Conventions of cameras, axes and units: "
+      "docs/conventions.md.");
+  app.require_subcommand(0, 1);
+  bool version_flag = false;
+  app.add_flag("--version", version_flag, "Print the version; with --json, the features too");
+  app.add_flag("--json", all.json_version, "With --version: print JSON");
+  add_subcommands(app, all);
+  return parse_and_run(app, std::move(words), [&]() -> int {
+    if (version_flag) return version(all.json_version);
+    const auto with_threads = [](const CommonOptions& common) { set_thread_count(common.threads); };
+    if (app.got_subcommand("compile"))
+      return with_threads(all.compile.common), compile(all.compile);
+    if (app.got_subcommand("check")) return with_threads(all.check.common), check(all.check);
+    if (app.got_subcommand("info")) return with_threads(all.info.common), info(all.info);
+    if (app.got_subcommand("render")) return with_threads(all.render.common), render(all.render);
+    if (app.got_subcommand("diff")) return with_threads(all.diff.common), diff(all.diff);
+    if (app.got_subcommand("explain")) return explain(all.explain);
+    if (app.got_subcommand("completion")) {
+      fmt::print("{}", completion_script(all.completion_shell, command_words(app)));
+      return 0;
+    }
+    fmt::print("{}", app.help());
+    return kUsage;
+  });
+}
+
+}  // namespace
+
+int run(int argc, const char* const* argv) {
+  try {
+    const std::string name =
+        argc > 0 ? std::filesystem::path(argv[0]).filename().string() : std::string("panwright");
+    std::vector<std::string> words = joined_values(argc, argv);
+    if (name == "pxntopan" || name == "pxn2pan") return run_converter(name, std::move(words));
+    return run_panwright(std::move(words));
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "panwright: out of memory\n");
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "panwright: internal error: {}\n", error.what());
+  }
+  return kInternal;
+}
+
+}  // namespace panwright::tools

@@ -1,0 +1,16 @@
+// The subcommands: each does one job, reports, and returns the process's exit code.
+#pragma once
+
+#include "tools/options.h"
+
+namespace panwright::tools {
+
+int compile(const CompileOptions& options);
+int check(const CheckOptions& options);
+int info(const InfoOptions& options);
+int render(const RenderOptions& options);
+int diff(const DiffOptions& options);
+int explain(const ExplainOptions& options);
+int version(bool json);
+
+}  // namespace panwright::tools

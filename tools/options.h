@@ -1,0 +1,100 @@
+// What the command line said, as plain data.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/math.h"
+
+namespace panwright::tools {
+
+// Options that every command has.
+struct CommonOptions {
+  bool json = false;           // one JSON object on standard output
+  std::string sarif;           // also write the diagnostics here, as SARIF 2.1.0
+  bool quiet = false;          // no notes
+  bool timings = false;        // how long each step took, on standard error
+  std::string color = "auto";  // auto, always, never
+  std::size_t threads = 0;     // 0: all cores
+};
+
+// Options of what reads pxn.
+struct ReadOptions {
+  std::string root;                        // folder that includes may not leave; empty: the file's
+  std::uint64_t max_input = 128ull << 20;  // bytes in all
+  double max_error = 1e-3;                 // metres
+  std::uint64_t max_triangles = 1ull << 27;
+};
+
+struct CompileOptions {
+  CommonOptions common;
+  ReadOptions read;
+  std::string input;
+  std::string output;
+  std::string depfile;
+  std::string license;  // of the original tools: accepted, ignored, noted
+  bool strip_sources = false;
+};
+
+struct CheckOptions {
+  CommonOptions common;
+  ReadOptions read;
+  std::vector<std::string> inputs;
+};
+
+struct InfoOptions {
+  CommonOptions common;
+  ReadOptions read;
+  std::string input;
+};
+
+struct DiffOptions {
+  CommonOptions common;
+  ReadOptions read;
+  std::string a;
+  std::string b;
+  bool all = false;  // provenance too
+};
+
+// One camera and Sun state as typed; absent fields fall back to the command line's, then to the
+// defaults of docs/conventions.md 2–5.
+struct ViewOptions {
+  std::optional<std::string> camera;          // "x y z" metres
+  std::optional<std::string> look_at;         // "x y z"
+  std::optional<std::string> up;              // "x y z"
+  std::optional<std::string> quat;            // "w x y z", world_from_camera
+  std::optional<std::string> pose;            // "x y z w i j k", world_from_model
+  std::optional<std::string> camera_frame;    // name
+  std::optional<std::string> sun;             // "x y z", towards the Sun
+  std::optional<std::string> sun_distance;    // AU
+  std::optional<std::string> sun_irradiance;  // "E" or "Er,Eg,Eb"
+  std::optional<std::string> fov;             // degrees
+  std::optional<std::string> ifov;            // radians, or with a unit
+  std::optional<std::string> intrinsics;      // "fx,fy,cx,cy" pixels
+  std::optional<std::string> ortho;           // metres
+  std::optional<std::string> size;            // "WxH"
+  std::optional<std::string> ev;
+  std::optional<std::string> output;
+};
+
+struct RenderOptions {
+  CommonOptions common;
+  ReadOptions read;
+  std::string input;
+  ViewOptions view;
+  std::string views;  // JSON file of many views
+  std::string gl = "auto";
+  unsigned samples = 1;
+  bool flat = false;
+  bool trust = false;  // skips the full check of the pan
+};
+
+struct ExplainOptions {
+  CommonOptions common;
+  std::string code;  // empty: lists all
+};
+
+}  // namespace panwright::tools

@@ -1,0 +1,80 @@
+#include "tools/session.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "base/text.h"
+
+namespace panwright::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+bool wants_color(const std::string& when) {
+  if (when != "auto") return when == "always";
+  const char* no_color = std::getenv("NO_COLOR");
+  if (no_color != nullptr && no_color[0] != '\0') return false;
+  const char* term = std::getenv("TERM");
+  return isatty(STDERR_FILENO) == 1 && term != nullptr && std::string_view(term) != "dumb";
+}
+
+}  // namespace
+
+Session::Session(std::string command, const CommonOptions& options)
+    : command_(std::move(command)), options_(options), result_(std::make_unique<Json>()) {
+  (*result_)["schema"] = 1;
+  (*result_)["command"] = command_;
+}
+
+Session::~Session() = default;
+
+void Session::end_step() {
+  if (!step_.empty())
+    timings_.emplace_back(step_, std::chrono::duration<double>(Clock::now() - step_start_).count());
+}
+
+void Session::step(std::string name) {
+  end_step();
+  step_ = std::move(name);
+  step_start_ = Clock::now();
+}
+
+void Session::add_timing(std::string name, double seconds) {
+  timings_.emplace_back(std::move(name), seconds);
+}
+
+int Session::finish() {
+  end_step();
+  step_.clear();
+  if (!options_.sarif.empty()) write_file(options_.sarif, as_bytes(to_sarif(log_)), log_);
+  const int code = exit_code(log_);
+  if (options_.json) {
+    Json& out = *result_;
+    out["exit_code"] = code;
+    if (options_.timings)
+      for (const auto& [name, seconds] : timings_) out["timings_ms"][name] = 1e3 * seconds;
+    Json diagnostics = Json::parse(to_json(log_));
+    for (const char* key : {"errors", "warnings", "notes", "hidden", "diagnostics"})
+      out[key] = std::move(diagnostics[key]);
+    fmt::print("{}\n", out.dump(2, ' ', false, Json::error_handler_t::replace));
+  } else {
+    fmt::print(stderr, "{}",
+               to_text(log_, {.color = wants_color(options_.color), .notes = !options_.quiet}));
+    if (log_.errors() > 1)
+      fmt::print(stderr, "panwright: {}{}\n", counted(log_.errors(), "error"),
+                 log_.warnings() > 0 ? ", " + counted(log_.warnings(), "warning") : "");
+    if (options_.timings)
+      for (const auto& [name, seconds] : timings_)
+        fmt::print(stderr, "{:>10.3f} ms  {}\n", 1e3 * seconds, name);
+  }
+  return code;
+}
+
+}  // namespace panwright::tools

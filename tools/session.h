@@ -1,0 +1,47 @@
+// What every command does around its work: diagnostics out, timings, exit code.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "tools/options.h"
+
+namespace panwright::tools {
+
+class Session {
+ public:
+  Session(std::string command, const CommonOptions& options);
+  ~Session();
+
+  DiagnosticLog& log() { return log_; }
+  const CommonOptions& options() const { return options_; }
+
+  // The object that --json prints; commands add their results to it.
+  nlohmann::ordered_json& result() { return *result_; }
+
+  // Ends the current step and starts one called `name`, for --timings.
+  void step(std::string name);
+  // Adds a step whose time was taken elsewhere.
+  void add_timing(std::string name, double seconds);
+
+  // Prints diagnostics (text on standard error, or the JSON object on standard output), timings
+  // and the SARIF file. Returns the exit code.
+  int finish();
+
+ private:
+  void end_step();
+  std::string command_;
+  CommonOptions options_;
+  DiagnosticLog log_;
+  std::unique_ptr<nlohmann::ordered_json> result_;
+  std::vector<std::pair<std::string, double>> timings_;
+  std::string step_;
+  std::chrono::steady_clock::time_point step_start_;
+};
+
+}  // namespace panwright::tools
