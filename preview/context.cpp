@@ -1,0 +1,119 @@
+#include "preview/context.h"
+
+#include <fmt/format.h>
+#include <glad/gl.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "preview/internal/context_kinds.h"
+
+namespace panwright::preview {
+namespace {
+
+// note: Mesa's EGL and OSMesa share one thread-local dispatch table behind both their backs, so a
+// context of one kind must be released before one of the other is bound.
+thread_local Context* current_context = nullptr;
+
+GLADapiproc proc_of(void* context, const char* name) {
+  return static_cast<Context*>(context)->get_proc(name);
+}
+
+bool draws_in_software(std::string_view renderer) {
+  constexpr std::array<std::string_view, 4> kSoftware{"llvmpipe", "softpipe", "swrast",
+                                                      "SwiftShader"};
+  return std::any_of(kSoftware.begin(), kSoftware.end(), [&](std::string_view name) {
+    return renderer.find(name) != std::string_view::npos;
+  });
+}
+
+}  // namespace
+
+Context::Context() : gl_(std::make_unique<GladGLContext>()) {}
+
+Context::~Context() {
+  // note: derived classes release before they destroy; this catches one that never was current
+  if (current_context == this) current_context = nullptr;
+}
+
+bool Context::make_current() {
+  if (current_context == this) return true;
+  if (current_context) current_context->release();
+  if (!bind()) return false;
+  current_context = this;
+  return true;
+}
+
+void Context::release() {
+  if (current_context != this) return;
+  unbind();
+  current_context = nullptr;
+}
+
+std::string Context::load() {
+  if (!make_current()) return "it cannot be made current";
+  if (gladLoadGLContextUserPtr(gl_.get(), proc_of, this) == 0) return "its functions do not load";
+  if (!gl_->VERSION_4_5) return "it is older than OpenGL 4.5";
+  const auto text = [&](GLenum name) {
+    const auto* bytes = gl_->GetString(name);
+    return std::string(bytes ? reinterpret_cast<const char*>(bytes) : "");
+  };
+  renderer_ = text(GL_RENDERER);
+  version_ = text(GL_VERSION);
+  hardware_ = !draws_in_software(renderer_);
+  const auto integer = [&](GLenum name) {
+    GLint value = 0;
+    gl_->GetIntegerv(name, &value);
+    return static_cast<std::uint32_t>(std::max(value, 0));
+  };
+  std::array<GLint, 2> viewport{};
+  gl_->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport.data());
+  limits_.texture_side = integer(GL_MAX_TEXTURE_SIZE);
+  limits_.framebuffer_side =
+      std::min({limits_.texture_side, integer(GL_MAX_RENDERBUFFER_SIZE),
+                static_cast<std::uint32_t>(std::max(0, std::min(viewport[0], viewport[1])))});
+  GLint64 block = 0;
+  gl_->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
+  limits_.storage_block_bytes = static_cast<std::uint64_t>(std::max<GLint64>(block, 0));
+  limits_.storage_alignment = std::max(1u, integer(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT));
+  return {};
+}
+
+Result<std::unique_ptr<Context>> Context::create(ContextKind kind, DiagnosticLog& log) {
+  if (kind == ContextKind::osmesa) {
+    auto attempt = create_osmesa_context();
+    if (attempt.context) return std::move(attempt.context);
+    log.report_file(Code::E5001, {}, fmt::format("no OSMesa context: {}", attempt.reason));
+    return failed;
+  }
+  if (kind == ContextKind::egl) {
+    auto attempt = create_egl_context(false);
+    if (attempt.context) return std::move(attempt.context);
+    log.report_file(Code::E5001, {}, fmt::format("no EGL context: {}", attempt.reason));
+    return failed;
+  }
+  auto hardware = create_egl_context(true);
+  if (hardware.context) return std::move(hardware.context);
+  auto osmesa = create_osmesa_context();
+  if (osmesa.context) {
+    log.report_file(Code::N5002, {},
+                    fmt::format("drawing with OSMesa ({}), because no EGL device is hardware: {}",
+                                osmesa.context->renderer(), hardware.reason));
+    return std::move(osmesa.context);
+  }
+  auto software = create_egl_context(false);
+  if (software.context) {
+    log.report_file(Code::N5002, {},
+                    fmt::format("drawing with EGL in software ({}), because no EGL device is "
+                                "hardware: {}; and no OSMesa: {}",
+                                software.context->renderer(), hardware.reason, osmesa.reason));
+    return std::move(software.context);
+  }
+  log.report_file(Code::E5001, {},
+                  fmt::format("no OpenGL 4.5 context: with EGL {}; with OSMesa {}", software.reason,
+                              osmesa.reason));
+  return failed;
+}
+
+}  // namespace panwright::preview

@@ -1,0 +1,84 @@
+// Off-screen OpenGL contexts, chosen at run time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/diagnostic.h"
+#include "base/result.h"
+
+// The functions of one context, as glad's <glad/gl.h> declares them.
+struct GladGLContext;
+
+namespace panwright::preview {
+
+enum class ContextKind {
+  automatic,  // an EGL device when it is hardware, else OSMesa
+  egl,        // an EGL device, hardware first, else Mesa's surfaceless platform
+  osmesa,     // Mesa's software renderer: the same bits on every machine of one kind
+};
+
+// "auto", "egl", "osmesa". Nothing: another name.
+std::optional<ContextKind> context_kind_from_name(std::string_view name);
+
+// What a context can do; the renderer refuses what goes beyond.
+struct ContextLimits {
+  std::uint32_t framebuffer_side = 0;     // pixels
+  std::uint32_t texture_side = 0;         // texels
+  std::uint64_t storage_block_bytes = 0;  // bytes of one shader storage block
+  std::uint32_t storage_alignment = 0;    // bytes between bound ranges
+};
+
+// An OpenGL 4.5 core context without a window. Several may live side by side, of one kind or of
+// both; a context is current on one thread at a time. No OpenGL library is linked: the driver is
+// opened at run time and stays open.
+class Context {
+ public:
+  // Creates a context and makes it current on this thread.
+  //
+  // Reports: N5002 when `automatic` falls back. Fails: E5001; E5007 in a build without OpenGL.
+  static Result<std::unique_ptr<Context>> create(ContextKind kind, DiagnosticLog& log);
+
+  virtual ~Context();
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  // Makes the context current on this thread; whichever was current before is released. False
+  // when the driver refuses. Cost: nothing when it is current already.
+  bool make_current();
+
+  // Leaves this thread without a current context, if this one is current.
+  void release();
+
+  // The address of an OpenGL function; null: unknown. Expects: current.
+  using Proc = void (*)();
+  virtual Proc get_proc(const char* name) const = 0;
+
+  // The loaded functions: context.gl().DrawArrays(…). Expects: current while they are called.
+  const GladGLContext& gl() const { return *gl_; }
+
+  virtual ContextKind kind() const = 0;  // egl or osmesa
+  bool is_hardware() const { return hardware_; }
+  const std::string& renderer() const { return renderer_; }  // GL_RENDERER
+  const std::string& version() const { return version_; }    // GL_VERSION
+  const ContextLimits& limits() const { return limits_; }
+
+ protected:
+  Context();
+  virtual bool bind() = 0;
+  virtual void unbind() = 0;
+  // Loads the functions and asks what the context is. Empty, or why it cannot be used.
+  std::string load();
+
+ private:
+  std::unique_ptr<GladGLContext> gl_;
+  std::string renderer_;
+  std::string version_;
+  ContextLimits limits_;
+  bool hardware_ = false;
+};
+
+}  // namespace panwright::preview
