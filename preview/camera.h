@@ -1,0 +1,88 @@
+// Cameras and views: where the camera stands, how it sees, and where the Sun is
+// (docs/conventions.md 1–6). Everything in double; nothing here needs OpenGL.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "base/diagnostic.h"
+#include "base/math.h"
+#include "base/result.h"
+#include "geometry/ray.h"
+
+namespace panwright::preview {
+
+enum class Projection { perspective, orthographic };
+
+// A camera in the world. Its axes: x right, y down, z along the boresight. A point (X, Y, Z) of the
+// camera's frame, metres, falls on pixel
+//   perspective    (focal.x·X/Z + principal.x, focal.y·Y/Z + principal.y), Z > 0
+//   orthographic   (focal.x·X + principal.x, focal.y·Y + principal.y)
+// with (0, 0) the upper left corner of the image; pixel (i, j) covers [i, i+1) × [j, j+1).
+struct Camera {
+  std::uint32_t width = 1024;   // pixels
+  std::uint32_t height = 1024;  // pixels
+  Projection projection = Projection::perspective;
+  Vec2 focal{1024};     // pixels; orthographic: pixels per metre; > 0
+  Vec2 principal{512};  // pixels
+  Vec3 position{0};     // world, metres
+  Quat world_from_camera{1, 0, 0, 0};
+};
+
+// Each sets the image size, square pixels, and the principal point to the image's centre.
+//
+//   fov      full horizontal angle, radians, in (0, π)
+//   ifov     angle of the on-axis pixel, radians, > 0
+//   width_m  metres across the image, > 0
+void set_field_of_view(Camera& camera, std::uint32_t width, std::uint32_t height, double fov);
+void set_pixel_angle(Camera& camera, std::uint32_t width, std::uint32_t height, double ifov);
+void set_orthographic(Camera& camera, std::uint32_t width, std::uint32_t height, double width_m);
+
+// The world_from_camera rotation that looks from one point at another.
+//
+//   up       world direction shown upwards in the image, any non-zero length; none: +z
+//   returns  unit quaternion; when up is within 1e-6 rad of the line of sight (either way), +y is
+//            up instead, and +z when that is along it too
+//
+// Reports: N5004 when up was replaced. Fails: E0201 when the two points are equal, or up is 0.
+Result<Quat> looking_at(const Vec3& position, const Vec3& target, const std::optional<Vec3>& up,
+                        DiagnosticLog& log);
+
+// Puts the camera into a frame (x right, y down, z forward) that rides on a node. Scale of the node
+// moves the frame's origin and leaves the axes of unit length; in a mirrored node forward and down
+// keep their directions and right follows from them.
+void place_in_frame(Camera& camera, const Mat4& world_from_node, const Vec3& origin,
+                    const Quat& node_from_frame);
+
+// The world ray through a place on the image, unit direction. Orthographic rays start on the plane
+// through the camera's position.
+geometry::Ray pixel_ray(const Camera& camera, const Vec2& pixel);
+
+// Where a world point falls on the image; nothing when it is not in front of the camera.
+std::optional<Vec2> project(const Camera& camera, const Vec3& point);
+
+// The solid angle of one pixel, steradians, exact to about 1e-12 whatever its size: a sum of
+// L·pixel_solid_angle over an image is the irradiance at the camera.
+// Expects: perspective; column < width, row < height.
+double pixel_solid_angle(const Camera& camera, std::uint32_t column, std::uint32_t row);
+
+// The area of one pixel on the scene, m². Expects: orthographic.
+double pixel_area(const Camera& camera);
+
+// A rigid placement: a point p of the model stands at rotation·p + translation.
+struct Pose {
+  Vec3 translation{0};        // metres
+  Quat rotation{1, 0, 0, 0};  // unit
+  Mat4 matrix() const { return matrix_from_trs(translation, rotation, Vec3(1)); }
+};
+
+// One camera and Sun state.
+struct View {
+  Camera camera;
+  Pose world_from_model;
+  Vec3 to_sun{0, 0, 1};                // world direction to the Sun, any non-zero length
+  std::optional<Vec3> sun_irradiance;  // W/m² per band at the target; none: 1, radiance in 1/sr
+  double sun_distance = 1;  // AU; sets the Sun's angular size, the irradiance stands as given
+};
+
+}  // namespace panwright::preview

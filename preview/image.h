@@ -1,0 +1,70 @@
+// Images of linear radiance with their truth layers, and the files they are written to
+// (docs/conventions.md 4 and 8). Nothing here needs OpenGL.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/diagnostic.h"
+
+namespace panwright::preview {
+
+// One rendered view. Row 0 is the top row; all layers run along rows. H = height, W = width.
+// Radiance and coverage are means over the pixel, radiance premultiplied by coverage; the truth
+// layers are point values at the pixel's centre and all present or all empty.
+struct Image {
+  std::uint32_t width = 0;   // pixels
+  std::uint32_t height = 0;  // pixels
+  std::string unit;          // of radiance: "1/sr" or "W/(m^2 sr)"
+
+  std::vector<float> radiance;  // 3*H*W
+  std::vector<float> coverage;  // H*W, 0 to 1
+
+  std::vector<float> depth;                // H*W metres along the boresight; background +inf
+  std::vector<float> range;                // H*W metres from the camera; background +inf
+  std::vector<float> normal;               // 3*H*W unit, world, as shaded; background 0 0 0
+  std::vector<std::uint32_t> node_id;      // H*W node index + 1; background 0
+  std::vector<std::uint32_t> material_id;  // H*W material index + 1; background 0
+
+  std::vector<std::pair<std::string, std::string>> metadata;  // name, value; into EXR headers
+
+  bool has_truth() const { return !depth.empty(); }
+  std::size_t pixels() const { return std::size_t{width} * height; }
+};
+
+enum class ImageFormat {
+  png,  // 8 bits a channel, sRGB(clamp(π·L·2^EV)): a white Lambert plate at normal Sun is white
+  exr,  // R G B A Z range N.X N.Y N.Z float, id.node id.material uint
+  npy,  // (H, W, 3) float32 radiance
+  npz,  // radiance, coverage; depth, range, normal, node_id, material_id
+};
+
+// The format that a file name's extension asks for, in any letter case.
+std::optional<ImageFormat> image_format(const std::filesystem::path& path);
+
+// Whether a format stores the truth layers; otherwise they need not be rendered.
+bool stores_truth(ImageFormat format);
+
+// Writes an image in the format of its extension, atomically. Layers that the image does not have
+// are left out. The bytes depend on the image and ev alone.
+//
+//   ev            exposure of a PNG, in stops
+//   sync_seconds  the time spent in fsync is added to it when given
+//
+// Expects: radiance and coverage of the size; truth layers of the size, or empty.
+// Fails: E0202 for another extension; E0103.
+bool write_image(const std::filesystem::path& path, const Image& image, double ev,
+                 DiagnosticLog& log, double* sync_seconds = nullptr);
+
+// The 8-bit sRGB code nearest to a linear value (IEC 61966-2-1), ties upwards; values outside
+// [0, 1] are clamped, NaN gives 0. Exact: the thresholds are computed in double.
+std::uint8_t srgb_code(double linear);
+
+// The linear value of an 8-bit sRGB code.
+double srgb_decoded(std::uint8_t code);
+
+}  // namespace panwright::preview

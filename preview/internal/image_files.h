@@ -1,0 +1,15 @@
+// One writer per format. Private to preview.
+#pragma once
+
+#include "base/file.h"
+#include "preview/image.h"
+
+namespace panwright::preview {
+
+// Each writes the whole file; the caller commits. False: reported as E0103.
+bool write_png(AtomicFile& file, const Image& image, double ev, DiagnosticLog& log);
+bool write_exr(AtomicFile& file, const Image& image, DiagnosticLog& log);
+bool write_npy(AtomicFile& file, const Image& image, DiagnosticLog& log);
+bool write_npz(AtomicFile& file, const Image& image, DiagnosticLog& log);
+
+}  // namespace panwright::preview
