@@ -1,0 +1,166 @@
+// The compiled model: a pan file, mapped, checked, and read without copies.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/math.h"
+#include "base/result.h"
+#include "materials/material.h"
+#include "schemas/generated/pan_layout.h"
+
+namespace panwright::pan {
+
+// The indices of one mesh, as stored. One of the two spans is empty.
+struct Indices {
+  std::span<const std::uint16_t> shorts;  // 3*T, or empty
+  std::span<const std::uint32_t> longs;   // 3*T, or empty
+
+  std::size_t size() const { return shorts.empty() ? longs.size() : shorts.size(); }
+  std::uint32_t operator[](std::size_t i) const { return shorts.empty() ? longs[i] : shorts[i]; }
+};
+
+// The runs of one mesh in the big arrays.
+struct MeshView {
+  std::span<const layout::Float3> positions;  // V, metres, relative to the mesh's origin
+  std::span<const layout::Float3> normals;    // V unit vectors
+  std::span<const layout::Float2> texcoords;  // V, or empty
+  std::span<const layout::Float3> colours;    // V linear RGB, or empty
+  Indices indices;                            // 3*T, each < V
+};
+
+// A pan file in memory. What holds:
+//
+//   after open()   the header and the directory are sound: every span that takes no index lies
+//                  within the file and has whole, aligned elements. Their contents are any bytes.
+//   after check()  every rule of docs/pan-format.md holds, so every index, offset, number and
+//                  string of the file can be used as it is, and every function below is safe.
+//
+// The spans live as long as the model; moving the model does not move them.
+class Model {
+ public:
+  // Maps a file and reads its header and directory. Only those pages are touched.
+  //
+  // Fails: E0101, E0102, E4001 to E4008. Cost: O(sections), whatever the size of the file.
+  // note: a file that another program cuts short while it is mapped ends the process with SIGBUS,
+  // as for any mapping; Panwright's writers replace files by rename and never do so. Use read()
+  // for files that others write in place.
+  static Result<Model> open(const std::filesystem::path& path, DiagnosticLog& log);
+
+  // The same from a copy in memory, of at most max_bytes.
+  //
+  // Fails: also E0104.
+  static Result<Model> read(const std::filesystem::path& path, std::uint64_t max_bytes,
+                            DiagnosticLog& log);
+
+  // The same from bytes, which are copied. name: the file name that diagnostics show.
+  static Result<Model> from_bytes(std::span<const std::byte> bytes, std::string name,
+                                  DiagnosticLog& log);
+
+  // open() and check().
+  static Result<Model> load(const std::filesystem::path& path, DiagnosticLog& log);
+
+  Model(Model&&) noexcept = default;
+  Model& operator=(Model&&) noexcept = default;
+
+  // Checks every byte: checksums, then every rule of docs/pan-format.md. Reports the first
+  // problem of each kind in each section; which one does not depend on the number of threads.
+  //
+  // returns  whether the file is sound
+  // Fails: E4008 to E4014. Cost: one pass over the file.
+  bool check(DiagnosticLog& log);
+  bool checked() const { return checked_; }
+
+  const std::string& name() const { return name_; }
+  std::span<const std::byte> bytes() const { return bytes_; }
+  const layout::Header& header() const;
+  std::span<const layout::DirectoryEntry> directory() const;  // sections of unknown kinds included
+  const layout::DirectoryEntry* entry(layout::SectionKind kind) const;  // null: absent
+  std::span<const std::byte> section(layout::SectionKind kind) const;   // without its padding
+  Hash128 build_id() const;
+
+  std::span<const layout::Node> nodes() const;  // parents before children; [0] is the root
+  std::span<const layout::Mesh> meshes() const;
+  std::span<const layout::Instance> instances() const;
+  std::span<const layout::Material> materials() const;  // a std430 buffer as it stands
+  std::span<const layout::Texture> textures() const;
+  std::span<const layout::Frame> frames() const;
+  std::span<const layout::Source> sources() const;  // one for each instance, or empty
+  std::span<const layout::Input> inputs() const;
+  std::span<const layout::Build> builds() const;  // 1 after check()
+
+  std::span<const layout::Float3> positions() const;
+  std::span<const layout::Float3> normals() const;
+  std::span<const layout::Float2> texcoords() const;
+  std::span<const layout::Float3> colours() const;
+  std::span<const std::byte> index_bytes() const;
+  std::span<const std::byte> texel_bytes() const;
+  std::span<const std::uint32_t> string_offsets() const;  // strings + 1
+  std::span<const char> string_bytes() const;
+
+  // Expects, all of these: checked(), and indices below their count.
+  std::string_view string(std::uint32_t id) const;
+  MeshView mesh(std::size_t index) const;
+  std::span<const std::uint8_t> texels(std::size_t texture) const;  // 4*W*H, row 0 the top row
+  std::string_view node_name(std::size_t index) const { return string(nodes()[index].name); }
+  std::string_view mesh_name(std::size_t index) const { return string(meshes()[index].name); }
+  std::string_view material_name(std::size_t index) const {
+    return string(materials()[index].name);
+  }
+  std::string_view texture_name(std::size_t index) const { return string(textures()[index].name); }
+  std::string_view frame_name(std::size_t index) const { return string(frames()[index].name); }
+  std::optional<std::size_t> find_frame(std::string_view name) const;  // the first of that name
+  std::string_view version() const;  // of the program that made the file
+  std::string_view options() const;
+
+  // "root/body/dish": the names from the root; a node without a name is shown as its [index].
+  std::string node_path(std::size_t index) const;
+
+  // World matrices, one for each node, root first; all finite.
+  std::vector<Mat4> world_from_nodes() const;
+  // world_from_node times node_from_frame.
+  Mat4 world_from_frame(std::size_t index) const;
+
+  // The axis-aligned box of all instances in world axes, from their transformed vertices; nothing
+  // without instances. Cost: O(vertices, instances counted).
+  struct Bounds {
+    Vec3 min;
+    Vec3 max;
+  };
+  std::optional<Bounds> world_bounds() const;
+
+ private:
+  Model() = default;
+  bool parse(DiagnosticLog& log);
+  template <class T>
+  std::span<const T> array(layout::SectionKind kind) const;
+
+  std::string name_;
+  std::optional<MappedFile> mapped_;
+  std::unique_ptr<std::byte[]> owned_;
+  std::span<const std::byte> bytes_;
+  std::array<std::uint32_t, layout::kSectionKinds + 1> entry_of_kind_{};  // 1-based; 0: absent
+  bool checked_ = false;
+};
+
+// The parameters of a stored material, in double.
+materials::Material material_from(const layout::Material& record, std::string_view name);
+// The record of a material, rounded to float. The name is a string id.
+layout::Material record_from(const materials::Material& material, std::uint32_t name);
+
+// Node and frame matrices.
+Mat4 parent_from_node(const layout::Node& node);
+Mat4 node_from_frame(const layout::Frame& frame);
+
+}  // namespace panwright::pan

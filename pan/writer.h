@@ -1,0 +1,181 @@
+// Writing pan files: whole models, and the stream of sections below them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/math.h"
+#include "base/result.h"
+#include "geometry/mesh.h"
+#include "materials/material.h"
+#include "schemas/generated/pan_layout.h"
+
+namespace panwright::pan {
+
+// ---- whole models
+
+// p' = T·R·S·p. A parent stands before its children; parent is -1 for node 0 alone.
+struct NodeContent {
+  std::string name;
+  std::int32_t parent = -1;
+  Vec3 translation{0};        // metres
+  Quat rotation{1, 0, 0, 0};  // unit to 1e-12
+  Vec3 scale{1};              // ≠ 0
+};
+
+// A mesh rounded to float about a double origin.
+struct PackedMesh {
+  std::string name;
+  Vec3 origin{0};                      // metres, added to every position
+  double error = 0;                    // metres: tessellation and rounding together
+  bool closed = false;                 //
+  std::vector<float> positions;        // 3*V, relative to origin
+  std::vector<float> normals;          // 3*V, unit
+  std::vector<float> texcoords;        // 2*V, or empty
+  std::vector<float> colours;          // 3*V, or empty
+  std::vector<std::uint32_t> indices;  // 3*T, each < V; stored in 2 bytes where V <= 65535
+
+  std::size_t vertex_count() const { return positions.size() / 3; }
+  std::size_t triangle_count() const { return indices.size() / 3; }
+};
+
+struct InstanceContent {
+  std::uint32_t node = 0;
+  std::uint32_t mesh = 0;
+  std::uint32_t material = 0;
+  std::int32_t texture = -1;  // -1: none
+};
+
+struct TextureContent {
+  std::string name;
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  bool linear = false;
+  std::span<const std::uint8_t> rgba;  // 4*W*H, row 0 the top row; not owned
+};
+
+struct FrameContent {
+  std::string name;
+  std::uint32_t node = 0;
+  Vec3 origin{0};             // in the node's coordinates, metres
+  Quat rotation{1, 0, 0, 0};  // node_from_frame, unit to 1e-12
+};
+
+struct SourceContent {
+  std::string file;
+  std::uint32_t line = 0;  // 0: unknown
+  std::uint32_t column = 0;
+};
+
+struct InputContent {
+  std::string path;
+  Hash128 hash;
+  std::uint64_t bytes = 0;
+};
+
+// A model as the compiler hands it over.
+struct Contents {
+  std::string version;                         // "panwright 0.1.0"
+  std::string options;                         // "max_error=0.001 …", a fixed order
+  std::vector<InputContent> inputs;            // in order of first use
+  std::vector<NodeContent> nodes;              // at least the root
+  std::vector<PackedMesh> meshes;              //
+  std::vector<InstanceContent> instances;      //
+  std::vector<materials::Material> materials;  //
+  std::vector<TextureContent> textures;        //
+  std::vector<FrameContent> frames;            //
+  std::vector<SourceContent> sources;          // one for each instance, or empty
+};
+
+// Rounds a mesh to float about the centre of its bounds. The error of the result holds the
+// mesh's own and the largest distance that rounding moved a vertex.
+//
+// Expects: at least one triangle; normals for every vertex; finite numbers; no extent over 1e38 m.
+// Cost: O(vertices + triangles). Calls on different meshes may run in parallel.
+PackedMesh packed(const geometry::Mesh& mesh, std::string name);
+
+// What a file was made from, as one number (docs/pan-format.md, Build identity).
+Hash128 build_identity(std::span<const InputContent> inputs, std::string_view version,
+                       std::string_view options);
+
+struct WriteReport {
+  std::uint64_t bytes = 0;
+  double seconds_sync = 0;
+};
+
+// Writes a model atomically ("-": to standard output). Equal contents give equal bytes.
+//
+// Expects: contents as the comments above say, as scene::check makes sure of; fewer than 2^32
+// vertices and 4 GiB of names in all.
+// Fails: E0103. Cost: O(bytes); memory for one block besides the contents.
+Result<WriteReport> write(const Contents& contents, const std::filesystem::path& path,
+                          DiagnosticLog& log);
+// The same bytes, in memory.
+std::vector<std::byte> write_to_memory(const Contents& contents);
+
+// ---- sections
+
+// Gives each text a number: 0 is the empty one, then the order of first use.
+class StringTable {
+ public:
+  StringTable();
+  ~StringTable();
+  std::uint32_t id(std::string_view text);
+  std::span<const std::uint32_t> offsets() const { return offsets_; }  // strings + 1
+  std::string_view bytes() const { return bytes_; }
+
+ private:
+  struct Index;
+  std::unique_ptr<Index> index_;
+  std::vector<std::uint32_t> offsets_;
+  std::string bytes_;
+};
+
+// Streams sections into a file and hashes them on the way; the directory and the header follow.
+// Nothing appears under the file's name before finish(), and nothing is left when there is none.
+//
+// Once a call has failed and said so, the calls after it do nothing and return false.
+class Writer {
+ public:
+  // Fails: E0103.
+  static Result<Writer> create(const std::filesystem::path& path, DiagnosticLog& log);
+  static Writer in_memory();
+
+  Writer(Writer&&) noexcept;
+  ~Writer();
+
+  // Opens a section, appends to it, and closes it. kind and version may be any; optional marks a
+  // section that readers may ignore. stride: bytes of an element.
+  //
+  // Expects: sections one after the other; whole elements. Fails: E0103.
+  bool begin(std::uint32_t kind, std::uint32_t stride, bool optional, DiagnosticLog& log);
+  bool append(std::span<const std::byte> bytes, DiagnosticLog& log);
+  bool end(DiagnosticLog& log);
+
+  // A section of a kind of format 1.0 in one call.
+  bool section(layout::SectionKind kind, std::span<const std::byte> bytes, DiagnosticLog& log);
+
+  // Writes the directory, then the header with the complete mark, syncs and renames.
+  //
+  // Fails: E0103. sync_seconds: the time that fsync took is added, when given.
+  bool finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds = nullptr);
+
+  std::uint64_t bytes() const;       // written so far; of the file after finish()
+  std::vector<std::byte> take() &&;  // the file. Expects: in_memory(), finish() returned true
+
+ private:
+  struct State;
+  explicit Writer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace panwright::pan

@@ -1,0 +1,301 @@
+#!/usr/bin/env python3
+"""Makes schemas/generated/pan_layout.h and docs/pan-format.md from schemas/pan_layout.toml.
+
+generate_pan.py            writes them
+generate_pan.py --check    fails, and names the file, when one of them differs from what it would write
+"""
+
+import pathlib
+import sys
+import tomllib
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SIZES = {"u8": 1, "u16": 2, "u32": 4, "i32": 4, "u64": 8, "f32": 4, "f64": 8}
+CPP = {
+    "u8": "std::uint8_t",
+    "u16": "std::uint16_t",
+    "u32": "std::uint32_t",
+    "i32": "std::int32_t",
+    "u64": "std::uint64_t",
+    "f32": "float",
+    "f64": "double",
+}
+RULES = {"finite", "not_negative", "nonzero", "zero", "reference", "reference_or_none", "range", "mask"}
+
+
+class LayoutError(Exception):
+    """The layout table contradicts itself."""
+
+
+def place_fields(record):
+    """Gives every field its offset, and refuses implicit padding and wrong sizes."""
+    offset = 0
+    alignment = 1
+    for field in record["field"]:
+        size = SIZES[field["type"]]
+        field.setdefault("count", 1)
+        if offset % size:
+            raise LayoutError(f"{record['name']}.{field['name']}: offset {offset} is not aligned to {size}")
+        field["offset"] = offset
+        offset += size * field["count"]
+        alignment = max(alignment, size)
+    if offset != record["size"] or offset % alignment:
+        raise LayoutError(f"{record['name']}: fields take {offset} bytes, size says {record['size']}")
+
+
+def rule_parts(field):
+    """('range', '1..5') for 'range:1..5'."""
+    kind, _, argument = field.get("rule", "").partition(":")
+    if kind and kind not in RULES:
+        raise LayoutError(f"{field['name']}: no rule is called {kind}")
+    return kind, argument
+
+
+def validate(layout):
+    """Every record is placed; kinds, names and referred sections exist once."""
+    for record in layout["record"]:
+        place_fields(record)
+    kinds = [section["kind"] for section in layout["section"]]
+    values = [section["value"] for section in layout["section"]]
+    if len(set(kinds)) != len(kinds) or values != sorted(set(values)):
+        raise LayoutError("section kinds must be unique and their values rise")
+    known = set(kinds) | {"strings"}
+    flags = {flags["name"] for flags in layout["flags"]}
+    for record in layout["record"]:
+        for field in record["field"]:
+            kind, argument = rule_parts(field)
+            if kind.startswith("reference") and argument not in known:
+                raise LayoutError(f"{record['name']}.{field['name']}: no section is called {argument}")
+            if kind == "mask" and argument not in flags:
+                raise LayoutError(f"{record['name']}.{field['name']}: no flags are called {argument}")
+
+
+def element_size(section, records):
+    return SIZES.get(section["element"]) or records[section["element"]]["size"]
+
+
+def mask_of(layout, name):
+    for flags in layout["flags"]:
+        if flags["name"] == name:
+            return (1 << len(flags["bits"])) - 1
+    raise LayoutError(name)
+
+
+def hex_literal(value):
+    return f"0x{value:08x}u"
+
+
+def wrapped(text, width, first, rest):
+    """Breaks a text into lines of at most `width` characters."""
+    lines, line = [], first
+    for word in text.split():
+        if len(line) + len(word) + 1 > width and line.strip() not in ("", "//"):
+            lines.append(line.rstrip())
+            line = rest
+        line += word + " "
+    return lines + [line.rstrip()]
+
+
+def struct_lines(record):
+    out = wrapped(record["doc"], 98, "// ", "// ")
+    out.append(f"struct {record['name']} {{")
+    for field in record["field"]:
+        count = f"[{field['count']}]" if field["count"] > 1 else ""
+        unit = f"{field['unit']}: " if field.get("unit") else ""
+        declaration = f"  {CPP[field['type']]} {field['name']}{count};"
+        comment = unit + field["doc"]
+        if comment:
+            declaration = f"{declaration}  // {comment}"
+        if len(declaration) > 100:
+            out += wrapped(comment, 98, "  // ", "  // ")
+            declaration = f"  {CPP[field['type']]} {field['name']}{count};"
+        out.append(declaration)
+    out.append("};")
+    name = record["name"]
+    out.append(f"static_assert(sizeof({name}) == {record['size']});")
+    for field in record["field"]:
+        out.append(f"static_assert(offsetof({name}, {field['name']}) == {field['offset']});")
+    return out + [""]
+
+
+def rule_line(section, field, layout):
+    kind, argument = rule_parts(field)
+    low, high, target = "0", "0", "build"
+    if kind.startswith("reference"):
+        target = "string_offsets" if argument == "strings" else argument
+    elif kind == "range":
+        low, high = (value + "u" for value in argument.split(".."))
+    elif kind == "mask":
+        high = hex_literal(mask_of(layout, argument))
+    name = field["name"]
+    return (f"    {{SectionKind::{section['kind']}, \"{name}\", {field['offset']}, FieldType::{field['type']}, "
+            f"{field['count']},\n     FieldRuleKind::{kind}, SectionKind::{target}, {low}, {high}}},")
+
+
+def header_text(layout):
+    fmt = layout["format"]
+    records = {record["name"]: record for record in layout["record"]}
+    out = [
+        "// Generated by schemas/generate_pan.py from schemas/pan_layout.toml. Do not edit.",
+        "//",
+        f"// The records of a pan file, format {fmt['major']}.{fmt['minor']}; docs/pan-format.md says what they mean. All numbers are",
+        "// little endian; no record has implicit padding.",
+        "// clang-format off",
+        "#pragma once",
+        "",
+        "#include <cstddef>",
+        "#include <cstdint>",
+        "",
+        "namespace panwright::pan::layout {",
+        "",
+        f"inline constexpr std::uint16_t kMajor = {fmt['major']};",
+        f"inline constexpr std::uint16_t kMinor = {fmt['minor']};",
+        "inline constexpr std::uint8_t kMagic[8] = {" + ", ".join(f"0x{b:02x}" for b in fmt["magic"]) + "};",
+        f"inline constexpr std::uint32_t kEndianTag = {hex_literal(fmt['endian'])};",
+        f"inline constexpr std::uint32_t kComplete = {hex_literal(fmt['complete'])};  // the bytes 'DONE'",
+        f"inline constexpr std::uint64_t kHashBlock = {fmt['block']};  // bytes: 65,536 records of three floats",
+    ]
+    for constant in layout["constant"]:
+        out.append(f"inline constexpr std::uint64_t {constant['name']} = {constant['value']};  // {constant['doc']}")
+    out.append("")
+    for enum in layout["enum"]:
+        out += wrapped(enum["doc"], 98, "// ", "// ")
+        out.append(f"enum class {enum['name']} : std::uint32_t {{")
+        for index, value in enumerate(enum["values"]):
+            out.append(f"  {value['name']} = {index},  // {value['doc']}")
+        out += ["};", ""]
+    for flags in layout["flags"]:
+        out += wrapped(flags["doc"], 98, "// ", "// ")
+        for index, bit in enumerate(flags["bits"]):
+            out.append(f"inline constexpr std::uint32_t {flags['prefix']}{bit['name']} = 1u << {index};  // {bit['doc']}")
+        out.append("")
+    for record in layout["record"]:
+        out += struct_lines(record)
+    out += ["// What a section holds. The values are the file's.", "enum class SectionKind : std::uint32_t {"]
+    out += [f"  {section['kind']} = {section['value']}," for section in layout["section"]]
+    out += [
+        "};",
+        f"inline constexpr std::size_t kSectionKinds = {len(layout['section'])};",
+        "",
+        "struct SectionInfo {",
+        "  SectionKind kind;",
+        "  const char* name;",
+        "  std::uint32_t stride;  // bytes of an element",
+        "  bool optional;         // may be absent",
+        "};",
+        "",
+        "// Every kind of format 1.0, in the order in which the writer stores them.",
+        "inline constexpr SectionInfo kSections[kSectionKinds] = {",
+    ]
+    for section in layout["section"]:
+        optional = "true" if section.get("optional") else "false"
+        out.append(f"    {{SectionKind::{section['kind']}, \"{section['kind']}\", {element_size(section, records)}, {optional}}},")
+    out += [
+        "};",
+        "",
+        "enum class FieldType { " + ", ".join(SIZES) + " };",
+        "enum class FieldRuleKind { " + ", ".join(sorted(RULES)) + " };",
+        "",
+        "// What holds for a field of every record of a section.",
+        "struct FieldRule {",
+        "  SectionKind section;",
+        "  const char* name;",
+        "  std::uint32_t offset;  // bytes from the record's beginning",
+        "  FieldType type;",
+        "  std::uint32_t count;",
+        "  FieldRuleKind kind;",
+        "  SectionKind target;  // of references; string_offsets stands for the strings",
+        "  std::uint32_t low;   // of ranges",
+        "  std::uint32_t high;  // of ranges; the allowed bits of masks",
+        "};",
+        "",
+        "inline constexpr FieldRule kFieldRules[] = {",
+    ]
+    for section in layout["section"]:
+        for field in records.get(section["element"], {"field": []})["field"]:
+            if field.get("rule"):
+                out.append(rule_line(section, field, layout))
+    out += ["};", "", "}  // namespace panwright::pan::layout", ""]
+    return "\n".join(out)
+
+
+def rule_words(field):
+    kind, argument = rule_parts(field)
+    if kind == "range" and argument.endswith("4294967295"):
+        return f"at least {argument.split('..', maxsplit=1)[0]}"
+    return {
+        "": "",
+        "finite": "finite",
+        "not_negative": "finite, >= 0",
+        "nonzero": "finite, not 0",
+        "zero": "0",
+        "reference": f"below the count of `{argument}`",
+        "reference_or_none": f"-1, or below the count of `{argument}`",
+        "range": argument.replace("..", " to "),
+        "mask": f"no bits but those of {argument}",
+    }[kind]
+
+
+def record_table(record):
+    lines = [f"### {record['name']}, {record['size']} bytes", "", record["doc"], ""]
+    lines += ["| offset | field | type | unit | meaning | must be |", "|---:|---|---|---|---|---|"]
+    for field in record["field"]:
+        kind = field["type"] + (f"[{field['count']}]" if field["count"] > 1 else "")
+        lines.append(f"| {field['offset']} | `{field['name']}` | {kind} | {field.get('unit', '')} "
+                     f"| {field['doc']} | {rule_words(field)} |")
+    return lines + [""]
+
+
+def docs_text(layout):
+    text = (ROOT / "schemas" / "pan_format_intro.md").read_text(encoding="utf-8")
+    records = {record["name"]: record for record in layout["record"]}
+    lines = ["<!-- Generated by schemas/generate_pan.py from schemas/pan_layout.toml and schemas/pan_format_intro.md. "
+             "Do not edit. -->", "", text.rstrip(), "", "## Records", ""]
+    for record in layout["record"]:
+        lines += record_table(record)
+    lines += ["## Sections", "", "In the order in which the writer stores them; a reader accepts any order.", "",
+              "| kind | name | element | bytes each | must be there | content | also holds |",
+              "|---:|---|---|---:|---|---|---|"]
+    for section in layout["section"]:
+        needed = "no" if section.get("optional") else "yes"
+        lines.append(f"| {section['value']} | `{section['kind']}` | {section['element']} "
+                     f"| {element_size(section, records)} | {needed} | {section['doc']} | {section.get('also', '')} |")
+    lines += ["", "## Enumerations and flags", ""]
+    for enum in layout["enum"]:
+        lines += [f"**{enum['name']}**. {enum['doc']}", ""]
+        lines += [f"* {index} `{value['name']}`: {value['doc']}" for index, value in enumerate(enum["values"])] + [""]
+    for flags in layout["flags"]:
+        lines += [f"**{flags['name']}**. {flags['doc']}", ""]
+        lines += [f"* bit {index} `{bit['name']}`: {bit['doc']}" for index, bit in enumerate(flags["bits"])] + [""]
+    lines += ["## Constants", "", "| name | value | meaning |", "|---|---:|---|"]
+    lines += [f"| `{constant['name']}` | {constant['value']} | {constant['doc']} |" for constant in layout["constant"]]
+    return "\n".join(lines) + "\n"
+
+
+def main(arguments):
+    if arguments not in ([], ["--check"]):
+        print("usage: generate_pan.py [--check]", file=sys.stderr)
+        return 2
+    with open(ROOT / "schemas" / "pan_layout.toml", "rb") as file:
+        layout = tomllib.load(file)
+    try:
+        validate(layout)
+        texts = {"schemas/generated/pan_layout.h": header_text(layout), "docs/pan-format.md": docs_text(layout)}
+    except LayoutError as error:
+        print(f"pan_layout.toml: {error}", file=sys.stderr)
+        return 1
+    stale = 0
+    for name, text in texts.items():
+        path = ROOT / name
+        if arguments:
+            if not path.exists() or path.read_text(encoding="utf-8") != text:
+                print(f"{name} is not what schemas/generate_pan.py makes: run it", file=sys.stderr)
+                stale = 1
+        else:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8", newline="\n")
+    return stale
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
