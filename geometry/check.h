@@ -2,16 +2,16 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <vector>
 
 #include "geometry/mesh.h"
 
 namespace panwright::geometry {
 
 struct MeshReport {
+  std::uint64_t bad_lengths = 0;           // of normals, texcoords, colours: neither 0 nor V
   std::uint64_t bad_indices = 0;           // triangles with an index ≥ V
   std::uint64_t non_finite = 0;            // vertices with a number that is not finite
+  std::uint64_t bad_normals = 0;           // finite normals whose length is not 1 to 1e-6
   std::uint64_t degenerate_triangles = 0;  // 2·area / longest edge² < 1e-7, or an index repeated
   std::uint64_t boundary_edges = 0;        // used by one triangle
   std::uint64_t non_manifold_edges = 0;    // used by three triangles or more
@@ -22,7 +22,14 @@ struct MeshReport {
 };
 
 // Examines a mesh. Vertices at equal positions count as one, so that seams do not open a mesh.
-// Cost: O(V + T) expected.
+//
+// Triangles with a bad index count nowhere else; those with a corner that is not finite count for
+// edges only; those with two corners at one place have no edges. The volume of an open mesh is
+// that of the cones from the centre of its bounds. An empty mesh is not closed.
+// Cost: O(V + T log(triangles at a vertex)) expected.
 MeshReport check(const Mesh& mesh);
+
+// Fills in whether the mesh is closed, as check() sees it.
+void set_closed(Mesh& mesh);
 
 }  // namespace panwright::geometry
