@@ -1,4 +1,5 @@
-# Every outside library, all from Debian packages: scripts/setup installs them.
+# The libraries that Panwright links, all from Debian packages. Installed beside the package config,
+# because a program that links the static libraries needs them too.
 
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
@@ -6,16 +7,12 @@ find_package(glm REQUIRED)
 find_package(fmt REQUIRED)
 find_package(TBB REQUIRED)
 find_package(embree 3 REQUIRED)
-find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(PNG REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(OpenEXR REQUIRED)
-pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
-pkg_check_modules(SLEEF REQUIRED IMPORTED_TARGET sleef)
-pkg_check_modules(STB REQUIRED IMPORTED_TARGET stb)
-if(PANWRIGHT_TESTS)
-  find_package(GTest REQUIRED)
-  find_program(XMLLINT xmllint)
+if(NOT TARGET PkgConfig::XXHASH)
+  pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
+  pkg_check_modules(SLEEF REQUIRED IMPORTED_TARGET sleef)
+  pkg_check_modules(STB REQUIRED IMPORTED_TARGET stb)
 endif()
-find_package(Python3 REQUIRED COMPONENTS Interpreter)

@@ -1,1 +1,36 @@
-# cmake --install: headers, libraries, tool, schema, presets and a package config.
+# cmake --install: headers, libraries, tool, schema, presets, and a package config for
+# find_package(panwright).
+
+include(CMakePackageConfigHelpers)
+set(PANWRIGHT_CONFIG_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/panwright")
+
+get_property(libraries GLOBAL PROPERTY PANWRIGHT_LIBRARIES)
+set_target_properties(panwright_flags PROPERTIES EXPORT_NAME flags)
+install(TARGETS panwright_flags ${libraries} EXPORT panwright
+        ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+install(EXPORT panwright NAMESPACE panwright:: DESTINATION "${PANWRIGHT_CONFIG_DIR}"
+        FILE panwright-targets.cmake)
+install(DIRECTORY base geometry materials scene pan compiler pxn preview schemas
+        DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright"
+        FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE)
+install(FILES schemas/pxn.xsd DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
+install(DIRECTORY materials/presets DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright"
+        FILES_MATCHING PATTERN "*.pxn")
+install(DIRECTORY examples DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
+install(FILES LICENSE docs/pxn-reference.md docs/pan-format.md docs/conventions.md
+        DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+
+install(TARGETS panwright_tool RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+foreach(name pxntopan pxn2pan)
+  install(CODE "file(CREATE_LINK panwright
+    \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}/${name}\" SYMBOLIC)")
+endforeach()
+
+configure_package_config_file(cmake/panwright-config.cmake.in
+  "${CMAKE_CURRENT_BINARY_DIR}/panwright-config.cmake" INSTALL_DESTINATION "${PANWRIGHT_CONFIG_DIR}")
+write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/panwright-config-version.cmake"
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES "${CMAKE_CURRENT_BINARY_DIR}/panwright-config.cmake"
+              "${CMAKE_CURRENT_BINARY_DIR}/panwright-config-version.cmake"
+              cmake/PanwrightDependencies.cmake
+        DESTINATION "${PANWRIGHT_CONFIG_DIR}")

@@ -1,8 +1,10 @@
 // Scene → pan.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "base/diagnostic.h"
 #include "base/result.h"
@@ -32,8 +34,14 @@ struct Report {
 // Compiles a scene and writes it, atomically. Equal scenes and options give equal bytes, whatever
 // the number of threads. Equal shapes are stored once.
 //
-// Fails: E0103, E2003.
+// Fails: E0103, E2003, E2010.
 Result<Report> compile(const scene::Scene& scene, const Options& options,
                        const std::filesystem::path& output, DiagnosticLog& log);
+
+// The same bytes, in memory.
+//
+// Fails: E2003, E2010.
+Result<std::vector<std::byte>> compiled(const scene::Scene& scene, const Options& options,
+                                        DiagnosticLog& log);
 
 }  // namespace panwright::compiler

@@ -96,7 +96,8 @@ void add_view(CLI::App* app, ViewOptions& view) {
       "irradiance, 1/sr");
   add("--fov", view.fov, "DEG",
       "Full horizontal field of view, degrees (default: the model fills the image)");
-  add("--ifov", view.ifov, "RAD", "Angle of the pixel on the axis, radians");
+  add("--ifov", view.ifov, "ANGLE",
+      "Angle of the pixel on the axis, as 0.2mrad; a bare number is degrees");
   add("--intrinsics", view.intrinsics, "FX,FY,CX,CY", "Pinhole intrinsics in pixels");
   add("--ortho", view.ortho, "METRES", "Orthographic image of this width");
   add("--size", view.size, "WxH", "Image size in pixels (default 1024x1024)");

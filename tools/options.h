@@ -71,8 +71,8 @@ struct ViewOptions {
   std::optional<std::string> sun;             // "x y z", towards the Sun
   std::optional<std::string> sun_distance;    // AU
   std::optional<std::string> sun_irradiance;  // "E" or "Er,Eg,Eb"
-  std::optional<std::string> fov;             // degrees
-  std::optional<std::string> ifov;            // radians, or with a unit
+  std::optional<std::string> fov;             // angle; bare: degrees
+  std::optional<std::string> ifov;            // angle; bare: degrees
   std::optional<std::string> intrinsics;      // "fx,fy,cx,cy" pixels
   std::optional<std::string> ortho;           // metres
   std::optional<std::string> size;            // "WxH"

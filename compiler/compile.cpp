@@ -1,0 +1,228 @@
+#include "compiler/compile.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <tuple>
+
+#include "base/hash.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/text.h"
+#include "geometry/mapping.h"
+#include "geometry/tessellate.h"
+#include "pan/writer.h"
+
+namespace panwright::compiler {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+template <class T>
+void hash_array(const std::vector<T>& values, Hasher& hasher) {
+  const std::uint64_t size = values.size();
+  hasher.update(std::as_bytes(std::span(&size, 1)));
+  hasher.update(std::as_bytes(std::span(values)));
+}
+
+// Equal shapes have equal hashes; 128 bits make others differ.
+Hash128 shape_hash(const geometry::Shape& shape) {
+  Hasher hasher;
+  const std::uint64_t kind = shape.index();
+  hasher.update(std::as_bytes(std::span(&kind, 1)));
+  if (const auto* sphere = std::get_if<geometry::Sphere>(&shape)) {
+    const std::uint64_t counts[] = {sphere->counts ? sphere->counts->rings : 0u,
+                                    sphere->counts ? sphere->counts->quads : 0u};
+    hasher.update(std::as_bytes(std::span(&sphere->radius, 1)));
+    hasher.update(std::as_bytes(std::span(counts)));
+  } else {
+    const geometry::Mesh& mesh = *std::get<geometry::MeshShape>(shape);
+    hash_array(mesh.positions, hasher);
+    hash_array(mesh.normals, hasher);
+    hash_array(mesh.texcoords, hasher);
+    hash_array(mesh.colours, hasher);
+    hash_array(mesh.triangles, hasher);
+  }
+  return hasher.digest128();
+}
+
+// One mesh that the file will hold: a shape, with texture coordinates if something needs them.
+struct Job {
+  const geometry::Shape* shape = nullptr;
+  bool textured = false;
+  scene::Mapping mapping = scene::Mapping::texcoords;
+  Mat4 texture_from_shape{1};
+  const scene::Instance* user = nullptr;  // the first one
+};
+
+using JobKey = std::tuple<Hash128, bool, bool, std::array<double, 16>>;
+
+JobKey key_of(const Job& job, const Hash128& shape) {
+  const bool projected = job.textured && job.mapping == scene::Mapping::sphere;
+  std::array<double, 16> matrix{};
+  if (projected)
+    for (int i = 0; i < 16; ++i)
+      matrix[static_cast<std::size_t>(i)] = job.texture_from_shape[i / 4][i % 4];
+  return {shape, job.textured, projected, matrix};
+}
+
+// Finds out which meshes a scene needs, and which of them each instance shows.
+std::vector<Job> collect_jobs(const scene::Scene& scene, std::vector<std::uint32_t>& mesh_of) {
+  std::vector<Hash128> hashes(scene.shapes.size());
+  parallel_for(hashes.size(), [&](std::size_t i) { hashes[i] = shape_hash(scene.shapes[i]); });
+  std::vector<Job> jobs;
+  std::map<JobKey, std::uint32_t> known;
+  for (const scene::Instance& instance : scene.instances) {
+    const auto shape = static_cast<std::size_t>(instance.shape);
+    const Job job{&scene.shapes[shape], instance.texture != scene::kNone, instance.mapping,
+                  instance.texture_from_shape, &instance};
+    const auto [place, added] =
+        known.emplace(key_of(job, hashes[shape]), static_cast<std::uint32_t>(jobs.size()));
+    if (added) jobs.push_back(job);
+    mesh_of.push_back(place->second);
+  }
+  return jobs;
+}
+
+std::string mesh_name(const Job& job, std::size_t index) {
+  const bool sphere = std::holds_alternative<geometry::Sphere>(*job.shape);
+  return fmt::format("{}{}", sphere ? "sphere" : "mesh", index + 1);
+}
+
+std::optional<pan::PackedMesh> packed_job(const Job& job, const Options& options, std::string name,
+                                          DiagnosticLog& log) {
+  const bool projected = job.textured && job.mapping == scene::Mapping::sphere;
+  const auto* authored = std::get_if<geometry::MeshShape>(job.shape);
+  if (authored && !projected) return pan::packed(**authored, std::move(name));
+  geometry::TessellationOptions tessellation;
+  tessellation.max_error = options.max_error;
+  tessellation.max_triangles = options.max_triangles;
+  tessellation.texcoords = job.textured && !projected;
+  auto mesh = geometry::tessellated(*job.shape, tessellation, {}, log);
+  if (!mesh) return std::nullopt;
+  // packing measures the rounding of a mesh as written, which is all the error it has
+  if (authored) mesh->error = 0;
+  if (projected) geometry::apply_sphere_mapping(*mesh, job.texture_from_shape);
+  return pan::packed(*mesh, std::move(name));
+}
+
+// Reports what went wrong with a shape at the place where the shape was written.
+void pass_on(const DiagnosticLog& from, const scene::Source& source, DiagnosticLog& log) {
+  for (const Diagnostic& entry : from.entries()) {
+    const std::string place =
+        source.line == 0 ? source.file
+                         : fmt::format("{}:{}:{}", source.file, source.line, source.column);
+    log.report(entry.code, {}, fmt::format("{}: {}", place, entry.message), entry.hint);
+  }
+}
+
+Result<std::vector<pan::PackedMesh>> pack_all(const std::vector<Job>& jobs, const Options& options,
+                                              DiagnosticLog& log) {
+  std::vector<std::optional<pan::PackedMesh>> meshes(jobs.size());
+  std::vector<DiagnosticLog> logs(jobs.size());
+  Progress progress("tessellating", jobs.size());
+  std::mutex mutex;
+  parallel_for(jobs.size(), [&](std::size_t i) {
+    meshes[i] = packed_job(jobs[i], options, mesh_name(jobs[i], i), logs[i]);
+    const std::lock_guard lock(mutex);
+    progress.advance();
+  });
+  std::vector<pan::PackedMesh> out;
+  out.reserve(jobs.size());
+  bool ok = true;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    pass_on(logs[i], jobs[i].user->source, log);
+    ok = ok && meshes[i].has_value();
+    if (meshes[i]) out.push_back(std::move(*meshes[i]));
+  }
+  if (!ok) return failed;
+  return out;
+}
+
+std::string describe(const Options& options) {
+  return fmt::format("max_error={} max_triangles={} strip_sources={}",
+                     format_double(options.max_error), options.max_triangles,
+                     options.strip_sources ? 1 : 0);
+}
+
+void copy_tables(const scene::Scene& scene, const Options& options, pan::Contents& out) {
+  for (const scene::Input& input : scene.inputs)
+    out.inputs.push_back({input.path, input.hash, input.bytes});
+  for (const scene::Node& node : scene.nodes) {
+    const scene::Transform& t = node.parent_from_node;
+    out.nodes.push_back({node.name, node.parent, t.translation, t.rotation, t.scale});
+  }
+  out.materials = scene.materials;
+  for (const scene::Texture& texture : scene.textures)
+    out.textures.push_back(
+        {texture.name, texture.width, texture.height, texture.linear, texture.rgba});
+  for (const scene::Frame& frame : scene.frames)
+    out.frames.push_back(
+        {frame.name, static_cast<std::uint32_t>(frame.node), frame.origin, frame.rotation});
+  if (options.strip_sources) return;
+  for (const scene::Instance& instance : scene.instances)
+    out.sources.push_back({instance.source.file, instance.source.line, instance.source.column});
+}
+
+Result<pan::Contents> contents_of(const scene::Scene& scene, const Options& options, Report& report,
+                                  DiagnosticLog& log) {
+  const auto start = Clock::now();
+  std::vector<std::uint32_t> mesh_of;
+  const std::vector<Job> jobs = collect_jobs(scene, mesh_of);
+  auto meshes = pack_all(jobs, options, log);
+  if (!meshes) return failed;
+
+  pan::Contents out;
+  out.version = "panwright " PANWRIGHT_VERSION;
+  out.options = describe(options);
+  out.meshes = std::move(*meshes);
+  copy_tables(scene, options, out);
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const scene::Instance& instance = scene.instances[i];
+    out.instances.push_back({static_cast<std::uint32_t>(instance.node), mesh_of[i],
+                             static_cast<std::uint32_t>(instance.material), instance.texture});
+    report.triangles += out.meshes[mesh_of[i]].triangle_count();
+  }
+  for (const pan::PackedMesh& mesh : out.meshes) {
+    report.unique_triangles += mesh.triangle_count();
+    report.worst_error = std::max(report.worst_error, mesh.error);
+  }
+  report.unique_meshes = out.meshes.size();
+  report.instances = out.instances.size();
+  report.seconds_tessellate = seconds_since(start);
+  return out;
+}
+
+}  // namespace
+
+Result<Report> compile(const scene::Scene& scene, const Options& options,
+                       const std::filesystem::path& output, DiagnosticLog& log) {
+  Report report;
+  const auto contents = contents_of(scene, options, report, log);
+  if (!contents) return failed;
+  const auto start = Clock::now();
+  const auto written = pan::write(*contents, output, log);
+  if (!written) return failed;
+  report.bytes = written->bytes;
+  report.seconds_sync = written->seconds_sync;
+  report.seconds_write = seconds_since(start) - written->seconds_sync;
+  return report;
+}
+
+Result<std::vector<std::byte>> compiled(const scene::Scene& scene, const Options& options,
+                                        DiagnosticLog& log) {
+  Report report;
+  const auto contents = contents_of(scene, options, report, log);
+  if (!contents) return failed;
+  return pan::write_to_memory(*contents);
+}
+
+}  // namespace panwright::compiler

@@ -1,0 +1,179 @@
+#include "compiler/compile.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "geometry/tessellate.h"
+#include "pan/model.h"
+
+namespace panwright::compiler {
+namespace {
+
+geometry::MeshShape plate(double offset) {
+  auto mesh = std::make_shared<geometry::Mesh>();
+  mesh->positions = {{offset, 0, 0}, {offset + 1, 0, 0}, {offset + 1, 2, 0}, {offset, 2, 0}};
+  mesh->normals.assign(4, {0, 0, 1});
+  mesh->triangles = {{0, 1, 2}, {0, 2, 3}};
+  return mesh;
+}
+
+scene::Instance at(std::int32_t node, std::int32_t shape) {
+  scene::Instance instance;
+  instance.node = node;
+  instance.shape = shape;
+  instance.source = {"model.pxn", 3, 7};
+  return instance;
+}
+
+// A root with `count` children, 3 m apart.
+scene::Scene scene_with_nodes(int count) {
+  scene::Scene scene;
+  scene.nodes.push_back({"root", scene::kNone, {}, {}});
+  for (int i = 0; i < count; ++i)
+    scene.nodes.push_back({"n" + std::to_string(i), 0, {Vec3(3 * i, 0, 0), {1, 0, 0, 0}, Vec3(1)}, {}});
+  scene.materials.emplace_back();
+  return scene;
+}
+
+pan::Model load(const scene::Scene& scene, const Options& options = {}) {
+  EXPECT_EQ(scene::check(scene), "");
+  DiagnosticLog log;
+  const auto bytes = compiled(scene, options, log);
+  EXPECT_TRUE(bytes) << to_text(log);
+  auto model = pan::Model::from_bytes(*bytes, "test.pan", log);
+  EXPECT_TRUE(model && model->check(log)) << to_text(log);
+  return std::move(*model);
+}
+
+TEST(Compile, EqualShapesAreStoredOnce) {
+  scene::Scene scene = scene_with_nodes(4);
+  scene.shapes = {geometry::Sphere{1, {{20, 30}}}, plate(0), geometry::Sphere{1, {{20, 30}}}, plate(0),
+                  plate(1)};
+  for (std::int32_t i = 0; i < 5; ++i) scene.instances.push_back(at(i % 4 + 1, i));
+  const pan::Model model = load(scene);
+  EXPECT_EQ(model.meshes().size(), 3u);
+  EXPECT_EQ(model.instances().size(), 5u);
+  EXPECT_EQ(model.instances()[0].mesh, model.instances()[2].mesh);
+  EXPECT_EQ(model.instances()[1].mesh, model.instances()[3].mesh);
+  EXPECT_NE(model.instances()[1].mesh, model.instances()[4].mesh);
+  EXPECT_EQ(model.meshes()[0].triangle_count, 2u * 30 * 19);
+}
+
+TEST(Compile, BytesDoNotDependOnThreads) {
+  scene::Scene scene = scene_with_nodes(40);
+  for (std::int32_t i = 0; i < 40; ++i) {
+    scene.shapes.push_back(
+        geometry::Sphere{1 + 0.1 * i, {{static_cast<std::uint32_t>(i + 5), 17}}});
+    scene.instances.push_back(at(i + 1, i));
+  }
+  DiagnosticLog log;
+  set_thread_count(1);
+  const auto one = compiled(scene, {}, log);
+  for (const std::size_t threads : {2, 5}) {
+    set_thread_count(threads);
+    const auto many = compiled(scene, {}, log);
+    EXPECT_EQ(*one, *many) << threads << " threads";
+  }
+  set_thread_count(0);
+}
+
+TEST(Compile, FileAndMemoryAreTheSameBytes) {
+  scene::Scene scene = scene_with_nodes(1);
+  scene.shapes = {plate(0)};
+  scene.instances = {at(1, 0)};
+  DiagnosticLog log;
+  const auto path = std::filesystem::temp_directory_path() /
+                    ("panwright-compile-" + std::to_string(::getpid()) + ".pan");
+  const auto report = compile(scene, {}, path, log);
+  ASSERT_TRUE(report) << to_text(log);
+  const auto bytes = compiled(scene, {}, log);
+  const auto file = read_file(path, 1 << 20, log);
+  std::filesystem::remove(path);
+  ASSERT_TRUE(file);
+  EXPECT_EQ(report->bytes, bytes->size());
+  EXPECT_EQ(*file, std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()));
+  EXPECT_EQ(report->triangles, 2u);
+}
+
+TEST(Compile, PositionsKeepPrecisionFarFromTheOrigin) {
+  // a plate 1e7 m away: float32 alone would round to 1 m
+  scene::Scene scene = scene_with_nodes(1);
+  scene.shapes = {plate(1e7 + 0.123456789)};
+  scene.instances = {at(1, 0)};
+  const pan::Model model = load(scene);
+  const auto& mesh = model.meshes()[0];
+  const double x = mesh.origin[0] + static_cast<double>(model.mesh(0).positions[0].x);
+  EXPECT_NEAR(x, 1e7 + 0.123456789, 4e-9);
+  EXPECT_LE(mesh.error, 2e-7);
+}
+
+TEST(Compile, StoresTheErrorAchieved) {
+  scene::Scene scene = scene_with_nodes(2);
+  scene.shapes = {geometry::Sphere{1, {{100, 60}}}, geometry::Sphere{2, {}}};
+  scene.instances = {at(1, 0), at(2, 1)};
+  Options options;
+  options.max_error = 5e-4;
+  const pan::Model model = load(scene, options);
+  // physics: R(1 − cos(Δθ/2)cos(Δφ/2)) bounds it, and the measured value is within 0.1 % of that
+  const double bound = 1 - std::cos(kPi / 200) * std::cos(kPi / 60);
+  EXPECT_LE(model.meshes()[0].error, bound * 1.0001);
+  EXPECT_GE(model.meshes()[0].error, bound * 0.999);
+  EXPECT_LE(model.meshes()[1].error, 5e-4);
+  EXPECT_GE(model.meshes()[1].error, 2.5e-4);
+}
+
+TEST(Compile, ATextureAroundTheSphereGivesTexcoords) {
+  scene::Scene scene = scene_with_nodes(2);
+  scene.shapes = {plate(0)};
+  scene.textures.push_back({"t.png", 1, 1, {1, 2, 3, 255}, false});
+  scene.instances = {at(1, 0), at(2, 0)};
+  scene.instances[1].texture = 0;
+  scene.instances[1].mapping = scene::Mapping::sphere;
+  scene.instances[1].texture_from_shape = matrix_from_trs({5, 5, 5}, {1, 0, 0, 0}, Vec3(1));
+  const pan::Model model = load(scene);
+  EXPECT_EQ(model.meshes().size(), 2u) << "the plain plate carries no coordinates";
+  EXPECT_TRUE(model.mesh(0).texcoords.empty());
+  EXPECT_EQ(model.mesh(1).texcoords.size(), model.mesh(1).positions.size());
+}
+
+TEST(Compile, SaysWhereATooFineShapeStands) {
+  scene::Scene scene = scene_with_nodes(1);
+  scene.shapes = {geometry::Sphere{1, {{1000, 1000}}}};
+  scene.instances = {at(1, 0)};
+  Options options;
+  options.max_triangles = 1000;
+  DiagnosticLog log;
+  EXPECT_FALSE(compiled(scene, options, log));
+  ASSERT_EQ(log.entries().size(), 1u);
+  EXPECT_EQ(log.entries()[0].code, Code::E2003);
+  EXPECT_NE(log.entries()[0].message.find("model.pxn:3:7"), std::string::npos);
+}
+
+TEST(Compile, AnEmptySceneIsAModel) {
+  scene::Scene scene;
+  scene.nodes.push_back({"root", scene::kNone, {}, {}});
+  const pan::Model model = load(scene);
+  EXPECT_EQ(model.instances().size(), 0u);
+  EXPECT_FALSE(model.world_bounds());
+}
+
+TEST(Compile, ProvenanceNamesInputsAndOptions) {
+  scene::Scene scene = scene_with_nodes(1);
+  scene.shapes = {plate(0)};
+  scene.instances = {at(1, 0)};
+  scene.inputs = {{"model.pxn", hash128({}), 12}};
+  const pan::Model a = load(scene);
+  EXPECT_EQ(a.string(a.inputs()[0].path), "model.pxn");
+  EXPECT_NE(a.options().find("max_error=0.001"), std::string_view::npos);
+  EXPECT_EQ(a.sources()[0].line, 3u);
+  scene.inputs[0].hash.low ^= 1;
+  const pan::Model b = load(scene);
+  EXPECT_FALSE(a.build_id() == b.build_id());
+}
+
+}  // namespace
+}  // namespace panwright::compiler

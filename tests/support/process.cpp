@@ -1,0 +1,78 @@
+#include "tests/support/process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <stdexcept>
+
+namespace panwright::support {
+
+namespace {
+
+pid_t start(const std::vector<std::string>& words, const std::vector<std::string>& environment,
+            const std::string& out, const std::string& err) {
+  const pid_t child = fork();
+  if (child != 0) return child;
+  const int flags = O_WRONLY | O_CREAT | O_TRUNC;
+  dup2(open(out.c_str(), flags, 0600), STDOUT_FILENO);
+  dup2(open(err.c_str(), flags, 0600), STDERR_FILENO);
+  for (const std::string& entry : environment) putenv(const_cast<char*>(entry.c_str()));
+  std::vector<char*> argv;
+  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(nullptr);
+  execvp(argv[0], argv.data());
+  _exit(127);
+}
+
+int code_of(int status) {
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+}  // namespace
+
+Outcome run(const std::vector<std::string>& words, const std::vector<std::string>& environment) {
+  const TemporaryFolder folder;
+  const pid_t child = start(words, environment, folder / "out", folder / "err");
+  if (child < 0) throw std::runtime_error("cannot fork");
+  int status = 0;
+  waitpid(child, &status, 0);
+  return {code_of(status), contents(folder / "out"), contents(folder / "err")};
+}
+
+bool run_and_kill(const std::vector<std::string>& words, unsigned microseconds) {
+  const pid_t child = start(words, {}, "/dev/null", "/dev/null");
+  if (child < 0) throw std::runtime_error("cannot fork");
+  usleep(microseconds);
+  kill(child, SIGKILL);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFSIGNALED(status);
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "panwright-test-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a folder");
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+std::string TemporaryFolder::write(const std::string& name, const std::string& text) const {
+  std::filesystem::create_directories((path_ / name).parent_path());
+  std::ofstream(path_ / name, std::ios::binary) << text;
+  return (path_ / name).string();
+}
+
+std::string contents(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace panwright::support

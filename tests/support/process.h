@@ -1,0 +1,40 @@
+// Runs programs and looks at what they print.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace panwright::support {
+
+struct Outcome {
+  int code = -1;  // exit code; 128 + signal when killed
+  std::string out;
+  std::string err;
+};
+
+// Runs a program with arguments, to its end. environment: NAME=VALUE entries added to ours.
+Outcome run(const std::vector<std::string>& words, const std::vector<std::string>& environment = {});
+
+// Starts a program, kills it after so many microseconds (SIGKILL), and waits for it.
+// Returns whether it was still running then.
+bool run_and_kill(const std::vector<std::string>& words, unsigned microseconds);
+
+// A folder that exists as long as this does.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  std::string write(const std::string& name, const std::string& text) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string contents(const std::filesystem::path& path);
+
+}  // namespace panwright::support

@@ -1,0 +1,32 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "schemas/generated/pan_layout.h"
+#include "tools/commands.h"
+
+namespace panwright::tools {
+
+int version(bool json) {
+  if (!json) {
+    fmt::print("panwright {}\n", PANWRIGHT_VERSION);
+    return 0;
+  }
+  nlohmann::ordered_json out;
+  out["schema"] = 1;
+  out["name"] = "panwright";
+  out["version"] = PANWRIGHT_VERSION;
+  out["pan_format"] = fmt::format("{}.{}", pan::layout::kMajor, pan::layout::kMinor);
+  out["pxn_levels"] = {0};
+#ifdef PANWRIGHT_GL
+  out["features"] = {"compile", "check", "info", "diff", "render"};
+#else
+  out["features"] = {"compile", "check", "info", "diff"};
+#endif
+  out["reads"] = {".pxn", ".pan"};
+  out["writes"] = {".pan", ".png", ".exr", ".npy", ".npz"};
+  fmt::print("{}\n", out.dump(2));
+  return 0;
+}
+
+}  // namespace panwright::tools

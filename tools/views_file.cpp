@@ -1,0 +1,164 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "base/text.h"
+#include "tools/view.h"
+
+namespace panwright::tools {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::uint64_t kMaxBytes = 256ull << 20;
+constexpr std::size_t kMaxViews = 1'000'000;
+
+struct Field {
+  std::string_view name;
+  std::optional<std::string> ViewOptions::*member;
+};
+
+constexpr Field kFields[] = {
+    {"camera", &ViewOptions::camera},
+    {"look-at", &ViewOptions::look_at},
+    {"up", &ViewOptions::up},
+    {"quat", &ViewOptions::quat},
+    {"pose", &ViewOptions::pose},
+    {"camera-frame", &ViewOptions::camera_frame},
+    {"sun", &ViewOptions::sun},
+    {"sun-distance", &ViewOptions::sun_distance},
+    {"sun-irradiance", &ViewOptions::sun_irradiance},
+    {"fov", &ViewOptions::fov},
+    {"ifov", &ViewOptions::ifov},
+    {"intrinsics", &ViewOptions::intrinsics},
+    {"ortho", &ViewOptions::ortho},
+    {"size", &ViewOptions::size},
+    {"ev", &ViewOptions::ev},
+    {"output", &ViewOptions::output},
+};
+
+// Options of one group say the same thing in different ways: a view that gives one of them drops
+// the default's others.
+constexpr std::string_view kGroups[][4] = {
+    {"camera", "camera-frame", "", ""},
+    {"look-at", "quat", "camera-frame", ""},
+    {"fov", "ifov", "intrinsics", "ortho"},
+};
+
+const Field* find_field(std::string_view name) {
+  for (const Field& field : kFields)
+    if (field.name == name) return &field;
+  return nullptr;
+}
+
+// A JSON value as it would be typed: numbers and arrays of numbers become text.
+std::optional<std::string> as_typed(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number()) return format_double(value.get<double>());
+  if (!value.is_array() || value.empty()) return std::nullopt;
+  std::string out;
+  for (const Json& item : value) {
+    if (!item.is_number()) return std::nullopt;
+    out += (out.empty() ? "" : " ") + format_double(item.get<double>());
+  }
+  return out;
+}
+
+class ViewsReader {
+ public:
+  ViewsReader(const std::string& path, const ViewOptions& defaults, DiagnosticLog& log)
+      : path_(path), defaults_(defaults), log_(log) {}
+
+  Result<std::vector<ViewOptions>> read() {
+    const auto text = read_file(path_, kMaxBytes, log_);
+    if (!text) return failed;
+    const Json json = Json::parse(*text, nullptr, false);
+    if (json.is_discarded()) return fail(parse_error(*text));
+    if (!json.is_array() || json.empty()) return fail("a views file holds a list of objects");
+    if (json.size() > kMaxViews)
+      return fail(fmt::format("{} views are more than {}", json.size(), kMaxViews));
+    std::vector<ViewOptions> views;
+    for (const Json& item : json) views.push_back(one(item, views.size()));
+    if (!ok_) return failed;
+    return views;
+  }
+
+ private:
+  static std::string parse_error(const std::string& text) {
+    try {
+      const Json unused = Json::parse(text);
+    } catch (const Json::parse_error& error) {
+      const std::size_t end = std::min<std::size_t>(error.byte, text.size());
+      const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(end), '\n');
+      return fmt::format("this is not JSON: line {}, byte {}", line, error.byte);
+    }
+    return "this is not JSON";
+  }
+
+  Failed fail(std::string message, std::string hint = {}) {
+    log_.report_file(Code::E0203, path_, std::move(message), std::move(hint));
+    ok_ = false;
+    return failed;
+  }
+
+  ViewOptions one(const Json& item, std::size_t index) {
+    ViewOptions given;
+    if (!item.is_object()) {
+      fail(fmt::format("view {} is not an object", index));
+      return given;
+    }
+    for (const auto& [key, value] : item.items()) {
+      std::string name = key;
+      std::replace(name.begin(), name.end(), '_', '-');
+      const Field* field = find_field(name);
+      if (field == nullptr) {
+        unknown(index, key, name);
+        continue;
+      }
+      given.*field->member = as_typed(value);
+      if (!(given.*field->member))
+        fail(fmt::format("view {}: '{}' is neither text, a number nor a list of numbers", index,
+                         key));
+    }
+    if (!given.output) fail(fmt::format("view {} has no output", index));
+    inherit(given);
+    return given;
+  }
+
+  void unknown(std::size_t index, const std::string& key, const std::string& name) {
+    std::vector<std::string_view> names;
+    for (const Field& field : kFields) names.push_back(field.name);
+    const auto near = nearest_name(name, names);
+    fail(fmt::format("view {} has {}, which is no option of a view", index, in_quotes(key)),
+         near ? fmt::format("did you mean '{}'?", *near) : std::string());
+  }
+
+  void inherit(ViewOptions& given) const {
+    ViewOptions base = defaults_;
+    for (const auto& group : kGroups) {
+      bool any = false;
+      for (const std::string_view name : group)
+        any = any || (!name.empty() && (given.*find_field(name)->member).has_value());
+      for (const std::string_view name : group)
+        if (any && !name.empty()) (base.*find_field(name)->member).reset();
+    }
+    for (const Field& field : kFields)
+      if (!(given.*field.member)) given.*field.member = base.*field.member;
+  }
+
+  const std::string& path_;
+  const ViewOptions& defaults_;
+  DiagnosticLog& log_;
+  bool ok_ = true;
+};
+
+}  // namespace
+
+Result<std::vector<ViewOptions>> read_views(const std::string& path, const ViewOptions& defaults,
+                                            DiagnosticLog& log) {
+  return ViewsReader(path, defaults, log).read();
+}
+
+}  // namespace panwright::tools
