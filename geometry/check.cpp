@@ -92,6 +92,21 @@ void check_vertices(const Mesh& mesh, MeshReport& report) {
     report.bad_normals += finite(n) && std::fabs(glm::length(n) - 1) > 1e-6;
 }
 
+// Carries what addition rounds off: millions of terms cost no digits. Neumaier, 1974.
+class CarefulSum {
+ public:
+  void add(double x) {
+    const double sum = sum_ + x;
+    lost_ += std::fabs(sum_) >= std::fabs(x) ? (sum_ - sum) + x : (x - sum) + sum_;
+    sum_ = sum;
+  }
+  double total() const { return sum_ + lost_; }
+
+ private:
+  double sum_ = 0;
+  double lost_ = 0;
+};
+
 Vec3 bounds_centre(const std::vector<Vec3>& positions) {
   Vec3 low(0);
   Vec3 high(0);
@@ -109,8 +124,8 @@ void measure_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& first
                        MeshReport& report) {
   // about the centre, or the terms of a small mesh far away cancel
   const Vec3 centre = bounds_centre(mesh.positions);
-  double six_volumes = 0;
-  double two_areas = 0;
+  CarefulSum six_volumes;
+  CarefulSum two_areas;
   for (const Triangle& t : mesh.triangles) {
     if (has_bad_index(t, mesh.positions.size())) {
       ++report.bad_indices;
@@ -126,11 +141,11 @@ void measure_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& first
     if (!finite(a) || !finite(b) || !finite(c)) continue;
     const TriangleMeasure m = measure(a, b, c);
     report.degenerate_triangles += m.degenerate();
-    two_areas += m.double_area;
-    six_volumes += glm::dot(m.cross, a);
+    two_areas.add(m.double_area);
+    six_volumes.add(glm::dot(m.cross, a));
   }
-  report.area = two_areas / 2;
-  report.volume = six_volumes / 6;
+  report.area = two_areas.total() / 2;
+  report.volume = six_volumes.total() / 6;
 }
 
 }  // namespace

@@ -14,7 +14,8 @@ struct Outcome {
 };
 
 // Runs a program with arguments, to its end. environment: NAME=VALUE entries added to ours.
-Outcome run(const std::vector<std::string>& words, const std::vector<std::string>& environment = {});
+Outcome run(const std::vector<std::string>& words,
+            const std::vector<std::string>& environment = {});
 
 // Starts a program, kills it after so many microseconds (SIGKILL), and waits for it.
 // Returns whether it was still running then.
