@@ -52,7 +52,7 @@ class Model {
  public:
   // Maps a file and reads its header and directory. Only those pages are touched.
   //
-  // Fails: E0101, E0102, E4001 to E4008. Cost: O(sections), whatever the size of the file.
+  // Fails: E0101, E0102, E4001 to E4008, E4012. Cost: O(sections), whatever the size of the file.
   // note: a file that another program cuts short while it is mapped ends the process with SIGBUS,
   // as for any mapping; Panwright's writers replace files by rename and never do so. Use read()
   // for files that others write in place.

@@ -8,6 +8,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "base/diagnostic.h"
@@ -127,16 +129,14 @@ std::vector<std::byte> write_to_memory(const Contents& contents);
 // Gives each text a number: 0 is the empty one, then the order of first use.
 class StringTable {
  public:
-  StringTable();
-  ~StringTable();
+  StringTable() { id(""); }
   std::uint32_t id(std::string_view text);
   std::span<const std::uint32_t> offsets() const { return offsets_; }  // strings + 1
   std::string_view bytes() const { return bytes_; }
 
  private:
-  struct Index;
-  std::unique_ptr<Index> index_;
-  std::vector<std::uint32_t> offsets_;
+  std::unordered_map<std::string, std::uint32_t> ids_;
+  std::vector<std::uint32_t> offsets_{0};
   std::string bytes_;
 };
 

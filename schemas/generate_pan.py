@@ -127,6 +127,7 @@ def rule_line(section, field, layout):
         low, high = (value + "u" for value in argument.split(".."))
     elif kind == "mask":
         high = hex_literal(mask_of(layout, argument))
+    kind = kind or "any"
     name = field["name"]
     return (f"    {{SectionKind::{section['kind']}, \"{name}\", {field['offset']}, FieldType::{field['type']}, "
             f"{field['count']},\n     FieldRuleKind::{kind}, SectionKind::{target}, {low}, {high}}},")
@@ -194,9 +195,9 @@ def header_text(layout):
         "};",
         "",
         "enum class FieldType { " + ", ".join(SIZES) + " };",
-        "enum class FieldRuleKind { " + ", ".join(sorted(RULES)) + " };",
+        "enum class FieldRuleKind { any, " + ", ".join(sorted(RULES)) + " };",
         "",
-        "// What holds for a field of every record of a section.",
+        "// A field of the records of a section, and what holds for it in each of them.",
         "struct FieldRule {",
         "  SectionKind section;",
         "  const char* name;",
@@ -213,8 +214,7 @@ def header_text(layout):
     ]
     for section in layout["section"]:
         for field in records.get(section["element"], {"field": []})["field"]:
-            if field.get("rule"):
-                out.append(rule_line(section, field, layout))
+            out.append(rule_line(section, field, layout))
     out += ["};", "", "}  // namespace panwright::pan::layout", ""]
     return "\n".join(out)
 

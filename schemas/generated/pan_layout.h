@@ -20,6 +20,7 @@ inline constexpr std::uint64_t kSectionAlignment = 64;  // sections begin at a m
 inline constexpr std::uint64_t kMaxSections = 1024;  // entries in the directory
 inline constexpr std::uint64_t kMaxDepth = 1024;  // nodes on a path from the root, the root included
 inline constexpr std::uint64_t kMaxTextureSide = 16384;  // pixels
+inline constexpr std::uint64_t kMaxPathBytes = 4096;  // bytes of an input's path
 inline constexpr std::uint64_t kMaxShortVertices = 65535;  // vertices of a mesh with 2-byte indices: no index is ever 0xffff
 inline constexpr std::uint64_t kKnownRequiredFeatures = 0;  // bits of Header.required_features that format 1.0 gives a meaning
 
@@ -351,9 +352,9 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
 };
 
 enum class FieldType { u8, u16, u32, i32, u64, f32, f64 };
-enum class FieldRuleKind { finite, mask, nonzero, not_negative, range, reference, reference_or_none, zero };
+enum class FieldRuleKind { any, finite, mask, nonzero, not_negative, range, reference, reference_or_none, zero };
 
-// What holds for a field of every record of a section.
+// A field of the records of a section, and what holds for it in each of them.
 struct FieldRule {
   SectionKind section;
   const char* name;
@@ -373,6 +374,10 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
     {SectionKind::build, "reserved", 8, FieldType::u32, 2,
      FieldRuleKind::zero, SectionKind::build, 0, 0},
+    {SectionKind::inputs, "hash", 0, FieldType::u64, 2,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::inputs, "bytes", 16, FieldType::u64, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
     {SectionKind::inputs, "path", 24, FieldType::u32, 1,
      FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
     {SectionKind::inputs, "reserved", 28, FieldType::u32, 1,
@@ -383,6 +388,8 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::finite, SectionKind::build, 0, 0},
     {SectionKind::nodes, "scale", 56, FieldType::f64, 3,
      FieldRuleKind::nonzero, SectionKind::build, 0, 0},
+    {SectionKind::nodes, "parent", 80, FieldType::i32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
     {SectionKind::nodes, "name", 84, FieldType::u32, 1,
      FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
     {SectionKind::meshes, "origin", 0, FieldType::f64, 3,
@@ -393,14 +400,24 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::finite, SectionKind::build, 0, 0},
     {SectionKind::meshes, "bounds_max", 44, FieldType::f32, 3,
      FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::meshes, "index_offset", 56, FieldType::u64, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::meshes, "first_vertex", 64, FieldType::u32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
     {SectionKind::meshes, "vertex_count", 68, FieldType::u32, 1,
      FieldRuleKind::range, SectionKind::build, 3u, 4294967295u},
     {SectionKind::meshes, "triangle_count", 72, FieldType::u32, 1,
      FieldRuleKind::range, SectionKind::build, 1u, 4294967295u},
+    {SectionKind::meshes, "index_size", 76, FieldType::u32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
     {SectionKind::meshes, "flags", 80, FieldType::u32, 1,
      FieldRuleKind::mask, SectionKind::build, 0, 0x00000007u},
     {SectionKind::meshes, "name", 84, FieldType::u32, 1,
      FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
+    {SectionKind::meshes, "first_texcoord", 88, FieldType::u32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::meshes, "first_colour", 92, FieldType::u32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
     {SectionKind::instances, "node", 0, FieldType::u32, 1,
      FieldRuleKind::reference, SectionKind::nodes, 0, 0},
     {SectionKind::instances, "mesh", 4, FieldType::u32, 1,
@@ -445,6 +462,10 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::range, SectionKind::build, 1u, 16384u},
     {SectionKind::textures, "height", 4, FieldType::u32, 1,
      FieldRuleKind::range, SectionKind::build, 1u, 16384u},
+    {SectionKind::textures, "offset", 8, FieldType::u64, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::textures, "bytes", 16, FieldType::u64, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
     {SectionKind::textures, "flags", 24, FieldType::u32, 1,
      FieldRuleKind::mask, SectionKind::build, 0, 0x00000001u},
     {SectionKind::textures, "name", 28, FieldType::u32, 1,
@@ -459,8 +480,34 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
     {SectionKind::sources, "file", 0, FieldType::u32, 1,
      FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
+    {SectionKind::sources, "line", 4, FieldType::u32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::sources, "column", 8, FieldType::u32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
     {SectionKind::sources, "reserved", 12, FieldType::u32, 1,
      FieldRuleKind::zero, SectionKind::build, 0, 0},
+    {SectionKind::positions, "x", 0, FieldType::f32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::positions, "y", 4, FieldType::f32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::positions, "z", 8, FieldType::f32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::normals, "x", 0, FieldType::f32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::normals, "y", 4, FieldType::f32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::normals, "z", 8, FieldType::f32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::texcoords, "x", 0, FieldType::f32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::texcoords, "y", 4, FieldType::f32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::colours, "x", 0, FieldType::f32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::colours, "y", 4, FieldType::f32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::colours, "z", 8, FieldType::f32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
 };
 
 }  // namespace panwright::pan::layout

@@ -1,0 +1,21 @@
+#include "pan/internal/report.h"
+#include "pan/model.h"
+
+namespace panwright::pan {
+
+bool Model::check(DiagnosticLog& log) {
+  using internal::Part;
+  checked_ = false;
+  // tables first: what the arrays hold can be judged only by sound tables
+  internal::Problems problems = internal::section_problems(*this, Part::tables, false);
+  if (problems.empty()) problems = internal::table_problems(*this);
+  const internal::Problems arrays =
+      internal::section_problems(*this, Part::arrays, problems.empty());
+  problems.insert(problems.end(), arrays.begin(), arrays.end());
+  for (const internal::Problem& problem : problems)
+    log.report_file(problem.code, name_, problem.message);
+  checked_ = problems.empty();
+  return checked_;
+}
+
+}  // namespace panwright::pan

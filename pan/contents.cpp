@@ -1,0 +1,293 @@
+// Whole models: rounding to float, numbering of strings, and the sections in their order.
+#include <cassert>
+#include <limits>
+
+#include "pan/internal/identity.h"
+#include "pan/model.h"
+#include "pan/writer.h"
+
+namespace panwright::pan {
+
+namespace {
+
+using layout::SectionKind;
+
+void store(double* to, const Vec3& v) {
+  to[0] = v.x;
+  to[1] = v.y;
+  to[2] = v.z;
+}
+
+void store(double* to, const Quat& q) {
+  to[0] = q.w;
+  to[1] = q.x;
+  to[2] = q.y;
+  to[3] = q.z;
+}
+
+void store(float* to, const Vec3& v) {
+  for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(v[k]);
+}
+
+std::vector<float> rounded(const std::vector<Vec3>& values) {
+  std::vector<float> out(3 * values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) store(&out[3 * i], values[i]);
+  return out;
+}
+
+std::uint32_t index_size(const PackedMesh& mesh) {
+  return mesh.vertex_count() <= layout::kMaxShortVertices ? 2 : 4;
+}
+
+std::uint64_t index_bytes(const PackedMesh& mesh) {
+  const std::uint64_t bytes = index_size(mesh) * std::uint64_t{mesh.indices.size()};
+  return (bytes + 3) / 4 * 4;
+}
+
+// The tables of a model, ready to be written.
+struct Tables {
+  StringTable strings;
+  std::vector<layout::Build> build;
+  std::vector<layout::Input> inputs;
+  std::vector<layout::Node> nodes;
+  std::vector<layout::Mesh> meshes;
+  std::vector<layout::Instance> instances;
+  std::vector<layout::Material> materials;
+  std::vector<layout::Texture> textures;
+  std::vector<layout::Frame> frames;
+  std::vector<layout::Source> sources;
+};
+
+void add_meshes(const std::vector<PackedMesh>& meshes, Tables& tables) {
+  std::uint64_t vertices = 0, texcoords = 0, colours = 0, bytes = 0;
+  for (const PackedMesh& mesh : meshes) {
+    const std::size_t count = mesh.vertex_count();
+    assert(mesh.triangle_count() > 0 && mesh.indices.size() % 3 == 0);
+    assert(mesh.normals.size() == 3 * count && mesh.positions.size() == 3 * count);
+    assert(mesh.texcoords.empty() || mesh.texcoords.size() == 2 * count);
+    assert(mesh.colours.empty() || mesh.colours.size() == 3 * count);
+    layout::Mesh record{};
+    store(record.origin, mesh.origin);
+    record.error = mesh.error;
+    for (int k = 0; k < 3; ++k) {
+      float low = std::numeric_limits<float>::infinity(), high = -low;
+      for (std::size_t i = 0; i < count; ++i) {
+        const float p = mesh.positions[3 * i + k];
+        low = p < low ? p : low;
+        high = p > high ? p : high;
+      }
+      // note: + 0 turns -0 into 0, so that the bytes do not depend on which zero came first
+      record.bounds_min[k] = low + 0.0f;
+      record.bounds_max[k] = high + 0.0f;
+    }
+    record.index_offset = bytes;
+    record.first_vertex = static_cast<std::uint32_t>(vertices);
+    record.vertex_count = static_cast<std::uint32_t>(count);
+    record.triangle_count = static_cast<std::uint32_t>(mesh.triangle_count());
+    record.index_size = index_size(mesh);
+    record.name = tables.strings.id(mesh.name);
+    if (mesh.closed) record.flags |= layout::kMeshClosed;
+    if (!mesh.texcoords.empty()) {
+      record.flags |= layout::kMeshTexcoords;
+      record.first_texcoord = static_cast<std::uint32_t>(texcoords);
+      texcoords += count;
+    }
+    if (!mesh.colours.empty()) {
+      record.flags |= layout::kMeshColours;
+      record.first_colour = static_cast<std::uint32_t>(colours);
+      colours += count;
+    }
+    vertices += count;
+    bytes += index_bytes(mesh);
+    assert(vertices <= 0xffffffffu);
+    tables.meshes.push_back(record);
+  }
+}
+
+void add_textures(const std::vector<TextureContent>& textures, Tables& tables) {
+  std::uint64_t bytes = 0;
+  for (const TextureContent& texture : textures) {
+    layout::Texture record{};
+    record.width = texture.width;
+    record.height = texture.height;
+    record.offset = bytes;
+    record.bytes = texture.rgba.size();
+    assert(record.bytes == std::uint64_t{4} * texture.width * texture.height);
+    if (texture.linear) record.flags |= layout::kTextureLinear;
+    record.name = tables.strings.id(texture.name);
+    bytes += record.bytes;
+    tables.textures.push_back(record);
+  }
+}
+
+Tables tables_of(const Contents& contents) {
+  Tables tables;
+  StringTable& strings = tables.strings;
+  tables.build.push_back({strings.id(contents.version), strings.id(contents.options), {}});
+  for (const InputContent& input : contents.inputs) {
+    assert(input.path.size() <= layout::kMaxPathBytes);
+    tables.inputs.push_back(
+        {{input.hash.low, input.hash.high}, input.bytes, strings.id(input.path), 0});
+  }
+  for (const NodeContent& node : contents.nodes) {
+    layout::Node record{};
+    store(record.translation, node.translation);
+    store(record.rotation, node.rotation);
+    store(record.scale, node.scale);
+    record.parent = node.parent;
+    record.name = strings.id(node.name);
+    tables.nodes.push_back(record);
+  }
+  add_meshes(contents.meshes, tables);
+  for (const InstanceContent& instance : contents.instances)
+    tables.instances.push_back({instance.node, instance.mesh, instance.material, instance.texture});
+  for (const materials::Material& material : contents.materials)
+    tables.materials.push_back(record_from(material, strings.id(material.name)));
+  add_textures(contents.textures, tables);
+  for (const FrameContent& frame : contents.frames) {
+    layout::Frame record{};
+    store(record.origin, frame.origin);
+    store(record.rotation, frame.rotation);
+    record.node = frame.node;
+    record.name = strings.id(frame.name);
+    tables.frames.push_back(record);
+  }
+  assert(contents.sources.empty() || contents.sources.size() == contents.instances.size());
+  for (const SourceContent& source : contents.sources)
+    tables.sources.push_back({strings.id(source.file), source.line, source.column, 0});
+  return tables;
+}
+
+template <class T>
+std::span<const std::byte> bytes_of(const std::vector<T>& values) {
+  return std::as_bytes(std::span(values));
+}
+
+// One array of every mesh in turn.
+bool write_array(const Contents& contents, std::vector<float> PackedMesh::*array, SectionKind kind,
+                 Writer& writer, DiagnosticLog& log) {
+  const auto value = static_cast<std::uint32_t>(kind);
+  if (!writer.begin(value, layout::kSections[value - 1].stride, false, log)) return false;
+  for (const PackedMesh& mesh : contents.meshes)
+    if (!writer.append(bytes_of(mesh.*array), log)) return false;
+  return writer.end(log);
+}
+
+bool write_indices(const Contents& contents, Writer& writer, DiagnosticLog& log) {
+  if (!writer.begin(static_cast<std::uint32_t>(SectionKind::indices), 1, false, log)) return false;
+  std::vector<std::uint16_t> shorts;
+  for (const PackedMesh& mesh : contents.meshes) {
+    if (index_size(mesh) == 4) {
+      if (!writer.append(bytes_of(mesh.indices), log)) return false;
+      continue;
+    }
+    shorts.assign(mesh.indices.begin(), mesh.indices.end());
+    shorts.resize(index_bytes(mesh) / 2);
+    if (!writer.append(bytes_of(shorts), log)) return false;
+  }
+  return writer.end(log);
+}
+
+bool write_texels(const Contents& contents, Writer& writer, DiagnosticLog& log) {
+  if (!writer.begin(static_cast<std::uint32_t>(SectionKind::texels), 1, false, log)) return false;
+  for (const TextureContent& texture : contents.textures)
+    if (!writer.append(std::as_bytes(texture.rgba), log)) return false;
+  return writer.end(log);
+}
+
+bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log,
+                    double* sync_seconds) {
+  assert(!contents.nodes.empty());
+  const Tables tables = tables_of(contents);
+  const auto strings = tables.strings.bytes();
+  const bool sections =
+      writer.section(SectionKind::build, bytes_of(tables.build), log) &&
+      writer.section(SectionKind::inputs, bytes_of(tables.inputs), log) &&
+      writer.section(SectionKind::nodes, bytes_of(tables.nodes), log) &&
+      writer.section(SectionKind::meshes, bytes_of(tables.meshes), log) &&
+      writer.section(SectionKind::instances, bytes_of(tables.instances), log) &&
+      writer.section(SectionKind::materials, bytes_of(tables.materials), log) &&
+      writer.section(SectionKind::textures, bytes_of(tables.textures), log) &&
+      writer.section(SectionKind::frames, bytes_of(tables.frames), log) &&
+      (tables.sources.empty() ||
+       writer.section(SectionKind::sources, bytes_of(tables.sources), log)) &&
+      writer.section(SectionKind::string_offsets, std::as_bytes(tables.strings.offsets()), log) &&
+      writer.section(SectionKind::string_bytes, std::as_bytes(std::span(strings)), log) &&
+      write_array(contents, &PackedMesh::positions, SectionKind::positions, writer, log) &&
+      write_array(contents, &PackedMesh::normals, SectionKind::normals, writer, log) &&
+      write_array(contents, &PackedMesh::texcoords, SectionKind::texcoords, writer, log) &&
+      write_array(contents, &PackedMesh::colours, SectionKind::colours, writer, log) &&
+      write_indices(contents, writer, log) && write_texels(contents, writer, log);
+  return sections &&
+         writer.finish(build_identity(contents.inputs, contents.version, contents.options), log,
+                       sync_seconds);
+}
+
+}  // namespace
+
+PackedMesh packed(const geometry::Mesh& mesh, std::string name) {
+  assert(!mesh.triangles.empty() && mesh.normals.size() == mesh.positions.size());
+  PackedMesh out;
+  out.name = std::move(name);
+  out.closed = mesh.closed;
+  Vec3 low = mesh.positions.front(), high = low;
+  for (const Vec3& p : mesh.positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  // note: half first, so that the sum of two huge numbers cannot overflow; + 0 removes -0
+  out.origin = 0.5 * low + 0.5 * high + 0.0;
+  double worst = 0;
+  out.positions.resize(3 * mesh.positions.size());
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    float* to = &out.positions[3 * i];
+    store(to, mesh.positions[i] - out.origin);
+    const Vec3 stored = out.origin + Vec3(to[0], to[1], to[2]);
+    const double moved = glm::length(stored - mesh.positions[i]);
+    worst = moved > worst ? moved : worst;
+  }
+  out.error = mesh.error + worst;
+  out.normals = rounded(mesh.normals);
+  out.colours = rounded(mesh.colours);
+  out.texcoords.reserve(2 * mesh.texcoords.size());
+  for (const Vec2& t : mesh.texcoords) {
+    out.texcoords.push_back(static_cast<float>(t.x));
+    out.texcoords.push_back(static_cast<float>(t.y));
+  }
+  out.indices.reserve(3 * mesh.triangles.size());
+  for (const geometry::Triangle& triangle : mesh.triangles)
+    out.indices.insert(out.indices.end(), triangle.begin(), triangle.end());
+  return out;
+}
+
+Hash128 build_identity(std::span<const InputContent> inputs, std::string_view version,
+                       std::string_view options) {
+  internal::IdentityHasher hasher;
+  for (const InputContent& input : inputs) hasher.input(input.hash, input.bytes, input.path);
+  return hasher.finish(version, options);
+}
+
+Result<WriteReport> write(const Contents& contents, const std::filesystem::path& path,
+                          DiagnosticLog& log) {
+  WriteReport report;
+  if (path == "-") {
+    const std::vector<std::byte> bytes = write_to_memory(contents);
+    report.bytes = bytes.size();
+    if (!write_file(path, bytes, log)) return failed;
+    return report;
+  }
+  auto writer = Writer::create(path, log);
+  if (!writer || !write_sections(contents, *writer, log, &report.seconds_sync)) return failed;
+  report.bytes = writer->bytes();
+  return report;
+}
+
+std::vector<std::byte> write_to_memory(const Contents& contents) {
+  Writer writer = Writer::in_memory();
+  DiagnosticLog unused;
+  [[maybe_unused]] const bool done = write_sections(contents, writer, unused, nullptr);
+  assert(done);
+  return std::move(writer).take();
+}
+
+}  // namespace panwright::pan

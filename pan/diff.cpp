@@ -1,0 +1,449 @@
+#include "pan/diff.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <utility>
+
+#include "base/text.h"
+
+namespace panwright::pan {
+
+namespace {
+
+using layout::FieldType;
+using layout::SectionKind;
+
+using Keys = std::vector<Hash128>;  // one for each record, all different
+using Ids = std::vector<Hash128>;   // one for each string
+
+Hash128 joined(std::initializer_list<Hash128> parts) {
+  return hash128(std::as_bytes(std::span(parts.begin(), parts.size())));
+}
+
+// note: strings are hashed once each, so that many records with one long name stay cheap
+Ids hashed_strings(const Model& model) {
+  Ids ids(model.string_offsets().size() - 1);
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    ids[i] = hash128(as_bytes(model.string(static_cast<std::uint32_t>(i))));
+  return ids;
+}
+
+// Makes equal keys different by counting them.
+class Numbering {
+ public:
+  Hash128 operator()(Hash128 key) { return joined({key, {count_[key]++, 0}}); }
+
+ private:
+  std::map<Hash128, std::uint64_t> count_;
+};
+
+template <class Record>
+Keys named_keys(std::span<const Record> records, const Ids& strings) {
+  Keys keys;
+  Numbering number;
+  for (const Record& record : records) keys.push_back(number(strings[record.name]));
+  return keys;
+}
+
+Keys node_keys(const Model& model, const Ids& strings) {
+  Keys keys;
+  Numbering number;
+  for (const layout::Node& node : model.nodes()) {
+    const Hash128 parent = node.parent < 0 ? Hash128{} : keys[node.parent];
+    keys.push_back(number(joined({parent, strings[node.name]})));
+  }
+  return keys;
+}
+
+// One of the two models with what its records are known by.
+struct Side {
+  const Model& model;
+  const char* letter;
+  Ids strings;
+  Keys nodes, meshes, materials, textures, frames;
+
+  Side(const Model& m, const char* name)
+      : model(m),
+        letter(name),
+        strings(hashed_strings(m)),
+        nodes(node_keys(m, strings)),
+        meshes(named_keys(m.meshes(), strings)),
+        materials(named_keys(m.materials(), strings)),
+        textures(named_keys(m.textures(), strings)),
+        frames(named_keys(m.frames(), strings)) {}
+};
+
+class Comparison {
+ public:
+  Comparison(const Model& a, const Model& b, std::size_t limit)
+      : a_(a, "a"), b_(b, "b"), limit_(limit) {}
+
+  Differences run();
+
+ private:
+  void add(std::vector<Difference>& list, std::string where, std::string what) {
+    if (list.size() < limit_)
+      list.push_back({std::move(where), std::move(what)});
+    else
+      ++out_.hidden;
+  }
+  void add(std::string where, std::string what) {
+    add(out_.model, std::move(where), std::move(what));
+  }
+
+  // Calls same(i, j) for each pair of records with one key, and lists the others.
+  template <class Where, class Same>
+  void match(std::vector<Difference>& list, const Keys& a, const Keys& b, Where where, Same same);
+
+  template <class Record>
+  void fields(SectionKind kind, const std::string& where, const Record& a, const Record& b,
+              std::initializer_list<std::string_view> skipped);
+
+  void nodes();
+  void meshes();
+  void mesh(const std::string& where, std::size_t i, std::size_t j);
+  void vertices(const std::string& where, std::size_t i, std::size_t j);
+  void instances();
+  void materials();
+  void textures();
+  void frames();
+  void inputs();
+  void build();
+  void sources();
+  void unknown_sections();
+
+  Side a_, b_;
+  std::size_t limit_;
+  Differences out_;
+};
+
+template <class Where, class Same>
+void Comparison::match(std::vector<Difference>& list, const Keys& a, const Keys& b, Where where,
+                       Same same) {
+  std::map<Hash128, std::size_t> in_b;
+  for (std::size_t j = 0; j < b.size(); ++j) in_b.emplace(b[j], j);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const auto found = in_b.find(a[i]);
+    if (found == in_b.end()) {
+      add(list, where(a_.model, i), "only in a");
+      continue;
+    }
+    same(i, found->second);
+    in_b.erase(found);
+  }
+  for (std::size_t j = 0; j < b.size(); ++j)
+    if (in_b.contains(b[j])) add(list, where(b_.model, j), "only in b");
+}
+
+template <class T>
+std::string numbers(const std::byte* at, std::uint32_t count) {
+  std::vector<T> values(count);
+  std::memcpy(values.data(), at, count * sizeof(T));
+  return fmt::format("{}", fmt::join(values, " "));
+}
+
+std::string value_words(const layout::FieldRule& field, const std::byte* record) {
+  const std::byte* at = record + field.offset;
+  switch (field.type) {
+    case FieldType::f64:
+      return numbers<double>(at, field.count);
+    case FieldType::f32:
+      return numbers<float>(at, field.count);
+    case FieldType::i32:
+      return numbers<std::int32_t>(at, field.count);
+    case FieldType::u64:
+      return numbers<std::uint64_t>(at, field.count);
+    default:
+      return numbers<std::uint32_t>(at, field.count);
+  }
+}
+
+std::string law_words(const layout::FieldRule& field, const std::byte* record) {
+  static constexpr const char* kDiffuse[] = {"lambert", "oren_nayar", "hapke"};
+  static constexpr const char* kSpecular[] = {"none", "blinn_phong", "cook_torrance"};
+  std::uint32_t value;
+  std::memcpy(&value, record + field.offset, sizeof value);
+  return std::string_view(field.name) == "diffuse_law" ? kDiffuse[value] : kSpecular[value];
+}
+
+template <class Record>
+void Comparison::fields(SectionKind kind, const std::string& where, const Record& a,
+                        const Record& b, std::initializer_list<std::string_view> skipped) {
+  const auto* first = reinterpret_cast<const std::byte*>(&a);
+  const auto* second = reinterpret_cast<const std::byte*>(&b);
+  for (const layout::FieldRule& field : layout::kFieldRules) {
+    if (field.section != kind || std::ranges::find(skipped, field.name) != skipped.end()) continue;
+    const bool law = std::string_view(field.name).ends_with("_law");
+    const std::string in_a = law ? law_words(field, first) : value_words(field, first);
+    const std::string in_b = law ? law_words(field, second) : value_words(field, second);
+    if (in_a != in_b) add(where, fmt::format("{}: {} in a, {} in b", field.name, in_a, in_b));
+  }
+}
+
+std::string node_words(const Model& model, std::size_t i) {
+  return "node " + in_quotes(model.node_path(i));
+}
+std::string mesh_words(const Model& model, std::size_t i) {
+  return "mesh " + in_quotes(model.mesh_name(i));
+}
+std::string material_words(const Model& model, std::size_t i) {
+  return "material " + in_quotes(model.material_name(i));
+}
+std::string texture_words(const Model& model, std::size_t i) {
+  return "texture " + in_quotes(model.texture_name(i));
+}
+std::string frame_words(const Model& model, std::size_t i) {
+  return "frame " + in_quotes(model.frame_name(i));
+}
+std::string input_words(const Model& model, std::size_t i) {
+  return "input " + in_quotes(model.string(model.inputs()[i].path));
+}
+
+void Comparison::nodes() {
+  match(out_.model, a_.nodes, b_.nodes, node_words, [&](std::size_t i, std::size_t j) {
+    fields(SectionKind::nodes, node_words(a_.model, i), a_.model.nodes()[i], b_.model.nodes()[j],
+           {"parent", "name"});
+  });
+}
+
+Vec3 vec3(const layout::Float3& v) { return {v.x, v.y, v.z}; }
+Vec3 vec3(const double* v) { return {v[0], v[1], v[2]}; }
+
+// The largest distance of corresponding elements.
+template <class Span, class Distance>
+double largest(const Span& a, const Span& b, Distance distance) {
+  double worst = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const double d = distance(a[k], b[k]);
+    worst = d > worst ? d : worst;
+  }
+  return worst;
+}
+
+void Comparison::vertices(const std::string& where, std::size_t i, std::size_t j) {
+  const MeshView a = a_.model.mesh(i), b = b_.model.mesh(j);
+  const Vec3 shift = vec3(a_.model.meshes()[i].origin) - vec3(b_.model.meshes()[j].origin);
+  const double moved = largest(a.positions, b.positions, [&](const auto& p, const auto& q) {
+    return glm::length(shift + (vec3(p) - vec3(q)));
+  });
+  if (moved > 0) add(where, fmt::format("vertices lie up to {:.6g} m apart", moved));
+  const double turned = largest(a.normals, b.normals, [](const auto& p, const auto& q) {
+    return angle_between(vec3(p), vec3(q));
+  });
+  if (turned > 0) add(where, fmt::format("normals differ by up to {:.6g} rad", turned));
+  if (a.texcoords.size() == b.texcoords.size()) {
+    const double slid = largest(a.texcoords, b.texcoords, [](const auto& p, const auto& q) {
+      return glm::length(Vec2(p.x, p.y) - Vec2(q.x, q.y));
+    });
+    if (slid > 0) add(where, fmt::format("texcoords lie up to {:.6g} apart", slid));
+  }
+  if (a.colours.size() == b.colours.size()) {
+    const double tinted = largest(a.colours, b.colours, [](const auto& p, const auto& q) {
+      return glm::length(vec3(p) - vec3(q));
+    });
+    if (tinted > 0) add(where, fmt::format("colours differ by up to {:.6g}", tinted));
+  }
+}
+
+void Comparison::mesh(const std::string& where, std::size_t i, std::size_t j) {
+  const layout::Mesh& a = a_.model.meshes()[i];
+  const layout::Mesh& b = b_.model.meshes()[j];
+  fields(SectionKind::meshes, where, a, b,
+         {"origin", "bounds_min", "bounds_max", "index_offset", "first_vertex", "index_size",
+          "flags", "name", "first_texcoord", "first_colour"});
+  const auto flag = [&](std::uint32_t bit, const char* word) {
+    if ((a.flags & bit) != (b.flags & bit))
+      add(where, fmt::format("{} only in {}", word, a.flags & bit ? "a" : "b"));
+  };
+  flag(layout::kMeshClosed, "closed");
+  flag(layout::kMeshTexcoords, "texcoords");
+  flag(layout::kMeshColours, "colours");
+  if (a.vertex_count == b.vertex_count) vertices(where, i, j);
+  if (a.triangle_count == b.triangle_count) {
+    const Indices in_a = a_.model.mesh(i).indices, in_b = b_.model.mesh(j).indices;
+    std::size_t different = 0;
+    for (std::size_t k = 0; k < in_a.size(); k += 3)
+      different += in_a[k] != in_b[k] || in_a[k + 1] != in_b[k + 1] || in_a[k + 2] != in_b[k + 2];
+    if (different > 0)
+      add(where, fmt::format("{} of {} triangles have other corners", different, a.triangle_count));
+  }
+}
+
+void Comparison::meshes() {
+  match(out_.model, a_.meshes, b_.meshes, mesh_words,
+        [&](std::size_t i, std::size_t j) { mesh(mesh_words(a_.model, i), i, j); });
+}
+
+Keys instance_keys(const Side& side) {
+  Keys keys;
+  Numbering number;
+  for (const layout::Instance& instance : side.model.instances())
+    keys.push_back(number(joined({side.nodes[instance.node], side.meshes[instance.mesh]})));
+  return keys;
+}
+
+void Comparison::instances() {
+  const auto where = [](const Model& model, std::size_t i) {
+    const layout::Instance& instance = model.instances()[i];
+    return fmt::format("{} at {}", mesh_words(model, instance.mesh),
+                       node_words(model, instance.node));
+  };
+  const auto texture = [](const Side& side, std::int32_t t) {
+    return t < 0 ? std::string("no texture") : texture_words(side.model, t);
+  };
+  match(out_.model, instance_keys(a_), instance_keys(b_), where, [&](std::size_t i, std::size_t j) {
+    const layout::Instance& a = a_.model.instances()[i];
+    const layout::Instance& b = b_.model.instances()[j];
+    if (a_.materials[a.material] != b_.materials[b.material])
+      add(where(a_.model, i), fmt::format("{} in a, {} in b", material_words(a_.model, a.material),
+                                          material_words(b_.model, b.material)));
+    const Hash128 none;
+    if ((a.texture < 0 ? none : a_.textures[a.texture]) !=
+        (b.texture < 0 ? none : b_.textures[b.texture]))
+      add(where(a_.model, i),
+          fmt::format("{} in a, {} in b", texture(a_, a.texture), texture(b_, b.texture)));
+  });
+}
+
+void Comparison::materials() {
+  match(out_.model, a_.materials, b_.materials, material_words, [&](std::size_t i, std::size_t j) {
+    fields(SectionKind::materials, material_words(a_.model, i), a_.model.materials()[i],
+           b_.model.materials()[j], {"flags", "name", "reserved"});
+  });
+}
+
+void Comparison::textures() {
+  match(out_.model, a_.textures, b_.textures, texture_words, [&](std::size_t i, std::size_t j) {
+    const std::string where = texture_words(a_.model, i);
+    const layout::Texture& a = a_.model.textures()[i];
+    const layout::Texture& b = b_.model.textures()[j];
+    fields(SectionKind::textures, where, a, b, {"offset", "bytes", "flags", "name"});
+    if ((a.flags ^ b.flags) & layout::kTextureLinear)
+      add(where, fmt::format("linear only in {}", a.flags & layout::kTextureLinear ? "a" : "b"));
+    if (a.width != b.width || a.height != b.height) return;
+    const auto in_a = a_.model.texels(i), in_b = b_.model.texels(j);
+    std::size_t different = 0;
+    int worst = 0;
+    for (std::size_t k = 0; k < in_a.size(); k += 4) {
+      different += std::memcmp(&in_a[k], &in_b[k], 4) != 0;
+      for (std::size_t c = k; c < k + 4; ++c) worst = std::max(worst, std::abs(in_a[c] - in_b[c]));
+    }
+    if (different > 0)
+      add(where, fmt::format("{} of {} texels differ, by up to {} of 255", different,
+                             in_a.size() / 4, worst));
+  });
+}
+
+void Comparison::frames() {
+  match(out_.model, a_.frames, b_.frames, frame_words, [&](std::size_t i, std::size_t j) {
+    const std::string where = frame_words(a_.model, i);
+    const layout::Frame& a = a_.model.frames()[i];
+    const layout::Frame& b = b_.model.frames()[j];
+    fields(SectionKind::frames, where, a, b, {"node", "name"});
+    if (a_.nodes[a.node] != b_.nodes[b.node])
+      add(where, fmt::format("at {} in a, at {} in b", node_words(a_.model, a.node),
+                             node_words(b_.model, b.node)));
+  });
+}
+
+void Comparison::build() {
+  const auto text = [&](const char* where, std::string_view a, std::string_view b) {
+    if (a != b)
+      add(out_.provenance, where, fmt::format("{} in a, {} in b", in_quotes(a), in_quotes(b)));
+  };
+  text("version", a_.model.version(), b_.model.version());
+  text("options", a_.model.options(), b_.model.options());
+  if (a_.model.build_id() != b_.model.build_id())
+    add(out_.provenance, "build identity",
+        fmt::format("{} in a, {} in b", a_.model.build_id().hex(), b_.model.build_id().hex()));
+}
+
+void Comparison::inputs() {
+  const auto keys = [](const Side& side) {
+    Keys out;
+    Numbering number;
+    for (const layout::Input& input : side.model.inputs())
+      out.push_back(number(side.strings[input.path]));
+    return out;
+  };
+  match(out_.provenance, keys(a_), keys(b_), input_words, [&](std::size_t i, std::size_t j) {
+    const layout::Input& a = a_.model.inputs()[i];
+    const layout::Input& b = b_.model.inputs()[j];
+    if (a.hash[0] != b.hash[0] || a.hash[1] != b.hash[1] || a.bytes != b.bytes)
+      add(out_.provenance, input_words(a_.model, i),
+          fmt::format("other contents: {} bytes in a, {} in b", a.bytes, b.bytes));
+  });
+}
+
+void Comparison::sources() {
+  const auto in_a = a_.model.sources(), in_b = b_.model.sources();
+  if (in_a.empty() != in_b.empty()) {
+    add(out_.provenance, "source places", fmt::format("only in {}", in_a.empty() ? "b" : "a"));
+    return;
+  }
+  if (in_a.size() != in_b.size()) return;  // the instances say it
+  std::size_t different = 0;
+  for (std::size_t k = 0; k < in_a.size(); ++k)
+    different += in_a[k].line != in_b[k].line || in_a[k].column != in_b[k].column ||
+                 a_.strings[in_a[k].file] != b_.strings[in_b[k].file];
+  if (different > 0)
+    add(out_.provenance, "source places", fmt::format("{} of {} differ", different, in_a.size()));
+}
+
+void Comparison::unknown_sections() {
+  const auto list = [](const Model& model, Keys& keys, std::vector<std::uint32_t>& kinds,
+                       std::vector<std::uint64_t>& hashes) {
+    Numbering number;
+    for (const layout::DirectoryEntry& entry : model.directory()) {
+      if (entry.kind >= 1 && entry.kind <= layout::kSectionKinds &&
+          model.entry(SectionKind{entry.kind}) == &entry)
+        continue;
+      keys.push_back(number({entry.kind, entry.version}));
+      kinds.push_back(entry.kind);
+      hashes.push_back(entry.hash);
+    }
+  };
+  Keys keys_a, keys_b;
+  std::vector<std::uint32_t> kinds_a, kinds_b;
+  std::vector<std::uint64_t> hashes_a, hashes_b;
+  list(a_.model, keys_a, kinds_a, hashes_a);
+  list(b_.model, keys_b, kinds_b, hashes_b);
+  const auto where = [&](const Model& model, std::size_t i) {
+    return fmt::format("section of kind {}", (&model == &a_.model ? kinds_a : kinds_b)[i]);
+  };
+  match(out_.model, keys_a, keys_b, where, [&](std::size_t i, std::size_t j) {
+    if (hashes_a[i] != hashes_b[j]) add(where(a_.model, i), "other contents");
+  });
+}
+
+Differences Comparison::run() {
+  nodes();
+  meshes();
+  instances();
+  materials();
+  textures();
+  frames();
+  unknown_sections();
+  build();
+  inputs();
+  sources();
+  if (out_.empty())
+    add("file", "the same things stand in another order or are stored in another way");
+  return std::move(out_);
+}
+
+}  // namespace
+
+Differences diff(const Model& a, const Model& b, std::size_t limit) {
+  assert(a.checked() && b.checked());
+  if (std::ranges::equal(a.bytes(), b.bytes())) return {};
+  return Comparison(a, b, limit).run();
+}
+
+}  // namespace panwright::pan

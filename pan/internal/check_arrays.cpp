@@ -1,0 +1,272 @@
+// Checksums of all sections and the contents of the big arrays, block by block: a block is still
+// in the cache when its contents are looked at.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "base/parallel.h"
+#include "base/text.h"
+#include "pan/internal/block_hash.h"
+#include "pan/internal/report.h"
+#include "pan/internal/scan.h"
+
+namespace panwright::pan::internal {
+
+namespace {
+
+using layout::SectionKind;
+
+// What one block of an array holds that it must not.
+struct Found {
+  Tally values;   // not finite, not unit, negative; elements of the array
+  Tally outside;  // vertices outside their bounds; indices past the last vertex
+};
+
+// The mesh whose run holds an element, when runs tile the array.
+template <class First>
+std::size_t mesh_of(std::span<const layout::Mesh> meshes, std::uint64_t element, First first) {
+  const auto after = std::upper_bound(
+      meshes.begin(), meshes.end(), element,
+      [&](std::uint64_t value, const layout::Mesh& mesh) { return value < first(mesh); });
+  return static_cast<std::size_t>(after - meshes.begin()) - 1;
+}
+
+std::uint64_t first_vertex(const layout::Mesh& mesh) { return mesh.first_vertex; }
+std::uint64_t index_offset(const layout::Mesh& mesh) { return mesh.index_offset; }
+
+bool finite(const layout::Float3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+void check_positions(const Model& model, std::uint64_t begin, std::uint64_t end, Found& found) {
+  const auto positions = model.positions();
+  const auto meshes = model.meshes();
+  for (std::size_t m = mesh_of(meshes, begin, first_vertex); begin < end; ++m) {
+    const layout::Mesh& mesh = meshes[m];
+    const std::uint64_t stop = std::min<std::uint64_t>(end, first_vertex(mesh) + mesh.vertex_count);
+    if (!all_within(&positions[begin].x, stop - begin, mesh.bounds_min, mesh.bounds_max)) {
+      for (std::uint64_t i = begin; i < stop; ++i) {
+        const layout::Float3& p = positions[i];
+        if (!finite(p))
+          found.values.add(i);
+        else if (!all_within(&p.x, 1, mesh.bounds_min, mesh.bounds_max))
+          found.outside.add(i);
+      }
+    }
+    begin = stop;
+  }
+}
+
+template <class Index>
+void check_run(const Model& model, const layout::Mesh& mesh, std::uint64_t begin, std::uint64_t end,
+               Found& found) {
+  const std::byte* bytes = model.index_bytes().data();
+  const auto* indices = reinterpret_cast<const Index*>(bytes + begin);
+  const std::uint64_t run_end =
+      mesh.index_offset + std::uint64_t{3} * mesh.triangle_count * sizeof(Index);
+  const std::uint64_t stop = std::min(end, run_end);
+  const std::size_t count = stop > begin ? (stop - begin) / sizeof(Index) : 0;
+  if (!all_below(indices, count, mesh.vertex_count)) {
+    for (std::size_t i = 0; i < count; ++i)
+      if (indices[i] >= mesh.vertex_count) found.outside.add(begin + i * sizeof(Index));
+  }
+  for (std::uint64_t at = std::max(begin, run_end); at < end; ++at)
+    if (bytes[at] != std::byte{0}) found.values.add(at);
+}
+
+void check_indices(const Model& model, std::uint64_t begin, std::uint64_t end, Found& found) {
+  const auto meshes = model.meshes();
+  for (std::size_t m = mesh_of(meshes, begin, index_offset); begin < end; ++m) {
+    const std::uint64_t next =
+        m + 1 < meshes.size() ? meshes[m + 1].index_offset : model.index_bytes().size();
+    const std::uint64_t stop = std::min(end, next);
+    if (meshes[m].index_size == 2)
+      check_run<std::uint16_t>(model, meshes[m], begin, stop, found);
+    else
+      check_run<std::uint32_t>(model, meshes[m], begin, stop, found);
+    begin = stop;
+  }
+}
+
+// Elements [begin, end) of an array; for indices, bytes.
+void check_elements(const Model& model, SectionKind kind, std::uint64_t begin, std::uint64_t end,
+                    Found& found) {
+  const std::size_t n = end - begin;
+  switch (kind) {
+    case SectionKind::positions:
+      check_positions(model, begin, end, found);
+      break;
+    case SectionKind::normals: {
+      const layout::Float3* first = &model.normals()[begin];
+      if (all_unit(&first->x, n)) break;
+      for (std::size_t i = 0; i < n; ++i)
+        if (!all_unit(&first[i].x, 1)) found.values.add(begin + i);
+      break;
+    }
+    case SectionKind::texcoords: {
+      const layout::Float2* first = &model.texcoords()[begin];
+      if (all_finite(&first->x, 2 * n)) break;
+      for (std::size_t i = 0; i < n; ++i)
+        if (!all_finite(&first[i].x, 2)) found.values.add(begin + i);
+      break;
+    }
+    case SectionKind::colours: {
+      const layout::Float3* first = &model.colours()[begin];
+      if (all_finite_not_negative(&first->x, 3 * n)) break;
+      for (std::size_t i = 0; i < n; ++i)
+        if (!all_finite_not_negative(&first[i].x, 3)) found.values.add(begin + i);
+      break;
+    }
+    case SectionKind::indices:
+      check_indices(model, begin, end, found);
+      break;
+    default:
+      break;
+  }
+}
+
+std::string others(const Tally& tally) {
+  return tally.count > 1 ? fmt::format(" ({} more like it)", tally.count - 1) : std::string();
+}
+
+std::string mesh_words(const Model& model, std::size_t m) {
+  return fmt::format("meshes[{}] {}", m,
+                     in_quotes(unchecked_string(model, model.meshes()[m].name)));
+}
+
+void describe_vertices(const Model& model, const Found& found, Problems& problems) {
+  if (const Tally& bad = found.values; bad.count > 0) {
+    const layout::Float3& p = model.positions()[bad.first];
+    problems.push_back({Code::E4012, fmt::format("positions[{}] is {} {} {}, it must be finite{}",
+                                                 bad.first, p.x, p.y, p.z, others(bad))});
+  }
+  if (const Tally& bad = found.outside; bad.count > 0) {
+    const layout::Float3& p = model.positions()[bad.first];
+    const std::size_t m = mesh_of(model.meshes(), bad.first, first_vertex);
+    problems.push_back(
+        {Code::E4013, fmt::format("positions[{}] at {} {} {} lies outside the bounds of {}{}",
+                                  bad.first, p.x, p.y, p.z, mesh_words(model, m), others(bad))});
+  }
+}
+
+void describe_indices(const Model& model, const Found& found, Problems& problems) {
+  if (const Tally& bad = found.values; bad.count > 0)
+    problems.push_back(
+        {Code::E4012, fmt::format("byte {} of the padding between two runs of indices is not 0{}",
+                                  bad.first, others(bad))});
+  if (const Tally& bad = found.outside; bad.count > 0) {
+    const std::size_t m = mesh_of(model.meshes(), bad.first, index_offset);
+    const layout::Mesh& mesh = model.meshes()[m];
+    std::uint32_t value = 0;
+    std::memcpy(&value, model.index_bytes().data() + bad.first, mesh.index_size);
+    problems.push_back(
+        {Code::E4010, fmt::format("index {} of {} is {}, the mesh has {} vertices{}",
+                                  (bad.first - mesh.index_offset) / mesh.index_size,
+                                  mesh_words(model, m), value, mesh.vertex_count, others(bad))});
+  }
+}
+
+void describe(const Model& model, SectionKind kind, const Found& found, Problems& problems) {
+  if (found.values.count == 0 && found.outside.count == 0) return;
+  const std::uint64_t at = found.values.first;
+  if (kind == SectionKind::positions) {
+    describe_vertices(model, found, problems);
+  } else if (kind == SectionKind::indices) {
+    describe_indices(model, found, problems);
+  } else if (kind == SectionKind::texcoords) {
+    const layout::Float2& t = model.texcoords()[at];
+    problems.push_back({Code::E4012, fmt::format("texcoords[{}] is {} {}, it must be finite{}", at,
+                                                 t.x, t.y, others(found.values))});
+  } else {
+    const bool normal = kind == SectionKind::normals;
+    const layout::Float3& v = (normal ? model.normals() : model.colours())[at];
+    problems.push_back(
+        {Code::E4012,
+         fmt::format("{}[{}] is {} {} {}, it must be {}{}", normal ? "normals" : "colours", at, v.x,
+                     v.y, v.z, normal ? "a unit vector" : "finite and not negative",
+                     others(found.values))});
+  }
+}
+
+bool known(std::uint32_t kind) { return kind >= 1 && kind <= layout::kSectionKinds; }
+
+bool is_array(std::uint32_t kind) {
+  return !known(kind) || kind >= static_cast<std::uint32_t>(SectionKind::positions);
+}
+
+bool read_by_this_version(const Model& model, const layout::DirectoryEntry& entry) {
+  return known(entry.kind) && model.entry(SectionKind{entry.kind}) == &entry;
+}
+
+// One section as it is looked at: its blocks, and what was found in each of them.
+struct Work {
+  const layout::DirectoryEntry* entry;
+  std::uint32_t element;  // bytes of what is counted; 0: contents are not looked at
+  std::size_t first_job;  // of its blocks among those of all sections
+  std::vector<std::uint64_t> hashes;
+  std::vector<Found> found;
+};
+
+void do_block(const Model& model, Work& work, std::size_t index) {
+  const layout::DirectoryEntry& entry = *work.entry;
+  work.hashes[index] =
+      hash64(block(model.bytes().subspan(entry.offset, entry.stored_length), index));
+  if (work.element == 0) return;
+  // note: a block holds whole elements of each array, 8 and 12 bytes alike
+  static_assert(layout::kHashBlock % 24 == 0);
+  const std::uint64_t begin = index * layout::kHashBlock / work.element;
+  const std::uint64_t end =
+      std::min(begin + layout::kHashBlock / work.element, entry.raw_length / work.element);
+  if (begin < end) check_elements(model, SectionKind{entry.kind}, begin, end, work.found[index]);
+}
+
+void finish(const Model& model, const Work& work, Problems& problems) {
+  const layout::DirectoryEntry& entry = *work.entry;
+  const std::string name = known(entry.kind)
+                               ? fmt::format("section '{}'", layout::kSections[entry.kind - 1].name)
+                               : fmt::format("the section of kind {}", entry.kind);
+  const std::string place =
+      fmt::format("{} (bytes {} to {})", name, entry.offset, entry.offset + entry.stored_length);
+  if (combined(work.hashes) != entry.hash) {
+    problems.push_back({Code::E4009, place + " does not match its checksum"});
+    return;
+  }
+  const auto padding = model.bytes().subspan(entry.offset + entry.raw_length,
+                                             entry.stored_length - entry.raw_length);
+  if (std::any_of(padding.begin(), padding.end(), [](std::byte b) { return b != std::byte{0}; }))
+    problems.push_back({Code::E4008, place + " is padded with bytes that are not 0"});
+  Found all;
+  for (const Found& found : work.found) {
+    all.values.add(found.values);
+    all.outside.add(found.outside);
+  }
+  describe(model, SectionKind{entry.kind}, all, problems);
+}
+
+}  // namespace
+
+Problems section_problems(const Model& model, Part part, bool contents) {
+  std::vector<Work> works;
+  std::size_t jobs = 0;
+  for (const layout::DirectoryEntry& entry : model.directory()) {
+    if (is_array(entry.kind) != (part == Part::arrays)) continue;
+    const std::size_t blocks = block_count(entry.stored_length);
+    const bool look = contents && read_by_this_version(model, entry);
+    works.push_back({&entry, look ? entry.stride : 0, jobs, std::vector<std::uint64_t>(blocks),
+                     std::vector<Found>(look ? blocks : 0)});
+    jobs += blocks;
+  }
+  parallel_for(jobs, [&](std::size_t job) {
+    const auto after =
+        std::upper_bound(works.begin(), works.end(), job,
+                         [](std::size_t j, const Work& work) { return j < work.first_job; });
+    do_block(model, *(after - 1), job - (after - 1)->first_job);
+  });
+  Problems problems;
+  for (const Work& work : works) finish(model, work, problems);
+  return problems;
+}
+
+}  // namespace panwright::pan::internal

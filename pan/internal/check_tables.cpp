@@ -1,0 +1,399 @@
+// The records of the tables: the field rules of the layout, then what rules cannot say.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "base/parallel.h"
+#include "base/text.h"
+#include "pan/internal/identity.h"
+#include "pan/internal/report.h"
+#include "pan/internal/scan.h"
+
+namespace panwright::pan::internal {
+
+namespace {
+
+using layout::FieldRule;
+using layout::FieldRuleKind;
+using layout::FieldType;
+using layout::SectionKind;
+
+constexpr double kUnitQuaternionTolerance = 1e-12;  // of the squared length
+
+const layout::SectionInfo& info(SectionKind kind) {
+  return layout::kSections[static_cast<std::uint32_t>(kind) - 1];
+}
+
+std::uint64_t count_of(const Model& model, SectionKind kind) {
+  const layout::DirectoryEntry* entry = model.entry(kind);
+  const std::uint64_t count = entry ? entry->count : 0;
+  // offsets stand around strings, so there is one more of them
+  return kind == SectionKind::string_offsets && count > 0 ? count - 1 : count;
+}
+
+template <class T>
+T load(const std::byte* from) {
+  T value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
+}
+
+// ---- field rules
+
+bool number_holds(FieldRuleKind kind, double value) {
+  if (!std::isfinite(value)) return false;
+  return kind == FieldRuleKind::finite || (kind == FieldRuleKind::nonzero && value != 0) ||
+         (kind == FieldRuleKind::not_negative && value >= 0);
+}
+
+bool holds(const FieldRule& rule, const std::byte* at, std::uint64_t limit) {
+  if (rule.type == FieldType::f64) return number_holds(rule.kind, load<double>(at));
+  if (rule.type == FieldType::f32) return number_holds(rule.kind, load<float>(at));
+  const auto value = load<std::uint32_t>(at);
+  switch (rule.kind) {
+    case FieldRuleKind::zero:
+      return value == 0;
+    case FieldRuleKind::range:
+      return value >= rule.low && value <= rule.high;
+    case FieldRuleKind::mask:
+      return (value & ~rule.high) == 0;
+    case FieldRuleKind::reference_or_none:
+      return value == 0xffffffffu || value < limit;
+    default:
+      return value < limit;
+  }
+}
+
+std::string value_words(const FieldRule& rule, const std::byte* at) {
+  if (rule.type == FieldType::f64) return fmt::format("{}", load<double>(at));
+  if (rule.type == FieldType::f32) return fmt::format("{}", load<float>(at));
+  if (rule.type == FieldType::i32) return fmt::format("{}", load<std::int32_t>(at));
+  return fmt::format("{}", load<std::uint32_t>(at));
+}
+
+std::string rule_words(const FieldRule& rule, std::uint64_t limit) {
+  const bool strings = rule.target == SectionKind::string_offsets;
+  const std::string there =
+      counted(limit, strings ? "string" : "element") +
+      (strings ? std::string() : fmt::format(" in '{}'", info(rule.target).name));
+  switch (rule.kind) {
+    case FieldRuleKind::finite:
+      return "it must be finite";
+    case FieldRuleKind::not_negative:
+      return "it must be finite and not negative";
+    case FieldRuleKind::nonzero:
+      return "it must be finite and not 0";
+    case FieldRuleKind::zero:
+      return "it must be 0";
+    case FieldRuleKind::range:
+      return fmt::format("it must lie in {} to {}", rule.low, rule.high);
+    case FieldRuleKind::mask:
+      return fmt::format("only the bits {:#x} have a meaning", rule.high);
+    default:
+      return "there are " + there;
+  }
+}
+
+void check_rule(const Model& model, const FieldRule& rule, Problems& problems) {
+  const auto bytes = model.section(rule.section);
+  const std::uint32_t stride = info(rule.section).stride;
+  const std::uint64_t limit = count_of(model, rule.target);
+  const std::size_t width = rule.type == FieldType::f64 ? 8 : 4;
+  for (std::size_t record = 0; record < bytes.size() / stride; ++record) {
+    for (std::uint32_t k = 0; k < rule.count; ++k) {
+      const std::byte* at = bytes.data() + record * stride + rule.offset + k * width;
+      if (holds(rule, at, limit)) continue;
+      const bool reference =
+          rule.kind == FieldRuleKind::reference || rule.kind == FieldRuleKind::reference_or_none;
+      const std::string part = rule.count > 1 ? fmt::format("[{}]", k) : std::string();
+      problems.push_back(
+          {reference ? Code::E4010 : Code::E4012,
+           fmt::format("{}[{}].{}{} is {}, {}", info(rule.section).name, record, rule.name, part,
+                       value_words(rule, at), rule_words(rule, limit))});
+      return;
+    }
+  }
+}
+
+// ---- strings
+
+std::optional<Problem> offsets_problem(const Model& model) {
+  const auto offsets = model.string_offsets();
+  const std::uint64_t bytes = count_of(model, SectionKind::string_bytes);
+  if (offsets.size() < 2 || offsets[0] != 0 || offsets[1] != 0)
+    return Problem{Code::E4010, "string_offsets do not begin with an empty string"};
+  for (std::size_t i = 1; i < offsets.size(); ++i)
+    if (offsets[i] < offsets[i - 1])
+      return Problem{Code::E4010, fmt::format("string_offsets[{}] is {}, the one before it {}", i,
+                                              offsets[i], offsets[i - 1])};
+  if (offsets.back() != bytes)
+    return Problem{Code::E4010, fmt::format("the strings end at byte {}, string_bytes has {}",
+                                            offsets.back(), bytes)};
+  return {};
+}
+
+std::optional<Problem> text_problem(const Model& model) {
+  constexpr std::size_t kGroup = 4096;  // strings a task
+  const std::size_t count = model.string_offsets().size() - 1;
+  std::vector<Tally> groups((count + kGroup - 1) / kGroup);
+  parallel_for(groups.size(), [&](std::size_t g) {
+    const std::size_t end = std::min(count, (g + 1) * kGroup);
+    for (std::size_t i = g * kGroup; i < end; ++i)
+      if (!is_text(unchecked_string(model, static_cast<std::uint32_t>(i)))) groups[g].add(i);
+  });
+  Tally all;
+  for (const Tally& group : groups) all.add(group);
+  if (all.count == 0) return {};
+  return Problem{Code::E4014,
+                 fmt::format("string {} is not UTF-8 text without NUL{}", all.first,
+                             all.count > 1 ? fmt::format(" ({} more like it)", all.count - 1)
+                                           : std::string())};
+}
+
+// ---- nodes
+
+bool is_unit(const double* q) {
+  const double squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  return std::fabs(squared - 1.0) <= kUnitQuaternionTolerance;
+}
+
+bool is_finite(const Mat4& m) {
+  for (int k = 0; k < 4; ++k)
+    if (!panwright::is_finite(Vec3(m[k])) || !std::isfinite(m[k].w)) return false;
+  return true;
+}
+
+Problem not_unit(const char* table, std::size_t i, const double* q) {
+  return {Code::E4012, fmt::format("{}[{}].rotation is {} {} {} {}, it must be a unit quaternion",
+                                   table, i, q[0], q[1], q[2], q[3])};
+}
+
+// The first problem of the tree.
+std::optional<Problem> node_problem(const Model& model) {
+  const auto nodes = model.nodes();
+  if (nodes.empty()) return Problem{Code::E4012, "there are no nodes, a root is needed"};
+  std::vector<std::uint32_t> depths(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const std::int64_t parent = nodes[i].parent;
+    if (!is_unit(nodes[i].rotation)) return not_unit("nodes", i, nodes[i].rotation);
+    if (i == 0 && parent == -1) {
+      depths[i] = 1;
+      continue;
+    }
+    if (i == 0 || parent < 0)
+      return Problem{
+          i == 0 ? Code::E4011 : Code::E4010,
+          fmt::format("nodes[{}].parent is {}, {}", i, parent,
+                      i == 0 ? "the root has -1" : "only node 0 may stand without a parent")};
+    if (parent >= static_cast<std::int64_t>(i))
+      return Problem{Code::E4011, fmt::format("nodes[{}].parent is {}, a parent stands before "
+                                              "its children",
+                                              i, parent)};
+    depths[i] = depths[parent] + 1;
+    if (depths[i] > layout::kMaxDepth)
+      return Problem{Code::E4012, fmt::format("nodes[{}] is {} deep, the limit is {}", i, depths[i],
+                                              layout::kMaxDepth)};
+  }
+  return {};
+}
+
+// Whether all that is drawn and every frame has finite world coordinates.
+std::optional<Problem> world_problem(const Model& model) {
+  const std::vector<Mat4> world = model.world_from_nodes();
+  for (std::size_t i = 0; i < world.size(); ++i)
+    if (!is_finite(world[i]))
+      return Problem{Code::E4012,
+                     fmt::format("nodes[{}] has world coordinates that are not finite", i)};
+  const auto instances = model.instances();
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    const layout::Mesh& mesh = model.meshes()[instances[i].mesh];
+    Vec3 furthest;
+    for (int k = 0; k < 3; ++k)
+      furthest[k] = std::fabs(mesh.origin[k]) +
+                    std::fmax(std::fabs(mesh.bounds_min[k]), std::fabs(mesh.bounds_max[k]));
+    const Mat4& m = world[instances[i].node];
+    Vec3 reach = glm::abs(Vec3(m[3]));
+    for (int k = 0; k < 3; ++k) reach += glm::abs(Vec3(m[k])) * furthest[k];
+    if (!panwright::is_finite(reach))
+      return Problem{Code::E4012,
+                     fmt::format("instances[{}] has world coordinates that are not finite", i)};
+  }
+  return {};
+}
+
+// ---- runs in the arrays
+
+std::optional<Problem> mesh_form_problem(const layout::Mesh& mesh, std::size_t i) {
+  if (mesh.index_size != 2 && mesh.index_size != 4)
+    return Problem{Code::E4012, fmt::format("meshes[{}].index_size is {}, it must be 2 or 4", i,
+                                            mesh.index_size)};
+  if (mesh.index_size == 2 && mesh.vertex_count > layout::kMaxShortVertices)
+    return Problem{Code::E4012,
+                   fmt::format("meshes[{}] has {} vertices, indices of 2 bytes reach {}", i,
+                               mesh.vertex_count, layout::kMaxShortVertices)};
+  for (int k = 0; k < 3; ++k)
+    if (mesh.bounds_min[k] > mesh.bounds_max[k])
+      return Problem{Code::E4012,
+                     fmt::format("meshes[{}].bounds_min[{}] is {}, above bounds_max, {}", i, k,
+                                 mesh.bounds_min[k], mesh.bounds_max[k])};
+  return {};
+}
+
+std::optional<Problem> mesh_problem(const Model& model) {
+  std::uint64_t vertices = 0, texcoords = 0, colours = 0, bytes = 0;
+  const auto meshes = model.meshes();
+  const auto misplaced = [](std::size_t i, const char* field, std::uint64_t is,
+                            std::uint64_t must) {
+    return Problem{Code::E4010, fmt::format("meshes[{}].{} is {}, runs tile their array, so it "
+                                            "must be {}",
+                                            i, field, is, must)};
+  };
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const layout::Mesh& mesh = meshes[i];
+    if (auto problem = mesh_form_problem(mesh, i)) return problem;
+    const bool has_texcoords = mesh.flags & layout::kMeshTexcoords;
+    const bool has_colours = mesh.flags & layout::kMeshColours;
+    const std::uint64_t texcoord = has_texcoords ? texcoords : 0;
+    const std::uint64_t colour = has_colours ? colours : 0;
+    if (mesh.first_vertex != vertices)
+      return misplaced(i, "first_vertex", mesh.first_vertex, vertices);
+    if (mesh.index_offset != bytes) return misplaced(i, "index_offset", mesh.index_offset, bytes);
+    if (mesh.first_texcoord != texcoord)
+      return misplaced(i, "first_texcoord", mesh.first_texcoord, texcoord);
+    if (mesh.first_colour != colour) return misplaced(i, "first_colour", mesh.first_colour, colour);
+    vertices += mesh.vertex_count;
+    texcoords += has_texcoords ? mesh.vertex_count : 0;
+    colours += has_colours ? mesh.vertex_count : 0;
+    // note: counts are below 2^32 and records below 2^58, so no sum overflows before it is compared
+    bytes += (std::uint64_t{3} * mesh.triangle_count * mesh.index_size + 3) / 4 * 4;
+  }
+  const struct {
+    SectionKind kind;
+    std::uint64_t needed;
+  } arrays[] = {{SectionKind::positions, vertices},
+                {SectionKind::normals, vertices},
+                {SectionKind::texcoords, texcoords},
+                {SectionKind::colours, colours},
+                {SectionKind::indices, bytes}};
+  for (const auto& array : arrays)
+    if (count_of(model, array.kind) != array.needed)
+      return Problem{Code::E4010,
+                     fmt::format("section '{}' has {}, the meshes need {}", info(array.kind).name,
+                                 counted(count_of(model, array.kind), "element"), array.needed)};
+  return {};
+}
+
+std::optional<Problem> texture_problem(const Model& model) {
+  std::uint64_t bytes = 0;
+  const auto textures = model.textures();
+  for (std::size_t i = 0; i < textures.size(); ++i) {
+    const layout::Texture& texture = textures[i];
+    const std::uint64_t needed = std::uint64_t{4} * texture.width * texture.height;
+    if (texture.offset != bytes || texture.bytes != needed)
+      return Problem{
+          Code::E4010,
+          fmt::format("textures[{}] has {} bytes at {}, {} x {} texels at {} are needed", i,
+                      texture.bytes, texture.offset, texture.width, texture.height, bytes)};
+    bytes += needed;
+  }
+  if (count_of(model, SectionKind::texels) != bytes)
+    return Problem{Code::E4010, fmt::format("section 'texels' has {} bytes, the textures need {}",
+                                            count_of(model, SectionKind::texels), bytes)};
+  return {};
+}
+
+// ---- the rest
+
+std::optional<Problem> instance_problem(const Model& model) {
+  const auto instances = model.instances();
+  for (std::size_t i = 0; i < instances.size(); ++i)
+    if (instances[i].texture >= 0 &&
+        !(model.meshes()[instances[i].mesh].flags & layout::kMeshTexcoords))
+      return Problem{Code::E4010,
+                     fmt::format("instances[{}] has a texture, and meshes[{}] has no texcoords", i,
+                                 instances[i].mesh)};
+  const std::uint64_t sources = model.sources().size();
+  if (model.entry(SectionKind::sources) && sources != instances.size())
+    return Problem{Code::E4010,
+                   fmt::format("section 'sources' has {}, there are {}",
+                               counted(sources, "element"), counted(instances.size(), "instance"))};
+  return {};
+}
+
+std::optional<Problem> material_problem(const Model& model) {
+  const auto materials = model.materials();
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    const float* n = materials[i].refract;
+    const int zeros = (n[0] == 0) + (n[1] == 0) + (n[2] == 0);
+    if (zeros != 0 && zeros != 3)
+      return Problem{Code::E4012, fmt::format("materials[{}].refract is {} {} {}, all must be 0 or "
+                                              "all above it",
+                                              i, n[0], n[1], n[2])};
+    const auto cook = static_cast<std::uint32_t>(layout::SpecularLaw::cook_torrance);
+    if (materials[i].specular_law == cook && !(materials[i].cook[1] > 0))
+      return Problem{Code::E4012,
+                     fmt::format("materials[{}].cook[1] is {}, a slope must be above 0", i,
+                                 materials[i].cook[1])};
+  }
+  return {};
+}
+
+std::optional<Problem> frame_problem(const Model& model) {
+  const auto frames = model.frames();
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    if (!is_unit(frames[i].rotation)) return not_unit("frames", i, frames[i].rotation);
+  return {};
+}
+
+std::optional<Problem> build_problem(const Model& model) {
+  if (model.builds().size() != 1)
+    return Problem{Code::E4012, fmt::format("section 'build' has {} records, one is needed",
+                                            model.builds().size())};
+  IdentityHasher hasher;
+  const auto inputs = model.inputs();
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const std::string_view path = unchecked_string(model, inputs[i].path);
+    // note: without a limit, many inputs that share one long path would take quadratic time
+    if (path.size() > layout::kMaxPathBytes)
+      return Problem{Code::E4012, fmt::format("inputs[{}].path has {} bytes, the limit is {}", i,
+                                              path.size(), layout::kMaxPathBytes)};
+    hasher.input({inputs[i].hash[0], inputs[i].hash[1]}, inputs[i].bytes, path);
+  }
+  const layout::Build& build = model.builds().front();
+  const Hash128 id =
+      hasher.finish(unchecked_string(model, build.version), unchecked_string(model, build.options));
+  if (id != model.build_id())
+    return Problem{Code::E4012, fmt::format("the build identity is {}, inputs, version and options "
+                                            "give {}",
+                                            model.build_id().hex(), id.hex())};
+  return {};
+}
+
+}  // namespace
+
+Problems table_problems(const Model& model) {
+  Problems problems;
+  for (const FieldRule& rule : layout::kFieldRules)
+    if (rule.kind != FieldRuleKind::any) check_rule(model, rule, problems);
+  const auto add = [&](const std::optional<Problem>& problem) {
+    if (problem) problems.push_back(*problem);
+  };
+  const auto bad_offsets = offsets_problem(model);
+  add(bad_offsets);
+  if (!bad_offsets) add(text_problem(model));
+  add(node_problem(model));
+  add(mesh_problem(model));
+  add(texture_problem(model));
+  add(material_problem(model));
+  add(frame_problem(model));
+  if (!problems.empty()) return problems;
+  // these follow references, so they come when all of them hold
+  add(instance_problem(model));
+  add(world_problem(model));
+  add(build_problem(model));
+  return problems;
+}
+
+}  // namespace panwright::pan::internal
