@@ -16,7 +16,7 @@ void check_one(const std::string& path, const ReadOptions& options, Session& ses
   const std::string extension = extension_of(path);
   const std::size_t errors = log.errors(), warnings = log.warnings();
   if (extension == ".pan") {
-    (void)load_model(path, options, false, session);
+    (void)load_model(path, options, session);
   } else if (extension == ".pxn") {
     (void)read_scene(path, options, session);
   } else {

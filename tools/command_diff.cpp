@@ -11,8 +11,8 @@ namespace panwright::tools {
 
 int diff(const DiffOptions& options) {
   Session session("diff", options.common);
-  const auto a = load_model(options.a, options.read, false, session);
-  const auto b = load_model(options.b, options.read, false, session);
+  const auto a = load_model(options.a, options.read, session);
+  const auto b = load_model(options.b, options.read, session);
   if (!a || !b) return session.finish();
   session.step("compare");
   const pan::Difference difference = pan::diff(*a, *b);

@@ -158,7 +158,7 @@ void print_text(const std::string& path, const pan::Model& model, const Totals& 
 
 int info(const InfoOptions& options) {
   Session session("info", options.common);
-  const auto model = load_model(options.input, options.read, false, session);
+  const auto model = load_model(options.input, options.read, session);
   if (!model) return session.finish();
   const Totals totals = totals_of(*model);
   Json& out = session.result();

@@ -122,8 +122,6 @@ void add_render(CLI::App* app, RenderOptions& options) {
   app->add_option("--gl", options.gl, "OpenGL context: auto, egl or osmesa")
       ->check(CLI::IsMember({"auto", "egl", "osmesa"}))
       ->type_name("KIND");
-  app->add_flag("--trust", options.trust,
-                "Skip the full check of a pan file that you wrote yourself");
   add_read(app, options.read);
   add_common(app, options.common);
 }

@@ -27,7 +27,7 @@ Result<scene::Scene> read_scene(const std::string& path, const ReadOptions& opti
   return pxn::read(path, read, session.log());
 }
 
-Result<pan::Model> load_model(const std::string& path, const ReadOptions& options, bool trust,
+Result<pan::Model> load_model(const std::string& path, const ReadOptions& options,
                               Session& session) {
   const std::string extension = extension_of(path);
   if (extension == ".pan") {
@@ -35,7 +35,7 @@ Result<pan::Model> load_model(const std::string& path, const ReadOptions& option
     auto model = pan::Model::open(path, session.log());
     if (!model) return failed;
     session.step("check " + path);
-    if (!trust && !model->check(session.log())) return failed;
+    if (!model->check(session.log())) return failed;
     return model;
   }
   if (extension != ".pxn") {

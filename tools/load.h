@@ -18,12 +18,11 @@ namespace panwright::tools {
 Result<scene::Scene> read_scene(const std::string& path, const ReadOptions& options,
                                 Session& session);
 
-// Opens a pan file and checks it (unless `trust`), or compiles a pxn file in memory. The reader is
-// chosen by extension.
+// Opens a pan file and checks it, or compiles a pxn file in memory. The reader is chosen by
+// extension.
 //
 // Fails: E0202, E01…, E1…, E4….
-Result<pan::Model> load_model(const std::string& path, const ReadOptions& options, bool trust,
-                              Session& session);
+Result<pan::Model> load_model(const std::string& path, const ReadOptions& options,                               Session& session);
 
 // The file name's extension in lower case, with its point.
 std::string extension_of(const std::string& path);

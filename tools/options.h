@@ -89,7 +89,6 @@ struct RenderOptions {
   std::string gl = "auto";
   unsigned samples = 1;
   bool flat = false;
-  bool trust = false;  // skips the full check of the pan
 };
 
 struct ExplainOptions {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "preview/renderer.h"
 
 namespace panwright::tools {
 
@@ -174,25 +175,6 @@ void read_attitude(const ViewOptions& options, const BoundingSphere& sphere, Rea
     camera.world_from_camera = *attitude;
 }
 
-void place_camera_in_frame(const std::string& name, const pan::Model& model,
-                           const preview::Pose& pose, preview::Camera& camera, DiagnosticLog& log) {
-  if (const auto index = model.find_frame(name)) {
-    const auto& frame = model.frames()[*index];
-    const Vec3 origin(frame.origin[0], frame.origin[1], frame.origin[2]);
-    const Quat rotation(frame.rotation[0], frame.rotation[1], frame.rotation[2], frame.rotation[3]);
-    preview::place_in_frame(camera, pose.matrix() * model.world_from_nodes()[frame.node], origin,
-                            rotation);
-    return;
-  }
-  std::vector<std::string_view> names;
-  for (std::size_t i = 0; i < model.frames().size(); ++i) names.push_back(model.frame_name(i));
-  const auto near = nearest_name(name, names);
-  log.report(Code::E5005, {}, fmt::format("the model has no frame {}", in_quotes(name)),
-             near            ? fmt::format("did you mean '{}'?", *near)
-             : names.empty() ? std::string("the model has no frames")
-                             : std::string());
-}
-
 void read_sun(const ViewOptions& options, Reader& reader, preview::View& view) {
   const Quat& q = view.camera.world_from_camera;
   // behind the camera, over its left shoulder: camera axes are x right, y down
@@ -269,7 +251,7 @@ Result<preview::View> make_view(const ViewOptions& options, const pan::Model& mo
     if (options.camera || options.quat || options.look_at)
       reader.fail("camera-frame", *options.camera_frame,
                   "its place alone: not with --camera, --quat or --look-at");
-    place_camera_in_frame(*options.camera_frame, model, view.world_from_model, view.camera, log);
+    preview::place_in_frame(view, model, *options.camera_frame, log);
   } else {
     read_attitude(options, sphere, reader, view.camera, log);
   }
