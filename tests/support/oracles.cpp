@@ -215,6 +215,29 @@ std::optional<double> seed_lobe_intensity(double phase_deg) {
   return kTable[static_cast<int>(place)];
 }
 
+Vec3 seed_lobe(const Vec3& normal, const Vec3& to_light, const Vec3& to_viewer) {
+  const double nl = glm::dot(normal, to_light);
+  const double nv = std::max(0.0, glm::dot(normal, to_viewer));
+  if (nl <= 0) return Vec3(0);
+  const Vec3 h = glm::normalize(to_light + to_viewer);
+  const double nh = glm::dot(normal, h);
+  const double vh = glm::dot(to_viewer, h);
+  if (nh <= 0) return Vec3(0);
+  const double m2 = 0.15 * 0.15;
+  const double tan2 = (1 - nh * nh) / (nh * nh);
+  const double d = std::exp(-tan2 / m2) / (kPi * m2 * nh * nh * nh * nh);
+  // G/(4 nl nv) without a division by the smaller cosine
+  const double larger = std::max(nl, nv);
+  const double smaller = std::min(nl, nv);
+  const double shadowed = nh / (2 * vh * larger);
+  const double visibility =
+      4 * larger * smaller * shadowed < 1 ? shadowed : 1 / (4 * larger * smaller);
+  const double g = std::sqrt(1.5 * 1.5 + vh * vh - 1);
+  const double r = (g - vh) / (g + vh);
+  const double s = (vh * (g + vh) - 1) / (vh * (g - vh) + 1);
+  return Vec3(0.5 * r * r * (1 + s * s) * d * visibility);
+}
+
 FarField sphere_sum(const Brdf& brdf, double phase, int order) {
   const Moments fine = lune(brdf, phase, order);
   const Moments coarse = lune(brdf, phase, std::max(1, order / 2));

@@ -34,6 +34,10 @@ std::optional<double> seed_lobe_intensity(double phase_deg);
 // f(n, l, v), 1/sr, for each channel. Unit vectors, pointing away from the surface.
 using Brdf = std::function<Vec3(const Vec3& normal, const Vec3& to_light, const Vec3& to_viewer)>;
 
+// The specular lobe of figure 8 (see seed_lobe_intensity), written down apart from
+// materials/formulas. 0 where n·l ≤ 0; finite where n·v ≤ 0.
+Vec3 seed_lobe(const Vec3& normal, const Vec3& to_light, const Vec3& to_viewer);
+
 // What a distant viewer gets from a body per unit of irradiance at it.
 struct FarField {
   Vec3 intensity{0};             // m²/sr: W/sr per W/m², for each channel

@@ -24,24 +24,6 @@ geometry::Mesh sphere(std::uint32_t rings, std::uint32_t quads) {
 
 Vec3 lambert(const Vec3&, const Vec3&, const Vec3&) { return Vec3(1 / kPi); }
 
-// Cook-Torrance of figure 8, written down once more: Beckmann, V-cavity, exact Fresnel.
-Vec3 seed_lobe(const Vec3& n, const Vec3& l, const Vec3& v) {
-  const Vec3 h = glm::normalize(l + v);
-  const double nl = glm::dot(n, l);
-  const double nv = glm::dot(n, v);
-  const double nh = glm::dot(n, h);
-  const double vh = glm::dot(v, h);
-  const double tan2 = (1 - nh * nh) / (nh * nh);
-  const double m2 = 0.15 * 0.15;
-  const double d = std::exp(-tan2 / m2) / (kPi * m2 * nh * nh * nh * nh);
-  const double g = std::min({1.0, 2 * nh * nv / vh, 2 * nh * nl / vh});
-  const double q = std::sqrt(1.5 * 1.5 + vh * vh - 1);
-  const double r = (q - vh) / (q + vh);
-  const double s = (vh * (q + vh) - 1) / (vh * (q - vh) + 1);
-  const double f = 0.5 * r * r * (1 + s * s);
-  return Vec3(f * d * g / (4 * nl * nv));
-}
-
 TEST(ClosedForms, LambertSphereHasItsTable) {
   const double intensity[] = {.6666666667, .5872285197, .4059985207,
                               .2122065908, .0726651874, .0098782505};

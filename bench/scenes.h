@@ -1,0 +1,32 @@
+// Models that the cases measure.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "bench/bench.h"
+#include "geometry/shape.h"
+#include "materials/material.h"
+#include "scene/scene.h"
+
+namespace panwright::bench {
+
+// One sphere of radius 1 about the origin.
+scene::Scene sphere_scene(const geometry::SphereCounts& counts,
+                          const materials::Material& material);
+
+// The material of the paper's figure 8.
+materials::Material figure8_material();
+// A perfect diffuser of the given albedo.
+materials::Material lambert_material(double albedo);
+
+// pxn text of one sphere.
+std::string sphere_pxn(const geometry::SphereCounts& counts);
+// pxn text of `spheres` small spheres, each in a transform of its own: six elements for each.
+std::string many_spheres_pxn(int spheres);
+
+// Writes text into the scratch folder and returns its path; empty: refused.
+std::filesystem::path write_scratch(const Context& context, const std::string& name,
+                                    const std::string& text);
+
+}  // namespace panwright::bench

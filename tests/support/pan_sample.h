@@ -1,0 +1,53 @@
+// Pan models made in the tests, and tools to take them apart.
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "pan/writer.h"
+
+namespace panwright::support {
+
+// Every kind of record: three nodes, a tetrahedron and a coloured, textured square, two materials,
+// a 2 x 3 picture, a frame, sources and inputs.
+pan::Contents small_contents();
+std::vector<std::byte> small_pan();
+
+// Wavy sheets of 512 x 512 quads, about 13 MB each with 4-byte indices, as many as come nearest to
+// a size. For speed: pan::write of it makes a file of that size.
+pan::Contents large_contents(std::uint64_t bytes);
+
+// The bytes of a pan file, open to changes behind the writer's back.
+class OpenPan {
+ public:
+  explicit OpenPan(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {}
+
+  pan::layout::Header& header();
+  pan::layout::DirectoryEntry& entry(std::size_t index);
+  pan::layout::DirectoryEntry& entry(pan::layout::SectionKind kind);  // Expects: present
+  // A record of a table, or an element of an array.
+  template <class T>
+  T& at(pan::layout::SectionKind kind, std::size_t index) {
+    return reinterpret_cast<T*>(bytes_.data() + entry(kind).offset)[index];
+  }
+
+  // Puts a section behind the others. The bytes must be a multiple of 64.
+  void add_section(std::uint32_t kind, bool optional, std::size_t stride,
+                   std::vector<std::byte> bytes);
+  // Replaces a section by one of another length, and moves what follows.
+  void resize_section(pan::layout::SectionKind kind, std::size_t count);
+
+  // Computes every checksum anew, by the words of docs/pan-format.md.
+  OpenPan& seal();
+  // The directory's and the header's alone: for entries that point nowhere.
+  OpenPan& seal_directory();
+  OpenPan& seal_header();
+  // Makes the build identity that of the inputs, version and options; then seals.
+  const std::vector<std::byte>& bytes() const { return bytes_; }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace panwright::support
