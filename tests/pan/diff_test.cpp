@@ -1,0 +1,186 @@
+// Differences: none between equal files, and the right words for each kind of change.
+#include "pan/diff.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+
+#include "tests/support/pan_sample.h"
+
+namespace panwright::pan {
+namespace {
+
+Model load(const std::vector<std::byte>& bytes) {
+  DiagnosticLog log;
+  auto model = Model::from_bytes(bytes, "x.pan", log);
+  EXPECT_TRUE(model && model->check(log)) << to_text(log);
+  return *std::move(model);
+}
+
+std::vector<std::string> lines(const std::vector<Difference>& list) {
+  std::vector<std::string> out;
+  for (const Difference& difference : list)
+    out.push_back(difference.where + ": " + difference.what);
+  return out;
+}
+
+using Lines = std::vector<std::string>;
+
+// The differences that a change of the sample makes.
+Differences after(const std::function<void(Contents&)>& change) {
+  Contents changed = support::small_contents();
+  change(changed);
+  return diff(load(support::small_pan()), load(write_to_memory(changed)));
+}
+
+void expect_model(const Lines& expected, const std::function<void(Contents&)>& change) {
+  const Differences found = after(change);
+  EXPECT_EQ(lines(found.model), expected);
+  EXPECT_EQ(lines(found.provenance), Lines());
+}
+
+void expect_provenance(const Lines& expected, const std::function<void(Contents&)>& change) {
+  const Differences found = after(change);
+  EXPECT_TRUE(found.same_model());
+  Lines seen = lines(found.provenance);
+  std::erase_if(seen, [](const std::string& line) { return line.starts_with("build identity"); });
+  EXPECT_EQ(seen, expected);
+}
+
+TEST(Diff, EqualFilesDoNotDiffer) {
+  EXPECT_TRUE(after([](Contents&) {}).empty());
+}
+
+TEST(Diff, Nodes) {
+  expect_model({"node 'craft/body': translation: 1 2 3 in a, 1 2 3.5 in b"},
+               [](Contents& c) { c.nodes[1].translation.z = 3.5; });
+  expect_model({"node 'craft/body': rotation: 0.6 0 0.8 0 in a, -0.6 0 0.8 0 in b"},
+               [](Contents& c) { c.nodes[1].rotation.w = -0.6; });
+  expect_model({"node 'craft': scale: 1 1 1 in a, 1 -1 1 in b"},
+               [](Contents& c) { c.nodes[0].scale.y = -1; });
+  expect_model({"node 'craft/extra': only in b"}, [](Contents& c) {
+    c.nodes.push_back({"extra", 0});
+  });
+}
+
+TEST(Diff, ARenamedNodeIsAnother) {
+  const Differences found = after([](Contents& c) { c.nodes[2].name = "panel"; });
+  const Lines seen = lines(found.model);
+  EXPECT_EQ(seen[0], "node 'craft/body/[2]': only in a");
+  EXPECT_EQ(seen[1], "node 'craft/body/panel': only in b");
+  EXPECT_EQ(seen[2], "mesh 'pläté' at node 'craft/body/[2]': only in a");
+  EXPECT_EQ(seen.size(), 4u);
+}
+
+TEST(Diff, Meshes) {
+  expect_model({"mesh 'hull': vertices lie up to 0.5 m apart"},
+               [](Contents& c) { c.meshes[0].positions[3] -= 0.5f; });
+  expect_model({"mesh 'hull': vertices lie up to 5 m apart"},
+               [](Contents& c) { c.meshes[0].origin += Vec3(0, 3, 4); });
+  // an origin that moves while the vertices stay is no difference of place: the file differs still
+  expect_model({"file: the same things stand in another order or are stored in another way"},
+               [](Contents& c) {
+                 c.meshes[0].origin.x += 1;
+                 for (std::size_t i = 0; i < 12; i += 3) c.meshes[0].positions[i] -= 1;
+               });
+  expect_model({"mesh 'hull': error: 0.25 in a, 0.5 in b", "mesh 'hull': closed only in a"},
+               [](Contents& c) {
+                 c.meshes[0].error = 0.5;
+                 c.meshes[0].closed = false;
+               });
+  expect_model({"mesh 'pläté': normals differ by up to 1.5708 rad"}, [](Contents& c) {
+    c.meshes[1].normals[0] = 1;
+    c.meshes[1].normals[2] = 0;
+  });
+  expect_model({"mesh 'pläté': texcoords lie up to 0.25 apart"},
+               [](Contents& c) { c.meshes[1].texcoords[0] = 0.25f; });
+  expect_model({"mesh 'pläté': colours differ by up to 2"},
+               [](Contents& c) { c.meshes[1].colours[0] = 3; });
+  expect_model({"mesh 'pläté': colours only in a"},
+               [](Contents& c) { c.meshes[1].colours.clear(); });
+  expect_model({"mesh 'hull': 2 of 4 triangles have other corners"}, [](Contents& c) {
+    std::swap(c.meshes[0].indices[0], c.meshes[0].indices[3]);
+    std::swap(c.meshes[0].indices[1], c.meshes[0].indices[4]);
+    std::swap(c.meshes[0].indices[2], c.meshes[0].indices[5]);
+  });
+  expect_model({"mesh 'hull': triangle_count: 4 in a, 3 in b"},
+               [](Contents& c) { c.meshes[0].indices.resize(9); });
+  expect_model({"mesh 'extra': only in b"}, [](Contents& c) {
+    c.meshes.push_back(c.meshes[0]);
+    c.meshes[2].name = "extra";
+  });
+}
+
+TEST(Diff, InstancesMaterialsAndTextures) {
+  expect_model({"mesh 'hull' at node 'craft/body': material 'plastic' in a, material 'paint' in b"},
+               [](Contents& c) { c.instances[0].material = 1; });
+  expect_model({"mesh 'pläté' at node 'craft/body/[2]': texture 'skin.png' in a, no texture in b"},
+               [](Contents& c) { c.instances[1].texture = -1; });
+  expect_model({"material 'plastic': refract: 1.5 1.5 1.5 in a, 0 0 0 in b",
+                "material 'plastic': specular_law: cook_torrance in a, none in b"},
+               [](Contents& c) {
+                 c.materials[0].refract.reset();
+                 c.materials[0].specular_law = materials::SpecularLaw::none;
+               });
+  expect_model({"texture 'skin.png': linear only in a"},
+               [](Contents& c) { c.textures[0].linear = false; });
+  expect_model(
+      {"texture 'skin.png': width: 2 in a, 3 in b", "texture 'skin.png': height: 3 in a, 2 in b"},
+      [](Contents& c) { std::swap(c.textures[0].width, c.textures[0].height); });
+  std::vector<std::uint8_t> other;
+  expect_model({"texture 'skin.png': 1 of 6 texels differ, by up to 5 of 255"}, [&](Contents& c) {
+    other.assign(c.textures[0].rgba.begin(), c.textures[0].rgba.end());
+    other[7] += 5;
+    c.textures[0].rgba = other;
+  });
+}
+
+TEST(Diff, Frames) {
+  expect_model({"frame 'camera': origin: 0 0 0.5 in a, 0 1 0.5 in b"},
+               [](Contents& c) { c.frames[0].origin.y = 1; });
+  expect_model({"frame 'camera': at node 'craft/body' in a, at node 'craft' in b"},
+               [](Contents& c) { c.frames[0].node = 0; });
+  expect_model({"frame 'camera': only in a"}, [](Contents& c) { c.frames.clear(); });
+}
+
+TEST(Diff, ProvenanceStandsApart) {
+  expect_provenance({"version: 'panwright 0.1.0' in a, 'panwright 0.2.0' in b"},
+                    [](Contents& c) { c.version = "panwright 0.2.0"; });
+  expect_provenance({"options: 'max_error=0.001' in a, '' in b"},
+                    [](Contents& c) { c.options.clear(); });
+  expect_provenance({"input 'craft.pxn': other contents: 300 bytes in a, 300 in b"},
+                    [](Contents& c) { c.inputs[0].hash.low = 9; });
+  expect_provenance({"input 'skin.png': only in a"}, [](Contents& c) { c.inputs.pop_back(); });
+  expect_provenance({"source places: 1 of 2 differ"}, [](Contents& c) { c.sources[1].line = 10; });
+  expect_provenance({"source places: only in a"}, [](Contents& c) { c.sources.clear(); });
+}
+
+TEST(Diff, UnknownSectionsAndOrder) {
+  support::OpenPan file(support::small_pan());
+  file.add_section(1000, true, 1, std::vector<std::byte>(64, std::byte{1}));
+  file.seal();
+  const Model a = load(support::small_pan()), b = load(file.bytes());
+  EXPECT_EQ(lines(diff(a, b).model), Lines{"section of kind 1000: only in b"});
+  EXPECT_EQ(lines(diff(b, a).model), Lines{"section of kind 1000: only in a"});
+  file.at<std::uint8_t>(layout::SectionKind{1000}, 5) = 9;
+  file.seal();
+  EXPECT_EQ(lines(diff(b, load(file.bytes())).model),
+            Lines{"section of kind 1000: other contents"});
+  expect_model({"file: the same things stand in another order or are stored in another way"},
+               [](Contents& c) {
+                 std::swap(c.materials[0], c.materials[1]);
+                 for (InstanceContent& instance : c.instances) instance.material ^= 1;
+               });
+}
+
+TEST(Diff, TheLimitCountsWhatItHides) {
+  Contents many = support::small_contents();
+  for (int i = 0; i < 10; ++i) many.nodes.push_back({"n", 0});
+  const Differences found = diff(load(support::small_pan()), load(write_to_memory(many)), 3);
+  EXPECT_EQ(found.model.size(), 3u);
+  EXPECT_EQ(found.hidden, 7u);
+}
+
+}  // namespace
+}  // namespace panwright::pan
