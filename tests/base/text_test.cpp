@@ -1,10 +1,13 @@
 #include "base/text.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <clocale>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 
 namespace panwright {
 namespace {
@@ -37,14 +40,21 @@ TEST(ParseDouble, RoundTripsEveryDouble) {
   }
 }
 
-TEST(ParseDouble, IgnoresTheLocale) {
+TEST(ParseDouble, IgnoresALocaleWithDecimalCommas) {
+  const std::string folder = testing::TempDir() + "panwright-locale-" + std::to_string(getpid());
+  ASSERT_EQ(mkdir(folder.c_str(), 0700), 0);
+  const std::string make = "localedef -i de_DE -f UTF-8 --no-archive " + folder + "/de_DE.UTF-8";
+  ASSERT_EQ(std::system(make.c_str()), 0) << "Debian's package locales is needed";
+  setenv("LOCPATH", folder.c_str(), 1);
   const std::string before = std::setlocale(LC_ALL, nullptr);
-  bool comma = false;
-  for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"})
-    comma = comma || std::setlocale(LC_ALL, name) != nullptr;
+  ASSERT_NE(std::setlocale(LC_ALL, "de_DE.UTF-8"), nullptr);
+  EXPECT_EQ(std::strtod("1,5", nullptr), 1.5) << "the locale is not in force";
   EXPECT_EQ(parse_double("1.5"), 1.5);
+  EXPECT_FALSE(parse_double("1,5"));
   EXPECT_EQ(format_double(1.5), "1.5");
   std::setlocale(LC_ALL, before.c_str());
+  unsetenv("LOCPATH");
+  std::filesystem::remove_all(folder);
 }
 
 TEST(InQuotes, EscapesAndCuts) {
