@@ -75,9 +75,6 @@ std::string value_words(const FieldRule& rule, const std::byte* at) {
 
 std::string rule_words(const FieldRule& rule, std::uint64_t limit) {
   const bool strings = rule.target == SectionKind::string_offsets;
-  const std::string there =
-      counted(limit, strings ? "string" : "element") +
-      (strings ? std::string() : fmt::format(" in '{}'", info(rule.target).name));
   switch (rule.kind) {
     case FieldRuleKind::finite:
       return "it must be finite";
@@ -92,7 +89,9 @@ std::string rule_words(const FieldRule& rule, std::uint64_t limit) {
     case FieldRuleKind::mask:
       return fmt::format("only the bits {:#x} have a meaning", rule.high);
     default:
-      return "there are " + there;
+      return strings
+                 ? "the file has " + counted(limit, "string")
+                 : fmt::format("'{}' has {}", info(rule.target).name, counted(limit, "element"));
   }
 }
 

@@ -126,7 +126,7 @@ TEST(Check, MessagesNameThePlaceAndWhatIsAccepted) {
   ASSERT_EQ(log.entries().size(),
             1u);  // the tables are wrong, so the arrays are not judged by them
   EXPECT_EQ(log.entries()[0].message,
-            "instances[1].material is 9, there are 2 elements in 'materials'");
+            "instances[1].material is 9, 'materials' has 2 elements");
   file.at<layout::Instance>(layout::SectionKind::instances, 1).material = 1;
   file.seal();
   DiagnosticLog second;

@@ -231,8 +231,7 @@ void meshes(Collection& add) {
        [](Mesh* m) { m[1].first_texcoord = 0xffffffffu; });
   mesh(Code::E4010, "colours past the end", [](Mesh* m) { m[1].first_colour = 1; });
   mesh(Code::E4010, "texcoords that are not there", [](Mesh* m) { m[0].flags |= kMeshTexcoords; });
-  mesh(Code::E4010, "a texture on a mesh without texcoords",
-       [](Mesh* m) { m[1].flags &= ~kMeshTexcoords; });
+  mesh(Code::E4010, "texcoords that no mesh has", [](Mesh* m) { m[1].flags &= ~kMeshTexcoords; });
   mesh(Code::E4010, "a mesh's name", [](Mesh* m) { m[0].name = 0xffffffffu; });
   mesh(Code::E4012, "two vertices", [](Mesh* m) { m[0].vertex_count = 2; });
   mesh(Code::E4012, "no triangles", [](Mesh* m) { m[0].triangle_count = 0; });
@@ -286,6 +285,7 @@ void tables(Collection& add) {
   instance("a mesh past the end", [](Instance& i) { i.mesh = 0xffffffffu; });
   instance("a material past the end", [](Instance& i) { i.material = 2; });
   instance("a texture past the end", [](Instance& i) { i.texture = 1; });
+  instance("a texture on a mesh without texcoords", [](Instance& i) { i.mesh = 0; });
   instance("a texture of -2", [](Instance& i) { i.texture = -2; });
   const auto material = [&](Code code, const char* what,
                             const std::function<void(Material&)>& change) {
