@@ -13,15 +13,15 @@ namespace panwright::materials {
 
 // The fields of a <material> as written; absent ones are inherited from the appearance around it.
 struct Fields {
-  std::optional<Vec3> diffuse;                // linear RGB
-  std::optional<Vec3> specular;               // linear RGB
-  std::optional<double> shine;                // Blinn-Phong exponent, 0..128
-  std::optional<Vec3> emissive;               // linear RGB
-  std::optional<Vec3> reflect;                // weights of diffuse, specular, emissive
-  std::optional<Vec3> refract;                // real refractive index per channel
-  std::optional<std::array<double, 4>> cook;  // factor of D, RMS slope m, factors of F and G
-  std::optional<double> oren;                 // σ, radians
-  std::optional<std::array<double, 4>> hapke; // w, h, B0, mean roughness θ̄ in degrees
+  std::optional<Vec3> diffuse;                 // linear RGB
+  std::optional<Vec3> specular;                // linear RGB
+  std::optional<double> shine;                 // Blinn-Phong exponent, 0..128
+  std::optional<Vec3> emissive;                // linear RGB
+  std::optional<Vec3> reflect;                 // weights of diffuse, specular, emissive
+  std::optional<Vec3> refract;                 // real refractive index per channel
+  std::optional<std::array<double, 4>> cook;   // factor of D, RMS slope m, factors of F and G
+  std::optional<double> oren;                  // σ, radians
+  std::optional<std::array<double, 4>> hapke;  // w, h, B0, mean roughness θ̄ in degrees
 
   // Every field that `inner` gives replaces the one here.
   Fields overridden_by(const Fields& inner) const;
@@ -40,11 +40,11 @@ struct Material {
   Vec3 diffuse{0.8};
   Vec3 specular{0};
   Vec3 emissive{0};
-  Vec3 weights{1, 0, 0};               // diffuse, specular, emissive
-  std::optional<Vec3> refract;         // none: F = 1
-  double shine = 0;                    // Blinn-Phong exponent
+  Vec3 weights{1, 0, 0};        // diffuse, specular, emissive
+  std::optional<Vec3> refract;  // none: F = 1
+  double shine = 0;             // Blinn-Phong exponent
   std::array<double, 4> cook{1, 0.5, 1, 1};
-  double oren = 0;                     // σ, radians
+  double oren = 0;                          // σ, radians
   std::array<double, 4> hapke{0, 0, 0, 0};  // w, h, B0, θ̄ in radians
   bool operator==(const Material&) const = default;
 };

@@ -1,0 +1,48 @@
+// Mirror facets with Beckmann slopes in V-cavities: F D G / (4 (n.l) (n.v)), D normalised so that
+// the facets' projections add up to the surface. 1/sr.
+// R. L. Cook, K. E. Torrance, "A reflectance model for computer graphics", 1982. Their print has no
+// 1/pi in D but one beside F and no 4: it is four times as bright and reflects more than it gets.
+
+// D, 1/sr. slope: RMS m of the facets, taken as 1e-6 (a thousandth of what the Sun's disc blurs)
+// when smaller and as 1000 when larger.
+FORMULA Real beckmann(Real tan2, Real slope) {
+  Real m = min(max(slope, Real(1e-6)), Real(1000));
+  Real x = tan2 / (m * m);
+  if (!(x < Real(80))) return Real(0);
+  Real secant2 = Real(1) + tan2;
+  return exp_negative(x) * secant2 * secant2 * Real(0.31830988618379067) / (m * m);
+}
+
+// G / (4 (n.l) (n.v)) with G = min(1, 2 (n.h) (n.v)/(v.h), 2 (n.h) (n.l)/(v.h)), bounded at grazing.
+// both2: |l + v|^2
+FORMULA Real v_cavity(Real cos_nl, Real cos_nv, Real both2) {
+  Real small = min(cos_nl, cos_nv);
+  Real large = max(cos_nl, cos_nv);
+  return Real(1) / max(Real(4) * small * large, both2 * large / (small + large));
+}
+
+// The whole lobe for one index of refraction in each channel.
+FORMULA Vec3 cook_torrance(Real slope, Vec3 indices, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  Real cos_nl = dot3(normal, to_light);
+  Real cos_nv = dot3(normal, to_viewer);
+  if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Vec3(Real(0));
+  cos_nl = max(cos_nl, Real(1e-10));
+  cos_nv = max(cos_nv, Real(1e-10));
+  Vec3 both = to_light + to_viewer;
+  Real both2 = dot3(both, both);
+  if (both2 < Real(1e-12)) return Vec3(Real(0));
+  Real d = beckmann(half_tan2(to_light, to_viewer, normal, cos_nl + cos_nv), slope);
+  // v.h = |l + v| / 2
+  return fresnel_rgb(Real(0.5) * sqrt(both2), indices) * (d * v_cavity(cos_nl, cos_nv, both2));
+}
+
+// The lobe as printed in 1981 and 1982, for models that were tuned with it. Not for new ones.
+FORMULA Vec3 cook_torrance_as_printed(Real slope, Vec3 indices, Vec3 to_light, Vec3 to_viewer,
+                                      Vec3 normal) {
+  return Real(4) * cook_torrance(slope, indices, to_light, to_viewer, normal);
+}
+
+FORMULA Vec3 cook_torrance_law(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  return s.specular * (s.cook_d * s.cook_f * s.cook_g) *
+         cook_torrance(s.cook_m, s.indices, to_light, to_viewer, normal);
+}

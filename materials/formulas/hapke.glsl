@@ -1,0 +1,95 @@
+// Particulate surfaces: single scattering by particles with an opposition effect, isotropic multiple
+// scattering, and shadows of macroscopic roughness. 1/sr.
+// B. Hapke, "Bidirectional reflectance spectroscopy" 1 (1981), 3 (1984), 5 (2002).
+
+// H(x): light scattered more than once, within 1 % of Chandrasekhar's function (2002, equation 13).
+FORMULA Real hapke_h_function(Real x, Real w) {
+  Real r0 = (Real(1) - sqrt(Real(1) - w)) / (Real(1) + sqrt(Real(1) - w));
+  return Real(1) / (Real(1) - w * x * (r0 + (Real(0.5) - r0 * x) * log_one_plus(Real(1) / x)));
+}
+
+// Double Henyey-Greenstein, mean 1 over the sphere. minus2, plus2: |l - v|^2 and |l + v|^2, which
+// are 2 (1 -+ cos g).
+FORMULA Real hapke_phase(Real b, Real c, Real minus2, Real plus2) {
+  Real backward = max((Real(1) - b) * (Real(1) - b) + b * minus2, Real(1e-8));
+  Real forward = max((Real(1) - b) * (Real(1) - b) + b * plus2, Real(1e-8));
+  return Real(0.5) * (Real(1) - b) * (Real(1) + b) *
+         ((Real(1) + c) / (backward * sqrt(backward)) + (Real(1) - c) / (forward * sqrt(forward)));
+}
+
+// 2/pi cot(rough) cot(x), the exponent of E1; that of E2 is its square times pi/4.
+FORMULA Real hapke_exponent(Real tan_rough, Real cos_x, Real sin_x) {
+  return Real(0.63661977236758134) * cos_x / max(tan_rough * sin_x, Real(1e-30));
+}
+
+// eta(x)/chi: the cosine of a rough surface seen or lit from an angle x alone.
+FORMULA Real hapke_eta(Real tan_rough, Real cos_x, Real sin_x) {
+  Real k = hapke_exponent(tan_rough, cos_x, sin_x);
+  return cos_x + sin_x * tan_rough * exp_negative(Real(0.78539816339744831) * k * k) /
+                     (Real(1) + one_minus_exp(k));
+}
+
+FORMULA Real hapke(Real w, Real h, Real b0, Real rough, Real b, Real c, Vec3 to_light,
+                   Vec3 to_viewer, Vec3 normal) {
+  Real cos_nl = dot3(normal, to_light);
+  Real cos_nv = dot3(normal, to_viewer);
+  if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Real(0);
+  cos_nl = max(cos_nl, Real(1e-10));
+  cos_nv = max(cos_nv, Real(1e-10));
+
+  // azimuth: cos^2 and sin^2 of its half, and 1 - azimuth/pi, each good where it is small
+  Vec3 along_l = to_light - normal * cos_nl;
+  Vec3 along_v = to_viewer - normal * cos_nv;
+  Real sin_nl = length3(along_l);
+  Real sin_nv = length3(along_v);
+  Real sines = max(sin_nl * sin_nv, Real(1e-30));
+  Real cos_phi = max(min(dot3(along_l, along_v) / sines, Real(1)), Real(-1));
+  Real sin_phi = min(length3(cross3(along_l, along_v)) / sines, Real(1));
+  Real near = Real(0.5) * sin_phi * sin_phi / (Real(1) + abs(cos_phi));
+  Real cos2_half = cos_phi < Real(0) ? near : Real(0.5) * (Real(1) + cos_phi);
+  Real sin2_half = cos_phi < Real(0) ? Real(0.5) * (Real(1) - cos_phi) : near;
+  Real angle = angle_of(sin_phi, abs(cos_phi)) * Real(0.31830988618379067);
+  Real from_pi = cos_phi < Real(0) ? angle : Real(1) - angle;
+
+  // effective cosines of the smaller angle s and the greater g, over chi
+  Real t = tangent(rough);
+  Real cos_s = max(cos_nl, cos_nv);
+  Real sin_s = min(sin_nl, sin_nv);
+  Real cos_g = min(cos_nl, cos_nv);
+  Real sin_g = max(sin_nl, sin_nv);
+  Real k_s = hapke_exponent(t, cos_s, sin_s);
+  Real k_g = hapke_exponent(t, cos_g, sin_g);
+  Real e1_s = exp_negative(k_s);
+  Real e2_s = exp_negative(Real(0.78539816339744831) * k_s * k_s);
+  Real e2_g = exp_negative(Real(0.78539816339744831) * k_g * k_g);
+  Real rise = one_minus_exp(Real(0.78539816339744831) * k_s * k_s) -
+              one_minus_exp(Real(0.78539816339744831) * k_g * k_g);
+  Real share = max(one_minus_exp(k_g) + one_minus_exp(k_s) + from_pi * e1_s, Real(1e-30));
+  Real mu_s = cos_s + sin_s * t * ((cos2_half * e2_g - sin2_half * rise) / share);
+  Real mu_g = cos_g + sin_g * t * ((cos2_half * e2_s + rise) / share);
+  Real eta_s = hapke_eta(t, cos_s, sin_s);
+  Real eta_g = hapke_eta(t, cos_g, sin_g);
+  Real chi = Real(1) / sqrt(Real(1) + Real(3.1415926535897932) * t * t);
+
+  // 1 - f + f chi mu/eta: facets unseen are the more often unlit the smaller the azimuth is,
+  // f = exp(-2 tan(azimuth/2))
+  Real grade = Real(2) * sqrt(sin2_half / max(cos2_half, Real(1e-30)));
+  Real apart = one_minus_exp(grade) + exp_negative(grade) * (cos_s / eta_s);
+
+  Vec3 plus = to_light + to_viewer;
+  Vec3 minus = to_light - to_viewer;
+  Real plus2 = dot3(plus, plus);
+  Real minus2 = dot3(minus, minus);
+  // B0 / (1 + tan(g/2)/h), tan(g/2) = |l - v|/|l + v|
+  Real surge = b0 * h * sqrt(plus2) / max(h * sqrt(plus2) + sqrt(minus2), Real(1e-30));
+  Real albedo = min(max(w, Real(0)), Real(1));
+  Real many = hapke_h_function(chi * mu_s, albedo) * hapke_h_function(chi * mu_g, albedo);
+  Real bracket = (Real(1) + surge) * hapke_phase(b, c, minus2, plus2) + (many - Real(1));
+  return albedo * Real(0.079577471545947668) * bracket * (mu_s / eta_s) * (mu_g / eta_g) /
+         (mu_s + mu_g) / apart;
+}
+
+FORMULA Vec3 hapke_law(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  return s.diffuse * hapke(s.hapke_w, s.hapke_h, s.hapke_b0, s.hapke_rough, s.hapke_b, s.hapke_c,
+                           to_light, to_viewer, normal);
+}

@@ -1,0 +1,30 @@
+// Every formula in C++, inline, as f32 and as f64. Private to materials; tests and benches call
+// single formulas through it, everybody else materials/brdf.h.
+#pragma once
+
+#include <cmath>
+
+#include "base/math.h"
+#include "materials/material.h"
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+// laws share one list of parameters
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#endif
+
+namespace panwright::materials::f32 {
+using Real = float;
+using Vec3 = glm::vec3;
+#include "materials/internal/formulas.inl"
+}  // namespace panwright::materials::f32
+
+namespace panwright::materials::f64 {
+using Real = double;
+using Vec3 = glm::dvec3;
+#include "materials/internal/formulas.inl"
+}  // namespace panwright::materials::f64
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
