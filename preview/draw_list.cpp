@@ -1,0 +1,99 @@
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "preview/internal/draw_list.h"
+
+namespace panwright::preview {
+namespace {
+
+Mat3 outward_normals(const Mat3& linear) {
+  Mat3 normals = cofactor(linear);
+  double largest = 0;
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) largest = std::max(largest, std::fabs(normals[column][row]));
+  if (largest > 0) normals /= largest;
+  return glm::determinant(linear) < 0 ? -normals : normals;
+}
+
+auto order(const DrawItem& item) {
+  return std::tie(item.variant, item.closed, item.mirrored, item.texture, item.material, item.mesh,
+                  item.instance);
+}
+
+}  // namespace
+
+std::vector<DrawItem> draw_list(const pan::Model& model) {
+  namespace layout = pan::layout;
+  const std::vector<Mat4> world_from_nodes = model.world_from_nodes();
+  std::vector<DrawItem> list;
+  list.reserve(model.instances().size());
+  for (std::uint32_t i = 0; i < model.instances().size(); ++i) {
+    const layout::Instance& instance = model.instances()[i];
+    const layout::Mesh& mesh = model.meshes()[instance.mesh];
+    const layout::Material& material = model.materials()[instance.material];
+    DrawItem item;
+    item.variant.diffuse = static_cast<materials::DiffuseLaw>(material.diffuse_law);
+    item.variant.specular = static_cast<materials::SpecularLaw>(material.specular_law);
+    item.variant.textured = instance.texture >= 0;
+    item.variant.coloured = (mesh.flags & layout::kMeshColours) != 0;
+    item.closed = (mesh.flags & layout::kMeshClosed) != 0;
+    item.texture = instance.texture;
+    item.material = instance.material;
+    item.mesh = instance.mesh;
+    item.instance = i;
+    const Mat4& world = world_from_nodes[instance.node];
+    const Vec3 origin(mesh.origin[0], mesh.origin[1], mesh.origin[2]);
+    item.model_from_mesh = world;
+    item.model_from_mesh[3] = world * Vec4(origin, 1);
+    item.mirrored = glm::determinant(Mat3(world)) < 0;
+    item.model_normal_from_mesh = outward_normals(Mat3(world));
+    item.low = Vec3(mesh.bounds_min[0], mesh.bounds_min[1], mesh.bounds_min[2]);
+    item.high = Vec3(mesh.bounds_max[0], mesh.bounds_max[1], mesh.bounds_max[2]);
+    list.push_back(item);
+  }
+  std::sort(list.begin(), list.end(),
+            [](const DrawItem& a, const DrawItem& b) { return order(a) < order(b); });
+  return list;
+}
+
+Scenery scenery(const View& view, std::span<const DrawItem> list) {
+  // note: camera from model first, so that large translations of both cancel before the small ones
+  // of the nodes join in
+  const Mat4 camera_from_model = camera_from(view.camera, view.world_from_model.matrix());
+  const Tile whole{0, 0, view.camera.width, view.camera.height};
+  Scenery result;
+  for (std::uint32_t i = 0; i < list.size(); ++i) {
+    const PlacedBox box{camera_from_model * list[i].model_from_mesh, list[i].low, list[i].high};
+    if (!may_touch(view.camera, whole, 1.0, box)) continue;
+    result.items.push_back(i);
+    result.boxes.push_back(box);
+  }
+  result.depth = fitted_depth(view.camera.projection, result.boxes);
+  return result;
+}
+
+std::vector<float> triangle_normals(const pan::MeshView& mesh) {
+  const auto position = [&](std::size_t index) {
+    const pan::layout::Float3& p = mesh.positions[mesh.indices[index]];
+    return Vec3(p.x, p.y, p.z);
+  };
+  std::vector<float> normals(mesh.indices.size());
+  for (std::size_t i = 0; i < normals.size(); i += 3) {
+    const Vec3 corner = position(i);
+    Vec3 a = position(i + 1) - corner;
+    Vec3 b = position(i + 2) - corner;
+    // tiny and huge triangles would under- or overflow in the squared length of the product
+    const double scale = std::max(std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)}),
+                                  std::max({std::fabs(b.x), std::fabs(b.y), std::fabs(b.z)}));
+    if (!(scale > 0)) continue;
+    const Vec3 normal = glm::cross(a / scale, b / scale);
+    const double length = glm::length(normal);
+    if (!(length > 0)) continue;
+    for (int k = 0; k < 3; ++k)
+      normals[i + static_cast<std::size_t>(k)] = static_cast<float>(normal[k] / length);
+  }
+  return normals;
+}
+
+}  // namespace panwright::preview

@@ -1,0 +1,70 @@
+// OpenGL objects that delete themselves. Private to preview.
+#pragma once
+
+#include <glad/gl.h>
+
+#include <string>
+#include <utility>
+
+namespace panwright::preview {
+
+// One object name. The context must be current when it is created, used and destroyed.
+template <void (*Delete)(const GladGLContext&, GLuint)>
+class GlObject {
+ public:
+  GlObject() = default;
+  GlObject(const GladGLContext& gl, GLuint id) : gl_(&gl), id_(id) {}
+  GlObject(GlObject&& other) noexcept : gl_(other.gl_), id_(std::exchange(other.id_, 0)) {}
+  GlObject& operator=(GlObject&& other) noexcept {
+    std::swap(gl_, other.gl_);
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  ~GlObject() {
+    if (id_ != 0) Delete(*gl_, id_);
+  }
+  GLuint id() const { return id_; }
+  explicit operator bool() const { return id_ != 0; }
+
+ private:
+  const GladGLContext* gl_ = nullptr;
+  GLuint id_ = 0;
+};
+
+void delete_buffer(const GladGLContext& gl, GLuint id);
+void delete_texture(const GladGLContext& gl, GLuint id);
+void delete_renderbuffer(const GladGLContext& gl, GLuint id);
+void delete_framebuffer(const GladGLContext& gl, GLuint id);
+void delete_vertex_array(const GladGLContext& gl, GLuint id);
+void delete_program(const GladGLContext& gl, GLuint id);
+
+using GlBuffer = GlObject<delete_buffer>;
+using GlTexture = GlObject<delete_texture>;
+using GlRenderbuffer = GlObject<delete_renderbuffer>;
+using GlFramebuffer = GlObject<delete_framebuffer>;
+using GlVertexArray = GlObject<delete_vertex_array>;
+using GlProgram = GlObject<delete_program>;
+
+// An immutable buffer with these bytes; without data: its contents are set later, again and again.
+GlBuffer make_buffer(const GladGLContext& gl, const void* data, std::size_t bytes);
+GlBuffer make_stream_buffer(const GladGLContext& gl);
+GlTexture make_texture_2d(const GladGLContext& gl, GLsizei levels, GLenum format, GLsizei width,
+                          GLsizei height);
+GlVertexArray make_vertex_array(const GladGLContext& gl);
+
+// A framebuffer with one colour and one D32F depth buffer.
+struct Target {
+  GlRenderbuffer color;
+  GlRenderbuffer depth;
+  GlFramebuffer framebuffer;
+  GLsizei width = 0;
+  GLsizei height = 0;
+};
+Target make_target(const GladGLContext& gl, GLenum color_format, GLsizei width, GLsizei height);
+
+// Compiles and links. Our shaders are part of the program, so a failure is a bug or a broken
+// driver: an empty program, and the compiler's words in *problem.
+GlProgram make_program(const GladGLContext& gl, const std::string& vertex,
+                       const std::string& fragment, std::string* problem);
+
+}  // namespace panwright::preview

@@ -1,0 +1,11 @@
+// The files of preview/shaders, embedded at build time. Private to preview.
+#pragma once
+
+namespace panwright::preview {
+
+extern const char* const model_vert;
+extern const char* const surface_frag;
+extern const char* const ids_frag;
+extern const char* const bare_frag;
+
+}  // namespace panwright::preview

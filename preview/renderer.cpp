@@ -1,0 +1,372 @@
+#include "preview/renderer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "base/parallel.h"
+#include "base/text.h"
+#include "preview/internal/draw_list.h"
+#include "preview/internal/gpu_model.h"
+#include "preview/internal/programs.h"
+#include "preview/internal/samples.h"
+
+namespace panwright::preview {
+namespace {
+
+// the largest side of an image, as the largest framebuffers of common contexts
+constexpr std::uint32_t kMaxSide = 16384;
+
+[[maybe_unused]] bool is_sound(const View& view, const RenderOptions& options) {
+  const Camera& camera = view.camera;
+  const auto unit = [](const Quat& q) { return std::fabs(glm::dot(q, q) - 1) < 1e-6; };
+  return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
+         std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
+         std::isfinite(camera.principal.x + camera.principal.y) && unit(camera.world_from_camera) &&
+         unit(view.world_from_model.rotation) && is_finite(view.world_from_model.translation) &&
+         is_finite(view.to_sun) && glm::length(view.to_sun) > 0 && options.samples >= 1 &&
+         options.samples <= 64 && options.tile_side >= options.samples;
+}
+
+void copy_floats(const Mat4& from, float* to) {
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) *to++ = static_cast<float>(from[column][row]);
+}
+
+void copy_floats(const Mat3& from, float* to) {
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) *to++ = static_cast<float>(from[column][row]);
+    *to++ = 0;
+  }
+}
+
+void copy_floats(const Vec3& from, float* to) {
+  for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from[k]);
+  to[3] = 0;
+}
+
+// what the fragments of a tile share
+ViewBlock view_block(const View& view, const Tile& tile, unsigned samples) {
+  const Camera& camera = view.camera;
+  const Mat3 axes = glm::mat3_cast(camera.world_from_camera);
+  Vec3 sight = axes[2];
+  Vec3 right(0);
+  Vec3 down(0);
+  if (camera.projection == Projection::perspective) {
+    const Vec2 corner = (Vec2(tile.x, tile.y) - camera.principal) / camera.focal;
+    sight = axes * Vec3(corner, 1);
+    right = axes[0] / (camera.focal.x * samples);
+    down = axes[1] / (camera.focal.y * samples);
+  }
+  ViewBlock block{};
+  copy_floats(sight, block.sight);
+  copy_floats(right, block.sight_right);
+  copy_floats(down, block.sight_down);
+  copy_floats(glm::normalize(view.to_sun), block.to_sun);
+  copy_floats(view.sun_irradiance.value_or(Vec3(1)), block.irradiance);
+  return block;
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  Impl(Context& context_in, const pan::Model& model_in)
+      : context(context_in), model(model_in), gl(context_in.gl()), programs(context_in.gl()) {}
+  ~Impl() { context.make_current(); }  // the members delete their objects
+
+  // What a pass draws with.
+  enum class Pass { surface, flat_surface, ids, bare };
+
+  void set_state() const;
+  bool ensure_target(Target& target, GLenum format, std::uint32_t width, std::uint32_t height,
+                     DiagnosticLog& log);
+  bool prepare(Pass pass, const Scenery& scenery, DiagnosticLog& log);
+  void draw(const View& view, const Scenery& scenery, const Tile& tile, unsigned samples, Pass pass,
+            const Target& target);
+  GLuint program(const Variant& variant, Pass pass, std::string* problem);
+  bool render_radiance(const View& view, const Scenery& scenery, const RenderOptions& options,
+                       Image& image, DiagnosticLog& log);
+  bool render_truth(const View& view, const Scenery& scenery, const RenderOptions& options,
+                    Image& image, DiagnosticLog& log);
+  bool drawn_well(DiagnosticLog& log) const;
+
+  Context& context;
+  const pan::Model& model;
+  const GladGLContext& gl;
+  std::vector<DrawItem> list;
+  GpuModel gpu;
+  Programs programs;
+  Target color_target;
+  Target id_target;
+  GlBuffer view_buffer;
+  GlBuffer draw_buffer;
+  std::size_t draw_stride = 0;  // bytes
+  std::uint64_t triangles = 0;
+};
+
+Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+Renderer::~Renderer() = default;
+
+std::uint64_t Renderer::triangles() const { return impl_->triangles; }
+
+Result<Renderer> Renderer::create(Context& context, const pan::Model& model, DiagnosticLog& log) {
+  assert(model.checked());
+  if (!context.make_current()) {
+    log.report_file(Code::E5001, {}, "the OpenGL context cannot be made current");
+    return failed;
+  }
+  auto impl = std::make_unique<Impl>(context, model);
+  impl->list = draw_list(model);
+  for (const DrawItem& item : impl->list)
+    impl->triangles += model.meshes()[item.mesh].triangle_count;
+  if (!impl->gpu.upload(context, model, impl->list, log)) return failed;
+  GLint alignment = 1;
+  impl->gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
+  const std::size_t step = static_cast<std::size_t>(std::max(alignment, 1));
+  impl->draw_stride = (sizeof(DrawBlock) + step - 1) / step * step;
+  impl->view_buffer = make_stream_buffer(impl->gl);
+  impl->draw_buffer = make_stream_buffer(impl->gl);
+  return Renderer(std::move(impl));
+}
+
+void Renderer::Impl::set_state() const {
+  gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_GREATER);
+  gl.DepthMask(GL_TRUE);
+  gl.DepthRangef(0, 1);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  gl.CullFace(GL_BACK);
+  for (const GLenum off : {GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_FRAMEBUFFER_SRGB,
+                           GL_DEPTH_CLAMP, GL_MULTISAMPLE, GL_POLYGON_OFFSET_FILL, GL_DITHER,
+                           GL_PRIMITIVE_RESTART, GL_RASTERIZER_DISCARD})
+    gl.Disable(off);
+}
+
+bool Renderer::Impl::ensure_target(Target& target, GLenum format, std::uint32_t width,
+                                   std::uint32_t height, DiagnosticLog& log) {
+  const auto w = static_cast<GLsizei>(width);
+  const auto h = static_cast<GLsizei>(height);
+  if (target.width >= w && target.height >= h) return true;
+  Target larger = make_target(gl, format, std::max(w, target.width), std::max(h, target.height));
+  if (larger.width == 0 || gl.GetError() != GL_NO_ERROR) {
+    log.report_file(Code::E5003, {},
+                    fmt::format("the context has no memory for a framebuffer of {} by {} samples",
+                                width, height));
+    return false;
+  }
+  target = std::move(larger);
+  return true;
+}
+
+GLuint Renderer::Impl::program(const Variant& variant, Pass pass, std::string* problem) {
+  switch (pass) {
+    case Pass::surface:
+      return programs.surface(variant, false, problem);
+    case Pass::flat_surface:
+      return programs.surface(variant, true, problem);
+    case Pass::ids:
+      return programs.ids(problem);
+    case Pass::bare:
+      return programs.bare(problem);
+  }
+  return 0;
+}
+
+// every program that a pass needs is built before its first draw
+bool Renderer::Impl::prepare(Pass pass, const Scenery& scenery, DiagnosticLog& log) {
+  if (pass == Pass::flat_surface && !gpu.upload_triangle_normals(model, log)) return false;
+  for (const std::uint32_t index : scenery.items) {
+    std::string problem;
+    if (program(list[index].variant, pass, &problem) != 0) continue;
+    log.report_file(Code::E5001, {},
+                    fmt::format("{} refuses a shader: {}", context.renderer(), problem));
+    return false;
+  }
+  return true;
+}
+
+void Renderer::Impl::draw(const View& view, const Scenery& scenery, const Tile& tile,
+                          unsigned samples, Pass pass, const Target& target) {
+  // one upload for all instances that may touch the tile
+  std::vector<std::uint32_t> drawn;
+  for (std::uint32_t i = 0; i < scenery.items.size(); ++i)
+    if (may_touch(view.camera, tile, 1.0, scenery.boxes[i])) drawn.push_back(i);
+  const ViewBlock shared = view_block(view, tile, samples);
+  gl.NamedBufferData(view_buffer.id(), sizeof shared, &shared, GL_STREAM_DRAW);
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, kViewBinding, view_buffer.id());
+  std::vector<std::byte> blocks(drawn.size() * draw_stride);
+  const Mat3 rotation = glm::mat3_cast(view.world_from_model.rotation);
+  for (std::size_t k = 0; k < drawn.size(); ++k) {
+    const std::uint32_t index = scenery.items[drawn[k]];
+    DrawBlock block{};
+    copy_floats(
+        clip_from_mesh(view.camera, tile, scenery.depth, scenery.boxes[drawn[k]].camera_from_mesh),
+        block.clip_from_mesh);
+    copy_floats(rotation * list[index].model_normal_from_mesh, block.world_normal_from_mesh);
+    block.id[0] = index + 1;
+    std::memcpy(blocks.data() + k * draw_stride, &block, sizeof block);
+  }
+  if (!blocks.empty())
+    gl.NamedBufferData(draw_buffer.id(), static_cast<GLsizeiptr>(blocks.size()), blocks.data(),
+                       GL_STREAM_DRAW);
+
+  gl.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.id());
+  gl.Viewport(0, 0, static_cast<GLsizei>(tile.width * samples),
+              static_cast<GLsizei>(tile.height * samples));
+  const float far_depth = 0;
+  gl.ClearBufferfv(GL_DEPTH, 0, &far_depth);
+  if (pass == Pass::ids) {
+    constexpr GLuint kNothing[4] = {};
+    gl.ClearBufferuiv(GL_COLOR, 0, kNothing);
+  } else {
+    constexpr float kBlack[4] = {};
+    gl.ClearBufferfv(GL_COLOR, 0, kBlack);
+  }
+
+  const DrawItem* last = nullptr;
+  for (std::size_t k = 0; k < drawn.size(); ++k) {
+    const DrawItem& item = list[scenery.items[drawn[k]]];
+    const pan::layout::Mesh& mesh = model.meshes()[item.mesh];
+    if (!last || item.variant != last->variant) gl.UseProgram(program(item.variant, pass, nullptr));
+    if (!last || item.closed != last->closed)
+      item.closed ? gl.Enable(GL_CULL_FACE) : gl.Disable(GL_CULL_FACE);
+    // note: rows grow downwards in the window, which turns every triangle round once
+    if (!last || item.mirrored != last->mirrored) gl.FrontFace(item.mirrored ? GL_CCW : GL_CW);
+    if (!last || item.texture != last->texture) gpu.bind_texture(item.texture);
+    if (!last || item.material != last->material) gpu.bind_material(item.material);
+    if (!last || item.mesh != last->mesh) gpu.bind_vertices(mesh);
+    gl.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, draw_buffer.id(),
+                       static_cast<GLintptr>(k * draw_stride), sizeof(DrawBlock));
+    pass == Pass::flat_surface ? gpu.draw_flat(mesh, item.mesh) : gpu.draw(mesh);
+    last = &item;
+  }
+}
+
+bool Renderer::Impl::drawn_well(DiagnosticLog& log) const {
+  const GLenum error = gl.GetError();
+  if (error == GL_NO_ERROR) return true;
+  log.report_file(Code::E5003, {},
+                  fmt::format("the context failed while it drew, with OpenGL error 0x{:04x}",
+                              static_cast<unsigned>(error)));
+  return false;
+}
+
+bool Renderer::Impl::render_radiance(const View& view, const Scenery& scenery,
+                                     const RenderOptions& options, Image& image,
+                                     DiagnosticLog& log) {
+  const Pass pass = options.flat ? Pass::flat_surface : Pass::surface;
+  const std::uint32_t side = std::min(options.tile_side, context.limits().framebuffer_side);
+  const std::uint32_t tile_side = std::max(1u, side / options.samples);
+  const std::uint32_t width = std::min(tile_side, image.width) * options.samples;
+  const std::uint32_t height = std::min(tile_side, image.height) * options.samples;
+  if (!ensure_target(color_target, GL_RGBA32F, width, height, log)) return false;
+  if (!prepare(pass, scenery, log)) return false;
+  std::vector<float> rgba(std::size_t{4} * width * height);
+  for (const Tile& tile : tiles(image.width, image.height, tile_side)) {
+    const bool empty =
+        std::none_of(scenery.boxes.begin(), scenery.boxes.end(),
+                     [&](const PlacedBox& box) { return may_touch(view.camera, tile, 1.0, box); });
+    if (empty) continue;  // the image begins as background
+    draw(view, scenery, tile, options.samples, pass, color_target);
+    gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+    gl.ReadPixels(0, 0, static_cast<GLsizei>(tile.width * options.samples),
+                  static_cast<GLsizei>(tile.height * options.samples), GL_RGBA, GL_FLOAT,
+                  rgba.data());
+    average_samples(rgba, tile, options.samples, image);
+  }
+  return drawn_well(log);
+}
+
+bool Renderer::Impl::render_truth(const View& view, const Scenery& scenery,
+                                  const RenderOptions& options, Image& image, DiagnosticLog& log) {
+  const std::uint32_t side = std::min(options.tile_side, context.limits().framebuffer_side);
+  const std::uint32_t width = std::min(side, image.width);
+  const std::uint32_t height = std::min(side, image.height);
+  if (!ensure_target(id_target, GL_RG32UI, width, height, log)) return false;
+  if (!prepare(Pass::ids, scenery, log)) return false;
+  std::vector<TriangleId> ids(std::size_t{width} * height);
+  static_assert(sizeof(TriangleId) == 8);
+  for (const Tile& tile : tiles(image.width, image.height, side)) {
+    draw(view, scenery, tile, 1, Pass::ids, id_target);
+    gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+    gl.ReadPixels(0, 0, static_cast<GLsizei>(tile.width), static_cast<GLsizei>(tile.height),
+                  GL_RG_INTEGER, GL_UNSIGNED_INT, ids.data());
+    if (!drawn_well(log)) return false;  // before ids are used as indices
+    fill_truth(model, view, options.flat, list, tile, ids, image);
+  }
+  return true;
+}
+
+Result<Image> Renderer::render(const View& view, const RenderOptions& options, DiagnosticLog& log) {
+  assert(is_sound(view, options));
+  const Camera& camera = view.camera;
+  if (camera.width > kMaxSide || camera.height > kMaxSide) {
+    log.report_file(Code::E5003, {},
+                    fmt::format("an image of {} by {} pixels; a side may have {}", camera.width,
+                                camera.height, kMaxSide));
+    return failed;
+  }
+  Image image;
+  image.width = camera.width;
+  image.height = camera.height;
+  image.unit = view.sun_irradiance ? "W/(m^2 sr)" : "1/sr";
+  const std::uint64_t bytes = image.pixels() * (options.truth ? 44 : 16);
+  if (bytes > options.max_bytes) {
+    log.report_file(Code::E5003, {},
+                    fmt::format("an image of {} by {} pixels takes {} MiB; the limit is {} MiB",
+                                camera.width, camera.height, bytes >> 20, options.max_bytes >> 20));
+    return failed;
+  }
+  if (!impl_->context.make_current()) {
+    log.report_file(Code::E5001, {}, "the OpenGL context cannot be made current");
+    return failed;
+  }
+  image.radiance.resize(3 * image.pixels());
+  image.coverage.resize(image.pixels());
+  impl_->set_state();
+  const Scenery scenery = preview::scenery(view, impl_->list);
+  if (!impl_->render_radiance(view, scenery, options, image, log)) return failed;
+  if (options.truth) {
+    image.depth.resize(image.pixels());
+    image.range.resize(image.pixels());
+    image.normal.resize(3 * image.pixels());
+    image.node_id.resize(image.pixels());
+    image.material_id.resize(image.pixels());
+    if (!impl_->render_truth(view, scenery, options, image, log)) return failed;
+  }
+  if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
+    log.report_file(Code::W5006, {},
+                    scenery.items.empty()
+                        ? "nothing is in view: no part of the model lies inside the image"
+                        : "nothing is in view: what lies inside the image fell between the "
+                          "samples; take more of them with --samples");
+  return image;
+}
+
+double Renderer::seconds_of_bare_draw(const View& view) {
+  Impl& impl = *impl_;
+  DiagnosticLog log;
+  impl.context.make_current();
+  impl.set_state();
+  const Scenery scenery = preview::scenery(view, impl.list);
+  const Tile whole{0, 0, view.camera.width, view.camera.height};
+  if (!impl.ensure_target(impl.color_target, GL_RGBA32F, whole.width, whole.height, log) ||
+      !impl.prepare(Impl::Pass::bare, scenery, log))
+    return 0;
+  impl.gl.Finish();
+  const auto start = std::chrono::steady_clock::now();
+  impl.draw(view, scenery, whole, 1, Impl::Pass::bare, impl.color_target);
+  impl.gl.Finish();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace panwright::preview

@@ -1,0 +1,161 @@
+// Small models, a shared context, and what tests measure on images.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/tessellate.h"
+#include "pan/model.h"
+#include "pan/writer.h"
+#include "preview/renderer.h"
+
+namespace panwright::preview::testing_support {
+
+// OSMesa, so that every machine draws the same bits.
+inline Context& shared_context() {
+  static const std::unique_ptr<Context> context = [] {
+    DiagnosticLog log;
+    auto created = Context::create(ContextKind::osmesa, log);
+    EXPECT_TRUE(created) << to_text(log);
+    return created ? std::move(*created) : nullptr;
+  }();
+  return *context;
+}
+
+inline geometry::Mesh sphere(std::uint32_t rings, std::uint32_t quads, bool texcoords = false) {
+  DiagnosticLog log;
+  geometry::TessellationOptions options;
+  options.texcoords = texcoords;
+  auto mesh = geometry::tessellated(geometry::Sphere{1.0, geometry::SphereCounts{rings, quads}},
+                                    options, {}, log);
+  EXPECT_TRUE(mesh) << to_text(log);
+  return *mesh;
+}
+
+// A rectangle about the origin in z = 0, its normal +z.
+inline geometry::Mesh plate(double width, double height) {
+  geometry::Mesh mesh;
+  const double x = width / 2;
+  const double y = height / 2;
+  mesh.positions = {{-x, -y, 0}, {x, -y, 0}, {x, y, 0}, {-x, y, 0}};
+  mesh.normals.assign(4, Vec3(0, 0, 1));
+  mesh.texcoords = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return mesh;
+}
+
+// A closed box about the origin with flat normals.
+inline geometry::Mesh box(const Vec3& sides) {
+  geometry::Mesh mesh;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      const int u = (axis + 1) % 3;
+      const int v = (axis + 2) % 3;
+      const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+      for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+        Vec3 p(0);
+        p[axis] = sign * sides[axis] / 2;
+        p[u] = a * sides[u] / 2;
+        p[v] = b * sides[v] / 2;
+        mesh.positions.push_back(p);
+        Vec3 n(0);
+        n[axis] = sign;
+        mesh.normals.push_back(n);
+      }
+      if (sign > 0) {
+        mesh.triangles.push_back({first, first + 1, first + 2});
+        mesh.triangles.push_back({first, first + 2, first + 3});
+      } else {
+        mesh.triangles.push_back({first, first + 2, first + 1});
+        mesh.triangles.push_back({first, first + 3, first + 2});
+      }
+    }
+  mesh.closed = true;
+  return mesh;
+}
+
+inline materials::Material lambert(double albedo) {
+  materials::Material material;
+  material.diffuse = Vec3(albedo);
+  return material;
+}
+
+// A model with one instance of one mesh at the root.
+inline pan::Contents single(const geometry::Mesh& mesh, const materials::Material& material) {
+  pan::Contents contents;
+  contents.nodes.push_back({"root", -1, Vec3(0), Quat(1, 0, 0, 0), Vec3(1)});
+  contents.meshes.push_back(pan::packed(mesh, "mesh"));
+  contents.materials.push_back(material);
+  contents.instances.push_back({0, 0, 0, -1});
+  return contents;
+}
+
+inline pan::Model model_of(const pan::Contents& contents) {
+  DiagnosticLog log;
+  auto model = pan::Model::from_bytes(pan::write_to_memory(contents), "test.pan", log);
+  EXPECT_TRUE(model && model->check(log)) << to_text(log);
+  return std::move(*model);
+}
+
+inline Image rendered(const pan::Model& model, const View& view, const RenderOptions& options = {},
+                      Context& context = shared_context()) {
+  DiagnosticLog log;
+  auto renderer = Renderer::create(context, model, log);
+  EXPECT_TRUE(renderer) << to_text(log);
+  auto image = renderer->render(view, options, log);
+  EXPECT_TRUE(image) << to_text(log);
+  return std::move(*image);
+}
+
+// A camera that looks at the origin from a direction and a distance, with the Sun at a phase angle
+// from it, turned towards the image's right.
+inline View looking_from(const Vec3& direction, double distance, double fov, std::uint32_t size,
+                         double phase = 0) {
+  DiagnosticLog log;
+  View view;
+  set_field_of_view(view.camera, size, size, fov);
+  view.camera.position = glm::normalize(direction) * distance;
+  view.camera.world_from_camera = *looking_at(view.camera.position, Vec3(0), {}, log);
+  view.to_sun = view.camera.world_from_camera * Vec3(std::sin(phase), 0, -std::cos(phase));
+  return view;
+}
+
+// Σ L·Ω·d² of the first channel: the intensity of what is in the image, W/sr per unit irradiance.
+inline double intensity(const Image& image, const Camera& camera, double distance) {
+  double sum = 0;
+  for (std::uint32_t j = 0; j < image.height; ++j)
+    for (std::uint32_t i = 0; i < image.width; ++i) {
+      const double radiance = image.radiance[3 * (std::size_t{j} * image.width + i)];
+      if (radiance != 0) sum += radiance * pixel_solid_angle(camera, i, j);
+    }
+  return sum * distance * distance;
+}
+
+inline Vec2 photocentre(const Image& image) {
+  double sum = 0;
+  Vec2 moment(0);
+  for (std::uint32_t j = 0; j < image.height; ++j)
+    for (std::uint32_t i = 0; i < image.width; ++i) {
+      const double radiance = image.radiance[3 * (std::size_t{j} * image.width + i)];
+      sum += radiance;
+      moment += radiance * Vec2(i + 0.5, j + 0.5);
+    }
+  return moment / sum;
+}
+
+inline void expect_no_nan(const Image& image) {
+  std::size_t bad = 0;
+  for (const float value : image.radiance) bad += !(value >= 0 && std::isfinite(value));
+  for (const float value : image.coverage) bad += !(value >= 0 && value <= 1);
+  for (const float value : image.depth) bad += std::isnan(value);
+  for (const float value : image.range) bad += std::isnan(value);
+  for (const float value : image.normal) bad += !std::isfinite(value);
+  EXPECT_EQ(bad, 0u);
+}
+
+}  // namespace panwright::preview::testing_support
