@@ -17,6 +17,9 @@ add_library(panwright_flags INTERFACE)
 add_library(panwright::flags ALIAS panwright_flags)
 # note: -ffp-contract=off keeps results equal whatever the processor's FMA
 target_compile_options(panwright_flags INTERFACE -ffp-contract=off)
+# note: GCC 12 at -O2 drops double → float → double of neighbouring components in its straight-line
+# vectoriser, and with it roundings that decide bytes and measured errors
+target_compile_options(panwright_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
 target_compile_definitions(panwright_flags INTERFACE GLM_FORCE_CTOR_INIT GLM_FORCE_DEPTH_ZERO_TO_ONE)
 target_include_directories(panwright_flags INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/panwright>)

@@ -97,21 +97,33 @@ std::string mesh_name(const Job& job, std::size_t index) {
   return fmt::format("{}{}", sphere ? "sphere" : "mesh", index + 1);
 }
 
+// The mesh's own error and that of rounding it, measured together where the shape is known.
+pan::PackedMesh packed_shape(const geometry::Shape& shape, geometry::Mesh& mesh, std::string name) {
+  if (const auto* sphere = std::get_if<geometry::Sphere>(&shape)) {
+    pan::PackedMesh packed = pan::packed(mesh, std::move(name));
+    packed.error = geometry::sphere_error(mesh, sphere->radius, packed.origin);
+    return packed;
+  }
+  mesh.error = 0;  // exact as written: packing measures the rounding, which is all there is
+  return pan::packed(mesh, std::move(name));
+}
+
 std::optional<pan::PackedMesh> packed_job(const Job& job, const Options& options, std::string name,
                                           DiagnosticLog& log) {
   const bool projected = job.textured && job.mapping == scene::Mapping::sphere;
-  const auto* authored = std::get_if<geometry::MeshShape>(job.shape);
-  if (authored && !projected) return pan::packed(**authored, std::move(name));
   geometry::TessellationOptions tessellation;
   tessellation.max_error = options.max_error;
   tessellation.max_triangles = options.max_triangles;
   tessellation.texcoords = job.textured && !projected;
+  const auto* authored = std::get_if<geometry::MeshShape>(job.shape);
+  if (authored && !projected) {  // nothing to change, so nothing to copy
+    if (!geometry::within_limits(**authored, tessellation, {}, log)) return std::nullopt;
+    return pan::packed(**authored, std::move(name));
+  }
   auto mesh = geometry::tessellated(*job.shape, tessellation, {}, log);
   if (!mesh) return std::nullopt;
-  // packing measures the rounding of a mesh as written, which is all the error it has
-  if (authored) mesh->error = 0;
   if (projected) geometry::apply_sphere_mapping(*mesh, job.texture_from_shape);
-  return pan::packed(*mesh, std::move(name));
+  return packed_shape(*job.shape, *mesh, std::move(name));
 }
 
 // Reports what went wrong with a shape at the place where the shape was written.

@@ -258,14 +258,16 @@ Result<Mesh> tessellated_sphere(const Sphere& sphere, const TessellationOptions&
   return mesh;
 }
 
-Result<Mesh> checked_mesh(const Mesh& mesh, const TessellationOptions& options, SourceSpan where,
-                          DiagnosticLog& log) {
+}  // namespace
+
+bool within_limits(const Mesh& mesh, const TessellationOptions& options, SourceSpan where,
+                   DiagnosticLog& log) {
   const std::uint64_t limit = std::min(options.max_triangles, kMaxVertices);
   if (mesh.triangles.size() > limit) {
     log.report(Code::E2003, where,
                fmt::format("a mesh of {} triangles; at most {} are accepted", mesh.triangles.size(),
                            limit));
-    return failed;
+    return false;
   }
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     const Vec3& p = mesh.positions[i];
@@ -274,15 +276,11 @@ Result<Mesh> checked_mesh(const Mesh& mesh, const TessellationOptions& options, 
       log.report(Code::E2010, where,
                  fmt::format("position {} has a coordinate of {} m; up to {} m is accepted", i,
                              format_double(p[axis]), format_double(kMaxCoordinate)));
-      return failed;
+      return false;
     }
   }
-  Mesh copy = mesh;
-  copy.error = rounding_error(mesh.positions, Vec3(0));
-  return copy;
+  return true;
 }
-
-}  // namespace
 
 Result<Mesh> tessellated(const Shape& shape, const TessellationOptions& options, SourceSpan where,
                          DiagnosticLog& log) {
@@ -290,7 +288,10 @@ Result<Mesh> tessellated(const Shape& shape, const TessellationOptions& options,
     return tessellated_sphere(*sphere, options, where, log);
   const MeshShape& mesh = std::get<MeshShape>(shape);
   assert(mesh != nullptr);
-  return checked_mesh(*mesh, options, where, log);
+  if (!within_limits(*mesh, options, where, log)) return failed;
+  Mesh copy = *mesh;
+  copy.error = rounding_error(mesh->positions, Vec3(0));
+  return copy;
 }
 
 SphereCounts sphere_counts(double max_error) {

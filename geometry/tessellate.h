@@ -40,6 +40,12 @@ struct TessellationOptions {
 Result<Mesh> tessellated(const Shape& shape, const TessellationOptions& options, SourceSpan where,
                          DiagnosticLog& log);
 
+// What tessellated() asks of an authored mesh, for callers that need no copy of it.
+//
+// Fails: E2003, E2010.
+bool within_limits(const Mesh& mesh, const TessellationOptions& options, SourceSpan where,
+                   DiagnosticLog& log);
+
 // The fewest rings and quads that keep a balanced sphere of radius 1 within an error, > 0, in
 // exact arithmetic. Counts saturate at 2^31.
 SphereCounts sphere_counts(double max_error);

@@ -34,7 +34,8 @@ scene::Scene scene_with_nodes(int count) {
   scene::Scene scene;
   scene.nodes.push_back({"root", scene::kNone, {}, {}});
   for (int i = 0; i < count; ++i)
-    scene.nodes.push_back({"n" + std::to_string(i), 0, {Vec3(3 * i, 0, 0), {1, 0, 0, 0}, Vec3(1)}, {}});
+    scene.nodes.push_back(
+        {"n" + std::to_string(i), 0, {Vec3(3 * i, 0, 0), {1, 0, 0, 0}, Vec3(1)}, {}});
   scene.materials.emplace_back();
   return scene;
 }
@@ -51,8 +52,8 @@ pan::Model load(const scene::Scene& scene, const Options& options = {}) {
 
 TEST(Compile, EqualShapesAreStoredOnce) {
   scene::Scene scene = scene_with_nodes(4);
-  scene.shapes = {geometry::Sphere{1, {{20, 30}}}, plate(0), geometry::Sphere{1, {{20, 30}}}, plate(0),
-                  plate(1)};
+  scene.shapes = {geometry::Sphere{1, {{20, 30}}}, plate(0), geometry::Sphere{1, {{20, 30}}},
+                  plate(0), plate(1)};
   for (std::int32_t i = 0; i < 5; ++i) scene.instances.push_back(at(i % 4 + 1, i));
   const pan::Model model = load(scene);
   EXPECT_EQ(model.meshes().size(), 3u);

@@ -1,0 +1,157 @@
+// Every code of the registry is produced by the program on some input: pxn codes by the files of
+// tests/pxn/data/bad (named after their code), pan codes by damaged files, the others by the
+// command lines below.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "base/diagnostic.h"
+#include "tests/support/pan_damage.h"
+#include "tests/support/process.h"
+
+namespace panwright {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using support::TemporaryFolder;
+
+const std::string kFigure8 = PANWRIGHT_SOURCE_DIR "/examples/paper/figure8.pxn";
+const fs::path kBad = PANWRIGHT_SOURCE_DIR "/tests/pxn/data/bad";
+
+// The codes that a run of the program reports; its exit code must agree with them.
+std::set<std::string> codes_of(std::vector<std::string> words,
+                               const std::vector<std::string>& environment = {}) {
+  words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
+  words.push_back("--json");
+  const support::Outcome outcome = support::run(words, environment);
+  const json out = json::parse(outcome.out, nullptr, false);
+  EXPECT_FALSE(out.is_discarded())
+      << words[1] << " " << words[2] << ": " << outcome.out << outcome.err;
+  std::set<std::string> codes;
+  if (out.is_discarded()) return codes;
+  EXPECT_EQ(out["errors"].get<int>() > 0, outcome.code != 0);
+  for (const auto& item : out["diagnostics"]) codes.insert(item["code"].get<std::string>());
+  return codes;
+}
+
+// The code that a file of tests/pxn/data/bad is named after.
+std::string code_in(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return name.substr(0, name.find_first_of("-."));
+}
+
+struct Trigger {
+  std::string code;
+  std::vector<std::string> words;
+  std::vector<std::string> environment;
+};
+
+std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
+  fs::create_symlink("/proc/self/mem", folder.path() / "unreadable.pxn");
+  const std::string view = folder.write("v.json", "[{\"fof\": 1, \"output\": \"a.png\"}]");
+  const std::string pan = folder / "f.pan";
+  codes_of({"compile", kFigure8, "-o", pan});
+  const std::string png = folder / "f.png";
+  std::vector<Trigger> triggers = {
+      {"E0101", {"check", folder / "none.pxn"}, {}},
+      {"E0102", {"check", folder / "unreadable.pxn"}, {}},
+      {"E0103", {"compile", kFigure8, "-o", folder / "no/f.pan"}, {}},
+      {"E0104", {"check", kFigure8, "--max-input", "100"}, {}},
+      {"E0201", {"render", pan, "-o", png, "--fov", "200"}, {}},
+      {"E0202", {"check", folder / "model.step"}, {}},
+      {"E0203", {"render", pan, "--views", view}, {}},
+      {"E0204", {"explain", "E9999"}, {}},
+      {"E5005", {"render", pan, "-o", png, "--camera-frame", "camera"}, {}},
+      {"N5004", {"render", pan, "-o", png, "--camera", "0 0 9"}, {}},
+  };
+#ifdef PANWRIGHT_GL
+  triggers.insert(
+      triggers.end(),
+      {{"E5001", {"render", pan, "-o", png, "--gl", "osmesa"}, {"MESA_GL_VERSION_OVERRIDE=3.0"}},
+       {"E5003",
+        {"render", pan, "-o", png, "--gl", "osmesa", "--size", "16384x16384", "--samples", "64",
+         "--max-image-memory", "1MB"},
+        {}},
+       {"W5006",
+        {"render", pan, "-o", png, "--gl", "osmesa", "--camera", "0 -9 0", "--look-at", "0 -99 0",
+         "--size", "8x8"},
+        {}},
+       {"N5002",
+        {"render", pan, "-o", png, "--gl", "auto", "--size", "8x8"},
+        {"__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json"}}});
+#else
+  triggers.push_back({"E5007", {"render", pan, "-o", png}, {}});
+#endif
+  return triggers;
+}
+
+TEST(Coverage, EveryCodeIsProducedByAnInput) {
+  std::map<std::string, std::string> produced;  // code → by what
+  for (const auto& entry : fs::recursive_directory_iterator(kBad)) {
+    const std::string code = code_in(entry.path());
+    if (!entry.is_regular_file() || !code_from_name(code)) continue;
+    const bool model = entry.path().extension() == ".pxn";
+    if (!model) continue;
+    // what only the compiler finds needs a compilation
+    const auto codes = codes_of({"info", entry.path().string()});
+    EXPECT_TRUE(codes.contains(code)) << entry.path() << " does not produce the code of its name";
+    for (const std::string& each : codes) produced.emplace(each, entry.path().filename().string());
+  }
+  const TemporaryFolder folder;
+  for (const auto& [code, bytes] : support::damaged_examples()) {
+    const std::string name(code_info(code).name);
+    const std::string path = folder.write(
+        "damaged.pan", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    EXPECT_TRUE(codes_of({"check", path}).contains(name)) << name;
+    produced.emplace(name, "a damaged pan");
+  }
+  for (const Trigger& trigger : command_lines(folder)) {
+    EXPECT_TRUE(codes_of(trigger.words, trigger.environment).contains(trigger.code))
+        << trigger.code;
+    produced.emplace(trigger.code, "a command line");
+  }
+  const support::Outcome converter =
+      support::run({PANWRIGHT_BIN_DIR "/pxn2pan", "-lic", "x", kFigure8, "-o", folder / "x.pan"});
+  if (converter.err.find("[N0205]") != std::string::npos) produced.emplace("N0205", "pxn2pan");
+
+  for (const CodeInfo& info : all_codes()) {
+#ifdef PANWRIGHT_GL
+    if (info.name == "E5007") continue;  // a build without OpenGL reports it: preset nogl
+#else
+    if (info.name.substr(1) == "5001" || info.name.substr(1) == "5002" ||
+        info.name.substr(1) == "5003" || info.name.substr(1) == "5006")
+      continue;  // builds with OpenGL report them
+#endif
+    EXPECT_TRUE(produced.contains(std::string(info.name)))
+        << info.name << " is produced by no input";
+  }
+}
+
+// The explanations name no option or file that does not exist.
+TEST(Coverage, ExplanationsNameRealOptions) {
+  std::string help;
+  for (const char* command : {"compile", "check", "info", "render"})
+    help += support::run({PANWRIGHT_BIN_DIR "/panwright", command, "--help"}).out;
+  for (const CodeInfo& info : all_codes()) {
+    const std::string_view text = info.explanation;
+    for (std::size_t at = text.find(" --"); at != std::string_view::npos;
+         at = text.find(" --", at + 1)) {
+      std::size_t end = at + 3;
+      while (end < text.size() &&
+             (std::isalpha(static_cast<unsigned char>(text[end])) || text[end] == '-'))
+        ++end;
+      const std::string option(text.substr(at + 1, end - at - 1));
+      EXPECT_NE(help.find(option), std::string::npos) << info.name << " names " << option;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace panwright

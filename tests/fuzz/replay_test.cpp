@@ -1,0 +1,33 @@
+// Runs the fuzz targets over their corpus and over every pxn file of the tests, in every build.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "base/file.h"
+#include "tests/fuzz/targets.h"
+
+namespace panwright {
+namespace {
+
+void replay(const std::filesystem::path& folder, void (*target)(std::span<const std::byte>)) {
+  int files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    SCOPED_TRACE(entry.path().string());
+    DiagnosticLog log;
+    const auto bytes = read_file(entry.path(), 1 << 26, log);
+    ASSERT_TRUE(bytes) << to_text(log);
+    target(as_bytes(*bytes));
+    ++files;
+  }
+  EXPECT_GT(files, 0) << folder;
+}
+
+TEST(Replay, PxnCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/pxn", fuzz::pxn); }
+TEST(Replay, PxnTestFiles) { replay(PANWRIGHT_SOURCE_DIR "/tests/pxn/data", fuzz::pxn); }
+TEST(Replay, Examples) { replay(PANWRIGHT_SOURCE_DIR "/examples", fuzz::pxn); }
+TEST(Replay, PanCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/pan", fuzz::pan); }
+
+}  // namespace
+}  // namespace panwright

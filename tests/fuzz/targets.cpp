@@ -1,0 +1,93 @@
+#include "tests/fuzz/targets.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "compiler/compile.h"
+#include "pan/diff.h"
+#include "pan/model.h"
+#include "pxn/pxn.h"
+
+namespace panwright::fuzz {
+
+namespace {
+
+void require(bool holds, const std::string& what) {
+  if (holds) return;
+  std::fprintf(stderr, "does not hold: %s\n", what.c_str());
+  std::abort();
+}
+
+// Reads every byte that a checked model hands out.
+void touch(const panwright::pan::Model& model) {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < model.meshes().size(); ++i) {
+    const auto mesh = model.mesh(i);
+    for (std::size_t k = 0; k < mesh.indices.size(); ++k) {
+      const std::uint32_t index = mesh.indices[k];
+      require(index < mesh.positions.size(), "index below vertex count");
+      sum += static_cast<std::uint64_t>(mesh.positions[index].x > 0);
+    }
+    sum += model.mesh_name(i).size();
+  }
+  for (std::size_t i = 0; i < model.nodes().size(); ++i) sum += model.node_path(i).size();
+  for (std::size_t i = 0; i < model.textures().size(); ++i) sum += model.texels(i).back();
+  for (std::size_t i = 0; i < model.materials().size(); ++i) sum += model.material_name(i).size();
+  for (std::size_t i = 0; i < model.frames().size(); ++i)
+    sum += static_cast<std::uint64_t>(is_finite(Vec3(model.world_from_frame(i)[3])));
+  for (const auto& instance : model.instances())
+    sum += model.world_from_nodes()[instance.node][3].w > 0;
+  if (const auto bounds = model.world_bounds()) require(bounds->min.x <= bounds->max.x, "bounds");
+  sum += model.version().size() + model.options().size();
+  const auto difference = panwright::pan::diff(model, model);
+  require(difference.model.empty() && difference.provenance.empty(), "a model equals itself");
+  // a use that the optimiser cannot see through
+  static volatile std::uint64_t sink;
+  sink = sum;
+}
+
+}  // namespace
+
+void pxn(std::span<const std::byte> input) {
+  const std::string text(reinterpret_cast<const char*>(input.data()), input.size());
+  const panwright::pxn::MemoryFile files[] = {{"top.pxn", text}, {"part.pxn", text}};
+  panwright::pxn::Options options;
+  options.limits.nodes = 2000;
+  options.limits.elements = 20000;
+  options.limits.includes = 20;
+  options.limits.texture_bytes = 1 << 20;
+  DiagnosticLog log;
+  const auto scene = panwright::pxn::read_memory(files, options, log);
+  require(scene.ok() || log.has_errors(), "no scene without an error");
+  (void)to_text(log);
+  (void)to_json(log);
+  if (!scene) return;
+  require(scene::check(*scene).empty(), scene::check(*scene));
+
+  compiler::Options compile;
+  compile.max_error = 0.05;
+  compile.max_triangles = 5000;
+  const auto bytes = compiler::compiled(*scene, compile, log);
+  if (!bytes) {
+    require(log.has_errors(), "no file without an error");
+    return;
+  }
+  DiagnosticLog reading;
+  auto model = panwright::pan::Model::from_bytes(*bytes, "fuzz.pan", reading);
+  require(model && model->check(reading), "what the compiler writes is sound: " + to_text(reading));
+}
+
+void pan(std::span<const std::byte> input) {
+  DiagnosticLog log;
+  auto model = panwright::pan::Model::from_bytes(input, "fuzz.pan", log);
+  if (!model || !model->check(log)) {
+    require(log.has_errors() && exit_code(log) == 4,
+            "a refusal names a damaged pan: " + to_text(log));
+    return;
+  }
+  touch(*model);
+}
+
+}  // namespace panwright::fuzz

@@ -1,0 +1,16 @@
+// What the fuzzers run on each input. They abort when something that must hold does not.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+namespace panwright::fuzz {
+
+// Reads the bytes as a pxn file that can include itself, checks the scene, compiles it and checks
+// the pan file that results.
+void pxn(std::span<const std::byte> input);
+
+// Opens the bytes as a pan file, checks it, and touches everything that a checked file gives.
+void pan(std::span<const std::byte> input);
+
+}  // namespace panwright::fuzz

@@ -1,0 +1,254 @@
+// The program as a user runs it: exit codes, streams, files.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "base/diagnostic.h"
+#include "tests/support/process.h"
+
+namespace panwright {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using support::contents;
+using support::Outcome;
+using support::TemporaryFolder;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string kFigure8 = PANWRIGHT_SOURCE_DIR "/examples/paper/figure8.pxn";
+
+Outcome panwright(std::vector<std::string> words,
+                  const std::vector<std::string>& environment = {}) {
+  words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
+  return support::run(words, environment);
+}
+
+std::string model(const std::string& body) {
+  return "<?xml version=\"1.0\"?>\n<pangu_model ver=\"0\">\n" + body + "\n</pangu_model>\n";
+}
+
+TEST(Program, CompilesAndShowsFigure8) {
+  const TemporaryFolder folder;
+  const Outcome compile = panwright({"compile", kFigure8, "-o", folder / "f.pan"});
+  EXPECT_EQ(compile.code, 0);
+  EXPECT_EQ(compile.err, "") << "figure 8 deserves no diagnostics";
+  const Outcome info = panwright({"info", folder / "f.pan", "--json"});
+  ASSERT_EQ(info.code, 0) << info.err;
+  const json out = json::parse(info.out);
+  EXPECT_EQ(out["schema"], 1);
+  EXPECT_EQ(out["triangles"], 11880);
+  EXPECT_EQ(out["unique_triangles"], 11880);
+  EXPECT_GE(out["vertices"].get<int>(), 99 * 60 + 2);
+  EXPECT_EQ(out["joints"], json::array());
+  EXPECT_EQ(out["materials"].size(), 1u);
+  EXPECT_EQ(out["materials"][0]["specular_law"], "cook-torrance");
+  EXPECT_EQ(out["meshes"][0]["triangles"], 11880);
+  // docs/conventions.md 11: off by 1.494e-3 of the radius
+  EXPECT_NEAR(out["meshes"][0]["error"].get<double>(), 1.494e-3, 2e-6);
+  for (const int axis : {0, 1, 2}) {
+    EXPECT_NEAR(out["bounds"]["min"][axis].get<double>(), -1, 2e-3);
+    EXPECT_NEAR(out["bounds"]["max"][axis].get<double>(), 1, 2e-3);
+  }
+  EXPECT_TRUE(out["nodes"][0]["parent"].is_null());
+  EXPECT_THAT(panwright({"info", folder / "f.pan"}).out, HasSubstr("11880 triangles"));
+}
+
+TEST(Program, TheSameBytesEveryTime) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder.path() / "copy");
+  fs::copy_file(kFigure8, folder / "copy/figure8.pxn");
+  ASSERT_EQ(panwright({"compile", kFigure8, "-o", folder / "a.pan", "-j", "1"}).code, 0);
+  ASSERT_EQ(
+      panwright({"compile", folder / "copy/figure8.pxn", "-o", folder / "b.pan", "-j", "2"}).code,
+      0);
+  EXPECT_EQ(contents(folder / "a.pan"), contents(folder / "b.pan"));
+  EXPECT_GT(contents(folder / "a.pan").size(), 100000u);
+}
+
+TEST(Program, HelpNamesEveryCommandAndUsageIsTwo) {
+  const Outcome help = panwright({"--help"});
+  EXPECT_EQ(help.code, 0);
+  for (const char* command :
+       {"compile", "check", "info", "render", "diff", "explain", "completion"}) {
+    EXPECT_THAT(help.out, HasSubstr(command));
+    EXPECT_EQ(panwright({command, "--help"}).code, 0);
+  }
+  EXPECT_EQ(panwright({}).code, 2);
+  EXPECT_EQ(panwright({"compil"}).code, 2);
+  EXPECT_EQ(panwright({"compile"}).code, 2);
+  EXPECT_EQ(panwright({"compile", kFigure8, "--colour", "always"}).code, 2);
+  EXPECT_EQ(panwright({"render", kFigure8, "--samples", "0"}).code, 2);
+}
+
+TEST(Program, ExitCodesOfBadInput) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(panwright({"compile", folder / "none.pxn", "-o", folder / "x.pan"}).code, 3);
+  EXPECT_EQ(panwright({"compile", kFigure8, "-o", folder / "no/such/folder.pan"}).code, 3);
+  EXPECT_EQ(panwright({"compile", folder.write("m.obj", "")}).code, 2);
+  EXPECT_EQ(panwright({"info", folder / "none.pan"}).code, 3);
+  for (const std::string& bytes : {std::string(), std::string("garbage"), std::string(4000, '\0')})
+    EXPECT_EQ(panwright({"info", folder.write("bad.pan", bytes)}).code, 4);
+  EXPECT_EQ(panwright({"check", folder.write("m.pxn", model("<spere/>"))}).code, 1);
+  EXPECT_EQ(panwright({"explain", "E9999"}).code, 2);
+}
+
+TEST(Program, WritesWhatCouldBeReadAndSaysSo) {
+  const TemporaryFolder folder;
+  const std::string input =
+      folder.write("m.pxn", model("<group><sphere rings=\"4\" quads=\"4\"/><spere/></group>"));
+  const Outcome with = panwright({"compile", input, "-o", folder / "m.pan"});
+  EXPECT_EQ(with.code, 1);
+  EXPECT_THAT(with.err, HasSubstr("m.pxn:3:"));
+  EXPECT_THAT(with.err, HasSubstr("did you mean 'sphere'?"));
+  EXPECT_THAT(with.err, HasSubstr("without what could not be read"));
+  EXPECT_EQ(json::parse(panwright({"info", folder / "m.pan", "--json"}).out)["triangles"], 24);
+  const Outcome without = panwright({"compile", folder.write("n.pxn", model("<spere/>"))});
+  EXPECT_EQ(without.code, 1);
+  EXPECT_FALSE(fs::exists(folder / "n.pan")) << "nothing is written where no -o says so";
+}
+
+TEST(Program, TheConvertersOfPanguUsers) {
+  const TemporaryFolder folder;
+  for (const char* name : {"pxntopan", "pxn2pan"}) {
+    const std::string output = folder / (std::string(name) + ".pan");
+    const Outcome outcome = support::run(
+        {std::string(PANWRIGHT_BIN_DIR "/") + name, "-lic", "licence.txt", "-o", output, kFigure8});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("-lic is ignored"));
+    EXPECT_TRUE(fs::exists(output));
+  }
+  EXPECT_EQ(contents(folder / "pxntopan.pan"), contents(folder / "pxn2pan.pan"));
+}
+
+TEST(Program, JsonIsOneObjectOnStandardOutput) {
+  const TemporaryFolder folder;
+  const std::string bad = folder.write("m.pxn", model("<spere/>"));
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"compile", bad, "-o", folder / "x.pan", "--json"},
+                                             {"check", bad, "--json"},
+                                             {"info", bad, "--json"},
+                                             {"explain", "E1101", "--json"},
+                                             {"explain", "--json"},
+                                             {"diff", bad, bad, "--json"},
+                                             {"render", bad, "--json"}}) {
+    const Outcome outcome = panwright(words);
+    const json out = json::parse(outcome.out, nullptr, false);
+    ASSERT_FALSE(out.is_discarded()) << words[0] << ": " << outcome.out;
+    EXPECT_EQ(out["schema"], 1);
+    EXPECT_EQ(out["command"], words[0]);
+    EXPECT_EQ(out["exit_code"], outcome.code);
+    if (words.size() > 2 && words[0] != "explain") {
+      EXPECT_EQ(out["diagnostics"][0]["line"], 3) << words[0];
+    }
+  }
+  const json version = json::parse(panwright({"--version", "--json"}).out);
+  EXPECT_EQ(version["pan_format"], "1.0");
+}
+
+TEST(Program, ColourFollowsTheUserAndNoColor) {
+  const TemporaryFolder folder;
+  const std::string bad = folder.write("m.pxn", model("<spere/>"));
+  EXPECT_THAT(panwright({"check", bad}).err, Not(HasSubstr("\x1b[")));
+  EXPECT_THAT(panwright({"check", bad, "--color", "always"}).err, HasSubstr("\x1b["));
+  EXPECT_THAT(panwright({"check", bad}, {"NO_COLOR=1", "TERM=xterm"}).err, Not(HasSubstr("\x1b[")));
+}
+
+TEST(Program, DepfileNamesEveryFileRead) {
+  const TemporaryFolder folder;
+  folder.write("parts/a part.pxn", model("<sphere rings=\"4\" quads=\"4\"/>"));
+  const std::string top =
+      folder.write("top.pxn", model("<include type=\"pxn\" file=\"parts/a part.pxn\"/>"));
+  ASSERT_EQ(panwright({"compile", top, "-o", folder / "top.pan", "-M", folder / "top.d"}).code, 0);
+  const std::string rule = contents(folder / "top.d");
+  EXPECT_THAT(rule, HasSubstr(folder / "top.pan:"));
+  EXPECT_THAT(rule, HasSubstr(folder / "top.pxn"));
+  EXPECT_THAT(rule, HasSubstr(folder / "parts/a\\ part.pxn"));
+}
+
+TEST(Program, SarifFileHoldsTheDiagnostics) {
+  const TemporaryFolder folder;
+  const std::string bad = folder.write("m.pxn", model("<spere/>"));
+  EXPECT_EQ(panwright({"check", bad, "--sarif", folder / "out.sarif"}).code, 1);
+  const json sarif = json::parse(contents(folder / "out.sarif"));
+  EXPECT_EQ(sarif["version"], "2.1.0");
+  EXPECT_EQ(sarif["runs"][0]["results"][0]["ruleId"], "E1101");
+}
+
+TEST(Program, DiffSeesWhatChanged) {
+  const TemporaryFolder folder;
+  const std::string a = folder.write("a.pxn", model("<sphere rings=\"4\" quads=\"4\"/>"));
+  const std::string b = folder.write("b.pxn", model("<sphere rings=\"4\" quads=\"5\"/>"));
+  EXPECT_EQ(panwright({"diff", a, a}).code, 0);
+  const Outcome outcome = panwright({"diff", a, b});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("24"));
+  EXPECT_THAT(outcome.out, HasSubstr("30"));
+}
+
+TEST(Program, ExplainKnowsEveryCode) {
+  const Outcome list = panwright({"explain"});
+  EXPECT_EQ(list.code, 0);
+  for (const CodeInfo& info : all_codes()) EXPECT_THAT(list.out, HasSubstr(std::string(info.name)));
+  EXPECT_THAT(panwright({"explain", "e1101"}).out, HasSubstr("E1101 (error)"));
+}
+
+TEST(Program, TimingsShowTheSync) {
+  const TemporaryFolder folder;
+  const Outcome outcome = panwright({"compile", kFigure8, "-o", folder / "f.pan", "--timings"});
+  EXPECT_THAT(outcome.err, HasSubstr("tessellate"));
+  EXPECT_THAT(outcome.err, HasSubstr("sync to disk"));
+}
+
+TEST(Program, CompletionScriptsAreValid) {
+  const TemporaryFolder folder;
+  const std::string script = folder.write("c.bash", panwright({"completion", "bash"}).out);
+  EXPECT_EQ(support::run({"bash", "-n", script}).code, 0);
+  const Outcome outcome = support::run(
+      {"bash", "-c",
+       "source " + script +
+           "; COMP_WORDS=(panwright ren); COMP_CWORD=1; _panwright; echo ${COMPREPLY[0]};"
+           "COMP_WORDS=(panwright render --cam); COMP_CWORD=2; _panwright; echo ${COMPREPLY[@]}"});
+  EXPECT_EQ(outcome.out, "render\n--camera --camera-frame\n");
+  for (const char* shell : {"zsh", "fish"})
+    EXPECT_THAT(panwright({"completion", shell}).out, HasSubstr("sun-irradiance"));
+}
+
+// A compile killed at any moment leaves the old output whole: it is either the old file or the
+// complete new one, and nothing else lies in the folder but, at worst, a temporary file.
+TEST(Program, KilledCompilesLeaveAWholeFile) {
+  const TemporaryFolder folder;
+  const std::string small = folder.write("s.pxn", model("<sphere rings=\"4\" quads=\"4\"/>"));
+  const std::string large = folder.write("l.pxn", model("<sphere rings=\"700\" quads=\"700\"/>"));
+  const std::string output = folder / "out.pan";
+  ASSERT_EQ(panwright({"compile", large, "-o", output}).code, 0);
+  const std::string complete = contents(output);
+  ASSERT_EQ(panwright({"compile", small, "-o", output}).code, 0);
+  const std::string old = contents(output);
+  ASSERT_NE(old, complete);
+  int killed = 0;
+  for (unsigned microseconds = 0; microseconds < 400000;
+       microseconds += 1 + microseconds / 4 + 1500) {
+    killed += support::run_and_kill(
+        {PANWRIGHT_BIN_DIR "/panwright", "compile", large, "-o", output}, microseconds);
+    const std::string now = contents(output);
+    EXPECT_TRUE(now == old || now == complete) << "after " << microseconds << " µs";
+    if (now == complete) ASSERT_EQ(panwright({"compile", small, "-o", output}).code, 0);
+  }
+  EXPECT_GT(killed, 5) << "the kills came too late to mean anything";
+}
+
+TEST(Program, LocalesChangeNothing) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(panwright({"compile", kFigure8, "-o", folder / "a.pan"}).code, 0);
+  ASSERT_EQ(panwright({"compile", kFigure8, "-o", folder / "b.pan"}, {"LC_ALL=de_DE.UTF-8"}).code,
+            0);
+  EXPECT_EQ(contents(folder / "a.pan"), contents(folder / "b.pan"));
+}
+
+}  // namespace
+}  // namespace panwright
