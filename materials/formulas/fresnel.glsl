@@ -14,7 +14,12 @@ FORMULA Real fresnel_dielectric(Real cos_i, Real index) {
   Real difference = excess / sum;
   Real normal_part = difference / sum;
   Real ratio = (cos_i * sum - Real(1)) / (cos_i * difference + Real(1));
-  return min(Real(0.5) * normal_part * normal_part * (Real(1) + ratio * ratio), Real(1));
+  Real reflected = Real(0.5) * normal_part * normal_part * (Real(1) + ratio * ratio);
+  if (reflected < Real(0.5)) return reflected;
+  // towards grazing what passes is small and keeps more digits
+  Real passing = Real(2) * cos_i * g / (sum * sum);
+  Real parallel = index * sum / (index * index * cos_i + g);
+  return max(Real(1) - passing * (Real(1) + parallel * parallel), Real(0));
 }
 
 FORMULA Vec3 fresnel_rgb(Real cos_i, Vec3 indices) {

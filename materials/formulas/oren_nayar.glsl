@@ -16,8 +16,7 @@ FORMULA Vec3 oren_nayar(Vec3 albedo, Real sigma, Vec3 to_light, Vec3 to_viewer, 
   Real sin_nv = length3(along_v);
   Real sines = max(sin_nl * sin_nv, Real(1e-30));
   Real cos_phi = max(min(dot3(along_l, along_v) / sines, Real(1)), Real(-1));
-  Vec3 across = cross3(along_l, along_v);
-  Real sin2_phi = min(dot3(across, across) / (sines * sines), Real(1));
+  Real sin_phi = min(length3(cross3(along_l, along_v)) / sines, Real(1));
 
   // a: the larger angle, b: the smaller
   Real sin_a = max(sin_nl, sin_nv);
@@ -38,7 +37,7 @@ FORMULA Vec3 oren_nayar(Vec3 albedo, Real sigma, Vec3 to_light, Vec3 to_viewer, 
   }
   Real c3 = Real(0.125) * wide * (a * b) * (a * b);
   Real direct = c1 + Real(0.45) * wide * c2 * cos_phi * (sin_b / cos_b) +
-                sin2_phi / (Real(1) + abs(cos_phi)) * c3 * ((sin_a + sin_b) / (cos_a + cos_b));
+                sin_phi * sin_phi / (Real(1) + abs(cos_phi)) * c3 * ((sin_a + sin_b) / (cos_a + cos_b));
   Real twice = Real(0.17) * s2 / (s2 + Real(0.13)) * (Real(1) - cos_phi * b * b);
   return albedo * ((max(direct, Real(0)) + albedo * twice) * Real(0.31830988618379067));
 }

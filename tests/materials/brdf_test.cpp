@@ -1,0 +1,140 @@
+// The material as a whole: weights, colours, emission, tint (docs/conventions.md, reflection).
+#include "materials/brdf.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/materials/quadrature.h"
+#include "tests/support/hard_cases.h"
+
+namespace panwright::materials {
+namespace {
+
+const Vec3 kNormal(0, 0, 1);
+const Vec3 kLight = from_angles(0.6, 0.4);
+const Vec3 kViewer = from_angles(0.5, 2.8);
+
+Material figure8() {
+  Material m;
+  m.diffuse = {0.7038, 0.27048, 0.0828};
+  m.specular = Vec3(1);
+  m.refract = Vec3(1.5);
+  m.cook = {1, 0.15, 1, 1};
+  m.weights = {0.9, 0.1, 0};
+  m.specular_law = SpecularLaw::cook_torrance;
+  return m;
+}
+
+TEST(Brdf, WeightsTimesColourTimesLaw) {
+  const double lobe = f64::cook_torrance(0.15, Vec3(1.5), kLight, kViewer, kNormal).x;
+  ASSERT_GT(lobe, 0.01);
+  const Vec3 want = 0.9 / kPi * Vec3(0.7038, 0.27048, 0.0828) + Vec3(0.1 * lobe);
+  const Vec3 got = f64::brdf(figure8(), kLight, kViewer, kNormal);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(got[k], want[k], 1e-15);
+}
+
+TEST(Brdf, EveryPairOfLaws) {
+  for (const auto diffuse : {DiffuseLaw::lambert, DiffuseLaw::oren_nayar, DiffuseLaw::hapke})
+    for (const auto specular :
+         {SpecularLaw::none, SpecularLaw::blinn_phong, SpecularLaw::cook_torrance}) {
+      Material m = figure8();
+      m.diffuse_law = diffuse;
+      m.specular_law = specular;
+      m.shine = 12;
+      m.oren = 0.3;
+      m.hapke = {0.4, 0.06, 1, 0.3};
+      m.weights = {0.6, 0.4, 0};
+      Vec3 want(0);
+      const Vec3 rho = m.diffuse;
+      if (diffuse == DiffuseLaw::lambert) want = 0.6 * rho / kPi;
+      if (diffuse == DiffuseLaw::oren_nayar)
+        want = 0.6 * f64::oren_nayar(rho, 0.3, kLight, kViewer, kNormal);
+      if (diffuse == DiffuseLaw::hapke)
+        want = 0.6 * rho * f64::hapke(0.4, 0.06, 1.0, 0.3, 0.0, 0.0, kLight, kViewer, kNormal);
+      if (specular == SpecularLaw::blinn_phong)
+        want += 0.4 * f64::blinn_phong(12.0, kLight, kViewer, kNormal);
+      if (specular == SpecularLaw::cook_torrance)
+        want += 0.4 * f64::cook_torrance(0.15, Vec3(1.5), kLight, kViewer, kNormal);
+      const Vec3 got = f64::brdf(m, kLight, kViewer, kNormal);
+      const glm::vec3 single =
+          f32::brdf(m, glm::vec3(kLight), glm::vec3(kViewer), glm::vec3(kNormal));
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_NEAR(got[k], want[k], 1e-15);
+        EXPECT_NEAR(static_cast<double>(single[k]), want[k], 2e-6 * want[k]);
+      }
+    }
+}
+
+TEST(Brdf, RadianceOfReflectionAndEmission) {
+  Material m;
+  m.diffuse = Vec3(0.5);
+  m.emissive = {0.2, 0.4, 0.6};
+  m.weights = {1, 0, 0.5};
+  const Vec3 irradiance(3, 2, 1);
+  const Vec3 lit = f64::radiance(m, kLight, kViewer, kNormal, irradiance);
+  const Vec3 dark = f64::radiance(m, -kLight, kViewer, kNormal, irradiance);
+  for (int k = 0; k < 3; ++k) {
+    const double emitted = 0.5 * m.emissive[k] * irradiance[k] / kPi;
+    EXPECT_NEAR(dark[k], emitted, 1e-15);
+    EXPECT_NEAR(lit[k], emitted + 0.5 / kPi * irradiance[k] * kLight.z, 1e-15);
+  }
+}
+
+// A white Lambert plate at normal Sun has π L = E.
+TEST(Brdf, WhitePlate) {
+  Material m;
+  m.diffuse = Vec3(1);
+  EXPECT_NEAR(f64::radiance(m, kNormal, kViewer, kNormal, Vec3(1)).x * kPi, 1, 1e-15);
+}
+
+TEST(Brdf, TintMultipliesDiffuseOnly) {
+  Material m = figure8();
+  m.diffuse_law = DiffuseLaw::oren_nayar;
+  m.oren = 0.5;
+  const Vec3 tint(0.5, 0.25, 0);
+  Material tinted = m;
+  tinted.diffuse = m.diffuse * tint;
+  EXPECT_EQ(f64::brdf(m, kLight, kViewer, kNormal, tint),
+            f64::brdf(tinted, kLight, kViewer, kNormal));
+  EXPECT_GT(f64::brdf(m, kLight, kViewer, kNormal, Vec3(0)).x, 0);
+}
+
+TEST(Brdf, CookFactorsMultiply) {
+  Material m = figure8();
+  m.diffuse = Vec3(0);
+  const double plain = f64::brdf(m, kLight, kViewer, kNormal).x;
+  m.cook = {2, 0.15, 0.5, 3};
+  EXPECT_NEAR(f64::brdf(m, kLight, kViewer, kNormal).x, 3 * plain, 1e-14 * plain);
+}
+
+TEST(Brdf, NoIndexIsAMirror) {
+  Material m = figure8();
+  m.diffuse = Vec3(0);
+  const double glass = f64::brdf(m, kLight, kViewer, kNormal).x;
+  m.refract.reset();
+  const double cos_vh = 0.5 * glm::length(kLight + kViewer);
+  EXPECT_NEAR(f64::brdf(m, kLight, kViewer, kNormal).x * f64::fresnel_dielectric(cos_vh, 1.5),
+              glass, 1e-15);
+}
+
+// Smooth normals near the limb: the law goes on as at the horizon, without a dark rim and without a
+// step; light from below gives nothing.
+TEST(Brdf, HorizonOfTheViewer) {
+  Material m = figure8();
+  const Vec3 light = from_angles(1.0, kPi / 2);
+  const Vec3 above = hard_cases::direction(2e-6, 0);
+  Vec3 below = above;
+  below.z = -0.05;
+  below = glm::normalize(below);
+  EXPECT_NEAR(f64::brdf(m, light, below, kNormal).x, f64::brdf(m, light, above, kNormal).x, 1e-5);
+  EXPECT_GE(f64::brdf(m, light, below, kNormal).x, 0.9 * 0.7038 / kPi);
+  EXPECT_EQ(f64::brdf(m, -light, above, kNormal), Vec3(0));
+  for (const double z : {0.0, -1e-9, -0.5, -1.0}) {
+    const Vec3 v(std::sqrt(1 - z * z), 0, z);
+    EXPECT_TRUE(is_finite(f64::brdf(m, light, v, kNormal))) << z;
+    const glm::vec3 single = f32::brdf(m, glm::vec3(light), glm::vec3(v), glm::vec3(kNormal));
+    EXPECT_TRUE(is_finite(Vec3(single))) << z;
+  }
+}
+
+}  // namespace
+}  // namespace panwright::materials
