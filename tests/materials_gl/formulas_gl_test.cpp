@@ -1,0 +1,260 @@
+// The formulas as GLSL runs them against f32 in C++, over the hard cases.
+#include <glad/gl.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstdio>
+#include <memory>
+
+#include "materials/brdf.h"
+#include "materials/formula_text.h"
+#include "preview/context.h"
+#include "tests/support/hard_cases.h"
+
+namespace panwright::hard_cases {
+namespace {
+
+using materials::DiffuseLaw;
+using materials::Material;
+using materials::SpecularLaw;
+
+// Runs `expression` over the cases in a compute shader. text: what it calls.
+class Shader {
+ public:
+  Shader(const GladGLContext& gl, const std::string& text, const std::string& statements,
+         const std::string& expression)
+      : gl_(gl) {
+    const std::string source = "#version 450 core\n" + text + R"(
+#define Real float
+#define Vec3 vec3
+layout(local_size_x = 64) in;
+layout(std430, binding = 0) readonly buffer Inputs { float inputs[]; };
+layout(std430, binding = 1) writeonly buffer Outputs { float outputs[]; };
+layout(location = 0) uniform uint count;
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= count) return;
+  uint k = 16 * i;
+  vec3 l = vec3(inputs[k], inputs[k + 1], inputs[k + 2]);
+  vec3 v = vec3(inputs[k + 3], inputs[k + 4], inputs[k + 5]);
+  vec3 n = vec3(inputs[k + 6], inputs[k + 7], inputs[k + 8]);
+  float p[7];
+  for (uint j = 0; j < 7; ++j) p[j] = inputs[k + 9 + j];
+)" + statements +
+                               "  precise vec3 result = " + expression + R"(;
+  for (uint j = 0; j < 3; ++j) outputs[3 * i + j] = result[j];
+}
+)";
+    program_ = gl.CreateProgram();
+    const GLuint shader = gl.CreateShader(GL_COMPUTE_SHADER);
+    const char* pointer = source.c_str();
+    gl.ShaderSource(shader, 1, &pointer, nullptr);
+    gl.CompileShader(shader);
+    gl.AttachShader(program_, shader);
+    gl.LinkProgram(program_);
+    GLint linked = 0;
+    gl.GetProgramiv(program_, GL_LINK_STATUS, &linked);
+    char message[4000] = "";
+    if (!linked) gl.GetShaderInfoLog(shader, sizeof message, nullptr, message);
+    gl.DeleteShader(shader);
+    linked_ = linked != 0;
+    EXPECT_TRUE(linked_) << message << source;
+  }
+  ~Shader() { gl_.DeleteProgram(program_); }
+  Shader(const Shader&) = delete;
+  Shader& operator=(const Shader&) = delete;
+
+  std::vector<glm::vec3> run(const std::vector<Inputs>& cases) const {
+    std::vector<glm::vec3> results(cases.size());
+    if (!linked_) return results;
+    GLuint buffers[2];
+    gl_.CreateBuffers(2, buffers);
+    const auto bytes = [](const auto& list) {
+      return static_cast<GLsizeiptr>(list.size() * sizeof list[0]);
+    };
+    gl_.NamedBufferStorage(buffers[0], bytes(cases), cases.data(), 0);
+    gl_.NamedBufferStorage(buffers[1], bytes(results), nullptr, GL_DYNAMIC_STORAGE_BIT);
+    gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, buffers[0]);
+    gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, buffers[1]);
+    gl_.UseProgram(program_);
+    gl_.Uniform1ui(0, static_cast<GLuint>(cases.size()));
+    gl_.DispatchCompute(static_cast<GLuint>((cases.size() + 63) / 64), 1, 1);
+    gl_.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    gl_.GetNamedBufferSubData(buffers[1], 0, bytes(results), results.data());
+    EXPECT_EQ(gl_.GetError(), static_cast<GLenum>(GL_NO_ERROR));
+    gl_.DeleteBuffers(2, buffers);
+    return results;
+  }
+
+ private:
+  const GladGLContext& gl_;
+  GLuint program_ = 0;
+  bool linked_ = false;
+};
+
+// Steps between two floats >= 0; those below the smallest normal number are one with 0, as a GPU
+// may flush them.
+std::uint32_t ulps(float a, float b) {
+  if (!(a >= 0) || !(b >= 0) || !std::isfinite(a) || !std::isfinite(b)) return 0xffffffffu;
+  const auto rank = [](float x) {
+    return x < 0x1p-126f ? 0x007fffffu : std::bit_cast<std::uint32_t>(x);
+  };
+  const std::uint32_t x = rank(a), y = rank(b);
+  return x < y ? y - x : x - y;
+}
+
+struct Difference {
+  std::uint32_t worst = 0;  // ulp
+  std::size_t at = 0;
+  std::size_t different = 0;  // values whose bits differ
+};
+
+template <class Cpu>
+Difference compare(const std::vector<Inputs>& cases, const std::vector<glm::vec3>& results,
+                   Cpu cpu) {
+  Difference difference;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const glm::vec3 want = cpu(cases[i]);
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t apart = ulps(results[i][k], want[k]);
+      if (apart != 0) ++difference.different;
+      if (apart > difference.worst) {
+        difference.worst = apart;
+        difference.at = i;
+      }
+    }
+  }
+  return difference;
+}
+
+class FormulasGl : public testing::TestWithParam<preview::ContextKind> {
+ protected:
+  void SetUp() override {
+    DiagnosticLog log;
+    auto made = preview::Context::create(GetParam(), log);
+    ASSERT_TRUE(made) << to_text(log);
+    context_ = std::move(*made);
+    std::printf("%s\n", context_->renderer().c_str());
+  }
+
+  // Software rounds every operation as IEEE 754 says: the same bits. Hardware may be 2.5 ulp off in
+  // a division (GLSL 4.60, 4.7.1) and as much in a root; the exponent of a lobe, at most 80, has
+  // two divisions and a root or less, which makes 80·6 ulp of the lobe's tail.
+  std::uint32_t bound(const std::string& name) const {
+    if (!context_->is_hardware()) return 0;
+    const bool lobe = name.find("blinn") != std::string::npos ||
+                      name.find("cook") != std::string::npos ||
+                      name.find("beckmann") != std::string::npos;
+    return lobe ? 64 + 480 : 64;
+  }
+
+  void check(const std::string& name, const std::vector<Inputs>& cases, const Difference& found) {
+    const Inputs& c = cases[found.at];
+    std::printf("%-24s %6zu cases, %zu values differ, worst %u ulp", name.c_str(), cases.size(),
+                found.different, found.worst);
+    if (found.worst != 0)
+      std::printf(
+          " at l=(%.9g %.9g %.9g) v=(%.9g %.9g %.9g) p=%g %g %g", static_cast<double>(c.l.x),
+          static_cast<double>(c.l.y), static_cast<double>(c.l.z), static_cast<double>(c.v.x),
+          static_cast<double>(c.v.y), static_cast<double>(c.v.z), static_cast<double>(c.p[0]),
+          static_cast<double>(c.p[1]), static_cast<double>(c.p[2]));
+    std::printf("\n");
+    EXPECT_LE(found.worst, bound(name)) << name;
+  }
+
+  std::unique_ptr<preview::Context> context_;
+};
+
+TEST_P(FormulasGl, EveryFormulaOverTheHardCases) {
+  std::vector<Formula> all = formulas();
+  for (const double slope : {1e-4, 1e-3, 1e-2, 0.15}) {
+    all.push_back(beckmann_near_specular(slope, 20000));
+    all.back().name += " m = " + std::to_string(slope);
+  }
+  const std::string text = materials::glsl_all_laws();
+  for (const Formula& formula : all) {
+    const Shader shader(context_->gl(), text, "", formula.expression);
+    check(formula.name, formula.cases,
+          compare(formula.cases, shader.run(formula.cases), formula.f32));
+  }
+}
+
+// One last bit is enough to be seen, as is a built-in function in the place of ours.
+TEST_P(FormulasGl, TheComparisonSeesTheLastBit) {
+  const std::vector<Inputs> cases = numbers(1);
+  const auto same = [](const Inputs& c) { return glm::vec3(c.p[0], 0, 0); };
+  const Shader plain(context_->gl(), "", "", "vec3(p[0], 0.0, 0.0)");
+  EXPECT_EQ(compare(cases, plain.run(cases), same).different, 0u);
+  const Shader next(context_->gl(), "", "",
+                    "vec3(uintBitsToFloat(floatBitsToUint(p[0]) + 1u), 0.0, 0.0)");
+  const Difference one = compare(cases, next.run(cases), same);
+  EXPECT_EQ(one.worst, 1u);
+  EXPECT_EQ(one.different, cases.size() - 1);  // beside 0 is no normal number
+  const Shader exponential(context_->gl(), "", "", "vec3(exp(-p[0]))");
+  EXPECT_GT(compare(cases, exponential.run(cases),
+                    [](const Inputs& c) { return glm::vec3(materials::f32::exp_negative(c.p[0])); })
+                .different,
+            0u);
+}
+
+// The assembled texts, with the parameters of a material written into the shader.
+TEST_P(FormulasGl, EveryPairOfLaws) {
+  Material m;
+  m.diffuse = {0.75, 0.25, 0.0625};
+  m.specular = {1, 0.5, 0.25};
+  m.emissive = {0.5, 0.25, 0};
+  m.weights = {0.625, 0.25, 0.125};
+  m.refract = Vec3(1.5, 2.5, 0);
+  m.shine = 24;
+  m.cook = {1, 0.25, 1, 0.5};
+  m.oren = 0.375;
+  m.hapke = {0.375, 0.0625, 1, 0.25};
+  const std::string statements = R"(
+  Surface s;
+  s.diffuse = vec3(0.75, 0.25, 0.0625);
+  s.specular = vec3(1.0, 0.5, 0.25);
+  s.emissive = vec3(0.5, 0.25, 0.0);
+  s.weights = vec3(0.625, 0.25, 0.125);
+  s.indices = vec3(1.5, 2.5, 0.0);
+  s.shine = 24.0;
+  s.cook_d = 1.0;
+  s.cook_m = 0.25;
+  s.cook_f = 1.0;
+  s.cook_g = 0.5;
+  s.oren = 0.375;
+  s.hapke_w = 0.375;
+  s.hapke_h = 0.0625;
+  s.hapke_b0 = 1.0;
+  s.hapke_rough = 0.25;
+  s.hapke_b = 0.0;
+  s.hapke_c = 0.0;
+)";
+  std::vector<Inputs> cases = grid();
+  for (const auto& more : {tilted_grid(), random_pairs(-0.2, 5000), near_specular(0.25, 5000)})
+    cases.insert(cases.end(), more.begin(), more.end());
+  const glm::vec3 irradiance(1.5f, 1.0f, 0.5f);
+  const char* diffuse_names[] = {"lambert", "oren_nayar", "hapke"};
+  const char* specular_names[] = {"none", "blinn_phong", "cook_torrance"};
+  for (std::uint32_t d = 0; d < 3; ++d)
+    for (std::uint32_t s = 0; s < 3; ++s) {
+      m.diffuse_law = static_cast<DiffuseLaw>(d);
+      m.specular_law = static_cast<SpecularLaw>(s);
+      const Shader shader(context_->gl(), materials::glsl_formulas(m.diffuse_law, m.specular_law),
+                          statements, "surface_radiance(s, l, v, n, vec3(1.5, 1.0, 0.5))");
+      check(std::string(diffuse_names[d]) + " and " + specular_names[s], cases,
+            compare(cases, shader.run(cases), [&](const Inputs& c) {
+              return materials::f32::radiance(m, c.l, c.v, c.n, irradiance);
+            }));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Contexts, FormulasGl,
+                         testing::Values(preview::ContextKind::osmesa,
+                                         preview::ContextKind::automatic),
+                         [](const auto& parameter) {
+                           return parameter.param == preview::ContextKind::osmesa ? "osmesa"
+                                                                                  : "automatic";
+                         });
+
+}  // namespace
+}  // namespace panwright::hard_cases
