@@ -1,0 +1,315 @@
+#include "pxn/internal/assembler.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/text.h"
+#include "geometry/tessellate.h"
+
+namespace panwright::pxn {
+
+namespace {
+
+// What is around an item.
+struct Context {
+  std::int32_t node = 0;
+  materials::Fields fields;
+  std::int32_t texture = scene::kNone;
+  Mat4 texture_from_node{1};
+  Mat4 world_from_node{1};
+  SourceSpan appearance;  // the innermost one, for what is said about its material
+};
+
+// One use of a part. The first one shares its file id with the part; others get theirs when
+// something is reported.
+struct Use {
+  const Part* part;
+  FileId file;
+  bool own_file;
+  Use* outer;
+  SourceSpan included_at;
+};
+
+void append(std::vector<double>& key, const std::optional<Vec3>& v) {
+  key.push_back(v ? 1 : 0);
+  for (int k = 0; k < 3; ++k) key.push_back(v ? (*v)[k] + 0.0 : 0);
+}
+void append(std::vector<double>& key, const std::optional<double>& x) {
+  key.push_back(x ? 1 : 0);
+  key.push_back(x ? *x + 0.0 : 0);
+}
+void append(std::vector<double>& key, const std::optional<std::array<double, 4>>& a) {
+  key.push_back(a ? 1 : 0);
+  for (std::size_t k = 0; k < 4; ++k) key.push_back(a ? (*a)[k] + 0.0 : 0);
+}
+
+std::vector<double> key_of(const materials::Fields& f) {
+  std::vector<double> key;
+  append(key, f.diffuse);
+  append(key, f.specular);
+  append(key, f.shine);
+  append(key, f.emissive);
+  append(key, f.reflect);
+  append(key, f.refract);
+  append(key, f.cook);
+  append(key, f.oren);
+  append(key, f.hapke);
+  return key;
+}
+
+std::vector<double> key_of(const materials::Material& m) {
+  std::vector<double> key = {static_cast<double>(m.diffuse_law),
+                             static_cast<double>(m.specular_law)};
+  for (const Vec3& v : {m.diffuse, m.specular, m.emissive, m.weights})
+    append(key, std::optional(v));
+  append(key, m.refract);
+  append(key, std::optional(m.shine));
+  append(key, std::optional(m.cook));
+  append(key, std::optional(m.oren));
+  append(key, std::optional(m.hapke));
+  return key;
+}
+
+// Whether single precision holds the axes and the place of a node.
+bool fits(const Mat4& world) {
+  for (int c = 0; c < 4; ++c)
+    for (int r = 0; r < 3; ++r)
+      if (!(std::abs(world[c][r]) <= geometry::kMaxCoordinate)) return false;
+  for (int c = 0; c < 3; ++c)
+    if (!(glm::length(Vec3(world[c])) >= geometry::kMinRadius)) return false;
+  return true;
+}
+
+class Assembler {
+ public:
+  Assembler(const Loader& loader, const Options& options, Reporter& reporter, scene::Scene& scene)
+      : loader_(loader), options_(options), reporter_(reporter), scene_(scene) {}
+
+  void run(std::uint32_t top) {
+    const Part& part = loader_.part(top);
+    scene::Node root;
+    root.name = "root";
+    root.source = {part.file.name, 1, 1};
+    scene_.nodes.push_back(std::move(root));
+    Use use{&part, part.document.file, true, nullptr, {}};
+    Context context;
+    items(use, 0, static_cast<std::uint32_t>(part.items.size()), context);
+  }
+
+ private:
+  void items(Use& use, std::uint32_t begin, std::uint32_t end, const Context& context) {
+    for (std::uint32_t i = begin; i < end && !stopped_; i = use.part->items[i].end)
+      item(use, i, context);
+  }
+
+  void item(Use& use, std::uint32_t index, const Context& context) {
+    const Item& item = use.part->items[index];
+    Context inner = context;
+    switch (item.kind) {
+      case ItemKind::appearance:
+        inner.fields = context.fields.overridden_by(use.part->fields[item.data]);
+        inner.appearance = material_place(use, item);
+        break;
+      case ItemKind::texture:
+        inner.texture = static_cast<std::int32_t>(item.data);
+        inner.texture_from_node = Mat4(1);
+        break;
+      case ItemKind::group:
+        if (!enter(use, item, numbered("group"), {}, inner)) return;
+        break;
+      case ItemKind::transform:
+      case ItemKind::rotate: {
+        const char* base = item.kind == ItemKind::rotate ? "rotate" : "transform";
+        if (!enter(use, item, numbered(base), use.part->transforms[item.data], inner)) return;
+        break;
+      }
+      case ItemKind::sphere:
+      case ItemKind::mesh:
+        shape(use, item, inner);
+        return;
+      case ItemKind::frame:
+        frame(use, item, context);
+        return;
+      case ItemKind::include:
+        include(use, item, inner);
+        return;
+    }
+    items(use, index + 1, item.end, inner);
+  }
+
+  // ---- nodes
+
+  std::string numbered(const std::string& base) {
+    return fmt::format("{}{}", base, ++counters_[base]);
+  }
+
+  // The name itself the first time, then with a number.
+  std::string named(const std::string& base) {
+    const std::uint32_t count = ++counters_[base];
+    return count == 1 ? base : fmt::format("{}{}", base, count);
+  }
+
+  scene::Source source_of(const Use& use, const Item& item) const {
+    return {use.part->file.name, item.line, item.column};
+  }
+
+  // Makes a node below the context's, and the context its own.
+  bool enter(Use& use, const Item& item, std::string name, const scene::Transform& transform,
+             Context& context) {
+    if (scene_.nodes.size() >= options_.limits.nodes) {
+      report(Code::E1008, use, item, [&] {
+        return Reporter::Text(
+            fmt::format("the model has more than {} nodes, includes counted; the rest is left out",
+                        options_.limits.nodes));
+      });
+      stopped_ = true;
+      return false;
+    }
+    scene::Node node;
+    node.name = std::move(name);
+    node.parent = context.node;
+    node.source = source_of(use, item);
+    const Mat4 local = transform.matrix();
+    const Mat4 world = context.world_from_node * local;
+    if (fits(world)) {
+      node.parent_from_node = transform;
+      context.world_from_node = world;
+      context.texture_from_node = context.texture_from_node * local;
+    } else {
+      report(Code::E2010, use, item, [&] {
+        return Reporter::Text(
+            "the transforms down to here together scale or move by less than 1e-30 or more than "
+            "1e30; "
+            "this one is left out");
+      });
+    }
+    scene_.nodes.push_back(std::move(node));
+    context.node = static_cast<std::int32_t>(scene_.nodes.size() - 1);
+    return true;
+  }
+
+  void shape(Use& use, const Item& item, Context& context) {
+    const char* base = item.kind == ItemKind::sphere ? "sphere" : "mesh";
+    if (!enter(use, item, numbered(base), {}, context)) return;
+    scene::Instance instance;
+    instance.node = context.node;
+    instance.shape = static_cast<std::int32_t>(item.data);
+    instance.material = material(context);
+    instance.texture = context.texture;
+    if (context.texture != scene::kNone) {
+      instance.mapping = scene::Mapping::sphere;
+      instance.texture_from_shape = context.texture_from_node;
+    }
+    instance.source = source_of(use, item);
+    scene_.instances.push_back(std::move(instance));
+  }
+
+  void frame(Use& use, const Item& item, const Context& context) {
+    const PartFrame& known = use.part->frames[item.data];
+    if (!labels_.insert(known.label).second) {
+      report(Code::E1210, use, item, [&] {
+        return Reporter::Text(fmt::format("a frame is called {} already; this one is left out",
+                                          in_quotes(known.label)));
+      });
+      return;
+    }
+    scene_.frames.push_back(
+        {known.label, context.node, known.origin, known.rotation, source_of(use, item)});
+  }
+
+  void include(Use& use, const Item& item, Context& context) {
+    if (++includes_ > options_.limits.includes) {
+      if (includes_ == options_.limits.includes + 1)
+        report(Code::E1304, use, item, [&] {
+          return Reporter::Text(
+              fmt::format("the model makes more than {} includes; the rest is left out",
+                          options_.limits.includes));
+        });
+      return;
+    }
+    const Part& part = loader_.part(item.data);
+    const std::string stem = std::filesystem::path(part.file.path).stem().string();
+    if (!enter(use, item, named(stem.empty() ? "include" : stem), {}, context)) return;
+    const bool first = !used_.contains(item.data);
+    used_.insert(item.data);
+    const FileId file = part.document.file;
+    Use inner{&part, file, first, &use, use.part->document.tag_span(item.element)};
+    items(inner, 0, static_cast<std::uint32_t>(part.items.size()), context);
+  }
+
+  // ---- materials
+
+  std::int32_t material(const Context& context) {
+    const auto [known, added] = by_fields_.emplace(key_of(context.fields), 0);
+    if (!added) return known->second;
+    materials::Material material =
+        materials::resolved(context.fields, context.appearance, reporter_.log());
+    const auto next = static_cast<std::int32_t>(scene_.materials.size());
+    const auto [same, is_new] = by_value_.emplace(key_of(material), next);
+    known->second = same->second;
+    if (is_new) {
+      material.name = context.appearance.file == kNoFile ? "default" : numbered("material");
+      scene_.materials.push_back(std::move(material));
+    }
+    return same->second;
+  }
+
+  // ---- reports
+
+  // The file id of this use, so that the include stack below a message is the right one.
+  FileId file_of(Use& use) {
+    if (use.own_file) return use.file;
+    SourceMap& sources = reporter_.log().sources();
+    SourceSpan at = use.included_at;
+    at.file = file_of(*use.outer);
+    const SourceFile& original = sources.file(use.part->document.file);
+    SourceFile copy{original.name, original.bytes, original.encoding, at};
+    use.file = sources.add(std::move(copy));
+    use.own_file = true;
+    return use.file;
+  }
+
+  static SourceSpan place(const Use& use, const Item& item) {
+    return use.part->document.tag_span(item.element);
+  }
+  static SourceSpan material_place(const Use& use, const Item& item) {
+    const xml::Document& document = use.part->document;
+    const std::uint32_t material = child_of(document, item.element, schemas::ElementId::material);
+    return document.tag_span(material == 0 ? item.element : material);
+  }
+
+  template <class Compose>
+  void report(Code code, Use& use, const Item& item, const Compose& compose) {
+    SourceSpan where = place(use, item);
+    where.file = file_of(use);
+    reporter_.report(code, where, use.part->document, item.element, compose);
+  }
+
+  const Loader& loader_;
+  const Options& options_;
+  Reporter& reporter_;
+  scene::Scene& scene_;
+  std::map<std::string, std::uint32_t> counters_;
+  std::map<std::vector<double>, std::int32_t> by_fields_;
+  std::map<std::vector<double>, std::int32_t> by_value_;
+  std::set<std::string> labels_;
+  std::set<std::uint32_t> used_;
+  std::uint64_t includes_ = 0;
+  bool stopped_ = false;
+};
+
+}  // namespace
+
+void assemble(const Loader& loader, std::uint32_t top, const Options& options, Reporter& reporter,
+              scene::Scene& scene) {
+  Assembler(loader, options, reporter, scene).run(top);
+}
+
+}  // namespace panwright::pxn

@@ -1,0 +1,17 @@
+// Parts → scene: includes multiplied out, appearances inherited, nodes named.
+#pragma once
+
+#include "pxn/internal/loader.h"
+#include "pxn/internal/reporter.h"
+#include "pxn/pxn.h"
+#include "scene/scene.h"
+
+namespace panwright::pxn {
+
+// Fills in the scene's nodes, instances, frames and materials. Its shapes and textures are there.
+//
+// Reports: E1006, E1008, E1210, E1304, E2010, and what materials::resolved reports.
+void assemble(const Loader& loader, std::uint32_t top, const Options& options, Reporter& reporter,
+              scene::Scene& scene);
+
+}  // namespace panwright::pxn

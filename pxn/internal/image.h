@@ -1,0 +1,36 @@
+// Pictures of PPM, PNG and JPEG files.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/diagnostic.h"
+
+namespace panwright::pxn {
+
+inline constexpr std::uint32_t kMaxTextureSide = 16384;  // pixels, as in the pan file
+
+struct DecodedImage {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::vector<std::uint8_t> rgba;  // 4·width·height, row 0 the top row
+};
+
+struct ImageProblem {
+  std::optional<Code> code;  // none: all went well
+  std::string message;
+};
+
+// Decodes a picture, at most max_bytes of pixels (four bytes each). The kind is told by the first
+// bytes. Sizes are checked before anything is allocated. PNG checksums are verified; 16-bit
+// channels keep their upper half. Same bytes, same pixels, on any processor.
+//
+// Problems: E3001, E3002.
+ImageProblem decode_image(std::span<const std::byte> bytes, std::uint64_t max_bytes,
+                          DecodedImage& out);
+
+}  // namespace panwright::pxn

@@ -1,0 +1,85 @@
+// Values between tags and in attributes, held against their types and ranges.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pxn/internal/reporter.h"
+#include "pxn/internal/xml.h"
+#include "schemas/generated/pxn_schema.h"
+
+namespace panwright::pxn {
+
+// Reads values of one document. What cannot be read is reported and comes back empty or false.
+//
+// Expects: elements have passed the grammar check, and their entry in the tables has the value that
+// is asked for. Attributes are named by their index in the tables (schemas::attribute).
+class Values {
+ public:
+  Values(const xml::Document& document, const schemas::Language& language, Reporter& reporter)
+      : doc_(document), language_(language), reporter_(reporter) {}
+
+  // The numbers between the tags, as many as the tables say: out.size().
+  //
+  // Reports: E1201, E1202, E1203, E1211.
+  bool numbers(std::uint32_t element, std::span<double> out);
+
+  // A list of whole numbers of any length, each below 2^32; replaces `out`.
+  //
+  // Reports: E1201, E1202. The place of one of them again, for later complaints: place_of.
+  bool integers(std::uint32_t element, std::vector<std::uint32_t>& out);
+  SourceSpan place_of(std::uint32_t element, std::size_t number);
+
+  // Reports: E1201, E1202. Nothing, without a report, when the attribute is not there.
+  std::optional<double> real(std::uint32_t element, std::size_t attribute);
+  std::optional<std::uint64_t> integer(std::uint32_t element, std::size_t attribute);
+
+  // A word, path or label, as UTF-8 without control characters.
+  //
+  // Reports: E1103 (empty), E1204.
+  std::optional<std::string> text(std::uint32_t element, std::size_t attribute);
+
+  // The place of an attribute's value, or of the element's name when it is not there.
+  SourceSpan value_place(std::uint32_t element, std::size_t attribute) const;
+
+ private:
+  // The text of one element or attribute, and where its bytes come from.
+  struct Text {
+    std::string_view text;
+    std::uint32_t begin = 0;                              // of text[0] in the file
+    const std::vector<std::uint32_t>* offsets = nullptr;  // of each byte, where decoding moved them
+  };
+  struct Token {
+    std::string_view text;
+    std::size_t at = 0;
+  };
+
+  const schemas::Element& schema(std::uint32_t element) const {
+    return language_.elements[static_cast<std::size_t>(doc_.elements[element].id)];
+  }
+  Text text_of(std::uint32_t element);
+  Text text_of(const xml::Attribute& attribute);
+  static bool next_token(const Text& text, std::size_t& at, Token& token);
+  static Token trimmed(const Text& text);
+  SourceSpan place(const Text& text, const Token& token) const;
+
+  bool read_real(std::uint32_t element, const Text& text, const Token& token,
+                 const schemas::Value& value, std::size_t index, double& out);
+  bool read_integer(std::uint32_t element, const Text& text, const Token& token,
+                    const schemas::Value& value, std::size_t index, std::uint64_t& out);
+  void bad_number(Code code, std::uint32_t element, const Text& text, const Token& token,
+                  const schemas::Value& value, std::size_t index);
+  void bad_count(std::uint32_t element, const schemas::Value& value, std::size_t count);
+  std::string subject(std::uint32_t element, const schemas::Value& value, std::size_t index) const;
+
+  const xml::Document& doc_;
+  const schemas::Language& language_;
+  Reporter& reporter_;
+  std::string buffer_;
+  std::vector<std::uint32_t> offsets_;
+};
+
+}  // namespace panwright::pxn

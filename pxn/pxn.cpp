@@ -1,0 +1,43 @@
+#include "pxn/pxn.h"
+
+#include <cassert>
+
+#include "pxn/internal/assembler.h"
+#include "pxn/internal/files.h"
+#include "pxn/internal/loader.h"
+#include "pxn/internal/reporter.h"
+
+namespace panwright::pxn {
+
+namespace {
+
+Result<scene::Scene> read_from(Files& files, const FoundFile& top, const Options& options,
+                               DiagnosticLog& log) {
+  assert(options.limits.depth <= 1024);
+  Reporter reporter(log);
+  scene::Scene scene;
+  Loader loader(files, options, reporter, scene);
+  const auto part = loader.load_top(top);
+  if (!part) return failed;
+  assemble(loader, *part, options, reporter, scene);
+  return scene;
+}
+
+}  // namespace
+
+Result<scene::Scene> read(const std::filesystem::path& path, const Options& options,
+                          DiagnosticLog& log) {
+  FoundFile top;
+  const auto files = files_on_disk(path, options, top);
+  return read_from(*files, top, options, log);
+}
+
+Result<scene::Scene> read_memory(std::span<const MemoryFile> files, const Options& options,
+                                 DiagnosticLog& log) {
+  assert(!files.empty());
+  FoundFile top;
+  const auto store = files_in_memory(files, options, top);
+  return read_from(*store, top, options, log);
+}
+
+}  // namespace panwright::pxn

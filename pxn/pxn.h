@@ -1,0 +1,61 @@
+// The pxn language: text → scene.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "base/diagnostic.h"
+#include "base/math.h"
+#include "base/result.h"
+#include "scene/scene.h"
+
+namespace panwright::pxn {
+
+// What a reading may cost. A file that asks for more gets a diagnostic.
+struct Limits {
+  std::uint64_t bytes = 128ull << 20;      // of all files together; never 4 GiB or more
+  std::uint64_t elements = 20'000'000;     // of all files together
+  std::uint64_t nodes = 2'000'000;         // of the scene, includes multiplied out
+  std::uint32_t depth = 256;               // of elements, includes counted; ≤ 1024
+  std::uint32_t include_depth = 64;        // files inside files
+  std::uint32_t includes = 10'000;         // of one model, includes multiplied out
+  std::uint64_t texture_bytes = 1u << 30;  // of decoded pictures together
+};
+
+struct Options {
+  Limits limits;
+  std::filesystem::path root;  // includes may not leave this folder; empty: the top file's
+  double crease_angle =
+      30 * kDegree;  // radians: edges of meshes without normals stay sharp above it
+};
+
+// Reads a pxn file and all that it includes.
+//
+//   returns  what could be read, sound by scene::check, whenever the top file has a root element of
+//            a version that is known; the log says whether that is all of it. Equal materials,
+//            spheres and pictures are stored once, and the shapes of a file included many times.
+//
+// Nodes: the root "root"; each group, transform, rotate and include, and each shape, as a node of
+// its own, named "group1", "mesh2"… in the order of their kind, or by the stem of the included
+// file.
+//
+// Fails: E01…, E10…, E1107. Reports E1…, W1…, N1…, E2…, W2…, N2…, E3….
+// Cost: O(bytes); memory about 3 times the text.
+[[nodiscard]] Result<scene::Scene> read(const std::filesystem::path& path, const Options& options,
+                                        DiagnosticLog& log);
+
+struct MemoryFile {
+  std::string path;  // relative, '/' between parts
+  std::string bytes;
+};
+
+// The same for files in memory, for tests and fuzzing: nothing is read from disk. The first file is
+// the top one; includes find the others by path.
+//
+// Expects: files not empty.
+[[nodiscard]] Result<scene::Scene> read_memory(std::span<const MemoryFile> files,
+                                               const Options& options, DiagnosticLog& log);
+
+}  // namespace panwright::pxn
