@@ -19,7 +19,7 @@ Result<scene::Scene> read_from(Files& files, const FoundFile& top, const Options
   Loader loader(files, options, reporter, scene);
   const auto part = loader.load_top(top);
   if (!part) return failed;
-  assemble(loader, *part, options, reporter, scene);
+  if (!assemble(loader, *part, options, reporter, scene)) return failed;
   return scene;
 }
 

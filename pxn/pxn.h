@@ -17,7 +17,7 @@ namespace panwright::pxn {
 struct Limits {
   std::uint64_t bytes = 128ull << 20;      // of all files together; never 4 GiB or more
   std::uint64_t elements = 20'000'000;     // of all files together
-  std::uint64_t nodes = 2'000'000;         // of the scene, includes multiplied out
+  std::uint64_t nodes = 1'000'000;         // of the scene, includes multiplied out
   std::uint32_t depth = 256;               // of elements, includes counted; ≤ 1024
   std::uint32_t include_depth = 64;        // files inside files
   std::uint32_t includes = 10'000;         // of one model, includes multiplied out
@@ -27,21 +27,22 @@ struct Limits {
 struct Options {
   Limits limits;
   std::filesystem::path root;  // includes may not leave this folder; empty: the top file's
-  double crease_angle =
-      30 * kDegree;  // radians: edges of meshes without normals stay sharp above it
+  // radians: edges of meshes without normals stay sharp where facets meet at more than this
+  double crease_angle = 30 * kDegree;
 };
 
 // Reads a pxn file and all that it includes.
 //
 //   returns  what could be read, sound by scene::check, whenever the top file has a root element of
-//            a version that is known; the log says whether that is all of it. Equal materials,
-//            spheres and pictures are stored once, and the shapes of a file included many times.
+//            a version that is known, and the limits of elements and nodes hold; the log says
+//            whether that is all of it. Equal materials, spheres and pictures are stored once, and
+//            the shapes of a file included many times.
 //
 // Nodes: the root "root"; each group, transform, rotate and include, and each shape, as a node of
 // its own, named "group1", "mesh2"… in the order of their kind, or by the stem of the included
 // file.
 //
-// Fails: E01…, E10…, E1107. Reports E1…, W1…, N1…, E2…, W2…, N2…, E3….
+// Fails: E01…, E1001, E1003, E1008, E1107. Reports E1…, W1…, N1…, E2…, W2…, N2…, E3….
 // Cost: O(bytes); memory about 3 times the text.
 [[nodiscard]] Result<scene::Scene> read(const std::filesystem::path& path, const Options& options,
                                         DiagnosticLog& log);

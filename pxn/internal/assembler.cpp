@@ -92,7 +92,7 @@ class Assembler {
   Assembler(const Loader& loader, const Options& options, Reporter& reporter, scene::Scene& scene)
       : loader_(loader), options_(options), reporter_(reporter), scene_(scene) {}
 
-  void run(std::uint32_t top) {
+  bool run(std::uint32_t top) {
     const Part& part = loader_.part(top);
     scene::Node root;
     root.name = "root";
@@ -101,6 +101,7 @@ class Assembler {
     Use use{&part, part.document.file, true, nullptr, {}};
     Context context;
     items(use, 0, static_cast<std::uint32_t>(part.items.size()), context);
+    return !stopped_;
   }
 
  private:
@@ -307,9 +308,9 @@ class Assembler {
 
 }  // namespace
 
-void assemble(const Loader& loader, std::uint32_t top, const Options& options, Reporter& reporter,
+bool assemble(const Loader& loader, std::uint32_t top, const Options& options, Reporter& reporter,
               scene::Scene& scene) {
-  Assembler(loader, options, reporter, scene).run(top);
+  return Assembler(loader, options, reporter, scene).run(top);
 }
 
 }  // namespace panwright::pxn

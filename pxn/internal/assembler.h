@@ -10,8 +10,10 @@ namespace panwright::pxn {
 
 // Fills in the scene's nodes, instances, frames and materials. Its shapes and textures are there.
 //
-// Reports: E1006, E1008, E1210, E1304, E2010, and what materials::resolved reports.
-void assemble(const Loader& loader, std::uint32_t top, const Options& options, Reporter& reporter,
+//   returns  false when the model has more nodes than the limit
+//
+// Reports: E1008, E1210, E1304, E2010, and what materials::resolved reports.
+bool assemble(const Loader& loader, std::uint32_t top, const Options& options, Reporter& reporter,
               scene::Scene& scene);
 
 }  // namespace panwright::pxn

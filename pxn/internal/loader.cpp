@@ -25,7 +25,10 @@ std::uint32_t child_of(const xml::Document& document, std::uint32_t element, Ele
 
 // ---- files
 
-std::optional<std::uint32_t> Loader::load_top(const FoundFile& top) { return load(top, {}, 0); }
+std::optional<std::uint32_t> Loader::load_top(const FoundFile& top) {
+  const auto part = load(top, {}, 0);
+  return complete_ ? part : std::nullopt;
+}
 
 std::optional<std::uint32_t> Loader::load(const FoundFile& file, SourceSpan included_at,
                                           std::uint32_t level) {
@@ -43,6 +46,7 @@ std::optional<std::uint32_t> Loader::load(const FoundFile& file, SourceSpan incl
       options_.limits.elements - std::min(options_.limits.elements, elements_);
   part.document = xml::scan(id, {left, options_.limits.depth}, reporter_.log());
   elements_ += part.document.size();
+  complete_ = complete_ && part.document.complete;
   part.height = part.document.height;
   const bool understood = check_grammar(part.document, schemas::kPxn, reporter_);
   if (understood) {
