@@ -76,9 +76,8 @@ void add_meshes(const std::vector<PackedMesh>& meshes, Tables& tables) {
         low = p < low ? p : low;
         high = p > high ? p : high;
       }
-      // note: + 0 turns -0 into 0, so that the bytes do not depend on which zero came first
-      record.bounds_min[k] = low + 0.0f;
-      record.bounds_max[k] = high + 0.0f;
+      record.bounds_min[k] = low;
+      record.bounds_max[k] = high;
     }
     record.index_offset = bytes;
     record.first_vertex = static_cast<std::uint32_t>(vertices);
@@ -235,8 +234,8 @@ PackedMesh packed(const geometry::Mesh& mesh, std::string name) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  // note: half first, so that the sum of two huge numbers cannot overflow; + 0 removes -0
-  out.origin = 0.5 * low + 0.5 * high + 0.0;
+  // note: half first, so that the sum of two huge numbers cannot overflow
+  out.origin = 0.5 * low + 0.5 * high;
   double worst = 0;
   out.positions.resize(3 * mesh.positions.size());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <utility>
 
 #include "base/parallel.h"
 #include "pan/model.h"
@@ -125,8 +126,7 @@ TEST(Check, MessagesNameThePlaceAndWhatIsAccepted) {
   ASSERT_TRUE(model && !model->check(log));
   ASSERT_EQ(log.entries().size(),
             1u);  // the tables are wrong, so the arrays are not judged by them
-  EXPECT_EQ(log.entries()[0].message,
-            "instances[1].material is 9, 'materials' has 2 elements");
+  EXPECT_EQ(log.entries()[0].message, "instances[1].material is 9, 'materials' has 2 elements");
   file.at<layout::Instance>(layout::SectionKind::instances, 1).material = 1;
   file.seal();
   DiagnosticLog second;
@@ -157,6 +157,45 @@ TEST(Check, ReportsDoNotDependOnThreads) {
   EXPECT_NE(texts[0].find(std::to_string(vertices / 3)), std::string::npos) << texts[0];
   EXPECT_NE(texts[0].find("(2 more like it)"), std::string::npos) << texts[0];
   for (const std::string& text : texts) EXPECT_EQ(text, texts[0]);
+}
+
+// The message of the one problem that a change of a file makes.
+std::string message_after(support::OpenPan& file) {
+  file.seal();
+  DiagnosticLog log;
+  auto model = Model::from_bytes(file.bytes(), "x", log);
+  EXPECT_TRUE(model && !model->check(log));
+  EXPECT_EQ(log.entries().size(), 1u);
+  return log.entries().empty() ? std::string() : log.entries()[0].message;
+}
+
+TEST(Check, NothingHidesAtTheEdgesOfBlocksAndMeshes) {
+  using layout::SectionKind;
+  // two sheets of 263,169 vertices: blocks end at 65,536 k
+  support::OpenPan file(write_to_memory(support::large_contents(26'000'000)));
+  const std::uint64_t vertices = file.entry(SectionKind::positions).count;
+  ASSERT_EQ(vertices, 2u * 263169u);
+  for (const std::uint64_t i : {std::uint64_t{0}, std::uint64_t{65535}, std::uint64_t{65536},
+                                std::uint64_t{263168}, std::uint64_t{263169}, vertices - 1}) {
+    const std::string number = "[" + std::to_string(i) + "]";
+    for (const SectionKind kind : {SectionKind::positions, SectionKind::normals}) {
+      auto& z = file.at<layout::Float3>(kind, i).z;
+      const float before = std::exchange(z, 1e9f);
+      EXPECT_NE(message_after(file).find(number), std::string::npos) << i;
+      z = before;
+    }
+  }
+  const std::uint64_t indices = file.entry(SectionKind::indices).count / 4;
+  const std::uint64_t in_block = layout::kHashBlock / 4;
+  for (const std::uint64_t i :
+       {std::uint64_t{0}, in_block - 1, in_block, indices / 2 - 1, indices / 2, indices - 1}) {
+    auto& index = file.at<std::uint32_t>(SectionKind::indices, i);
+    const std::uint32_t before = std::exchange(index, 263169u);
+    const std::string place = "index " + std::to_string(i % (indices / 2)) + " of meshes[" +
+                              std::to_string(i / (indices / 2)) + "]";
+    EXPECT_NE(message_after(file).find(place), std::string::npos) << i;
+    index = before;
+  }
 }
 
 TEST(Check, MappedFilesThatAreCutAreRefused) {

@@ -73,6 +73,18 @@ TEST(Diff, ARenamedNodeIsAnother) {
   EXPECT_EQ(seen.size(), 4u);
 }
 
+TEST(Diff, EqualNamesAreToldApartByPathAndOrder) {
+  Contents first = support::small_contents(), second = first;
+  first.nodes.push_back({"leg", 0, {1, 0, 0}});
+  first.nodes.push_back({"leg", 1, {2, 0, 0}});
+  first.nodes.push_back({"leg", 1, {3, 0, 0}});
+  second.nodes.push_back({"leg", 1, {2, 0, 0}});
+  second.nodes.push_back({"leg", 1, {4, 0, 0}});
+  second.nodes.push_back({"leg", 0, {1, 0, 0}});
+  EXPECT_EQ(lines(diff(load(write_to_memory(first)), load(write_to_memory(second))).model),
+            Lines{"node 'craft/body/leg': translation: 3 0 0 in a, 4 0 0 in b"});
+}
+
 TEST(Diff, Meshes) {
   expect_model({"mesh 'hull': vertices lie up to 0.5 m apart"},
                [](Contents& c) { c.meshes[0].positions[3] -= 0.5f; });

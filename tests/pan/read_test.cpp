@@ -105,6 +105,30 @@ TEST(Read, MeshesComeBack) {
   EXPECT_EQ(sheet.indices.shorts.size(), 3u);
 }
 
+TEST(Read, RunsOfSeveralMeshesDoNotMix) {
+  // texcoords and colours stand only where a mesh has them, so their runs begin elsewhere
+  Contents contents = support::small_contents();
+  PackedMesh sheet = contents.meshes[1];
+  sheet.texcoords[0] = 7;
+  contents.meshes.push_back(sheet);
+  sheet.colours[0] = 8;
+  sheet.texcoords.clear();
+  contents.meshes.push_back(sheet);
+  sheet.texcoords.assign(8, 9);
+  sheet.positions[0] = 0.25f;
+  contents.meshes.push_back(sheet);
+  const Model model = load(write_to_memory(contents));
+  ASSERT_EQ(model.meshes().size(), 5u);
+  EXPECT_EQ(model.mesh(1).texcoords[0].x, 0.0f);
+  EXPECT_EQ(model.mesh(2).texcoords[0].x, 7.0f);
+  EXPECT_TRUE(model.mesh(3).texcoords.empty());
+  EXPECT_EQ(model.mesh(4).texcoords[0].x, 9.0f);
+  EXPECT_EQ(model.mesh(2).colours[0].x, 1.0f);
+  EXPECT_EQ(model.mesh(3).colours[0].x, 8.0f);
+  EXPECT_EQ(model.mesh(4).positions[0].x, 0.25f);
+  EXPECT_EQ(model.mesh(4).indices[2], 2u);
+}
+
 TEST(Read, WorldMatricesMultiplyDownTheTree) {
   const Model model = load(support::small_pan());
   const std::vector<Mat4> world = model.world_from_nodes();

@@ -135,6 +135,10 @@ void directory(Collection& add) {
     e.count = 1ull << 61;
     e.raw_length = 0;
   });
+  entry("count times size that wraps round to the right size", [](DirectoryEntry& e) {
+    // 2^59 * 96 = 3 * 2^64
+    e.count += 1ull << 59;
+  });
   entry("a count near 2^64", [](DirectoryEntry& e) { e.count = kHuge; });
   entry("elements of no size", [](DirectoryEntry& e) { e.stride = 0; });
   entry("elements of another size", [](DirectoryEntry& e) {
@@ -156,6 +160,27 @@ void directory(Collection& add) {
     e.stride = sizeof(Node);
     e.raw_length = e.count * e.stride;
   });
+  add.changed(Code::E4008, "a section that stands twice besides the others", [](OpenPan& f) {
+    f.add_section(static_cast<std::uint32_t>(SectionKind::build), false, 16,
+                  std::vector<std::byte>(64));
+  });
+  add.changed(Code::E4008, "a block of padding", [](OpenPan& f) {
+    f.add_section(1000, true, 1, std::vector<std::byte>(128));
+    f.entry(kSectionKinds).count = f.entry(kSectionKinds).raw_length = 64;
+  });
+  add.changed(Code::E4008, "more sections than the limit", [](OpenPan& f) {
+    for (std::size_t i = kSectionKinds; i <= kMaxSections; ++i) f.add_section(1000, true, 1, {});
+  });
+  add.raw(Code::E4008, "a directory off its alignment, its length right", [] {
+    std::vector<std::byte> bytes = small_pan();
+    std::uint64_t offset = 0;
+    std::memcpy(&offset, &bytes[offsetof(Header, directory_offset)], sizeof offset);
+    bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(offset), std::byte{0});
+    OpenPan file(std::move(bytes));
+    file.header().directory_offset += 1;
+    file.header().total_length += 1;
+    return file.seal_header().bytes();
+  }());
   add.changed(Code::E4008, "padding that is not zero", [](OpenPan& f) {
     f.at<std::uint8_t>(SectionKind::build, f.entry(SectionKind::build).raw_length) = 1;
   });
@@ -182,7 +207,10 @@ void nodes(Collection& add) {
   node(Code::E4011, "a parent past the end", [](Node* n) { n[1].parent = 0x7fffffff; });
   node(Code::E4010, "two roots", [](Node* n) { n[1].parent = -1; });
   node(Code::E4010, "a parent of -2", [](Node* n) { n[1].parent = -2; });
-  node(Code::E4010, "a name past the strings", [](Node* n) { n[0].name = 1000; });
+  add.changed(Code::E4010, "a name one past the strings", [](OpenPan& f) {
+    f.at<Node>(SectionKind::nodes, 0).name =
+        static_cast<std::uint32_t>(f.entry(SectionKind::string_offsets).count - 1);
+  });
   node(Code::E4012, "a NaN translation", [](Node* n) { n[1].translation[1] = kNan; });
   node(Code::E4012, "an infinite translation", [](Node* n) { n[1].translation[2] = -kInfinity; });
   node(Code::E4012, "a quaternion of length 2", [](Node* n) { n[1].rotation[0] = 2; });
@@ -198,6 +226,11 @@ void nodes(Collection& add) {
   });
   node(Code::E4012, "an instance whose vertices overflow",
        [](Node* n) { n[1].scale[0] = 1.7e308; });
+  add.changed(Code::E4012, "an overflow at a node that carries nothing", [](OpenPan& f) {
+    f.at<Node>(SectionKind::nodes, 1).scale[1] = 1e200;
+    f.at<Node>(SectionKind::nodes, 2).scale[1] = 1e200;
+    f.at<Instance>(SectionKind::instances, 1).node = 0;
+  });
   add.changed(Code::E4012, "no nodes", [](OpenPan& f) {
     f.resize_section(SectionKind::nodes, 0);
     f.resize_section(SectionKind::frames, 0);
@@ -273,7 +306,9 @@ void arrays(Collection& add) {
   add.changed(Code::E4010, "an index of 0xffff",
               [](OpenPan& f) { f.at<std::uint16_t>(SectionKind::indices, 12) = 0xffff; });
   add.changed(Code::E4012, "padding between runs of indices",
-              [](OpenPan& f) { f.at<std::uint16_t>(SectionKind::indices, 15) = 1; });
+              [](OpenPan& f) { f.at<std::uint8_t>(SectionKind::indices, 30) = 1; });
+  add.changed(Code::E4012, "the last byte of padding between runs of indices",
+              [](OpenPan& f) { f.at<std::uint8_t>(SectionKind::indices, 31) = 1; });
 }
 
 void tables(Collection& add) {
@@ -368,6 +403,11 @@ void strings(Collection& add) {
     contents.meshes[0].name = std::string(5000, 'x');
     f = OpenPan(pan::write_to_memory(contents));
     f.at<Input>(SectionKind::inputs, 0).path = f.at<Mesh>(SectionKind::meshes, 0).name;
+    // the identity is right, so that the length alone is wrong
+    contents.inputs[0].path = contents.meshes[0].name;
+    const Hash128 id = pan::build_identity(contents.inputs, contents.version, contents.options);
+    f.header().build_id[0] = id.low;
+    f.header().build_id[1] = id.high;
   });
 }
 
