@@ -73,10 +73,6 @@ std::string Context::load() {
   limits_.framebuffer_side =
       std::min({limits_.texture_side, integer(GL_MAX_RENDERBUFFER_SIZE),
                 static_cast<std::uint32_t>(std::max(0, std::min(viewport[0], viewport[1])))});
-  GLint64 block = 0;
-  gl_->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
-  limits_.storage_block_bytes = static_cast<std::uint64_t>(std::max<GLint64>(block, 0));
-  limits_.storage_alignment = std::max(1u, integer(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT));
   return {};
 }
 

@@ -26,10 +26,8 @@ std::optional<ContextKind> context_kind_from_name(std::string_view name);
 
 // What a context can do; the renderer refuses what goes beyond.
 struct ContextLimits {
-  std::uint32_t framebuffer_side = 0;     // pixels
-  std::uint32_t texture_side = 0;         // texels
-  std::uint64_t storage_block_bytes = 0;  // bytes of one shader storage block
-  std::uint32_t storage_alignment = 0;    // bytes between bound ranges
+  std::uint32_t framebuffer_side = 0;  // pixels
+  std::uint32_t texture_side = 0;      // texels
 };
 
 // An OpenGL 4.5 core context without a window. Several may live side by side, of one kind or of

@@ -40,21 +40,33 @@ GlVertexArray make_vertex_array(const GladGLContext& gl) {
   return {gl, id};
 }
 
-Target make_target(const GladGLContext& gl, GLenum color_format, GLsizei width, GLsizei height) {
-  const auto renderbuffer = [&](GLenum format) {
-    GLuint id = 0;
-    gl.CreateRenderbuffers(1, &id);
-    gl.NamedRenderbufferStorage(id, format, width, height);
-    return GlRenderbuffer(gl, id);
-  };
+GlTexture make_buffer_texture(const GladGLContext& gl) {
+  GLuint id = 0;
+  gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &id);
+  return {gl, id};
+}
+
+Target make_target(const GladGLContext& gl, std::span<const GLenum> color_formats, bool depth,
+                   GLsizei width, GLsizei height) {
   Target target;
-  target.color = renderbuffer(color_format);
-  target.depth = renderbuffer(GL_DEPTH_COMPONENT32F);
   GLuint id = 0;
   gl.CreateFramebuffers(1, &id);
   target.framebuffer = GlFramebuffer(gl, id);
-  gl.NamedFramebufferRenderbuffer(id, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color.id());
-  gl.NamedFramebufferRenderbuffer(id, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth.id());
+  constexpr GLenum kAttachments[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  for (std::size_t i = 0; i < color_formats.size(); ++i) {
+    target.colors[i] = make_texture_2d(gl, 1, color_formats[i], width, height);
+    gl.TextureParameteri(target.colors[i].id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TextureParameteri(target.colors[i].id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl.NamedFramebufferTexture(id, kAttachments[i], target.colors[i].id(), 0);
+  }
+  gl.NamedFramebufferDrawBuffers(id, static_cast<GLsizei>(color_formats.size()), kAttachments);
+  if (depth) {
+    GLuint buffer = 0;
+    gl.CreateRenderbuffers(1, &buffer);
+    target.depth = GlRenderbuffer(gl, buffer);
+    gl.NamedRenderbufferStorage(buffer, GL_DEPTH_COMPONENT32F, width, height);
+    gl.NamedFramebufferRenderbuffer(id, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, buffer);
+  }
   if (gl.CheckNamedFramebufferStatus(id, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE) {
     target.width = width;
     target.height = height;

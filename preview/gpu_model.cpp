@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "base/parallel.h"
+#include "base/text.h"
 #include "preview/internal/programs.h"
 #include "preview/internal/texture_levels.h"
 
@@ -17,9 +17,6 @@ namespace layout = pan::layout;
 // float texels up to this many bytes in all, half floats beyond
 constexpr std::uint64_t kFloatTextureBytes = 1ull << 30;
 
-// triangles of a part of a flat mesh: 24 MiB of normals, below every driver's storage block limit
-constexpr std::uint64_t kFlatTriangles = 1ull << 21;
-
 // OpenGL counts the indices of a draw in 31 bits
 constexpr std::uint64_t kMeshTriangles = 0x7fffffff / 3;
 
@@ -30,6 +27,12 @@ GlBuffer uploaded(const GladGLContext& gl, std::span<const T> values) {
 
 std::uint64_t rounded_up(std::uint64_t value, std::uint64_t step) {
   return (value + step - 1) / step * step;
+}
+
+std::uint64_t integer(const GladGLContext& gl, GLenum name) {
+  GLint value = 1;
+  gl.GetIntegerv(name, &value);
+  return static_cast<std::uint64_t>(std::max(value, 1));
 }
 
 // whether everything since the last call fitted
@@ -63,15 +66,6 @@ bool GpuModel::upload(const Context& context, const pan::Model& model,
   colours_ = uploaded(gl, model.colours());
   indices_ = uploaded(gl, model.index_bytes());
 
-  GLint alignment = 1;
-  gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
-  material_stride_ = rounded_up(sizeof(layout::Material), static_cast<std::uint64_t>(alignment));
-  std::vector<std::byte> records(material_stride_ * model.materials().size());
-  for (std::size_t i = 0; i < model.materials().size(); ++i)
-    std::memcpy(records.data() + i * material_stride_, &model.materials()[i],
-                sizeof(layout::Material));
-  materials_ = make_buffer(gl, records.data(), records.size());
-
   vertex_array_ = make_vertex_array(gl);
   const GLuint array = vertex_array_.id();
   const auto attribute = [&](GLuint index, GLint components) {
@@ -84,7 +78,45 @@ bool GpuModel::upload(const Context& context, const pan::Model& model,
   attribute(2, 2);
   attribute(3, 3);
   gl.VertexArrayElementBuffer(array, indices_.id());
-  return fits(gl, "vertices", log) && upload_textures(model, list, log);
+  return fits(gl, "vertices", log) && upload_materials(model, list, log) &&
+         upload_textures(model, list, log);
+}
+
+bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawItem> list,
+                                DiagnosticLog& log) {
+  const GladGLContext& gl = *gl_;
+  const std::uint64_t texels = integer(gl, GL_MAX_TEXTURE_BUFFER_SIZE);
+  const std::uint64_t rows = sizeof(layout::Material) / (4 * sizeof(float));
+  // note: items are told apart by floats, which count exactly to 2^24
+  const std::uint64_t most_items = std::min<std::uint64_t>(texels, (1u << 24) - 1);
+  if (model.materials().size() > texels / rows || list.size() > most_items) {
+    log.report_file(
+        Code::E5003, model.name(),
+        fmt::format("{} and {}; this context takes {} and {}", counted(list.size(), "instance"),
+                    counted(model.materials().size(), "material"), most_items, texels / rows));
+    return false;
+  }
+  materials_ = uploaded(gl, model.materials());
+  materials_texture_ = make_buffer_texture(gl);
+  gl.TextureBuffer(materials_texture_.id(), GL_RGBA32F, materials_.id());
+
+  std::vector<std::uint32_t> items;
+  for (const DrawItem& item : list) {
+    items.push_back(item.material);
+    items.push_back(law_pair(item.variant));
+  }
+  items_ = uploaded(gl, std::span<const std::uint32_t>(items));
+  items_texture_ = make_buffer_texture(gl);
+  gl.TextureBuffer(items_texture_.id(), GL_RG32UI, items_.id());
+
+  material_stride_ =
+      rounded_up(sizeof(layout::Material), integer(gl, GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT));
+  std::vector<std::byte> records(material_stride_ * model.materials().size());
+  for (std::size_t i = 0; i < model.materials().size(); ++i)
+    std::memcpy(records.data() + i * material_stride_, &model.materials()[i],
+                sizeof(layout::Material));
+  padded_materials_ = make_buffer(gl, records.data(), records.size());
+  return fits(gl, "materials", log);
 }
 
 bool GpuModel::upload_textures(const pan::Model& model, std::span<const DrawItem> list,
@@ -130,7 +162,12 @@ bool GpuModel::upload_textures(const pan::Model& model, std::span<const DrawItem
 
 bool GpuModel::upload_triangle_normals(const pan::Model& model, DiagnosticLog& log) {
   if (triangle_normals_) return true;
-  const std::uint64_t alignment = context_->limits().storage_alignment;
+  // parts begin where the context lets a buffer texture begin: a part of 2^k triangles is a
+  // multiple of any power of two up to 4·2^k bytes
+  const std::uint64_t alignment = integer(*gl_, GL_TEXTURE_BUFFER_OFFSET_ALIGNMENT);
+  flat_triangles_ = std::uint64_t{1} << 21;
+  while (flat_triangles_ > integer(*gl_, GL_MAX_TEXTURE_BUFFER_SIZE)) flat_triangles_ /= 2;
+  triangle_normals_texture_ = make_buffer_texture(*gl_);
   std::uint64_t bytes = 0;
   for (const layout::Mesh& mesh : model.meshes()) {
     triangle_normals_at_.push_back(bytes);
@@ -170,15 +207,20 @@ void GpuModel::bind_vertices(const layout::Mesh& mesh) const {
   bind(3, colours_, mesh.first_colour, sizeof(layout::Float3));
 }
 
-void GpuModel::bind_material(std::uint32_t material) const {
-  gl_->BindBufferRange(GL_UNIFORM_BUFFER, kMaterialBinding, materials_.id(),
+void GpuModel::bind_one_material(std::uint32_t material) const {
+  gl_->BindBufferRange(GL_UNIFORM_BUFFER, kMaterialBinding, padded_materials_.id(),
                        static_cast<GLintptr>(material * material_stride_),
                        sizeof(layout::Material));
 }
 
+void GpuModel::bind_materials() const {
+  gl_->BindTextureUnit(kMaterialsUnit, materials_texture_.id());
+  gl_->BindTextureUnit(kItemsUnit, items_texture_.id());
+}
+
 void GpuModel::bind_texture(std::int32_t texture) const {
   if (texture >= 0)
-    gl_->BindTextureUnit(kTextureUnit, textures_[static_cast<std::size_t>(texture)].id());
+    gl_->BindTextureUnit(kDiffuseMapUnit, textures_[static_cast<std::size_t>(texture)].id());
 }
 
 void GpuModel::draw_range(const layout::Mesh& mesh, std::uint64_t first_triangle,
@@ -193,10 +235,11 @@ void GpuModel::draw_range(const layout::Mesh& mesh, std::uint64_t first_triangle
 void GpuModel::draw(const layout::Mesh& mesh) const { draw_range(mesh, 0, mesh.triangle_count); }
 
 void GpuModel::draw_flat(const layout::Mesh& mesh, std::size_t mesh_index) const {
-  for (std::uint64_t first = 0; first < mesh.triangle_count; first += kFlatTriangles) {
-    const std::uint64_t count = std::min(kFlatTriangles, mesh.triangle_count - first);
-    gl_->BindBufferRange(
-        GL_SHADER_STORAGE_BUFFER, kNormalsBinding, triangle_normals_.id(),
+  gl_->BindTextureUnit(kTriangleNormalsUnit, triangle_normals_texture_.id());
+  for (std::uint64_t first = 0; first < mesh.triangle_count; first += flat_triangles_) {
+    const std::uint64_t count = std::min(flat_triangles_, mesh.triangle_count - first);
+    gl_->TextureBufferRange(
+        triangle_normals_texture_.id(), GL_RGB32F, triangle_normals_.id(),
         static_cast<GLintptr>(triangle_normals_at_[mesh_index] + first * 3 * sizeof(float)),
         static_cast<GLsizeiptr>(count * 3 * sizeof(float)));
     draw_range(mesh, first, count);

@@ -79,15 +79,26 @@ struct Renderer::Impl {
       : context(context_in), model(model_in), gl(context_in.gl()), programs(context_in.gl()) {}
   ~Impl() { context.make_current(); }  // the members delete their objects
 
-  // What a pass draws with.
-  enum class Pass { surface, flat_surface, ids, bare };
+  // What a pass over the triangles draws.
+  enum class Pass { geometry, flat_geometry, ids, bare };
+
+  // The items of one tile.
+  struct TileItems {
+    std::vector<std::uint32_t> drawn;  // into the scenery, ascending
+    std::vector<std::uint32_t> pairs;  // of laws, ascending
+    bool one_material = true;
+  };
 
   void set_state() const;
-  bool ensure_target(Target& target, GLenum format, std::uint32_t width, std::uint32_t height,
-                     DiagnosticLog& log);
+  bool ensure_target(Target& target, std::span<const GLenum> formats, bool depth,
+                     std::uint32_t width, std::uint32_t height, DiagnosticLog& log);
   bool prepare(Pass pass, const Scenery& scenery, DiagnosticLog& log);
-  void draw(const View& view, const Scenery& scenery, const Tile& tile, unsigned samples, Pass pass,
-            const Target& target);
+  TileItems items_on(const View& view, const Scenery& scenery, const Tile& tile) const;
+  void upload_blocks(const View& view, const Scenery& scenery, const TileItems& items,
+                     const Tile& tile, unsigned samples);
+  void draw(const Scenery& scenery, const TileItems& items, const Tile& tile, unsigned samples,
+            Pass pass, const Target& target);
+  void shade(const Scenery& scenery, const TileItems& items, const Tile& tile, unsigned samples);
   GLuint program(const Variant& variant, Pass pass, std::string* problem);
   bool render_radiance(const View& view, const Scenery& scenery, const RenderOptions& options,
                        Image& image, DiagnosticLog& log);
@@ -101,8 +112,13 @@ struct Renderer::Impl {
   std::vector<DrawItem> list;
   GpuModel gpu;
   Programs programs;
-  Target color_target;
-  Target id_target;
+  bool tinted = false;   // some instance has a texture or vertex colours
+  Target seen_target;    // normals and items; tints
+  Target color_target;   // radiance
+  Target id_target;      // triangles
+  Target bare_target;    // of seconds_of_bare_draw
+  GlVertexArray screen;  // no vertices
+  std::vector<float> sample_buffer;
   GlBuffer view_buffer;
   GlBuffer draw_buffer;
   std::size_t draw_stride = 0;  // bytes
@@ -124,8 +140,11 @@ Result<Renderer> Renderer::create(Context& context, const pan::Model& model, Dia
   }
   auto impl = std::make_unique<Impl>(context, model);
   impl->list = draw_list(model);
-  for (const DrawItem& item : impl->list)
+  for (const DrawItem& item : impl->list) {
     impl->triangles += model.meshes()[item.mesh].triangle_count;
+    impl->tinted = impl->tinted || item.variant.textured || item.variant.coloured;
+  }
+  impl->screen = make_vertex_array(impl->gl);
   if (!impl->gpu.upload(context, model, impl->list, log)) return failed;
   GLint alignment = 1;
   impl->gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
@@ -138,7 +157,6 @@ Result<Renderer> Renderer::create(Context& context, const pan::Model& model, Dia
 
 void Renderer::Impl::set_state() const {
   gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-  gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_GREATER);
   gl.DepthMask(GL_TRUE);
   gl.DepthRangef(0, 1);
@@ -151,28 +169,29 @@ void Renderer::Impl::set_state() const {
     gl.Disable(off);
 }
 
-bool Renderer::Impl::ensure_target(Target& target, GLenum format, std::uint32_t width,
-                                   std::uint32_t height, DiagnosticLog& log) {
+bool Renderer::Impl::ensure_target(Target& target, std::span<const GLenum> formats, bool depth,
+                                   std::uint32_t width, std::uint32_t height, DiagnosticLog& log) {
   const auto w = static_cast<GLsizei>(width);
   const auto h = static_cast<GLsizei>(height);
   if (target.width >= w && target.height >= h) return true;
-  Target larger = make_target(gl, format, std::max(w, target.width), std::max(h, target.height));
-  if (larger.width == 0 || gl.GetError() != GL_NO_ERROR) {
-    log.report_file(Code::E5003, {},
-                    fmt::format("the context has no memory for a framebuffer of {} by {} samples",
-                                width, height));
-    return false;
-  }
-  target = std::move(larger);
-  return true;
+  const GLsizei wider = std::max(w, target.width);
+  const GLsizei higher = std::max(h, target.height);
+  target = {};  // first, so that memory need not hold both
+  target = make_target(gl, formats, depth, wider, higher);
+  if (target.width != 0 && gl.GetError() == GL_NO_ERROR) return true;
+  target = {};
+  log.report_file(Code::E5003, {},
+                  fmt::format("the context has no memory for a framebuffer of {} by {} samples",
+                              wider, higher));
+  return false;
 }
 
 GLuint Renderer::Impl::program(const Variant& variant, Pass pass, std::string* problem) {
   switch (pass) {
-    case Pass::surface:
-      return programs.surface(variant, false, problem);
-    case Pass::flat_surface:
-      return programs.surface(variant, true, problem);
+    case Pass::geometry:
+      return programs.geometry(variant, false, tinted, problem);
+    case Pass::flat_geometry:
+      return programs.geometry(variant, true, tinted, problem);
     case Pass::ids:
       return programs.ids(problem);
     case Pass::bare:
@@ -183,10 +202,18 @@ GLuint Renderer::Impl::program(const Variant& variant, Pass pass, std::string* p
 
 // every program that a pass needs is built before its first draw
 bool Renderer::Impl::prepare(Pass pass, const Scenery& scenery, DiagnosticLog& log) {
-  if (pass == Pass::flat_surface && !gpu.upload_triangle_normals(model, log)) return false;
+  if (pass == Pass::flat_geometry && !gpu.upload_triangle_normals(model, log)) return false;
+  const bool shaded = pass == Pass::geometry || pass == Pass::flat_geometry;
+  const DrawItem* last = nullptr;
   for (const std::uint32_t index : scenery.items) {
+    const DrawItem& item = list[index];
+    if (last && item.variant == last->variant) continue;
+    last = &item;
     std::string problem;
-    if (program(list[index].variant, pass, &problem) != 0) continue;
+    bool good = program(item.variant, pass, &problem) != 0;
+    for (const bool one : {false, true})
+      good = good && (!shaded || programs.shading(law_pair(item.variant), tinted, one, &problem));
+    if (good) continue;
     log.report_file(Code::E5001, {},
                     fmt::format("{} refuses a shader: {}", context.renderer(), problem));
     return false;
@@ -194,23 +221,38 @@ bool Renderer::Impl::prepare(Pass pass, const Scenery& scenery, DiagnosticLog& l
   return true;
 }
 
-void Renderer::Impl::draw(const View& view, const Scenery& scenery, const Tile& tile,
-                          unsigned samples, Pass pass, const Target& target) {
-  // one upload for all instances that may touch the tile
-  std::vector<std::uint32_t> drawn;
-  for (std::uint32_t i = 0; i < scenery.items.size(); ++i)
-    if (may_touch(view.camera, tile, 1.0, scenery.boxes[i])) drawn.push_back(i);
+Renderer::Impl::TileItems Renderer::Impl::items_on(const View& view, const Scenery& scenery,
+                                                   const Tile& tile) const {
+  TileItems items;
+  std::array<bool, kLawPairs> has_pair{};
+  for (std::uint32_t i = 0; i < scenery.items.size(); ++i) {
+    if (!may_touch(view.camera, tile, 1.0, scenery.boxes[i])) continue;
+    const DrawItem& item = list[scenery.items[i]];
+    if (!items.drawn.empty())
+      items.one_material =
+          items.one_material && item.material == list[scenery.items[items.drawn.front()]].material;
+    items.drawn.push_back(i);
+    has_pair[law_pair(item.variant)] = true;
+  }
+  for (std::uint32_t pair = 0; pair < kLawPairs; ++pair)
+    if (has_pair[pair]) items.pairs.push_back(pair);
+  return items;
+}
+
+// one upload for all instances of a tile
+void Renderer::Impl::upload_blocks(const View& view, const Scenery& scenery, const TileItems& items,
+                                   const Tile& tile, unsigned samples) {
   const ViewBlock shared = view_block(view, tile, samples);
   gl.NamedBufferData(view_buffer.id(), sizeof shared, &shared, GL_STREAM_DRAW);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, kViewBinding, view_buffer.id());
-  std::vector<std::byte> blocks(drawn.size() * draw_stride);
+  std::vector<std::byte> blocks(items.drawn.size() * draw_stride);
   const Mat3 rotation = glm::mat3_cast(view.world_from_model.rotation);
-  for (std::size_t k = 0; k < drawn.size(); ++k) {
-    const std::uint32_t index = scenery.items[drawn[k]];
+  for (std::size_t k = 0; k < items.drawn.size(); ++k) {
+    const std::uint32_t index = scenery.items[items.drawn[k]];
     DrawBlock block{};
-    copy_floats(
-        clip_from_mesh(view.camera, tile, scenery.depth, scenery.boxes[drawn[k]].camera_from_mesh),
-        block.clip_from_mesh);
+    copy_floats(clip_from_mesh(view.camera, tile, scenery.depth,
+                               scenery.boxes[items.drawn[k]].camera_from_mesh),
+                block.clip_from_mesh);
     copy_floats(rotation * list[index].model_normal_from_mesh, block.world_normal_from_mesh);
     block.id[0] = index + 1;
     std::memcpy(blocks.data() + k * draw_stride, &block, sizeof block);
@@ -218,23 +260,26 @@ void Renderer::Impl::draw(const View& view, const Scenery& scenery, const Tile& 
   if (!blocks.empty())
     gl.NamedBufferData(draw_buffer.id(), static_cast<GLsizeiptr>(blocks.size()), blocks.data(),
                        GL_STREAM_DRAW);
+}
 
+void Renderer::Impl::draw(const Scenery& scenery, const TileItems& items, const Tile& tile,
+                          unsigned samples, Pass pass, const Target& target) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.id());
   gl.Viewport(0, 0, static_cast<GLsizei>(tile.width * samples),
               static_cast<GLsizei>(tile.height * samples));
+  gl.Enable(GL_DEPTH_TEST);
   const float far_depth = 0;
   gl.ClearBufferfv(GL_DEPTH, 0, &far_depth);
   if (pass == Pass::ids) {
     constexpr GLuint kNothing[4] = {};
     gl.ClearBufferuiv(GL_COLOR, 0, kNothing);
   } else {
-    constexpr float kBlack[4] = {};
-    gl.ClearBufferfv(GL_COLOR, 0, kBlack);
+    constexpr float kNothing[4] = {};
+    gl.ClearBufferfv(GL_COLOR, 0, kNothing);
   }
-
   const DrawItem* last = nullptr;
-  for (std::size_t k = 0; k < drawn.size(); ++k) {
-    const DrawItem& item = list[scenery.items[drawn[k]]];
+  for (std::size_t k = 0; k < items.drawn.size(); ++k) {
+    const DrawItem& item = list[scenery.items[items.drawn[k]]];
     const pan::layout::Mesh& mesh = model.meshes()[item.mesh];
     if (!last || item.variant != last->variant) gl.UseProgram(program(item.variant, pass, nullptr));
     if (!last || item.closed != last->closed)
@@ -242,12 +287,34 @@ void Renderer::Impl::draw(const View& view, const Scenery& scenery, const Tile& 
     // note: rows grow downwards in the window, which turns every triangle round once
     if (!last || item.mirrored != last->mirrored) gl.FrontFace(item.mirrored ? GL_CCW : GL_CW);
     if (!last || item.texture != last->texture) gpu.bind_texture(item.texture);
-    if (!last || item.material != last->material) gpu.bind_material(item.material);
     if (!last || item.mesh != last->mesh) gpu.bind_vertices(mesh);
     gl.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, draw_buffer.id(),
                        static_cast<GLintptr>(k * draw_stride), sizeof(DrawBlock));
-    pass == Pass::flat_surface ? gpu.draw_flat(mesh, item.mesh) : gpu.draw(mesh);
+    pass == Pass::flat_geometry ? gpu.draw_flat(mesh, item.mesh) : gpu.draw(mesh);
     last = &item;
+  }
+}
+
+// turns what is seen into radiance, one pair of laws after the other
+void Renderer::Impl::shade(const Scenery& scenery, const TileItems& items, const Tile& tile,
+                           unsigned samples) {
+  gl.BindFramebuffer(GL_FRAMEBUFFER, color_target.framebuffer.id());
+  gl.Viewport(0, 0, static_cast<GLsizei>(tile.width * samples),
+              static_cast<GLsizei>(tile.height * samples));
+  gl.Disable(GL_DEPTH_TEST);
+  gl.Disable(GL_CULL_FACE);
+  constexpr float kNothing[4] = {};
+  gl.ClearBufferfv(GL_COLOR, 0, kNothing);
+  gl.BindTextureUnit(kSeenUnit, seen_target.colors[0].id());
+  if (tinted) gl.BindTextureUnit(kTintUnit, seen_target.colors[1].id());
+  if (items.one_material)
+    gpu.bind_one_material(list[scenery.items[items.drawn.front()]].material);
+  else
+    gpu.bind_materials();
+  gl.BindVertexArray(screen.id());
+  for (const std::uint32_t pair : items.pairs) {
+    gl.UseProgram(programs.shading(pair, tinted, items.one_material, nullptr));
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
 }
 
@@ -263,25 +330,30 @@ bool Renderer::Impl::drawn_well(DiagnosticLog& log) const {
 bool Renderer::Impl::render_radiance(const View& view, const Scenery& scenery,
                                      const RenderOptions& options, Image& image,
                                      DiagnosticLog& log) {
-  const Pass pass = options.flat ? Pass::flat_surface : Pass::surface;
+  const Pass pass = options.flat ? Pass::flat_geometry : Pass::geometry;
   const std::uint32_t side = std::min(options.tile_side, context.limits().framebuffer_side);
   const std::uint32_t tile_side = std::max(1u, side / options.samples);
   const std::uint32_t width = std::min(tile_side, image.width) * options.samples;
   const std::uint32_t height = std::min(tile_side, image.height) * options.samples;
-  if (!ensure_target(color_target, GL_RGBA32F, width, height, log)) return false;
-  if (!prepare(pass, scenery, log)) return false;
-  std::vector<float> rgba(std::size_t{4} * width * height);
+  constexpr GLenum kFormats[] = {GL_RGBA32F, GL_RGBA32F};
+  if (!ensure_target(seen_target, std::span(kFormats).first(tinted ? 2 : 1), true, width, height,
+                     log) ||
+      !ensure_target(color_target, std::span(kFormats).first(1), false, width, height, log) ||
+      !prepare(pass, scenery, log))
+    return false;
+  // kept between views: fresh memory costs as much as a tenth of a draw
+  sample_buffer.resize(std::max(sample_buffer.size(), std::size_t{4} * width * height));
   for (const Tile& tile : tiles(image.width, image.height, tile_side)) {
-    const bool empty =
-        std::none_of(scenery.boxes.begin(), scenery.boxes.end(),
-                     [&](const PlacedBox& box) { return may_touch(view.camera, tile, 1.0, box); });
-    if (empty) continue;  // the image begins as background
-    draw(view, scenery, tile, options.samples, pass, color_target);
+    const TileItems items = items_on(view, scenery, tile);
+    if (items.drawn.empty()) continue;  // the image begins as background
+    upload_blocks(view, scenery, items, tile, options.samples);
+    draw(scenery, items, tile, options.samples, pass, seen_target);
+    shade(scenery, items, tile, options.samples);
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
     gl.ReadPixels(0, 0, static_cast<GLsizei>(tile.width * options.samples),
                   static_cast<GLsizei>(tile.height * options.samples), GL_RGBA, GL_FLOAT,
-                  rgba.data());
-    average_samples(rgba, tile, options.samples, image);
+                  sample_buffer.data());
+    average_samples(sample_buffer, tile, options.samples, image);
   }
   return drawn_well(log);
 }
@@ -291,17 +363,22 @@ bool Renderer::Impl::render_truth(const View& view, const Scenery& scenery,
   const std::uint32_t side = std::min(options.tile_side, context.limits().framebuffer_side);
   const std::uint32_t width = std::min(side, image.width);
   const std::uint32_t height = std::min(side, image.height);
-  if (!ensure_target(id_target, GL_RG32UI, width, height, log)) return false;
-  if (!prepare(Pass::ids, scenery, log)) return false;
+  constexpr GLenum kFormats[] = {GL_RG32UI};
+  if (!ensure_target(id_target, kFormats, true, width, height, log) ||
+      !prepare(Pass::ids, scenery, log))
+    return false;
   std::vector<TriangleId> ids(std::size_t{width} * height);
+  const std::vector<Placement> placements = preview::placements(view, scenery, list);
   static_assert(sizeof(TriangleId) == 8);
   for (const Tile& tile : tiles(image.width, image.height, side)) {
-    draw(view, scenery, tile, 1, Pass::ids, id_target);
+    const TileItems items = items_on(view, scenery, tile);
+    upload_blocks(view, scenery, items, tile, 1);
+    draw(scenery, items, tile, 1, Pass::ids, id_target);
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
     gl.ReadPixels(0, 0, static_cast<GLsizei>(tile.width), static_cast<GLsizei>(tile.height),
                   GL_RG_INTEGER, GL_UNSIGNED_INT, ids.data());
     if (!drawn_well(log)) return false;  // before ids are used as indices
-    fill_truth(model, view, options.flat, list, tile, ids, image);
+    fill_truth(model, view, options.flat, list, placements, tile, ids, image);
   }
   return true;
 }
@@ -359,12 +436,15 @@ double Renderer::seconds_of_bare_draw(const View& view) {
   impl.set_state();
   const Scenery scenery = preview::scenery(view, impl.list);
   const Tile whole{0, 0, view.camera.width, view.camera.height};
-  if (!impl.ensure_target(impl.color_target, GL_RGBA32F, whole.width, whole.height, log) ||
+  constexpr GLenum kFormats[] = {GL_RGBA32F};
+  if (!impl.ensure_target(impl.bare_target, kFormats, true, whole.width, whole.height, log) ||
       !impl.prepare(Impl::Pass::bare, scenery, log))
     return 0;
   impl.gl.Finish();
   const auto start = std::chrono::steady_clock::now();
-  impl.draw(view, scenery, whole, 1, Impl::Pass::bare, impl.color_target);
+  const Impl::TileItems items = impl.items_on(view, scenery, whole);
+  impl.upload_blocks(view, scenery, items, whole, 1);
+  impl.draw(scenery, items, whole, 1, Impl::Pass::bare, impl.bare_target);
   impl.gl.Finish();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }

@@ -23,19 +23,15 @@ PixelLine line_through(const Camera& camera, const Vec2& pixel) {
 class Patch {
  public:
   Patch(const pan::Model& model, const View& view, bool flat, const DrawItem& item,
-        std::uint32_t triangle)
+        const Placement& placement, std::uint32_t triangle)
       : flat_(flat), closed_(item.closed) {
     const pan::MeshView mesh = model.mesh(item.mesh);
-    const Mat4 camera_from_model = camera_from(view.camera, view.world_from_model.matrix());
-    const Mat4 camera_from_mesh = camera_from_model * item.model_from_mesh;
-    const Mat3 normals =
-        glm::mat3_cast(view.world_from_model.rotation) * item.model_normal_from_mesh;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t index = mesh.indices[std::size_t{3} * triangle + k];
       const auto& p = mesh.positions[index];
       const auto& n = mesh.normals[index];
-      corner_[k] = Vec3(camera_from_mesh * Vec4(p.x, p.y, p.z, 1));
-      normal_[k] = normals * Vec3(n.x, n.y, n.z);
+      corner_[k] = Vec3(placement.camera_from_mesh * Vec4(p.x, p.y, p.z, 1));
+      normal_[k] = placement.world_normal_from_mesh * Vec3(n.x, n.y, n.z);
     }
     edge_1_ = corner_[1] - corner_[0];
     edge_2_ = corner_[2] - corner_[0];
@@ -102,9 +98,21 @@ void set_background(Image& image, std::size_t pixel) {
 
 }  // namespace
 
+std::vector<Placement> placements(const View& view, const Scenery& scenery,
+                                  std::span<const DrawItem> list) {
+  std::vector<Placement> result(list.size());
+  const Mat3 rotation = glm::mat3_cast(view.world_from_model.rotation);
+  for (std::size_t k = 0; k < scenery.items.size(); ++k) {
+    Placement& placement = result[scenery.items[k]];
+    placement.camera_from_mesh = scenery.boxes[k].camera_from_mesh;
+    placement.world_normal_from_mesh = rotation * list[scenery.items[k]].model_normal_from_mesh;
+  }
+  return result;
+}
+
 void fill_truth(const pan::Model& model, const View& view, bool flat,
-                std::span<const DrawItem> list, const Tile& tile, std::span<const TriangleId> ids,
-                Image& image) {
+                std::span<const DrawItem> list, std::span<const Placement> placed, const Tile& tile,
+                std::span<const TriangleId> ids, Image& image) {
   const double focal = std::max(view.camera.focal.x, view.camera.focal.y);
   parallel_for(tile.height, [&](std::size_t row) {
     std::optional<Patch> patch;
@@ -120,7 +128,7 @@ void fill_truth(const pan::Model& model, const View& view, bool flat,
       }
       const DrawItem& item = list[id.item - 1];
       if (id.item != last.item || id.triangle != last.triangle)
-        patch.emplace(model, view, flat, item, id.triangle);
+        patch.emplace(model, view, flat, item, placed[id.item - 1], id.triangle);
       last = id;
       const PixelLine line = line_through(
           view.camera, Vec2(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5));

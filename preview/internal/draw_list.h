@@ -52,6 +52,15 @@ struct Scenery {
 };
 Scenery scenery(const View& view, std::span<const DrawItem> list);
 
+// Where an item stands, for its triangles one by one.
+struct Placement {
+  Mat4 camera_from_mesh{1};
+  Mat3 world_normal_from_mesh{1};
+};
+// One for each item of the list; those out of view are left as they are.
+std::vector<Placement> placements(const View& view, const Scenery& scenery,
+                                  std::span<const DrawItem> list);
+
 // The triangles that an id buffer holds at the pixels' centres.
 struct TriangleId {
   std::uint32_t item = 0;  // into the draw list, + 1; 0: background
@@ -65,8 +74,8 @@ struct TriangleId {
 //
 //   ids  tile.width*tile.height, rows from the top
 void fill_truth(const pan::Model& model, const View& view, bool flat,
-                std::span<const DrawItem> list, const Tile& tile, std::span<const TriangleId> ids,
-                Image& image);
+                std::span<const DrawItem> list, std::span<const Placement> placed, const Tile& tile,
+                std::span<const TriangleId> ids, Image& image);
 
 // The geometric unit normals of a mesh's triangles in its own frame, by cross products in double of
 // the stored positions; 0 0 0 for triangles without area. 3*T

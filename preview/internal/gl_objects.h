@@ -3,6 +3,8 @@
 
 #include <glad/gl.h>
 
+#include <array>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -52,15 +54,19 @@ GlTexture make_texture_2d(const GladGLContext& gl, GLsizei levels, GLenum format
                           GLsizei height);
 GlVertexArray make_vertex_array(const GladGLContext& gl);
 
-// A framebuffer with one colour and one D32F depth buffer.
+// A texture that reads a range of a buffer; the range is set later.
+GlTexture make_buffer_texture(const GladGLContext& gl);
+
+// A framebuffer over textures, with or without a D32F depth buffer.
 struct Target {
-  GlRenderbuffer color;
+  std::array<GlTexture, 2> colors;  // the second may be empty
   GlRenderbuffer depth;
   GlFramebuffer framebuffer;
-  GLsizei width = 0;
+  GLsizei width = 0;  // 0: the context could not make it
   GLsizei height = 0;
 };
-Target make_target(const GladGLContext& gl, GLenum color_format, GLsizei width, GLsizei height);
+Target make_target(const GladGLContext& gl, std::span<const GLenum> color_formats, bool depth,
+                   GLsizei width, GLsizei height);
 
 // Compiles and links. Our shaders are part of the program, so a failure is a bug or a broken
 // driver: an empty program, and the compiler's words in *problem.

@@ -11,11 +11,15 @@
 namespace panwright::preview {
 
 // Binding points that the shaders name.
-inline constexpr GLuint kViewBinding = 0;      // uniform
-inline constexpr GLuint kDrawBinding = 1;      // uniform
-inline constexpr GLuint kMaterialBinding = 2;  // uniform
-inline constexpr GLuint kNormalsBinding = 0;   // storage: normals of triangles
-inline constexpr GLuint kTextureUnit = 0;
+inline constexpr GLuint kViewBinding = 0;  // uniform blocks
+inline constexpr GLuint kDrawBinding = 1;
+inline constexpr GLuint kMaterialBinding = 2;
+inline constexpr GLuint kDiffuseMapUnit = 0;  // textures
+inline constexpr GLuint kTriangleNormalsUnit = 1;
+inline constexpr GLuint kSeenUnit = 2;
+inline constexpr GLuint kTintUnit = 3;
+inline constexpr GLuint kMaterialsUnit = 4;
+inline constexpr GLuint kItemsUnit = 5;
 
 // Uniform blocks, in std140.
 struct alignas(16) ViewBlock {
@@ -31,18 +35,28 @@ struct alignas(16) DrawBlock {
   std::uint32_t id[4];               // x: item + 1
 };
 
+inline constexpr std::uint32_t kLawPairs = 9;
+inline std::uint32_t law_pair(const Variant& variant) {
+  return static_cast<std::uint32_t>(variant.diffuse) * 3 +
+         static_cast<std::uint32_t>(variant.specular);
+}
+
 class Programs {
  public:
   explicit Programs(const GladGLContext& gl) : gl_(gl) {}
 
-  // 0 when the driver refuses a shader: *problem says why.
-  GLuint surface(const Variant& variant, bool flat, std::string* problem);
+  // Each returns 0 when the driver refuses a shader: *problem says why.
+  //
+  // tinted: the tile has a second colour buffer, for textures and vertex colours.
+  GLuint geometry(const Variant& variant, bool flat, bool tinted, std::string* problem);
+  GLuint shading(std::uint32_t pair, bool tinted, bool one_material, std::string* problem);
   GLuint ids(std::string* problem);
   GLuint bare(std::string* problem);
 
  private:
   const GladGLContext& gl_;
-  std::array<GlProgram, 3 * 3 * 2 * 2 * 2> surface_;
+  std::array<GlProgram, 2 * 2 * 2 * 2> geometry_;
+  std::array<GlProgram, kLawPairs * 2 * 2> shading_;
   GlProgram ids_;
   GlProgram bare_;
 };

@@ -4,7 +4,9 @@
 namespace panwright::preview {
 
 extern const char* const model_vert;
-extern const char* const surface_frag;
+extern const char* const screen_vert;
+extern const char* const geometry_frag;
+extern const char* const shading_frag;
 extern const char* const ids_frag;
 extern const char* const bare_frag;
 

@@ -1,4 +1,4 @@
-// The vertices of one instance. Defined in front: version, and any of SURFACE TEXTURED COLOURED FLAT.
+// The vertices of one instance. Defined in front: version, and any of GEOMETRY TEXTURED COLOURED FLAT.
 layout(location = 0) in vec3 position;  // metres, relative to the mesh's origin
 layout(location = 1) in vec3 normal;    // mesh frame
 layout(location = 2) in vec2 texcoord;
@@ -12,7 +12,7 @@ layout(std140, binding = 1) uniform Draw {
 }
 draw;
 
-#ifdef SURFACE
+#ifdef GEOMETRY
 #ifndef FLAT
 layout(location = 0) out vec3 mesh_normal;
 #endif
@@ -29,9 +29,8 @@ invariant gl_Position;
 
 void main() {
   gl_Position = draw.clip_from_mesh * vec4(position, 1.0);
-#ifdef SURFACE
+#ifdef GEOMETRY
 #ifndef FLAT
-  // transformed in the fragment shader: a linear map may come after the interpolation
   mesh_normal = normal;
 #endif
 #ifdef TEXTURED
