@@ -1,13 +1,32 @@
+#include "pan/diff.h"
+
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "pan/diff.h"
+#include "base/text.h"
 #include "tools/commands.h"
 #include "tools/load.h"
 #include "tools/session.h"
 
 namespace panwright::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json as_json(const std::vector<pan::Difference>& list) {
+  Json out = Json::array();
+  for (const pan::Difference& each : list)
+    out.push_back({{"where", each.where}, {"what", each.what}});
+  return out;
+}
+
+void print(const std::vector<pan::Difference>& list, const char* prefix) {
+  for (const pan::Difference& each : list) fmt::print("{}{}: {}\n", prefix, each.where, each.what);
+}
+
+}  // namespace
 
 int diff(const DiffOptions& options) {
   Session session("diff", options.common);
@@ -15,19 +34,19 @@ int diff(const DiffOptions& options) {
   const auto b = load_model(options.b, options.read, session);
   if (!a || !b) return session.finish();
   session.step("compare");
-  const pan::Difference difference = pan::diff(*a, *b);
-  const bool equal = difference.model.empty() && (!options.all || difference.provenance.empty());
+  const pan::Differences differences = pan::diff(*a, *b);
+  const bool equal = options.all ? differences.empty() : differences.same_model();
   session.result()["equal"] = equal;
-  session.result()["model"] = difference.model;
-  session.result()["provenance"] = difference.provenance;
+  session.result()["model"] = as_json(differences.model);
+  session.result()["provenance"] = as_json(differences.provenance);
   if (!options.common.json) {
-    for (const std::string& line : difference.model) fmt::print("{}\n", line);
-    for (const std::string& line : difference.provenance)
-      if (options.all || !difference.model.empty()) fmt::print("provenance: {}\n", line);
+    print(differences.model, "");
+    if (options.all || !differences.same_model()) print(differences.provenance, "provenance: ");
+    if (differences.hidden > 0)
+      fmt::print("{} not shown\n", counted(differences.hidden, "more difference"));
     if (equal)
-      fmt::print("the models are equal{}\n", difference.provenance.empty()
-                                                 ? ""
-                                                 : " (their provenance differs: --all shows it)");
+      fmt::print("the models are equal{}\n",
+                 differences.empty() ? "" : " (their provenance differs: --all shows it)");
   }
   const int code = session.finish();
   return code != 0 ? code : equal ? 0 : 1;

@@ -119,6 +119,10 @@ void add_render(CLI::App* app, RenderOptions& options) {
       ->check(CLI::Range(1u, 64u))
       ->type_name("N");
   app->add_flag("--flat", options.flat, "Shade with the triangles' own normals");
+  app->add_option("--max-image-memory", options.max_image_bytes,
+                  "Most memory of one image, e.g. 2GB (default 12GB)")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("BYTES");
   app->add_option("--gl", options.gl, "OpenGL context: auto, egl or osmesa")
       ->check(CLI::IsMember({"auto", "egl", "osmesa"}))
       ->type_name("KIND");

@@ -89,6 +89,7 @@ struct RenderOptions {
   std::string gl = "auto";
   unsigned samples = 1;
   bool flat = false;
+  std::uint64_t max_image_bytes = 12ull << 30;
 };
 
 struct ExplainOptions {

@@ -66,7 +66,7 @@ TEST(Program, TheSameBytesEveryTime) {
   ASSERT_EQ(
       panwright({"compile", folder / "copy/figure8.pxn", "-o", folder / "b.pan", "-j", "2"}).code,
       0);
-  EXPECT_EQ(contents(folder / "a.pan"), contents(folder / "b.pan"));
+  EXPECT_TRUE(contents(folder / "a.pan") == contents(folder / "b.pan"));
   EXPECT_GT(contents(folder / "a.pan").size(), 100000u);
 }
 
@@ -122,7 +122,7 @@ TEST(Program, TheConvertersOfPanguUsers) {
     EXPECT_THAT(outcome.err, HasSubstr("-lic is ignored"));
     EXPECT_TRUE(fs::exists(output));
   }
-  EXPECT_EQ(contents(folder / "pxntopan.pan"), contents(folder / "pxn2pan.pan"));
+  EXPECT_TRUE(contents(folder / "pxntopan.pan") == contents(folder / "pxn2pan.pan"));
 }
 
 TEST(Program, JsonIsOneObjectOnStandardOutput) {
@@ -229,7 +229,7 @@ TEST(Program, KilledCompilesLeaveAWholeFile) {
   const std::string complete = contents(output);
   ASSERT_EQ(panwright({"compile", small, "-o", output}).code, 0);
   const std::string old = contents(output);
-  ASSERT_NE(old, complete);
+  ASSERT_FALSE(old == complete);
   int killed = 0;
   for (unsigned microseconds = 0; microseconds < 400000;
        microseconds += 1 + microseconds / 4 + 1500) {
@@ -237,7 +237,9 @@ TEST(Program, KilledCompilesLeaveAWholeFile) {
         {PANWRIGHT_BIN_DIR "/panwright", "compile", large, "-o", output}, microseconds);
     const std::string now = contents(output);
     EXPECT_TRUE(now == old || now == complete) << "after " << microseconds << " µs";
-    if (now == complete) ASSERT_EQ(panwright({"compile", small, "-o", output}).code, 0);
+    if (now == complete) {
+      ASSERT_EQ(panwright({"compile", small, "-o", output}).code, 0);
+    }
   }
   EXPECT_GT(killed, 5) << "the kills came too late to mean anything";
 }
@@ -247,7 +249,7 @@ TEST(Program, LocalesChangeNothing) {
   ASSERT_EQ(panwright({"compile", kFigure8, "-o", folder / "a.pan"}).code, 0);
   ASSERT_EQ(panwright({"compile", kFigure8, "-o", folder / "b.pan"}, {"LC_ALL=de_DE.UTF-8"}).code,
             0);
-  EXPECT_EQ(contents(folder / "a.pan"), contents(folder / "b.pan"));
+  EXPECT_TRUE(contents(folder / "a.pan") == contents(folder / "b.pan"));
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ TEST(ReadViews, SaysWhatIsWrong) {
     EXPECT_THAT(log.entries()[0].message, testing::HasSubstr(words));
   }
   DiagnosticLog log;
-  read("[{\"fof\": 3, \"output\": \"a\"}]", log);
+  (void)read("[{\"fof\": 3, \"output\": \"a\"}]", log);
   EXPECT_EQ(log.entries()[0].hint, "did you mean 'fov'?");
   DiagnosticLog missing;
   EXPECT_FALSE(read_views("/nonexistent.json", {}, missing));
