@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cassert>
+
 #include "base/text.h"
 
 namespace panwright::materials {
 namespace {
-
-// the least slope a lobe is given; a thousandth of what the Sun's disc blurs a mirror by
-constexpr double kLeastSlope = 1e-6;
 
 // sums of rounded decimals, as 0.7 0.2 0.1, may come out this much above 1
 constexpr double kSumTolerance = 1e-9;
@@ -52,12 +51,6 @@ void settle_laws(Material& material, const Fields& fields, const Reporter& repor
              fmt::format("cook {} {} {} {} scales D, F and G by {}, {} and {}; public "
                          "models have 1 there",
                          text(c), text(m), text(f), text(g), text(c), text(f), text(g)));
-    if (m < kLeastSlope) {
-      material.cook[1] = kLeastSlope;
-      report(Code::W1406, fmt::format("the RMS slope {} of cook is taken as {}, the least that is "
-                                      "accepted",
-                                      text(m), text(kLeastSlope)));
-    }
     if (fields.shine)
       report(Code::N1401,
              fmt::format("shine {} is not used, because cook is given", text(*fields.shine)));
@@ -134,6 +127,7 @@ Fields Fields::overridden_by(const Fields& inner) const {
 }
 
 Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
+  assert(!fields.cook || (*fields.cook)[1] > 0);
   const Reporter report{where, log};
   Material material;
   material.diffuse = fields.diffuse.value_or(material.diffuse);

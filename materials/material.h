@@ -49,8 +49,11 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
-// Fills in the defaults and settles which laws are used.
+// Fills in the defaults and settles which laws are used. A part that adds nothing gets the law that
+// costs nothing: lambert or none. A specular colour without shine or cook is Blinn-Phong's lobe of
+// exponent 0.
 //
+// Expects: numbers within the ranges of the schema; they are finite, >= 0, and cook's slope is > 0.
 // Reports at `where`: N1401, W1402, W1403, W1404, N1405. Never fails.
 Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log);
 

@@ -1,6 +1,6 @@
-// Elementary functions by sums, products, divisions and square roots alone, so that every processor
-// gives the same bits: built-in exp, log and acos differ by up to 1e-4 between drivers. Each is
-// good to a few ulp in float and in double.
+// Elementary functions by sums, products, divisions and square roots alone (and ldexp, which is
+// exact), so that every processor gives the same bits: built-in exp, log and acos differ by up to
+// 1e-4 between drivers. Each is good to a few ulp in float and in double.
 
 FORMULA Real dot3(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
@@ -13,72 +13,49 @@ FORMULA Real length3(Vec3 a) { return sqrt(dot3(a, a)); }
 // exp(-x), x >= 0. From 80 on (2e-35) it is 0: no lobe is seen there, and float stays normal.
 FORMULA Real exp_negative(Real x) {
   if (!(x < Real(80))) return Real(0);
-  // x = k ln 2 + r; the products with the first part of ln 2 are exact. Cody, Waite 1980.
-  Real k = Real(int(x * Real(1.4426950408889634) + Real(0.5)));
-  Real q = k * Real(-2.1219444005469058e-4) - (x - k * Real(0.693359375));
-  // Taylor to q^13, |q| <= ln 2 / 2
-  Real p = Real(1.6059043836821613e-10);
-  p = p * q + Real(2.0876756987868099e-9);
-  p = p * q + Real(2.5052108385441719e-8);
-  p = p * q + Real(2.7557319223985891e-7);
-  p = p * q + Real(2.7557319223985891e-6);
-  p = p * q + Real(2.4801587301587302e-5);
-  p = p * q + Real(1.9841269841269841e-4);
-  p = p * q + Real(1.3888888888888889e-3);
-  p = p * q + Real(8.3333333333333333e-3);
-  p = p * q + Real(4.1666666666666667e-2);
-  p = p * q + Real(1.6666666666666667e-1);
-  p = p * q + Real(0.5);
-  p = p * q + Real(1);
-  p = p * q + Real(1);
-  // times 2^-k, k < 128
-  if (k >= Real(64)) {
-    p = p * Real(5.421010862427522e-20);
-    k = k - Real(64);
-  }
-  if (k >= Real(32)) {
-    p = p * Real(2.3283064365386963e-10);
-    k = k - Real(32);
-  }
-  if (k >= Real(16)) {
-    p = p * Real(1.52587890625e-5);
-    k = k - Real(16);
-  }
-  if (k >= Real(8)) {
-    p = p * Real(0.00390625);
-    k = k - Real(8);
-  }
-  if (k >= Real(4)) {
-    p = p * Real(0.0625);
-    k = k - Real(4);
-  }
-  if (k >= Real(2)) {
-    p = p * Real(0.25);
-    k = k - Real(2);
-  }
-  if (k >= Real(1)) p = p * Real(0.5);
-  return p;
+  // x = k ln 2 - q; the products with the first part of ln 2 are exact. Cody, Waite 1980.
+  int k = int(x * Real(1.4426950408889634) + Real(0.5));
+  Real q = Real(k) * Real(-2.1219444005469058e-4) - (x - Real(k) * Real(0.693359375));
+  // Taylor to q^13, |q| <= ln 2 / 2, even and odd powers apart
+  Real q2 = q * q;
+  Real even = Real(2.08767569878681e-09);
+  even = even * q2 + Real(2.755731922398589e-07);
+  even = even * q2 + Real(2.48015873015873e-05);
+  even = even * q2 + Real(0.001388888888888889);
+  even = even * q2 + Real(0.041666666666666664);
+  even = even * q2 + Real(0.5);
+  even = even * q2 + Real(1);
+  Real odd = Real(1.6059043836821613e-10);
+  odd = odd * q2 + Real(2.505210838544172e-08);
+  odd = odd * q2 + Real(2.7557319223985893e-06);
+  odd = odd * q2 + Real(0.0001984126984126984);
+  odd = odd * q2 + Real(0.008333333333333333);
+  odd = odd * q2 + Real(0.16666666666666666);
+  odd = odd * q2 + Real(1);
+  return ldexp(even + q * odd, -k);
 }
 
 // 1 - exp(-x), x >= 0, without cancellation.
 FORMULA Real one_minus_exp(Real x) {
   if (!(x < Real(0.5))) return Real(1) - exp_negative(x);
   // Taylor to x^15
-  Real p = Real(1) - x * Real(0.066666666666666667);
-  p = Real(1) - p * x * Real(0.071428571428571429);
-  p = Real(1) - p * x * Real(0.076923076923076923);
-  p = Real(1) - p * x * Real(0.083333333333333333);
-  p = Real(1) - p * x * Real(0.090909090909090909);
-  p = Real(1) - p * x * Real(0.1);
-  p = Real(1) - p * x * Real(0.11111111111111111);
-  p = Real(1) - p * x * Real(0.125);
-  p = Real(1) - p * x * Real(0.14285714285714286);
-  p = Real(1) - p * x * Real(0.16666666666666667);
-  p = Real(1) - p * x * Real(0.2);
-  p = Real(1) - p * x * Real(0.25);
-  p = Real(1) - p * x * Real(0.33333333333333333);
-  p = Real(1) - p * x * Real(0.5);
-  return p * x;
+  Real x2 = x * x;
+  Real even = Real(7.647163731819816e-13);
+  even = even * x2 + Real(1.6059043836821613e-10);
+  even = even * x2 + Real(2.505210838544172e-08);
+  even = even * x2 + Real(2.7557319223985893e-06);
+  even = even * x2 + Real(0.0001984126984126984);
+  even = even * x2 + Real(0.008333333333333333);
+  even = even * x2 + Real(0.16666666666666666);
+  even = even * x2 + Real(1);
+  Real odd = Real(1.1470745597729725e-11);
+  odd = odd * x2 + Real(2.08767569878681e-09);
+  odd = odd * x2 + Real(2.755731922398589e-07);
+  odd = odd * x2 + Real(2.48015873015873e-05);
+  odd = odd * x2 + Real(0.001388888888888889);
+  odd = odd * x2 + Real(0.041666666666666664);
+  odd = odd * x2 + Real(0.5);
+  return x * (even - x * odd);
 }
 
 // ln(1 + x), 0 <= x < 1e38.

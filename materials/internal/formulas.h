@@ -2,7 +2,11 @@
 // single formulas through it, everybody else materials/brdf.h.
 #pragma once
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
 
 #include "base/math.h"
 #include "materials/material.h"

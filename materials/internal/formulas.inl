@@ -5,6 +5,13 @@ inline Real min(Real a, Real b) { return b < a ? b : a; }
 inline Real max(Real a, Real b) { return a < b ? b : a; }
 inline Real abs(Real a) { return a < Real(0) ? -a : a; }
 inline Real sqrt(Real a) { return std::sqrt(a); }
+// a·2^k. Expects: 2^k is a normal number.
+inline Real ldexp(Real a, int k) {
+  using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
+  constexpr int kDigits = std::numeric_limits<Real>::digits - 1;
+  constexpr int kBias = std::numeric_limits<Real>::max_exponent - 1;
+  return a * std::bit_cast<Real>(static_cast<Bits>(kBias + k) << kDigits);
+}
 
 #define FORMULA inline
 #include "materials/formulas/parameters.glsl"

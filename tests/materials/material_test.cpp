@@ -131,15 +131,6 @@ TEST(Material, CookFactors) {
   EXPECT_EQ(settle(f).material.cook[0], 2);
 }
 
-TEST(Material, CookWithoutRoughness) {
-  Fields f;
-  f.specular = Vec3(1);
-  f.reflect = Vec3(0.9, 0.1, 0);
-  f.cook = {1, 0, 1, 1};
-  EXPECT_EQ(settle(f).codes, Codes{Code::W1406});
-  EXPECT_EQ(settle(f).material.cook[1], 1e-6);
-}
-
 TEST(Material, FieldsWithoutTheirPartner) {
   const auto one_note = [](const Fields& f, const char* words) {
     const Outcome o = settle(f);

@@ -39,7 +39,7 @@ inline constexpr std::array<std::array<double, 6>, 7> kHapke{
 
 inline glm::dvec3 direction(double cosine, double azimuth) {
   const double sine = std::sqrt((1 - cosine) * (1 + cosine));
-  return {sine * std::cos(azimuth), sine * std::sin(azimuth), cosine};
+  return {sine * det::cos(azimuth), sine * det::sin(azimuth), cosine};
 }
 
 // All pairs of cosines with all azimuths, about +z (7*7*5). Sines of π are exactly 0 here.
@@ -78,6 +78,11 @@ class Uniform {
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
   }
+  // A direction about +z, its cosine uniform in [least, 1]. (Arguments have no order in C++.)
+  glm::dvec3 direction_above(double least) {
+    const double cosine = least + (1 - least) * (*this)();
+    return direction(cosine, 2 * kPi * (*this)());
+  }
 
  private:
   std::uint64_t state_;
@@ -88,7 +93,7 @@ inline std::vector<Inputs> near_specular(double slope, std::size_t count, std::u
   Uniform uniform(seed);
   std::vector<Inputs> all;
   while (all.size() < count) {
-    const glm::dvec3 n = direction(2 * uniform() - 1, 2 * kPi * uniform());
+    const glm::dvec3 n = uniform.direction_above(-1);
     const glm::dvec3 x = glm::normalize(
         glm::cross(n, std::fabs(n.z) < 0.5 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0)));
     const glm::dvec3 y = glm::cross(n, x);
@@ -96,7 +101,7 @@ inline std::vector<Inputs> near_specular(double slope, std::size_t count, std::u
     const double tangent = 2.5 * slope * std::sqrt(uniform());
     const glm::dvec3 h =
         about_n(direction(1 / std::sqrt(1 + tangent * tangent), 2 * kPi * uniform()));
-    const glm::dvec3 v = about_n(direction(0.05 + 0.95 * uniform(), 2 * kPi * uniform()));
+    const glm::dvec3 v = about_n(uniform.direction_above(0.05));
     const glm::dvec3 l = 2 * glm::dot(v, h) * h - v;
     if (glm::dot(n, l) < 0.05) continue;
     all.push_back({glm::vec3(l), glm::vec3(v), glm::vec3(n), {}});
@@ -109,8 +114,8 @@ inline std::vector<Inputs> random_pairs(double least, std::size_t count, std::ui
   Uniform uniform(seed);
   std::vector<Inputs> all;
   for (std::size_t i = 0; i < count; ++i)
-    all.push_back({glm::vec3(direction(least + (1 - least) * uniform(), 2 * kPi * uniform())),
-                   glm::vec3(direction(least + (1 - least) * uniform(), 2 * kPi * uniform())),
+    all.push_back({glm::vec3(uniform.direction_above(least)),
+                   glm::vec3(uniform.direction_above(least)),
                    {0, 0, 1},
                    {}});
   return all;
@@ -136,6 +141,7 @@ struct Formula {
   glm::vec3 (*f32)(const Inputs&);
   glm::dvec3 (*f64)(const Inputs&);
   std::vector<Inputs> cases;
+  bool of_directions = true;  // false: a function of numbers alone
 };
 
 // NOLINTBEGIN
@@ -195,17 +201,18 @@ inline std::vector<Formula> formulas() {
   indices.insert(indices.end(), kIndices.begin(), kIndices.end());
 
   std::vector<Formula> all;
-  const auto add = [&](Formula formula, std::vector<Inputs> cases) {
+  const auto add = [&](Formula formula, std::vector<Inputs> cases, bool of_directions = true) {
     formula.cases = std::move(cases);
+    formula.of_directions = of_directions;
     all.push_back(std::move(formula));
   };
   add(PANWRIGHT_FORMULA("exp_negative", Vec3(exp_negative(p[0]), one_minus_exp(p[0]), Real(0))),
-      numbers(90));
-  add(PANWRIGHT_FORMULA("log_one_plus", Vec3(log_one_plus(p[0]))), numbers(1e20));
-  add(PANWRIGHT_FORMULA("angle_of", Vec3(angle_of(p[0], p[1]))), numbers(1));
-  add(PANWRIGHT_FORMULA("tangent", Vec3(tangent(p[0]))), numbers(1.5));
+      numbers(90), false);
+  add(PANWRIGHT_FORMULA("log_one_plus", Vec3(log_one_plus(p[0]))), numbers(1e20), false);
+  add(PANWRIGHT_FORMULA("angle_of", Vec3(angle_of(p[0], p[1]))), numbers(1), false);
+  add(PANWRIGHT_FORMULA("tangent", Vec3(tangent(p[0]))), numbers(1.5), false);
   add(PANWRIGHT_FORMULA("fresnel", Vec3(fresnel_dielectric(p[0], p[1]))),
-      with_parameters({Inputs{}}, pairs_of(cosines, indices)));
+      with_parameters({Inputs{}}, pairs_of(cosines, indices)), false);
   add(PANWRIGHT_FORMULA("lambert", lambert(Vec3(p[0]), l, v, n)),
       with_parameters(grid(), singles(std::array{0.8})));
   add(PANWRIGHT_FORMULA("oren_nayar",
