@@ -23,19 +23,20 @@ static_assert(sizeof(Inputs) == 64);
 
 inline constexpr std::array kCosines{0.0, 1e-7, 1e-4, 0.01, 0.5, 1 - 1e-7, 1.0};
 inline constexpr std::array kAzimuths{0.0, 1e-6, kPi / 2, kPi - 1e-6, kPi};
-inline constexpr std::array kSlopes{0.0, 1e-4, 1.64e-3, 0.01, 0.15, 1.0};
+inline constexpr std::array kSlopes{0.0, 1e-4, 1.64e-3, 0.01, 0.15, 1.0, 10.0};
 inline constexpr std::array kIndices{1.0, 1 + 1e-6, 1.5, 100.0};
 inline constexpr std::array kSigmas{0.0, 1e-3, 0.1, 0.3, 1.0, kPi / 2};
 inline constexpr std::array kShines{0.0, 1.0, 10.0, 128.0, 1000.0};
 // w, h, B0, roughness in radians, b, c
-inline constexpr std::array<std::array<double, 6>, 7> kHapke{
+inline constexpr std::array<std::array<double, 6>, 8> kHapke{
     {{0.21, 0.07, 1, 0, 0.25, 0.3},
      {0.21, 0.07, 1, 20 * kDegree, 0.25, 0.3},
      {1, 0, 0, 0, 0, 0},
      {0.9, 0, 1, 1 * kDegree, 0, 0},
      {0.6, 1e-4, 3, 60 * kDegree, 0, 0},
      {0.3, 1, 0.5, 1e-4, 0.9, -1},
-     {0, 0.05, 1, 0.3, 0, 0}}};
+     {0, 0.05, 1, 0.3, 0, 0},
+     {1, 100, 100, 80 * kDegree, 0, 0}}};
 
 inline glm::dvec3 direction(double cosine, double azimuth) {
   const double sine = std::sqrt((1 - cosine) * (1 + cosine));
