@@ -67,7 +67,7 @@ TEST(FormulaText, EveryValueIsPrecise) {
   const std::string text = glsl_all_laws() + glsl_formulas({}, {});
   EXPECT_GT(all_behind(text, "  precise ", "\n").size(), 100u);
   for (const char* type : {"  Real ", "  Vec3 "})
-    for (const std::string& rest : all_behind(text, type, "\n"))
+    for (const std::string& rest : all_behind(text, type, "/\n"))
       EXPECT_THAT(rest, Not(HasSubstr(" = "))) << rest;
   const auto returned = all_behind(text, "return ", ";");
   EXPECT_GT(returned.size(), 40u);
