@@ -343,9 +343,10 @@ bool Renderer::Impl::render_radiance(const View& view, const Scenery& scenery,
     return false;
   // kept between views: fresh memory costs as much as a tenth of a draw
   sample_buffer.resize(std::max(sample_buffer.size(), std::size_t{4} * width * height));
-  for (const Tile& tile : tiles(image.width, image.height, tile_side)) {
-    const TileItems items = items_on(view, scenery, tile);
-    if (items.drawn.empty()) continue;  // the image begins as background
+  for (const Tile& whole : tiles(image.width, image.height, tile_side)) {
+    const TileItems items = items_on(view, scenery, whole);
+    const Tile tile = touched_part(view.camera, whole, scenery.boxes, items.drawn);
+    if (tile.width == 0 || tile.height == 0) continue;  // the image begins as background
     upload_blocks(view, scenery, items, tile, options.samples);
     draw(scenery, items, tile, options.samples, pass, seen_target);
     shade(scenery, items, tile, options.samples);
@@ -370,8 +371,10 @@ bool Renderer::Impl::render_truth(const View& view, const Scenery& scenery,
   std::vector<TriangleId> ids(std::size_t{width} * height);
   const std::vector<Placement> placements = preview::placements(view, scenery, list);
   static_assert(sizeof(TriangleId) == 8);
-  for (const Tile& tile : tiles(image.width, image.height, side)) {
-    const TileItems items = items_on(view, scenery, tile);
+  for (const Tile& whole : tiles(image.width, image.height, side)) {
+    const TileItems items = items_on(view, scenery, whole);
+    const Tile tile = touched_part(view.camera, whole, scenery.boxes, items.drawn);
+    if (tile.width == 0 || tile.height == 0) continue;
     upload_blocks(view, scenery, items, tile, 1);
     draw(scenery, items, tile, 1, Pass::ids, id_target);
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -413,8 +416,8 @@ Result<Image> Renderer::render(const View& view, const RenderOptions& options, D
   const Scenery scenery = preview::scenery(view, impl_->list);
   if (!impl_->render_radiance(view, scenery, options, image, log)) return failed;
   if (options.truth) {
-    image.depth.resize(image.pixels());
-    image.range.resize(image.pixels());
+    image.depth.resize(image.pixels(), INFINITY);
+    image.range.resize(image.pixels(), INFINITY);
     image.normal.resize(3 * image.pixels());
     image.node_id.resize(image.pixels());
     image.material_id.resize(image.pixels());

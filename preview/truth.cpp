@@ -88,14 +88,6 @@ class Patch {
   Vec3 geometric_;  // world, unit
 };
 
-void set_background(Image& image, std::size_t pixel) {
-  image.depth[pixel] = INFINITY;
-  image.range[pixel] = INFINITY;
-  for (std::size_t k = 0; k < 3; ++k) image.normal[3 * pixel + k] = 0;
-  image.node_id[pixel] = 0;
-  image.material_id[pixel] = 0;
-}
-
 }  // namespace
 
 std::vector<Placement> placements(const View& view, const Scenery& scenery,
@@ -122,10 +114,7 @@ void fill_truth(const pan::Model& model, const View& view, bool flat,
       const std::size_t x = tile.x + column;
       const std::size_t y = tile.y + row;
       const std::size_t pixel = y * image.width + x;
-      if (id.item == 0) {
-        set_background(image, pixel);
-        continue;
-      }
+      if (id.item == 0) continue;
       const DrawItem& item = list[id.item - 1];
       if (id.item != last.item || id.triangle != last.triangle)
         patch.emplace(model, view, flat, item, placed[id.item - 1], id.triangle);

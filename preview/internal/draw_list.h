@@ -72,7 +72,8 @@ struct TriangleId {
 // the context's sub-pixel grid, takes the point on the triangle's plane, or, where that lies
 // further off than a pixel spans, the nearest point of the triangle.
 //
-//   ids  tile.width*tile.height, rows from the top
+//   ids    tile.width*tile.height, rows from the top
+//   image  its truth layers hold background where nothing was written yet
 void fill_truth(const pan::Model& model, const View& view, bool flat,
                 std::span<const DrawItem> list, std::span<const Placement> placed, const Tile& tile,
                 std::span<const TriangleId> ids, Image& image);

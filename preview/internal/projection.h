@@ -62,4 +62,9 @@ Mat4 clip_from_mesh(const Camera& camera, const Tile& tile, const DepthRange& ra
 // front of the camera. May be true for a box just outside; never false for one that touches.
 bool may_touch(const Camera& camera, const Tile& tile, double margin, const PlacedBox& box);
 
+// The part of a tile that boxes may fall on, whole pixels with one to spare; the whole tile when a
+// box reaches behind the camera. A width or height of 0: none.
+Tile touched_part(const Camera& camera, const Tile& tile, std::span<const PlacedBox> boxes,
+                  std::span<const std::uint32_t> which);
+
 }  // namespace panwright::preview

@@ -147,10 +147,11 @@ TEST(Projection, NothingInFrontIsStillAValidRange) {
 }
 
 // Oracle: points of the box, by brute force.
-TEST(Projection, MayTouchNeverMissesAPoint) {
+TEST(Projection, TouchedPartsNeverMissAPoint) {
   Numbers number;
   int touched = 0;
   int refused = 0;
+  int smaller = 0;
   for (int i = 0; i < 3000; ++i) {
     const Camera camera =
         some_camera(number, i % 2 ? Projection::perspective : Projection::orthographic);
@@ -161,6 +162,7 @@ TEST(Projection, MayTouchNeverMissesAPoint) {
     box.low = Vec3(-0.5);
     box.high = Vec3(0.5);
     bool inside = false;
+    Vec2 seen(0);
     for (int k = 0; k < 300 && !inside; ++k) {
       const Vec3 p = Vec3(box.camera_from_mesh * Vec4(0.5 * number.vector(), 1));
       if (!(p.z > 0)) continue;
@@ -168,14 +170,26 @@ TEST(Projection, MayTouchNeverMissesAPoint) {
                              ? camera.focal * Vec2(p) / p.z + camera.principal
                              : camera.focal * Vec2(p) + camera.principal;
       inside = pixel.x >= 200 && pixel.x < 264 && pixel.y >= 150 && pixel.y < 214;
+      if (inside) seen = pixel;
     }
     const bool may = may_touch(camera, tile, 0, box);
     EXPECT_TRUE(may || !inside);
+    const std::uint32_t first = 0;
+    const Tile part = touched_part(camera, tile, std::span(&box, 1), std::span(&first, 1));
+    EXPECT_TRUE(part.width > 0 || !inside);
+    EXPECT_TRUE(part.x >= tile.x && part.x + part.width <= tile.x + tile.width);
+    EXPECT_TRUE(part.y >= tile.y && part.y + part.height <= tile.y + tile.height);
+    if (inside) {
+      EXPECT_TRUE(seen.x >= part.x && seen.x < part.x + part.width);
+      EXPECT_TRUE(seen.y >= part.y && seen.y < part.y + part.height);
+    }
+    smaller += part.width * part.height < tile.width * tile.height;
     touched += inside;
     refused += !may;
   }
   EXPECT_GT(touched, 100);  // the test has cases of both kinds
   EXPECT_GT(refused, 500);
+  EXPECT_GT(smaller, 500);
 }
 
 }  // namespace
