@@ -13,8 +13,8 @@ FORMULA Real beckmann(Real tan2, Real slope) {
   return exp_negative(x) * secant2 * secant2 * Real(0.31830988618379067) / (m * m);
 }
 
-// G / (4 (n.l) (n.v)) with G = min(1, 2 (n.h) (n.v)/(v.h), 2 (n.h) (n.l)/(v.h)), bounded at grazing.
-// both2: |l + v|^2
+// G / (4 (n.l) (n.v)) with G = min(1, 2 (n.h) (n.v)/(v.h), 2 (n.h) (n.l)/(v.h)); bounded towards
+// grazing. both2: |l + v|^2
 FORMULA Real v_cavity(Real cos_nl, Real cos_nv, Real both2) {
   Real small = min(cos_nl, cos_nv);
   Real large = max(cos_nl, cos_nv);

@@ -1,5 +1,5 @@
-// Particulate surfaces: single scattering by particles with an opposition effect, isotropic multiple
-// scattering, and shadows of macroscopic roughness. 1/sr.
+// Particulate surfaces: single scattering by particles with an opposition effect, isotropic
+// multiple scattering, and shadows of macroscopic roughness. 1/sr.
 // B. Hapke, "Bidirectional reflectance spectroscopy" 1 (1981), 3 (1984), 5 (2002).
 
 // H(x): light scattered more than once, within 1 % of Chandrasekhar's function (2002, equation 13).

@@ -36,8 +36,10 @@ FORMULA Vec3 oren_nayar(Vec3 albedo, Real sigma, Vec3 to_light, Vec3 to_viewer, 
     c2 = from_horizon * (Real(1) + b + b * b) - cos_a * cos_a / (Real(1) + sin_a);
   }
   Real c3 = Real(0.125) * wide * (a * b) * (a * b);
+  // 1 - |cos phi| without cancellation
+  Real aside = sin_phi * sin_phi / (Real(1) + abs(cos_phi));
   Real direct = c1 + Real(0.45) * wide * c2 * cos_phi * (sin_b / cos_b) +
-                sin_phi * sin_phi / (Real(1) + abs(cos_phi)) * c3 * ((sin_a + sin_b) / (cos_a + cos_b));
+                aside * c3 * ((sin_a + sin_b) / (cos_a + cos_b));
   Real twice = Real(0.17) * s2 / (s2 + Real(0.13)) * (Real(1) - cos_phi * b * b);
   return albedo * ((max(direct, Real(0)) + albedo * twice) * Real(0.31830988618379067));
 }

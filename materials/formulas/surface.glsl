@@ -1,5 +1,5 @@
-// A material's laws put together. PANWRIGHT_DIFFUSE_LAW and PANWRIGHT_SPECULAR_LAW name functions of
-// (Surface, to_light, to_viewer, normal).
+// A material's laws put together. PANWRIGHT_DIFFUSE_LAW and PANWRIGHT_SPECULAR_LAW name functions
+// of (Surface, to_light, to_viewer, normal).
 
 // The reflectance of a material, 1/sr. 0 where the light is below the horizon. Near the limb of a
 // smoothly shaded mesh a facet can be seen whose interpolated normal faces away: such a viewer is
