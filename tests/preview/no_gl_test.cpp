@@ -1,0 +1,18 @@
+// A build without OpenGL says so.
+#include <gtest/gtest.h>
+
+#include "preview/context.h"
+
+namespace panwright::preview {
+namespace {
+
+TEST(WithoutOpenGL, NoContextCanBeHad) {
+  for (const ContextKind kind : {ContextKind::automatic, ContextKind::egl, ContextKind::osmesa}) {
+    DiagnosticLog log;
+    EXPECT_FALSE(Context::create(kind, log));
+    EXPECT_TRUE(log.contains(Code::E5007));
+  }
+}
+
+}  // namespace
+}  // namespace panwright::preview
