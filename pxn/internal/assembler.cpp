@@ -96,7 +96,7 @@ class Assembler {
     const Part& part = loader_.part(top);
     scene::Node root;
     root.name = "root";
-    root.source = {part.file.name, 1, 1};
+    root.source = {part.file.path, 1, 1};
     scene_.nodes.push_back(std::move(root));
     Use use{&part, part.document.file, true, nullptr, {}};
     Context context;
@@ -158,7 +158,7 @@ class Assembler {
   }
 
   scene::Source source_of(const Use& use, const Item& item) const {
-    return {use.part->file.name, item.line, item.column};
+    return {use.part->file.path, item.line, item.column};
   }
 
   // Makes a node below the context's, and the context its own.
@@ -166,9 +166,8 @@ class Assembler {
              Context& context) {
     if (scene_.nodes.size() >= options_.limits.nodes) {
       report(Code::E1008, use, item, [&] {
-        return Reporter::Text(
-            fmt::format("the model has more than {} nodes, includes counted; the rest is left out",
-                        options_.limits.nodes));
+        return Reporter::Text(fmt::format(
+            "the model has more than {} nodes, includes multiplied out", options_.limits.nodes));
       });
       stopped_ = true;
       return false;

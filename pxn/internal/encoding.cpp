@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "base/text.h"
@@ -84,7 +85,7 @@ class PrologReader {
     const std::size_t close = bytes_.substr(0, begin + kLongestDeclaration).find("?>", begin);
     if (close == std::string_view::npos) {
       report(Code::E1001, begin, begin + 5, "the XML declaration is not closed by '?>'");
-      at_ = begin + 5;
+      at_ = std::min(bytes_.find_first_of("<\n", begin + 1), bytes_.size());
       return true;
     }
     at_ = begin + 5;

@@ -95,14 +95,12 @@ class Checker {
       return true;
     }
     report(Code::E1107, doc_.value_span(*given), 0, [&] {
-      const std::vector<std::string_view> known(language_.versions.begin(),
-                                                language_.versions.end());
       const bool planned =
           std::find(language_.planned_versions.begin(), language_.planned_versions.end(), value) !=
           language_.planned_versions.end();
       return Reporter::Text(fmt::format("{}=\"{}\" is {}; write {}=\"{}\"", attribute.name, value,
                                         planned ? "not supported yet" : "not a known version",
-                                        attribute.name, join(known)));
+                                        attribute.name, fmt::join(language_.versions, "\" or \"")));
     });
     return false;
   }

@@ -92,6 +92,10 @@ class Scanner {
                    lines > 0 ? lines : std::count(before.begin(), before.end(), '\r'));
   }
   bool follows(std::string_view what) const { return text_.substr(at_).starts_with(what); }
+  bool follows_end_of(std::string_view name) const {
+    const std::string_view rest = text_.substr(at_ + 2);
+    return rest.starts_with(name) && (rest.size() == name.size() || !is(rest[name.size()], kName));
+  }
   void skip_blanks() {
     while (at_ < size_ && is(text_[at_], kBlank)) ++at_;
   }
@@ -345,7 +349,8 @@ class Scanner {
       skip_blanks();
       if (at_ >= size_ || text_[at_] == '<') {
         report(Code::E1001, before, before + 1, "the tag is not closed by '>'");
-        return false;
+        // before an end tag of another name it can hold nothing
+        return recording() && follows("</") && !follows_end_of(doc_.name(current_));
       }
       if (text_[at_] == '>') {
         ++at_;
@@ -395,6 +400,16 @@ class Scanner {
     add_attribute(begin, end, value, at_ - 1, first);
   }
 
+  // Whether a quote follows before anything that looks like the end of a tag or line.
+  bool closes_soon(char quote) const {
+    for (std::uint32_t i = at_ + 1; i < size_; ++i) {
+      const char c = text_[i];
+      if (c == quote) return true;
+      if (c == '<' || c == '>' || c == '\n') break;
+    }
+    return false;
+  }
+
   // Reads past the closing quote.
   bool attribute_value(std::uint32_t name_begin, std::uint32_t name_end) {
     const std::uint32_t open = at_;
@@ -408,14 +423,16 @@ class Scanner {
       } else if (c == quote) {
         ++at_;
         return true;
+      } else if (closes_soon(quote)) {
+        report(Code::E1001, at_, at_ + 1,
+               fmt::format("'<' in the value of {}; write '&lt;'", quoted(name_begin, name_end)));
+        ++at_;
       } else {
         break;
       }
     }
     report(Code::E1001, open, open + 1,
-           fmt::format("the value of {} has no closing quote, or holds '<', which is written "
-                       "'&lt;'",
-                       quoted(name_begin, name_end)));
+           fmt::format("the value of {} has no closing quote", quoted(name_begin, name_end)));
     // the tag most likely ends where it seems to
     const std::size_t close = text_.substr(open, at_ - open).find('>');
     if (close != std::string_view::npos) at_ = open + static_cast<std::uint32_t>(close);
@@ -476,12 +493,16 @@ class Scanner {
     }
     const auto same = [&](std::uint32_t e) { return doc_.name(e) == name; };
     if (std::none_of(open_.begin(), open_.end(), same)) {
+      const std::string open = inside() ? to_utf8(doc_.name(current_), doc_.encoding) : "";
       report(Code::E1002, begin + 2, end,
              fmt::format("no element {} is open here", quoted(begin + 2, end)),
              inside()
-                 ? fmt::format("<{}> of line {} is", to_utf8(doc_.name(current_), doc_.encoding),
-                               line_of(doc_.elements[current_].begin))
+                 ? fmt::format("<{}> of line {} is", open, line_of(doc_.elements[current_].begin))
                  : "");
+      // a misspelt end tag ends what it means to end
+      const std::string_view candidates[] = {open};
+      const bool meant = open.size() >= 3 && nearest_name(name.substr(0, 256), candidates);
+      if (inside() && meant) close_element(at_);
       return;
     }
     report(Code::E1002, begin + 2, end,

@@ -1,0 +1,120 @@
+// Appearances: fields, inheritance, sharing.
+
+#include <gtest/gtest.h>
+
+#include "tests/pxn/reading.h"
+
+namespace panwright::pxn {
+namespace {
+
+const std::string kSphere = "<sphere rings=\"4\" quads=\"4\"/>";
+
+std::string appearance(const std::string& fields, const std::string& inside) {
+  return "<appearance><material>" + fields + "</material><child>" + inside +
+         "</child></appearance>";
+}
+std::string group(const std::string& inside) { return "<group>" + inside + "</group>"; }
+
+const materials::Material& material_of(const Reading& r, std::size_t instance) {
+  return r.scene->materials.at(static_cast<std::size_t>(r.scene->instances.at(instance).material));
+}
+
+TEST(Material, EveryFieldArrives) {
+  const Reading r = read_nodes(
+      appearance(
+          "<diffuse>0.1 0.2 0.3</diffuse><specular shine=\"25\">0.4 0.5 0.6</specular>"
+          "<emissive>7 8 9</emissive><reflect>0.3 0.2 0.1</reflect><refract>1.5 2.5 3.5</refract>",
+          kSphere) +
+      appearance("<diffuse>1 1 1</diffuse><oren>0.35</oren><specular>1 1 1</specular>"
+                 "<cook>1 0.25 1 1</cook><reflect>0.4 0.6 0</reflect>",
+                 kSphere) +
+      appearance("<diffuse>1 1 1</diffuse><hapke>0.33 0.1 0.95 15</hapke>", kSphere));
+  EXPECT_FALSE(r.log.has_errors()) << r.summary();
+  const materials::Material& a = material_of(r, 0);
+  EXPECT_EQ(a.diffuse, Vec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(a.specular, Vec3(0.4, 0.5, 0.6));
+  EXPECT_EQ(a.emissive, Vec3(7, 8, 9));
+  EXPECT_EQ(a.weights, Vec3(0.3, 0.2, 0.1));
+  EXPECT_EQ(a.refract, Vec3(1.5, 2.5, 3.5));
+  EXPECT_EQ(a.shine, 25);
+  EXPECT_EQ(a.specular_law, materials::SpecularLaw::blinn_phong);
+  EXPECT_EQ(material_of(r, 1).oren, 0.35);
+  EXPECT_EQ(material_of(r, 1).cook[1], 0.25);
+  EXPECT_EQ(material_of(r, 1).diffuse_law, materials::DiffuseLaw::oren_nayar);
+  EXPECT_EQ(material_of(r, 1).specular_law, materials::SpecularLaw::cook_torrance);
+  EXPECT_EQ(material_of(r, 2).hapke[0], 0.33);
+  EXPECT_DOUBLE_EQ(material_of(r, 2).hapke[3], 15 * kPi / 180);
+  EXPECT_EQ(material_of(r, 2).diffuse_law, materials::DiffuseLaw::hapke);
+}
+
+TEST(Material, FieldsAreInheritedOneByOneThroughIncludes) {
+  const std::string inner = appearance("<diffuse>0.3 0 0</diffuse>", kSphere);
+  const std::string outer =
+      appearance(
+          "<diffuse>0 0.2 0</diffuse><specular shine=\"9\">0.5 0.5 0.5</specular>"
+          "<reflect>0.5 0.5 0</reflect>",
+          group(kSphere + "<include type=\"pxn\" file=\"p.pxn\"/>" + kSphere)) +
+      kSphere;
+  const Reading r =
+      read_files({{"t.pxn", "<pangu_model ver=\"0\">" + outer + "</pangu_model>"},
+                  {"p.pxn", "<pangu_model ver=\"0\">" + inner + kSphere + "</pangu_model>"}});
+  EXPECT_EQ(r.summary(), "");
+  ASSERT_EQ(r.scene->instances.size(), 5u);
+  EXPECT_EQ(material_of(r, 0).diffuse, Vec3(0, 0.2, 0));
+  EXPECT_EQ(material_of(r, 1).diffuse, Vec3(0.3, 0, 0)) << "the inner one wins";
+  EXPECT_EQ(material_of(r, 1).shine, 9) << "and inherits the rest";
+  EXPECT_EQ(material_of(r, 1).weights, Vec3(0.5, 0.5, 0));
+  EXPECT_EQ(material_of(r, 2).diffuse, Vec3(0, 0.2, 0)) << "beside it nothing changed";
+  EXPECT_EQ(material_of(r, 3).diffuse, Vec3(0, 0.2, 0));
+  EXPECT_EQ(material_of(r, 4).name, "default");
+  EXPECT_EQ(material_of(r, 4).diffuse, Vec3(0.8));
+  EXPECT_EQ(r.scene->materials.size(), 3u);
+  std::set<std::string> names;
+  for (const auto& m : r.scene->materials) EXPECT_TRUE(names.insert(m.name).second) << m.name;
+}
+
+TEST(Material, EqualOnesAreStoredOnceAndWarnedOfOnce) {
+  const std::string loud = "<specular>0.5 0.5 0.5</specular><cook>0.5 0.2 1 1</cook>";
+  std::string nodes;
+  for (int i = 0; i < 100; ++i) nodes += appearance(loud, group(kSphere + kSphere));
+  // the default, written out
+  nodes += appearance("<diffuse>0.8 0.8 0.8</diffuse>", kSphere) + kSphere +
+           appearance("<reflect>1 0 -0.0</reflect>", kSphere);
+  const Reading r = read_nodes(nodes);
+  EXPECT_EQ(r.codes(), std::multiset<std::string>{"W1403"});
+  EXPECT_EQ(r.scene->materials.size(), 2u);
+}
+
+TEST(Material, ABadFieldIsLeftOutAlone) {
+  const Reading r = read_nodes(appearance(
+      "<diffuse>0.1 x 0.3</diffuse><oren>0.2</oren><specular shine=\"129\">1 1 1</specular>",
+      kSphere));
+  // the specular colour is there, with a weight of 0
+  EXPECT_EQ(r.codes(), (std::multiset<std::string>{"E1201", "E1202", "N1405"}));
+  EXPECT_EQ(material_of(r, 0).diffuse, Vec3(0.8));
+  EXPECT_EQ(material_of(r, 0).oren, 0.2);
+  EXPECT_EQ(material_of(r, 0).specular, Vec3(1));
+}
+
+TEST(Material, RangesAreHeld) {
+  const auto code = [](const std::string& fields) {
+    const Reading r = read_nodes(appearance(fields, kSphere));
+    std::string out;
+    for (const auto& c : r.codes())
+      if (c[0] == 'E') out += c;
+    return out;
+  };
+  EXPECT_EQ(code("<diffuse>-0.1 0 0</diffuse>"), "E1202");
+  EXPECT_EQ(code("<refract>0.9 1 1</refract>"), "E1202");
+  EXPECT_EQ(code("<cook>1 0 1 1</cook>"), "E1202");
+  EXPECT_EQ(code("<cook>1 0.1 1</cook>"), "E1203");
+  EXPECT_EQ(code("<oren>2</oren>"), "E1202");
+  EXPECT_EQ(code("<oren>0.1 0.2</oren>"), "E1203");
+  EXPECT_EQ(code("<hapke>1.1 0 0 0</hapke>"), "E1202");
+  EXPECT_EQ(code("<hapke>1 0 0 0</hapke>"), "");
+  EXPECT_EQ(code("<specular shine=\"-1\">0 0 0</specular>"), "E1202");
+  EXPECT_EQ(code("<specular shine=\"\">0 0 0</specular>"), "E1201");
+}
+
+}  // namespace
+}  // namespace panwright::pxn
