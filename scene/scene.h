@@ -15,7 +15,7 @@ namespace panwright::scene {
 
 inline constexpr std::int32_t kNone = -1;
 
-// Where something was written. Survives without the source text.
+// Where something was written: the file as in Scene::inputs. Survives without the source text.
 struct Source {
   std::string file;
   std::uint32_t line = 0;  // 0: unknown

@@ -18,8 +18,8 @@ bool can_seal(const std::vector<std::byte>& bytes) {
   Header header;
   std::memcpy(&header, bytes.data(), sizeof header);
   const std::uint64_t size = bytes.size();
-  if (header.section_count > 64 || header.directory_offset > size ||
-      header.directory_offset % 64 != 0 ||
+  if (header.section_count > 64 || header.directory_offset < sizeof header ||
+      header.directory_offset > size || header.directory_offset % 64 != 0 ||
       header.section_count * sizeof(DirectoryEntry) > size - header.directory_offset)
     return false;
   for (std::uint32_t i = 0; i < header.section_count; ++i) {
