@@ -114,8 +114,8 @@ class Scanner {
   // Room for all elements at once: growing would hold them twice.
   void reserve() {
     std::uint64_t tags = 0;
-    for (std::size_t i = 0; i + 1 < text_.size(); ++i)
-      tags += text_[i] == '<' && text_[i + 1] != '/' ? 1 : 0;
+    for (std::size_t i = text_.find('<'); i != std::string_view::npos; i = text_.find('<', i + 1))
+      tags += i + 1 < text_.size() && text_[i + 1] != '/' ? 1 : 0;
     doc_.elements.reserve(std::min(tags, limits_.elements) + 1);
   }
 

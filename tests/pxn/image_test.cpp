@@ -112,7 +112,7 @@ TEST(Image, JpegColours) {
     ASSERT_FALSE(d.problem.code) << d.problem.message;
     ASSERT_EQ(d.image.width, 40u);
     ASSERT_EQ(d.image.height, 24u);
-    // flat colours survive to rounding of the colour transform, there and back; measured 2
+    // flat colours survive to rounding of the colour transform, there and back; measured 1
     for (std::size_t i = 0; i < d.image.rgba.size(); ++i)
       ASSERT_NEAR(d.image.rgba[i], i % 4 == 3 ? 255 : colour[i % 4], 2);
   }
