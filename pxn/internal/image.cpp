@@ -10,6 +10,8 @@
 
 #include "base/text.h"
 
+// note: its assertions are about the file, and would end the program
+#define STBI_ASSERT(condition) static_cast<void>(0)
 // note: zeroed memory, so that what a damaged file leaves unwritten is the same each time; and no
 // vector code paths, so that the pixels are the same on each processor
 #define STBI_MALLOC(size) std::calloc(1, size)
@@ -146,6 +148,51 @@ ImageProblem check_png(std::string_view bytes) {
   }
 }
 
+// Whether the Huffman tables of a DHT segment, whose length stands at `at`, have 256 codes at most
+// each. note: the decoder writes past its arrays where they have more.
+bool sound_huffman_tables(std::string_view bytes, std::size_t at) {
+  const auto byte = [&](std::size_t i) {
+    return i < bytes.size() ? static_cast<unsigned char>(bytes[i]) : 0u;
+  };
+  const std::size_t end = at + (std::size_t{byte(at)} << 8 | byte(at + 1));
+  for (at += 2; at < end;) {
+    std::size_t codes = 0;
+    for (std::size_t k = 1; k <= 16; ++k) codes += byte(at + k);
+    if (codes > 256) return false;
+    at += 17 + codes;
+  }
+  return true;
+}
+
+// Looks at every Huffman table that the decoder may read. Up to the first scan segments follow each
+// other by their lengths, and what they hold is their own; behind it a damaged scan may end
+// anywhere, so every mark of a table counts.
+ImageProblem check_jpeg(std::string_view bytes) {
+  constexpr unsigned char kTables = 0xc4;
+  constexpr unsigned char kScan = 0xda;
+  if (bytes.rfind("\xff\xd9") == std::string_view::npos)
+    return {Code::E3001, "the JPEG is cut short"};
+  const ImageProblem damaged{Code::E3001, "the JPEG is damaged: a Huffman table is too long"};
+  std::size_t at = 2;
+  unsigned char marker = 0;
+  while (at + 3 < bytes.size() && marker != kScan) {
+    if (bytes[at] != '\xff') {
+      ++at;
+      continue;
+    }
+    while (at + 3 < bytes.size() && bytes[at] == '\xff') ++at;
+    marker = static_cast<unsigned char>(bytes[at++]);
+    if (marker == kTables && !sound_huffman_tables(bytes, at)) return damaged;
+    if (marker != kScan)
+      at += std::size_t{static_cast<unsigned char>(bytes[at])} << 8 |
+            static_cast<unsigned char>(bytes[at + 1]);
+  }
+  for (at = bytes.find("\xff\xc4", at); at != std::string_view::npos;
+       at = bytes.find("\xff\xc4", at + 1))
+    if (!sound_huffman_tables(bytes, at + 2)) return damaged;
+  return {};
+}
+
 ImageProblem decode_with_stb(std::string_view bytes, bool png, std::uint64_t max_bytes,
                              DecodedImage& out) {
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
@@ -153,6 +200,9 @@ ImageProblem decode_with_stb(std::string_view bytes, bool png, std::uint64_t max
   int width = 0;
   int height = 0;
   int channels = 0;
+  // note: asking for the size reads tables too
+  if (!png)
+    if (const ImageProblem problem = check_jpeg(bytes); problem.code) return problem;
   if (!stbi_info_from_memory(data, size, &width, &height, &channels)) {
     // note: the size check of stb fails here as well, and would say nothing about sizes
     if (png && bytes.size() >= 24 &&
@@ -170,8 +220,6 @@ ImageProblem decode_with_stb(std::string_view bytes, bool png, std::uint64_t max
     // one bit a pixel is the least that a PNG stores
     if (columns * rows / 8 > kDeflateRatio * bytes.size())
       return {Code::E3001, "the PNG is too short for its size"};
-  } else if (bytes.rfind("\xff\xd9") == std::string_view::npos) {
-    return {Code::E3001, "the JPEG is cut short"};
   }
   const std::unique_ptr<stbi_uc, decltype(&std::free)> pixels(
       stbi_load_from_memory(data, size, &width, &height, &channels, 4), &std::free);

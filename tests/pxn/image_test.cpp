@@ -153,6 +153,25 @@ TEST(Image, DamageIsRefused) {
   }
 }
 
+// The decoder alone writes past its arrays here.
+TEST(Image, JpegTablesThatAreTooLongAreRefused) {
+  const Pixels rgb(3 * 8 * 8, 99);
+  const std::string good = jpeg(8, 8, rgb);
+  ASSERT_FALSE(decode(good).problem.code);
+  const std::size_t table = good.find("\xff\xc4");
+  ASSERT_NE(table, std::string::npos);
+  std::string counts = good;
+  for (std::size_t k = 0; k < 16; ++k) counts[table + 5 + k] = '\xff';
+  EXPECT_THAT(decode(counts).problem.message, HasSubstr("Huffman table is too long"));
+  // behind the scan, where only a damaged file has one
+  const std::string late = good.substr(0, good.size() - 2) + counts.substr(table, 400) + "\xff\xd9";
+  EXPECT_THAT(decode(late).problem.message, HasSubstr("Huffman table is too long"));
+  // inside a comment the same bytes are no table
+  const std::string comment = "\xff\xfe" + std::string("\x01\x92", 2) + counts.substr(table, 400);
+  EXPECT_EQ(decode(good.substr(0, 2) + comment + good.substr(2)).image.rgba,
+            decode(good).image.rgba);
+}
+
 // A damaged JPEG may decode to something else, but always to the same.
 TEST(Image, DamagedJpegsAreRefusedOrTheSameEachTime) {
   std::mt19937 random(5);
