@@ -81,6 +81,14 @@ bool DiagnosticLog::contains(Code code) const {
                      [&](const Diagnostic& entry) { return entry.code == code; });
 }
 
+void DiagnosticLog::sort_by_place() {
+  std::stable_sort(entries_.begin(), entries_.end(), [](const Diagnostic& a, const Diagnostic& b) {
+    // note: kNoFile is the largest id
+    return a.where.file != b.where.file ? a.where.file < b.where.file
+                                        : a.where.begin < b.where.begin;
+  });
+}
+
 int exit_code(const DiagnosticLog& log) {
   bool usage = false, io = false, damaged = false;
   for (const Diagnostic& entry : log.entries()) {

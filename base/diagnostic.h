@@ -65,6 +65,10 @@ class DiagnosticLog {
   std::size_t hidden() const { return errors_ + warnings_ + notes_ - entries_.size(); }
   bool contains(Code code) const;
 
+  // Puts the entries into the order of a reader: file by file as they were opened, from top to
+  // bottom; what has no place comes last, in the order in which it was reported.
+  void sort_by_place();
+
  private:
   SourceMap sources_;
   std::vector<Diagnostic> entries_;

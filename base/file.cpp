@@ -159,8 +159,12 @@ Result<AtomicFile> AtomicFile::create(const std::filesystem::path& path, Diagnos
     const auto target = std::filesystem::weakly_canonical(path, ignored);
     if (!ignored) file.path_ = target;
   }
-  if (std::filesystem::is_directory(file.path_, ignored)) {
-    log.report_file(Code::E0103, path.string(), reason("cannot write", path, EISDIR));
+  // rename would put a plain file into the place of a device or a pipe
+  struct stat target {};
+  if (stat(file.path_.c_str(), &target) == 0 && !S_ISREG(target.st_mode)) {
+    const int error = S_ISDIR(target.st_mode) ? EISDIR : EINVAL;
+    log.report_file(Code::E0103, path.string(),
+                    reason("cannot replace what is no regular file,", path, error));
     return failed;
   }
   std::string name = file.path_.string() + ".XXXXXX";

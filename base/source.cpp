@@ -30,6 +30,7 @@ std::size_t utf8_length(std::string_view text, std::size_t i) {
 FileId SourceMap::add(SourceFile file) {
   files_.push_back(std::move(file));
   line_starts_.emplace_back();
+  counted_.emplace_back();
   return static_cast<FileId>(files_.size() - 1);
 }
 
@@ -60,12 +61,18 @@ Position SourceMap::position(FileId id, std::uint32_t offset) const {
   std::uint32_t column = offset - start + 1;
   const SourceFile& source = files_[id];
   if (source.bytes && source.encoding == Encoding::utf8) {
-    column = 1;
+    Counted& last = counted_[id];
+    if (last.line != line || last.offset > offset) last = {line, start, 1};
     const std::size_t stop = std::min<std::size_t>(offset, source.bytes->size());
-    for (std::size_t i = start; i < stop;) {
-      i += std::max<std::size_t>(1, utf8_length(*source.bytes, i));
-      if (i <= stop) ++column;
+    std::size_t i = last.offset;
+    column = last.column;
+    while (i < stop) {
+      const std::size_t next = i + std::max<std::size_t>(1, utf8_length(*source.bytes, i));
+      if (next > stop) break;  // a place inside a character counts as the character's
+      i = next;
+      ++column;
     }
+    last = {line, static_cast<std::uint32_t>(i), column};
   }
   return {line, column};
 }

@@ -43,7 +43,8 @@ class SourceMap {
   std::size_t size() const { return files_.size(); }
   void set_encoding(FileId id, Encoding encoding) { files_[id].encoding = encoding; }
 
-  // Cost: O(bytes before the place) for the first call on a file, O(log lines) after it.
+  // Cost: O(bytes before the place) for the first call on a file; after it O(log lines), and in
+  // UTF-8 the bytes between the place and the last one asked for on its line.
   Position position(FileId id, std::uint32_t offset) const;
 
   // The text of a line without its end, as UTF-8. Empty when the file is not text.
@@ -52,8 +53,16 @@ class SourceMap {
  private:
   const std::vector<std::uint32_t>& line_starts(FileId id) const;
 
+  // The place of a file whose column was counted last; counting goes on from there.
+  struct Counted {
+    std::uint32_t line = 0;  // 0: none yet
+    std::uint32_t offset = 0;
+    std::uint32_t column = 1;
+  };
+
   std::vector<SourceFile> files_;
   mutable std::vector<std::vector<std::uint32_t>> line_starts_;
+  mutable std::vector<Counted> counted_;
 };
 
 // Converts bytes of an encoding to UTF-8; bytes that are no text become U+FFFD.

@@ -136,27 +136,44 @@ void pass_on(const DiagnosticLog& from, const scene::Source& source, DiagnosticL
   }
 }
 
-Result<std::vector<pan::PackedMesh>> pack_all(const std::vector<Job>& jobs, const Options& options,
-                                              DiagnosticLog& log) {
+// How many triangles a shape becomes, before any is made.
+double planned_triangles(const geometry::Shape& shape, const Options& options) {
+  if (const auto* mesh = std::get_if<geometry::MeshShape>(&shape))
+    return static_cast<double>((*mesh)->triangles.size());
+  const auto& sphere = std::get<geometry::Sphere>(shape);
+  const geometry::SphereCounts counts =
+      sphere.counts ? *sphere.counts : geometry::sphere_counts(options.max_error / sphere.radius);
+  return 2.0 * counts.quads * (counts.rings - 1.0);
+}
+
+// Makes the meshes, all of them together within the limit. What cannot be made is reported and
+// left empty.
+std::vector<std::optional<pan::PackedMesh>> pack_all(const std::vector<Job>& jobs,
+                                                     const Options& options, DiagnosticLog& log) {
   std::vector<std::optional<pan::PackedMesh>> meshes(jobs.size());
   std::vector<DiagnosticLog> logs(jobs.size());
+  std::vector<char> allowed(jobs.size());
+  double planned = 0;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    const double more = planned_triangles(*jobs[i].shape, options);
+    allowed[i] = planned + more <= static_cast<double>(options.max_triangles);
+    if (allowed[i])
+      planned += more;
+    else
+      logs[i].report(Code::E2003, {},
+                     fmt::format("{:.0f} triangles here and {:.0f} before them are more than the "
+                                 "limit of {} for a model (--max-triangles)",
+                                 more, planned, options.max_triangles));
+  }
   Progress progress("tessellating", jobs.size());
   std::mutex mutex;
   parallel_for(jobs.size(), [&](std::size_t i) {
-    meshes[i] = packed_job(jobs[i], options, mesh_name(jobs[i], i), logs[i]);
+    if (allowed[i]) meshes[i] = packed_job(jobs[i], options, mesh_name(jobs[i], i), logs[i]);
     const std::lock_guard lock(mutex);
     progress.advance();
   });
-  std::vector<pan::PackedMesh> out;
-  out.reserve(jobs.size());
-  bool ok = true;
-  for (std::size_t i = 0; i < jobs.size(); ++i) {
-    pass_on(logs[i], jobs[i].user->source, log);
-    ok = ok && meshes[i].has_value();
-    if (meshes[i]) out.push_back(std::move(*meshes[i]));
-  }
-  if (!ok) return failed;
-  return out;
+  for (std::size_t i = 0; i < jobs.size(); ++i) pass_on(logs[i], jobs[i].user->source, log);
+  return meshes;
 }
 
 std::string describe(const Options& options) {
@@ -165,43 +182,51 @@ std::string describe(const Options& options) {
                      options.strip_sources ? 1 : 0);
 }
 
-void copy_tables(const scene::Scene& scene, const Options& options, pan::Contents& out) {
+// Names come from files and folders, which may hold any bytes; a pan file holds UTF-8.
+std::string text(const std::string& name) { return to_utf8(name, Encoding::utf8); }
+
+void copy_tables(const scene::Scene& scene, pan::Contents& out) {
   for (const scene::Input& input : scene.inputs)
-    out.inputs.push_back({input.path, input.hash, input.bytes});
+    out.inputs.push_back({text(input.path), input.hash, input.bytes});
   for (const scene::Node& node : scene.nodes) {
     const scene::Transform& t = node.parent_from_node;
-    out.nodes.push_back({node.name, node.parent, t.translation, t.rotation, t.scale});
+    out.nodes.push_back({text(node.name), node.parent, t.translation, t.rotation, t.scale});
   }
   out.materials = scene.materials;
+  for (materials::Material& material : out.materials) material.name = text(material.name);
   for (const scene::Texture& texture : scene.textures)
     out.textures.push_back(
-        {texture.name, texture.width, texture.height, texture.linear, texture.rgba});
+        {text(texture.name), texture.width, texture.height, texture.linear, texture.rgba});
   for (const scene::Frame& frame : scene.frames)
     out.frames.push_back(
-        {frame.name, static_cast<std::uint32_t>(frame.node), frame.origin, frame.rotation});
-  if (options.strip_sources) return;
-  for (const scene::Instance& instance : scene.instances)
-    out.sources.push_back({instance.source.file, instance.source.line, instance.source.column});
+        {text(frame.name), static_cast<std::uint32_t>(frame.node), frame.origin, frame.rotation});
 }
 
-Result<pan::Contents> contents_of(const scene::Scene& scene, const Options& options, Report& report,
-                                  DiagnosticLog& log) {
+pan::Contents contents_of(const scene::Scene& scene, const Options& options, Report& report,
+                          DiagnosticLog& log) {
   const auto start = Clock::now();
   std::vector<std::uint32_t> mesh_of;
   const std::vector<Job> jobs = collect_jobs(scene, mesh_of);
   auto meshes = pack_all(jobs, options, log);
-  if (!meshes) return failed;
 
   pan::Contents out;
   out.version = "panwright " PANWRIGHT_VERSION;
   out.options = describe(options);
-  out.meshes = std::move(*meshes);
-  copy_tables(scene, options, out);
+  std::vector<std::uint32_t> place(meshes.size());
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    place[i] = static_cast<std::uint32_t>(out.meshes.size());
+    if (meshes[i]) out.meshes.push_back(std::move(*meshes[i]));
+  }
+  copy_tables(scene, out);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const scene::Instance& instance = scene.instances[i];
-    out.instances.push_back({static_cast<std::uint32_t>(instance.node), mesh_of[i],
+    if (!meshes[mesh_of[i]]) continue;  // reported above
+    out.instances.push_back({static_cast<std::uint32_t>(instance.node), place[mesh_of[i]],
                              static_cast<std::uint32_t>(instance.material), instance.texture});
-    report.triangles += out.meshes[mesh_of[i]].triangle_count();
+    if (!options.strip_sources)
+      out.sources.push_back(
+          {text(instance.source.file), instance.source.line, instance.source.column});
+    report.triangles += out.meshes[place[mesh_of[i]]].triangle_count();
   }
   for (const pan::PackedMesh& mesh : out.meshes) {
     report.unique_triangles += mesh.triangle_count();
@@ -219,9 +244,8 @@ Result<Report> compile(const scene::Scene& scene, const Options& options,
                        const std::filesystem::path& output, DiagnosticLog& log) {
   Report report;
   const auto contents = contents_of(scene, options, report, log);
-  if (!contents) return failed;
   const auto start = Clock::now();
-  const auto written = pan::write(*contents, output, log);
+  const auto written = pan::write(contents, output, log);
   if (!written) return failed;
   report.bytes = written->bytes;
   report.seconds_sync = written->seconds_sync;
@@ -233,8 +257,7 @@ Result<std::vector<std::byte>> compiled(const scene::Scene& scene, const Options
                                         DiagnosticLog& log) {
   Report report;
   const auto contents = contents_of(scene, options, report, log);
-  if (!contents) return failed;
-  return pan::write_to_memory(*contents);
+  return pan::write_to_memory(contents);
 }
 
 }  // namespace panwright::compiler

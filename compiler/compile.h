@@ -13,9 +13,9 @@
 namespace panwright::compiler {
 
 struct Options {
-  double max_error = 1e-3;  // metres, for shapes without explicit counts
-  std::uint64_t max_triangles = 1ull << 27;
-  bool strip_sources = false;  // leaves out the source map
+  double max_error = 1e-3;                   // metres, for shapes without explicit counts
+  std::uint64_t max_triangles = 1ull << 27;  // of all meshes in the file together
+  bool strip_sources = false;                // leaves out the source map
 };
 
 // What a compilation did.
@@ -32,7 +32,8 @@ struct Report {
 };
 
 // Compiles a scene and writes it, atomically. Equal scenes and options give equal bytes, whatever
-// the number of threads. Equal shapes are stored once.
+// the number of threads. Equal shapes are stored once. A shape that cannot be made is reported and
+// left out, the others are written.
 //
 // Fails: E0103, E2003, E2010.
 Result<Report> compile(const scene::Scene& scene, const Options& options,

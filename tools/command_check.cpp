@@ -15,10 +15,8 @@ void check_one(const std::string& path, const ReadOptions& options, Session& ses
   DiagnosticLog& log = session.log();
   const std::string extension = extension_of(path);
   const std::size_t errors = log.errors(), warnings = log.warnings();
-  if (extension == ".pan") {
-    (void)load_model(path, options, session);
-  } else if (extension == ".pxn") {
-    (void)read_scene(path, options, session);
+  if (extension == ".pan" || extension == ".pxn") {
+    (void)load_model(path, options, session);  // a pxn file is compiled too, to find it all
   } else {
     log.report(Code::E0202, {},
                fmt::format("{} is neither a .pan nor a .pxn file", in_quotes(path)));

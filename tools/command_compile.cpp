@@ -18,11 +18,16 @@ namespace {
 std::string make_escaped(const std::string& path) {
   std::string out;
   for (const char c : path) {
-    if (c == ' ' || c == '#' || c == '\\') out.push_back('\\');
+    if (c == ' ' || c == '#' || c == '\\' || c == ':') out.push_back('\\');
     if (c == '$') out.push_back('$');
     out.push_back(c);
   }
   return out;
+}
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return std::filesystem::equivalent(a, b, ignored);
 }
 
 void write_depfile(const CompileOptions& options, const std::string& output,
@@ -60,6 +65,14 @@ int compile(const CompileOptions& options) {
           ? std::filesystem::path(options.input).replace_extension(".pan").string()
           : options.output;
 
+  if (extension_of(output) != ".pan" && output != "-") {
+    log.report(Code::E0202, {}, fmt::format("{} is not a .pan file", in_quotes(output)));
+    return session.finish();
+  }
+  if (!options.depfile.empty() && same_file(options.depfile, options.input)) {
+    log.report(Code::E0201, {}, "--depfile names the input: it would be overwritten");
+    return session.finish();
+  }
   const auto scene = read_scene(options.input, options.read, session);
   // what could be read is written only where the user said where to
   if (!scene || (log.has_errors() && options.output.empty())) return session.finish();

@@ -48,8 +48,7 @@ int diff(const DiffOptions& options) {
       fmt::print("the models are equal{}\n",
                  differences.empty() ? "" : " (their provenance differs: --all shows it)");
   }
-  const int code = session.finish();
-  return code != 0 ? code : equal ? 0 : 1;
+  return session.finish(equal ? 0 : 1);
 }
 
 }  // namespace panwright::tools

@@ -12,6 +12,7 @@
 #include "tools/commands.h"
 #include "tools/completion.h"
 #include "tools/run.h"
+#include "tools/session.h"
 
 namespace panwright::tools {
 
@@ -40,7 +41,9 @@ void add_common(CLI::App* app, CommonOptions& common) {
   app->add_option("--color", common.color, "auto, always or never (auto respects NO_COLOR)")
       ->check(CLI::IsMember({"auto", "always", "never"}))
       ->type_name("WHEN");
-  app->add_option("-j,--threads", common.threads, "Threads to use; 0: all cores")->type_name("N");
+  app->add_option("-j,--threads", common.threads, "Threads to use; 0: all cores")
+      ->check(CLI::Range(0, 1024))
+      ->type_name("N");
 }
 
 void add_read(CLI::App* app, ReadOptions& read) {
@@ -54,7 +57,8 @@ void add_read(CLI::App* app, ReadOptions& read) {
                   "Chord error in metres for shapes without explicit counts (default 0.001)")
       ->check(CLI::PositiveNumber)
       ->type_name("METRES");
-  app->add_option("--max-triangles", read.max_triangles, "Most triangles of one shape")
+  app->add_option("--max-triangles", read.max_triangles, "Most triangles in the file")
+      ->check(CLI::Range(1.0, 1e12))
       ->type_name("N");
 }
 
@@ -150,14 +154,28 @@ std::vector<std::string> joined_values(int argc, const char* const* argv) {
   return words;
 }
 
+// --json promises one object on standard output, whatever happens.
+int usage_error(const CLI::App& app, const CLI::ParseError& error, bool json) {
+  if (!json) {
+    app.exit(error);
+    return kUsage;
+  }
+  const auto used = app.get_subcommands();
+  CommonOptions common;
+  common.json = true;
+  Session session(used.empty() ? app.get_name() : used[0]->get_name(), common);
+  session.log().report(Code::E0201, {}, error.what());
+  return session.finish();
+}
+
 int parse_and_run(CLI::App& app, std::vector<std::string> words, const std::function<int()>& go) {
+  const bool json = std::find(words.begin(), words.end(), "--json") != words.end();
   std::reverse(words.begin(), words.end());  // as CLI11 takes them
   try {
     app.parse(std::move(words));
   } catch (const CLI::ParseError& error) {
-    const bool asked = error.get_exit_code() == 0;  // --help
-    const int code = app.exit(error);
-    return asked ? code : kUsage;
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help
+    return usage_error(app, error, json);
   }
   return go();
 }
@@ -266,9 +284,7 @@ int run_panwright(std::vector<std::string> words) {
   });
 }
 
-}  // namespace
-
-int run(int argc, const char* const* argv) {
+int run_unchecked(int argc, const char* const* argv) {
   try {
     const std::string name =
         argc > 0 ? std::filesystem::path(argv[0]).filename().string() : std::string("panwright");
@@ -281,6 +297,15 @@ int run(int argc, const char* const* argv) {
     fmt::print(stderr, "panwright: internal error: {}\n", error.what());
   }
   return kInternal;
+}
+
+}  // namespace
+
+int run(int argc, const char* const* argv) {
+  const int code = run_unchecked(argc, argv);
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  fmt::print(stderr, "panwright: standard output could not be written\n");
+  return code == 0 ? 3 : code;
 }
 
 }  // namespace panwright::tools

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -24,11 +26,21 @@ struct Job {
   double ev = 0;
 };
 
+// A PNG shows a white plate as white whatever the irradiance is measured in.
+double stops_of_sun(const preview::View& view) {
+  if (!view.sun_irradiance) return 0;
+  const Vec3& e = *view.sun_irradiance;
+  const double strongest = std::max({e.x, e.y, e.z});
+  return strongest > 0 ? std::log2(strongest) : 0;
+}
+
 Result<std::vector<Job>> make_jobs(const RenderOptions& options, const pan::Model& model,
                                    DiagnosticLog& log) {
   const std::size_t errors = log.errors();
   std::vector<ViewOptions> views{options.view};
   if (!options.views.empty()) {
+    if (options.view.output)
+      log.report(Code::E0201, {}, "-o stands beside --views, whose views name their own outputs");
     auto read = read_views(options.views, options.view, log);
     if (!read) return failed;
     views = std::move(*read);
@@ -45,7 +57,7 @@ Result<std::vector<Job>> make_jobs(const RenderOptions& options, const pan::Mode
     if (!preview::image_format(output))
       log.report(Code::E0202, {},
                  fmt::format("{} is not a .png, .exr, .npy or .npz file", in_quotes(output)));
-    if (view && ev) jobs.push_back({*view, output, (*ev)[0]});
+    if (view && ev) jobs.push_back({*view, output, (*ev)[0] - stops_of_sun(*view)});
   }
   if (log.errors() != errors) return failed;
   return jobs;

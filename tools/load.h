@@ -22,7 +22,8 @@ Result<scene::Scene> read_scene(const std::string& path, const ReadOptions& opti
 // extension.
 //
 // Fails: E0202, E01…, E1…, E4….
-Result<pan::Model> load_model(const std::string& path, const ReadOptions& options,                               Session& session);
+Result<pan::Model> load_model(const std::string& path, const ReadOptions& options,
+                              Session& session);
 
 // The file name's extension in lower case, with its point.
 std::string extension_of(const std::string& path);

@@ -50,11 +50,12 @@ void Session::add_timing(std::string name, double seconds) {
   timings_.emplace_back(std::move(name), seconds);
 }
 
-int Session::finish() {
+int Session::finish(int clean) {
   end_step();
   step_.clear();
+  log_.sort_by_place();
   if (!options_.sarif.empty()) write_file(options_.sarif, as_bytes(to_sarif(log_)), log_);
-  const int code = exit_code(log_);
+  const int code = log_.has_errors() ? exit_code(log_) : clean;
   if (options_.json) {
     Json& out = *result_;
     out["exit_code"] = code;

@@ -30,8 +30,9 @@ class Session {
   void add_timing(std::string name, double seconds);
 
   // Prints diagnostics (text on standard error, or the JSON object on standard output), timings
-  // and the SARIF file. Returns the exit code.
-  int finish();
+  // and the SARIF file. Returns the exit code: what the diagnostics ask for, or `clean` without
+  // errors.
+  int finish(int clean = 0);
 
  private:
   void end_step();

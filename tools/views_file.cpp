@@ -74,8 +74,14 @@ class ViewsReader {
   Result<std::vector<ViewOptions>> read() {
     const auto text = read_file(path_, kMaxBytes, log_);
     if (!text) return failed;
-    const Json json = Json::parse(*text, nullptr, false);
-    if (json.is_discarded()) return fail(parse_error(*text));
+    Json json;
+    try {
+      json = Json::parse(*text);
+    } catch (const Json::parse_error& error) {
+      return fail(not_json(*text, error.byte));
+    } catch (const Json::exception& error) {
+      return fail(fmt::format("this cannot be read: {}", error.what()));
+    }
     if (!json.is_array() || json.empty()) return fail("a views file holds a list of objects");
     if (json.size() > kMaxViews)
       return fail(fmt::format("{} views are more than {}", json.size(), kMaxViews));
@@ -86,15 +92,10 @@ class ViewsReader {
   }
 
  private:
-  static std::string parse_error(const std::string& text) {
-    try {
-      const Json unused = Json::parse(text);
-    } catch (const Json::parse_error& error) {
-      const std::size_t end = std::min<std::size_t>(error.byte, text.size());
-      const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(end), '\n');
-      return fmt::format("this is not JSON: line {}, byte {}", line, error.byte);
-    }
-    return "this is not JSON";
+  static std::string not_json(const std::string& text, std::size_t byte) {
+    const std::size_t end = std::min(byte, text.size());
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(end), '\n');
+    return fmt::format("this is not JSON: line {}, byte {}", line, byte);
   }
 
   Failed fail(std::string message, std::string hint = {}) {

@@ -85,6 +85,18 @@ TEST(DiagnosticLog, KeepsFiftyErrorsAndCountsTheRest) {
   EXPECT_THAT(to_text(log), HasSubstr("20 more problems not shown"));
 }
 
+TEST(DiagnosticLog, SortsByPlace) {
+  Sample s;
+  s.log.report(Code::E1201, {}, "nowhere");
+  s.log.report(Code::E1201, {s.part, 6, 12}, "third");
+  s.log.report(Code::E1201, {s.top, 9, 12}, "second");
+  s.log.report(Code::E1201, {s.top, 2, 12}, "first");
+  s.log.sort_by_place();
+  std::string order;
+  for (const Diagnostic& entry : s.log.entries()) order += entry.message + " ";
+  EXPECT_EQ(order, "first second third nowhere ");
+}
+
 TEST(ExitCode, FollowsTheKindOfError) {
   const auto of = [](std::initializer_list<Code> codes) {
     DiagnosticLog log;

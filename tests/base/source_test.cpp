@@ -33,6 +33,20 @@ TEST(SourceMap, ColumnsAreCharacters) {
   EXPECT_EQ(map.position(broken, 2).column, 3u);
 }
 
+TEST(SourceMap, ColumnsDoNotDependOnTheOrderOfQuestions) {
+  SourceMap map;
+  std::string text;
+  for (int i = 0; i < 300; ++i) text += i % 7 == 0 ? "ä" : i % 41 == 0 ? "\n" : "x";
+  const FileId f = add(map, text);
+  for (std::uint32_t k = 0; k < 2000; ++k) {
+    const std::uint32_t offset = k * 7919 % static_cast<std::uint32_t>(text.size());
+    SourceMap fresh;
+    const Position expected = fresh.position(add(fresh, text), offset);
+    EXPECT_EQ(map.position(f, offset).line, expected.line);
+    EXPECT_EQ(map.position(f, offset).column, expected.column) << offset;
+  }
+}
+
 TEST(SourceMap, OffsetsPastTheEndAreSafe) {
   SourceMap map;
   const FileId f = add(map, "ab");

@@ -148,10 +148,42 @@ TEST(Compile, SaysWhereATooFineShapeStands) {
   Options options;
   options.max_triangles = 1000;
   DiagnosticLog log;
-  EXPECT_FALSE(compiled(scene, options, log));
+  scene.shapes.push_back(plate(0));
+  scene.instances.push_back(at(1, 1));
+  const auto bytes = compiled(scene, options, log);
+  ASSERT_TRUE(bytes) << "the plate can be made";
+  DiagnosticLog reading;
+  auto model = pan::Model::from_bytes(*bytes, "test.pan", reading);
+  ASSERT_TRUE(model && model->check(reading)) << to_text(reading);
+  EXPECT_EQ(model->instances().size(), 1u);
   ASSERT_EQ(log.entries().size(), 1u);
   EXPECT_EQ(log.entries()[0].code, Code::E2003);
   EXPECT_NE(log.entries()[0].message.find("model.pxn:3:7"), std::string::npos);
+}
+
+TEST(Compile, TheLimitIsForAllMeshesTogether) {
+  scene::Scene scene = scene_with_nodes(1);
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    scene.shapes.push_back(geometry::Sphere{1, {{10, 20 + i}}});
+    scene.instances.push_back(at(1, static_cast<std::int32_t>(i)));
+  }
+  Options options;
+  options.max_triangles = 1000;  // two of them, 360 and 378, fit
+  DiagnosticLog log;
+  const auto bytes = compiled(scene, options, log);
+  ASSERT_TRUE(bytes);
+  EXPECT_EQ(log.errors(), 3u);
+}
+
+TEST(Compile, NamesOfAnyBytesBecomeUtf8) {
+  scene::Scene scene = scene_with_nodes(1);
+  scene.shapes = {plate(0)};
+  scene.instances = {at(1, 0)};
+  scene.instances[0].source.file = "sonde_\xe9.pxn";
+  scene.nodes[1].name = "sonde_\xe9";
+  scene.inputs = {{"sonde_\xe9.pxn", hash128({}), 12}};
+  const pan::Model model = load(scene);  // checks the file
+  EXPECT_EQ(model.node_name(1), "sonde_\xef\xbf\xbd");
 }
 
 TEST(Compile, AnEmptySceneIsAModel) {
