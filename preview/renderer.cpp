@@ -428,7 +428,8 @@ Result<Image> Renderer::render(const View& view, const RenderOptions& options, D
                     scenery.items.empty()
                         ? "nothing is in view: no part of the model lies inside the image"
                         : "nothing is in view: what lies inside the image fell between the "
-                          "samples; take more of them with --samples");
+                          "samples (--samples takes more), or the camera is inside a closed mesh, "
+                          "which shows its outside only");
   return image;
 }
 
