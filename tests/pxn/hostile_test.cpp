@@ -109,7 +109,7 @@ TEST(Hostile, ACommaDecimalLocale) {
       "LC_NUMERIC\ndecimal_point \",\"\nthousands_sep \".\"\ngrouping 3;3\nEND LC_NUMERIC\n");
   support::run({"localedef", "-c", "-i", source, folder / "comma"});
   setenv("LOCPATH", folder.path().c_str(), 1);
-  if (std::setlocale(LC_NUMERIC, "comma") == nullptr) GTEST_SKIP() << "localedef made no locale";
+  ASSERT_NE(std::setlocale(LC_NUMERIC, "comma"), nullptr) << "Debian's package locales is needed";
   char printed[16];
   std::snprintf(printed, sizeof printed, "%.1f", 1.5);
   ASSERT_STREQ(printed, "1,5");
