@@ -26,34 +26,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-template <class T>
-void hash_array(const std::vector<T>& values, Hasher& hasher) {
-  const std::uint64_t size = values.size();
-  hasher.update(std::as_bytes(std::span(&size, 1)));
-  hasher.update(std::as_bytes(std::span(values)));
-}
-
-// Equal shapes have equal hashes; 128 bits make others differ.
-Hash128 shape_hash(const geometry::Shape& shape) {
-  Hasher hasher;
-  const std::uint64_t kind = shape.index();
-  hasher.update(std::as_bytes(std::span(&kind, 1)));
-  if (const auto* sphere = std::get_if<geometry::Sphere>(&shape)) {
-    const std::uint64_t counts[] = {sphere->counts ? sphere->counts->rings : 0u,
-                                    sphere->counts ? sphere->counts->quads : 0u};
-    hasher.update(std::as_bytes(std::span(&sphere->radius, 1)));
-    hasher.update(std::as_bytes(std::span(counts)));
-  } else {
-    const geometry::Mesh& mesh = *std::get<geometry::MeshShape>(shape);
-    hash_array(mesh.positions, hasher);
-    hash_array(mesh.normals, hasher);
-    hash_array(mesh.texcoords, hasher);
-    hash_array(mesh.colours, hasher);
-    hash_array(mesh.triangles, hasher);
-  }
-  return hasher.digest128();
-}
-
 // One mesh that the file will hold: a shape, with texture coordinates if something needs them.
 struct Job {
   const geometry::Shape* shape = nullptr;
@@ -77,7 +49,7 @@ JobKey key_of(const Job& job, const Hash128& shape) {
 // Finds out which meshes a scene needs, and which of them each instance shows.
 std::vector<Job> collect_jobs(const scene::Scene& scene, std::vector<std::uint32_t>& mesh_of) {
   std::vector<Hash128> hashes(scene.shapes.size());
-  parallel_for(hashes.size(), [&](std::size_t i) { hashes[i] = shape_hash(scene.shapes[i]); });
+  parallel_for(hashes.size(), [&](std::size_t i) { hashes[i] = geometry::hash_of(scene.shapes[i]); });
   std::vector<Job> jobs;
   std::map<JobKey, std::uint32_t> known;
   for (const scene::Instance& instance : scene.instances) {
@@ -93,8 +65,7 @@ std::vector<Job> collect_jobs(const scene::Scene& scene, std::vector<std::uint32
 }
 
 std::string mesh_name(const Job& job, std::size_t index) {
-  const bool sphere = std::holds_alternative<geometry::Sphere>(*job.shape);
-  return fmt::format("{}{}", sphere ? "sphere" : "mesh", index + 1);
+  return fmt::format("{}{}", geometry::kind_name(*job.shape), index + 1);
 }
 
 // The mesh's own error and that of rounding it, measured together where the shape is known.
@@ -104,7 +75,8 @@ pan::PackedMesh packed_shape(const geometry::Shape& shape, geometry::Mesh& mesh,
     packed.error = geometry::sphere_error(mesh, sphere->radius, packed.origin);
     return packed;
   }
-  mesh.error = 0;  // exact as written: packing measures the rounding, which is all there is
+  if (std::holds_alternative<geometry::MeshShape>(shape))
+    mesh.error = 0;  // exact as written: packing measures the rounding, which is all there is
   return pan::packed(mesh, std::move(name));
 }
 
@@ -136,16 +108,6 @@ void pass_on(const DiagnosticLog& from, const scene::Source& source, DiagnosticL
   }
 }
 
-// How many triangles a shape becomes, before any is made.
-double planned_triangles(const geometry::Shape& shape, const Options& options) {
-  if (const auto* mesh = std::get_if<geometry::MeshShape>(&shape))
-    return static_cast<double>((*mesh)->triangles.size());
-  const auto& sphere = std::get<geometry::Sphere>(shape);
-  const geometry::SphereCounts counts =
-      sphere.counts ? *sphere.counts : geometry::sphere_counts(options.max_error / sphere.radius);
-  return 2.0 * counts.quads * (counts.rings - 1.0);
-}
-
 // Makes the meshes, all of them together within the limit. What cannot be made is reported and
 // left empty.
 std::vector<std::optional<pan::PackedMesh>> pack_all(const std::vector<Job>& jobs,
@@ -155,7 +117,9 @@ std::vector<std::optional<pan::PackedMesh>> pack_all(const std::vector<Job>& job
   std::vector<char> allowed(jobs.size());
   double planned = 0;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    const double more = planned_triangles(*jobs[i].shape, options);
+    geometry::TessellationOptions tessellation;
+    tessellation.max_error = options.max_error;
+    const double more = geometry::planned_triangles(*jobs[i].shape, tessellation);
     allowed[i] = planned + more <= static_cast<double>(options.max_triangles);
     if (allowed[i])
       planned += more;

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
+#include "geometry/internal/tessellators.h"
 #include "geometry/internal/triangle.h"
 
 namespace panwright::geometry {
@@ -282,16 +283,74 @@ bool within_limits(const Mesh& mesh, const TessellationOptions& options, SourceS
   return true;
 }
 
+namespace internal {
+
+Problem problem(const Sphere&) { return std::nullopt; }
+
+Result<Mesh> make(const Sphere& sphere, const TessellationOptions& options, SourceSpan where,
+                  DiagnosticLog& log) {
+  return tessellated_sphere(sphere, options, where, log);
+}
+
+double planned(const Sphere& sphere, const TessellationOptions& options) {
+  const SphereCounts counts =
+      sphere.counts ? *sphere.counts : sphere_counts(options.max_error / sphere.radius);
+  return 2.0 * counts.quads * (counts.rings - 1.0);
+}
+
+std::vector<Rim> rims(const Sphere&) { return {}; }
+std::uint32_t segments(const Sphere&, const TessellationOptions&) { return 0; }
+
+}  // namespace internal
+
 Result<Mesh> tessellated(const Shape& shape, const TessellationOptions& options, SourceSpan where,
                          DiagnosticLog& log) {
-  if (const auto* sphere = std::get_if<Sphere>(&shape))
-    return tessellated_sphere(*sphere, options, where, log);
-  const MeshShape& mesh = std::get<MeshShape>(shape);
-  assert(mesh != nullptr);
-  if (!within_limits(*mesh, options, where, log)) return failed;
-  Mesh copy = *mesh;
-  copy.error = rounding_error(mesh->positions, Vec3(0));
-  return copy;
+  return std::visit(
+      [&](const auto& s) -> Result<Mesh> {
+        if constexpr (std::is_same_v<std::decay_t<decltype(s)>, MeshShape>) {
+          assert(s != nullptr);
+          if (!within_limits(*s, options, where, log)) return failed;
+          Mesh copy = *s;
+          copy.error = rounding_error(s->positions, Vec3(0));
+          return copy;
+        } else {
+          return internal::make(s, options, where, log);
+        }
+      },
+      shape);
+}
+
+double planned_triangles(const Shape& shape, const TessellationOptions& options) {
+  return std::visit(
+      [&](const auto& s) -> double {
+        if constexpr (std::is_same_v<std::decay_t<decltype(s)>, MeshShape>)
+          return static_cast<double>(s->triangles.size());
+        else
+          return internal::planned(s, options);
+      },
+      shape);
+}
+
+std::vector<Rim> rims_of(const Shape& shape) {
+  return std::visit(
+      [](const auto& s) -> std::vector<Rim> {
+        if constexpr (requires { internal::rims(s); })
+          return internal::rims(s);
+        else
+          return {};
+      },
+      shape);
+}
+
+std::uint32_t segments_of(const Shape& shape, const TessellationOptions& options) {
+  return std::visit(
+      [&](const auto& s) -> std::uint32_t {
+        if constexpr (requires { internal::segments(s, options); })
+          return internal::segments(s, options);
+        else
+          return 0;
+      },
+      shape);
 }
 
 SphereCounts sphere_counts(double max_error) {

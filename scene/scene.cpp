@@ -63,11 +63,14 @@ std::string check_shapes(const Scene& scene) {
         return fmt::format("shape {} is a sphere of radius {}", i, sphere->radius);
       if (sphere->counts && (sphere->counts->rings < 2 || sphere->counts->quads < 3))
         return fmt::format("shape {} is a sphere with too few rings or quads", i);
-    } else {
-      const auto& mesh = std::get<geometry::MeshShape>(scene.shapes[i]);
-      if (!mesh) return fmt::format("shape {} is a mesh that is not there", i);
-      const std::string problem = check_mesh(*mesh);
+    }
+    if (const auto* mesh = std::get_if<geometry::MeshShape>(&scene.shapes[i])) {
+      if (!*mesh) return fmt::format("shape {} is a mesh that is not there", i);
+      const std::string problem = check_mesh(**mesh);
       if (!problem.empty()) return fmt::format("shape {} {}", i, problem);
+    } else if (const auto problem = geometry::problem_of(scene.shapes[i])) {
+      return fmt::format("shape {} is a {} with {}", i, geometry::kind_name(scene.shapes[i]),
+                         problem->message);
     }
   }
   return {};
