@@ -123,6 +123,7 @@ Fields Fields::overridden_by(const Fields& inner) const {
   replace(merged.cook, inner.cook);
   replace(merged.oren, inner.oren);
   replace(merged.hapke, inner.hapke);
+  replace(merged.maps, inner.maps);
   return merged;
 }
 
@@ -134,6 +135,7 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
   material.specular = fields.specular.value_or(material.specular);
   material.emissive = fields.emissive.value_or(material.emissive);
   material.refract = fields.refract;
+  material.maps = fields.maps.value_or(Maps{});
   if (fields.reflect)
     material.weights = *fields.reflect;
   else if (fields.specular && !fields.diffuse)

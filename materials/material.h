@@ -11,6 +11,19 @@
 
 namespace panwright::materials {
 
+// Pictures that a surface takes its fields from, by texture coordinates. Indices into the model's
+// textures; −1: none.
+struct Maps {
+  std::int32_t albedo = -1;     // multiplies the diffuse colour
+  std::int32_t normal = -1;     // linear; RGB·2 − 1 is the normal: +x along u, +y along v, +z outwards
+  std::int32_t roughness = -1;  // linear, red: multiplies the slope m of cook and the σ of oren
+  std::int32_t cutout = -1;     // alpha: the surface is there where it reaches the threshold
+  double threshold = 0.5;       // 0..1
+  Vec2 repeat{1};               // texture coordinates are multiplied by it
+  bool any() const { return albedo >= 0 || normal >= 0 || roughness >= 0 || cutout >= 0; }
+  bool operator==(const Maps&) const = default;
+};
+
 // The fields of a <material> as written; absent ones are inherited from the appearance around it.
 struct Fields {
   std::optional<Vec3> diffuse;                 // linear RGB
@@ -22,6 +35,7 @@ struct Fields {
   std::optional<std::array<double, 4>> cook;   // factor of D, RMS slope m, factors of F and G
   std::optional<double> oren;                  // σ, radians
   std::optional<std::array<double, 4>> hapke;  // w, h, B0, mean roughness θ̄ in degrees
+  std::optional<Maps> maps;                    // all of them together
 
   // Every field that `inner` gives replaces the one here.
   Fields overridden_by(const Fields& inner) const;
@@ -46,6 +60,7 @@ struct Material {
   std::array<double, 4> cook{1, 0.5, 1, 1};
   double oren = 0;                          // σ, radians
   std::array<double, 4> hapke{0, 0, 0, 0};  // w, h, B0, θ̄ in radians
+  Maps maps;
   bool operator==(const Material&) const = default;
 };
 

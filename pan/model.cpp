@@ -449,6 +449,8 @@ materials::Material material_from(const layout::Material& record, std::string_vi
   for (int k = 0; k < 4; ++k) material.cook[k] = record.cook[k];
   for (int k = 0; k < 4; ++k) material.hapke[k] = record.hapke[k];
   material.oren = record.oren;
+  material.maps = {record.albedo_map, record.normal_map, record.roughness_map, record.cutout_map,
+                   record.cutout_threshold, Vec2(record.map_repeat[0], record.map_repeat[1])};
   return material;
 }
 
@@ -468,6 +470,13 @@ layout::Material record_from(const materials::Material& material, std::uint32_t 
   record.diffuse_law = static_cast<std::uint32_t>(material.diffuse_law);
   record.specular_law = static_cast<std::uint32_t>(material.specular_law);
   record.name = name;
+  record.albedo_map = material.maps.albedo;
+  record.normal_map = material.maps.normal;
+  record.roughness_map = material.maps.roughness;
+  record.cutout_map = material.maps.cutout;
+  record.cutout_threshold = static_cast<float>(material.maps.threshold);
+  for (int k = 0; k < 2; ++k)
+    record.map_repeat[k] = static_cast<float>(material.maps.repeat[k]);
   return record;
 }
 

@@ -111,6 +111,56 @@ std::string check_rest(const Scene& scene) {
   return {};
 }
 
+std::string check_truth(const Scene& scene) {
+  std::set<std::string_view> names;
+  for (std::size_t i = 0; i < scene.keypoints.size(); ++i) {
+    const Keypoint& point = scene.keypoints[i];
+    if (!in_range(point.node, scene.nodes.size()) || !panwright::is_finite(point.position))
+      return fmt::format("keypoint {} is not sound", i);
+    if (!names.insert(point.name).second)
+      return fmt::format("two keypoints are called {}", point.name);
+  }
+  const auto direction = [](const std::optional<Vec3>& v) {
+    return !v || (panwright::is_finite(*v) && *v != Vec3(0));
+  };
+  for (std::size_t i = 0; i < scene.decals.size(); ++i) {
+    const Decal& decal = scene.decals[i];
+    if (!in_range(decal.instance, scene.instances.size()) ||
+        !in_range(decal.texture, scene.textures.size()) || !panwright::is_finite(decal.at) ||
+        !direction(decal.normal) || !direction(decal.up) || !(decal.width > 0) ||
+        !(decal.height > 0) || !std::isfinite(decal.width) || !std::isfinite(decal.height))
+      return fmt::format("decal {} is not sound", i);
+  }
+  return {};
+}
+
+std::string check_need(const Scene& scene) {
+  const Need& need = scene.need;
+  for (const auto& term :
+       {need.tolerance, need.nearest, need.ifov, need.pixels, need.flux, need.centroid})
+    if (term && (!(*term > 0) || !std::isfinite(*term)))
+      return fmt::format("the need has a term of {}", *term);
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const auto& tolerance = scene.instances[i].tolerance;
+    if (tolerance && (!(*tolerance > 0) || !std::isfinite(*tolerance)))
+      return fmt::format("instance {} has a tolerance of {}", i, *tolerance);
+  }
+  return {};
+}
+
+std::string check_maps(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    const materials::Maps& maps = scene.materials[i].maps;
+    for (const std::int32_t map : {maps.albedo, maps.normal, maps.roughness, maps.cutout})
+      if (map != kNone && !in_range(map, scene.textures.size()))
+        return fmt::format("material {} has a map {}", i, map);
+    if (!std::isfinite(maps.repeat.x) || !std::isfinite(maps.repeat.y) ||
+        !(maps.threshold >= 0 && maps.threshold <= 1))
+      return fmt::format("material {} has maps that are not sound", i);
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<Mat4> world_from_nodes(const Scene& scene) {
@@ -124,7 +174,8 @@ std::vector<Mat4> world_from_nodes(const Scene& scene) {
 }
 
 std::string check(const Scene& scene) {
-  for (const auto& part : {check_nodes, check_shapes, check_instances, check_rest}) {
+  for (const auto& part : {check_nodes, check_shapes, check_instances, check_rest, check_truth,
+                           check_need, check_maps}) {
     const std::string problem = part(scene);
     if (!problem.empty()) return problem;
   }

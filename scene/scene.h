@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,18 @@ enum class Mapping : std::uint8_t {
   sphere,     // by longitude and latitude seen from the origin of the texture's frame
 };
 
+// What the model is for, and so how closely it has to follow its shapes. Absent terms ask nothing.
+struct Need {
+  std::optional<double> tolerance;  // metres
+  std::optional<double> nearest;    // metres from the camera to the nearest surface, > 0
+  std::optional<double> ifov;       // radians, the angle of a pixel, > 0
+  std::optional<double> pixels;     // a silhouette may be off by so many, > 0
+  std::optional<double> flux;       // relative error of a part's flux, > 0
+  std::optional<double> centroid;   // pixels that a part's photocentre may be off by, > 0
+  Source source;
+  bool any() const { return tolerance || nearest || ifov || pixels || flux || centroid; }
+};
+
 // A shape at a node, with what covers it.
 struct Instance {
   std::int32_t node = 0;
@@ -61,7 +74,32 @@ struct Instance {
   std::int32_t material = 0;
   std::int32_t texture = kNone;
   Mapping mapping = Mapping::texcoords;
-  Mat4 texture_from_shape{1};  // for Mapping::sphere
+  Mat4 texture_from_shape{1};       // for Mapping::sphere
+  std::optional<double> tolerance;  // metres in the world: overrides the need
+  Source source;
+};
+
+// A picture laid on a shape: over the diffuse colour where its alpha is 1, nothing where it is 0.
+// Seen from outside it is upright along `up`; it reaches half its larger side deep to both sides of
+// the point, and faces away from the normal do not take it.
+struct Decal {
+  std::string name;
+  std::int32_t instance = 0;
+  std::int32_t texture = 0;
+  Vec3 at{0};                  // the picture's centre, in the shape's frame, metres; moved to the
+                               // nearest point of the surface
+  std::optional<Vec3> normal;  // outwards, any length; none: the surface's there
+  std::optional<Vec3> up;      // any length; none: +z, or +y where the normal is along z
+  double width = 1;            // metres in the shape's frame, > 0
+  double height = 1;
+  Source source;
+};
+
+// A point whose place in a picture is wanted as truth.
+struct Keypoint {
+  std::string name;
+  std::int32_t node = 0;
+  Vec3 position{0};  // in the node's frame, metres
   Source source;
 };
 
@@ -87,7 +125,10 @@ struct Scene {
   std::vector<materials::Material> materials;
   std::vector<Texture> textures;
   std::vector<Instance> instances;
-  std::vector<Frame> frames;
+  std::vector<Frame> frames;        // names are unique
+  std::vector<Keypoint> keypoints;  // names are unique
+  std::vector<Decal> decals;        // later ones lie over earlier ones
+  Need need;
   std::vector<Input> inputs;  // in order of first use
 };
 

@@ -17,11 +17,11 @@ layout(binding = 3) uniform sampler2D tints;
 
 #ifdef ONE_MATERIAL
 // a material record of a pan file as it stands
-layout(std140, binding = 2) uniform MaterialRecord { vec4 rows[8]; }
+layout(std140, binding = 2) uniform MaterialRecord { vec4 rows[10]; }
 material;
 #define ROW(i) material.rows[i]
 #else
-layout(binding = 4) uniform samplerBuffer materials;  // eight texels a record
+layout(binding = 4) uniform samplerBuffer materials;  // ten texels a record
 layout(binding = 5) uniform usamplerBuffer items;     // x: material, y: pair of laws
 #define ROW(i) texelFetch(materials, first_row + i)
 #endif
@@ -41,7 +41,7 @@ void main() {
 #ifndef ONE_MATERIAL
   uvec4 of_item = texelFetch(items, item);
   if (of_item.y != PAIR) discard;
-  int first_row = 8 * int(of_item.x);
+  int first_row = 10 * int(of_item.x);
 #endif
 
   // the line of sight of this sample, free of where the surface is and how far

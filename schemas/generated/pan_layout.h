@@ -38,6 +38,17 @@ enum class SpecularLaw : std::uint32_t {
   cook_torrance = 2,  // Cook-Torrance with Beckmann slopes, parameters in cook
 };
 
+// Which term of the need decided a tolerance.
+enum class NeedReason : std::uint32_t {
+  explicit_counts = 0,  // none: the shape gives its counts, or is a mesh
+  tolerance = 1,  // the model's tolerance
+  shape = 2,  // the shape's own tolerance
+  pixels = 3,  // silhouette, in pixels
+  flux = 4,  // flux
+  centroid = 5,  // photocentre, in pixels
+  command_line = 6,  // --max-error
+};
+
 // Bits of Mesh.flags.
 inline constexpr std::uint32_t kMeshClosed = 1u << 0;  // every edge is shared by two triangles that run it oppositely
 inline constexpr std::uint32_t kMeshTexcoords = 1u << 1;  // the mesh has a run in texcoords
@@ -194,8 +205,8 @@ static_assert(offsetof(Instance, mesh) == 4);
 static_assert(offsetof(Instance, material) == 8);
 static_assert(offsetof(Instance, texture) == 12);
 
-// A material in the std430 layout of eight vec4, so that the section is a shader storage buffer
-// as it stands. f = weight_d*diffuse*f_d + weight_s*specular*f_s; radiance = f*E*cos +
+// A material in the std430 layout of ten vec4, so that the section is a shader storage buffer as
+// it stands. f = weight_d*diffuse*f_d + weight_s*specular*f_s; radiance = f*E*cos +
 // weight_e*emissive*E/pi.
 struct Material {
   float diffuse[3];  // linear RGB
@@ -213,9 +224,17 @@ struct Material {
   std::uint32_t specular_law;  // SpecularLaw
   std::uint32_t flags;  // 0
   std::uint32_t name;  // may be empty; a shader skips it
-  std::uint32_t reserved[3];  // 0
+  std::int32_t albedo_map;  // multiplies the diffuse colour; -1: none
+  // linear; RGB x 2 - 1 is the normal: +x along u, +y along v, +z outwards; -1: none
+  std::int32_t normal_map;
+  std::int32_t roughness_map;  // linear, red: multiplies cook[1] and oren; -1: none
+  // alpha: the surface is there where it reaches cutout_threshold; -1: none
+  std::int32_t cutout_map;
+  float cutout_threshold;  // 0 to 1
+  float map_repeat[2];  // texcoords are multiplied by it for the maps of the material
+  std::uint32_t reserved[4];  // 0
 };
-static_assert(sizeof(Material) == 128);
+static_assert(sizeof(Material) == 160);
 static_assert(offsetof(Material, diffuse) == 0);
 static_assert(offsetof(Material, weight_d) == 12);
 static_assert(offsetof(Material, specular) == 16);
@@ -231,7 +250,13 @@ static_assert(offsetof(Material, diffuse_law) == 100);
 static_assert(offsetof(Material, specular_law) == 104);
 static_assert(offsetof(Material, flags) == 108);
 static_assert(offsetof(Material, name) == 112);
-static_assert(offsetof(Material, reserved) == 116);
+static_assert(offsetof(Material, albedo_map) == 116);
+static_assert(offsetof(Material, normal_map) == 120);
+static_assert(offsetof(Material, roughness_map) == 124);
+static_assert(offsetof(Material, cutout_map) == 128);
+static_assert(offsetof(Material, cutout_threshold) == 132);
+static_assert(offsetof(Material, map_repeat) == 136);
+static_assert(offsetof(Material, reserved) == 144);
 
 // A picture of RGBA8 texels, row 0 the top row. Texcoord (0, 0) is the bottom left corner of the
 // picture, (1, 1) the top right.
@@ -263,6 +288,79 @@ static_assert(offsetof(Frame, origin) == 0);
 static_assert(offsetof(Frame, rotation) == 24);
 static_assert(offsetof(Frame, node) == 56);
 static_assert(offsetof(Frame, name) == 60);
+
+// A point whose place in a picture is wanted as truth.
+struct Keypoint {
+  double position[3];  // m: in the node's coordinates
+  std::uint32_t node;
+  std::uint32_t name;
+};
+static_assert(sizeof(Keypoint) == 32);
+static_assert(offsetof(Keypoint, position) == 0);
+static_assert(offsetof(Keypoint, node) == 24);
+static_assert(offsetof(Keypoint, name) == 28);
+
+// A picture laid on an instance. A point of its mesh, in the decal's frame, takes the texel at
+// texcoord (x/width + 1/2, y/height + 1/2) where both lie in 0 to 1, |z| <= depth, and the
+// normal has z > 0; the diffuse colour is mixed with the picture by its alpha. Later decals lie
+// over earlier ones.
+struct Decal {
+  double origin[3];  // m: in the mesh's coordinates, its origin added
+  // mesh_from_decal, unit quaternion w x y z, to 1e-12 in its squared length; z points outwards,
+  // y to the top of the picture
+  double rotation[4];
+  double width;  // m: > 0
+  double height;  // m: > 0
+  double depth;  // m: > 0
+  std::uint32_t instance;
+  std::uint32_t texture;
+  std::uint32_t name;  // may be empty
+  std::uint32_t reserved;  // 0
+};
+static_assert(sizeof(Decal) == 96);
+static_assert(offsetof(Decal, origin) == 0);
+static_assert(offsetof(Decal, rotation) == 24);
+static_assert(offsetof(Decal, width) == 56);
+static_assert(offsetof(Decal, height) == 64);
+static_assert(offsetof(Decal, depth) == 72);
+static_assert(offsetof(Decal, instance) == 80);
+static_assert(offsetof(Decal, texture) == 84);
+static_assert(offsetof(Decal, name) == 88);
+static_assert(offsetof(Decal, reserved) == 92);
+
+// What the model was compiled for; a term of 0 was not given.
+struct Need {
+  // m: allowed distance between a mesh and its shape, as authored or by --max-error
+  double tolerance;
+  double nearest;  // m: from the camera to the nearest surface
+  double ifov;  // rad: angle of a pixel
+  double pixels;  // pixels that a silhouette may be off by
+  double flux;  // relative error of a part's flux
+  double centroid;  // pixels that a part's photocentre may be off by
+  double smallest;  // m: the smallest tolerance that a mesh was made to, in the world
+  std::uint32_t reserved[2];  // 0
+};
+static_assert(sizeof(Need) == 64);
+static_assert(offsetof(Need, tolerance) == 0);
+static_assert(offsetof(Need, nearest) == 8);
+static_assert(offsetof(Need, ifov) == 16);
+static_assert(offsetof(Need, pixels) == 24);
+static_assert(offsetof(Need, flux) == 32);
+static_assert(offsetof(Need, centroid) == 40);
+static_assert(offsetof(Need, smallest) == 48);
+static_assert(offsetof(Need, reserved) == 56);
+
+// What a mesh was made to.
+struct MeshNeed {
+  // m: allowed error, in the mesh's own coordinates; 0: counts were given, or the mesh was
+  double tolerance;
+  std::uint32_t reason;  // NeedReason: the term that asked for it
+  std::uint32_t reserved;  // 0
+};
+static_assert(sizeof(MeshNeed) == 16);
+static_assert(offsetof(MeshNeed, tolerance) == 0);
+static_assert(offsetof(MeshNeed, reason) == 8);
+static_assert(offsetof(MeshNeed, reserved) == 12);
 
 // Where an instance was written.
 struct Source {
@@ -320,8 +418,12 @@ enum class SectionKind : std::uint32_t {
   colours = 15,
   indices = 16,
   texels = 17,
+  need = 18,
+  mesh_needs = 19,
+  keypoints = 20,
+  decals = 21,
 };
-inline constexpr std::size_t kSectionKinds = 17;
+inline constexpr std::size_t kSectionKinds = 21;
 
 struct SectionInfo {
   SectionKind kind;
@@ -337,7 +439,7 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
     {SectionKind::nodes, "nodes", 88, false},
     {SectionKind::meshes, "meshes", 96, false},
     {SectionKind::instances, "instances", 16, false},
-    {SectionKind::materials, "materials", 128, false},
+    {SectionKind::materials, "materials", 160, false},
     {SectionKind::textures, "textures", 32, false},
     {SectionKind::frames, "frames", 64, false},
     {SectionKind::sources, "sources", 16, true},
@@ -349,6 +451,10 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
     {SectionKind::colours, "colours", 12, false},
     {SectionKind::indices, "indices", 1, false},
     {SectionKind::texels, "texels", 1, false},
+    {SectionKind::need, "need", 64, false},
+    {SectionKind::mesh_needs, "mesh_needs", 16, false},
+    {SectionKind::keypoints, "keypoints", 32, false},
+    {SectionKind::decals, "decals", 96, false},
 };
 
 enum class FieldType { u8, u16, u32, i32, u64, f32, f64 };
@@ -456,7 +562,19 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::zero, SectionKind::build, 0, 0},
     {SectionKind::materials, "name", 112, FieldType::u32, 1,
      FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
-    {SectionKind::materials, "reserved", 116, FieldType::u32, 3,
+    {SectionKind::materials, "albedo_map", 116, FieldType::i32, 1,
+     FieldRuleKind::reference_or_none, SectionKind::textures, 0, 0},
+    {SectionKind::materials, "normal_map", 120, FieldType::i32, 1,
+     FieldRuleKind::reference_or_none, SectionKind::textures, 0, 0},
+    {SectionKind::materials, "roughness_map", 124, FieldType::i32, 1,
+     FieldRuleKind::reference_or_none, SectionKind::textures, 0, 0},
+    {SectionKind::materials, "cutout_map", 128, FieldType::i32, 1,
+     FieldRuleKind::reference_or_none, SectionKind::textures, 0, 0},
+    {SectionKind::materials, "cutout_threshold", 132, FieldType::f32, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "map_repeat", 136, FieldType::f32, 2,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::materials, "reserved", 144, FieldType::u32, 4,
      FieldRuleKind::zero, SectionKind::build, 0, 0},
     {SectionKind::textures, "width", 0, FieldType::u32, 1,
      FieldRuleKind::range, SectionKind::build, 1u, 16384u},
@@ -508,6 +626,52 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::any, SectionKind::build, 0, 0},
     {SectionKind::colours, "z", 8, FieldType::f32, 1,
      FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::need, "tolerance", 0, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::need, "nearest", 8, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::need, "ifov", 16, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::need, "pixels", 24, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::need, "flux", 32, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::need, "centroid", 40, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::need, "smallest", 48, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::need, "reserved", 56, FieldType::u32, 2,
+     FieldRuleKind::zero, SectionKind::build, 0, 0},
+    {SectionKind::mesh_needs, "tolerance", 0, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::mesh_needs, "reason", 8, FieldType::u32, 1,
+     FieldRuleKind::range, SectionKind::build, 0u, 6u},
+    {SectionKind::mesh_needs, "reserved", 12, FieldType::u32, 1,
+     FieldRuleKind::zero, SectionKind::build, 0, 0},
+    {SectionKind::keypoints, "position", 0, FieldType::f64, 3,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::keypoints, "node", 24, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::nodes, 0, 0},
+    {SectionKind::keypoints, "name", 28, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
+    {SectionKind::decals, "origin", 0, FieldType::f64, 3,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::decals, "rotation", 24, FieldType::f64, 4,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::decals, "width", 56, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::decals, "height", 64, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::decals, "depth", 72, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::decals, "instance", 80, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::instances, 0, 0},
+    {SectionKind::decals, "texture", 84, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::textures, 0, 0},
+    {SectionKind::decals, "name", 88, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
+    {SectionKind::decals, "reserved", 92, FieldType::u32, 1,
+     FieldRuleKind::zero, SectionKind::build, 0, 0},
 };
 
 }  // namespace panwright::pan::layout
