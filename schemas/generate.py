@@ -5,6 +5,7 @@ generate.py            writes schemas/generated/pxn_schema.h, schemas/pxn.xsd, d
 generate.py --check    fails, and names the file, when one of them differs from what it would write
 """
 
+import copy
 import pathlib
 import sys
 import tomllib
@@ -12,12 +13,13 @@ from xml.sax.saxutils import escape, quoteattr
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 NUMBER_KINDS = {"real", "integer"}
-VALUE_KINDS = NUMBER_KINDS | {"word", "version", "path", "label"}
+VALUE_KINDS = NUMBER_KINDS | {"word", "version", "path", "label", "quantity"}
+DIMENSIONS = {"none", "length", "angle", "ratio", "pixels"}
 RULE_KINDS = {"exclusive", "one_of", "any_of", "together", "requires"}
 ELEMENT_KEYS = {"id", "name", "section", "level", "supported", "in", "doc", "notes", "example", "default", "text",
-                "attribute", "child", "rule"}
-VALUE_KEYS = {"kind", "count", "names", "numbers", "min", "max", "above", "nonzero", "unit", "words", "name", "level",
-              "supported", "required", "default", "doc"}
+                "attribute", "attributes", "child", "rule"}
+VALUE_KEYS = {"kind", "count", "names", "numbers", "min", "max", "above", "nonzero", "dimension", "bare", "one", "tuple",
+              "least", "words", "name", "level", "supported", "required", "default", "doc"}
 LARGEST = 1.7976931348623157e308
 
 
@@ -39,7 +41,13 @@ def complete_value(value, where):
     need(not unknown, where, f"unknown keys {sorted(unknown)}")
     need(value.get("kind") in VALUE_KINDS, where, f"kind is {value.get('kind')}")
     value.setdefault("count", 1)
-    value.setdefault("unit", "")
+    value.setdefault("dimension", "none")
+    value.setdefault("bare", "")
+    value.setdefault("one", False)
+    value.setdefault("tuple", 1)
+    value.setdefault("least", 0)
+    need(value["dimension"] in DIMENSIONS, where, f"dimension is {value['dimension']}")
+    need(value["bare"] in ("", "rad"), where, f"bare is {value['bare']}")
     value.setdefault("words", [])
     need(bool(value["words"]) == (value["kind"] == "word"), where, "words belong to kind = \"word\"")
     if value["kind"] not in NUMBER_KINDS:
@@ -91,8 +99,13 @@ def complete(language):
     language["by_id"] = {element["id"]: element for element in elements}
     need(len(language["by_id"]) == len(elements), "pxn.toml", "an id is used twice")
     classes = {entry["name"] for entry in language["class"]}
+    groups = {group["name"]: group for group in language.get("attribute_group", [])}
     for element in elements:
         where = element["id"]
+        for name in element.get("attributes", []):
+            need(name in groups, where, f"no attribute group is called {name}")
+            element.setdefault("attribute", []).extend(copy.deepcopy(groups[name]["attribute"]))
+            element.setdefault("rule", []).extend(copy.deepcopy(groups[name].get("rule", [])))
         unknown = set(element) - ELEMENT_KEYS
         need(not unknown, where, f"unknown keys {sorted(unknown)}")
         element.setdefault("name", where)
@@ -114,8 +127,9 @@ def complete(language):
     for element in elements:
         for child in element["child"]:
             complete_child(child, element, language)
-        tags = [language["by_id"][name]["name"] for child in element["child"] for name in child["of"]]
-        need(len(set(tags)) == len(tags), element["id"], "two children have the same tag")
+        tags = [(language["by_id"][name]["name"], language["by_id"][name]["level"])
+                for child in element["child"] for name in child["of"]]
+        need(len(set(tags)) == len(tags), element["id"], "two children have the same tag and level")
         for rule in element["rule"]:
             complete_rule(rule, element, language)
     need(language["language"]["root"] in language["by_id"], "language", "the root does not exist")
@@ -168,7 +182,8 @@ class Tables:
                    f"{flag(number['above'])}, {flag(number['nonzero'])}}}" for number in numbers]
         numbers = self.array("Number", f"kNumbers_{name}", numbers)
         words = self.array("std::string_view", f"kWords_{name}", [quoted(word) for word in value["words"]])
-        return (f"{{ValueKind::{value['kind']}, {value['count']}, {numbers}, {words}, {quoted(value['unit'])}}}")
+        return (f"{{ValueKind::{value['kind']}, {value['count']}, {numbers}, {words}, Dimension::{value['dimension']}, "
+                f"{flag(value['bare'] == 'rad')}, {flag(value['one'])}, {value['tuple']}, {value['least']}}}")
 
 
 def element_line(element, tables):
@@ -214,7 +229,9 @@ enum class ElementId : std::uint16_t {
 // not an element: unknown, refused, or left out
 inline constexpr ElementId kNoElement = static_cast<ElementId>(0xffff);
 
-enum class ValueKind : std::uint8_t { none, real, integer, word, version, path, label };
+enum class ValueKind : std::uint8_t { none, real, integer, word, version, path, label, quantity };
+
+enum class Dimension : std::uint8_t { none, length, angle, ratio, pixels };
 
 struct Number {
   std::string_view name;
@@ -230,7 +247,11 @@ struct Value {
   std::uint32_t count = 0;                   // of numbers; 0: any
   std::span<const Number> numbers;           // one for each; one for all where count is 0
   std::span<const std::string_view> words;
-  std::string_view unit;                     // empty: none
+  Dimension dimension = Dimension::none;     // numbers are in metres, radians, 1, pixels
+  bool bare_radians = false;                 // bare angles are radians, whatever the root says
+  bool one = false;                          // one number stands for all
+  std::uint32_t tuple = 1;                   // a list holds a multiple of so many
+  std::uint32_t least = 0;                   // tuples of a list
 };
 
 struct Attribute {
@@ -271,8 +292,7 @@ struct Element {
 struct Language {
   std::span<const Element> elements;         // by ElementId
   ElementId root;
-  std::span<const std::string_view> versions;          // the index is the level
-  std::span<const std::string_view> planned_versions;  // known, not read yet
+  std::span<const std::string_view> versions;  // the index is the level
 };
 
 // Indices of attributes in their element.
@@ -286,10 +306,9 @@ inline constexpr Element kElements[] = {
 @elements@
 };
 inline constexpr std::string_view kVersions[] = {@versions@};
-inline constexpr std::string_view kPlanned[] = {@planned@};
 }  // namespace tables
 
-inline constexpr Language kPxn = {tables::kElements, ElementId::@root@, tables::kVersions, tables::kPlanned};
+inline constexpr Language kPxn = {tables::kElements, ElementId::@root@, tables::kVersions};
 
 }  // namespace panwright::schemas
 '''
@@ -309,7 +328,6 @@ def header_text(language):
             "@tables@": "\n".join(tables.lines).replace("RuleKind::requires,", "RuleKind::requires_others,"),
             "@elements@": "\n".join(f"    {line}," for line in elements),
             "@versions@": ", ".join(quoted(version) for version in top["versions"]),
-            "@planned@": ", ".join(quoted(version) for version in top["planned_versions"]),
             "@root@": top["root"],
     }.items():
         text = text.replace(key, value)
@@ -442,12 +460,17 @@ def type_words(value, language):
         return " or ".join(f"`{version}`" for version in language["language"]["versions"])
     if kind == "word":
         return " or ".join(f"`{word}`" for word in value["words"])
-    if kind in ("path", "label"):
-        return {"path": "a path", "label": "a name"}[kind]
+    if kind in ("path", "label", "quantity"):
+        return {"path": "a path", "label": "a name", "quantity": "a number with a unit"}[kind]
     noun = "whole number" if kind == "integer" else "number"
     if value["count"] == 0:
         return f"{noun}s"
     return f"a {noun}" if value["count"] == 1 else f"{value['count']} {noun}s"
+
+
+def unit_words(value):
+    words = {"none": "", "length": ", a length", "angle": ", an angle", "ratio": ", a ratio", "pixels": ", in pixels"}
+    return words[value["dimension"]] + (" (bare numbers: radians)" if value["bare"] else "")
 
 
 def text_lines(element, language):
@@ -458,7 +481,7 @@ def text_lines(element, language):
     if len(value["numbers"]) == 1:
         limits = range_words(value["numbers"][0])
         line += f", {limits}" if limits else ""
-        line += f", {value['unit']}" if value["unit"] else ""
+        line += unit_words(value)
         lines = [line + "."]
     else:
         lines = [line + ":", ""]
@@ -528,7 +551,7 @@ def element_lines(element, language):
         for attribute in element["attribute"]:
             limits = range_words(attribute["numbers"][0]) if attribute["numbers"] else ""
             value = type_words(attribute, language) + (f", {limits}" if limits else "")
-            value += f", {attribute['unit']}" if attribute["unit"] else ""
+            value += unit_words(attribute)
             must = "yes" if attribute["required"] else "no"
             lines.append(f"| `{attribute['name']}` | {value} | {must} | {attribute['doc']} |")
         lines += [""]

@@ -95,12 +95,9 @@ class Checker {
       return true;
     }
     report(Code::E1107, doc_.value_span(*given), 0, [&] {
-      const bool planned =
-          std::find(language_.planned_versions.begin(), language_.planned_versions.end(), value) !=
-          language_.planned_versions.end();
-      return Reporter::Text(fmt::format("{}=\"{}\" is {}; write {}=\"{}\"", attribute.name, value,
-                                        planned ? "not supported yet" : "not a known version",
-                                        attribute.name, fmt::join(language_.versions, "\" or \"")));
+      return Reporter::Text(fmt::format("{}=\"{}\" is not a known version; write {}=\"{}\"",
+                                        attribute.name, value, attribute.name,
+                                        fmt::join(language_.versions, "\" or \"")));
     });
     return false;
   }
@@ -120,9 +117,9 @@ class Checker {
       } else if (!known->supported || known->level > level_) {
         report(Code::E1106, doc_.name_span(doc_.attributes[i]), element, [&] {
           return Reporter::Text(
-              known->supported ? later(known->name, known->level)
-                               : fmt::format("'{}' of <{}> is not supported yet; it is left out",
-                                             known->name, schema.name));
+              known->level > level_ ? later(known->name, known->level)
+                                    : fmt::format("'{}' of <{}> is not supported yet; it is left out",
+                                                  known->name, schema.name));
         });
       }
     }
@@ -194,25 +191,36 @@ class Checker {
   void check_child(std::uint32_t element, std::uint32_t child) {
     const schemas::Element& schema = entry(element);
     const std::string_view name = doc_.name(child);
-    for (std::size_t s = 0; s < schema.slots.size(); ++s) {
-      const schemas::Slot& slot = schema.slots[s];
-      for (const ElementId id : slot.elements) {
-        const schemas::Element& known = entry(id);
-        if (known.name != name) continue;
-        ++counts_[s];
-        if (!known.supported || known.level > level_) {
-          report(Code::E1106, doc_.name_span(child), child, [&] {
-            return Reporter::Text(
-                known.supported ? later(known.name, known.level)
-                                : fmt::format("<{}> is not supported yet; it is left out", name));
-          });
-        } else if (slot.max != 0 && counts_[s] > slot.max) {
-          too_many(element, child, slot);
-        } else {
-          doc_.elements[child].id = id;
-        }
-        return;
+    // of those that share a tag, the one of the highest level up to the file's
+    std::size_t place = schema.slots.size();
+    ElementId found = kNoElement;
+    for (std::size_t s = 0; s < schema.slots.size(); ++s)
+      for (const ElementId id : schema.slots[s].elements) {
+        if (entry(id).name != name) continue;
+        const bool better =
+            found == kNoElement ||
+            (entry(id).level <= level_ &&
+             (entry(found).level > level_ || entry(id).level > entry(found).level));
+        if (!better) continue;
+        found = id;
+        place = s;
       }
+    if (found != kNoElement) {
+      const schemas::Slot& slot = schema.slots[place];
+      const schemas::Element& known = entry(found);
+      ++counts_[place];
+      if (!known.supported || known.level > level_) {
+        report(Code::E1106, doc_.name_span(child), child, [&] {
+          return Reporter::Text(
+              known.level > level_ ? later(known.name, known.level)
+                                   : fmt::format("<{}> is not supported yet; it is left out", name));
+        });
+      } else if (slot.max != 0 && counts_[place] > slot.max) {
+        too_many(element, child, slot);
+      } else {
+        doc_.elements[child].id = found;
+      }
+      return;
     }
     ++strangers_;
     unknown_child(element, child);

@@ -264,7 +264,7 @@ std::uint32_t Loader::read_transform(Work& work, std::uint32_t element) {
   if (read(ElementId::scaling)) transform.scale = numbers;
   if (read(ElementId::translation)) transform.translation = numbers;
   if (read(ElementId::rotation)) {
-    transform.rotation = quat_from_fixed_xyz(numbers * kDegree);
+    transform.rotation = quat_from_fixed_xyz(numbers);
     const int turns = (numbers.x != 0) + (numbers.y != 0) + (numbers.z != 0);
     if (turns > 1) {
       const std::uint32_t child = child_of(document, element, ElementId::rotation);

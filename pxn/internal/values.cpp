@@ -287,6 +287,14 @@ std::optional<double> Values::real(std::uint32_t element, std::size_t attribute)
   return out;
 }
 
+bool Values::has(std::uint32_t element, std::size_t attribute) const {
+  return find_attribute(doc_, element, schema(element).attributes[attribute].name) != nullptr;
+}
+
+bool Values::numbers(std::uint32_t, std::size_t, std::span<double>) { return false; }
+bool Values::list(std::uint32_t, std::vector<double>&) { return false; }
+std::optional<Quantity> Values::quantity(std::uint32_t, std::size_t) { return std::nullopt; }
+
 std::optional<std::uint64_t> Values::integer(std::uint32_t element, std::size_t attribute) {
   const schemas::Attribute& known = schema(element).attributes[attribute];
   assert(known.value.kind == schemas::ValueKind::integer);

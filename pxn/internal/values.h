@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pxn/internal/reporter.h"
+#include "pxn/internal/scope.h"
 #include "pxn/internal/xml.h"
 #include "schemas/generated/pxn_schema.h"
 
@@ -15,27 +16,44 @@ namespace panwright::pxn {
 
 // Reads values of one document. What cannot be read is reported and comes back empty or false.
 //
+// In files of level 1 a number may have a unit ("12mm"), and may be an expression in braces over the
+// names of a scope ("{span/2 - 5mm}"), whose value is in SI; labels and paths may hold expressions
+// in braces ("bolt{i}"), written as whole numbers where they are. Results are in metres and radians
+// where the tables give a dimension.
+//
 // Expects: elements have passed the grammar check, and their entry in the tables has the value that
 // is asked for. Attributes are named by their index in the tables (schemas::attribute).
+//
+// Reports, in what follows: E1201 to E1203, E1211; with level 1 E1212, E1213, E1221 to E1224.
 class Values {
  public:
   Values(const xml::Document& document, const schemas::Language& language, Reporter& reporter)
       : doc_(document), language_(language), reporter_(reporter) {}
 
-  // The numbers between the tags, as many as the tables say: out.size().
-  //
-  // Reports: E1201, E1202, E1203, E1211.
-  bool numbers(std::uint32_t element, std::span<double> out);
+  // From now on. The scope outlives its use here; nullptr: no names.
+  void set_units(const Units& units) { units_ = units; }
+  void set_scope(const Scope* scope) { scope_ = scope; }
 
-  // A list of whole numbers of any length, each below 2^32; replaces `out`.
-  //
-  // Reports: E1201, E1202. The place of one of them again, for later complaints: place_of.
+  bool has(std::uint32_t element, std::size_t attribute) const;
+
+  // The numbers between the tags, as many as the tables say: out.size().
+  bool numbers(std::uint32_t element, std::span<double> out);
+  // The same of an attribute; where the tables let one number stand for all, it does. False without a
+  // report when the attribute is not there.
+  bool numbers(std::uint32_t element, std::size_t attribute, std::span<double> out);
+
+  // A list of numbers between the tags; replaces `out`. E1203 also where they make no whole tuples,
+  // or too few.
+  bool list(std::uint32_t element, std::vector<double>& out);
+  // A list of whole numbers, each below 2^32.
   bool integers(std::uint32_t element, std::vector<std::uint32_t>& out);
+  // The place of one of a list again, for later complaints.
   SourceSpan place_of(std::uint32_t element, std::size_t number);
 
-  // Reports: E1201, E1202. Nothing, without a report, when the attribute is not there.
+  // Nothing, without a report, when the attribute is not there.
   std::optional<double> real(std::uint32_t element, std::size_t attribute);
   std::optional<std::uint64_t> integer(std::uint32_t element, std::size_t attribute);
+  std::optional<Quantity> quantity(std::uint32_t element, std::size_t attribute);
 
   // A word, path or label, as UTF-8 without control characters.
   //
@@ -78,6 +96,8 @@ class Values {
   const xml::Document& doc_;
   const schemas::Language& language_;
   Reporter& reporter_;
+  Units units_;
+  const Scope* scope_ = nullptr;
   std::string buffer_;
   std::vector<std::uint32_t> offsets_;
 };

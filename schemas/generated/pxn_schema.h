@@ -53,6 +53,50 @@ enum class ElementId : std::uint16_t {
   rgb,
   tristrips,
   tristrip,
+  param,
+  named_material,
+  cutout,
+  lambert,
+  ggx,
+  conductor,
+  mirror,
+  coat,
+  cells,
+  provenance,
+  part,
+  budget,
+  node,
+  use,
+  repeat,
+  include_1,
+  transform_1,
+  frame,
+  keypoint,
+  decal,
+  sphere_1,
+  ellipsoid,
+  box,
+  cylinder,
+  cone,
+  disc,
+  torus,
+  dish,
+  plane,
+  tube,
+  lathe,
+  extrude,
+  polygons,
+  path,
+  profile,
+  outline,
+  hole,
+  vertices,
+  face,
+  face_outline,
+  face_hole,
+  subdiv,
+  import,
+  joint,
   mli,
   mli_settings,
   width,
@@ -67,7 +111,9 @@ enum class ElementId : std::uint16_t {
 // not an element: unknown, refused, or left out
 inline constexpr ElementId kNoElement = static_cast<ElementId>(0xffff);
 
-enum class ValueKind : std::uint8_t { none, real, integer, word, version, path, label };
+enum class ValueKind : std::uint8_t { none, real, integer, word, version, path, label, quantity };
+
+enum class Dimension : std::uint8_t { none, length, angle, ratio, pixels };
 
 struct Number {
   std::string_view name;
@@ -83,7 +129,11 @@ struct Value {
   std::uint32_t count = 0;                   // of numbers; 0: any
   std::span<const Number> numbers;           // one for each; one for all where count is 0
   std::span<const std::string_view> words;
-  std::string_view unit;                     // empty: none
+  Dimension dimension = Dimension::none;     // numbers are in metres, radians, 1, pixels
+  bool bare_radians = false;                 // bare angles are radians, whatever the root says
+  bool one = false;                          // one number stands for all
+  std::uint32_t tuple = 1;                   // a list holds a multiple of so many
+  std::uint32_t least = 0;                   // tuples of a list
 };
 
 struct Attribute {
@@ -124,14 +174,18 @@ struct Element {
 struct Language {
   std::span<const Element> elements;         // by ElementId
   ElementId root;
-  std::span<const std::string_view> versions;          // the index is the level
-  std::span<const std::string_view> planned_versions;  // known, not read yet
+  std::span<const std::string_view> versions;  // the index is the level
 };
 
 // Indices of attributes in their element.
 namespace attribute {
 inline constexpr std::size_t pangu_model_ver = 0;
+inline constexpr std::size_t pangu_model_units = 1;
+inline constexpr std::size_t pangu_model_angle = 2;
+inline constexpr std::size_t pangu_model_up = 3;
 inline constexpr std::size_t group_count = 0;
+inline constexpr std::size_t group_name = 1;
+inline constexpr std::size_t group_material = 2;
 inline constexpr std::size_t include_type = 0;
 inline constexpr std::size_t include_file = 1;
 inline constexpr std::size_t frame_s_label = 0;
@@ -141,11 +195,248 @@ inline constexpr std::size_t include_raw_type = 0;
 inline constexpr std::size_t include_raw_file = 1;
 inline constexpr std::size_t sphere_rings = 0;
 inline constexpr std::size_t sphere_quads = 1;
+inline constexpr std::size_t mesh_name = 0;
+inline constexpr std::size_t mesh_material = 1;
+inline constexpr std::size_t mesh_tolerance = 2;
+inline constexpr std::size_t mesh_translate = 3;
+inline constexpr std::size_t mesh_rotate = 4;
+inline constexpr std::size_t mesh_quat = 5;
+inline constexpr std::size_t mesh_scale = 6;
 inline constexpr std::size_t tristrip_count = 0;
+inline constexpr std::size_t param_name = 0;
+inline constexpr std::size_t param_value = 1;
+inline constexpr std::size_t param_doc = 2;
+inline constexpr std::size_t named_material_name = 0;
+inline constexpr std::size_t named_material_base = 1;
+inline constexpr std::size_t named_material_preset = 2;
+inline constexpr std::size_t named_material_sides = 3;
+inline constexpr std::size_t named_material_albedo_map = 4;
+inline constexpr std::size_t named_material_normal_map = 5;
+inline constexpr std::size_t named_material_roughness_map = 6;
+inline constexpr std::size_t named_material_map_repeat = 7;
+inline constexpr std::size_t cutout_image = 0;
+inline constexpr std::size_t cutout_threshold = 1;
+inline constexpr std::size_t part_name = 0;
+inline constexpr std::size_t budget_tolerance = 0;
+inline constexpr std::size_t budget_nearest = 1;
+inline constexpr std::size_t budget_ifov = 2;
+inline constexpr std::size_t budget_pixels = 3;
+inline constexpr std::size_t budget_flux = 4;
+inline constexpr std::size_t budget_centroid = 5;
+inline constexpr std::size_t node_name = 0;
+inline constexpr std::size_t node_material = 1;
+inline constexpr std::size_t node_translate = 2;
+inline constexpr std::size_t node_rotate = 3;
+inline constexpr std::size_t node_quat = 4;
+inline constexpr std::size_t node_scale = 5;
+inline constexpr std::size_t use_part = 0;
+inline constexpr std::size_t use_name = 1;
+inline constexpr std::size_t use_material = 2;
+inline constexpr std::size_t use_translate = 3;
+inline constexpr std::size_t use_rotate = 4;
+inline constexpr std::size_t use_quat = 5;
+inline constexpr std::size_t use_scale = 6;
+inline constexpr std::size_t repeat_count = 0;
+inline constexpr std::size_t repeat_var = 1;
+inline constexpr std::size_t repeat_name = 2;
+inline constexpr std::size_t repeat_material = 3;
+inline constexpr std::size_t repeat_translate = 4;
+inline constexpr std::size_t repeat_rotate = 5;
+inline constexpr std::size_t repeat_quat = 6;
+inline constexpr std::size_t repeat_scale = 7;
+inline constexpr std::size_t include_1_file = 0;
+inline constexpr std::size_t include_1_type = 1;
+inline constexpr std::size_t include_1_name = 2;
+inline constexpr std::size_t include_1_material = 3;
+inline constexpr std::size_t include_1_translate = 4;
+inline constexpr std::size_t include_1_rotate = 5;
+inline constexpr std::size_t include_1_quat = 6;
+inline constexpr std::size_t include_1_scale = 7;
+inline constexpr std::size_t transform_1_name = 0;
+inline constexpr std::size_t transform_1_material = 1;
+inline constexpr std::size_t transform_1_translate = 2;
+inline constexpr std::size_t transform_1_rotate = 3;
+inline constexpr std::size_t transform_1_quat = 4;
+inline constexpr std::size_t transform_1_scale = 5;
+inline constexpr std::size_t frame_name = 0;
+inline constexpr std::size_t frame_translate = 1;
+inline constexpr std::size_t frame_rotate = 2;
+inline constexpr std::size_t frame_quat = 3;
+inline constexpr std::size_t frame_forward = 4;
+inline constexpr std::size_t frame_up = 5;
+inline constexpr std::size_t keypoint_name = 0;
+inline constexpr std::size_t keypoint_at = 1;
+inline constexpr std::size_t decal_on = 0;
+inline constexpr std::size_t decal_image = 1;
+inline constexpr std::size_t decal_at = 2;
+inline constexpr std::size_t decal_size = 3;
+inline constexpr std::size_t decal_normal = 4;
+inline constexpr std::size_t decal_up = 5;
+inline constexpr std::size_t decal_name = 6;
+inline constexpr std::size_t sphere_1_radius = 0;
+inline constexpr std::size_t sphere_1_latitude = 1;
+inline constexpr std::size_t sphere_1_rings = 2;
+inline constexpr std::size_t sphere_1_quads = 3;
+inline constexpr std::size_t sphere_1_sector = 4;
+inline constexpr std::size_t sphere_1_name = 5;
+inline constexpr std::size_t sphere_1_material = 6;
+inline constexpr std::size_t sphere_1_tolerance = 7;
+inline constexpr std::size_t sphere_1_translate = 8;
+inline constexpr std::size_t sphere_1_rotate = 9;
+inline constexpr std::size_t sphere_1_quat = 10;
+inline constexpr std::size_t sphere_1_scale = 11;
+inline constexpr std::size_t ellipsoid_radii = 0;
+inline constexpr std::size_t ellipsoid_segments = 1;
+inline constexpr std::size_t ellipsoid_rings = 2;
+inline constexpr std::size_t ellipsoid_name = 3;
+inline constexpr std::size_t ellipsoid_material = 4;
+inline constexpr std::size_t ellipsoid_tolerance = 5;
+inline constexpr std::size_t ellipsoid_translate = 6;
+inline constexpr std::size_t ellipsoid_rotate = 7;
+inline constexpr std::size_t ellipsoid_quat = 8;
+inline constexpr std::size_t ellipsoid_scale = 9;
+inline constexpr std::size_t box_size = 0;
+inline constexpr std::size_t box_bevel = 1;
+inline constexpr std::size_t box_edges = 2;
+inline constexpr std::size_t box_name = 3;
+inline constexpr std::size_t box_material = 4;
+inline constexpr std::size_t box_tolerance = 5;
+inline constexpr std::size_t box_translate = 6;
+inline constexpr std::size_t box_rotate = 7;
+inline constexpr std::size_t box_quat = 8;
+inline constexpr std::size_t box_scale = 9;
+inline constexpr std::size_t cylinder_radius = 0;
+inline constexpr std::size_t cylinder_height = 1;
+inline constexpr std::size_t cylinder_caps = 2;
+inline constexpr std::size_t cylinder_sector = 3;
+inline constexpr std::size_t cylinder_segments = 4;
+inline constexpr std::size_t cylinder_name = 5;
+inline constexpr std::size_t cylinder_material = 6;
+inline constexpr std::size_t cylinder_tolerance = 7;
+inline constexpr std::size_t cylinder_translate = 8;
+inline constexpr std::size_t cylinder_rotate = 9;
+inline constexpr std::size_t cylinder_quat = 10;
+inline constexpr std::size_t cylinder_scale = 11;
+inline constexpr std::size_t cone_radius = 0;
+inline constexpr std::size_t cone_top_radius = 1;
+inline constexpr std::size_t cone_height = 2;
+inline constexpr std::size_t cone_caps = 3;
+inline constexpr std::size_t cone_sector = 4;
+inline constexpr std::size_t cone_segments = 5;
+inline constexpr std::size_t cone_name = 6;
+inline constexpr std::size_t cone_material = 7;
+inline constexpr std::size_t cone_tolerance = 8;
+inline constexpr std::size_t cone_translate = 9;
+inline constexpr std::size_t cone_rotate = 10;
+inline constexpr std::size_t cone_quat = 11;
+inline constexpr std::size_t cone_scale = 12;
+inline constexpr std::size_t disc_radius = 0;
+inline constexpr std::size_t disc_inner_radius = 1;
+inline constexpr std::size_t disc_sector = 2;
+inline constexpr std::size_t disc_segments = 3;
+inline constexpr std::size_t disc_name = 4;
+inline constexpr std::size_t disc_material = 5;
+inline constexpr std::size_t disc_tolerance = 6;
+inline constexpr std::size_t disc_translate = 7;
+inline constexpr std::size_t disc_rotate = 8;
+inline constexpr std::size_t disc_quat = 9;
+inline constexpr std::size_t disc_scale = 10;
+inline constexpr std::size_t torus_radius = 0;
+inline constexpr std::size_t torus_tube_radius = 1;
+inline constexpr std::size_t torus_sector = 2;
+inline constexpr std::size_t torus_segments = 3;
+inline constexpr std::size_t torus_rings = 4;
+inline constexpr std::size_t torus_name = 5;
+inline constexpr std::size_t torus_material = 6;
+inline constexpr std::size_t torus_tolerance = 7;
+inline constexpr std::size_t torus_translate = 8;
+inline constexpr std::size_t torus_rotate = 9;
+inline constexpr std::size_t torus_quat = 10;
+inline constexpr std::size_t torus_scale = 11;
+inline constexpr std::size_t dish_diameter = 0;
+inline constexpr std::size_t dish_focal_length = 1;
+inline constexpr std::size_t dish_thickness = 2;
+inline constexpr std::size_t dish_segments = 3;
+inline constexpr std::size_t dish_rings = 4;
+inline constexpr std::size_t dish_name = 5;
+inline constexpr std::size_t dish_material = 6;
+inline constexpr std::size_t dish_tolerance = 7;
+inline constexpr std::size_t dish_translate = 8;
+inline constexpr std::size_t dish_rotate = 9;
+inline constexpr std::size_t dish_quat = 10;
+inline constexpr std::size_t dish_scale = 11;
+inline constexpr std::size_t plane_size = 0;
+inline constexpr std::size_t plane_name = 1;
+inline constexpr std::size_t plane_material = 2;
+inline constexpr std::size_t plane_tolerance = 3;
+inline constexpr std::size_t plane_translate = 4;
+inline constexpr std::size_t plane_rotate = 5;
+inline constexpr std::size_t plane_quat = 6;
+inline constexpr std::size_t plane_scale = 7;
+inline constexpr std::size_t tube_radius = 0;
+inline constexpr std::size_t tube_inner_radius = 1;
+inline constexpr std::size_t tube_curve = 2;
+inline constexpr std::size_t tube_closed = 3;
+inline constexpr std::size_t tube_caps = 4;
+inline constexpr std::size_t tube_segments = 5;
+inline constexpr std::size_t tube_rings = 6;
+inline constexpr std::size_t tube_name = 7;
+inline constexpr std::size_t tube_material = 8;
+inline constexpr std::size_t tube_tolerance = 9;
+inline constexpr std::size_t tube_translate = 10;
+inline constexpr std::size_t tube_rotate = 11;
+inline constexpr std::size_t tube_quat = 12;
+inline constexpr std::size_t tube_scale = 13;
+inline constexpr std::size_t lathe_curve = 0;
+inline constexpr std::size_t lathe_sector = 1;
+inline constexpr std::size_t lathe_segments = 2;
+inline constexpr std::size_t lathe_rings = 3;
+inline constexpr std::size_t lathe_name = 4;
+inline constexpr std::size_t lathe_material = 5;
+inline constexpr std::size_t lathe_tolerance = 6;
+inline constexpr std::size_t lathe_translate = 7;
+inline constexpr std::size_t lathe_rotate = 8;
+inline constexpr std::size_t lathe_quat = 9;
+inline constexpr std::size_t lathe_scale = 10;
+inline constexpr std::size_t extrude_height = 0;
+inline constexpr std::size_t extrude_smooth = 1;
+inline constexpr std::size_t extrude_caps = 2;
+inline constexpr std::size_t extrude_name = 3;
+inline constexpr std::size_t extrude_material = 4;
+inline constexpr std::size_t extrude_tolerance = 5;
+inline constexpr std::size_t extrude_translate = 6;
+inline constexpr std::size_t extrude_rotate = 7;
+inline constexpr std::size_t extrude_quat = 8;
+inline constexpr std::size_t extrude_scale = 9;
+inline constexpr std::size_t polygons_smooth = 0;
+inline constexpr std::size_t polygons_name = 1;
+inline constexpr std::size_t polygons_material = 2;
+inline constexpr std::size_t polygons_tolerance = 3;
+inline constexpr std::size_t polygons_translate = 4;
+inline constexpr std::size_t polygons_rotate = 5;
+inline constexpr std::size_t polygons_quat = 6;
+inline constexpr std::size_t polygons_scale = 7;
 inline constexpr std::size_t mli_type = 0;
 }  // namespace attribute
 
 namespace tables {
+inline constexpr std::string_view kWords_pangu_model_units[] = {
+    "m",
+    "mm",
+    "cm",
+    "km",
+    "um",
+    "in",
+    "ft",
+};
+inline constexpr std::string_view kWords_pangu_model_angle[] = {
+    "deg",
+    "rad",
+};
+inline constexpr std::string_view kWords_pangu_model_up[] = {
+    "z",
+    "y",
+};
 inline constexpr ElementId kChoice_pangu_model_0[] = {
     ElementId::group,
     ElementId::include,
@@ -156,19 +447,67 @@ inline constexpr ElementId kChoice_pangu_model_0[] = {
     ElementId::texture,
     ElementId::sphere,
     ElementId::mesh,
+    ElementId::node,
+    ElementId::use,
+    ElementId::repeat,
+    ElementId::include_1,
+    ElementId::transform_1,
+    ElementId::frame,
+    ElementId::keypoint,
+    ElementId::decal,
+    ElementId::sphere_1,
+    ElementId::ellipsoid,
+    ElementId::box,
+    ElementId::cylinder,
+    ElementId::cone,
+    ElementId::disc,
+    ElementId::torus,
+    ElementId::dish,
+    ElementId::plane,
+    ElementId::tube,
+    ElementId::lathe,
+    ElementId::extrude,
+    ElementId::polygons,
+    ElementId::subdiv,
+    ElementId::import,
+    ElementId::joint,
     ElementId::mli,
 };
+inline constexpr ElementId kChoice_pangu_model_1[] = {
+    ElementId::param,
+};
+inline constexpr ElementId kChoice_pangu_model_2[] = {
+    ElementId::named_material,
+};
+inline constexpr ElementId kChoice_pangu_model_3[] = {
+    ElementId::part,
+};
+inline constexpr ElementId kChoice_pangu_model_4[] = {
+    ElementId::budget,
+};
 inline constexpr Attribute kAttributes_pangu_model[] = {
-    {"ver", 0, true, true, {ValueKind::version, 1, {}, {}, ""}},
+    {"ver", 0, true, true, {ValueKind::version, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"units", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_units, Dimension::none, false, false, 1, 0}},
+    {"angle", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_angle, Dimension::none, false, false, 1, 0}},
+    {"up", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_up, Dimension::none, false, false, 1, 0}},
 };
 inline constexpr Slot kSlots_pangu_model[] = {
     {kChoice_pangu_model_0, "node", 0, 0, ""},
+    {kChoice_pangu_model_1, "", 0, 0, ""},
+    {kChoice_pangu_model_2, "", 0, 0, ""},
+    {kChoice_pangu_model_3, "", 0, 0, ""},
+    {kChoice_pangu_model_4, "", 0, 1, ""},
 };
 inline constexpr Number kNumbers_group_count[] = {
     {"count", 0, 4294967295, false, false},
 };
 inline constexpr Attribute kAttributes_group[] = {
-    {"count", 0, true, false, {ValueKind::integer, 1, kNumbers_group_count, {}, ""}},
+    {"count", 0, true, false, {ValueKind::integer, 1, kNumbers_group_count, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+};
+inline constexpr Slot kSlots_group[] = {
+    {kChoice_pangu_model_0, "node", 0, 0, ""},
 };
 inline constexpr Slot kSlots_child[] = {
     {kChoice_pangu_model_0, "node", 1, 1, "put the nodes into a <group>"},
@@ -177,8 +516,8 @@ inline constexpr std::string_view kWords_include_type[] = {
     "pxn",
 };
 inline constexpr Attribute kAttributes_include[] = {
-    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_include_type, ""}},
-    {"file", 0, true, true, {ValueKind::path, 1, {}, {}, ""}},
+    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_include_type, Dimension::none, false, false, 1, 0}},
+    {"file", 0, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
 };
 inline constexpr ElementId kChoice_transform_0[] = {
     ElementId::scaling,
@@ -239,7 +578,7 @@ inline constexpr ElementId kChoice_frame_s_3[] = {
     ElementId::right,
 };
 inline constexpr Attribute kAttributes_frame_s[] = {
-    {"label", 0, true, true, {ValueKind::label, 1, {}, {}, ""}},
+    {"label", 0, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
 };
 inline constexpr Slot kSlots_frame_s[] = {
     {kChoice_frame_s_0, "", 1, 1, ""},
@@ -322,7 +661,7 @@ inline constexpr Number kNumbers_specular_shine[] = {
     {"shine", 0, 128, false, false},
 };
 inline constexpr Attribute kAttributes_specular[] = {
-    {"shine", 0, true, false, {ValueKind::real, 1, kNumbers_specular_shine, {}, ""}},
+    {"shine", 0, true, false, {ValueKind::real, 1, kNumbers_specular_shine, {}, Dimension::none, false, false, 1, 0}},
 };
 inline constexpr Number kNumbers_reflect[] = {
     {"d", 0, 1000000.0, false, false},
@@ -356,7 +695,7 @@ inline constexpr ElementId kChoice_texture_0[] = {
     ElementId::data,
 };
 inline constexpr Attribute kAttributes_texture[] = {
-    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_texture_type, ""}},
+    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_texture_type, Dimension::none, false, false, 1, 0}},
 };
 inline constexpr Slot kSlots_texture[] = {
     {kChoice_texture_0, "", 1, 1, ""},
@@ -372,8 +711,8 @@ inline constexpr std::string_view kWords_include_raw_type[] = {
     "raw",
 };
 inline constexpr Attribute kAttributes_include_raw[] = {
-    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_include_raw_type, ""}},
-    {"file", 0, true, true, {ValueKind::path, 1, {}, {}, ""}},
+    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_include_raw_type, Dimension::none, false, false, 1, 0}},
+    {"file", 0, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
 };
 inline constexpr Number kNumbers_sphere_rings[] = {
     {"rings", 2, 100000, false, false},
@@ -382,8 +721,11 @@ inline constexpr Number kNumbers_sphere_quads[] = {
     {"quads", 3, 100000, false, false},
 };
 inline constexpr Attribute kAttributes_sphere[] = {
-    {"rings", 0, true, true, {ValueKind::integer, 1, kNumbers_sphere_rings, {}, ""}},
-    {"quads", 0, true, true, {ValueKind::integer, 1, kNumbers_sphere_quads, {}, ""}},
+    {"rings", 0, true, true, {ValueKind::integer, 1, kNumbers_sphere_rings, {}, Dimension::none, false, false, 1, 0}},
+    {"quads", 0, true, true, {ValueKind::integer, 1, kNumbers_sphere_quads, {}, Dimension::none, false, false, 1, 0}},
+};
+inline constexpr Number kNumbers_mesh_tolerance[] = {
+    {"tolerance", 0, 1e+30, true, false},
 };
 inline constexpr ElementId kChoice_mesh_0[] = {
     ElementId::positions,
@@ -400,12 +742,28 @@ inline constexpr ElementId kChoice_mesh_3[] = {
 inline constexpr ElementId kChoice_mesh_4[] = {
     ElementId::tristrips,
 };
+inline constexpr std::string_view kMembers_mesh_0[] = {
+    "@rotate",
+    "@quat",
+};
+inline constexpr Attribute kAttributes_mesh[] = {
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
 inline constexpr Slot kSlots_mesh[] = {
     {kChoice_mesh_0, "", 1, 1, ""},
     {kChoice_mesh_1, "", 0, 1, ""},
     {kChoice_mesh_2, "", 0, 1, ""},
     {kChoice_mesh_3, "", 0, 1, ""},
     {kChoice_mesh_4, "", 1, 1, ""},
+};
+inline constexpr Rule kRules_mesh[] = {
+    {RuleKind::exclusive, kMembers_mesh_0},
 };
 inline constexpr Slot kSlots_positions[] = {
     {kChoice_origin_0, "", 0, 0, ""},
@@ -444,6 +802,518 @@ inline constexpr Slot kSlots_tristrips[] = {
 inline constexpr Number kNumbers_tristrip[] = {
     {"index", 0, 4294967294, false, false},
 };
+inline constexpr Attribute kAttributes_tristrip[] = {
+    {"count", 0, true, false, {ValueKind::integer, 1, kNumbers_group_count, {}, Dimension::none, false, false, 1, 0}},
+};
+inline constexpr Attribute kAttributes_param[] = {
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"value", 1, true, true, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"doc", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+};
+inline constexpr std::string_view kWords_named_material_sides[] = {
+    "1",
+    "2",
+};
+inline constexpr Number kNumbers_named_material_map_repeat[] = {
+    {"u", 1e-06, 1000000.0, false, false},
+    {"v", 1e-06, 1000000.0, false, false},
+};
+inline constexpr ElementId kChoice_named_material_8[] = {
+    ElementId::cutout,
+};
+inline constexpr ElementId kChoice_named_material_9[] = {
+    ElementId::lambert,
+    ElementId::ggx,
+    ElementId::conductor,
+    ElementId::mirror,
+    ElementId::coat,
+    ElementId::cells,
+    ElementId::provenance,
+};
+inline constexpr Attribute kAttributes_named_material[] = {
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"base", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"preset", 1, false, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"sides", 1, false, false, {ValueKind::word, 1, {}, kWords_named_material_sides, Dimension::none, false, false, 1, 0}},
+    {"albedo_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"normal_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"roughness_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"map_repeat", 1, true, false, {ValueKind::real, 2, kNumbers_named_material_map_repeat, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Slot kSlots_named_material[] = {
+    {kChoice_material_0, "", 0, 1, ""},
+    {kChoice_material_1, "", 0, 1, ""},
+    {kChoice_material_2, "", 0, 1, ""},
+    {kChoice_material_3, "", 0, 1, ""},
+    {kChoice_material_4, "", 0, 1, ""},
+    {kChoice_material_5, "", 0, 1, ""},
+    {kChoice_material_6, "", 0, 1, ""},
+    {kChoice_material_7, "", 0, 1, ""},
+    {kChoice_named_material_8, "", 0, 1, ""},
+    {kChoice_named_material_9, "", 0, 0, ""},
+};
+inline constexpr Number kNumbers_cutout_threshold[] = {
+    {"threshold", 0, 1, false, false},
+};
+inline constexpr Attribute kAttributes_cutout[] = {
+    {"image", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"threshold", 1, true, false, {ValueKind::real, 1, kNumbers_cutout_threshold, {}, Dimension::none, false, false, 1, 0}},
+};
+inline constexpr Attribute kAttributes_part[] = {
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+};
+inline constexpr Number kNumbers_budget_nearest[] = {
+    {"nearest", 0, 1e+30, true, false},
+};
+inline constexpr Number kNumbers_budget_ifov[] = {
+    {"ifov", 0, 1, true, false},
+};
+inline constexpr Number kNumbers_budget_pixels[] = {
+    {"pixels", 0, 1000000.0, true, false},
+};
+inline constexpr Number kNumbers_budget_flux[] = {
+    {"flux", 0, 1, true, false},
+};
+inline constexpr Number kNumbers_budget_centroid[] = {
+    {"centroid", 0, 1000000.0, true, false},
+};
+inline constexpr std::string_view kMembers_budget_0[] = {
+    "@tolerance",
+    "@nearest",
+    "@flux",
+};
+inline constexpr std::string_view kMembers_budget_1[] = {
+    "@nearest",
+    "@ifov",
+};
+inline constexpr std::string_view kMembers_budget_2[] = {
+    "@pixels",
+    "@nearest",
+};
+inline constexpr std::string_view kMembers_budget_3[] = {
+    "@centroid",
+    "@nearest",
+};
+inline constexpr Attribute kAttributes_budget[] = {
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"nearest", 1, true, false, {ValueKind::real, 1, kNumbers_budget_nearest, {}, Dimension::length, false, false, 1, 0}},
+    {"ifov", 1, true, false, {ValueKind::real, 1, kNumbers_budget_ifov, {}, Dimension::angle, false, false, 1, 0}},
+    {"pixels", 1, true, false, {ValueKind::real, 1, kNumbers_budget_pixels, {}, Dimension::pixels, false, false, 1, 0}},
+    {"flux", 1, true, false, {ValueKind::real, 1, kNumbers_budget_flux, {}, Dimension::ratio, false, false, 1, 0}},
+    {"centroid", 1, true, false, {ValueKind::real, 1, kNumbers_budget_centroid, {}, Dimension::pixels, false, false, 1, 0}},
+};
+inline constexpr Rule kRules_budget[] = {
+    {RuleKind::any_of, kMembers_budget_0},
+    {RuleKind::together, kMembers_budget_1},
+    {RuleKind::requires_others, kMembers_budget_2},
+    {RuleKind::requires_others, kMembers_budget_3},
+};
+inline constexpr Attribute kAttributes_node[] = {
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Attribute kAttributes_use[] = {
+    {"part", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Number kNumbers_repeat_count[] = {
+    {"count", 0, 1000000000, false, false},
+};
+inline constexpr Attribute kAttributes_repeat[] = {
+    {"count", 1, true, true, {ValueKind::integer, 1, kNumbers_repeat_count, {}, Dimension::none, false, false, 1, 0}},
+    {"var", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Attribute kAttributes_include_1[] = {
+    {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"type", 1, true, false, {ValueKind::word, 1, {}, kWords_include_type, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr std::string_view kMembers_transform_1_0[] = {
+    "@scale",
+    "scaling",
+};
+inline constexpr std::string_view kMembers_transform_1_1[] = {
+    "@rotate",
+    "@quat",
+    "rotation",
+};
+inline constexpr std::string_view kMembers_transform_1_2[] = {
+    "@translate",
+    "translation",
+};
+inline constexpr Slot kSlots_transform_1[] = {
+    {kChoice_transform_0, "", 0, 1, ""},
+    {kChoice_transform_1, "", 0, 1, ""},
+    {kChoice_transform_2, "", 0, 1, ""},
+    {kChoice_transform_3, "", 0, 1, ""},
+    {kChoice_pangu_model_0, "node", 0, 0, ""},
+};
+inline constexpr Rule kRules_transform_1[] = {
+    {RuleKind::exclusive, kMembers_transform_1_0},
+    {RuleKind::exclusive, kMembers_transform_1_1},
+    {RuleKind::exclusive, kMembers_transform_1_2},
+    {RuleKind::exclusive, kMembers_mesh_0},
+};
+inline constexpr std::string_view kMembers_frame_0[] = {
+    "@rotate",
+    "@quat",
+    "@forward",
+};
+inline constexpr std::string_view kMembers_frame_1[] = {
+    "@forward",
+    "@up",
+};
+inline constexpr Attribute kAttributes_frame[] = {
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"forward", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}},
+    {"up", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}},
+};
+inline constexpr Rule kRules_frame[] = {
+    {RuleKind::exclusive, kMembers_frame_0},
+    {RuleKind::together, kMembers_frame_1},
+};
+inline constexpr Attribute kAttributes_keypoint[] = {
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+};
+inline constexpr Number kNumbers_decal_size[] = {
+    {"width", 0, 1e+30, true, false},
+    {"height", 0, 1e+30, true, false},
+};
+inline constexpr Attribute kAttributes_decal[] = {
+    {"on", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"image", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"size", 1, true, true, {ValueKind::real, 2, kNumbers_decal_size, {}, Dimension::length, false, true, 1, 0}},
+    {"normal", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}},
+    {"up", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+};
+inline constexpr Number kNumbers_sphere_1_radius[] = {
+    {"radius", 0, 1e+30, true, false},
+};
+inline constexpr Number kNumbers_sphere_1_latitude[] = {
+    {"lowest", -1.5707963267948968, 1.5707963267948968, false, false},
+    {"highest", -1.5707963267948968, 1.5707963267948968, false, false},
+};
+inline constexpr Number kNumbers_sphere_1_rings[] = {
+    {"rings", 2, 1000000, false, false},
+};
+inline constexpr Number kNumbers_sphere_1_quads[] = {
+    {"quads", 3, 1000000, false, false},
+};
+inline constexpr Number kNumbers_sphere_1_sector[] = {
+    {"begin", -1000.0, 1000.0, false, false},
+    {"end", -1000.0, 1000.0, false, false},
+};
+inline constexpr std::string_view kMembers_sphere_1_0[] = {
+    "@rings",
+    "@quads",
+};
+inline constexpr Attribute kAttributes_sphere_1[] = {
+    {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}},
+    {"latitude", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_latitude, {}, Dimension::angle, false, false, 1, 0}},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_sphere_1_rings, {}, Dimension::none, false, false, 1, 0}},
+    {"quads", 1, true, false, {ValueKind::integer, 1, kNumbers_sphere_1_quads, {}, Dimension::none, false, false, 1, 0}},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Rule kRules_sphere_1[] = {
+    {RuleKind::together, kMembers_sphere_1_0},
+    {RuleKind::exclusive, kMembers_mesh_0},
+};
+inline constexpr Number kNumbers_ellipsoid_radii[] = {
+    {"x", 0, 1e+30, true, false},
+    {"y", 0, 1e+30, true, false},
+    {"z", 0, 1e+30, true, false},
+};
+inline constexpr Number kNumbers_ellipsoid_segments[] = {
+    {"segments", 1, 1000000, false, false},
+};
+inline constexpr Number kNumbers_ellipsoid_rings[] = {
+    {"rings", 1, 1000000, false, false},
+};
+inline constexpr Attribute kAttributes_ellipsoid[] = {
+    {"radii", 1, true, true, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Number kNumbers_box_bevel[] = {
+    {"bevel", 0, 1e+30, false, false},
+};
+inline constexpr std::string_view kWords_box_edges[] = {
+    "flat",
+    "round",
+};
+inline constexpr Attribute kAttributes_box[] = {
+    {"size", 1, true, true, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}},
+    {"bevel", 1, true, false, {ValueKind::real, 1, kNumbers_box_bevel, {}, Dimension::length, false, false, 1, 0}},
+    {"edges", 1, true, false, {ValueKind::word, 1, {}, kWords_box_edges, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Number kNumbers_cylinder_height[] = {
+    {"height", 0, 1e+30, true, false},
+};
+inline constexpr std::string_view kWords_cylinder_caps[] = {
+    "both",
+    "none",
+    "bottom",
+    "top",
+};
+inline constexpr Attribute kAttributes_cylinder[] = {
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}},
+    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}},
+    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Number kNumbers_cone_radius[] = {
+    {"radius", 0, 1e+30, false, false},
+};
+inline constexpr Number kNumbers_cone_top_radius[] = {
+    {"top_radius", 0, 1e+30, false, false},
+};
+inline constexpr Attribute kAttributes_cone[] = {
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_cone_radius, {}, Dimension::length, false, false, 1, 0}},
+    {"top_radius", 1, true, false, {ValueKind::real, 1, kNumbers_cone_top_radius, {}, Dimension::length, false, false, 1, 0}},
+    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}},
+    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Number kNumbers_disc_inner_radius[] = {
+    {"inner_radius", 0, 1e+30, false, false},
+};
+inline constexpr Attribute kAttributes_disc[] = {
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}},
+    {"inner_radius", 1, true, false, {ValueKind::real, 1, kNumbers_disc_inner_radius, {}, Dimension::length, false, false, 1, 0}},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Number kNumbers_torus_tube_radius[] = {
+    {"tube_radius", 0, 1e+30, true, false},
+};
+inline constexpr Attribute kAttributes_torus[] = {
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}},
+    {"tube_radius", 1, true, true, {ValueKind::real, 1, kNumbers_torus_tube_radius, {}, Dimension::length, false, false, 1, 0}},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Number kNumbers_dish_diameter[] = {
+    {"diameter", 0, 1e+30, true, false},
+};
+inline constexpr Number kNumbers_dish_focal_length[] = {
+    {"focal_length", 0, 1e+30, true, false},
+};
+inline constexpr Number kNumbers_dish_thickness[] = {
+    {"thickness", 0, 1e+30, false, false},
+};
+inline constexpr Attribute kAttributes_dish[] = {
+    {"diameter", 1, true, true, {ValueKind::real, 1, kNumbers_dish_diameter, {}, Dimension::length, false, false, 1, 0}},
+    {"focal_length", 1, true, true, {ValueKind::real, 1, kNumbers_dish_focal_length, {}, Dimension::length, false, false, 1, 0}},
+    {"thickness", 1, true, false, {ValueKind::real, 1, kNumbers_dish_thickness, {}, Dimension::length, false, false, 1, 0}},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Number kNumbers_plane_size[] = {
+    {"x", 0, 1e+30, true, false},
+    {"y", 0, 1e+30, true, false},
+};
+inline constexpr Attribute kAttributes_plane[] = {
+    {"size", 1, true, true, {ValueKind::real, 2, kNumbers_plane_size, {}, Dimension::length, false, true, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr std::string_view kWords_tube_curve[] = {
+    "polyline",
+    "spline",
+};
+inline constexpr std::string_view kWords_tube_closed[] = {
+    "0",
+    "1",
+};
+inline constexpr ElementId kChoice_tube_0[] = {
+    ElementId::path,
+};
+inline constexpr Attribute kAttributes_tube[] = {
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}},
+    {"inner_radius", 1, true, false, {ValueKind::real, 1, kNumbers_disc_inner_radius, {}, Dimension::length, false, false, 1, 0}},
+    {"curve", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_curve, Dimension::none, false, false, 1, 0}},
+    {"closed", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_closed, Dimension::none, false, false, 1, 0}},
+    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Slot kSlots_tube[] = {
+    {kChoice_tube_0, "", 1, 1, ""},
+};
+inline constexpr ElementId kChoice_lathe_0[] = {
+    ElementId::profile,
+};
+inline constexpr Attribute kAttributes_lathe[] = {
+    {"curve", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_curve, Dimension::none, false, false, 1, 0}},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Slot kSlots_lathe[] = {
+    {kChoice_lathe_0, "", 1, 1, ""},
+};
+inline constexpr Number kNumbers_extrude_smooth[] = {
+    {"smooth", 0, 3.1415926535897936, false, false},
+};
+inline constexpr ElementId kChoice_extrude_0[] = {
+    ElementId::outline,
+};
+inline constexpr ElementId kChoice_extrude_1[] = {
+    ElementId::hole,
+};
+inline constexpr Attribute kAttributes_extrude[] = {
+    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}},
+    {"smooth", 1, true, false, {ValueKind::real, 1, kNumbers_extrude_smooth, {}, Dimension::angle, false, false, 1, 0}},
+    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Slot kSlots_extrude[] = {
+    {kChoice_extrude_0, "", 1, 1, ""},
+    {kChoice_extrude_1, "", 0, 0, ""},
+};
+inline constexpr ElementId kChoice_polygons_0[] = {
+    ElementId::vertices,
+};
+inline constexpr ElementId kChoice_polygons_1[] = {
+    ElementId::face,
+};
+inline constexpr Attribute kAttributes_polygons[] = {
+    {"smooth", 1, true, false, {ValueKind::real, 1, kNumbers_extrude_smooth, {}, Dimension::angle, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Slot kSlots_polygons[] = {
+    {kChoice_polygons_0, "", 1, 1, ""},
+    {kChoice_polygons_1, "", 1, 0, ""},
+};
+inline constexpr Number kNumbers_path[] = {
+    {"coordinate", -1e+30, 1e+30, false, false},
+};
+inline constexpr ElementId kChoice_face_0[] = {
+    ElementId::face_outline,
+};
+inline constexpr ElementId kChoice_face_1[] = {
+    ElementId::face_hole,
+};
+inline constexpr Slot kSlots_face[] = {
+    {kChoice_face_0, "", 1, 1, ""},
+    {kChoice_face_1, "", 0, 0, ""},
+};
 inline constexpr std::string_view kWords_mli_type[] = {
     "flat",
     "cone",
@@ -458,7 +1328,7 @@ inline constexpr ElementId kChoice_mli_1[] = {
     ElementId::mli_operations,
 };
 inline constexpr Attribute kAttributes_mli[] = {
-    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_mli_type, ""}},
+    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_mli_type, Dimension::none, false, false, 1, 0}},
 };
 inline constexpr Slot kSlots_mli[] = {
     {kChoice_mli_0, "", 1, 1, ""},
@@ -480,9 +1350,6 @@ inline constexpr Slot kSlots_mli_settings[] = {
 };
 inline constexpr Number kNumbers_width[] = {
     {"width", 0, 1e+30, true, false},
-};
-inline constexpr Number kNumbers_height[] = {
-    {"height", 0, 1e+30, true, false},
 };
 inline constexpr Number kNumbers_xgrid[] = {
     {"cells", 1, 100000, false, false},
@@ -517,7 +1384,7 @@ inline constexpr Element kElements[] = {
      kAttributes_pangu_model, kSlots_pangu_model, {}},
     {"group", 0, true,
      {},
-     kAttributes_group, kSlots_pangu_model, {}},
+     kAttributes_group, kSlots_group, {}},
     {"child", 0, true,
      {},
      {}, kSlots_child, {}},
@@ -528,19 +1395,19 @@ inline constexpr Element kElements[] = {
      {},
      {}, kSlots_transform, {}},
     {"scaling", 0, true,
-     {ValueKind::real, 3, kNumbers_scaling, {}, ""},
+     {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}},
     {"rotation", 0, true,
-     {ValueKind::real, 3, kNumbers_rotation, {}, "degrees"},
+     {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0},
      {}, {}, {}},
     {"translation", 0, true,
-     {ValueKind::real, 3, kNumbers_translation, {}, "metres"},
+     {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0},
      {}, {}, {}},
     {"rotate", 0, true,
      {},
      {}, kSlots_rotate, {}},
     {"quat", 0, true,
-     {ValueKind::real, 4, kNumbers_quat, {}, ""},
+     {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}},
     {"frame_s", 0, true,
      {},
@@ -564,28 +1431,28 @@ inline constexpr Element kElements[] = {
      {},
      {}, kSlots_material, kRules_material},
     {"diffuse", 0, true,
-     {ValueKind::real, 3, kNumbers_diffuse, {}, ""},
+     {ValueKind::real, 3, kNumbers_diffuse, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}},
     {"specular", 0, true,
-     {ValueKind::real, 3, kNumbers_diffuse, {}, ""},
+     {ValueKind::real, 3, kNumbers_diffuse, {}, Dimension::none, false, false, 1, 0},
      kAttributes_specular, {}, {}},
     {"emissive", 0, true,
-     {ValueKind::real, 3, kNumbers_diffuse, {}, ""},
+     {ValueKind::real, 3, kNumbers_diffuse, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}},
     {"reflect", 0, true,
-     {ValueKind::real, 3, kNumbers_reflect, {}, ""},
+     {ValueKind::real, 3, kNumbers_reflect, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}},
     {"refract", 0, true,
-     {ValueKind::real, 3, kNumbers_refract, {}, ""},
+     {ValueKind::real, 3, kNumbers_refract, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}},
     {"cook", 0, true,
-     {ValueKind::real, 4, kNumbers_cook, {}, ""},
+     {ValueKind::real, 4, kNumbers_cook, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}},
     {"oren", 0, true,
-     {ValueKind::real, 1, kNumbers_oren, {}, "radians"},
+     {ValueKind::real, 1, kNumbers_oren, {}, Dimension::angle, true, false, 1, 0},
      {}, {}, {}},
     {"hapke", 0, true,
-     {ValueKind::real, 4, kNumbers_hapke, {}, ""},
+     {ValueKind::real, 4, kNumbers_hapke, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}},
     {"texture", 0, true,
      {},
@@ -601,7 +1468,7 @@ inline constexpr Element kElements[] = {
      kAttributes_sphere, {}, {}},
     {"mesh", 0, true,
      {},
-     {}, kSlots_mesh, {}},
+     kAttributes_mesh, kSlots_mesh, kRules_mesh},
     {"positions", 0, true,
      {},
      {}, kSlots_positions, {}},
@@ -615,23 +1482,155 @@ inline constexpr Element kElements[] = {
      {},
      {}, kSlots_texcoords, {}},
     {"vec3", 0, true,
-     {ValueKind::real, 3, kNumbers_translation, {}, "metres"},
+     {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0},
      {}, {}, {}},
     {"vec3", 0, true,
-     {ValueKind::real, 3, kNumbers_translation, {}, ""},
+     {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}},
     {"vec3", 0, true,
-     {ValueKind::real, 3, kNumbers_texcoord, {}, ""},
+     {ValueKind::real, 3, kNumbers_texcoord, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}},
     {"rgb", 0, true,
-     {ValueKind::real, 3, kNumbers_rgb, {}, ""},
+     {ValueKind::real, 3, kNumbers_rgb, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}},
     {"tristrips", 0, true,
      {},
      {}, kSlots_tristrips, {}},
     {"tristrip", 0, true,
-     {ValueKind::integer, 0, kNumbers_tristrip, {}, ""},
-     kAttributes_group, {}, {}},
+     {ValueKind::integer, 0, kNumbers_tristrip, {}, Dimension::none, false, false, 1, 0},
+     kAttributes_tristrip, {}, {}},
+    {"param", 1, true,
+     {},
+     kAttributes_param, {}, {}},
+    {"material", 1, true,
+     {},
+     kAttributes_named_material, kSlots_named_material, {}},
+    {"cutout", 1, true,
+     {},
+     kAttributes_cutout, {}, {}},
+    {"lambert", 1, false,
+     {},
+     {}, {}, {}},
+    {"ggx", 1, false,
+     {},
+     {}, {}, {}},
+    {"conductor", 1, false,
+     {},
+     {}, {}, {}},
+    {"mirror", 1, false,
+     {},
+     {}, {}, {}},
+    {"coat", 1, false,
+     {},
+     {}, {}, {}},
+    {"cells", 1, false,
+     {},
+     {}, {}, {}},
+    {"provenance", 1, false,
+     {},
+     {}, {}, {}},
+    {"part", 1, true,
+     {},
+     kAttributes_part, kSlots_group, {}},
+    {"budget", 1, true,
+     {},
+     kAttributes_budget, {}, kRules_budget},
+    {"node", 1, true,
+     {},
+     kAttributes_node, kSlots_group, kRules_mesh},
+    {"use", 1, true,
+     {},
+     kAttributes_use, {}, kRules_mesh},
+    {"repeat", 1, true,
+     {},
+     kAttributes_repeat, kSlots_group, kRules_mesh},
+    {"include", 1, true,
+     {},
+     kAttributes_include_1, {}, kRules_mesh},
+    {"transform", 1, true,
+     {},
+     kAttributes_node, kSlots_transform_1, kRules_transform_1},
+    {"frame", 1, true,
+     {},
+     kAttributes_frame, {}, kRules_frame},
+    {"keypoint", 1, true,
+     {},
+     kAttributes_keypoint, {}, {}},
+    {"decal", 1, true,
+     {},
+     kAttributes_decal, {}, {}},
+    {"sphere", 1, true,
+     {},
+     kAttributes_sphere_1, {}, kRules_sphere_1},
+    {"ellipsoid", 1, true,
+     {},
+     kAttributes_ellipsoid, {}, kRules_mesh},
+    {"box", 1, true,
+     {},
+     kAttributes_box, {}, kRules_mesh},
+    {"cylinder", 1, true,
+     {},
+     kAttributes_cylinder, {}, kRules_mesh},
+    {"cone", 1, true,
+     {},
+     kAttributes_cone, {}, kRules_mesh},
+    {"disc", 1, true,
+     {},
+     kAttributes_disc, {}, kRules_mesh},
+    {"torus", 1, true,
+     {},
+     kAttributes_torus, {}, kRules_mesh},
+    {"dish", 1, true,
+     {},
+     kAttributes_dish, {}, kRules_mesh},
+    {"plane", 1, true,
+     {},
+     kAttributes_plane, {}, kRules_mesh},
+    {"tube", 1, true,
+     {},
+     kAttributes_tube, kSlots_tube, kRules_mesh},
+    {"lathe", 1, true,
+     {},
+     kAttributes_lathe, kSlots_lathe, kRules_mesh},
+    {"extrude", 1, true,
+     {},
+     kAttributes_extrude, kSlots_extrude, kRules_mesh},
+    {"polygons", 1, true,
+     {},
+     kAttributes_polygons, kSlots_polygons, kRules_mesh},
+    {"path", 1, true,
+     {ValueKind::real, 0, kNumbers_path, {}, Dimension::length, false, false, 3, 2},
+     {}, {}, {}},
+    {"profile", 1, true,
+     {ValueKind::real, 0, kNumbers_path, {}, Dimension::length, false, false, 2, 2},
+     {}, {}, {}},
+    {"outline", 1, true,
+     {ValueKind::real, 0, kNumbers_path, {}, Dimension::length, false, false, 2, 3},
+     {}, {}, {}},
+    {"hole", 1, true,
+     {ValueKind::real, 0, kNumbers_path, {}, Dimension::length, false, false, 2, 3},
+     {}, {}, {}},
+    {"vertices", 1, true,
+     {ValueKind::real, 0, kNumbers_path, {}, Dimension::length, false, false, 3, 3},
+     {}, {}, {}},
+    {"face", 1, true,
+     {},
+     {}, kSlots_face, {}},
+    {"outline", 1, true,
+     {ValueKind::integer, 0, kNumbers_tristrip, {}, Dimension::none, false, false, 1, 3},
+     {}, {}, {}},
+    {"hole", 1, true,
+     {ValueKind::integer, 0, kNumbers_tristrip, {}, Dimension::none, false, false, 1, 3},
+     {}, {}, {}},
+    {"subdiv", 1, false,
+     {},
+     {}, {}, {}},
+    {"import", 1, false,
+     {},
+     {}, {}, {}},
+    {"joint", 1, false,
+     {},
+     {}, {}, {}},
     {"mli", 0, false,
      {},
      kAttributes_mli, kSlots_mli, {}},
@@ -639,34 +1638,33 @@ inline constexpr Element kElements[] = {
      {},
      {}, kSlots_mli_settings, {}},
     {"width", 0, false,
-     {ValueKind::real, 1, kNumbers_width, {}, "metres"},
+     {ValueKind::real, 1, kNumbers_width, {}, Dimension::length, false, false, 1, 0},
      {}, {}, {}},
     {"height", 0, false,
-     {ValueKind::real, 1, kNumbers_height, {}, "metres"},
+     {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0},
      {}, {}, {}},
     {"xgrid", 0, false,
-     {ValueKind::integer, 1, kNumbers_xgrid, {}, ""},
+     {ValueKind::integer, 1, kNumbers_xgrid, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}},
     {"mli_operations", 0, false,
      {},
      {}, kSlots_mli_operations, {}},
     {"random", 0, false,
-     {ValueKind::real, 1, kNumbers_random, {}, "metres"},
+     {ValueKind::real, 1, kNumbers_random, {}, Dimension::length, false, false, 1, 0},
      {}, {}, {}},
     {"smooth", 0, false,
-     {ValueKind::integer, 1, kNumbers_smooth, {}, ""},
+     {ValueKind::integer, 1, kNumbers_smooth, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}},
     {"constant", 0, false,
-     {ValueKind::real, 1, kNumbers_constant, {}, "metres"},
+     {ValueKind::real, 1, kNumbers_constant, {}, Dimension::length, false, false, 1, 0},
      {}, {}, {}},
     {"taper", 0, false,
-     {ValueKind::real, 4, kNumbers_taper, {}, "metres"},
+     {ValueKind::real, 4, kNumbers_taper, {}, Dimension::length, false, false, 1, 0},
      {}, {}, {}},
 };
-inline constexpr std::string_view kVersions[] = {"0"};
-inline constexpr std::string_view kPlanned[] = {"1"};
+inline constexpr std::string_view kVersions[] = {"0", "1"};
 }  // namespace tables
 
-inline constexpr Language kPxn = {tables::kElements, ElementId::pangu_model, tables::kVersions, tables::kPlanned};
+inline constexpr Language kPxn = {tables::kElements, ElementId::pangu_model, tables::kVersions};
 
 }  // namespace panwright::schemas

@@ -1,0 +1,55 @@
+// Names that expressions know: parameters, and variables of repeats.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "schemas/generated/pxn_schema.h"
+
+namespace panwright::pxn {
+
+// A number in SI and what it measures. Dimension::none fits everywhere.
+struct Quantity {
+  double value = 0;
+  schemas::Dimension dimension = schemas::Dimension::none;
+  bool operator==(const Quantity&) const = default;
+};
+
+// What bare numbers of a file mean.
+struct Units {
+  std::size_t level = 0;  // of the language; units and expressions are read from level 1 on
+  double length = 1;      // metres
+  double angle = 0.017453292519943295;  // radians
+};
+
+// A name hides that of an outer scope. Addresses of values stay as long as the scope lives.
+class Scope {
+ public:
+  explicit Scope(const Scope* outer = nullptr) : outer_(outer) {}
+
+  void set(std::string_view name, const Quantity& value) {
+    values_.insert_or_assign(std::string(name), value);
+  }
+  const Quantity* find(std::string_view name) const {
+    const auto own = values_.find(name);
+    if (own != values_.end()) return &own->second;
+    return outer_ == nullptr ? nullptr : outer_->find(name);
+  }
+  bool has_own(std::string_view name) const { return values_.contains(name); }
+  // All that find() finds, for a did-you-mean.
+  std::vector<std::string_view> names() const {
+    std::vector<std::string_view> all = outer_ == nullptr ? std::vector<std::string_view>{}
+                                                          : outer_->names();
+    for (const auto& [name, value] : values_) all.push_back(name);
+    return all;
+  }
+  const std::map<std::string, Quantity, std::less<>>& own() const { return values_; }
+
+ private:
+  const Scope* outer_;
+  std::map<std::string, Quantity, std::less<>> values_;
+};
+
+}  // namespace panwright::pxn
