@@ -56,6 +56,9 @@ struct Tables {
   std::vector<layout::Texture> textures;
   std::vector<layout::Frame> frames;
   std::vector<layout::Source> sources;
+  std::vector<layout::Need> need;
+  std::vector<layout::Keypoint> keypoints;
+  std::vector<layout::Decal> decals;
 };
 
 void add_meshes(const std::vector<PackedMesh>& meshes, Tables& tables) {
@@ -119,6 +122,30 @@ void add_textures(const std::vector<TextureContent>& textures, Tables& tables) {
   }
 }
 
+void add_truth(const Contents& contents, Tables& tables) {
+  assert(contents.mesh_needs.empty() || contents.mesh_needs.size() == contents.meshes.size());
+  if (contents.need) tables.need.push_back(*contents.need);
+  for (const KeypointContent& point : contents.keypoints) {
+    layout::Keypoint record{};
+    store(record.position, point.position);
+    record.node = point.node;
+    record.name = tables.strings.id(point.name);
+    tables.keypoints.push_back(record);
+  }
+  for (const DecalContent& decal : contents.decals) {
+    layout::Decal record{};
+    store(record.origin, decal.origin);
+    store(record.rotation, decal.rotation);
+    record.width = decal.width;
+    record.height = decal.height;
+    record.depth = decal.depth;
+    record.instance = decal.instance;
+    record.texture = decal.texture;
+    record.name = tables.strings.id(decal.name);
+    tables.decals.push_back(record);
+  }
+}
+
 Tables tables_of(const Contents& contents) {
   Tables tables;
   StringTable& strings = tables.strings;
@@ -154,6 +181,7 @@ Tables tables_of(const Contents& contents) {
   assert(contents.sources.empty() || contents.sources.size() == contents.instances.size());
   for (const SourceContent& source : contents.sources)
     tables.sources.push_back({strings.id(source.file), source.line, source.column, 0});
+  add_truth(contents, tables);
   return tables;
 }
 
@@ -216,7 +244,11 @@ bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log
       write_array(contents, &PackedMesh::normals, SectionKind::normals, writer, log) &&
       write_array(contents, &PackedMesh::texcoords, SectionKind::texcoords, writer, log) &&
       write_array(contents, &PackedMesh::colours, SectionKind::colours, writer, log) &&
-      write_indices(contents, writer, log) && write_texels(contents, writer, log);
+      write_indices(contents, writer, log) && write_texels(contents, writer, log) &&
+      writer.section(SectionKind::need, bytes_of(tables.need), log) &&
+      writer.section(SectionKind::mesh_needs, bytes_of(contents.mesh_needs), log) &&
+      writer.section(SectionKind::keypoints, bytes_of(tables.keypoints), log) &&
+      writer.section(SectionKind::decals, bytes_of(tables.decals), log);
   return sections &&
          writer.finish(build_identity(contents.inputs, contents.version, contents.options), log,
                        sync_seconds);

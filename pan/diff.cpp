@@ -66,7 +66,7 @@ struct Side {
   const Model& model;
   const char* letter;
   Ids strings;
-  Keys nodes, meshes, materials, textures, frames;
+  Keys nodes, meshes, materials, textures, frames, instances, keypoints, decals;
 
   Side(const Model& m, const char* name)
       : model(m),
@@ -76,7 +76,19 @@ struct Side {
         meshes(named_keys(m.meshes(), strings)),
         materials(named_keys(m.materials(), strings)),
         textures(named_keys(m.textures(), strings)),
-        frames(named_keys(m.frames(), strings)) {}
+        frames(named_keys(m.frames(), strings)),
+        instances(instance_keys(m)),
+        keypoints(named_keys(m.keypoints(), strings)),
+        decals(named_keys(m.decals(), strings)) {}
+
+ private:
+  Keys instance_keys(const Model& m) const {
+    Keys keys;
+    Numbering number;
+    for (const layout::Instance& instance : m.instances())
+      keys.push_back(number(joined({nodes[instance.node], meshes[instance.mesh]})));
+    return keys;
+  }
 };
 
 class Comparison {
@@ -109,10 +121,14 @@ class Comparison {
   void meshes();
   void mesh(const std::string& where, std::size_t i, std::size_t j);
   void vertices(const std::string& where, std::size_t i, std::size_t j);
+  bool other_picture(std::int32_t a, std::int32_t b) const;
   void instances();
   void materials();
   void textures();
   void frames();
+  void keypoints();
+  void decals();
+  void need();
   void inputs();
   void build();
   void sources();
@@ -164,12 +180,20 @@ std::string value_words(const layout::FieldRule& field, const std::byte* record)
   }
 }
 
-std::string law_words(const layout::FieldRule& field, const std::byte* record) {
+// A field that numbers the values of an enumeration.
+bool is_enumeration(const layout::FieldRule& field) {
+  const std::string_view name(field.name);
+  return name.ends_with("_law") || name == "reason";
+}
+
+std::string enumeration_words(const layout::FieldRule& field, const std::byte* record) {
   static constexpr const char* kDiffuse[] = {"lambert", "oren_nayar", "hapke"};
   static constexpr const char* kSpecular[] = {"none", "blinn_phong", "cook_torrance"};
   std::uint32_t value;
   std::memcpy(&value, record + field.offset, sizeof value);
-  return std::string_view(field.name) == "diffuse_law" ? kDiffuse[value] : kSpecular[value];
+  const std::string_view name(field.name);
+  if (name == "reason") return std::string(reason_name(static_cast<layout::NeedReason>(value)));
+  return name == "diffuse_law" ? kDiffuse[value] : kSpecular[value];
 }
 
 template <class Record>
@@ -179,9 +203,8 @@ void Comparison::fields(SectionKind kind, const std::string& where, const Record
   const auto* second = reinterpret_cast<const std::byte*>(&b);
   for (const layout::FieldRule& field : layout::kFieldRules) {
     if (field.section != kind || std::ranges::find(skipped, field.name) != skipped.end()) continue;
-    const bool law = std::string_view(field.name).ends_with("_law");
-    const std::string in_a = law ? law_words(field, first) : value_words(field, first);
-    const std::string in_b = law ? law_words(field, second) : value_words(field, second);
+    const auto words = is_enumeration(field) ? enumeration_words : value_words;
+    const std::string in_a = words(field, first), in_b = words(field, second);
     if (in_a != in_b) add(where, fmt::format("{}: {} in a, {} in b", field.name, in_a, in_b));
   }
 }
@@ -200,6 +223,21 @@ std::string texture_words(const Model& model, std::size_t i) {
 }
 std::string frame_words(const Model& model, std::size_t i) {
   return "frame " + in_quotes(model.frame_name(i));
+}
+std::string keypoint_words(const Model& model, std::size_t i) {
+  return "keypoint " + in_quotes(model.keypoint_name(i));
+}
+std::string decal_words(const Model& model, std::size_t i) {
+  return "decal " + in_quotes(model.decal_name(i));
+}
+std::string instance_words(const Model& model, std::size_t i) {
+  const layout::Instance& instance = model.instances()[i];
+  return fmt::format("{} at {}", mesh_words(model, instance.mesh),
+                     node_words(model, instance.node));
+}
+// A reference to a texture, which may be -1.
+std::string picture_words(const Model& model, std::int32_t texture) {
+  return texture < 0 ? "no texture" : texture_words(model, texture);
 }
 std::string input_words(const Model& model, std::size_t i) {
   return "input " + in_quotes(model.string(model.inputs()[i].path));
@@ -264,6 +302,9 @@ void Comparison::mesh(const std::string& where, std::size_t i, std::size_t j) {
   flag(layout::kMeshClosed, "closed");
   flag(layout::kMeshTexcoords, "texcoords");
   flag(layout::kMeshColours, "colours");
+  const auto needs_a = a_.model.mesh_needs(), needs_b = b_.model.mesh_needs();
+  if (!needs_a.empty() && !needs_b.empty())
+    fields(SectionKind::mesh_needs, where, needs_a[i], needs_b[j], {"reserved"});
   if (a.vertex_count == b.vertex_count) vertices(where, i, j);
   if (a.triangle_count == b.triangle_count) {
     const Indices in_a = a_.model.mesh(i).indices, in_b = b_.model.mesh(j).indices;
@@ -280,41 +321,43 @@ void Comparison::meshes() {
         [&](std::size_t i, std::size_t j) { mesh(mesh_words(a_.model, i), i, j); });
 }
 
-Keys instance_keys(const Side& side) {
-  Keys keys;
-  Numbering number;
-  for (const layout::Instance& instance : side.model.instances())
-    keys.push_back(number(joined({side.nodes[instance.node], side.meshes[instance.mesh]})));
-  return keys;
+bool Comparison::other_picture(std::int32_t a, std::int32_t b) const {
+  if (a < 0 || b < 0) return a != b;
+  return a_.textures[a] != b_.textures[b];
 }
 
 void Comparison::instances() {
-  const auto where = [](const Model& model, std::size_t i) {
-    const layout::Instance& instance = model.instances()[i];
-    return fmt::format("{} at {}", mesh_words(model, instance.mesh),
-                       node_words(model, instance.node));
-  };
-  const auto texture = [](const Side& side, std::int32_t t) {
-    return t < 0 ? std::string("no texture") : texture_words(side.model, t);
-  };
-  match(out_.model, instance_keys(a_), instance_keys(b_), where, [&](std::size_t i, std::size_t j) {
+  match(out_.model, a_.instances, b_.instances, instance_words, [&](std::size_t i, std::size_t j) {
     const layout::Instance& a = a_.model.instances()[i];
     const layout::Instance& b = b_.model.instances()[j];
     if (a_.materials[a.material] != b_.materials[b.material])
-      add(where(a_.model, i), fmt::format("{} in a, {} in b", material_words(a_.model, a.material),
-                                          material_words(b_.model, b.material)));
-    const Hash128 none;
-    if ((a.texture < 0 ? none : a_.textures[a.texture]) !=
-        (b.texture < 0 ? none : b_.textures[b.texture]))
-      add(where(a_.model, i),
-          fmt::format("{} in a, {} in b", texture(a_, a.texture), texture(b_, b.texture)));
+      add(instance_words(a_.model, i),
+          fmt::format("{} in a, {} in b", material_words(a_.model, a.material),
+                      material_words(b_.model, b.material)));
+    if (other_picture(a.texture, b.texture))
+      add(instance_words(a_.model, i),
+          fmt::format("{} in a, {} in b", picture_words(a_.model, a.texture),
+                      picture_words(b_.model, b.texture)));
   });
 }
 
 void Comparison::materials() {
   match(out_.model, a_.materials, b_.materials, material_words, [&](std::size_t i, std::size_t j) {
-    fields(SectionKind::materials, material_words(a_.model, i), a_.model.materials()[i],
-           b_.model.materials()[j], {"flags", "name", "reserved"});
+    const std::string where = material_words(a_.model, i);
+    const layout::Material& a = a_.model.materials()[i];
+    const layout::Material& b = b_.model.materials()[j];
+    fields(
+        SectionKind::materials, where, a, b,
+        {"flags", "name", "reserved", "albedo_map", "normal_map", "roughness_map", "cutout_map"});
+    const auto map = [&](const char* name, std::int32_t in_a, std::int32_t in_b) {
+      if (other_picture(in_a, in_b))
+        add(where, fmt::format("{}: {} in a, {} in b", name, picture_words(a_.model, in_a),
+                               picture_words(b_.model, in_b)));
+    };
+    map("albedo_map", a.albedo_map, b.albedo_map);
+    map("normal_map", a.normal_map, b.normal_map);
+    map("roughness_map", a.roughness_map, b.roughness_map);
+    map("cutout_map", a.cutout_map, b.cutout_map);
   });
 }
 
@@ -350,6 +393,44 @@ void Comparison::frames() {
       add(where, fmt::format("at {} in a, at {} in b", node_words(a_.model, a.node),
                              node_words(b_.model, b.node)));
   });
+}
+
+void Comparison::keypoints() {
+  match(out_.model, a_.keypoints, b_.keypoints, keypoint_words, [&](std::size_t i, std::size_t j) {
+    const std::string where = keypoint_words(a_.model, i);
+    const layout::Keypoint& a = a_.model.keypoints()[i];
+    const layout::Keypoint& b = b_.model.keypoints()[j];
+    fields(SectionKind::keypoints, where, a, b, {"node", "name"});
+    if (a_.nodes[a.node] != b_.nodes[b.node])
+      add(where, fmt::format("at {} in a, at {} in b", node_words(a_.model, a.node),
+                             node_words(b_.model, b.node)));
+  });
+}
+
+void Comparison::decals() {
+  match(out_.model, a_.decals, b_.decals, decal_words, [&](std::size_t i, std::size_t j) {
+    const std::string where = decal_words(a_.model, i);
+    const layout::Decal& a = a_.model.decals()[i];
+    const layout::Decal& b = b_.model.decals()[j];
+    fields(SectionKind::decals, where, a, b, {"instance", "texture", "name", "reserved"});
+    if (a_.instances[a.instance] != b_.instances[b.instance])
+      add(where, fmt::format("on {} in a, on {} in b", instance_words(a_.model, a.instance),
+                             instance_words(b_.model, b.instance)));
+    if (a_.textures[a.texture] != b_.textures[b.texture])
+      add(where, fmt::format("{} in a, {} in b", texture_words(a_.model, a.texture),
+                             texture_words(b_.model, b.texture)));
+  });
+}
+
+void Comparison::need() {
+  const auto only_in = [](bool in_a) { return in_a ? "only in a" : "only in b"; };
+  const layout::Need *a = a_.model.need(), *b = b_.model.need();
+  if (a && b)
+    fields(SectionKind::need, "need", *a, *b, {"reserved"});
+  else if (a || b)
+    add("need", only_in(a != nullptr));
+  const bool in_a = !a_.model.mesh_needs().empty(), in_b = !b_.model.mesh_needs().empty();
+  if (in_a != in_b) add("needs of the meshes", only_in(in_a));
 }
 
 void Comparison::build() {
@@ -429,6 +510,9 @@ Differences Comparison::run() {
   materials();
   textures();
   frames();
+  keypoints();
+  decals();
+  need();
   unknown_sections();
   build();
   inputs();

@@ -24,9 +24,9 @@ struct Differences {
   bool same_model() const { return model.empty(); }
 };
 
-// Compares two models: nodes by their path of names, meshes, materials, textures and frames by
-// name, instances by node and mesh; equal names in their order. A mesh's positions are compared
-// with its origin added, in double.
+// Compares two models: nodes by their path of names, meshes, materials, textures, frames,
+// keypoints and decals by name, instances by node and mesh; equal names in their order. A mesh's
+// positions are compared with its origin added, in double.
 //
 //   limit    differences kept in each list
 //   returns  empty() exactly when the files are equal byte for byte

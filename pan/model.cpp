@@ -299,6 +299,19 @@ std::span<const layout::Frame> Model::frames() const {
 std::span<const layout::Source> Model::sources() const {
   return array<layout::Source>(SectionKind::sources);
 }
+const layout::Need* Model::need() const {
+  const auto records = array<layout::Need>(SectionKind::need);
+  return records.empty() ? nullptr : records.data();
+}
+std::span<const layout::MeshNeed> Model::mesh_needs() const {
+  return array<layout::MeshNeed>(SectionKind::mesh_needs);
+}
+std::span<const layout::Keypoint> Model::keypoints() const {
+  return array<layout::Keypoint>(SectionKind::keypoints);
+}
+std::span<const layout::Decal> Model::decals() const {
+  return array<layout::Decal>(SectionKind::decals);
+}
 std::span<const layout::Input> Model::inputs() const {
   return array<layout::Input>(SectionKind::inputs);
 }
@@ -435,6 +448,17 @@ Mat4 node_from_frame(const layout::Frame& frame) {
   return matrix_from_trs(vec3(frame.origin), quat(frame.rotation), Vec3(1));
 }
 
+std::string_view reason_name(layout::NeedReason reason) {
+  constexpr std::string_view kNames[] = {
+      "explicit_counts", "tolerance", "shape", "pixels", "flux", "centroid", "command_line"};
+  assert(static_cast<std::size_t>(reason) < std::size(kNames));
+  return kNames[static_cast<std::size_t>(reason)];
+}
+
+Mat4 mesh_from_decal(const layout::Decal& decal) {
+  return matrix_from_trs(vec3(decal.origin), quat(decal.rotation), Vec3(1));
+}
+
 materials::Material material_from(const layout::Material& record, std::string_view name) {
   materials::Material material;
   material.name = name;
@@ -449,7 +473,8 @@ materials::Material material_from(const layout::Material& record, std::string_vi
   for (int k = 0; k < 4; ++k) material.cook[k] = record.cook[k];
   for (int k = 0; k < 4; ++k) material.hapke[k] = record.hapke[k];
   material.oren = record.oren;
-  material.maps = {record.albedo_map, record.normal_map, record.roughness_map, record.cutout_map,
+  material.maps = {record.albedo_map,       record.normal_map,
+                   record.roughness_map,    record.cutout_map,
                    record.cutout_threshold, Vec2(record.map_repeat[0], record.map_repeat[1])};
   return material;
 }
@@ -475,8 +500,7 @@ layout::Material record_from(const materials::Material& material, std::uint32_t 
   record.roughness_map = material.maps.roughness;
   record.cutout_map = material.maps.cutout;
   record.cutout_threshold = static_cast<float>(material.maps.threshold);
-  for (int k = 0; k < 2; ++k)
-    record.map_repeat[k] = static_cast<float>(material.maps.repeat[k]);
+  for (int k = 0; k < 2; ++k) record.map_repeat[k] = static_cast<float>(material.maps.repeat[k]);
   return record;
 }
 

@@ -96,7 +96,11 @@ class Model {
   std::span<const layout::Material> materials() const;  // a std430 buffer as it stands
   std::span<const layout::Texture> textures() const;
   std::span<const layout::Frame> frames() const;
-  std::span<const layout::Source> sources() const;  // one for each instance, or empty
+  std::span<const layout::Source> sources() const;       // one for each instance, or empty
+  const layout::Need* need() const;                      // null: the model was compiled for nothing
+  std::span<const layout::MeshNeed> mesh_needs() const;  // one for each mesh, or empty
+  std::span<const layout::Keypoint> keypoints() const;
+  std::span<const layout::Decal> decals() const;  // later ones lie over earlier ones
   std::span<const layout::Input> inputs() const;
   std::span<const layout::Build> builds() const;  // 1 after check()
 
@@ -120,6 +124,10 @@ class Model {
   }
   std::string_view texture_name(std::size_t index) const { return string(textures()[index].name); }
   std::string_view frame_name(std::size_t index) const { return string(frames()[index].name); }
+  std::string_view keypoint_name(std::size_t index) const {
+    return string(keypoints()[index].name);
+  }
+  std::string_view decal_name(std::size_t index) const { return string(decals()[index].name); }
   std::optional<std::size_t> find_frame(std::string_view name) const;  // the first of that name
   std::string_view version() const;  // of the program that made the file
   std::string_view options() const;
@@ -159,8 +167,12 @@ materials::Material material_from(const layout::Material& record, std::string_vi
 // The record of a material, rounded to float. The name is a string id.
 layout::Material record_from(const materials::Material& material, std::uint32_t name);
 
-// Node and frame matrices.
+// "flux", "pixels"…: a value's name in the format.
+std::string_view reason_name(layout::NeedReason reason);
+
+// Node, frame and decal matrices.
 Mat4 parent_from_node(const layout::Node& node);
 Mat4 node_from_frame(const layout::Frame& frame);
+Mat4 mesh_from_decal(const layout::Decal& decal);
 
 }  // namespace panwright::pan

@@ -72,6 +72,23 @@ struct FrameContent {
   Quat rotation{1, 0, 0, 0};  // node_from_frame, unit to 1e-12
 };
 
+struct KeypointContent {
+  std::string name;
+  std::uint32_t node = 0;
+  Vec3 position{0};  // in the node's coordinates, metres
+};
+
+struct DecalContent {
+  std::string name;
+  std::uint32_t instance = 0;
+  std::uint32_t texture = 0;
+  Vec3 origin{0};             // in the mesh's coordinates, its origin added, metres
+  Quat rotation{1, 0, 0, 0};  // mesh_from_decal, unit to 1e-12; z outwards, y to the top
+  double width = 1;           // metres, > 0
+  double height = 1;
+  double depth = 1;
+};
+
 struct SourceContent {
   std::string file;
   std::uint32_t line = 0;  // 0: unknown
@@ -96,6 +113,10 @@ struct Contents {
   std::vector<TextureContent> textures;        //
   std::vector<FrameContent> frames;            //
   std::vector<SourceContent> sources;          // one for each instance, or empty
+  std::optional<layout::Need> need;            // what it was compiled for
+  std::vector<layout::MeshNeed> mesh_needs;    // one for each mesh, or empty
+  std::vector<KeypointContent> keypoints;      //
+  std::vector<DecalContent> decals;            // from the lowest to the topmost
 };
 
 // Rounds a mesh to float about the centre of its bounds. The error of the result holds the

@@ -193,7 +193,8 @@ void describe(const Model& model, SectionKind kind, const Found& found, Problems
 bool known(std::uint32_t kind) { return kind >= 1 && kind <= layout::kSectionKinds; }
 
 bool is_array(std::uint32_t kind) {
-  return !known(kind) || kind >= static_cast<std::uint32_t>(SectionKind::positions);
+  return !known(kind) || (kind >= static_cast<std::uint32_t>(SectionKind::positions) &&
+                          kind <= static_cast<std::uint32_t>(SectionKind::texels));
 }
 
 bool read_by_this_version(const Model& model, const layout::DirectoryEntry& entry) {

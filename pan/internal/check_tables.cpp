@@ -198,7 +198,7 @@ std::optional<Problem> node_problem(const Model& model) {
   return {};
 }
 
-// Whether all that is drawn and every frame has finite world coordinates.
+// Whether all that is drawn, every node and every keypoint has finite world coordinates.
 std::optional<Problem> world_problem(const Model& model) {
   const std::vector<Mat4> world = model.world_from_nodes();
   for (std::size_t i = 0; i < world.size(); ++i)
@@ -218,6 +218,13 @@ std::optional<Problem> world_problem(const Model& model) {
     if (!panwright::is_finite(reach))
       return Problem{Code::E4012,
                      fmt::format("instances[{}] has world coordinates that are not finite", i)};
+  }
+  const auto keypoints = model.keypoints();
+  for (std::size_t i = 0; i < keypoints.size(); ++i) {
+    const double* p = keypoints[i].position;
+    if (!panwright::is_finite(Vec3(world[keypoints[i].node] * Vec4(p[0], p[1], p[2], 1.0))))
+      return Problem{Code::E4012,
+                     fmt::format("keypoints[{}] has world coordinates that are not finite", i)};
   }
   return {};
 }
@@ -305,14 +312,23 @@ std::optional<Problem> texture_problem(const Model& model) {
 
 // ---- the rest
 
+bool has_maps(const layout::Material& material) {
+  return material.albedo_map >= 0 || material.normal_map >= 0 || material.roughness_map >= 0 ||
+         material.cutout_map >= 0;
+}
+
 std::optional<Problem> instance_problem(const Model& model) {
   const auto instances = model.instances();
-  for (std::size_t i = 0; i < instances.size(); ++i)
-    if (instances[i].texture >= 0 &&
-        !(model.meshes()[instances[i].mesh].flags & layout::kMeshTexcoords))
-      return Problem{Code::E4010,
-                     fmt::format("instances[{}] has a texture, and meshes[{}] has no texcoords", i,
-                                 instances[i].mesh)};
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    if (model.meshes()[instances[i].mesh].flags & layout::kMeshTexcoords) continue;
+    const char* reason = instances[i].texture >= 0                            ? "texture"
+                         : has_maps(model.materials()[instances[i].material]) ? "material with maps"
+                                                                              : nullptr;
+    if (reason)
+      return Problem{Code::E4010, fmt::format("instances[{}] has a {}, and meshes[{}] has no "
+                                              "texcoords",
+                                              i, reason, instances[i].mesh)};
+  }
   const std::uint64_t sources = model.sources().size();
   if (model.entry(SectionKind::sources) && sources != instances.size())
     return Problem{Code::E4010,
@@ -335,6 +351,10 @@ std::optional<Problem> material_problem(const Model& model) {
       return Problem{Code::E4012,
                      fmt::format("materials[{}].cook[1] is {}, a slope must be above 0", i,
                                  materials[i].cook[1])};
+    if (!(materials[i].cutout_threshold <= 1))
+      return Problem{Code::E4012,
+                     fmt::format("materials[{}].cutout_threshold is {}, it must lie in 0 to 1", i,
+                                 materials[i].cutout_threshold)};
   }
   return {};
 }
@@ -343,6 +363,30 @@ std::optional<Problem> frame_problem(const Model& model) {
   const auto frames = model.frames();
   for (std::size_t i = 0; i < frames.size(); ++i)
     if (!is_unit(frames[i].rotation)) return not_unit("frames", i, frames[i].rotation);
+  return {};
+}
+
+std::optional<Problem> need_problem(const Model& model) {
+  if (const std::uint64_t count = count_of(model, SectionKind::need); count > 1)
+    return Problem{Code::E4012,
+                   fmt::format("section 'need' has {} records, one is the most", count)};
+  const std::uint64_t count = model.mesh_needs().size();
+  if (count != 0 && count != model.meshes().size())
+    return Problem{Code::E4010, fmt::format("section 'mesh_needs' has {}, section 'meshes' {}",
+                                            counted(count, "element"), model.meshes().size())};
+  return {};
+}
+
+std::optional<Problem> decal_problem(const Model& model) {
+  const auto decals = model.decals();
+  for (std::size_t i = 0; i < decals.size(); ++i) {
+    const layout::Decal& decal = decals[i];
+    if (!is_unit(decal.rotation)) return not_unit("decals", i, decal.rotation);
+    if (!(decal.width > 0 && decal.height > 0 && decal.depth > 0))
+      return Problem{Code::E4012, fmt::format("decals[{}] is {} x {} m and {} m deep, all must be "
+                                              "above 0",
+                                              i, decal.width, decal.height, decal.depth)};
+  }
   return {};
 }
 
@@ -387,6 +431,8 @@ Problems table_problems(const Model& model) {
   add(texture_problem(model));
   add(material_problem(model));
   add(frame_problem(model));
+  add(need_problem(model));
+  add(decal_problem(model));
   if (!problems.empty()) return problems;
   // these follow references, so they come when all of them hold
   add(instance_problem(model));

@@ -41,7 +41,7 @@ enum class SpecularLaw : std::uint32_t {
 // Which term of the need decided a tolerance.
 enum class NeedReason : std::uint32_t {
   explicit_counts = 0,  // none: the shape gives its counts, or is a mesh
-  tolerance = 1,  // the model's tolerance
+  tolerance = 1,  // the model's tolerance, or the compiler's default where the need gives none
   shape = 2,  // the shape's own tolerance
   pixels = 3,  // silhouette, in pixels
   flux = 4,  // flux

@@ -84,9 +84,12 @@ TEST(Check, EveryCodeOfPanHasAnExample) {
 // may stay sound; what must not happen is seen by the sanitizers, which run the accessors too.
 TEST(Check, HostileWordsNeverBreakTheReader) {
   support::OpenPan pristine(support::small_pan());
-  const std::size_t end = pristine.entry(layout::SectionKind::string_bytes).offset;
+  const std::size_t texts = pristine.entry(layout::SectionKind::string_bytes).offset;
+  const std::size_t arrays_end = pristine.entry(layout::SectionKind::need).offset;
+  const std::size_t end = pristine.header().directory_offset;
   std::size_t sound = 0;
   for (std::size_t at = 128; at < end; at += 4) {
+    if (at == texts) at = arrays_end;
     for (const std::uint32_t value : {0u, 1u, 0x7fffffffu, 0x80000000u, 0xffffffffu, 0x7fc00000u}) {
       std::vector<std::byte> bytes = support::small_pan();
       std::memcpy(bytes.data() + at, &value, 4);
@@ -106,6 +109,13 @@ TEST(Check, HostileWordsNeverBreakTheReader) {
       }
       for (std::size_t t = 0; t < model->textures().size(); ++t) sum += model->texels(t).size();
       for (std::size_t n = 0; n < model->nodes().size(); ++n) sum += model->node_path(n).size();
+      for (const layout::MeshNeed& need : model->mesh_needs())
+        sum += reason_name(layout::NeedReason{need.reason}).size();
+      for (std::size_t k = 0; k < model->keypoints().size(); ++k)
+        sum += model->keypoint_name(k).size() + model->nodes()[model->keypoints()[k].node].name;
+      for (std::size_t d = 0; d < model->decals().size(); ++d)
+        sum += model->decal_name(d).size() + model->texels(model->decals()[d].texture).size() +
+               model->instances()[model->decals()[d].instance].mesh;
       EXPECT_GT(sum, 0u);
       const auto bounds = model->world_bounds();
       ASSERT_TRUE(bounds);

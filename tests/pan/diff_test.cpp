@@ -70,7 +70,10 @@ TEST(Diff, ARenamedNodeIsAnother) {
   EXPECT_EQ(seen[0], "node 'craft/body/[2]': only in a");
   EXPECT_EQ(seen[1], "node 'craft/body/panel': only in b");
   EXPECT_EQ(seen[2], "mesh 'pläté' at node 'craft/body/[2]': only in a");
-  EXPECT_EQ(seen.size(), 4u);
+  EXPECT_EQ(seen[3], "mesh 'pläté' at node 'craft/body/panel': only in b");
+  EXPECT_EQ(seen[4],
+            "keypoint 'tip': at node 'craft/body/[2]' in a, at node 'craft/body/panel' in b");
+  EXPECT_EQ(seen.size(), 6u);  // the decal that lies on it is the last
 }
 
 TEST(Diff, EqualNamesAreToldApartByPathAndOrder) {
@@ -121,6 +124,7 @@ TEST(Diff, Meshes) {
   expect_model({"mesh 'extra': only in b"}, [](Contents& c) {
     c.meshes.push_back(c.meshes[0]);
     c.meshes[2].name = "extra";
+    c.mesh_needs.push_back({});
   });
 }
 
@@ -154,6 +158,57 @@ TEST(Diff, Frames) {
   expect_model({"frame 'camera': at node 'craft/body' in a, at node 'craft' in b"},
                [](Contents& c) { c.frames[0].node = 0; });
   expect_model({"frame 'camera': only in a"}, [](Contents& c) { c.frames.clear(); });
+}
+
+TEST(Diff, MapsAreComparedByThePicturesTheyName) {
+  expect_model({"material 'paint': cutout_threshold: 0.5 in a, 0.25 in b",
+                "material 'paint': albedo_map: no texture in a, texture 'skin.png' in b"},
+               [](Contents& c) {
+                 c.materials[1].maps.albedo = 0;
+                 c.materials[1].maps.threshold = 0.25;
+               });
+  // the picture has another number and is the same
+  static const std::vector<std::uint8_t> kTexel(4);
+  Contents a = support::small_contents(), b = a;
+  a.materials[1].maps.cutout = 0;
+  b.materials[1].maps.cutout = 1;
+  b.textures.insert(b.textures.begin(), {"first.png", 1, 1, false, kTexel});
+  b.instances[1].texture = 1;
+  for (DecalContent& decal : b.decals) decal.texture = 1;
+  EXPECT_EQ(lines(diff(load(write_to_memory(a)), load(write_to_memory(b))).model),
+            Lines{"texture 'first.png': only in b"});
+}
+
+TEST(Diff, Keypoints) {
+  expect_model({"keypoint 'tip': position: 0 0 0.1 in a, 0 2 0.1 in b"},
+               [](Contents& c) { c.keypoints[1].position.y = 2; });
+  expect_model({"keypoint 'corner': at node 'craft/body' in a, at node 'craft' in b"},
+               [](Contents& c) { c.keypoints[0].node = 0; });
+  expect_model({"keypoint 'tip': only in a"}, [](Contents& c) { c.keypoints.pop_back(); });
+}
+
+TEST(Diff, Decals) {
+  expect_model({"decal 'flag': width: 0.5 in a, 1 in b", "decal 'flag': depth: 1.5 in a, 2 in b"},
+               [](Contents& c) {
+                 c.decals[0].width = 1;
+                 c.decals[1].depth = 2;
+               });
+  expect_model({"decal 'flag': on mesh 'hull' at node 'craft/body' in a, on mesh 'pläté' at node "
+                "'craft/body/[2]' in b"},
+               [](Contents& c) { c.decals[1].instance = 1; });
+  expect_model({"decal 'flag': only in a"}, [](Contents& c) { c.decals.pop_back(); });
+}
+
+TEST(Diff, Needs) {
+  expect_model({"need: flux: 0.125 in a, 0.25 in b"}, [](Contents& c) { c.need->flux = 0.25; });
+  expect_model({"need: only in a"}, [](Contents& c) { c.need.reset(); });
+  expect_model({"needs of the meshes: only in a"}, [](Contents& c) { c.mesh_needs.clear(); });
+  expect_model({"mesh 'hull': tolerance: 0.25 in a, 0.5 in b",
+                "mesh 'hull': reason: flux in a, centroid in b"},
+               [](Contents& c) {
+                 c.mesh_needs[0].tolerance = 0.5;
+                 c.mesh_needs[0].reason = static_cast<std::uint32_t>(layout::NeedReason::centroid);
+               });
 }
 
 TEST(Diff, ProvenanceStandsApart) {

@@ -31,7 +31,9 @@ class Std430 {
 };
 
 // struct Material { vec4 diffuse, specular, emissive, refract, cook, hapke; float oren;
-//                   uint diffuse_law, specular_law, flags, name, reserved[3]; };
+//                   uint diffuse_law, specular_law, flags, name;
+//                   int albedo_map, normal_map, roughness_map, cutout_map;
+//                   float cutout_threshold, map_repeat[2]; uint reserved[4]; };
 TEST(Layout, MaterialIsStd430) {
   using layout::Material;
   Std430 gpu;
@@ -46,7 +48,15 @@ TEST(Layout, MaterialIsStd430) {
   EXPECT_EQ(gpu.scalar(), offsetof(Material, specular_law));
   EXPECT_EQ(gpu.scalar(), offsetof(Material, flags));
   EXPECT_EQ(gpu.scalar(), offsetof(Material, name));
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(gpu.scalar(), offsetof(Material, reserved) + 4 * k);
+  EXPECT_EQ(gpu.scalar(), offsetof(Material, albedo_map));
+  EXPECT_EQ(gpu.scalar(), offsetof(Material, normal_map));
+  EXPECT_EQ(gpu.scalar(), offsetof(Material, roughness_map));
+  EXPECT_EQ(gpu.scalar(), offsetof(Material, cutout_map));
+  EXPECT_EQ(gpu.scalar(), offsetof(Material, cutout_threshold));
+  // note: an array of float in std430 is packed by 4
+  for (std::size_t k = 0; k < 2; ++k)
+    EXPECT_EQ(gpu.scalar(), offsetof(Material, map_repeat) + 4 * k);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(gpu.scalar(), offsetof(Material, reserved) + 4 * k);
   EXPECT_EQ(gpu.size(), sizeof(Material));
   // the fourth component of a vec4 is the scalar that stands behind three others
   EXPECT_EQ(offsetof(Material, weight_d), offsetof(Material, diffuse) + 12);

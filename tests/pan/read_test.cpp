@@ -71,6 +71,64 @@ TEST(Read, TablesComeBack) {
   EXPECT_THAT(model.texels(0), testing::ElementsAreArray(contents.textures[0].rgba));
 }
 
+TEST(Read, NeedsKeypointsAndDecalsComeBack) {
+  const Contents contents = support::small_contents();
+  const Model model = load(write_to_memory(contents));
+  ASSERT_TRUE(model.need());
+  EXPECT_EQ(model.need()->tolerance, 0.5);
+  EXPECT_EQ(model.need()->nearest, 100);
+  EXPECT_EQ(model.need()->ifov, 1e-4);
+  EXPECT_EQ(model.need()->pixels, 0.25);
+  EXPECT_EQ(model.need()->flux, 0.125);
+  EXPECT_EQ(model.need()->centroid, 0.0625);
+  EXPECT_EQ(model.need()->smallest, 0.5);
+  ASSERT_EQ(model.mesh_needs().size(), 2u);
+  EXPECT_EQ(model.mesh_needs()[0].tolerance, 0.25);
+  EXPECT_EQ(reason_name(layout::NeedReason{model.mesh_needs()[0].reason}), "flux");
+  EXPECT_EQ(reason_name(layout::NeedReason{model.mesh_needs()[1].reason}), "explicit_counts");
+
+  ASSERT_EQ(model.keypoints().size(), 2u);
+  EXPECT_EQ(model.keypoint_name(1), "tip");
+  EXPECT_EQ(model.keypoints()[1].node, 2u);
+  EXPECT_THAT(listed(model.keypoints()[1].position, 3), testing::ElementsAre(0, 0, 0.1));
+
+  ASSERT_EQ(model.decals().size(), 2u);
+  EXPECT_EQ(model.decal_name(0), "flag");
+  EXPECT_EQ(model.decals()[0].instance, 1u);
+  EXPECT_EQ(model.decals()[1].instance, 0u);
+  EXPECT_EQ(model.decals()[0].texture, 0u);
+  EXPECT_EQ(model.decals()[0].width, 0.5);
+  EXPECT_EQ(model.decals()[0].height, 0.25);
+  EXPECT_EQ(model.decals()[1].depth, 1.5);
+  // by hand: 0.6 + 0.8 k turns by 2·atan2(0.8, 0.6), so x goes to (-0.28, 0.96, 0)
+  const Vec3 x(mesh_from_decal(model.decals()[0]) * Vec4(1, 0, 0, 1));
+  EXPECT_NEAR(x.x, 100.5 - 0.28, 1e-13);  // residual 0: within an ulp of 100
+  EXPECT_NEAR(x.y, 0.5 + 0.96, 1e-15);
+  EXPECT_EQ(x.z, 7);
+}
+
+TEST(Read, NamesOfReasonsAreThoseOfTheLayout) {
+  using layout::NeedReason;
+  EXPECT_EQ(reason_name(NeedReason::explicit_counts), "explicit_counts");
+  EXPECT_EQ(reason_name(NeedReason::tolerance), "tolerance");
+  EXPECT_EQ(reason_name(NeedReason::shape), "shape");
+  EXPECT_EQ(reason_name(NeedReason::pixels), "pixels");
+  EXPECT_EQ(reason_name(NeedReason::flux), "flux");
+  EXPECT_EQ(reason_name(NeedReason::centroid), "centroid");
+  EXPECT_EQ(reason_name(NeedReason::command_line), "command_line");
+}
+
+TEST(Read, MapsComeBack) {
+  Contents contents = support::small_contents();
+  materials::Maps& maps = contents.materials[1].maps;
+  maps.albedo = maps.normal = maps.cutout = 0;
+  maps.threshold = 0.25;
+  maps.repeat = {3, -0.5};
+  const Model model = load(write_to_memory(contents));
+  EXPECT_EQ(material_from(model.materials()[1], "").maps, maps);
+  EXPECT_FALSE(material_from(model.materials()[0], "").maps.any());
+}
+
 TEST(Read, MaterialsComeBackRoundedToFloat) {
   const Contents contents = support::small_contents();
   const Model model = load(write_to_memory(contents));
@@ -108,6 +166,7 @@ TEST(Read, MeshesComeBack) {
 TEST(Read, RunsOfSeveralMeshesDoNotMix) {
   // texcoords and colours stand only where a mesh has them, so their runs begin elsewhere
   Contents contents = support::small_contents();
+  contents.mesh_needs.clear();
   PackedMesh sheet = contents.meshes[1];
   sheet.texcoords[0] = 7;
   contents.meshes.push_back(sheet);
@@ -150,6 +209,7 @@ TEST(Read, WorldBoundsHoldTheFurthestVertices) {
   Contents contents = support::small_contents();
   contents.instances.pop_back();
   contents.sources.pop_back();
+  contents.decals.clear();
   contents.nodes[1].rotation = {1, 0, 0, 0};
   const Model model = load(write_to_memory(contents));
   const auto bounds = model.world_bounds();
@@ -212,6 +272,10 @@ TEST(Read, MinimalModel) {
   EXPECT_TRUE(model.meshes().empty());
   EXPECT_TRUE(model.sources().empty());
   EXPECT_FALSE(model.entry(SectionKind::sources));
+  EXPECT_FALSE(model.need());
+  EXPECT_TRUE(model.mesh_needs().empty());
+  EXPECT_TRUE(model.keypoints().empty());
+  EXPECT_TRUE(model.decals().empty());
 }
 
 TEST(Read, WideIndicesFromTheFirstVertexThatNeedsThem) {

@@ -236,6 +236,8 @@ void nodes(Collection& add) {
     f.resize_section(SectionKind::frames, 0);
     f.resize_section(SectionKind::instances, 0);
     f.resize_section(SectionKind::sources, 0);
+    f.resize_section(SectionKind::keypoints, 0);
+    f.resize_section(SectionKind::decals, 0);
   });
   add.changed(Code::E4012, "a chain of nodes deeper than the limit", [](OpenPan& f) {
     const Node root = f.at<Node>(SectionKind::nodes, 0);
@@ -348,6 +350,7 @@ void tables(Collection& add) {
   texture(Code::E4012, "an unknown flag of a texture", [](Texture& t) { t.flags = 2; });
   add.changed(Code::E4010, "texels that no texture has", [](OpenPan& f) {
     f.resize_section(SectionKind::textures, 0);
+    f.resize_section(SectionKind::decals, 0);
     f.at<Instance>(SectionKind::instances, 1).texture = -1;
   });
   add.changed(Code::E4010, "a frame at no node",
@@ -364,6 +367,76 @@ void tables(Collection& add) {
               [](OpenPan& f) { f.resize_section(SectionKind::build, 0); });
   add.changed(Code::E4012, "an input that the build identity does not know",
               [](OpenPan& f) { f.at<Input>(SectionKind::inputs, 0).hash[1] ^= 1; });
+}
+
+void needs(Collection& add) {
+  add.changed(Code::E4012, "two needs", [](OpenPan& f) { f.resize_section(SectionKind::need, 2); });
+  const auto need = [&](const char* what, const std::function<void(Need&)>& change) {
+    add.changed(Code::E4012, what, [&](OpenPan& f) { change(f.at<Need>(SectionKind::need, 0)); });
+  };
+  need("a negative tolerance", [](Need& n) { n.tolerance = -1e-300; });
+  need("a NaN range", [](Need& n) { n.nearest = kNan; });
+  need("an infinite IFOV", [](Need& n) { n.ifov = kInfinity; });
+  need("a reserved word of a need", [](Need& n) { n.reserved[1] = 1; });
+  add.changed(Code::E4010, "a need of a mesh fewer than meshes",
+              [](OpenPan& f) { f.resize_section(SectionKind::mesh_needs, 1); });
+  add.changed(Code::E4010, "a need of a mesh more than meshes",
+              [](OpenPan& f) { f.resize_section(SectionKind::mesh_needs, 3); });
+  add.changed(Code::E4012, "an unknown reason",
+              [](OpenPan& f) { f.at<MeshNeed>(SectionKind::mesh_needs, 1).reason = 7; });
+  add.changed(Code::E4012, "an infinite tolerance",
+              [](OpenPan& f) { f.at<MeshNeed>(SectionKind::mesh_needs, 1).tolerance = kInfinity; });
+}
+
+void truth(Collection& add) {
+  const auto keypoint = [&](Code code, const char* what,
+                            const std::function<void(Keypoint&)>& change) {
+    add.changed(code, what, [&](OpenPan& f) { change(f.at<Keypoint>(SectionKind::keypoints, 1)); });
+  };
+  keypoint(Code::E4010, "a keypoint at no node", [](Keypoint& k) { k.node = 3; });
+  keypoint(Code::E4010, "a keypoint's name", [](Keypoint& k) { k.name = 99; });
+  keypoint(Code::E4012, "a NaN keypoint", [](Keypoint& k) { k.position[2] = kNan; });
+  keypoint(Code::E4012, "a keypoint whose place in the world overflows",
+           [](Keypoint& k) { k.position[2] = 1.7e308; });
+  const auto decal = [&](Code code, const char* what, const std::function<void(Decal&)>& change) {
+    add.changed(code, what, [&](OpenPan& f) { change(f.at<Decal>(SectionKind::decals, 1)); });
+  };
+  decal(Code::E4010, "a decal on no instance", [](Decal& d) { d.instance = 2; });
+  decal(Code::E4010, "a decal without a picture", [](Decal& d) { d.texture = 1; });
+  decal(Code::E4010, "a decal's name", [](Decal& d) { d.name = 0x7fffffffu; });
+  decal(Code::E4012, "a decal that is not turned by a unit quaternion",
+        [](Decal& d) { d.rotation[3] = 1e-3; });
+  decal(Code::E4012, "a decal of no width", [](Decal& d) { d.width = 0; });
+  decal(Code::E4012, "a decal of negative height", [](Decal& d) { d.height = -1; });
+  decal(Code::E4012, "a decal of no depth", [](Decal& d) { d.depth = 0; });
+  decal(Code::E4012, "a decal of infinite depth", [](Decal& d) { d.depth = kInfinity; });
+  decal(Code::E4012, "a NaN place of a decal", [](Decal& d) { d.origin[0] = kNan; });
+  decal(Code::E4012, "a reserved word of a decal", [](Decal& d) { d.reserved = 1; });
+}
+
+void maps(Collection& add) {
+  const auto map = [&](Code code, const char* what, std::size_t material,
+                       const std::function<void(Material&)>& change) {
+    add.changed(code, what,
+                [&](OpenPan& f) { change(f.at<Material>(SectionKind::materials, material)); });
+  };
+  // the material of the square, which has texcoords: nothing but the number is wrong
+  map(Code::E4010, "an albedo map past the end", 1, [](Material& m) { m.albedo_map = 1; });
+  map(Code::E4010, "a normal map of -2", 1, [](Material& m) { m.normal_map = -2; });
+  map(Code::E4010, "a roughness map past the end", 1, [](Material& m) { m.roughness_map = 9; });
+  map(Code::E4010, "a cutout map past the end", 1, [](Material& m) { m.cutout_map = 0x7fffffff; });
+  map(Code::E4012, "a threshold above 1", 1, [](Material& m) { m.cutout_threshold = 1.0001f; });
+  map(Code::E4012, "a repeat that is not finite", 1,
+      [](Material& m) { m.map_repeat[1] = static_cast<float>(kInfinity); });
+  // the material of the tetrahedron, which has none
+  map(Code::E4010, "an albedo map on a mesh without texcoords", 0,
+      [](Material& m) { m.albedo_map = 0; });
+  map(Code::E4010, "a normal map on a mesh without texcoords", 0,
+      [](Material& m) { m.normal_map = 0; });
+  map(Code::E4010, "a roughness map on a mesh without texcoords", 0,
+      [](Material& m) { m.roughness_map = 0; });
+  map(Code::E4010, "a cutout map on a mesh without texcoords", 0,
+      [](Material& m) { m.cutout_map = 0; });
 }
 
 void strings(Collection& add) {
@@ -421,6 +494,9 @@ std::vector<DamagedPan> damaged_pans() {
   meshes(add);
   arrays(add);
   tables(add);
+  needs(add);
+  truth(add);
+  maps(add);
   strings(add);
   return add.take();
 }

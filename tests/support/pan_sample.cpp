@@ -14,6 +14,7 @@ namespace {
 
 using pan::layout::DirectoryEntry;
 using pan::layout::Header;
+using pan::layout::NeedReason;
 using pan::layout::SectionKind;
 
 geometry::Mesh tetrahedron() {
@@ -74,6 +75,11 @@ pan::Contents small_contents() {
   contents.textures = {{"skin.png", 2, 3, true, kPicture}};
   contents.frames = {{"camera", 1, {0, 0, 0.5}, {0.8, 0, 0, 0.6}}};
   contents.sources = {{"craft.pxn", 4, 7}, {"craft.pxn", 9, 3}};
+  contents.need = pan::layout::Need{0.5, 100, 1e-4, 0.25, 0.125, 0.0625, 0.5, {}};
+  contents.mesh_needs = {{0.25, static_cast<std::uint32_t>(NeedReason::flux), 0}, {}};
+  contents.keypoints = {{"corner", 1, {1, 1, 1}}, {"tip", 2, {0, 0, 0.1}}};
+  contents.decals = {{"flag", 1, 0, {100.5, 0.5, 7}, {0.6, 0, 0, 0.8}, 0.5, 0.25, 0.25},
+                     {"flag", 0, 0, {1, 1, 1}, {1, 0, 0, 0}, 2, 3, 1.5}};
   return contents;
 }
 

@@ -10,7 +10,7 @@
 namespace panwright::support {
 
 // Every kind of record: three nodes, a tetrahedron and a coloured, textured square, two materials,
-// a 2 x 3 picture, a frame, sources and inputs.
+// a 2 x 3 picture, a frame, sources, inputs, a need, two keypoints and two decals.
 pan::Contents small_contents();
 std::vector<std::byte> small_pan();
 
