@@ -71,11 +71,13 @@ void append_excerpt(const SourceMap& sources, const SourceSpan& where, const Pai
 }
 
 void append_include_stack(const SourceMap& sources, FileId file, std::string& out) {
-  for (SourceSpan at = sources.file(file).included_at; at.file != kNoFile;
-       at = sources.file(at.file).included_at) {
+  for (FileId from = file; sources.file(from).included_at.file != kNoFile;
+       from = sources.file(from).included_at.file) {
+    const SourceFile& inner = sources.file(from);
+    const SourceSpan at = inner.included_at;
     const Position p = sources.position(at.file, at.begin);
-    out +=
-        fmt::format("    included from {}:{}:{}\n", sources.file(at.file).name, p.line, p.column);
+    out += fmt::format("    {} from {}:{}:{}\n", inner.used ? "used" : "included",
+                       sources.file(at.file).name, p.line, p.column);
   }
 }
 

@@ -28,12 +28,13 @@ struct Position {
 };
 
 // One reading of one file. A file that is included twice has two entries, so that each of them
-// knows who included it.
+// knows who included it; a part that is used has one of its own.
 struct SourceFile {
   std::string name;                          // as the user would type it
   std::shared_ptr<const std::string> bytes;  // null: not text, or not readable
   Encoding encoding = Encoding::utf8;
   SourceSpan included_at;
+  bool used = false;  // included_at is where a part of it is used
 };
 
 class SourceMap {

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/diagnostic.h"
 #include "base/math.h"
@@ -29,6 +31,8 @@ struct Options {
   std::filesystem::path root;  // includes may not leave this folder; empty: the top file's
   // radians: edges of meshes without normals stay sharp where facets meet at more than this
   double crease_angle = 30 * kDegree;
+  // values that replace those of <param>: name, and text as in its attribute
+  std::vector<std::pair<std::string, std::string>> parameters;
 };
 
 // Reads a pxn file and all that it includes.

@@ -21,6 +21,8 @@ namespace {
 struct Context {
   std::int32_t node = 0;
   materials::Fields fields;
+  std::string material_name;  // of the named material, when nothing around changes it
+  std::string prefix;         // of names of frames and keypoints: the uses around
   std::int32_t texture = scene::kNone;
   Mat4 texture_from_node{1};
   Mat4 world_from_node{1};
@@ -35,7 +37,20 @@ struct Use {
   bool own_file;
   Use* outer;
   SourceSpan included_at;
+  bool used = false;  // a part in its file, not an included file
+  // for decals: instances by the names of their shapes, and those decals, as item and context
+  std::map<std::string, std::vector<std::int32_t>, std::less<>> shapes;
+  std::vector<std::uint32_t> decals;
 };
+
+// y up to z up: (x, y, z) goes to (x, −z, y)
+Quat z_up_from_y_up() { return Quat(std::sqrt(0.5), std::sqrt(0.5), 0, 0); }
+
+// A placement followed by the turn of a y-up file: T·R·S·U = T·(R·U)·S', with S' along turned axes.
+scene::Transform with_y_up(const scene::Transform& t) {
+  return {t.translation, glm::normalize(t.rotation * z_up_from_y_up()),
+          Vec3(t.scale.x, t.scale.z, t.scale.y)};
+}
 
 void append(std::vector<double>& key, const std::optional<Vec3>& v) {
   key.push_back(v ? 1 : 0);
@@ -50,6 +65,11 @@ void append(std::vector<double>& key, const std::optional<std::array<double, 4>>
   for (std::size_t k = 0; k < 4; ++k) key.push_back(a ? (*a)[k] + 0.0 : 0);
 }
 
+void append(std::vector<double>& key, const materials::Maps& m) {
+  for (const std::int32_t map : {m.albedo, m.normal, m.roughness, m.cutout}) key.push_back(map);
+  key.insert(key.end(), {m.threshold, m.repeat.x, m.repeat.y});
+}
+
 std::vector<double> key_of(const materials::Fields& f) {
   std::vector<double> key;
   append(key, f.diffuse);
@@ -61,6 +81,7 @@ std::vector<double> key_of(const materials::Fields& f) {
   append(key, f.cook);
   append(key, f.oren);
   append(key, f.hapke);
+  append(key, f.maps.value_or(materials::Maps{}));
   return key;
 }
 
@@ -74,6 +95,7 @@ std::vector<double> key_of(const materials::Material& m) {
   append(key, std::optional(m.cook));
   append(key, std::optional(m.oren));
   append(key, std::optional(m.hapke));
+  append(key, m.maps);
   return key;
 }
 
@@ -96,15 +118,22 @@ class Assembler {
     const Part& part = loader_.part(top);
     scene::Node root;
     root.name = "root";
-    root.source = {part.file.path, 1, 1};
+    root.source = {part.file->found.path, 1, 1};
+    if (part.file->y_up) root.parent_from_node = with_y_up({});
     scene_.nodes.push_back(std::move(root));
-    Use use{&part, part.document.file, true, nullptr, {}};
     Context context;
-    items(use, 0, static_cast<std::uint32_t>(part.items.size()), context);
+    context.world_from_node = scene_.nodes[0].parent_from_node.matrix();
+    Use use{&part, part.source, true, nullptr, {}, false, {}, {}};
+    items_of(use, context);
     return !stopped_;
   }
 
  private:
+  void items_of(Use& use, const Context& context) {
+    items(use, 0, static_cast<std::uint32_t>(use.part->items.size()), context);
+    for (const std::uint32_t index : use.decals) decal(use, use.part->items[index]);
+  }
+
   void items(Use& use, std::uint32_t begin, std::uint32_t end, const Context& context) {
     for (std::uint32_t i = begin; i < end && !stopped_; i = use.part->items[i].end)
       item(use, i, context);
@@ -116,30 +145,31 @@ class Assembler {
     switch (item.kind) {
       case ItemKind::appearance:
         inner.fields = context.fields.overridden_by(use.part->fields[item.data]);
+        inner.material_name.clear();
         inner.appearance = material_place(use, item);
         break;
       case ItemKind::texture:
         inner.texture = static_cast<std::int32_t>(item.data);
         inner.texture_from_node = Mat4(1);
         break;
-      case ItemKind::group:
-        if (!enter(use, item, numbered("group"), {}, inner)) return;
+      case ItemKind::node:
+        if (!enter(use, item, name_of(use, item), transform_of(use, item), inner)) return;
         break;
-      case ItemKind::transform:
-      case ItemKind::rotate: {
-        const char* base = item.kind == ItemKind::rotate ? "rotate" : "transform";
-        if (!enter(use, item, numbered(base), use.part->transforms[item.data], inner)) return;
-        break;
-      }
-      case ItemKind::sphere:
-      case ItemKind::mesh:
+      case ItemKind::shape:
         shape(use, item, inner);
         return;
       case ItemKind::frame:
         frame(use, item, context);
         return;
+      case ItemKind::keypoint:
+        keypoint(use, item, context);
+        return;
+      case ItemKind::decal:
+        use.decals.push_back(index);
+        return;
       case ItemKind::include:
-        include(use, item, inner);
+      case ItemKind::use:
+        part(use, item, inner);
         return;
     }
     items(use, index + 1, item.end, inner);
@@ -157,8 +187,25 @@ class Assembler {
     return count == 1 ? base : fmt::format("{}{}", base, count);
   }
 
+  const Details* details_of(const Use& use, const Item& item) const {
+    return item.details == kNoDetails ? nullptr : &use.part->details[item.details];
+  }
+
+  // As written, or after the element with a number.
+  std::string name_of(const Use& use, const Item& item) {
+    const Details* details = details_of(use, item);
+    if (details != nullptr && !details->name.empty()) return details->name;
+    return numbered(std::string(use.part->file->document.name(item.element)));
+  }
+
+  scene::Transform transform_of(const Use& use, const Item& item) const {
+    const Details* details = details_of(use, item);
+    return details != nullptr && details->transform ? *details->transform : scene::Transform{};
+  }
+
   scene::Source source_of(const Use& use, const Item& item) const {
-    return {use.part->file.path, item.line, item.column};
+    const auto& [line, column] = use.part->file->positions[item.element];
+    return {use.part->file->found.path, line, column};
   }
 
   // Makes a node below the context's, and the context its own.
@@ -192,12 +239,17 @@ class Assembler {
     }
     scene_.nodes.push_back(std::move(node));
     context.node = static_cast<std::int32_t>(scene_.nodes.size() - 1);
+    if (const Details* details = details_of(use, item); details && details->material >= 0) {
+      const NamedMaterial& material = loader_.material(details->material);
+      context.fields = material.fields;
+      context.material_name = material.name;
+      context.appearance = material.place;
+    }
     return true;
   }
 
   void shape(Use& use, const Item& item, Context& context) {
-    const char* base = item.kind == ItemKind::sphere ? "sphere" : "mesh";
-    if (!enter(use, item, numbered(base), {}, context)) return;
+    if (!enter(use, item, name_of(use, item), transform_of(use, item), context)) return;
     scene::Instance instance;
     instance.node = context.node;
     instance.shape = static_cast<std::int32_t>(item.data);
@@ -208,24 +260,69 @@ class Assembler {
       instance.texture_from_shape = context.texture_from_node;
     }
     instance.source = source_of(use, item);
+    if (const Details* details = details_of(use, item)) {
+      instance.tolerance = details->tolerance;
+      if (!details->name.empty())
+        use.shapes[details->name].push_back(static_cast<std::int32_t>(scene_.instances.size()));
+    }
     scene_.instances.push_back(std::move(instance));
   }
 
   void frame(Use& use, const Item& item, const Context& context) {
     const PartFrame& known = use.part->frames[item.data];
-    if (!labels_.insert(known.label).second) {
+    const std::string name = context.prefix + known.label;
+    if (!labels_.insert(name).second) {
       report(Code::E1210, use, item, [&] {
-        return Reporter::Text(fmt::format("a frame is called {} already; this one is left out",
-                                          in_quotes(known.label)));
+        return Reporter::Text(
+            fmt::format("a frame is called {} already; this one is left out", in_quotes(name)));
       });
       return;
     }
     scene_.frames.push_back(
-        {known.label, context.node, known.origin, known.rotation, source_of(use, item)});
+        {name, context.node, known.origin, known.rotation, source_of(use, item)});
   }
 
-  void include(Use& use, const Item& item, Context& context) {
-    if (++includes_ > options_.limits.includes) {
+  void keypoint(Use& use, const Item& item, const Context& context) {
+    const PartKeypoint& known = use.part->keypoints[item.data];
+    const std::string name = context.prefix + known.name;
+    if (!keypoints_.insert(name).second) {
+      report(Code::E1210, use, item, [&] {
+        return Reporter::Text(
+            fmt::format("a keypoint is called {} already; this one is left out", in_quotes(name)));
+      });
+      return;
+    }
+    scene_.keypoints.push_back({name, context.node, known.position, source_of(use, item)});
+  }
+
+  // Once the shapes of the part are there.
+  void decal(Use& use, const Item& item) {
+    const PartDecal& known = use.part->decals[item.data];
+    const auto on = use.shapes.find(known.on);
+    if (on == use.shapes.end()) {
+      if (!missing_.insert({use.part, item.element}).second) return;
+      report(Code::E1311, use, item, [&]() -> Reporter::Text {
+        std::vector<std::string_view> names;
+        for (const auto& [name, instances] : use.shapes) names.push_back(name);
+        const auto near = nearest_name(known.on, names);
+        return {fmt::format("no shape of this {} is called {}",
+                            use.part->element == 0 ? "file" : "part", in_quotes(known.on)),
+                near ? fmt::format("did you mean '{}'?", *near) : ""};
+      });
+      return;
+    }
+    for (const std::int32_t instance : on->second) {
+      scene::Decal decal = known.decal;
+      decal.instance = instance;
+      decal.source = source_of(use, item);
+      scene_.decals.push_back(std::move(decal));
+    }
+  }
+
+  // An included file or a used part.
+  void part(Use& use, const Item& item, Context& context) {
+    const bool used = item.kind == ItemKind::use;
+    if (!used && ++includes_ > options_.limits.includes) {
       if (includes_ == options_.limits.includes + 1)
         report(Code::E1304, use, item, [&] {
           return Reporter::Text(
@@ -235,27 +332,38 @@ class Assembler {
       return;
     }
     const Part& part = loader_.part(item.data);
-    const std::string stem = std::filesystem::path(part.file.path).stem().string();
-    if (!enter(use, item, named(stem.empty() ? "include" : stem), {}, context)) return;
-    const bool first = !used_.contains(item.data);
-    used_.insert(item.data);
-    const FileId file = part.document.file;
-    Use inner{&part, file, first, &use, use.part->document.tag_span(item.element)};
-    items(inner, 0, static_cast<std::uint32_t>(part.items.size()), context);
+    const Details* details = details_of(use, item);
+    const bool has_name = details != nullptr && !details->name.empty();
+    std::string base =
+        used ? part.name : std::filesystem::path(part.file->found.path).stem().string();
+    if (base.empty()) base = "include";
+    const std::string name = has_name ? details->name : named(base);
+    scene::Transform transform = transform_of(use, item);
+    if (!used && part.file->y_up) transform = with_y_up(transform);
+    if (!enter(use, item, name, transform, context)) return;
+    if (used || has_name) context.prefix += name + "/";
+    const bool first = used_.insert(item.data).second;
+    SourceSpan at = use.part->file->document.tag_span(item.element);
+    Use inner{&part, part.source, first, &use, at, used, {}, {}};
+    items_of(inner, context);
   }
 
   // ---- materials
 
   std::int32_t material(const Context& context) {
-    const auto [known, added] = by_fields_.emplace(key_of(context.fields), 0);
+    const auto [known, added] =
+        by_fields_.emplace(std::pair(context.material_name, key_of(context.fields)), 0);
     if (!added) return known->second;
     materials::Material material =
         materials::resolved(context.fields, context.appearance, reporter_.log());
     const auto next = static_cast<std::int32_t>(scene_.materials.size());
-    const auto [same, is_new] = by_value_.emplace(key_of(material), next);
+    const auto [same, is_new] =
+        by_value_.emplace(std::pair(context.material_name, key_of(material)), next);
     known->second = same->second;
     if (is_new) {
-      material.name = context.appearance.file == kNoFile ? "default" : numbered("material");
+      material.name = !context.material_name.empty()       ? context.material_name
+                      : context.appearance.file == kNoFile ? "default"
+                                                           : numbered("material");
       scene_.materials.push_back(std::move(material));
     }
     return same->second;
@@ -269,18 +377,18 @@ class Assembler {
     SourceMap& sources = reporter_.log().sources();
     SourceSpan at = use.included_at;
     at.file = file_of(*use.outer);
-    const SourceFile& original = sources.file(use.part->document.file);
-    SourceFile copy{original.name, original.bytes, original.encoding, at};
+    const SourceFile& original = sources.file(use.part->source);
+    SourceFile copy{original.name, original.bytes, original.encoding, at, use.used};
     use.file = sources.add(std::move(copy));
     use.own_file = true;
     return use.file;
   }
 
   static SourceSpan place(const Use& use, const Item& item) {
-    return use.part->document.tag_span(item.element);
+    return use.part->file->document.tag_span(item.element);
   }
   static SourceSpan material_place(const Use& use, const Item& item) {
-    const xml::Document& document = use.part->document;
+    const xml::Document& document = use.part->file->document;
     const std::uint32_t material = child_of(document, item.element, schemas::ElementId::material);
     return document.tag_span(material == 0 ? item.element : material);
   }
@@ -289,7 +397,7 @@ class Assembler {
   void report(Code code, Use& use, const Item& item, const Compose& compose) {
     SourceSpan where = place(use, item);
     where.file = file_of(use);
-    reporter_.report(code, where, use.part->document, item.element, compose);
+    reporter_.report(code, where, use.part->file->document, item.element, compose);
   }
 
   const Loader& loader_;
@@ -297,9 +405,11 @@ class Assembler {
   Reporter& reporter_;
   scene::Scene& scene_;
   std::map<std::string, std::uint32_t> counters_;
-  std::map<std::vector<double>, std::int32_t> by_fields_;
-  std::map<std::vector<double>, std::int32_t> by_value_;
+  std::map<std::pair<std::string, std::vector<double>>, std::int32_t> by_fields_;
+  std::map<std::pair<std::string, std::vector<double>>, std::int32_t> by_value_;
   std::set<std::string> labels_;
+  std::set<std::string> keypoints_;
+  std::set<std::pair<const Part*, std::uint32_t>> missing_;  // decals without a shape, said once
   std::set<std::uint32_t> used_;
   std::uint64_t includes_ = 0;
   bool stopped_ = false;

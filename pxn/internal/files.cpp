@@ -55,14 +55,15 @@ class DiskFiles : public Files {
     found.path = top.filename().string();
   }
 
-  Outcome find(std::string_view file, const FoundFile& including, FoundFile& out) const override {
+  Outcome find(std::string_view file, const FoundFile& including, bool own_folder,
+               FoundFile& out) const override {
     const fs::path wanted(file);
     // note: an absolute path replaces the folder it is appended to
     const fs::path candidates[] = {top_folder_ / wanted,
                                    fs::path(including.key).parent_path() / wanted};
     const fs::path typed[] = {top_typed_ / wanted, fs::path(including.name).parent_path() / wanted};
     bool outside = true;
-    for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t i = own_folder ? 1 : 0; i < 2; ++i) {
       if (!is_inside(candidates[i].lexically_normal(), root_)) continue;
       outside = false;
       std::error_code error;
@@ -79,8 +80,10 @@ class DiskFiles : public Files {
     return outside ? Outcome::outside : Outcome::missing;
   }
 
-  std::string near_name(std::string_view file) const override {
-    const fs::path wanted = top_folder_ / fs::path(file);
+  std::string near_name(std::string_view file, const FoundFile& including,
+                        bool own_folder) const override {
+    const fs::path first = own_folder ? fs::path(including.key).parent_path() : top_folder_;
+    const fs::path wanted = first / fs::path(file);
     const fs::path folder = wanted.parent_path();
     std::error_code error;
     const fs::path real = fs::canonical(folder, error);
@@ -133,9 +136,11 @@ class MemoryFiles : public Files {
     top_folder_ = fs::path(found.key).parent_path();
   }
 
-  Outcome find(std::string_view file, const FoundFile& including, FoundFile& out) const override {
+  Outcome find(std::string_view file, const FoundFile& including, bool own_folder,
+               FoundFile& out) const override {
     bool outside = true;
-    for (const fs::path& folder : {top_folder_, fs::path(including.key).parent_path()}) {
+    const fs::path own = fs::path(including.key).parent_path();
+    for (const fs::path& folder : {own_folder ? own : top_folder_, own}) {
       const std::string key = (folder / fs::path(file)).lexically_normal().generic_string();
       const std::string path = fs::path(key).lexically_relative(top_folder_).generic_string();
       if (!fs::path(key).is_relative() || key.starts_with("..") || path.starts_with("..")) continue;
@@ -147,10 +152,12 @@ class MemoryFiles : public Files {
     return outside ? Outcome::outside : Outcome::missing;
   }
 
-  std::string near_name(std::string_view file) const override {
+  std::string near_name(std::string_view file, const FoundFile& including,
+                        bool own_folder) const override {
+    const fs::path first = own_folder ? fs::path(including.key).parent_path() : top_folder_;
     std::vector<std::string_view> names;
     for (const auto& [key, bytes] : files_) names.push_back(key);
-    const auto near = nearest_name((top_folder_ / fs::path(file)).generic_string(), names);
+    const auto near = nearest_name((first / fs::path(file)).generic_string(), names);
     return near ? std::string(*near) : "";
   }
 

@@ -26,11 +26,13 @@ class Files {
   virtual ~Files() = default;
 
   // Looks for a file as an include names it: from the top file's folder, then from the including
-  // file's. Nothing outside the root is looked at.
-  virtual Outcome find(std::string_view file, const FoundFile& including, FoundFile& out) const = 0;
+  // file's; with own_folder from the latter only. Nothing outside the root is looked at.
+  virtual Outcome find(std::string_view file, const FoundFile& including, bool own_folder,
+                       FoundFile& out) const = 0;
 
   // Names that stand in the folder in which `file` was looked for first, for a suggestion.
-  virtual std::string near_name(std::string_view file) const = 0;
+  virtual std::string near_name(std::string_view file, const FoundFile& including,
+                                bool own_folder) const = 0;
 
   // Reads a file. All files together may have limits.bytes.
   //

@@ -1,12 +1,16 @@
-// Reads files into parts, with all that they include.
+// Reads files into parts, with all that they include and use.
 #pragma once
 
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
+#include <string>
+#include <vector>
 
+#include "base/hash.h"
 #include "pxn/internal/files.h"
 #include "pxn/internal/part.h"
 #include "pxn/internal/reporter.h"
@@ -16,67 +20,119 @@
 
 namespace panwright::pxn {
 
-// Shapes, textures and inputs go into the scene, each once; parts say which of them stand where.
+// Shapes, textures, inputs and the need go into the scene, each once; parts say which of them stand
+// where.
 class Loader {
  public:
   Loader(Files& files, const Options& options, Reporter& reporter, scene::Scene& scene)
       : files_(files), options_(options), reporter_(reporter), scene_(scene) {}
 
   // The index of the part, or nothing when there is no root element that is understood, or more
-  // elements than the limit.
+  // elements or nodes than the limits.
   std::optional<std::uint32_t> load_top(const FoundFile& top);
 
   const Part& part(std::uint32_t index) const { return parts_[index]; }
+  const NamedMaterial& material(std::int32_t index) const {
+    return materials_[static_cast<std::size_t>(index)];
+  }
 
  private:
-  // One file at work.
+  // One part at work.
   struct Work {
+    File& file;
     Part& part;
-    Values values;
-    std::uint32_t level;  // of includes, 0 for the top file
-    // line and column of the last item: positions are found in one walk over the text
-    std::uint32_t offset = 0;
-    std::uint32_t line = 1;
-    std::uint32_t column = 1;
+    const Scope* scope;  // the file's, or that of a repeat's variable
   };
+  // How a picture is meant. Each way of the same file is a texture of its own.
+  enum class Picture { color, linear, cutout };
 
+  // ---- loader.cpp: files and nodes
   std::optional<std::uint32_t> load(const FoundFile& file, SourceSpan included_at,
                                     std::uint32_t level);
+  std::uint32_t add_part(File& file, std::uint32_t element);
   void walk(Work& work, std::uint32_t element, std::uint32_t depth);
   void walk_children(Work& work, std::uint32_t element, std::uint32_t depth);
-  std::uint32_t add_item(Work& work, ItemKind kind, std::uint32_t element, std::uint32_t data);
-  void place_item(Work& work, Item& item);
-
-  void read_group(Work& work, std::uint32_t element, std::uint32_t depth);
-  std::uint32_t read_transform(Work& work, std::uint32_t element);
-  std::uint32_t read_rotate(Work& work, std::uint32_t element);
-  void read_frame(Work& work, std::uint32_t element);
-  void read_sphere(Work& work, std::uint32_t element);
-  void read_mesh(Work& work, std::uint32_t element);
+  std::optional<std::uint32_t> add_item(Work& work, ItemKind kind, std::uint32_t element,
+                                        std::uint32_t data, std::uint32_t details = kNoDetails);
+  void read_node(Work& work, std::uint32_t element, std::uint32_t depth, std::uint32_t details);
+  void read_appearance(Work& work, std::uint32_t element, std::uint32_t depth);
+  void read_texture(Work& work, std::uint32_t element, std::uint32_t depth);
+  void read_repeat(Work& work, std::uint32_t element, std::uint32_t depth);
+  void check_group_count(Work& work, std::uint32_t element);
   void read_include(Work& work, std::uint32_t element, std::uint32_t depth);
-  std::optional<std::uint32_t> read_texture(Work& work, std::uint32_t element);
-  std::optional<std::uint32_t> load_texture(Work& work, std::uint32_t element,
-                                            const std::string& file, const FoundFile& found);
-
-  // The file that an include names, or nothing: reported as E1301 or E1303.
+  void read_use(Work& work, std::uint32_t element, std::uint32_t depth);
+  // Whether a part may stand in another: no cycle, not too deep.
+  bool fits_in(Work& work, std::uint32_t element, SourceSpan where, const Part& inner,
+               const std::string& name, std::uint32_t depth);
+  // The file that an element names, or nothing: reported as E1301 or E1303.
   std::optional<FoundFile> find(Work& work, std::uint32_t element, std::size_t attribute,
                                 const std::string& file);
   void add_input(const FoundFile& file, std::span<const std::byte> bytes);
+
+  // ---- definitions.cpp: parameters, materials, parts, the budget
+  void read_root(File& file);
+  void import_definitions(File& file, std::uint32_t element);
+  void merge(File& file, const Definitions& from, Definitions& to, std::uint32_t element);
+  void read_parameter(File& file, std::uint32_t element);
+  std::optional<Quantity> overriding_value(const std::string& name, const std::string& value);
+  void define(File& file, std::uint32_t element, std::size_t attribute, Definitions& known);
+  void read_budget(File& file, std::uint32_t element);
+  void read_definitions(File& file);
+  std::optional<std::uint32_t> part_of(Definition& definition, SourceSpan used_at);
+  std::optional<std::uint32_t> material_of(Definition& definition);
+  // The definition that an attribute names, or nothing: reported as E1311.
+  Definition* look_up(File& file, std::uint32_t element, std::size_t attribute,
+                      const Definitions& known, std::string_view what);
+  void check_overrides();
+
+  // ---- details.cpp: what nodes and shapes say about themselves
+  std::uint32_t read_details(Work& work, std::uint32_t element);
+  bool read_rotation(Work& work, std::uint32_t element, Quat& out);
+  std::optional<Quat> unit_quat(Work& work, std::uint32_t element, SourceSpan where,
+                                std::span<const double> q);
+  void read_placing_children(Work& work, std::uint32_t element, scene::Transform& transform);
+  void read_frame_s(Work& work, std::uint32_t element);
+  void read_frame(Work& work, std::uint32_t element);
+  void read_keypoint(Work& work, std::uint32_t element);
+  void read_shape(Work& work, std::uint32_t element);
+  std::uint32_t known_shape(geometry::Shape shape);
+
+  // ---- pictures.cpp
+  std::optional<std::uint32_t> read_sphere_texture(Work& work, std::uint32_t element);
+  void read_decal(Work& work, std::uint32_t element);
+  materials::Maps read_maps(Work& work, std::uint32_t element, const materials::Maps& base);
+  std::optional<std::uint32_t> picture(Work& work, std::uint32_t element, std::size_t attribute,
+                                       Picture use);
+  std::optional<std::uint32_t> load_picture(Work& work, std::uint32_t element,
+                                            std::size_t attribute, const std::string& file,
+                                            const FoundFile& found, Picture use);
 
   Files& files_;
   const Options& options_;
   Reporter& reporter_;
   scene::Scene& scene_;
-  std::deque<Part> parts_;  // note: addresses stay while it grows
-  std::map<std::string, std::optional<std::uint32_t>> known_parts_;     // by key
-  std::map<std::string, std::optional<std::uint32_t>> known_textures_;  // by key
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> known_spheres_;
+  // note: addresses stay while these grow
+  std::deque<File> loaded_files_;
+  std::deque<Part> parts_;
+  std::vector<NamedMaterial> materials_;
+  std::map<std::string, std::optional<std::uint32_t>> known_files_;  // by key: their parts
+  std::map<std::pair<std::string, Picture>, std::optional<std::uint32_t>> known_pictures_;
+  std::map<Hash128, std::uint32_t> known_shapes_;
+  std::map<std::pair<const File*, std::uint32_t>, std::uint32_t> known_meshes_;  // in repeats
+  std::set<std::string> parameters_;                                             // of all files
+  std::set<std::string> inputs_;     // keys of files that count as inputs
+  std::uint32_t repeats_ = 0;        // around what is being read
   bool complete_ = true;             // false: a limit was reached
   std::uint64_t elements_ = 0;       // so far
+  std::uint64_t items_ = 0;          // so far
   std::uint64_t texture_bytes_ = 0;  // so far
 };
 
 // The first child of an element that has this id, or 0.
 std::uint32_t child_of(const xml::Document& document, std::uint32_t element, schemas::ElementId id);
+
+// The index of an attribute in the tables of an element; nothing when it has no such attribute.
+std::optional<std::size_t> attribute_of(const xml::Document& document, std::uint32_t element,
+                                        std::string_view name);
 
 }  // namespace panwright::pxn

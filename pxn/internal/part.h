@@ -1,38 +1,55 @@
-// One pxn file, read: its nodes in order, with their values. A file that is included many times is
-// one part.
+// Files and parts, read: their nodes in order, with their values. A part that is used many times,
+// and a file that is included many times, stand here once.
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "materials/material.h"
 #include "pxn/internal/files.h"
+#include "pxn/internal/scope.h"
+#include "pxn/internal/values.h"
 #include "pxn/internal/xml.h"
 #include "scene/scene.h"
 
 namespace panwright::pxn {
 
 enum class ItemKind : std::uint8_t {
-  group,
-  transform,   // data: index into transforms
-  rotate,      // data: index into transforms
+  node,        // holds others, with details
   appearance,  // data: index into fields
   texture,     // data: index into scene::Scene::textures
-  sphere,      // data: index into scene::Scene::shapes
-  mesh,        // data: index into scene::Scene::shapes
+  shape,       // data: index into scene::Scene::shapes
   frame,       // data: index into frames
-  include,     // data: index of the included part
+  keypoint,    // data: index into keypoints
+  decal,       // data: index into decals
+  include,     // data: index of the included file's part
+  use,         // data: index of the used part
 };
 
-// Items stand in document order; those inside one follow it, up to `end`.
+inline constexpr std::uint32_t kNoDetails = 0xffffffffu;
+
+// Items stand in document order, those of a repeat as often as it runs; those inside one follow it,
+// up to `end`.
 struct Item {
   ItemKind kind;
   std::uint32_t element;
-  std::uint32_t end;  // item index, past the last one inside
-  std::uint32_t data;
-  std::uint32_t line;
-  std::uint32_t column;
+  std::uint32_t end;      // item index, past the last one inside
+  std::uint32_t data;     // by kind
+  std::uint32_t details;  // index into details, or kNoDetails
+};
+
+// What nodes, shapes and uses may say about themselves.
+struct Details {
+  std::string name;  // as written; empty: after the kind
+  std::optional<scene::Transform> transform;
+  std::int32_t material = -1;       // index into Loader::materials
+  std::optional<double> tolerance;  // metres
 };
 
 struct PartFrame {
@@ -41,16 +58,69 @@ struct PartFrame {
   Quat rotation;  // node_from_frame
 };
 
-struct Part {
-  FoundFile file;
+struct PartKeypoint {
+  std::string name;
+  Vec3 position;
+};
+
+// As scene::Decal, on the shapes of a name in the same part.
+struct PartDecal {
+  std::string on;
+  scene::Decal decal;
+};
+
+struct File;
+
+// A part or a material with a name. It is read when it is first asked for.
+struct Definition {
+  std::string name;
+  File* file = nullptr;
+  std::uint32_t element = 0;
+  bool reading = false;  // asking for it again is a cycle
+  bool done = false;
+  bool used = false;
+  std::optional<std::uint32_t>
+      index;  // of the part or named material, once done, if it can be used
+};
+
+using Definitions = std::map<std::string, Definition*, std::less<>>;
+
+// One pxn file.
+struct File {
+  FoundFile found;
   xml::Document document;
+  std::unique_ptr<Values> values;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> positions;  // E: line and column of each
+  Units units;
+  bool y_up = false;
+  Scope scope;                         // its parameters, and those of files that the root includes
+  std::deque<Definition> definitions;  // its own
+  Definitions parts;                   // its own, and those of files that the root includes
+  Definitions materials;
+  std::uint32_t level = 0;  // of includes, 0 for the top file
+};
+
+// The nodes of a file, or of a <part>.
+struct Part {
+  File* file = nullptr;
+  FileId source = kNoFile;    // what its places are in: knows who included or used it first
+  std::uint32_t element = 0;  // the root, or the <part>
+  std::string name;           // of a <part>
   std::vector<Item> items;
-  std::vector<scene::Transform> transforms;
+  std::vector<Details> details;
   std::vector<materials::Fields> fields;
   std::vector<PartFrame> frames;
-  std::uint32_t height = 0;          // elements on the longest path, through includes
+  std::vector<PartKeypoint> keypoints;
+  std::vector<PartDecal> decals;
+  std::uint32_t height = 0;          // elements on the longest path, through includes and uses
   std::uint32_t include_height = 0;  // files on the longest path of includes below this one
-  bool loading = true;               // its own includes are being read: including it is a cycle
+  bool loading = true;               // its own includes and uses are being read
+};
+
+struct NamedMaterial {
+  std::string name;
+  materials::Fields fields;
+  SourceSpan place;
 };
 
 }  // namespace panwright::pxn

@@ -1,8 +1,10 @@
 // Diagnostics about one XML document, with the path of the element in the model.
 #pragma once
 
+#include <set>
 #include <string>
 #include <string_view>
+#include <tuple>
 
 #include "base/diagnostic.h"
 #include "pxn/internal/xml.h"
@@ -24,6 +26,8 @@ class Reporter {
   template <class Compose>
   void report(Code code, SourceSpan where, const xml::Document& document, std::uint32_t element,
               const Compose& compose) {
+    // what is wrong in a repeat is wrong each time
+    if (repetition_ != nullptr && !seen_.insert({code, where.file, where.begin}).second) return;
     bool& full = code_info(code).severity == Severity::error ? errors_full_ : others_full_;
     if (full) {
       log_.report(code, where, {});
@@ -31,10 +35,33 @@ class Reporter {
     }
     const std::size_t before = log_.entries().size();
     Text text = compose();
+    for (const Repetition* r = repetition_; r != nullptr; r = r->outer_)
+      text.message +=
+          (r == repetition_ ? ", with " : ", ") + r->variable_ + " = " + std::to_string(r->value_);
     log_.report(code, where, std::move(text.message), std::move(text.hint),
                 object_path(document, element));
     full = log_.entries().size() == before;
   }
+
+  // One run of a repeat, as long as it lives: its problems are reported the first time only, with
+  // the value of the variable.
+  class Repetition {
+   public:
+    Repetition(Reporter& reporter, const std::string& variable, std::uint64_t value)
+        : reporter_(reporter), outer_(reporter.repetition_), variable_(variable), value_(value) {
+      reporter_.repetition_ = this;
+    }
+    ~Repetition() { reporter_.repetition_ = outer_; }
+    Repetition(const Repetition&) = delete;
+    Repetition& operator=(const Repetition&) = delete;
+
+   private:
+    friend class Reporter;
+    Reporter& reporter_;
+    const Repetition* outer_;
+    const std::string& variable_;
+    std::uint64_t value_;
+  };
 
   struct Text {
     Text(std::string m, std::string h = {}) : message(std::move(m)), hint(std::move(h)) {}
@@ -44,6 +71,8 @@ class Reporter {
 
  private:
   DiagnosticLog& log_;
+  const Repetition* repetition_ = nullptr;
+  std::set<std::tuple<Code, FileId, std::uint32_t>> seen_;  // in repeats
   bool errors_full_ = false;
   bool others_full_ = false;
 };

@@ -24,6 +24,17 @@ struct Units {
   double angle = 0.017453292519943295;  // radians
 };
 
+// Whether a text can be a name in expressions: letters, digits and underscores, no digit first.
+inline bool is_name(std::string_view text) {
+  const auto letter = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+  };
+  if (text.empty() || !letter(text[0])) return false;
+  for (const char c : text)
+    if (!letter(c) && !(c >= '0' && c <= '9')) return false;
+  return true;
+}
+
 // A name hides that of an outer scope. Addresses of values stay as long as the scope lives.
 class Scope {
  public:

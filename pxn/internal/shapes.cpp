@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.h"
 #include "pxn/internal/loader.h"
 
 namespace panwright::pxn {
@@ -45,6 +46,16 @@ double deviation(const Mat3& m) {
 }
 
 }  // namespace
+
+void report_bad_name(const xml::Document& document, std::uint32_t element, SourceSpan where,
+                     const std::string& name, Reporter& reporter) {
+  reporter.report(Code::E1221, where, document, element, [&] {
+    return Reporter::Text(fmt::format(
+        "{} cannot stand in expressions; names are letters, digits and underscores, not beginning "
+        "with a digit",
+        in_quotes(name)));
+  });
+}
 
 materials::Fields read_material(const xml::Document& document, std::uint32_t element,
                                 Values& values) {

@@ -1,9 +1,9 @@
-// Readers of single elements: materials, frames, meshes.
+// Readers of single elements: materials, frames, shapes.
 #pragma once
 
 #include <memory>
 
-#include "geometry/mesh.h"
+#include "geometry/shape.h"
 #include "materials/material.h"
 #include "pxn/internal/part.h"
 #include "pxn/internal/reporter.h"
@@ -22,6 +22,23 @@ materials::Fields read_material(const xml::Document& document, std::uint32_t ele
 // Fails (nullopt): E1201 to E1203, E1207. Reports: N1208.
 std::optional<PartFrame> read_frame_axes(const xml::Document& document, std::uint32_t element,
                                          Values& values, Reporter& reporter);
+
+// node_from_frame of a frame that looks along a direction, with another at the top of its image (x
+// right, y down, z forward). Any lengths; nothing when they are 0 or within 1e-6 rad of parallel.
+std::optional<Quat> looking(Vec3 forward, Vec3 up);
+
+// Says that a text is no name for expressions (E1221).
+void report_bad_name(const xml::Document& document, std::uint32_t element, SourceSpan where,
+                     const std::string& name, Reporter& reporter);
+
+// Reads a shape that is not a mesh.
+//
+//   returns  sound by geometry::problem_of; nothing where something is missing or wrong
+//
+// Reports: E1201 to E1203, E1212 to E1224, E2001, E2010 to E2018.
+std::optional<geometry::Shape> read_exact_shape(const xml::Document& document,
+                                                std::uint32_t element, const Units& units,
+                                                Values& values, Reporter& reporter);
 
 // Reads a <mesh>: strips to triangles, normals made unit or computed.
 //

@@ -33,6 +33,7 @@ class Values {
   // From now on. The scope outlives its use here; nullptr: no names.
   void set_units(const Units& units) { units_ = units; }
   void set_scope(const Scope* scope) { scope_ = scope; }
+  const Scope* scope() const { return scope_; }
 
   bool has(std::uint32_t element, std::size_t attribute) const;
 
