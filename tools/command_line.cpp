@@ -50,6 +50,10 @@ void add_read(CLI::App* app, ReadOptions& read) {
   app->add_option("--root", read.root,
                   "Folder that included files must lie in (default: the file's)")
       ->type_name("DIR");
+  app->add_option("-D,--define", read.parameters,
+                  "Give a <param> of the model another value, as -D span=2.4m; may stand often")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
   app->add_option("--max-input", read.max_input, "Most bytes of input to read, e.g. 512MB")
       ->transform(CLI::AsSizeValue(false))
       ->type_name("BYTES");

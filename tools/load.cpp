@@ -24,6 +24,16 @@ Result<scene::Scene> read_scene(const std::string& path, const ReadOptions& opti
   pxn::Options read;
   read.root = options.root;
   read.limits.bytes = options.max_input;
+  for (const std::string& parameter : options.parameters) {
+    const std::size_t sign = parameter.find('=');
+    if (sign == std::string::npos || sign == 0) {
+      session.log().report(
+          Code::E0201, {},
+          fmt::format("-D {}: NAME=VALUE is needed, as in -D span=2.4m", in_quotes(parameter)));
+      return failed;
+    }
+    read.parameters.emplace_back(parameter.substr(0, sign), parameter.substr(sign + 1));
+  }
   return pxn::read(path, read, session.log());
 }
 

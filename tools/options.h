@@ -25,6 +25,7 @@ struct CommonOptions {
 struct ReadOptions {
   std::string root;                        // folder that includes may not leave; empty: the file's
   std::uint64_t max_input = 128ull << 20;  // bytes in all
+  std::vector<std::string> parameters;     // NAME=VALUE, in place of the model's own values
   double max_error = 1e-3;                 // metres
   std::uint64_t max_triangles = 1ull << 27;
 };
