@@ -37,7 +37,11 @@ std::vector<DrawItem> draw_list(const pan::Model& model) {
     item.variant.specular = static_cast<materials::SpecularLaw>(material.specular_law);
     item.variant.textured = instance.texture >= 0;
     item.variant.coloured = (mesh.flags & layout::kMeshColours) != 0;
-    item.closed = (mesh.flags & layout::kMeshClosed) != 0;
+    item.variant.albedo_map = material.albedo_map >= 0;
+    item.variant.normal_map = material.normal_map >= 0;
+    item.variant.roughness_map = material.roughness_map >= 0;
+    item.variant.cutout = material.cutout_map >= 0;
+    item.closed = (mesh.flags & layout::kMeshClosed) != 0 && !item.variant.cutout;
     item.texture = instance.texture;
     item.material = instance.material;
     item.mesh = instance.mesh;
@@ -48,6 +52,8 @@ std::vector<DrawItem> draw_list(const pan::Model& model) {
     item.model_from_mesh[3] = world * Vec4(origin, 1);
     item.mirrored = glm::determinant(Mat3(world)) < 0;
     item.model_normal_from_mesh = outward_normals(Mat3(world));
+    item.repeat = Vec2(material.map_repeat[0], material.map_repeat[1]);
+    item.diffuse = Vec3(material.diffuse[0], material.diffuse[1], material.diffuse[2]);
     item.low = Vec3(mesh.bounds_min[0], mesh.bounds_min[1], mesh.bounds_min[2]);
     item.high = Vec3(mesh.bounds_max[0], mesh.bounds_max[1], mesh.bounds_max[2]);
     list.push_back(item);

@@ -1,5 +1,7 @@
 #include "preview/internal/gl_objects.h"
 
+#include <fmt/format.h>
+
 namespace panwright::preview {
 
 void delete_buffer(const GladGLContext& gl, GLuint id) { gl.DeleteBuffers(1, &id); }
@@ -7,6 +9,7 @@ void delete_texture(const GladGLContext& gl, GLuint id) { gl.DeleteTextures(1, &
 void delete_renderbuffer(const GladGLContext& gl, GLuint id) { gl.DeleteRenderbuffers(1, &id); }
 void delete_framebuffer(const GladGLContext& gl, GLuint id) { gl.DeleteFramebuffers(1, &id); }
 void delete_vertex_array(const GladGLContext& gl, GLuint id) { gl.DeleteVertexArrays(1, &id); }
+void delete_sampler(const GladGLContext& gl, GLuint id) { gl.DeleteSamplers(1, &id); }
 void delete_program(const GladGLContext& gl, GLuint id) { gl.DeleteProgram(id); }
 
 GlBuffer make_buffer(const GladGLContext& gl, const void* data, std::size_t bytes) {
@@ -46,13 +49,33 @@ GlTexture make_buffer_texture(const GladGLContext& gl) {
   return {gl, id};
 }
 
+GlSampler make_sampler(const GladGLContext& gl, GLint wrap) {
+  GLuint id = 0;
+  gl.CreateSamplers(1, &id);
+  gl.SamplerParameteri(id, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  gl.SamplerParameteri(id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl.SamplerParameteri(id, GL_TEXTURE_WRAP_S, wrap);
+  gl.SamplerParameteri(id, GL_TEXTURE_WRAP_T, wrap);
+  return {gl, id};
+}
+
+bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log) {
+  bool good = true;
+  for (GLenum error = gl.GetError(); error != GL_NO_ERROR; error = gl.GetError()) good = false;
+  if (!good)
+    log.report_file(Code::E5003, {},
+                    fmt::format("the context has no memory for the model's {}", what));
+  return good;
+}
+
 Target make_target(const GladGLContext& gl, std::span<const GLenum> color_formats, bool depth,
                    GLsizei width, GLsizei height) {
   Target target;
   GLuint id = 0;
   gl.CreateFramebuffers(1, &id);
   target.framebuffer = GlFramebuffer(gl, id);
-  constexpr GLenum kAttachments[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  constexpr GLenum kAttachments[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1,
+                                     GL_COLOR_ATTACHMENT2};
   for (std::size_t i = 0; i < color_formats.size(); ++i) {
     target.colors[i] = make_texture_2d(gl, 1, color_formats[i], width, height);
     gl.TextureParameteri(target.colors[i].id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);

@@ -7,15 +7,13 @@
 
 #include "base/text.h"
 #include "preview/internal/programs.h"
-#include "preview/internal/texture_levels.h"
 
 namespace panwright::preview {
 namespace {
 
 namespace layout = pan::layout;
 
-// float texels up to this many bytes in all, half floats beyond
-constexpr std::uint64_t kFloatTextureBytes = 1ull << 30;
+constexpr GLuint kTangentAttribute = 4;
 
 // OpenGL counts the indices of a draw in 31 bits
 constexpr std::uint64_t kMeshTriangles = 0x7fffffff / 3;
@@ -33,16 +31,6 @@ std::uint64_t integer(const GladGLContext& gl, GLenum name) {
   GLint value = 1;
   gl.GetIntegerv(name, &value);
   return static_cast<std::uint64_t>(std::max(value, 1));
-}
-
-// whether everything since the last call fitted
-bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log) {
-  bool good = true;
-  for (GLenum error = gl.GetError(); error != GL_NO_ERROR; error = gl.GetError()) good = false;
-  if (!good)
-    log.report_file(Code::E5003, {},
-                    fmt::format("the context has no memory for the model's {}", what));
-  return good;
 }
 
 }  // namespace
@@ -77,9 +65,9 @@ bool GpuModel::upload(const Context& context, const pan::Model& model,
   attribute(1, 3);
   attribute(2, 2);
   attribute(3, 3);
-  gl.VertexArrayElementBuffer(array, indices_.id());
   return fits(gl, "vertices", log) && upload_materials(model, list, log) &&
-         upload_textures(model, list, log);
+         upload_decals(model, list, log) && upload_textures(model, list, log) &&
+         upload_tangents(model, list, log);
 }
 
 bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawItem> list,
@@ -121,43 +109,89 @@ bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawIte
 
 bool GpuModel::upload_textures(const pan::Model& model, std::span<const DrawItem> list,
                                DiagnosticLog& log) {
-  const GladGLContext& gl = *gl_;
-  std::vector<bool> used(model.textures().size());
+  for (const DrawItem& item : list) {
+    const layout::Material& material = model.materials()[item.material];
+    std::vector<Binding>& bindings = bindings_.emplace_back();
+    const auto bind = [&](GLuint unit, std::int32_t texture, TextureRole role, float threshold) {
+      if (texture >= 0) bindings.push_back({unit, textures_.number({texture, role, threshold})});
+    };
+    // what colour a hole has in the picture that cuts it counts nowhere
+    const auto colour = [&](std::int32_t texture) {
+      return texture == material.cutout_map ? TextureRole::premultiplied : TextureRole::colour;
+    };
+    bind(kDiffuseMapUnit, item.texture, colour(item.texture), 0);
+    bind(kAlbedoMapUnit, material.albedo_map, colour(material.albedo_map), 0);
+    bind(kNormalMapUnit, material.normal_map, TextureRole::normal, 0);
+    bind(kRoughnessMapUnit, material.roughness_map, TextureRole::roughness, 0);
+    bind(kCutoutMapUnit, material.cutout_map, TextureRole::cutout, material.cutout_threshold);
+  }
+  for (std::size_t i = 0; i < decals_.size(); ++i)
+    decal_ranges_[i].texture = textures_.number(
+        {static_cast<std::int32_t>(decals_[i].texture), TextureRole::premultiplied, 0});
+  map_sampler_ = make_sampler(*gl_, GL_REPEAT);
+  decal_sampler_ = make_sampler(*gl_, GL_CLAMP_TO_EDGE);
+  return textures_.upload(*context_, model, log);
+}
+
+bool GpuModel::upload_tangents(const pan::Model& model, std::span<const DrawItem> list,
+                               DiagnosticLog& log) {
+  std::vector<bool> used(model.meshes().size());
+  bool any = false;
   for (const DrawItem& item : list)
-    if (item.texture >= 0) used[static_cast<std::size_t>(item.texture)] = true;
-  std::uint64_t bytes = 0;
-  for (std::size_t i = 0; i < used.size(); ++i)
-    if (used[i]) bytes += 4 * model.textures()[i].bytes;
-  const GLenum format = bytes <= kFloatTextureBytes ? GL_RGBA32F : GL_RGBA16F;
-  textures_.resize(used.size());
+    if (item.variant.normal_map) any = used[item.mesh] = true;
+  if (!any) return true;
+  tangents_at_.resize(used.size());
+  repeated_.resize(used.size());
+  std::vector<float> all;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
-    const layout::Texture& texture = model.textures()[i];
-    if (std::max(texture.width, texture.height) > context_->limits().texture_side) {
-      log.report_file(Code::E5003, model.name(),
-                      fmt::format("texture '{}' is {} by {} texels; this context takes {} a side",
-                                  model.texture_name(i), texture.width, texture.height,
-                                  context_->limits().texture_side));
-      return false;
-    }
-    const std::vector<TextureLevel> levels =
-        texture_levels(model.texels(i), texture.width, texture.height,
-                       (texture.flags & layout::kTextureLinear) != 0);
-    GlTexture object =
-        make_texture_2d(gl, static_cast<GLsizei>(levels.size()), format,
-                        static_cast<GLsizei>(texture.width), static_cast<GLsizei>(texture.height));
-    for (std::size_t level = 0; level < levels.size(); ++level)
-      gl.TextureSubImage2D(
-          object.id(), static_cast<GLint>(level), 0, 0, static_cast<GLsizei>(levels[level].width),
-          static_cast<GLsizei>(levels[level].height), GL_RGBA, GL_FLOAT, levels[level].rgba.data());
-    gl.TextureParameteri(object.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-    gl.TextureParameteri(object.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    gl.TextureParameteri(object.id(), GL_TEXTURE_WRAP_S, GL_REPEAT);
-    gl.TextureParameteri(object.id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    textures_[i] = std::move(object);
-    if (!fits(gl, "textures", log)) return false;
+    const Tangents found = tangents(model.mesh(i));
+    tangents_at_[i] = all.size() * sizeof(float);
+    all.insert(all.end(), found.tangents.begin(), found.tangents.end());
+    if (!found.repeats.empty()) repeated_[i] = repeated(model.mesh(i), found);
   }
-  return true;
+  tangents_ = uploaded(*gl_, std::span<const float>(all));
+  const GLuint array = vertex_array_.id();
+  gl_->EnableVertexArrayAttrib(array, kTangentAttribute);
+  gl_->VertexArrayAttribFormat(array, kTangentAttribute, 4, GL_FLOAT, GL_FALSE, 0);
+  gl_->VertexArrayAttribBinding(array, kTangentAttribute, kTangentAttribute);
+  return fits(*gl_, "tangents", log);
+}
+
+GpuModel::Repeated GpuModel::repeated(const pan::MeshView& mesh, const Tangents& tangents) const {
+  const auto longer = [&]<class T>(std::span<const T> values) {
+    std::vector<T> all(values.begin(), values.end());
+    if (!all.empty())
+      for (const std::uint32_t vertex : tangents.repeats) all.push_back(values[vertex]);
+    return uploaded(*gl_, std::span<const T>(all));
+  };
+  return {longer(mesh.positions), longer(mesh.normals), longer(mesh.texcoords),
+          longer(mesh.colours), uploaded(*gl_, std::span<const std::uint32_t>(tangents.indices))};
+}
+
+bool GpuModel::upload_decals(const pan::Model& model, std::span<const DrawItem> list,
+                             DiagnosticLog& log) {
+  decals_ = placed_decals(model, list);
+  if (decals_.empty()) return true;
+  decal_stride_ = rounded_up(sizeof(DecalBlock), integer(*gl_, GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT));
+  std::vector<std::byte> blocks(decals_.size() * decal_stride_);
+  std::vector<std::uint32_t> indices;
+  for (std::size_t i = 0; i < decals_.size(); ++i) {
+    PlacedDecal& decal = decals_[i];
+    DecalBlock block{};
+    for (int row = 0; row < 3; ++row)
+      for (int k = 0; k < 4; ++k)
+        block.place[4 * row + k] =
+            static_cast<float>(decal.place[static_cast<std::size_t>(row)][k]);
+    for (int k = 0; k < 3; ++k) block.outwards[k] = static_cast<float>(decal.outwards[k]);
+    std::memcpy(blocks.data() + i * decal_stride_, &block, sizeof block);
+    decal_ranges_.push_back({indices.size() * sizeof(std::uint32_t), decal.indices.size(), 0});
+    indices.insert(indices.end(), decal.indices.begin(), decal.indices.end());
+    decal.indices = {};
+  }
+  decal_blocks_ = make_buffer(*gl_, blocks.data(), blocks.size());
+  decal_indices_ = uploaded(*gl_, std::span<const std::uint32_t>(indices));
+  return fits(*gl_, "decals", log);
 }
 
 bool GpuModel::upload_triangle_normals(const pan::Model& model, DiagnosticLog& log) {
@@ -191,7 +225,7 @@ bool GpuModel::upload_triangle_normals(const pan::Model& model, DiagnosticLog& l
   return true;
 }
 
-void GpuModel::bind_vertices(const layout::Mesh& mesh) const {
+void GpuModel::bind_vertices(const layout::Mesh& mesh, std::size_t mesh_index) const {
   const GladGLContext& gl = *gl_;
   const GLuint array = vertex_array_.id();
   const auto bind = [&](GLuint index, const GlBuffer& buffer, std::uint64_t first, GLsizei stride) {
@@ -200,11 +234,27 @@ void GpuModel::bind_vertices(const layout::Mesh& mesh) const {
                                stride);
   };
   gl.BindVertexArray(array);
-  bind(0, positions_, mesh.first_vertex, sizeof(layout::Float3));
-  bind(1, normals_, mesh.first_vertex, sizeof(layout::Float3));
-  // note: meshes without them leave these to shaders that do not read them
-  bind(2, texcoords_, mesh.first_texcoord, sizeof(layout::Float2));
-  bind(3, colours_, mesh.first_colour, sizeof(layout::Float3));
+  // note: meshes without texcoords, colours or tangents leave them to shaders that do not read them
+  if (const Repeated* own = own_vertices(mesh_index)) {
+    bind(0, own->positions, 0, sizeof(layout::Float3));
+    bind(1, own->normals, 0, sizeof(layout::Float3));
+    bind(2, own->texcoords, 0, sizeof(layout::Float2));
+    bind(3, own->colours, 0, sizeof(layout::Float3));
+  } else {
+    bind(0, positions_, mesh.first_vertex, sizeof(layout::Float3));
+    bind(1, normals_, mesh.first_vertex, sizeof(layout::Float3));
+    bind(2, texcoords_, mesh.first_texcoord, sizeof(layout::Float2));
+    bind(3, colours_, mesh.first_colour, sizeof(layout::Float3));
+  }
+  if (!tangents_at_.empty())
+    gl.VertexArrayVertexBuffer(array, kTangentAttribute, tangents_.id(),
+                               static_cast<GLintptr>(tangents_at_[mesh_index]), 4 * sizeof(float));
+  const Repeated* own = own_vertices(mesh_index);
+  gl.VertexArrayElementBuffer(array, own ? own->indices.id() : indices_.id());
+}
+
+const GpuModel::Repeated* GpuModel::own_vertices(std::size_t mesh_index) const {
+  return repeated_.empty() || !repeated_[mesh_index] ? nullptr : &*repeated_[mesh_index];
 }
 
 void GpuModel::bind_one_material(std::uint32_t material) const {
@@ -218,21 +268,37 @@ void GpuModel::bind_materials() const {
   gl_->BindTextureUnit(kItemsUnit, items_texture_.id());
 }
 
-void GpuModel::bind_texture(std::int32_t texture) const {
-  if (texture >= 0)
-    gl_->BindTextureUnit(kDiffuseMapUnit, textures_[static_cast<std::size_t>(texture)].id());
+void GpuModel::bind_maps(std::size_t item) const {
+  for (const Binding& binding : bindings_[item]) {
+    gl_->BindTextureUnit(binding.unit, textures_.id(binding.texture));
+    gl_->BindSampler(binding.unit, binding.unit == kDiffuseMapUnit ? 0 : map_sampler_.id());
+  }
 }
 
-void GpuModel::draw_range(const layout::Mesh& mesh, std::uint64_t first_triangle,
-                          std::uint64_t triangles) const {
-  const std::uint64_t offset =
-      mesh.index_offset + first_triangle * 3 * std::uint64_t{mesh.index_size};
+void GpuModel::draw_range(const layout::Mesh& mesh, std::size_t mesh_index,
+                          std::uint64_t first_triangle, std::uint64_t triangles) const {
+  const bool own = own_vertices(mesh_index) != nullptr;
+  const std::uint64_t size = own ? sizeof(std::uint32_t) : mesh.index_size;
+  const std::uint64_t offset = (own ? 0 : mesh.index_offset) + first_triangle * 3 * size;
   gl_->DrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * triangles),
-                    mesh.index_size == 2 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT,
+                    size == 2 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT,
                     reinterpret_cast<const void*>(offset));
 }
 
-void GpuModel::draw(const layout::Mesh& mesh) const { draw_range(mesh, 0, mesh.triangle_count); }
+void GpuModel::draw(const layout::Mesh& mesh, std::size_t mesh_index) const {
+  draw_range(mesh, mesh_index, 0, mesh.triangle_count);
+}
+
+void GpuModel::draw_decal(std::size_t decal) const {
+  const DecalRange& range = decal_ranges_[decal];
+  gl_->VertexArrayElementBuffer(vertex_array_.id(), decal_indices_.id());
+  gl_->BindBufferRange(GL_UNIFORM_BUFFER, kDecalBinding, decal_blocks_.id(),
+                       static_cast<GLintptr>(decal * decal_stride_), sizeof(DecalBlock));
+  gl_->BindTextureUnit(kDecalUnit, textures_.id(range.texture));
+  gl_->BindSampler(kDecalUnit, decal_sampler_.id());
+  gl_->DrawElements(GL_TRIANGLES, static_cast<GLsizei>(range.count), GL_UNSIGNED_INT,
+                    reinterpret_cast<const void*>(range.first));
+}
 
 void GpuModel::draw_flat(const layout::Mesh& mesh, std::size_t mesh_index) const {
   gl_->BindTextureUnit(kTriangleNormalsUnit, triangle_normals_texture_.id());
@@ -242,7 +308,7 @@ void GpuModel::draw_flat(const layout::Mesh& mesh, std::size_t mesh_index) const
         triangle_normals_texture_.id(), GL_RGB32F, triangle_normals_.id(),
         static_cast<GLintptr>(triangle_normals_at_[mesh_index] + first * 3 * sizeof(float)),
         static_cast<GLsizeiptr>(count * 3 * sizeof(float)));
-    draw_range(mesh, first, count);
+    draw_range(mesh, mesh_index, first, count);
   }
 }
 

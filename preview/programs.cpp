@@ -10,28 +10,46 @@ namespace {
 
 constexpr const char* kVersion = "#version 450 core\n";
 
+std::string defined(const char* name, bool yes) {
+  return yes ? fmt::format("#define {}\n", name) : std::string();
+}
+
+std::string layer_names(unsigned layers) {
+  return defined("PAINTED", layers > kPaintLayer) + defined("ROUGH", layers > kRoughLayer);
+}
+
+// of a fragment shader that may leave holes
+std::string cutout_text(bool cutout) {
+  return cutout ? std::string("#define CUTOUT\n") + cutout_glsl : std::string();
+}
+
 }  // namespace
 
-GLuint Programs::geometry(const Variant& variant, bool flat, bool tinted, std::string* problem) {
-  GlProgram& program =
-      geometry_[((variant.textured * 2u + variant.coloured) * 2u + flat) * 2u + tinted];
+GLuint Programs::geometry(const Variant& v, bool flat, unsigned layers, std::string* problem) {
+  unsigned key = layers;
+  for (const bool bit :
+       {v.textured, v.coloured, v.albedo_map, v.normal_map, v.roughness_map, v.cutout, flat})
+    key = 2 * key + bit;
+  GlProgram& program = geometry_[key];
   if (!program) {
-    std::string head = std::string(kVersion) + "#define GEOMETRY\n";
-    if (tinted) head += "#define TINTED\n";
-    if (variant.textured) head += "#define TEXTURED\n";
-    if (variant.coloured) head += "#define COLOURED\n";
-    if (flat) head += "#define FLAT\n";
-    program = make_program(gl_, head + model_vert, head + geometry_frag, problem);
+    const bool mapped = v.albedo_map || v.normal_map || v.roughness_map || v.cutout;
+    const std::string head = kVersion + defined("GEOMETRY", true) + layer_names(layers) +
+                             defined("TEXTURED", v.textured) + defined("COLOURED", v.coloured) +
+                             defined("ALBEDO_MAP", v.albedo_map) + defined("BUMPED", v.normal_map) +
+                             defined("ROUGHNESS_MAP", v.roughness_map) + defined("MAPPED", mapped) +
+                             defined("FLAT", flat) + draw_glsl;
+    program =
+        make_program(gl_, head + model_vert, head + cutout_text(v.cutout) + geometry_frag, problem);
   }
   return program.id();
 }
 
-GLuint Programs::shading(std::uint32_t pair, bool tinted, bool one_material, std::string* problem) {
-  GlProgram& program = shading_[(pair * 2 + tinted) * 2 + one_material];
+GLuint Programs::shading(std::uint32_t pair, unsigned layers, bool one_material,
+                         std::string* problem) {
+  GlProgram& program = shading_[(pair * kLayers + layers - 1) * 2 + one_material];
   if (!program) {
     std::string head = fmt::format("{}#define PAIR {}u\n", kVersion, pair);
-    if (tinted) head += "#define TINTED\n";
-    if (one_material) head += "#define ONE_MATERIAL\n";
+    head += layer_names(layers) + defined("ONE_MATERIAL", one_material);
     head += materials::glsl_formulas(static_cast<materials::DiffuseLaw>(pair / 3),
                                      static_cast<materials::SpecularLaw>(pair % 3));
     program = make_program(gl_, std::string(kVersion) + screen_vert, head + shading_frag, problem);
@@ -39,17 +57,26 @@ GLuint Programs::shading(std::uint32_t pair, bool tinted, bool one_material, std
   return program.id();
 }
 
-GLuint Programs::ids(std::string* problem) {
-  if (!ids_)
-    ids_ = make_program(gl_, std::string(kVersion) + model_vert, std::string(kVersion) + ids_frag,
-                        problem);
-  return ids_.id();
+GLuint Programs::ids(bool cutout, std::string* problem) {
+  GlProgram& program = ids_[cutout];
+  if (!program) {
+    const std::string head = kVersion + defined("MAPPED", cutout) + draw_glsl;
+    program = make_program(gl_, head + model_vert, head + cutout_text(cutout) + ids_frag, problem);
+  }
+  return program.id();
+}
+
+GLuint Programs::decal(std::string* problem) {
+  if (!decal_)
+    decal_ = make_program(gl_, kVersion + defined("DECAL", true) + draw_glsl + model_vert,
+                          std::string(kVersion) + decal_frag, problem);
+  return decal_.id();
 }
 
 GLuint Programs::bare(std::string* problem) {
   if (!bare_)
-    bare_ = make_program(gl_, std::string(kVersion) + model_vert, std::string(kVersion) + bare_frag,
-                         problem);
+    bare_ = make_program(gl_, std::string(kVersion) + draw_glsl + model_vert,
+                         std::string(kVersion) + bare_frag, problem);
   return bare_.id();
 }
 

@@ -72,6 +72,16 @@ ViewBlock view_block(const View& view, const Tile& tile, unsigned samples) {
   return block;
 }
 
+// the layers that an instance needs
+unsigned layers_of(const Variant& variant) {
+  if (variant.normal_map || variant.roughness_map) return kRoughLayer + 1;
+  if (variant.textured || variant.coloured || variant.albedo_map) return kPaintLayer + 1;
+  return kSeenLayer + 1;
+}
+
+constexpr GLenum kLayerFormats[] = {GL_RGBA32F, GL_RGBA32F, GL_RG32F};
+static_assert(std::size(kLayerFormats) == kLayers);
+
 }  // namespace
 
 struct Renderer::Impl {
@@ -98,6 +108,7 @@ struct Renderer::Impl {
                      const Tile& tile, unsigned samples);
   void draw(const Scenery& scenery, const TileItems& items, const Tile& tile, unsigned samples,
             Pass pass, const Target& target);
+  void draw_decals(const Scenery& scenery, const TileItems& items);
   void shade(const Scenery& scenery, const TileItems& items, const Tile& tile, unsigned samples);
   GLuint program(const Variant& variant, Pass pass, std::string* problem);
   bool render_radiance(const View& view, const Scenery& scenery, const RenderOptions& options,
@@ -112,8 +123,8 @@ struct Renderer::Impl {
   std::vector<DrawItem> list;
   GpuModel gpu;
   Programs programs;
-  bool tinted = false;   // some instance has a texture or vertex colours
-  Target seen_target;    // normals and items; tints
+  unsigned layers = 1;   // of seen_target: Layer
+  Target seen_target;    // normals and items; colours; roughness
   Target color_target;   // radiance
   Target id_target;      // triangles
   Target bare_target;    // of seconds_of_bare_draw
@@ -142,10 +153,11 @@ Result<Renderer> Renderer::create(Context& context, const pan::Model& model, Dia
   impl->list = draw_list(model);
   for (const DrawItem& item : impl->list) {
     impl->triangles += model.meshes()[item.mesh].triangle_count;
-    impl->tinted = impl->tinted || item.variant.textured || item.variant.coloured;
+    impl->layers = std::max(impl->layers, layers_of(item.variant));
   }
   impl->screen = make_vertex_array(impl->gl);
   if (!impl->gpu.upload(context, model, impl->list, log)) return failed;
+  if (!impl->gpu.decals().empty()) impl->layers = std::max(impl->layers, kPaintLayer + 1u);
   GLint alignment = 1;
   impl->gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
   const std::size_t step = static_cast<std::size_t>(std::max(alignment, 1));
@@ -189,11 +201,11 @@ bool Renderer::Impl::ensure_target(Target& target, std::span<const GLenum> forma
 GLuint Renderer::Impl::program(const Variant& variant, Pass pass, std::string* problem) {
   switch (pass) {
     case Pass::geometry:
-      return programs.geometry(variant, false, tinted, problem);
+      return programs.geometry(variant, false, layers, problem);
     case Pass::flat_geometry:
-      return programs.geometry(variant, true, tinted, problem);
+      return programs.geometry(variant, true, layers, problem);
     case Pass::ids:
-      return programs.ids(problem);
+      return programs.ids(variant.cutout, problem);
     case Pass::bare:
       return programs.bare(problem);
   }
@@ -211,8 +223,9 @@ bool Renderer::Impl::prepare(Pass pass, const Scenery& scenery, DiagnosticLog& l
     last = &item;
     std::string problem;
     bool good = program(item.variant, pass, &problem) != 0;
+    if (shaded && !gpu.decals().empty()) good = good && programs.decal(&problem) != 0;
     for (const bool one : {false, true})
-      good = good && (!shaded || programs.shading(law_pair(item.variant), tinted, one, &problem));
+      good = good && (!shaded || programs.shading(law_pair(item.variant), layers, one, &problem));
     if (good) continue;
     log.report_file(Code::E5001, {},
                     fmt::format("{} refuses a shader: {}", context.renderer(), problem));
@@ -255,6 +268,13 @@ void Renderer::Impl::upload_blocks(const View& view, const Scenery& scenery, con
                 block.clip_from_mesh);
     copy_floats(rotation * list[index].model_normal_from_mesh, block.world_normal_from_mesh);
     block.id[0] = index + 1;
+    block.id[1] = tile.x * samples;
+    block.id[2] = tile.y * samples;
+    copy_floats(list[index].diffuse, block.diffuse);
+    for (int axis = 0; axis < 2; ++axis) {
+      block.repeat[axis] = static_cast<float>(list[index].repeat[axis]);
+      block.repeat[axis + 2] = list[index].repeat[axis] < 0 ? -1.0f : 1.0f;
+    }
     std::memcpy(blocks.data() + k * draw_stride, &block, sizeof block);
   }
   if (!blocks.empty())
@@ -286,13 +306,50 @@ void Renderer::Impl::draw(const Scenery& scenery, const TileItems& items, const 
       item.closed ? gl.Enable(GL_CULL_FACE) : gl.Disable(GL_CULL_FACE);
     // note: rows grow downwards in the window, which turns every triangle round once
     if (!last || item.mirrored != last->mirrored) gl.FrontFace(item.mirrored ? GL_CCW : GL_CW);
-    if (!last || item.texture != last->texture) gpu.bind_texture(item.texture);
-    if (!last || item.mesh != last->mesh) gpu.bind_vertices(mesh);
+    if (!last || item.texture != last->texture || item.material != last->material)
+      gpu.bind_maps(scenery.items[items.drawn[k]]);
+    if (!last || item.mesh != last->mesh) gpu.bind_vertices(mesh, item.mesh);
     gl.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, draw_buffer.id(),
                        static_cast<GLintptr>(k * draw_stride), sizeof(DrawBlock));
-    pass == Pass::flat_geometry ? gpu.draw_flat(mesh, item.mesh) : gpu.draw(mesh);
+    pass == Pass::flat_geometry ? gpu.draw_flat(mesh, item.mesh) : gpu.draw(mesh, item.mesh);
     last = &item;
   }
+}
+
+// lays pictures over the colours of what is seen
+void Renderer::Impl::draw_decals(const Scenery& scenery, const TileItems& items) {
+  if (gpu.decals().empty()) return;
+  std::vector<std::uint32_t> place(list.size(), ~0u);  // of an item in items.drawn
+  for (std::uint32_t k = 0; k < items.drawn.size(); ++k) place[scenery.items[items.drawn[k]]] = k;
+  gl.UseProgram(programs.decal(nullptr));
+  // every program puts a vertex on the same spot, so what is seen has the very depth that is there
+  gl.DepthFunc(GL_EQUAL);
+  gl.DepthMask(GL_FALSE);
+  for (GLuint layer = 0; layer < layers; ++layer) {
+    const GLboolean paint = layer == kPaintLayer;
+    gl.ColorMaski(layer, paint, paint, paint, GL_FALSE);
+  }
+  gl.Enablei(GL_BLEND, kPaintLayer);
+  gl.BlendFunci(kPaintLayer, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  const DrawItem* last = nullptr;
+  for (std::size_t i = 0; i < gpu.decals().size(); ++i) {
+    const std::uint32_t k = place[gpu.decals()[i].item];
+    if (k == ~0u) continue;
+    const DrawItem& item = list[gpu.decals()[i].item];
+    if (&item != last) {
+      item.closed ? gl.Enable(GL_CULL_FACE) : gl.Disable(GL_CULL_FACE);
+      gl.FrontFace(item.mirrored ? GL_CCW : GL_CW);
+      gpu.bind_vertices(model.meshes()[item.mesh], item.mesh);
+      gl.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, draw_buffer.id(),
+                         static_cast<GLintptr>(k * draw_stride), sizeof(DrawBlock));
+    }
+    gpu.draw_decal(i);
+    last = &item;
+  }
+  gl.Disablei(GL_BLEND, kPaintLayer);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl.DepthMask(GL_TRUE);
+  gl.DepthFunc(GL_GREATER);
 }
 
 // turns what is seen into radiance, one pair of laws after the other
@@ -305,15 +362,16 @@ void Renderer::Impl::shade(const Scenery& scenery, const TileItems& items, const
   gl.Disable(GL_CULL_FACE);
   constexpr float kNothing[4] = {};
   gl.ClearBufferfv(GL_COLOR, 0, kNothing);
-  gl.BindTextureUnit(kSeenUnit, seen_target.colors[0].id());
-  if (tinted) gl.BindTextureUnit(kTintUnit, seen_target.colors[1].id());
+  gl.BindTextureUnit(kSeenUnit, seen_target.colors[kSeenLayer].id());
+  if (layers > kPaintLayer) gl.BindTextureUnit(kPaintUnit, seen_target.colors[kPaintLayer].id());
+  if (layers > kRoughLayer) gl.BindTextureUnit(kRoughUnit, seen_target.colors[kRoughLayer].id());
   if (items.one_material)
     gpu.bind_one_material(list[scenery.items[items.drawn.front()]].material);
   else
     gpu.bind_materials();
   gl.BindVertexArray(screen.id());
   for (const std::uint32_t pair : items.pairs) {
-    gl.UseProgram(programs.shading(pair, tinted, items.one_material, nullptr));
+    gl.UseProgram(programs.shading(pair, layers, items.one_material, nullptr));
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
 }
@@ -335,10 +393,9 @@ bool Renderer::Impl::render_radiance(const View& view, const Scenery& scenery,
   const std::uint32_t tile_side = std::max(1u, side / options.samples);
   const std::uint32_t width = std::min(tile_side, image.width) * options.samples;
   const std::uint32_t height = std::min(tile_side, image.height) * options.samples;
-  constexpr GLenum kFormats[] = {GL_RGBA32F, GL_RGBA32F};
-  if (!ensure_target(seen_target, std::span(kFormats).first(tinted ? 2 : 1), true, width, height,
+  if (!ensure_target(seen_target, std::span(kLayerFormats).first(layers), true, width, height,
                      log) ||
-      !ensure_target(color_target, std::span(kFormats).first(1), false, width, height, log) ||
+      !ensure_target(color_target, std::span(kLayerFormats).first(1), false, width, height, log) ||
       !prepare(pass, scenery, log))
     return false;
   // kept between views: fresh memory costs as much as a tenth of a draw
@@ -349,6 +406,7 @@ bool Renderer::Impl::render_radiance(const View& view, const Scenery& scenery,
     if (tile.width == 0 || tile.height == 0) continue;  // the image begins as background
     upload_blocks(view, scenery, items, tile, options.samples);
     draw(scenery, items, tile, options.samples, pass, seen_target);
+    draw_decals(scenery, items);
     shade(scenery, items, tile, options.samples);
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
     gl.ReadPixels(0, 0, static_cast<GLsizei>(tile.width * options.samples),

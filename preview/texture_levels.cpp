@@ -58,24 +58,30 @@ TextureLevel halved(const TextureLevel& above) {
 
 }  // namespace
 
-std::vector<TextureLevel> texture_levels(std::span<const std::uint8_t> rgba, std::uint32_t width,
-                                         std::uint32_t height, bool linear) {
+TextureLevel decoded_level(std::span<const std::uint8_t> rgba, std::uint32_t width,
+                           std::uint32_t height, bool linear) {
   assert(width > 0 && height > 0 && rgba.size() == std::size_t{4} * width * height);
   std::array<float, 256> value{};
   for (std::size_t code = 0; code < value.size(); ++code)
     value[code] = static_cast<float>(linear ? static_cast<double>(code) / 255
                                             : srgb_decoded(static_cast<std::uint8_t>(code)));
-  std::vector<TextureLevel> levels(1);
-  levels[0].width = width;
-  levels[0].height = height;
-  levels[0].rgba.resize(rgba.size());
+  TextureLevel level;
+  level.width = width;
+  level.height = height;
+  level.rgba.resize(rgba.size());
   const std::size_t row = std::size_t{4} * width;
   parallel_for(height, [&](std::size_t j) {
     const std::uint8_t* from = rgba.data() + (height - 1 - j) * row;
-    float* to = levels[0].rgba.data() + j * row;
+    float* to = level.rgba.data() + j * row;
     for (std::size_t i = 0; i < row; ++i)
       to[i] = i % 4 == 3 ? static_cast<float>(from[i]) / 255 : value[from[i]];
   });
+  return level;
+}
+
+std::vector<TextureLevel> with_levels_below(TextureLevel first) {
+  std::vector<TextureLevel> levels;
+  levels.push_back(std::move(first));
   while (levels.back().width > 1 || levels.back().height > 1)
     levels.push_back(halved(levels.back()));
   return levels;

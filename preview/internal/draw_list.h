@@ -20,13 +20,17 @@ struct Variant {
   materials::SpecularLaw specular = materials::SpecularLaw::none;
   bool textured = false;
   bool coloured = false;
+  bool albedo_map = false;
+  bool normal_map = false;
+  bool roughness_map = false;
+  bool cutout = false;
   auto operator<=>(const Variant&) const = default;
 };
 
 // One instance of the model.
 struct DrawItem {
   Variant variant;
-  bool closed = false;    // its back faces are not drawn
+  bool closed = false;    // its back faces are not drawn: closed, and without holes to see them
   bool mirrored = false;  // triangles are clockwise from outside, once placed
   std::int32_t texture = -1;
   std::uint32_t material = 0;
@@ -36,7 +40,9 @@ struct DrawItem {
   // cofactor matrix with the sign of the determinant, largest entry 1: takes outward normals to
   // outward normals of any length
   Mat3 model_normal_from_mesh{1};
-  Vec3 low{0};  // bounds in the mesh's frame
+  Vec2 repeat{1};   // of the texture coordinates, for maps
+  Vec3 diffuse{0};  // colour
+  Vec3 low{0};      // bounds in the mesh's frame
   Vec3 high{0};
 };
 

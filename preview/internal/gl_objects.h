@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "base/diagnostic.h"
+
 namespace panwright::preview {
 
 // One object name. The context must be current when it is created, used and destroyed.
@@ -38,6 +40,7 @@ void delete_texture(const GladGLContext& gl, GLuint id);
 void delete_renderbuffer(const GladGLContext& gl, GLuint id);
 void delete_framebuffer(const GladGLContext& gl, GLuint id);
 void delete_vertex_array(const GladGLContext& gl, GLuint id);
+void delete_sampler(const GladGLContext& gl, GLuint id);
 void delete_program(const GladGLContext& gl, GLuint id);
 
 using GlBuffer = GlObject<delete_buffer>;
@@ -45,6 +48,7 @@ using GlTexture = GlObject<delete_texture>;
 using GlRenderbuffer = GlObject<delete_renderbuffer>;
 using GlFramebuffer = GlObject<delete_framebuffer>;
 using GlVertexArray = GlObject<delete_vertex_array>;
+using GlSampler = GlObject<delete_sampler>;
 using GlProgram = GlObject<delete_program>;
 
 // An immutable buffer with these bytes; without data: its contents are set later, again and again.
@@ -57,9 +61,15 @@ GlVertexArray make_vertex_array(const GladGLContext& gl);
 // A texture that reads a range of a buffer; the range is set later.
 GlTexture make_buffer_texture(const GladGLContext& gl);
 
+// Linear between texels and levels; the wrap is that of both coordinates.
+GlSampler make_sampler(const GladGLContext& gl, GLint wrap);
+
+// Whether everything since the last call fitted. Fails: E5003, naming a part of the model.
+bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log);
+
 // A framebuffer over textures, with or without a D32F depth buffer.
 struct Target {
-  std::array<GlTexture, 2> colors;  // the second may be empty
+  std::array<GlTexture, 3> colors;  // those behind the first may be empty
   GlRenderbuffer depth;
   GlFramebuffer framebuffer;
   GLsizei width = 0;  // 0: the context could not make it

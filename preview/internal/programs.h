@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <string>
 
 #include "base/diagnostic.h"
@@ -14,12 +15,23 @@ namespace panwright::preview {
 inline constexpr GLuint kViewBinding = 0;  // uniform blocks
 inline constexpr GLuint kDrawBinding = 1;
 inline constexpr GLuint kMaterialBinding = 2;
+inline constexpr GLuint kDecalBinding = 3;
 inline constexpr GLuint kDiffuseMapUnit = 0;  // textures
 inline constexpr GLuint kTriangleNormalsUnit = 1;
 inline constexpr GLuint kSeenUnit = 2;
-inline constexpr GLuint kTintUnit = 3;
+inline constexpr GLuint kPaintUnit = 3;
 inline constexpr GLuint kMaterialsUnit = 4;
 inline constexpr GLuint kItemsUnit = 5;
+inline constexpr GLuint kRoughUnit = 6;
+inline constexpr GLuint kAlbedoMapUnit = 7;
+inline constexpr GLuint kNormalMapUnit = 8;
+inline constexpr GLuint kRoughnessMapUnit = 9;
+inline constexpr GLuint kCutoutMapUnit = 10;
+inline constexpr GLuint kDecalUnit = 11;
+
+// What is kept of each sample between the two steps of a drawing: at least the first, and those
+// before the last that is needed.
+enum Layer : unsigned { kSeenLayer, kPaintLayer, kRoughLayer, kLayers };
 
 // Uniform blocks, in std140.
 struct alignas(16) ViewBlock {
@@ -32,7 +44,13 @@ struct alignas(16) ViewBlock {
 struct alignas(16) DrawBlock {
   float clip_from_mesh[16];          // columns
   float world_normal_from_mesh[12];  // columns of 3, each padded to 4
-  std::uint32_t id[4];               // x: item + 1
+  std::uint32_t id[4];               // x: item + 1; y, z: samples left of and above the tile
+  float diffuse[4];                  // RGB
+  float repeat[4];                   // of maps: x, y, and their signs
+};
+struct alignas(16) DecalBlock {
+  float place[12];  // rows of 4: from positions to picture coordinates and height over depth
+  float outwards[4];
 };
 
 inline constexpr std::uint32_t kLawPairs = 9;
@@ -47,17 +65,19 @@ class Programs {
 
   // Each returns 0 when the driver refuses a shader: *problem says why.
   //
-  // tinted: the tile has a second colour buffer, for textures and vertex colours.
-  GLuint geometry(const Variant& variant, bool flat, bool tinted, std::string* problem);
-  GLuint shading(std::uint32_t pair, bool tinted, bool one_material, std::string* problem);
-  GLuint ids(std::string* problem);
+  // layers: how many there are.
+  GLuint geometry(const Variant& variant, bool flat, unsigned layers, std::string* problem);
+  GLuint shading(std::uint32_t pair, unsigned layers, bool one_material, std::string* problem);
+  GLuint ids(bool cutout, std::string* problem);
+  GLuint decal(std::string* problem);
   GLuint bare(std::string* problem);
 
  private:
   const GladGLContext& gl_;
-  std::array<GlProgram, 2 * 2 * 2 * 2> geometry_;
-  std::array<GlProgram, kLawPairs * 2 * 2> shading_;
-  GlProgram ids_;
+  std::map<unsigned, GlProgram> geometry_;
+  std::array<GlProgram, kLawPairs * kLayers * 2> shading_;
+  std::array<GlProgram, 2> ids_;
+  GlProgram decal_;
   GlProgram bare_;
 };
 

@@ -3,11 +3,14 @@
 
 namespace panwright::preview {
 
+extern const char* const draw_glsl;
+extern const char* const cutout_glsl;
 extern const char* const model_vert;
 extern const char* const screen_vert;
 extern const char* const geometry_frag;
 extern const char* const shading_frag;
 extern const char* const ids_frag;
+extern const char* const decal_frag;
 extern const char* const bare_frag;
 
 }  // namespace panwright::preview

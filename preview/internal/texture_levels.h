@@ -13,13 +13,16 @@ struct TextureLevel {
   std::vector<float> rgba;  // 4*H*W linear, row 0 at the bottom of the image
 };
 
-// Level 0 is the texels, sRGB-decoded unless `linear`, turned bottom row first as texture
-// coordinates count; each further level halves the sides (rounded down, never below 1) down to
-// 1×1. Every texel of a level is the mean of the area of the level above that it covers, in linear
-// light, partial texels weighted by their share: means are kept for sides of any length.
+// The texels as linear numbers, bottom row first as texture coordinates count.
 //
-//   rgba  4*H*W codes, row 0 the top row
-std::vector<TextureLevel> texture_levels(std::span<const std::uint8_t> rgba, std::uint32_t width,
-                                         std::uint32_t height, bool linear);
+//   rgba    4*H*W codes, row 0 the top row
+//   linear  RGB is not sRGB encoded; A never is
+TextureLevel decoded_level(std::span<const std::uint8_t> rgba, std::uint32_t width,
+                           std::uint32_t height, bool linear);
+
+// The level and all below, each of half the sides, rounded down, never below 1, down to 1×1. Every
+// texel is the mean of the area of the level above that it covers, partial texels weighted by their
+// share: means are kept for sides of any length.
+std::vector<TextureLevel> with_levels_below(TextureLevel first);
 
 }  // namespace panwright::preview

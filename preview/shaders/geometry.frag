@@ -1,12 +1,7 @@
-// What is seen at a sample: its normal and its instance. Light comes later, once for each sample
-// and not once for each of the many fragments that small triangles throw away. Defined in front:
-// version, and any of TINTED TEXTURED COLOURED FLAT.
-layout(std140, binding = 1) uniform Draw {
-  mat4 clip_from_mesh;
-  mat3 world_normal_from_mesh;
-  uvec4 id;  // x: item + 1
-}
-draw;
+// What is seen at a sample: its normal, its instance, its colour. Light comes later, once for each
+// sample and not once for each of the many fragments that small triangles throw away. Defined in
+// front: version, draw.glsl, any of PAINTED ROUGH (the layers there are), TEXTURED COLOURED FLAT,
+// ALBEDO_MAP BUMPED ROUGHNESS_MAP (MAPPED with each of these), and CUTOUT with cutout.glsl.
 
 #ifdef FLAT
 layout(binding = 1) uniform samplerBuffer triangle_normals;
@@ -20,11 +15,49 @@ layout(location = 1) in vec2 surface_texcoord;
 #ifdef COLOURED
 layout(location = 2) in vec3 surface_colour;
 #endif
+#if defined(MAPPED) && !defined(CUTOUT)
+layout(location = 3) in vec2 map_texcoord;
+#endif
+#ifdef ALBEDO_MAP
+layout(binding = 7) uniform sampler2D albedo_map;
+#endif
+#ifdef BUMPED
+layout(binding = 8) uniform sampler2D normal_map;
+layout(location = 4) in vec4 mesh_tangent;
+#endif
+#ifdef ROUGHNESS_MAP
+layout(binding = 9) uniform sampler2D roughness_map;
+#endif
 
 // xyz: world normal of any length, on the side that is seen; w: item + 1, exact in a float
 layout(location = 0) out vec4 seen;
-#ifdef TINTED
-layout(location = 1) out vec4 tint;  // multiplies the diffuse colour
+#ifdef PAINTED
+layout(location = 1) out vec4 paint;  // diffuse colour; a: length of the mean normal
+#endif
+#ifdef ROUGH
+layout(location = 2) out vec2 rough;  // factor of the roughness; squared slope of unseen bumps
+#endif
+
+#ifdef CUTOUT
+// Pictures of surfaces with holes are premultiplied: what colour a hole has counts nowhere.
+vec3 colour_of(vec4 texel) { return texel.a > 0.0 ? texel.rgb / texel.a : texel.rgb; }
+#else
+vec3 colour_of(vec4 texel) { return texel.rgb; }
+#endif
+
+#ifdef BUMPED
+vec3 unit_or_zero(vec3 v) {
+  float square = dot(v, v);
+  return square > 0.0 ? v * inversesqrt(square) : vec3(0.0);
+}
+
+// The bumps are the mesh's: an instance mirrors and stretches them with it.
+vec3 bumped(vec3 normal, vec3 bump) {
+  vec3 outwards = unit_or_zero(normal);
+  vec3 along = unit_or_zero(mesh_tangent.xyz - outwards * dot(outwards, mesh_tangent.xyz));
+  vec3 across = cross(outwards, along) * (mesh_tangent.w < 0.0 ? -1.0 : 1.0);
+  return bump.x * along + bump.y * across + bump.z * outwards;
+}
 #endif
 
 void main() {
@@ -34,17 +67,38 @@ void main() {
   // a linear map may come after the interpolation, where several threads share the work
   vec3 normal = mesh_normal;
 #endif
+  float length_of_mean = 1.0;
+  vec2 roughness = vec2(1.0, 0.0);
+#ifdef BUMPED
+  vec4 bump = texture(normal_map, map_texcoord);
+  bump.xy *= draw.repeat.zw;
+  normal = bumped(normal, bump.xyz);
+  length_of_mean = min(length(bump.xyz), 1.0);
+  roughness.y = bump.a;
+#endif
+#ifdef ROUGHNESS_MAP
+  roughness.x = texture(roughness_map, map_texcoord).r;
+#endif
   normal = draw.world_normal_from_mesh * normal;
   // the back of an open mesh is as good as its front
   seen = vec4(gl_FrontFacing ? normal : -normal, float(draw.id.x));
-#ifdef TINTED
+#ifdef PAINTED
   vec3 colour = vec3(1.0);
 #ifdef TEXTURED
-  colour *= texture(diffuse_map, surface_texcoord).rgb;
+  colour *= colour_of(texture(diffuse_map, surface_texcoord));
+#endif
+#ifdef ALBEDO_MAP
+  colour *= colour_of(texture(albedo_map, map_texcoord));
 #endif
 #ifdef COLOURED
   colour *= surface_colour;
 #endif
-  tint = vec4(colour, 1.0);
+  paint = vec4(draw.diffuse.rgb * colour, length_of_mean);
+#endif
+#ifdef ROUGH
+  rough = roughness;
+#endif
+#ifdef CUTOUT
+  if (!is_there()) discard;
 #endif
 }

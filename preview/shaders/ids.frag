@@ -1,11 +1,10 @@
-// Which triangle of which instance is seen.
-layout(std140, binding = 1) uniform Draw {
-  mat4 clip_from_mesh;
-  mat3 world_normal_from_mesh;
-  uvec4 id;  // x: item + 1
-}
-draw;
-
+// Which triangle of which instance is seen. Defined in front: version, draw.glsl, and CUTOUT with
+// cutout.glsl.
 layout(location = 0) out uvec2 triangle_id;
 
-void main() { triangle_id = uvec2(draw.id.x, uint(gl_PrimitiveID)); }
+void main() {
+  triangle_id = uvec2(draw.id.x, uint(gl_PrimitiveID));
+#ifdef CUTOUT
+  if (!is_there()) discard;
+#endif
+}

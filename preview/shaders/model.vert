@@ -1,16 +1,10 @@
-// The vertices of one instance. Defined in front: version, and any of GEOMETRY TEXTURED COLOURED FLAT.
+// The vertices of one instance. Defined in front: version, draw.glsl, and any of GEOMETRY TEXTURED
+// COLOURED FLAT MAPPED BUMPED DECAL.
 layout(location = 0) in vec3 position;  // metres, relative to the mesh's origin
 layout(location = 1) in vec3 normal;    // mesh frame
 layout(location = 2) in vec2 texcoord;
 layout(location = 3) in vec3 colour;
-
-// formed in double for each view and tile, rounded once
-layout(std140, binding = 1) uniform Draw {
-  mat4 clip_from_mesh;
-  mat3 world_normal_from_mesh;
-  uvec4 id;  // x: item + 1
-}
-draw;
+layout(location = 4) in vec4 tangent;  // mesh frame; w: -1 where the picture is mirrored
 
 #ifdef GEOMETRY
 #ifndef FLAT
@@ -22,6 +16,22 @@ layout(location = 1) out vec2 surface_texcoord;
 #ifdef COLOURED
 layout(location = 2) out vec3 surface_colour;
 #endif
+#endif
+#ifdef MAPPED
+layout(location = 3) out vec2 map_texcoord;
+#endif
+#ifdef BUMPED
+layout(location = 4) out vec4 mesh_tangent;
+#endif
+
+#ifdef DECAL
+layout(std140, binding = 3) uniform Decal {
+  vec4 place[3];  // times (position, 1): texcoords of the picture, height over its depth
+  vec4 outwards;  // xyz: its normal in the mesh frame
+}
+decal;
+layout(location = 5) out vec3 decal_place;
+layout(location = 6) out float decal_facing;
 #endif
 
 // all programs put a vertex on the same spot
@@ -39,5 +49,17 @@ void main() {
 #ifdef COLOURED
   surface_colour = colour;
 #endif
+#endif
+#ifdef MAPPED
+  // note: so far out that a float holds no fraction of a texel, and no infinity comes of it
+  map_texcoord = clamp(texcoord * draw.repeat.xy, vec2(-1e9), vec2(1e9));
+#endif
+#ifdef BUMPED
+  mesh_tangent = tangent;
+#endif
+#ifdef DECAL
+  vec4 at = vec4(position, 1.0);
+  decal_place = vec3(dot(decal.place[0], at), dot(decal.place[1], at), dot(decal.place[2], at));
+  decal_facing = dot(decal.outwards.xyz, normal);
 #endif
 }

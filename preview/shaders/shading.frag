@@ -1,5 +1,5 @@
-// The radiance of what is seen, towards the camera. Defined in front: version, any of TINTED
-// ONE_MATERIAL, PAIR (the number of this pair of laws), and the pair's formulas (materials/formulas).
+// The radiance of what is seen, towards the camera. Defined in front: version, any of PAINTED
+// ROUGH ONE_MATERIAL, PAIR (the number of this pair of laws), and the pair's formulas (materials/formulas).
 
 layout(std140, binding = 0) uniform View {
   vec4 sight;        // world direction through the tile's upper left corner, any length
@@ -11,8 +11,11 @@ layout(std140, binding = 0) uniform View {
 view;
 
 layout(binding = 2) uniform sampler2D seen_samples;  // as geometry.frag leaves them
-#ifdef TINTED
-layout(binding = 3) uniform sampler2D tints;
+#ifdef PAINTED
+layout(binding = 3) uniform sampler2D paints;
+#endif
+#ifdef ROUGH
+layout(binding = 6) uniform sampler2D roughs;
 #endif
 
 #ifdef ONE_MATERIAL
@@ -33,6 +36,21 @@ vec3 unit_or_zero(vec3 v) {
   float square = dot(v, v);
   return square > 0.0 ? v * inversesqrt(square) : vec3(0.0);
 }
+
+#ifdef ROUGH
+// What a roughness map says, and the bumps that a sample is too large to show. Lambert's law is
+// linear in the normal, so the length of the mean normal gives their mean; mirror facets on bumps
+// have the squared slopes of both. A Blinn-Phong lobe is as wide as one of slopes 2 / (shine + 2).
+void roughen(inout Surface surface, float length_of_mean, vec2 rough) {
+  surface.diffuse *= length_of_mean;
+  surface.oren *= rough.x;
+  // floor: what the Sun's disc blurs is 50 times as much
+  float slope = max(surface.cook_m * rough.x, min(surface.cook_m, 1e-4));
+  surface.cook_m = rough.y > 0.0 ? sqrt(slope * slope + rough.y) : slope;
+  if (rough.y > 0.0)
+    surface.shine = max(2.0 / (2.0 / (surface.shine + 2.0) + rough.y) - 2.0, 0.0);
+}
+#endif
 
 void main() {
   vec4 seen = texelFetch(seen_samples, ivec2(gl_FragCoord.xy), 0);
@@ -57,8 +75,9 @@ void main() {
   vec4 hapke = ROW(5);
   Surface surface;
   surface.diffuse = diffuse.rgb;
-#ifdef TINTED
-  surface.diffuse *= texelFetch(tints, ivec2(gl_FragCoord.xy), 0).rgb;
+#ifdef PAINTED
+  vec4 paint = texelFetch(paints, ivec2(gl_FragCoord.xy), 0);
+  surface.diffuse = paint.rgb;
 #endif
   surface.specular = specular.rgb;
   surface.emissive = emissive.rgb;
@@ -77,6 +96,9 @@ void main() {
   // level 0 of the language has isotropic particles
   surface.hapke_b = 0.0;
   surface.hapke_c = 0.0;
+#ifdef ROUGH
+  roughen(surface, paint.a, texelFetch(roughs, ivec2(gl_FragCoord.xy), 0).xy);
+#endif
 
   // where the normal faces away from the viewer, at the limb of a smooth mesh, surface_brdf takes
   // the viewer to the horizon

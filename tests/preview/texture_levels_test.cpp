@@ -20,6 +20,11 @@ std::vector<std::uint8_t> noise(std::uint32_t width, std::uint32_t height) {
   return codes;
 }
 
+std::vector<TextureLevel> texture_levels(std::span<const std::uint8_t> codes, std::uint32_t width,
+                                         std::uint32_t height, bool linear) {
+  return with_levels_below(decoded_level(codes, width, height, linear));
+}
+
 TEST(TextureLevels, BottomRowFirstAndDecoded) {
   const std::vector<std::uint8_t> codes{255, 128, 0, 255, 10, 20, 30, 51,  // top row
                                         1,   2,   3, 4,   5,  6,  7,  8};

@@ -1,0 +1,20 @@
+// A picture over the diffuse colour of what is seen; blended, so that the colour it leaves is
+// colour·(1 − a) + picture. Only what is seen passes the depth test.
+layout(binding = 11) uniform sampler2D picture;  // premultiplied
+
+layout(location = 5) in vec3 decal_place;
+layout(location = 6) in float decal_facing;
+
+layout(location = 1) out vec4 paint;
+
+void main() {
+  vec2 size = vec2(textureSize(picture, 0));
+  vec2 right = dFdx(decal_place.xy) * size;
+  vec2 down = dFdy(decal_place.xy) * size;
+  float level = 0.5 * log2(max(max(dot(right, right), dot(down, down)), 1e-30));
+  vec2 at = clamp(decal_place.xy, vec2(0.0), vec2(1.0));
+  paint = textureLod(picture, at, max(level, 0.0));
+  bool inside = at == decal_place.xy && abs(decal_place.z) <= 1.0 &&
+                (gl_FrontFacing ? decal_facing : -decal_facing) > 0.0;
+  if (!inside) discard;
+}

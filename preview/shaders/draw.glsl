@@ -1,0 +1,9 @@
+// What is known of an instance in one view and tile, formed in double and rounded once.
+layout(std140, binding = 1) uniform Draw {
+  mat4 clip_from_mesh;
+  mat3 world_normal_from_mesh;
+  uvec4 id;      // x: item + 1; y, z: samples of the image left of and above the tile
+  vec4 diffuse;  // colour of the material
+  vec4 repeat;   // x, y: multiply the texcoords of maps; z, w: their signs
+}
+draw;
