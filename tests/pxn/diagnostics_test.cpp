@@ -90,7 +90,7 @@ TEST(Diagnostics, PlacesAndWords) {
       {"E1105", "3:11 E1105 <group> takes no text, and this is 'a sphere:'\n"},
       {"E1106", "3:4 E1106 <mli> is not supported yet; it is left out\n"},
       {"E1107-root", "1:2 E1107 the root element is <pangu>, not <pangu_model>\n"},
-      {"E1107-version", "1:19 E1107 ver=\"1\" is not supported yet; write ver=\"0\"\n"},
+      {"E1107-version", "1:19 E1107 ver=\"2\" is not a known version; write ver=\"0\" or \"1\"\n"},
       {"E1201-nan", "3:31 E1201 'nan' is not a number; y of <translation> takes -1e+30 to 1e+30\n"},
       {"E1201-comma",
        "3:29 E1201 '0,5' is not a number; x of <translation> takes -1e+30 to 1e+30 (numbers have a "
