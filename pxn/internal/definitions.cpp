@@ -240,7 +240,9 @@ std::optional<std::uint32_t> Loader::part_of(Definition& definition, SourceSpan 
   file.document.file = part.source;
   file.values->set_scope(&file.scope);
   Work work{file, part, &file.scope};
+  ++nesting_;
   walk_children(work, definition.element, 1);
+  --nesting_;
   file.document.file = own;
   file.values->set_scope(around);
   repeats_ = repeats;
@@ -271,8 +273,18 @@ std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
                              "the material {} is based on itself{}", in_quotes(base->name),
                              base == &definition ? "" : " through others"));
                        });
-    else if (base != nullptr)
+    else if (base != nullptr && nesting_ >= options_.limits.depth)
+      reporter_.report(
+          Code::E1006, file.values->value_place(element, attribute::named_material_base), document,
+          element, [&] {
+            return Reporter::Text(fmt::format("materials are based on each other deeper than {}",
+                                              options_.limits.depth));
+          });
+    else if (base != nullptr) {
+      ++nesting_;
       if (const auto index = material_of(*base)) fields = materials_[*index].fields;
+      --nesting_;
+    }
   }
   fields = fields.overridden_by(read_material(document, element, *file.values));
   // note: maps are read on the file's main part, which is there by now

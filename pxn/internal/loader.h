@@ -121,6 +121,7 @@ class Loader {
   std::map<std::pair<const File*, std::uint32_t>, std::uint32_t> known_meshes_;  // in repeats
   std::set<std::string> parameters_;                                             // of all files
   std::set<std::string> inputs_;     // keys of files that count as inputs
+  std::uint32_t nesting_ = 0;  // definitions that are being read
   std::uint32_t repeats_ = 0;        // around what is being read
   bool complete_ = true;             // false: a limit was reached
   std::uint64_t elements_ = 0;       // so far
