@@ -1,0 +1,124 @@
+// Curves that are turned about an axis, and the chords that stand for them.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "base/math.h"
+
+namespace panwright::geometry::internal {
+
+// c[0] + c[1] t + c[2] t² + c[3] t³
+using Cubic = std::array<Vec2, 4>;
+
+// Position and derivatives by the parameter.
+struct Jet {
+  Vec2 p, d, dd;
+  double speed() const;      // |d|
+  Vec2 normal() const;       // unit, on the right
+  double curvature() const;  // positive where the curve bends to the left: chords lie inside then
+};
+
+// A plane curve (r, z) with the outside on its right: an arc of a circle, or cubics end to end with
+// one tangent where they meet.
+class Curve {
+ public:
+  static Curve arc(const Vec2& centre, double radius, double begin, double end);
+  static Curve cubics(std::vector<Cubic> pieces, bool loop);
+
+  double begin() const { return begin_; }
+  double end() const { return end_; }
+  bool loop() const { return loop_; }
+
+  // Beyond the ends the curve goes on as it is there; a loop starts again.
+  Jet at(double t) const;
+
+  // The largest |cross(p(t) − from, along)| over [first, last].
+  double largest_cross(double first, double last, const Vec2& from, const Vec2& along) const;
+
+  // Parameters from begin to end between which the curve may be taken for an arc.
+  const std::vector<double>& knots() const { return knots_; }
+
+ private:
+  double begin_ = 0, end_ = 1;
+  bool loop_ = false;
+  Vec2 centre_{0};
+  double radius_ = 0;
+  std::vector<Cubic> pieces_;  // piece i over [i, i + 1]; none: an arc
+  std::vector<double> knots_;
+};
+
+// A positive function between nodes, linear, and its integral.
+class Density {
+ public:
+  Density(std::vector<double> t, std::vector<double> value);
+  double total() const { return sum_.back(); }
+  // where the integral from the first node reaches a share of the whole
+  double place(double share) const;
+
+ private:
+  std::vector<double> t_, value_, sum_;
+};
+
+// What of a curve decides where its vertices go.
+class CurveSamples {
+ public:
+  explicit CurveSamples(const Curve& curve);
+
+  // The largest |r·n_r|: times 1 − cos(half a segment), how far segments dip along the normal.
+  double largest_lever() const { return largest_lever_; }
+  double length() const { return length_; }
+  const Vec2& low() const { return low_; }  // bounds of the nodes
+  const Vec2& high() const { return high_; }
+
+  // Chords per parameter for which the dip of segments and of chords together is 2·half_range
+  // (balanced vertices) or half_range (vertices on the curve). dip: 1 − cos(half a segment).
+  Density density(double half_range, double dip, bool balanced) const;
+  double chords(double half_range, double dip, bool balanced) const;
+
+  // length from the curve's begin
+  double length_to(double t) const;
+
+ private:
+  double allowed(std::size_t i, double half_range, double dip, bool balanced) const;
+
+  std::vector<double> t_;       // K nodes
+  std::vector<double> bend_;    // sqrt(|curvature|/8) by parameter
+  std::vector<double> lever_;   // |r·n_r|
+  std::vector<double> inward_;  // how far a vertex may move along the normal: r/(2|n_r|) or ∞
+  std::vector<double> length_at_;
+  Vec2 low_, high_;
+  double largest_lever_ = 0;
+  double length_ = 0;
+};
+
+// How a curve's end stands to what comes after.
+enum class End { rim, pole, loop };
+
+// One vertex of a profile: moved off the curve, with the normal of the curve.
+struct ProfilePoint {
+  double radius;
+  double z;
+  Vec2 normal;
+  double v;  // texture
+};
+
+// How the chords of a curve are laid.
+struct ChordSettings {
+  double half_range;    // the error to keep
+  double half;          // angle of half a segment
+  double rim_factor;    // on the radius of rims
+  bool balanced;        // vertices move off the curve so that errors outside equal those inside
+  std::uint32_t count;  // of chords; 0: as the error needs
+  End first, last;
+};
+
+struct Chords {
+  std::vector<double> t;             // of each vertex
+  std::vector<ProfilePoint> points;  // v: length from the begin, over the whole
+  double error;  // no point of the turned chords lies further from the turned curve
+};
+
+Chords laid_chords(const Curve& curve, const CurveSamples& samples, const ChordSettings& settings);
+
+}  // namespace panwright::geometry::internal
