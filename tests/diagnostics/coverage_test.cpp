@@ -68,6 +68,7 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"E0202", {"check", folder / "model.step"}, {}},
       {"E0203", {"render", pan, "--views", view}, {}},
       {"E0204", {"explain", "E9999"}, {}},
+      {"E1225", {"compile", kFigure8, "-o", pan, "-D", "span=1m"}, {}},
       {"E5005", {"render", pan, "-o", png, "--camera-frame", "camera"}, {}},
       {"N5004", {"render", pan, "-o", png, "--camera", "0 0 9"}, {}},
   };
