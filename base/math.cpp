@@ -14,11 +14,15 @@ SinCos sincos(double x) {
   return {r.x, r.y};
 }
 double tan(double x) { return Sleef_cinz_tand1_u10purec(x); }
+double asin(double x) { return Sleef_cinz_asind1_u10purec(x); }
 double acos(double x) { return Sleef_cinz_acosd1_u10purec(x); }
+double atan(double x) { return Sleef_cinz_atand1_u10purec(x); }
 double atan2(double y, double x) { return Sleef_cinz_atan2d1_u10purec(y, x); }
 double exp(double x) { return Sleef_cinz_expd1_u10purec(x); }
 double log(double x) { return Sleef_cinz_logd1_u10purec(x); }
+double log10(double x) { return Sleef_cinz_log10d1_u10purec(x); }
 double pow(double x, double y) { return Sleef_cinz_powd1_u10purec(x, y); }
+double hypot(double x, double y) { return Sleef_cinz_hypotd1_u05purec(x, y); }
 }  // namespace det
 
 double angle_between(const Vec3& a, const Vec3& b) {

@@ -29,11 +29,15 @@ double sin(double x);
 double cos(double x);
 SinCos sincos(double x);
 double tan(double x);
+double asin(double x);
 double acos(double x);
+double atan(double x);
 double atan2(double y, double x);
 double exp(double x);
 double log(double x);
+double log10(double x);
 double pow(double x, double y);
+double hypot(double x, double y);
 }  // namespace det
 
 // The angle between two vectors, radians in [0, π], stable near 0 and π (unlike acos of a dot).

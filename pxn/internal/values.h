@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "pxn/internal/expression.h"
 #include "pxn/internal/reporter.h"
 #include "pxn/internal/scope.h"
+#include "pxn/internal/units.h"
 #include "pxn/internal/xml.h"
 #include "schemas/generated/pxn_schema.h"
 
@@ -19,7 +21,10 @@ namespace panwright::pxn {
 // In files of level 1 a number may have a unit ("12mm"), and may be an expression in braces over the
 // names of a scope ("{span/2 - 5mm}"), whose value is in SI; labels and paths may hold expressions
 // in braces ("bolt{i}"), written as whole numbers where they are. Results are in metres and radians
-// where the tables give a dimension.
+// where the tables give a dimension: there a bare number has the root's unit; the value of an
+// expression has none, so that {5} is 5 m. A unit must be of the table's dimension, and so must the
+// value of an expression as far as it is known (Expressions). A value of an expression that leaves a
+// range by 1e-15 of its limit, as {3*30deg} may, is the limit.
 //
 // Expects: elements have passed the grammar check, and their entry in the tables has the value that
 // is asked for. Attributes are named by their index in the tables (schemas::attribute).
@@ -31,7 +36,7 @@ class Values {
       : doc_(document), language_(language), reporter_(reporter) {}
 
   // From now on. The scope outlives its use here; nullptr: no names.
-  void set_units(const Units& units) { units_ = units; }
+  void set_units(const Units& units);
   void set_scope(const Scope* scope) { scope_ = scope; }
   const Scope* scope() const { return scope_; }
 
@@ -81,24 +86,66 @@ class Values {
   }
   Text text_of(std::uint32_t element);
   Text text_of(const xml::Attribute& attribute);
-  static bool next_token(const Text& text, std::size_t& at, Token& token);
+  // What bare numbers of a value are: in a unit (nullptr: SI), or times a factor.
+  struct Bare {
+    const Unit* unit = nullptr;
+    double factor = 1;
+  };
+  // A number as it is written.
+  struct Amount {
+    double value = 0;                                         // in SI
+    schemas::Dimension dimension = schemas::Dimension::none;  // of its unit, or of an expression
+    const Unit* unit = nullptr;                               // in which it is written
+    bool bare = false;                                        // the unit is the root's
+    bool computed = false;                                    // by an expression
+  };
+
+  bool next_token(const Text& text, std::size_t& at, Token& token) const;
   static Token trimmed(const Text& text);
   SourceSpan place(const Text& text, const Token& token) const;
+  std::string written(const Text& text, const Token& token) const;
 
+  Bare bare_of(const schemas::Value& value) const;
+  bool read_plain(std::string_view text, const schemas::Value& value, std::span<double> out) const;
+  bool read_plain_list(std::string_view text, const schemas::Value& value,
+                       std::vector<double>& out) const;
+  const char* read_plain_number(const char* at, const char* end, const Bare& bare,
+                                const schemas::Number& limits, double& out) const;
+  bool read_all(std::uint32_t element, const Text& text, const schemas::Value& value,
+                std::span<double> out, std::size_t& count);
+
+  std::optional<Amount> read_amount(std::uint32_t element, const Text& text, const Token& token,
+                                    const schemas::Value& value, std::size_t index);
+  std::optional<Amount> read_computed(std::uint32_t element, const Text& text, const Token& token,
+                                      const schemas::Value& value);
+  std::optional<Measured> evaluate(std::uint32_t element, const Text& text, const Token& token);
   bool read_real(std::uint32_t element, const Text& text, const Token& token,
                  const schemas::Value& value, std::size_t index, double& out);
   bool read_integer(std::uint32_t element, const Text& text, const Token& token,
                     const schemas::Value& value, std::size_t index, std::uint64_t& out);
+  bool read_computed_integer(std::uint32_t element, const Text& text, const Token& token,
+                             const schemas::Value& value, std::size_t index, std::uint64_t& out);
+  bool replace_expressions(std::uint32_t element, const Text& text, std::string& out);
+
   void bad_number(Code code, std::uint32_t element, const Text& text, const Token& token,
-                  const schemas::Value& value, std::size_t index);
-  void bad_count(std::uint32_t element, const schemas::Value& value, std::size_t count);
+                  const schemas::Value& value, std::size_t index, const Amount& amount);
+  std::string number_hint(const Token& token) const;
+  void bad_kind(std::uint32_t element, const Text& text, const Token& token,
+                schemas::Dimension needed, std::string_view got);
+  void bad_unit(std::uint32_t element, const Text& text, const Token& token, std::size_t number);
+  void bad_count(std::uint32_t element, const schemas::Value& value, std::string_view subject,
+                 std::size_t count);
+  void bad_tuples(std::uint32_t element, const schemas::Value& value, std::size_t count);
   std::string subject(std::uint32_t element, const schemas::Value& value, std::size_t index) const;
 
   const xml::Document& doc_;
   const schemas::Language& language_;
   Reporter& reporter_;
   Units units_;
+  const Unit* length_unit_ = nullptr;  // the root's
+  const Unit* angle_unit_ = nullptr;
   const Scope* scope_ = nullptr;
+  Expressions expressions_;
   std::string buffer_;
   std::vector<std::uint32_t> offsets_;
 };

@@ -17,12 +17,12 @@ using schemas::ValueKind;
 constexpr ElementId kRoot{0}, kBox{1}, kAxis{2}, kNew{3}, kSoon{4};
 constexpr ElementId kAny[] = {kBox, kNew, kSoon};
 constexpr ElementId kAxes[] = {kAxis};
-constexpr Attribute kRootAttributes[] = {{"v", 0, true, true, {ValueKind::version, 1}}};
-constexpr Attribute kBoxAttributes[] = {{"a", 0, true, false, {ValueKind::label, 1}},
-                                        {"b", 0, true, false, {ValueKind::label, 1}},
-                                        {"c", 0, true, false, {ValueKind::label, 1}},
-                                        {"later", 1, true, true, {ValueKind::label, 1}},
-                                        {"soon", 0, false, false, {ValueKind::label, 1}}};
+constexpr Attribute kRootAttributes[] = {{"v", 0, true, true, {ValueKind::version, 1, {}, {}}}};
+constexpr Attribute kBoxAttributes[] = {{"a", 0, true, false, {ValueKind::label, 1, {}, {}}},
+                                        {"b", 0, true, false, {ValueKind::label, 1, {}, {}}},
+                                        {"c", 0, true, false, {ValueKind::label, 1, {}, {}}},
+                                        {"later", 1, true, true, {ValueKind::label, 1, {}, {}}},
+                                        {"soon", 0, false, false, {ValueKind::label, 1, {}, {}}}};
 constexpr schemas::Slot kRootSlots[] = {{kAny, "thing", 0, 0, ""}};
 constexpr schemas::Slot kBoxSlots[] = {{kAxes, "", 0, 2, "use one axis"}};
 constexpr std::string_view kAB[] = {"@a", "@b"};
