@@ -14,46 +14,65 @@ constexpr double kReach = 0.5;
 constexpr int kIterations = 24;
 constexpr double kMostChords = 4e9;
 
-// No point of a turned chord from a to b lies further than this from the turned curve.
+// A chord between two points of a curve.
+struct Chord {
+  double begin, end;  // parameters
+  double sag;         // how far the curve stands from it, positive where the chord lies inside
+};
+
+Chord chord_of(const Curve& curve, double begin, double end) {
+  const Vec2 from = curve.at(begin).p;
+  const Vec2 along = curve.at(end).p - from;
+  const double length = glm::length(along);
+  if (!(length > 0)) return {begin, end, 0};
+  const Vec2 middle = curve.at(0.5 * (begin + end)).p - from;
+  const double sag = curve.largest_cross(begin, end, from, along) / length;
+  return {begin, end, along.x * middle.y - along.y * middle.x > 0 ? -sag : sag};
+}
+
+// No point of a turned chord, moved to a and b, lies further than this from the turned curve.
 //
 // At the angle φ from the middle of a segment the mesh is the profile with radii scaled by
 // s = cos(half)/cos φ. How far the curve stands from the scaled chord is, before division by the
 // chord's length, linear in s, so that the ends s = 1 and s = cos(half) decide.
-double chord_error(const Curve& curve, double ta, double tb, const Vec2& a, const Vec2& b,
+double chord_error(const Curve& curve, const Chord& chord, const Vec2& a, const Vec2& b,
                    double cos_half, bool rim_a, bool rim_b) {
-  const Jet start = curve.at(ta), stop = curve.at(tb);
+  const Jet start = curve.at(chord.begin), stop = curve.at(chord.end);
   const Vec2 flat = b - a;
+  const double reach = kReach * (chord.end - chord.begin);
   const double shortest = glm::length(Vec2(cos_half * flat.x, flat.y));
-  double worst = 0, ends = 0;
+  double across = 0, ends = 0, moved = 0;
+  bool covered = shortest > 0;
   for (const double s : {1.0, cos_half}) {
     const Vec2 from(s * a.x, a.y), to(s * b.x, b.y);
-    if (rim_a) ends = std::max(ends, glm::length(from - start.p));
-    if (rim_b) ends = std::max(ends, glm::length(to - stop.p));
+    const double moved_a = glm::length(from - start.p), moved_b = glm::length(to - stop.p);
+    moved = std::max({moved, moved_a, moved_b});
+    if (rim_a) ends = std::max(ends, moved_a);
+    if (rim_b) ends = std::max(ends, moved_b);
+    if (!covered) break;
     const Vec2 along = to - from;
     const double length = glm::length(along);
-    if (!(length > 0)) {
-      ends = std::max({ends, glm::length(from - start.p), glm::length(to - stop.p)});
-      continue;
-    }
     // the part of the curve over this chord, a little more to be safe
     const auto shifted = [&](const Jet& jet, double distance) {
       const double forward = glm::dot(jet.d, along) / length;
-      const double t = distance / std::max(forward, 0.3 * jet.speed());
-      return std::clamp(t > 0 ? 1.05 * t : 0.95 * t, -kReach * (tb - ta), kReach * (tb - ta));
+      const double t = distance / std::max(forward, 0.1 * jet.speed());
+      if (!(std::fabs(t) < reach)) covered = false;
+      return t > 0 ? 1.05 * t : 0.95 * t;
     };
     const double before = rim_a ? 0 : shifted(start, glm::dot(start.p - from, along) / length);
     const double after = rim_b ? 0 : shifted(stop, glm::dot(to - stop.p, along) / length);
-    const double first = ta - before;
-    const double last = std::max(first, tb + after);
-    worst = std::max(worst, curve.largest_cross(first, last, from, along));
-    // note: where the ends slide along the curve between the two scales
-    const double slide_a = a.x * (1 - cos_half) * along.x / length;
-    const double slide_b = b.x * (1 - cos_half) * along.x / length;
-    worst = std::max(worst, shortest * 0.125 *
-                                std::max(slide_a * slide_a * std::fabs(start.curvature()),
-                                         slide_b * slide_b * std::fabs(stop.curvature())));
+    if (!covered) continue;
+    across =
+        std::max(across, curve.largest_cross(chord.begin - before, chord.end + after, from, along));
+    // note: the ends slide along the curve between the two scales
+    const double slide = std::max(a.x * std::sqrt(std::fabs(start.curvature())),
+                                  b.x * std::sqrt(std::fabs(stop.curvature()))) *
+                         (1 - cos_half) * along.x / length;
+    ends = std::max(ends, 0.125 * slide * slide);
   }
-  return std::max(ends, shortest > 0 ? worst / shortest : 0.0) * (1 + 1e-12);
+  // chords that moved by more than their length: the move and the sag together
+  const double worst = covered ? std::max(ends, across / shortest) : moved + std::fabs(chord.sag);
+  return worst * (1 + 1e-12);
 }
 
 class Layer {
@@ -98,10 +117,12 @@ class Layer {
   Chords chords(std::vector<double> t) const {
     Chords result;
     const std::size_t count = t.size() - 1;
+    std::vector<Chord> chords(count);
+    for (std::size_t i = 0; i < count; ++i) chords[i] = chord_of(curve_, t[i], t[i + 1]);
     result.points.resize(count + 1);
     const double whole = samples_.length();
     for (std::size_t i = 0; i <= count; ++i) {
-      result.points[i] = point(t, i);
+      result.points[i] = point(chords, t[i], i);
       result.points[i].v = samples_.length_to(t[i]) / whole;
     }
     if (set_.first == End::loop) {
@@ -114,7 +135,7 @@ class Layer {
       const ProfilePoint& p = result.points[i];
       const ProfilePoint& q = result.points[i + 1];
       const double error =
-          chord_error(curve_, t[i], t[i + 1], {p.radius, p.z}, {q.radius, q.z}, cos_half_,
+          chord_error(curve_, chords[i], {p.radius, p.z}, {q.radius, q.z}, cos_half_,
                       i == 0 && set_.first == End::rim, i + 1 == count && set_.last == End::rim);
       result.error = std::max(result.error, error);
     }
@@ -143,44 +164,32 @@ class Layer {
     return std::sqrt(std::clamp(room / sag, 0.05, 1.0));
   }
 
-  // How far the chords at a vertex stand from the curve: of a circle with the curve's bend there.
-  double sag(const std::vector<double>& t, std::size_t i, const Jet& jet) const {
-    const std::size_t count = t.size() - 1;
-    const bool loop = set_.first == End::loop;
-    double before = 0, after = 0;
-    if (i > 0 || loop) before = glm::length(jet.p - curve_.at(i > 0 ? t[i - 1] : t[count - 1]).p);
-    if (i < count || loop) after = glm::length(curve_.at(i < count ? t[i + 1] : t[1]).p - jet.p);
-    if (before == 0) before = after;
-    if (after == 0) after = before;
-    const double chord = 0.5 * (before + after);
-    const double bend = jet.curvature();
-    const double root = std::sqrt(std::max(0.0, 1 - 0.25 * bend * bend * chord * chord));
-    return 0.25 * bend * chord * chord / (1 + root);
-  }
-
-  ProfilePoint point(const std::vector<double>& t, std::size_t i) const {
-    const std::size_t count = t.size() - 1;
-    const bool first = i == 0, last = i == count;
-    const Jet jet = curve_.at(t[i]);
+  // Where a vertex goes. Balanced: outwards from the axis by half of what segments dip, and along
+  // the normal by half of the sag of its chords.
+  ProfilePoint point(const std::vector<Chord>& chords, double t, std::size_t i) const {
+    const bool first = i == 0, last = i == chords.size();
+    const Jet jet = curve_.at(t);
     const End end = first ? set_.first : last ? set_.last : End::loop;
-    const bool on_end = first || last;
     const Vec2 n = jet.normal();
-    if (on_end && end == End::rim) return {jet.p.x * set_.rim_factor, jet.p.y, n, 0};
-    double out = 0;
-    if (set_.balanced) {
-      out = 0.5 * (jet.p.x * n.x * dip_ + sag(t, i, jet));
-      // note: not across the axis
-      if (out * n.x < 0) {
-        const double most = jet.p.x / (2 * std::fabs(n.x));
-        out = std::clamp(out, -most, most);
-      }
-    }
-    if (on_end && end == End::pole) {
+    if (end == End::rim) return {jet.p.x * set_.rim_factor, jet.p.y, n, 0};
+    const double before = first && end != End::loop ? chords.front().sag
+                          : first                   ? chords.back().sag
+                                                    : chords[i - 1].sag;
+    const double after = last && end != End::loop ? chords.back().sag
+                         : last                   ? chords.front().sag
+                                                  : chords[i].sag;
+    double out = set_.balanced ? 0.25 * (before + after) : 0;
+    if (end == End::pole) {
       const double up = n.y < 0 ? -1 : 1;
       return {0, jet.p.y + up * out, {0, up}, 0};
     }
-    const Vec2 p = jet.p + out * n;
-    return {p.x, p.y, n, 0};
+    // note: not across the axis
+    if (out * n.x < 0) {
+      const double most = jet.p.x / (2 * std::fabs(n.x));
+      out = std::clamp(out, -most, most);
+    }
+    const double factor = set_.balanced ? 1 + 0.5 * dip_ : 1;
+    return {factor * jet.p.x + out * n.x, jet.p.y + out * n.y, n, 0};
   }
 
   const Curve& curve_;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -11,6 +12,7 @@
 #include "geometry/internal/revolve.h"
 #include "geometry/internal/round_problem.h"
 #include "geometry/internal/tessellators.h"
+#include "geometry/internal/triangle.h"
 
 namespace panwright::geometry::internal {
 
@@ -22,12 +24,17 @@ constexpr int kIterations = 24;
 // intervals of a quarter turn before halving, and how often they are halved
 constexpr int kNodes = 16;
 constexpr int kDepth = 40;
+// a facet is looked at in 4^this parts where its plane says too little
+constexpr int kHalvings = 3;
 
 // A circle's parameter, stepped so that the ellipse x = a cos t, y = b sin t has chords of equal
 // sag: steps go with the inverse square root of the distance between centre and tangent.
 class Steps {
  public:
-  Steps(double a, double b) : even_(a == b), density_(made(a, b)) {}
+  Steps(double a, double b)
+      : even_(a == b), sharp_(std::max(a, b) > 3 * std::min(a, b)), density_(made(a, b)) {}
+
+  bool sharp() const { return sharp_; }
 
   // of a whole turn: turn over count is the step
   double integral() const { return 4 * density_.total(); }
@@ -85,7 +92,7 @@ class Steps {
     return {std::move(t), std::move(v)};
   }
 
-  bool even_;
+  bool even_, sharp_;
   Density density_;
 };
 
@@ -125,15 +132,17 @@ class Tessellator {
     Grid g;
     g.quads = chosen(shape_.counts.around, around_.integral() / step, 3);
     g.rings = chosen(shape_.counts.along, 0.5 * along_.integral() / step, 2);
+    // sharp ends get a vertex
+    if (shape_.counts.around == 0 && around_.sharp()) g.quads += g.quads % 2;
+    if (shape_.counts.along == 0 && along_.sharp()) g.rings += g.rings % 2;
     return g;
   }
 
-  Mesh mesh(const Grid& grid) {
+  void make(const Grid& grid, Mesh& mesh) {
     grid_ = grid;
     columns_ = grid.quads + (options_.texcoords ? 1 : 0);
     poles_ = options_.texcoords ? grid.quads : 1;
     const std::uint64_t vertices = 2 * poles_ + (grid.rings - 1) * columns_;
-    Mesh mesh;
     mesh.positions.resize(vertices);
     mesh.normals.resize(vertices);
     if (options_.texcoords) mesh.texcoords.resize(vertices);
@@ -148,12 +157,10 @@ class Tessellator {
         if (ring < grid.rings) join(mesh, ring);
       }
     });
-    return mesh;
   }
 
   // No point of the mesh lies further from the ellipsoid. Points outside: corners decide, as the
-  // distance to a convex body is convex. Points inside are no deeper than their facet's plane lies
-  // under the tangent plane parallel to it, and no deeper than the smallest radius.
+  // distance to a convex body is convex. Points inside: see depth().
   double error(const Mesh& mesh) const {
     const Vec3& radii = shape_.radii;
     const double smallest = std::min({radii.x, radii.y, radii.z});
@@ -164,19 +171,43 @@ class Tessellator {
         const Vec3& a = mesh.positions[t[0]];
         const Vec3& b = mesh.positions[t[1]];
         const Vec3& c = mesh.positions[t[2]];
+        // no deeper than the facet's plane lies under the tangent plane parallel to it
         Vec3 n = glm::cross(b - a, c - a);
         const double length = glm::length(n);
         if (!(length > 0)) continue;
         n /= length;
         const double height = std::max({glm::dot(n, a), glm::dot(n, b), glm::dot(n, c)});
-        deepest = std::max(deepest, glm::length(radii * n) - height);
+        const double plane = std::min(smallest, glm::length(radii * n) - height);
+        if (plane > deepest)
+          deepest = std::max(deepest, std::min(plane, depth(a, b, c, deepest, kHalvings)));
       }
       return deepest;
     });
-    return std::max(furthest_, std::min(inside, smallest)) * (1 + 1e-12);
+    return std::max(furthest_, inside) * (1 + 1e-12);
   }
 
  private:
+  // How deep the points of a triangle lie at most, or less than `known`. With u = x/radii the depth
+  // of x is at most (1 − |u|)·|u|/|u/radii|, the way to the surface of |u| = 1 against its
+  // gradient, as |u| is convex; both factors are bounded over the triangle, in parts where they
+  // differ.
+  double depth(const Vec3& a, const Vec3& b, const Vec3& c, double known, int halvings) const {
+    const Vec3& r = shape_.radii;
+    const double unit = std::min({r.x, r.y, r.z});
+    const Vec3 q = unit / r;
+    const double below = 1 - glm::length(nearest_to_origin(a / r, b / r, c / r));
+    if (!(below > 0)) return 0;
+    const double gradient = glm::length(nearest_to_origin(a / r * q, b / r * q, c / r * q));
+    const double bound = below * unit / gradient;
+    if (bound <= known || halvings == 0) return bound;
+    const Vec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
+    double deepest = 0;
+    for (const auto& [x, y, z] : {std::array{a, ab, ca}, std::array{ab, b, bc},
+                                  std::array{ca, bc, c}, std::array{ab, bc, ca}})
+      deepest = std::max(deepest, depth(x, y, z, std::max(known, deepest), halvings - 1));
+    return deepest;
+  }
+
   static std::uint64_t chosen(std::uint32_t given, double needed, double least) {
     if (given != 0) return given;
     return static_cast<std::uint64_t>(std::clamp(std::ceil(needed), least, kMostVertices));
@@ -189,48 +220,66 @@ class Tessellator {
       longitudes_[i] = balanced_ ? around_.at(i, grid.quads) : turn(i, grid.quads);
     latitudes_.resize(grid.rings + 1);
     for (std::uint64_t j = 0; j <= grid.rings; ++j) {
-      // a quarter turn behind, from the south pole; steps are symmetric to the equator
-      const std::uint64_t n = 2 * grid.rings;
-      const std::uint64_t k = (j + n - grid.rings / 2) % n;
       det::SinCos& latitude = latitudes_[j];
-      if (!balanced_) {
-        const det::SinCos polar = turn(j, n);
-        latitude = {-polar.cos, polar.sin};
-      } else if (grid.rings % 2 == 0) {
-        latitude = along_.at(k, n);
+      if (balanced_) {
+        // a quarter turn behind, from the south pole
+        latitude = along_.at((2 * j + 3 * grid.rings) % (4 * grid.rings), 4 * grid.rings);
       } else {
-        const std::uint64_t twice = (2 * j + 2 * n - grid.rings) % (2 * n);
-        latitude = along_.at(twice, 2 * n);
+        const det::SinCos polar = turn(j, 2 * grid.rings);
+        latitude = {-polar.cos, polar.sin};
       }
       if (j == 0 || j == grid.rings) latitude.cos = 0;
     }
     furthest_ = balanced_ ? standing_out() : 0;
+    if (!options_.texcoords) return;
+    u_.resize(grid.quads + 1);
+    for (std::uint64_t i = 0; i < grid.quads; ++i) {
+      const double share = det::atan2(longitudes_[i].sin, longitudes_[i].cos) / (2 * kPi);
+      u_[i] = share < 0 ? share + 1 : share;
+    }
+    u_.back() = 1;
   }
 
-  // how far vertices stand out at unit distance between centre and tangent, by row and column
+  // The steps at vertices, and how far these stand out at most.
   double standing_out() {
-    const auto squares = [](const std::vector<det::SinCos>& a, std::size_t i, bool ring) {
-      // chords to both neighbours, as 2(1 − cos step) that takes the square of the step's place
-      const std::size_t n = a.size();
-      const auto to = [&](std::size_t k) {
-        const double x = a[i].cos - a[k].cos, y = a[i].sin - a[k].sin;
-        return x * x + y * y;
-      };
-      if (!ring && i == 0) return to(1);
-      if (!ring && i + 1 == n) return to(n - 2);
-      const double before = std::sqrt(to((i + n - 1) % n)), after = std::sqrt(to((i + 1) % n));
-      return 0.25 * (before + after) * (before + after);
-    };
-    around_step_.resize(longitudes_.size());
-    along_step_.resize(latitudes_.size());
-    for (std::size_t i = 0; i < longitudes_.size(); ++i)
-      around_step_[i] = squares(longitudes_, i, true);
-    for (std::size_t j = 0; j < latitudes_.size(); ++j)
-      along_step_[j] = squares(latitudes_, j, false);
+    const Vec3& radii = shape_.radii;
+    around_step_ = squares(longitudes_, radii.x, radii.y, true);
+    along_step_ = squares(latitudes_, std::max(radii.x, radii.y), radii.z, false);
     double most = 0;
     for (std::size_t j = 0; j < latitudes_.size(); ++j)
       for (std::size_t i = 0; i < longitudes_.size(); ++i) most = std::max(most, out(i, j));
     return most;
+  }
+
+  // For vertices of the ellipse x = a cos t, y = b sin t: eight times the mean sag of their chords
+  // over the distance between centre and tangent, which is step² where that distance changes
+  // little. A chord's deepest point is at its middle parameter, as on the circle that the ellipse
+  // is an image of.
+  static std::vector<double> squares(const std::vector<det::SinCos>& t, double a, double b,
+                                     bool ring) {
+    const double unit = std::max(a, b);
+    const double ra = unit / a, rb = unit / b;
+    const std::size_t n = t.size();
+    const auto tangent = [&](double x, double y) {
+      return std::hypot(x, y) / std::hypot(x * ra, y * rb);
+    };
+    const auto sag = [&](std::size_t i) {
+      const det::SinCos& p = t[i];
+      const det::SinCos& q = t[i + 1 < n ? i + 1 : 0];
+      const double x = p.cos + q.cos, y = p.sin + q.sin;
+      const double dx = p.cos - q.cos, dy = p.sin - q.sin;
+      const double chord = dx * dx + dy * dy;
+      // 1 − cos of half the step
+      const double depth = 0.25 * chord / (1 + std::sqrt(std::max(0.0, 1 - 0.25 * chord)));
+      return depth * (x == 0 && y == 0 ? 1 : tangent(x, y));
+    };
+    std::vector<double> result(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double before = i > 0 ? sag(i - 1) : ring ? sag(n - 1) : sag(0);
+      const double after = ring || i + 1 < n ? sag(i) : before;
+      result[i] = 4 * (before + after) / tangent(t[i].cos, t[i].sin);
+    }
+    return result;
   }
 
   // the point's normal, not of unit length, scaled by the smallest radius
@@ -253,9 +302,7 @@ class Tessellator {
     const bool pole = ring == 0 || ring == grid_.rings;
     const std::uint64_t count = pole ? poles_ : columns_;
     const std::uint64_t start = start_of(ring);
-    const double v = static_cast<double>(ring) / static_cast<double>(grid_.rings);
-    // note: latitudes are not evenly spaced
-    const double latitude = det::atan2(latitudes_[ring].sin, latitudes_[ring].cos) / kPi + 0.5;
+    const double v = det::atan2(latitudes_[ring].sin, latitudes_[ring].cos) / kPi + 0.5;
     for (std::uint64_t k = 0; k < count; ++k) {
       const std::size_t i = pole ? 0 : k % grid_.quads;
       const Vec3 scaled = normal(i, ring);
@@ -266,17 +313,8 @@ class Tessellator {
       mesh.positions[start + k] = balanced_ ? p + out(i, ring) * n : p;
       mesh.normals[start + k] = n;
       if (!options_.texcoords) continue;
-      const double u =
-          pole ? (longitude_share(k) + longitude_share(k + 1)) / 2 : longitude_share(k);
-      mesh.texcoords[start + k] = {u, balanced_ ? latitude : v};
+      mesh.texcoords[start + k] = {pole ? 0.5 * (u_[k] + u_[k + 1]) : u_[k], v};
     }
-  }
-
-  double longitude_share(std::uint64_t k) const {
-    if (k == grid_.quads) return 1;
-    if (!balanced_) return static_cast<double>(k) / static_cast<double>(grid_.quads);
-    const double angle = det::atan2(longitudes_[k].sin, longitudes_[k].cos) / (2 * kPi);
-    return angle < 0 ? angle + 1 : angle;
   }
 
   std::uint64_t start_of(std::uint64_t ring) const {
@@ -313,7 +351,8 @@ class Tessellator {
   Grid grid_;
   std::uint64_t columns_ = 0, poles_ = 0;
   std::vector<det::SinCos> longitudes_, latitudes_;
-  std::vector<double> around_step_, along_step_;
+  std::vector<double> around_step_, along_step_;  // squares of steps
+  std::vector<double> u_;                         // texture, by column
   double furthest_ = 0;
 };
 
@@ -341,6 +380,7 @@ Result<Mesh> make(const Ellipsoid& s, const TessellationOptions& options, Source
     return failed;
   }
   double target = tessellator.half_range();
+  Mesh mesh;
   for (int i = 0;; ++i) {
     const Grid grid = tessellator.grid(target);
     const double limit = std::min(static_cast<double>(options.max_triangles), kMostVertices);
@@ -351,7 +391,7 @@ Result<Mesh> make(const Ellipsoid& s, const TessellationOptions& options, Source
                              grid.rings, grid.quads, options.max_triangles));
       return failed;
     }
-    Mesh mesh = tessellator.mesh(grid);
+    tessellator.make(grid, mesh);
     const double error = tessellator.error(mesh);
     if (error <= tessellator.half_range() || !(s.counts == Counts{}) || i == kIterations) {
       set_error(mesh, error);

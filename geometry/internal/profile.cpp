@@ -132,7 +132,7 @@ CurveSamples::CurveSamples(const Curve& curve) {
     t_.push_back(t);
     bend_.push_back(bend(jet));
     lever_.push_back(std::fabs(jet.p.x * n.x));
-    inward_.push_back(n.x < 0 ? jet.p.x / (-2 * n.x) : std::numeric_limits<double>::infinity());
+    inward_.push_back(n.x < -1e-9 ? jet.p.x / (-2 * n.x) : std::numeric_limits<double>::infinity());
     largest_lever_ = std::max(largest_lever_, lever_.back());
     low_ = t_.size() == 1 ? jet.p : glm::min(low_, jet.p);
     high_ = t_.size() == 1 ? jet.p : glm::max(high_, jet.p);
