@@ -112,24 +112,32 @@ void Loader::merge(File& file, const Definitions& from, Definitions& to, std::ui
   }
 }
 
+// The name of a <param>, when it can be one and is not taken in its scope.
+std::optional<std::string> Loader::parameter_name(File& file, std::uint32_t element,
+                                                  const Scope& scope) {
+  const auto name = file.values->text(element, attribute::param_name);
+  if (!name) return std::nullopt;
+  const SourceSpan where = file.values->value_place(element, attribute::param_name);
+  if (!is_name(*name)) {
+    report_bad_name(file.document, element, where, *name, reporter_);
+    return std::nullopt;
+  }
+  if (!scope.has_own(*name)) return name;
+  reporter_.report(Code::E1210, where, file.document, element, [&] {
+    return Reporter::Text(fmt::format("a parameter is called {} already", in_quotes(*name)));
+  });
+  return std::nullopt;
+}
+
 void Loader::read_parameter(File& file, std::uint32_t element) {
-  Values& values = *file.values;
-  const auto name = values.text(element, attribute::param_name);
-  auto value = values.quantity(element, attribute::param_value);
+  const auto name = parameter_name(file, element, file.scope);
+  auto value = file.values->quantity(element, attribute::param_value);
   if (!name) return;
-  const SourceSpan where = values.value_place(element, attribute::param_name);
-  if (!is_name(*name)) return report_bad_name(file.document, element, where, *name, reporter_);
   parameters_.insert(*name);
   for (const auto& [overridden, text] : options_.parameters)
     if (overridden == *name) value = overriding_value(*name, text);
-  if (!value) value = Quantity{};  // it is there, so that its uses are no errors
-  if (file.scope.has_own(*name)) {
-    reporter_.report(Code::E1210, where, file.document, element, [&] {
-      return Reporter::Text(fmt::format("a parameter is called {} already", in_quotes(*name)));
-    });
-    return;
-  }
-  file.scope.set(*name, *value);
+  // one without a value is there as well, so that its uses are no errors
+  file.scope.set(*name, value.value_or(Quantity{}));
 }
 
 // The value of -D NAME=VALUE, read as that of a <param>, so that it may hold what that may.
@@ -204,13 +212,19 @@ void Loader::read_budget(File& file, std::uint32_t element) {
 
 // Reads what nothing has asked for, for its problems, and says which parts stay unused.
 void Loader::read_definitions(File& file) {
+  // a file that shows nothing itself is there for its definitions
+  const std::vector<Item>& items = parts_[*known_files_.at(file.found.key)].items;
+  const bool is_library =
+      file.level > 0 || std::all_of(items.begin(), items.end(), [](const Item& item) {
+        return item.kind == ItemKind::include;
+      });
   for (Definition& definition : file.definitions) {
     if (file.document.elements[definition.element].id == ElementId::named_material) {
       material_of(definition);
       continue;
     }
-    part_of(definition, {});
-    if (definition.used || file.level > 0 || definition.name.empty()) continue;
+    if (definition.parts.empty()) part_of(definition, {}, {});
+    if (definition.used || is_library || definition.name.empty()) continue;
     reporter_.report(Code::W1315, file.document.tag_span(definition.element), file.document,
                      definition.element, [&] {
                        return Reporter::Text(fmt::format("the part {} is not used by anything",
@@ -219,8 +233,13 @@ void Loader::read_definitions(File& file) {
   }
 }
 
-std::optional<std::uint32_t> Loader::part_of(Definition& definition, SourceSpan used_at) {
-  if (definition.done || definition.reading) return definition.index;
+std::optional<std::uint32_t> Loader::part_of(Definition& definition, const Arguments& arguments,
+                                             SourceSpan used_at) {
+  if (definition.reading) return std::nullopt;
+  std::vector<std::pair<std::string, double>> key;
+  for (const auto& [name, value] : arguments) key.emplace_back(name, value.value);
+  const auto known = definition.parts.find(key);
+  if (known != definition.parts.end()) return known->second;
   File& file = *definition.file;
   definition.reading = true;
   const std::uint32_t index = add_part(file, definition.element);
@@ -237,9 +256,11 @@ std::optional<std::uint32_t> Loader::part_of(Definition& definition, SourceSpan 
   }
   const Scope* const around = file.values->scope();
   const std::uint32_t repeats = std::exchange(repeats_, 0);
+  Scope scope(&file.scope);
   file.document.file = part.source;
-  file.values->set_scope(&file.scope);
-  Work work{file, part, &file.scope};
+  file.values->set_scope(&scope);
+  read_part_parameters(file, definition.element, arguments, scope);
+  Work work{file, part, &scope};
   ++nesting_;
   walk_children(work, definition.element, 1);
   --nesting_;
@@ -248,13 +269,62 @@ std::optional<std::uint32_t> Loader::part_of(Definition& definition, SourceSpan 
   repeats_ = repeats;
   part.loading = false;
   definition.reading = false;
-  definition.done = true;
-  definition.index = index;
+  definition.parts.emplace(std::move(key), index);
   return index;
 }
 
+void Loader::read_part_parameters(File& file, std::uint32_t element, const Arguments& arguments,
+                                  Scope& scope) {
+  const xml::Document& document = file.document;
+  const std::uint32_t end = document.elements[element].next;
+  for (std::uint32_t c = element + 1; c < end; c = document.elements[c].next)
+    if (document.elements[c].id == ElementId::param)
+      if (const auto name = parameter_name(file, c, scope)) {
+        const auto value = file.values->quantity(c, attribute::param_value);
+        const auto given = arguments.find(*name);
+        scope.set(*name, given != arguments.end() ? given->second : value.value_or(Quantity{}));
+      }
+}
+
+// What a use gives to its part; false when a value cannot be read. A name that the part does not
+// have is reported and left out.
+bool Loader::read_arguments(Work& work, std::uint32_t element, const Definition& definition,
+                            Arguments& arguments) {
+  const xml::Document& document = work.file.document;
+  Values& values = *work.file.values;
+  const xml::Document& other = definition.file->document;
+  bool ok = true;
+  const std::uint32_t end = document.elements[element].next;
+  for (std::uint32_t c = element + 1; c < end; c = document.elements[c].next) {
+    if (document.elements[c].id != ElementId::with) continue;
+    const auto name = values.text(c, attribute::with_name);
+    const auto value = values.quantity(c, attribute::with_value);
+    ok = ok && name && value;
+    if (!name || !value) continue;
+    std::vector<std::string> all;
+    const std::uint32_t last = other.elements[definition.element].next;
+    for (std::uint32_t p = definition.element + 1; p < last; p = other.elements[p].next)
+      if (other.elements[p].id == ElementId::param)
+        if (const xml::Attribute* given = find_attribute(other, p, "name"))
+          all.push_back(xml::decoded(other, given->value_begin, given->value_end));
+    if (std::find(all.begin(), all.end(), *name) != all.end()) {
+      arguments[*name] = *value;
+      continue;
+    }
+    reporter_.report(Code::E1222, values.value_place(c, attribute::with_name), document, c,
+                     [&]() -> Reporter::Text {
+                       const std::vector<std::string_view> names(all.begin(), all.end());
+                       const auto near = nearest_name(*name, names);
+                       return {fmt::format("the part {} has no parameter {}",
+                                           in_quotes(definition.name), in_quotes(*name)),
+                               near ? fmt::format("did you mean '{}'?", *near) : ""};
+                     });
+  }
+  return ok;
+}
+
 std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
-  if (definition.done || definition.reading) return definition.index;
+  if (definition.index || definition.reading) return definition.index;
   File& file = *definition.file;
   const xml::Document& document = file.document;
   const std::uint32_t element = definition.element;
@@ -293,7 +363,6 @@ std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
   if (maps.any()) fields.maps = maps;
   file.values->set_scope(around);
   definition.reading = false;
-  definition.done = true;
   definition.index = static_cast<std::uint32_t>(materials_.size());
   materials_.push_back({definition.name, fields, document.tag_span(element)});
   return definition.index;

@@ -392,14 +392,16 @@ void Loader::read_use(Work& work, std::uint32_t element, std::uint32_t depth) {
     return;
   }
   const std::uint32_t details = read_details(work, element);
-  if (!definition->done && nesting_ >= options_.limits.depth) {
+  Arguments arguments;
+  if (!read_arguments(work, element, *definition, arguments)) return;
+  if (nesting_ >= options_.limits.depth) {
     reporter_.report(Code::E1006, where, document, element, [&] {
       return Reporter::Text(
           fmt::format("parts use each other deeper than {}", options_.limits.depth));
     });
     return;
   }
-  const auto index = part_of(*definition, document.tag_span(element));
+  const auto index = part_of(*definition, arguments, document.tag_span(element));
   // what is wrong with the part itself has been said
   if (!index) return;
   const Part& inner = parts_[*index];

@@ -73,12 +73,18 @@ class Loader {
   void read_root(File& file);
   void import_definitions(File& file, std::uint32_t element);
   void merge(File& file, const Definitions& from, Definitions& to, std::uint32_t element);
+  std::optional<std::string> parameter_name(File& file, std::uint32_t element, const Scope& scope);
   void read_parameter(File& file, std::uint32_t element);
   std::optional<Quantity> overriding_value(const std::string& name, const std::string& value);
   void define(File& file, std::uint32_t element, std::size_t attribute, Definitions& known);
   void read_budget(File& file, std::uint32_t element);
   void read_definitions(File& file);
-  std::optional<std::uint32_t> part_of(Definition& definition, SourceSpan used_at);
+  std::optional<std::uint32_t> part_of(Definition& definition, const Arguments& arguments,
+                                       SourceSpan used_at);
+  void read_part_parameters(File& file, std::uint32_t element, const Arguments& arguments,
+                            Scope& scope);
+  bool read_arguments(Work& work, std::uint32_t element, const Definition& definition,
+                      Arguments& arguments);
   std::optional<std::uint32_t> material_of(Definition& definition);
   // The definition that an attribute names, or nothing: reported as E1311.
   Definition* look_up(File& file, std::uint32_t element, std::size_t attribute,
@@ -121,7 +127,7 @@ class Loader {
   std::map<std::pair<const File*, std::uint32_t>, std::uint32_t> known_meshes_;  // in repeats
   std::set<std::string> parameters_;                                             // of all files
   std::set<std::string> inputs_;     // keys of files that count as inputs
-  std::uint32_t nesting_ = 0;  // definitions that are being read
+  std::uint32_t nesting_ = 0;        // definitions that are being read
   std::uint32_t repeats_ = 0;        // around what is being read
   bool complete_ = true;             // false: a limit was reached
   std::uint64_t elements_ = 0;       // so far

@@ -71,7 +71,11 @@ struct PartDecal {
 
 struct File;
 
-// A part or a material with a name. It is read when it is first asked for.
+// Values that a use gives to parameters of its part, by name.
+using Arguments = std::map<std::string, Quantity>;
+
+// A part or a material with a name. It is read when it is first asked for, a part once for each set
+// of arguments.
 struct Definition {
   std::string name;
   File* file = nullptr;

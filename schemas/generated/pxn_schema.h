@@ -67,6 +67,7 @@ enum class ElementId : std::uint16_t {
   budget,
   node,
   use,
+  with,
   repeat,
   include_1,
   transform_1,
@@ -236,6 +237,8 @@ inline constexpr std::size_t use_translate = 3;
 inline constexpr std::size_t use_rotate = 4;
 inline constexpr std::size_t use_quat = 5;
 inline constexpr std::size_t use_scale = 6;
+inline constexpr std::size_t with_name = 0;
+inline constexpr std::size_t with_value = 1;
 inline constexpr std::size_t repeat_count = 0;
 inline constexpr std::size_t repeat_var = 1;
 inline constexpr std::size_t repeat_name = 2;
@@ -862,6 +865,10 @@ inline constexpr Attribute kAttributes_cutout[] = {
 inline constexpr Attribute kAttributes_part[] = {
     {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
 };
+inline constexpr Slot kSlots_part[] = {
+    {kChoice_pangu_model_1, "", 0, 0, ""},
+    {kChoice_pangu_model_0, "node", 0, 0, ""},
+};
 inline constexpr Number kNumbers_budget_nearest[] = {
     {"nearest", 0, 1e+30, true, false},
 };
@@ -916,6 +923,9 @@ inline constexpr Attribute kAttributes_node[] = {
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
     {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
 };
+inline constexpr ElementId kChoice_use_0[] = {
+    ElementId::with,
+};
 inline constexpr Attribute kAttributes_use[] = {
     {"part", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
@@ -924,6 +934,13 @@ inline constexpr Attribute kAttributes_use[] = {
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
     {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Slot kSlots_use[] = {
+    {kChoice_use_0, "", 0, 0, ""},
+};
+inline constexpr Attribute kAttributes_with[] = {
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"value", 1, true, true, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}},
 };
 inline constexpr Number kNumbers_repeat_count[] = {
     {"count", 0, 1000000000, false, false},
@@ -1531,7 +1548,7 @@ inline constexpr Element kElements[] = {
      {}, {}, {}},
     {"part", 1, true,
      {},
-     kAttributes_part, kSlots_group, {}},
+     kAttributes_part, kSlots_part, {}},
     {"budget", 1, true,
      {},
      kAttributes_budget, {}, kRules_budget},
@@ -1540,7 +1557,10 @@ inline constexpr Element kElements[] = {
      kAttributes_node, kSlots_group, kRules_mesh},
     {"use", 1, true,
      {},
-     kAttributes_use, {}, kRules_mesh},
+     kAttributes_use, kSlots_use, kRules_mesh},
+    {"with", 1, true,
+     {},
+     kAttributes_with, {}, {}},
     {"repeat", 1, true,
      {},
      kAttributes_repeat, kSlots_group, kRules_mesh},

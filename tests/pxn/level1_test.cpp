@@ -82,6 +82,23 @@ TEST(Level1, PartsSeeParametersButNotTheVariablesAroundTheirUse) {
   EXPECT_THAT(to_text(r.log), HasSubstr("used from m.pxn:3:"));
 }
 
+TEST(Level1, PartsHaveParametersThatUsesMayGiveOtherValues) {
+  const Reading r = read_model(
+      "<param name=\"n\" value=\"9\"/>\n"
+      "<part name=\"wing\"><param name=\"n\" value=\"2\"/><param name=\"w\" "
+      "value=\"{n*10cm}\"/><repeat count=\"{n}\"><box size=\"{w} 1 1\"/></repeat></part>\n"
+      "<use part=\"wing\"/><use part=\"wing\"/>\n"
+      "<repeat count=\"3\"><use part=\"wing\"><with name=\"n\" value=\"{i}\"/></use></repeat>\n"
+      "<use part=\"wing\"><with name=\"N\" value=\"4\"/></use>");
+  EXPECT_EQ(r.log.entries().size(), 1u) << r.summary();
+  EXPECT_THAT(r.summary(), HasSubstr("6:29 E1222 the part 'wing' has no parameter 'N'"));
+  // 2 + 2, 0 + 1 + 2, and 2 for the one that was left out
+  ASSERT_EQ(r.scene->instances.size(), 9u);
+  EXPECT_EQ(r.scene->shapes.size(), 2u);
+  const auto& box = std::get<geometry::Box>(r.scene->shapes[1]);
+  EXPECT_NEAR(box.size.x, 0.1, 1e-17);
+}
+
 TEST(Level1, AnErrorInARepeatIsSaidOnceWithItsVariable) {
   const Reading r =
       read_model("<repeat count=\"1000\" var=\"i\"><sphere radius=\"{0.5 - i/4}\"/></repeat>");
