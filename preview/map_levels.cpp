@@ -11,8 +11,8 @@
 namespace panwright::preview {
 namespace {
 
-// a mean this short or shorter says nothing about a direction any more: slopes of 6
-constexpr double kShortestNormal = 0.05;
+// a mean this short or shorter says nothing about a direction any more: slopes of 10
+constexpr double kShortestNormal = 0.25;
 // what rounding takes off the length of a mean of equal normals, with room
 constexpr double kLengthRounding = 0x1p-21;
 
@@ -41,7 +41,19 @@ void find_slopes(float* texel) {
   double square = 0;
   for (int k = 0; k < 3; ++k) square += static_cast<double>(texel[k]) * texel[k];
   const double length = std::clamp(std::sqrt(square) + kLengthRounding, kShortestNormal, 1.0);
-  texel[3] = static_cast<float>(2 * (1 - length) / length);
+  texel[3] = static_cast<float>(2 * (1 - length) / (length * length * length));
+}
+
+// The share of a triangle where a linear function with these values at its corners is at least 0.
+double share_of_triangle(double a, double b, double c) {
+  const int there = (a >= 0) + (b >= 0) + (c >= 0);
+  if (there == 0 || there == 3) return there / 3;
+  // a: the corner on its own
+  const bool alone = there == 1;
+  if ((b >= 0) == alone) std::swap(a, b);
+  if ((c >= 0) == alone) std::swap(a, c);
+  const double corner = a / (a - b) * (a / (a - c));
+  return alone ? corner : 1 - corner;
 }
 
 // Where alpha − threshold, bilinear between texel centres, is at least 0: the share of one texel's
@@ -50,25 +62,31 @@ float share_there(const std::array<float, 9>& around) {
   const auto there = [](float value) { return value >= 0; };
   if (std::all_of(around.begin(), around.end(), there)) return 1;
   if (std::none_of(around.begin(), around.end(), there)) return 0;
-  // quarter by quarter: exact along y, midpoints along x
-  constexpr int kSteps = 8;
+  // each quarter in squares, cut both ways into two triangles: exact but for what the twist within
+  // a square does not cancel
+  constexpr int kSquares = 4;
   double sum = 0;
   for (const int x : {-1, 1})
     for (const int y : {-3, 3}) {
       const auto at = [&](int offset) {
         return static_cast<double>(around[static_cast<std::size_t>(4 + offset)]);
       };
-      for (int step = 0; step < kSteps; ++step) {
-        const double s = (step + 0.5) / (2 * kSteps);
+      const auto value = [&](int i, int j) {
+        const double s = 0.5 * i / kSquares;
         const double low = at(0) + s * (at(x) - at(0));
-        const double high = 0.5 * (low + at(y) + s * (at(x + y) - at(y)));
-        if (low >= 0 && high >= 0)
-          sum += 1;
-        else if (low >= 0 || high >= 0)
-          sum += std::max(low, high) / std::fabs(low - high);
-      }
+        return low + 0.5 * j / kSquares * (at(y) + s * (at(x + y) - at(y)) - low);
+      };
+      for (int j = 0; j < kSquares; ++j)
+        for (int i = 0; i < kSquares; ++i) {
+          const double a = value(i, j);
+          const double b = value(i + 1, j);
+          const double c = value(i, j + 1);
+          const double d = value(i + 1, j + 1);
+          sum += share_of_triangle(a, b, d) + share_of_triangle(a, c, d) +
+                 share_of_triangle(a, b, c) + share_of_triangle(b, c, d);
+        }
     }
-  return static_cast<float>(sum / (4 * kSteps));
+  return static_cast<float>(sum / (16 * kSquares * kSquares));
 }
 
 void find_shares(TextureLevel& level) {

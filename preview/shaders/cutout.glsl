@@ -29,14 +29,15 @@ float dither() {
   return (float(number) + (float(rest) + 0.5) / 256.0) / 64.0;
 }
 
-// Near, alpha decides. Far, where a sample spans texels, a share of the samples lies on the
-// surface: that of what they span. The mean over a region is right at any distance.
+// Near, alpha decides. Where less than two samples fall on a texel, and far away, a share of the
+// samples lies on the surface: that of what they span. The mean over a region is right at any
+// distance.
 bool is_there() {
   vec2 size = vec2(textureSize(cutout_map, 0));
   vec2 right = dFdx(map_texcoord) * size;
   vec2 down = dFdy(map_texcoord) * size;
   float level = 0.5 * log2(max(max(dot(right, right), dot(down, down)), 1e-30));
   float sharp = textureLod(cutout_map, map_texcoord, 0.0).r >= 0.0 ? 1.0 : 0.0;
-  float share = textureLod(cutout_map, map_texcoord, max(level, 1.0)).g;
-  return dither() < mix(sharp, share, clamp(level, 0.0, 1.0));
+  float share = textureLod(cutout_map, map_texcoord, max(level, 0.0)).g;
+  return dither() < mix(sharp, share, clamp(level + 1.0, 0.0, 1.0));
 }

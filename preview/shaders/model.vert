@@ -34,6 +34,9 @@ layout(location = 5) out vec3 decal_place;
 layout(location = 6) out float decal_facing;
 #endif
 
+// so far out that a float holds no fraction of a texel, and no infinity comes of it
+const float kFarOut = 1e9;
+
 // all programs put a vertex on the same spot
 invariant gl_Position;
 
@@ -44,15 +47,14 @@ void main() {
   mesh_normal = normal;
 #endif
 #ifdef TEXTURED
-  surface_texcoord = texcoord;
+  surface_texcoord = clamp(texcoord, vec2(-kFarOut), vec2(kFarOut));
 #endif
 #ifdef COLOURED
   surface_colour = colour;
 #endif
 #endif
 #ifdef MAPPED
-  // note: so far out that a float holds no fraction of a texel, and no infinity comes of it
-  map_texcoord = clamp(texcoord * draw.repeat.xy, vec2(-1e9), vec2(1e9));
+  map_texcoord = clamp(texcoord * draw.repeat.xy, vec2(-kFarOut), vec2(kFarOut));
 #endif
 #ifdef BUMPED
   mesh_tangent = tangent;
