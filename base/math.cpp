@@ -3,6 +3,7 @@
 #include <sleef.h>
 
 #include <cmath>
+#include <utility>
 
 namespace panwright {
 
@@ -47,6 +48,36 @@ Mat4 matrix_from_trs(const Vec3& translation, const Quat& rotation, const Vec3& 
   const Mat3 r = glm::mat3_cast(rotation);
   return Mat4(Vec4(r[0] * scale.x, 0), Vec4(r[1] * scale.y, 0), Vec4(r[2] * scale.z, 0),
               Vec4(translation, 1));
+}
+
+Stretch stretch_of(const Mat4& m) {
+  double unit = 0;
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < 3; ++i) unit = std::fmax(unit, std::fabs(m[k][i]));
+  if (!(unit > 0)) return {0, 0};
+  Vec3 columns[3];
+  for (int k = 0; k < 3; ++k) columns[k] = Vec3(m[k]) / unit;
+  // one-sided Jacobi: turns pairs of columns until all are orthogonal (Hestenes 1958)
+  constexpr int kSweeps = 30;  // converges quadratically, five are usual
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    bool done = true;
+    for (const auto& [p, q] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+      const double a = glm::dot(columns[p], columns[p]), b = glm::dot(columns[q], columns[q]);
+      const double c = glm::dot(columns[p], columns[q]);
+      if (std::fabs(c) <= 0x1p-52 * std::sqrt(a * b)) continue;
+      done = false;
+      const double half = (b - a) / (2 * c);
+      const double t = std::copysign(1.0, half) / (std::fabs(half) + std::sqrt(1 + half * half));
+      const double cosine = 1 / std::sqrt(1 + t * t), sine = cosine * t;
+      const Vec3 first = cosine * columns[p] - sine * columns[q];
+      columns[q] = sine * columns[p] + cosine * columns[q];
+      columns[p] = first;
+    }
+    if (done) break;
+  }
+  const double x = glm::length(columns[0]), y = glm::length(columns[1]),
+               z = glm::length(columns[2]);
+  return {unit * std::fmin(x, std::fmin(y, z)), unit * std::fmax(x, std::fmax(y, z))};
 }
 
 bool is_finite(const Vec3& v) {

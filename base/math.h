@@ -52,6 +52,14 @@ Mat3 cofactor(const Mat3& m);
 // Translation, rotation and scale as one matrix: p' = T·R·S·p.
 Mat4 matrix_from_trs(const Vec3& translation, const Quat& rotation, const Vec3& scale);
 
+// The factors by which a matrix's linear part stretches lengths: its singular values, to a few ulps
+// of each. 0 where it flattens space.
+struct Stretch {
+  double smallest = 1;
+  double largest = 1;
+};
+Stretch stretch_of(const Mat4& m);
+
 bool is_finite(const Vec3& v);
 
 }  // namespace panwright

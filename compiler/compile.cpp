@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <map>
 #include <mutex>
 #include <optional>
-#include <tuple>
 
-#include "base/hash.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
+#include "compiler/internal/decals.h"
+#include "compiler/internal/jobs.h"
 #include "geometry/mapping.h"
 #include "geometry/tessellate.h"
 #include "pan/writer.h"
@@ -21,47 +20,11 @@ namespace panwright::compiler {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using internal::Job;
+using internal::Plan;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// One mesh that the file will hold: a shape, with texture coordinates if something needs them.
-struct Job {
-  const geometry::Shape* shape = nullptr;
-  bool textured = false;
-  scene::Mapping mapping = scene::Mapping::texcoords;
-  Mat4 texture_from_shape{1};
-  const scene::Instance* user = nullptr;  // the first one
-};
-
-using JobKey = std::tuple<Hash128, bool, bool, std::array<double, 16>>;
-
-JobKey key_of(const Job& job, const Hash128& shape) {
-  const bool projected = job.textured && job.mapping == scene::Mapping::sphere;
-  std::array<double, 16> matrix{};
-  if (projected)
-    for (int i = 0; i < 16; ++i)
-      matrix[static_cast<std::size_t>(i)] = job.texture_from_shape[i / 4][i % 4];
-  return {shape, job.textured, projected, matrix};
-}
-
-// Finds out which meshes a scene needs, and which of them each instance shows.
-std::vector<Job> collect_jobs(const scene::Scene& scene, std::vector<std::uint32_t>& mesh_of) {
-  std::vector<Hash128> hashes(scene.shapes.size());
-  parallel_for(hashes.size(), [&](std::size_t i) { hashes[i] = geometry::hash_of(scene.shapes[i]); });
-  std::vector<Job> jobs;
-  std::map<JobKey, std::uint32_t> known;
-  for (const scene::Instance& instance : scene.instances) {
-    const auto shape = static_cast<std::size_t>(instance.shape);
-    const Job job{&scene.shapes[shape], instance.texture != scene::kNone, instance.mapping,
-                  instance.texture_from_shape, &instance};
-    const auto [place, added] =
-        known.emplace(key_of(job, hashes[shape]), static_cast<std::uint32_t>(jobs.size()));
-    if (added) jobs.push_back(job);
-    mesh_of.push_back(place->second);
-  }
-  return jobs;
 }
 
 std::string mesh_name(const Job& job, std::size_t index) {
@@ -70,32 +33,49 @@ std::string mesh_name(const Job& job, std::size_t index) {
 
 // The mesh's own error and that of rounding it, measured together where the shape is known.
 pan::PackedMesh packed_shape(const geometry::Shape& shape, geometry::Mesh& mesh, std::string name) {
-  if (const auto* sphere = std::get_if<geometry::Sphere>(&shape)) {
-    pan::PackedMesh packed = pan::packed(mesh, std::move(name));
-    packed.error = geometry::sphere_error(mesh, sphere->radius, packed.origin);
-    return packed;
-  }
-  if (std::holds_alternative<geometry::MeshShape>(shape))
+  if (std::holds_alternative<geometry::MeshShape>(shape)) {
     mesh.error = 0;  // exact as written: packing measures the rounding, which is all there is
-  return pan::packed(mesh, std::move(name));
+    return pan::packed(mesh, std::move(name));
+  }
+  pan::PackedMesh packed = pan::packed(mesh, std::move(name));
+  const auto* sphere = std::get_if<geometry::Sphere>(&shape);
+  packed.error = sphere && sphere->whole()
+                     ? geometry::sphere_error(mesh, sphere->radius, packed.origin)
+                     : mesh.error;  // of the rounded vertices, as tessellated() says
+  return packed;
 }
 
-std::optional<pan::PackedMesh> packed_job(const Job& job, const Options& options, std::string name,
-                                          DiagnosticLog& log) {
-  const bool projected = job.textured && job.mapping == scene::Mapping::sphere;
-  geometry::TessellationOptions tessellation;
-  tessellation.max_error = options.max_error;
-  tessellation.max_triangles = options.max_triangles;
-  tessellation.texcoords = job.textured && !projected;
+// What one job makes. Decals stand at their places in the scene's list.
+struct Product {
+  std::vector<std::optional<pan::PackedMesh>> meshes;
+  std::vector<std::optional<pan::DecalContent>> decals;
+};
+
+void place_decals(const scene::Scene& scene, const Job& job, const geometry::Mesh& mesh,
+                  Product& out) {
+  for (const std::uint32_t decal : job.decals)
+    out.decals[decal] = internal::placed(scene.decals[decal], mesh);
+}
+
+void make_job(const scene::Scene& scene, const Plan& plan, std::size_t index,
+              const Options& options, Product& out, DiagnosticLog& log) {
+  const Job& job = plan.jobs[index];
+  const geometry::TessellationOptions tessellation = internal::tessellation_of(job, options);
   const auto* authored = std::get_if<geometry::MeshShape>(job.shape);
-  if (authored && !projected) {  // nothing to change, so nothing to copy
-    if (!geometry::within_limits(**authored, tessellation, {}, log)) return std::nullopt;
-    return pan::packed(**authored, std::move(name));
+  if (authored && !job.projected()) {  // nothing to change, so nothing to copy
+    if (!geometry::within_limits(**authored, tessellation, {}, log)) return;
+    out.meshes[index] = pan::packed(**authored, mesh_name(job, index));
+    place_decals(scene, job, **authored, out);
+  } else {
+    auto mesh = geometry::tessellated(*job.shape, tessellation, {}, log);
+    if (!mesh) return;
+    if (job.projected()) geometry::apply_sphere_mapping(*mesh, job.texture_from_shape);
+    out.meshes[index] = packed_shape(*job.shape, *mesh, mesh_name(job, index));
+    place_decals(scene, job, *mesh, out);
   }
-  auto mesh = geometry::tessellated(*job.shape, tessellation, {}, log);
-  if (!mesh) return std::nullopt;
-  if (projected) geometry::apply_sphere_mapping(*mesh, job.texture_from_shape);
-  return packed_shape(*job.shape, *mesh, std::move(name));
+  // a mesh that was written without coordinates takes the corner of its picture
+  pan::PackedMesh& mesh = *out.meshes[index];
+  if (job.textured && mesh.texcoords.empty()) mesh.texcoords.resize(2 * mesh.vertex_count());
 }
 
 // Reports what went wrong with a shape at the place where the shape was written.
@@ -110,16 +90,18 @@ void pass_on(const DiagnosticLog& from, const scene::Source& source, DiagnosticL
 
 // Makes the meshes, all of them together within the limit. What cannot be made is reported and
 // left empty.
-std::vector<std::optional<pan::PackedMesh>> pack_all(const std::vector<Job>& jobs,
-                                                     const Options& options, DiagnosticLog& log) {
-  std::vector<std::optional<pan::PackedMesh>> meshes(jobs.size());
+Product make_all(const scene::Scene& scene, const Plan& plan, const Options& options,
+                 DiagnosticLog& log) {
+  const std::vector<Job>& jobs = plan.jobs;
+  Product out;
+  out.meshes.resize(jobs.size());
+  out.decals.resize(scene.decals.size());
   std::vector<DiagnosticLog> logs(jobs.size());
   std::vector<char> allowed(jobs.size());
   double planned = 0;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    geometry::TessellationOptions tessellation;
-    tessellation.max_error = options.max_error;
-    const double more = geometry::planned_triangles(*jobs[i].shape, tessellation);
+    const double more =
+        geometry::planned_triangles(*jobs[i].shape, internal::tessellation_of(jobs[i], options));
     allowed[i] = planned + more <= static_cast<double>(options.max_triangles);
     if (allowed[i])
       planned += more;
@@ -132,18 +114,18 @@ std::vector<std::optional<pan::PackedMesh>> pack_all(const std::vector<Job>& job
   Progress progress("tessellating", jobs.size());
   std::mutex mutex;
   parallel_for(jobs.size(), [&](std::size_t i) {
-    if (allowed[i]) meshes[i] = packed_job(jobs[i], options, mesh_name(jobs[i], i), logs[i]);
+    if (allowed[i]) make_job(scene, plan, i, options, out, logs[i]);
     const std::lock_guard lock(mutex);
     progress.advance();
   });
   for (std::size_t i = 0; i < jobs.size(); ++i) pass_on(logs[i], jobs[i].user->source, log);
-  return meshes;
+  return out;
 }
 
 std::string describe(const Options& options) {
   return fmt::format("max_error={} max_triangles={} strip_sources={}",
-                     format_double(options.max_error), options.max_triangles,
-                     options.strip_sources ? 1 : 0);
+                     options.max_error ? format_double(*options.max_error) : "need",
+                     options.max_triangles, options.strip_sources ? 1 : 0);
 }
 
 // Names come from files and folders, which may hold any bytes; a pan file holds UTF-8.
@@ -164,34 +146,77 @@ void copy_tables(const scene::Scene& scene, pan::Contents& out) {
   for (const scene::Frame& frame : scene.frames)
     out.frames.push_back(
         {text(frame.name), static_cast<std::uint32_t>(frame.node), frame.origin, frame.rotation});
+  for (const scene::Keypoint& point : scene.keypoints)
+    out.keypoints.push_back(
+        {text(point.name), static_cast<std::uint32_t>(point.node), point.position});
+}
+
+// The need as the file stores it: what was asked for, and the smallest tolerance that came of it.
+pan::layout::Need need_record(const scene::Need& need, const Options& options, double smallest) {
+  pan::layout::Need record{};
+  record.tolerance = options.max_error ? *options.max_error : need.tolerance.value_or(0);
+  record.nearest = need.nearest.value_or(0);
+  record.ifov = need.ifov.value_or(0);
+  record.pixels = need.pixels.value_or(0);
+  record.flux = need.flux.value_or(0);
+  record.centroid = need.centroid.value_or(0);
+  record.smallest = smallest;
+  return record;
+}
+
+pan::layout::MeshNeed mesh_need(const Job& job) {
+  const bool counts = job.reason == pan::layout::NeedReason::explicit_counts;
+  return {counts ? 0 : job.max_error, static_cast<std::uint32_t>(job.reason), 0};
+}
+
+constexpr std::uint32_t kLeftOut = 0xffffffffu;
+
+// Instances with their sources, and the decals on them. What lost its mesh is left out.
+void place_instances(const scene::Scene& scene, const Plan& plan, const Options& options,
+                     const std::vector<std::uint32_t>& mesh_of_job, Product& product,
+                     pan::Contents& out) {
+  std::vector<std::uint32_t> place(scene.instances.size(), kLeftOut);
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const scene::Instance& instance = scene.instances[i];
+    const std::uint32_t mesh = mesh_of_job[plan.job_of[i]];
+    if (mesh == kLeftOut) continue;  // reported
+    place[i] = static_cast<std::uint32_t>(out.instances.size());
+    out.instances.push_back({static_cast<std::uint32_t>(instance.node), mesh,
+                             static_cast<std::uint32_t>(instance.material), instance.texture});
+    if (!options.strip_sources)
+      out.sources.push_back(
+          {text(instance.source.file), instance.source.line, instance.source.column});
+  }
+  for (std::size_t i = 0; i < scene.decals.size(); ++i) {
+    if (!product.decals[i]) continue;
+    pan::DecalContent decal = std::move(*product.decals[i]);
+    decal.name = text(decal.name);
+    decal.instance = place[static_cast<std::size_t>(scene.decals[i].instance)];
+    out.decals.push_back(std::move(decal));
+  }
 }
 
 pan::Contents contents_of(const scene::Scene& scene, const Options& options, Report& report,
                           DiagnosticLog& log) {
   const auto start = Clock::now();
-  std::vector<std::uint32_t> mesh_of;
-  const std::vector<Job> jobs = collect_jobs(scene, mesh_of);
-  auto meshes = pack_all(jobs, options, log);
+  const Plan plan = internal::plan_of(scene, scene::world_from_nodes(scene), options);
+  Product product = make_all(scene, plan, options, log);
 
   pan::Contents out;
   out.version = "panwright " PANWRIGHT_VERSION;
   out.options = describe(options);
-  std::vector<std::uint32_t> place(meshes.size());
-  for (std::size_t i = 0; i < meshes.size(); ++i) {
-    place[i] = static_cast<std::uint32_t>(out.meshes.size());
-    if (meshes[i]) out.meshes.push_back(std::move(*meshes[i]));
+  std::vector<std::uint32_t> mesh_of_job(plan.jobs.size(), kLeftOut);
+  for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
+    if (!product.meshes[i]) continue;
+    mesh_of_job[i] = static_cast<std::uint32_t>(out.meshes.size());
+    out.meshes.push_back(std::move(*product.meshes[i]));
+    if (plan.asked) out.mesh_needs.push_back(mesh_need(plan.jobs[i]));
   }
+  if (plan.asked) out.need = need_record(scene.need, options, plan.smallest);
   copy_tables(scene, out);
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const scene::Instance& instance = scene.instances[i];
-    if (!meshes[mesh_of[i]]) continue;  // reported above
-    out.instances.push_back({static_cast<std::uint32_t>(instance.node), place[mesh_of[i]],
-                             static_cast<std::uint32_t>(instance.material), instance.texture});
-    if (!options.strip_sources)
-      out.sources.push_back(
-          {text(instance.source.file), instance.source.line, instance.source.column});
-    report.triangles += out.meshes[place[mesh_of[i]]].triangle_count();
-  }
+  place_instances(scene, plan, options, mesh_of_job, product, out);
+  for (const pan::InstanceContent& instance : out.instances)
+    report.triangles += out.meshes[instance.mesh].triangle_count();
   for (const pan::PackedMesh& mesh : out.meshes) {
     report.unique_triangles += mesh.triangle_count();
     report.worst_error = std::max(report.worst_error, mesh.error);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@
 namespace panwright::compiler {
 
 struct Options {
-  double max_error = 1e-3;                   // metres, for shapes without explicit counts
+  std::optional<double> max_error;           // metres in the world: overrides the scene's need
   std::uint64_t max_triangles = 1ull << 27;  // of all meshes in the file together
   bool strip_sources = false;                // leaves out the source map
 };
@@ -32,8 +33,14 @@ struct Report {
 };
 
 // Compiles a scene and writes it, atomically. Equal scenes and options give equal bytes, whatever
-// the number of threads. Equal shapes are stored once. A shape that cannot be made is reported and
-// left out, the others are written.
+// the number of threads. A shape that cannot be made is reported and left out with the decals on
+// it, the others are written.
+//
+// How closely a mesh follows its shape is decided by compiler/need.h, in metres in the world. Equal
+// shapes with equal needs of texture are stored once, for the smallest tolerance of their
+// instances, divided by how far each is stretched into the world. Round shapes that meet at a rim
+// get the same vertices there. The need, and what each mesh was made to, are stored when the scene,
+// an instance or max_error asks for something.
 //
 // Fails: E0103, E2003, E2010.
 Result<Report> compile(const scene::Scene& scene, const Options& options,

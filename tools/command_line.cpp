@@ -58,7 +58,8 @@ void add_read(CLI::App* app, ReadOptions& read) {
       ->transform(CLI::AsSizeValue(false))
       ->type_name("BYTES");
   app->add_option("--max-error", read.max_error,
-                  "Chord error in metres for shapes without explicit counts (default 0.001)")
+                  "Metres that a mesh may lie from its shape, in the world: overrides the model's "
+                  "budget (default: the budget, or 0.001)")
       ->check(CLI::PositiveNumber)
       ->type_name("METRES");
   app->add_option("--max-triangles", read.max_triangles, "Most triangles in the file")

@@ -26,7 +26,7 @@ struct ReadOptions {
   std::string root;                        // folder that includes may not leave; empty: the file's
   std::uint64_t max_input = 128ull << 20;  // bytes in all
   std::vector<std::string> parameters;     // NAME=VALUE, in place of the model's own values
-  double max_error = 1e-3;                 // metres
+  std::optional<double> max_error;         // metres in the world; none: what the model needs
   std::uint64_t max_triangles = 1ull << 27;
 };
 

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "base/hash.h"
 #include "base/parallel.h"
@@ -104,6 +106,45 @@ TEST(ParallelFor, VisitsEachIndexOnce) {
     EXPECT_TRUE(std::all_of(visits.begin(), visits.end(), [](int v) { return v == 1; }));
   }
   set_thread_count(0);
+}
+
+TEST(Math, StretchIsThatOfTheScales) {
+  // by construction: rotations change no singular value
+  std::mt19937 random(2);
+  const auto uniform = [&] { return static_cast<double>(random()) / 2147483648.0 - 1; };
+  double worst = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Quat a = quat_from_fixed_xyz({3 * uniform(), 3 * uniform(), 3 * uniform()});
+    const Quat b = quat_from_fixed_xyz({3 * uniform(), 3 * uniform(), 3 * uniform()});
+    const Vec3 scale(det::exp(9 * uniform()), -det::exp(9 * uniform()), det::exp(9 * uniform()));
+    const Mat4 m = matrix_from_trs({1e9, -3, 5}, a, scale) * glm::mat4_cast(b);
+    const Stretch found = stretch_of(m);
+    const Vec3 sizes = glm::abs(scale);
+    const double high = std::max({sizes.x, sizes.y, sizes.z});
+    const double low = std::min({sizes.x, sizes.y, sizes.z});
+    worst = std::max(worst, std::fabs(found.largest / high - 1));
+    // the smallest is known to what rounding the matrix leaves of it
+    worst = std::max(worst, std::fabs(found.smallest - low) / high);
+  }
+  EXPECT_LT(worst, 3e-15);  // measured 1.1e-15
+}
+
+TEST(Math, StretchOfHardMatrices) {
+  const auto scaled = [](double x, double y, double z) {
+    return stretch_of(matrix_from_trs(Vec3(0), {1, 0, 0, 0}, {x, y, z}));
+  };
+  EXPECT_EQ(scaled(1, 1, 1).smallest, 1);
+  EXPECT_EQ(scaled(1, 1, 1).largest, 1);
+  EXPECT_EQ(scaled(1e200, 1e-200, -3).largest, 1e200);  // squares would overflow
+  EXPECT_EQ(scaled(1e200, 1e200, 1e150).smallest, 1e150);
+  EXPECT_EQ(scaled(1e-300, 1e-300, 1e-300).largest, 1e-300);
+  EXPECT_EQ(scaled(0, 0, 0).largest, 0);
+  EXPECT_EQ(scaled(2, 0, 3).smallest, 0);
+  // a shear: the singular values of [1 1; 0 1] are the golden ratio and its inverse
+  Mat4 shear(1);
+  shear[1][0] = 1;
+  EXPECT_NEAR(stretch_of(shear).largest, (1 + std::sqrt(5.0)) / 2, 4e-16);  // measured 0
+  EXPECT_NEAR(stretch_of(shear).smallest, (std::sqrt(5.0) - 1) / 2, 4e-16);
 }
 
 }  // namespace

@@ -201,7 +201,10 @@ TEST(Compile, ProvenanceNamesInputsAndOptions) {
   scene.inputs = {{"model.pxn", hash128({}), 12}};
   const pan::Model a = load(scene);
   EXPECT_EQ(a.string(a.inputs()[0].path), "model.pxn");
-  EXPECT_NE(a.options().find("max_error=0.001"), std::string_view::npos);
+  EXPECT_NE(a.options().find("max_error=need"), std::string_view::npos);
+  Options options;
+  options.max_error = 0.25;
+  EXPECT_NE(load(scene, options).options().find("max_error=0.25"), std::string_view::npos);
   EXPECT_EQ(a.sources()[0].line, 3u);
   scene.inputs[0].hash.low ^= 1;
   const pan::Model b = load(scene);

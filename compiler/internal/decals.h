@@ -1,0 +1,17 @@
+// Decals: from what an author wrote to a frame on the mesh.
+#pragma once
+
+#include <optional>
+
+#include "geometry/mesh.h"
+#include "pan/writer.h"
+#include "scene/scene.h"
+
+namespace panwright::compiler::internal {
+
+// The decal's frame on the mesh of its instance: at the point of the mesh that is nearest to where
+// it was put. The picture's upright is the first of the decal's own, +z and +y that is further than
+// 1e-6 rad from the normal. `instance` is left to the caller. None: the mesh has no surface.
+std::optional<pan::DecalContent> placed(const scene::Decal& decal, const geometry::Mesh& mesh);
+
+}  // namespace panwright::compiler::internal

@@ -1,0 +1,92 @@
+#include "compiler/internal/jobs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "base/hash.h"
+#include "base/parallel.h"
+
+namespace panwright::compiler::internal {
+
+namespace {
+
+// what is below or above no mesh can keep or needs (geometry::kMinRadius, kMaxCoordinate)
+constexpr double kLeastError = 1e-60;
+constexpr double kMostError = 1e30;
+
+using JobKey = std::tuple<Hash128, bool, bool, std::array<double, 16>>;
+
+JobKey key_of(const Job& job, const Hash128& shape) {
+  std::array<double, 16> matrix{};
+  if (job.projected())
+    for (int i = 0; i < 16; ++i)
+      matrix[static_cast<std::size_t>(i)] = job.texture_from_shape[i / 4][i % 4];
+  return {shape, job.textured, job.projected(), matrix};
+}
+
+bool needs_texcoords(const scene::Scene& scene, const scene::Instance& instance) {
+  return instance.texture != scene::kNone ||
+         scene.materials[static_cast<std::size_t>(instance.material)].maps.any();
+}
+
+// Lowers the job's error to what one of its instances asks for.
+void refine(Job& job, const Tolerance& tolerance, const Stretch& stretch) {
+  const double local = stretch.largest > 0 ? tolerance.metres / stretch.largest : kMostError;
+  if (job.max_error > 0 && !(local < job.max_error)) return;
+  job.max_error = std::clamp(local, kLeastError, kMostError);
+  job.reason = tolerance.reason;
+}
+
+}  // namespace
+
+Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Options& options) {
+  std::vector<Hash128> hashes(scene.shapes.size());
+  parallel_for(hashes.size(),
+               [&](std::size_t i) { hashes[i] = geometry::hash_of(scene.shapes[i]); });
+  std::vector<Stretch> stretches(world.size());
+  for (std::size_t i = 0; i < world.size(); ++i) stretches[i] = stretch_of(world[i]);
+  Plan plan;
+  plan.asked = scene.need.any() || options.max_error.has_value();
+  std::map<JobKey, std::uint32_t> known;
+  for (const scene::Instance& instance : scene.instances) {
+    const auto shape = static_cast<std::size_t>(instance.shape);
+    Job job;
+    job.shape = &scene.shapes[shape];
+    job.textured = needs_texcoords(scene, instance);
+    job.mapping = instance.mapping;
+    job.texture_from_shape = instance.texture_from_shape;
+    job.user = &instance;
+    const auto [place, added] =
+        known.emplace(key_of(job, hashes[shape]), static_cast<std::uint32_t>(plan.jobs.size()));
+    if (added) plan.jobs.push_back(std::move(job));
+    plan.job_of.push_back(place->second);
+    const Stretch& stretch = stretches[static_cast<std::size_t>(instance.node)];
+    const Tolerance tolerance = tolerance_for(scene.need, scene.shapes[shape], stretch,
+                                              {instance.tolerance, options.max_error});
+    refine(plan.jobs[place->second], tolerance, stretch);
+    plan.asked |= instance.tolerance.has_value();
+    if (tolerance.reason != pan::layout::NeedReason::explicit_counts)
+      plan.smallest =
+          plan.smallest > 0 ? std::min(plan.smallest, tolerance.metres) : tolerance.metres;
+  }
+  for (std::size_t i = 0; i < scene.decals.size(); ++i) {
+    const auto instance = static_cast<std::size_t>(scene.decals[i].instance);
+    plan.jobs[plan.job_of[instance]].decals.push_back(static_cast<std::uint32_t>(i));
+  }
+  share_rims(world, scene, plan);
+  return plan;
+}
+
+geometry::TessellationOptions tessellation_of(const Job& job, const Options& options) {
+  geometry::TessellationOptions out;
+  out.max_error = job.max_error;
+  out.max_triangles = options.max_triangles;
+  out.texcoords = job.textured && !job.projected();
+  out.rim_segments = job.rim_segments;
+  return out;
+}
+
+}  // namespace panwright::compiler::internal

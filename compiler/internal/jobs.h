@@ -1,0 +1,51 @@
+// Which meshes a scene needs, and how closely each has to follow its shape.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "compiler/compile.h"
+#include "compiler/need.h"
+#include "geometry/tessellate.h"
+#include "scene/scene.h"
+
+namespace panwright::compiler::internal {
+
+// One mesh that the file will hold: a shape, with texture coordinates if something needs them.
+struct Job {
+  const geometry::Shape* shape = nullptr;
+  bool textured = false;
+  scene::Mapping mapping = scene::Mapping::texcoords;
+  Mat4 texture_from_shape{1};
+  const scene::Instance* user = nullptr;  // the first one
+  double max_error = 0;                   // metres in the shape's frame, > 0: the smallest asked
+  pan::layout::NeedReason reason = pan::layout::NeedReason::tolerance;
+  std::uint32_t rim_segments = 0;  // 0: as many as the error needs
+  std::vector<std::uint32_t> decals;
+  bool projected() const { return textured && mapping == scene::Mapping::sphere; }
+};
+
+struct Plan {
+  std::vector<Job> jobs;
+  std::vector<std::uint32_t> job_of;  // one for each instance
+  bool asked = false;                 // by a need, an instance or the command line
+  double smallest = 0;                // tolerance in the world, metres; 0: nothing was left open
+};
+
+// Instances of equal shapes with equal needs of texture share a job, whatever their tolerances: the
+// smallest wins, seen in the shape's own frame.
+//
+// Cost: O(instances + bytes of the shapes).
+Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Options& options);
+
+geometry::TessellationOptions tessellation_of(const Job& job, const Options& options);
+
+// Gives jobs whose rims meet in the world as many segments as the most that one of them needs, so
+// that their vertices meet too. Rims meet that have centre, axis and radius in common to 1e-6 of
+// the radius. Where they are turned against each other up to an eighth more segments are tried;
+// where none fits, and where an ellipse was made of a rim, they are left alone.
+//
+// Cost: O(instances) expected, whatever their number at one place.
+void share_rims(const std::vector<Mat4>& world, const scene::Scene& scene, Plan& plan);
+
+}  // namespace panwright::compiler::internal

@@ -1,0 +1,67 @@
+// How closely a mesh has to follow its shape: the one place where a tolerance is decided.
+#pragma once
+
+#include <optional>
+
+#include "base/math.h"
+#include "geometry/shape.h"
+#include "scene/scene.h"
+#include "schemas/generated/pan_layout.h"
+
+namespace panwright::compiler {
+
+// The tolerance of a model that says nothing: metres in the world.
+inline constexpr double kDefaultTolerance = 1e-3;
+
+// The flux of a part whose mesh lies within `error` of a shape of radius of curvature R is off by
+// at most kFluxFactor·error/R of it, over phase angles of 0 to 120 degrees.
+//
+// Derived: moving the lit limb of a Lambert cylinder outwards by the error changes the flux at the
+// phase angle a by 2·sin a/(sin a + (π − a)·cos a)·error/R: 1 at 64, 2 at 90, 5.06 at 120 degrees,
+// and of a sphere by 3·sin a/(…) times the mean of the limb, which lies within a third of the
+// error. Measured, smooth normals, errors of 1e-4 to 3e-2 R, directions at random (tests/compiler):
+// see kMeasuredFluxFactor.
+inline constexpr double kFluxFactor = 5.5;
+// The photocentre of such a part is off by at most kCentroidFactor·error, in metres: the limb's
+// share of the flux, as above, times its distance from the photocentre, 0.67 at 90 degrees.
+inline constexpr double kCentroidFactor = 1.6;
+
+// A distance that a mesh may lie from its shape, in the world, and what asked for it.
+struct Tolerance {
+  double metres = kDefaultTolerance;
+  pan::layout::NeedReason reason = pan::layout::NeedReason::tolerance;
+};
+
+// What decides a tolerance besides the model's need and the shape.
+struct Asked {
+  std::optional<double> by_instance;      // metres in the world: overrides the need
+  std::optional<double> by_command_line;  // metres in the world: overrides everything
+};
+
+// The tolerance of a shape: that of the command line, else the instance's, else the smallest that a
+// term of the need gives:
+//
+//   tolerance   itself
+//   pixels      pixels·ifov·nearest
+//   centroid    centroid·ifov·nearest/kCentroidFactor
+//   flux        flux·R/kFluxFactor, R the radius of curvature of the shape in the world; none for
+//               flat shapes
+//
+// else kDefaultTolerance. Terms that lack a partner (pixels without ifov or nearest) give none. The
+// reason of a shape with explicit counts, and of a mesh, is explicit_counts; the distance then
+// holds for what the counts leave open.
+//
+//   world_from_shape   how the shape is stretched into the world
+Tolerance tolerance_for(const scene::Need& need, const geometry::Shape& shape,
+                        const Stretch& world_from_shape, const Asked& asked);
+
+// The smallest radius of curvature that carries a share of a shape, metres: the radius of a sphere,
+// cylinder or tube, the tube's radius of a torus, c²/a of an ellipsoid, the smaller of 2·focal
+// length and radius of a dish, the mean radius of a cone or lathe; of rounded edges that of a ball
+// in the box, for their share falls with their radius. None: flat faces and meshes.
+std::optional<double> radius_of_curvature(const geometry::Shape& shape);
+
+// Whether the shape says how many segments it has, or is a mesh.
+bool has_explicit_counts(const geometry::Shape& shape);
+
+}  // namespace panwright::compiler
