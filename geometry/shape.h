@@ -78,8 +78,9 @@ struct Box {
   bool operator==(const Box&) const = default;
 };
 
-// From z = −height/2 to height/2. u = angle over the sector, v = height; caps: as a Disc. A sector
-// of a capped cylinder is closed by two flat walls through the axis.
+// From z = −height/2 to height/2. u = angle over the sector, v = height; caps: as a Disc, each seen
+// from outside with +y up. A sector with both caps is closed by two flat walls through the axis:
+// u from the axis, v = height, seen from outside.
 struct Cylinder {
   double radius = 1;  // > 0
   double height = 1;  // > 0
@@ -121,7 +122,8 @@ struct Torus {
 
 // A paraboloid that opens to +z, its vertex at the origin: z = r²/(4·focal_length). With a thickness a
 // closed shell, whose back is the same surface moved to −z, with a flat rim; without one, open.
-// u, v: the square around the dish seen from +z, x from −diameter/2 to diameter/2.
+// u, v: the square around the dish seen from +z, x from −diameter/2 to diameter/2; its back seen
+// from −z.
 struct Dish {
   double diameter = 1;        // > 0
   double focal_length = 0.5;  // > 0
@@ -153,7 +155,8 @@ struct Tube {
 
 // A profile turned about the z axis. Points are (r, z) in the order that has the outside on the
 // right, as the wall of a vase drawn from bottom to top. Closed where the profile begins and
-// ends on the axis or at one point. u = angle, v = length along the profile.
+// ends on the axis or at one point. u = angle, v = length along the profile. A spline is smooth on
+// the axis too, runs straight into its other ends, and may not cross the axis.
 struct Lathe {
   std::vector<Vec2> profile;  // 2 or more, r ≥ 0, neighbours apart
   bool spline = false;        // smooth through the points (centripetal Catmull-Rom)

@@ -11,7 +11,7 @@ namespace {
 // a chord is never measured beyond its curve by more than this much of itself
 constexpr double kReach = 0.5;
 // steps towards the error asked for; two or three are usual
-constexpr int kIterations = 24;
+constexpr int kIterations = 12;
 constexpr double kMostChords = 4e9;
 
 // A chord between two points of a curve.
@@ -80,8 +80,8 @@ class Layer {
   Layer(const Curve& curve, const CurveSamples& samples, const ChordSettings& settings)
       : curve_(curve), samples_(samples), set_(settings) {
     const double s = det::sin(0.5 * set_.half);
-    dip_ = 2 * s * s;
-    cos_half_ = 1 - dip_;
+    cos_half_ = 1 - 2 * s * s;
+    dip_ = segment_dip(set_.half, set_.balanced);
     least_ = set_.first == End::loop                             ? 3
              : set_.first == End::pole && set_.last == End::pole ? 2
                                                                  : 1;
@@ -200,6 +200,12 @@ class Layer {
 };
 
 }  // namespace
+
+double segment_dip(double half, bool balanced) {
+  const double s = det::sin(0.5 * half);
+  const double dip = 2 * s * s;
+  return balanced ? 2 * dip / (2 - dip) : dip;
+}
 
 Chords laid_chords(const Curve& curve, const CurveSamples& samples, const ChordSettings& settings) {
   const Layer layer(curve, samples, settings);

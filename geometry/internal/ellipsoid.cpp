@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "base/parallel.h"
 #include "base/text.h"
@@ -21,6 +22,10 @@ namespace {
 constexpr double kMostVertices = 4294967295.0;
 // steps towards the error asked for; one or two are usual
 constexpr int kIterations = 24;
+// a little less than is asked for spares most meshes a second try
+constexpr double kMargin = 0.998;
+// below this many triangles a plan makes the mesh, as whole numbers matter then
+constexpr double kSmall = 4096;
 // intervals of a quarter turn before halving, and how often they are halved
 constexpr int kNodes = 16;
 constexpr int kDepth = 40;
@@ -113,10 +118,10 @@ class Tessellator {
         around_(shape.radii.x, shape.radii.y),
         // the longer of the two meridians needs the shorter steps
         along_(std::max(shape.radii.x, shape.radii.y), shape.radii.z) {
-    const double reach = glm::length(shape.radii);
-    // note: vertices stand out by less than the smallest radius
-    half_range_ = options.max_error - rounding_bound(1.5 * reach);
-    least_error_ = rounding_bound(1.52 * reach);
+    const double largest = std::max({shape.radii.x, shape.radii.y, shape.radii.z});
+    const double rounding = rounding_bound(largest + std::min(largest, options.max_error));
+    half_range_ = options.max_error - rounding;
+    least_error_ = 1.01 * rounding;
   }
 
   double half_range() const { return half_range_; }
@@ -149,19 +154,22 @@ class Tessellator {
     mesh.triangles.resize(2 * grid.quads * (grid.rings - 1));
     mesh.closed = true;
     angles(grid);
+    std::vector<double> furthest(grid.rings + 1);
     const std::uint64_t rows = std::max<std::uint64_t>(1, kChunk / columns_);
     parallel_for((grid.rings + rows) / rows, [&](std::size_t task) {
       const std::uint64_t end = std::min(grid.rings, (task + 1) * rows - 1);
       for (std::uint64_t ring = task * rows; ring <= end; ++ring) {
-        fill(mesh, ring);
+        furthest[ring] = fill(mesh, ring);
         if (ring < grid.rings) join(mesh, ring);
       }
     });
+    furthest_ = *std::max_element(furthest.begin(), furthest.end());
   }
 
   // No point of the mesh lies further from the ellipsoid. Points outside: corners decide, as the
   // distance to a convex body is convex. Points inside: see depth().
   double error(const Mesh& mesh) const {
+    const double enough = balanced_ ? half_range_ : 0;
     const Vec3& radii = shape_.radii;
     const double smallest = std::min({radii.x, radii.y, radii.z});
     const double inside = maximum(mesh.triangles.size(), [&](std::size_t begin, std::size_t end) {
@@ -178,8 +186,10 @@ class Tessellator {
         n /= length;
         const double height = std::max({glm::dot(n, a), glm::dot(n, b), glm::dot(n, c)});
         const double plane = std::min(smallest, glm::length(radii * n) - height);
-        if (plane > deepest)
-          deepest = std::max(deepest, std::min(plane, depth(a, b, c, deepest, kHalvings)));
+        if (plane <= deepest) continue;
+        deepest = plane <= enough
+                      ? plane
+                      : std::max(deepest, std::min(plane, depth(a, b, c, deepest, kHalvings)));
       }
       return deepest;
     });
@@ -230,7 +240,9 @@ class Tessellator {
       }
       if (j == 0 || j == grid.rings) latitude.cos = 0;
     }
-    furthest_ = balanced_ ? standing_out() : 0;
+    const Vec3& radii = shape_.radii;
+    around_step_ = squares(longitudes_, radii.x, radii.y, true);
+    along_step_ = squares(latitudes_, std::max(radii.x, radii.y), radii.z, false);
     if (!options_.texcoords) return;
     u_.resize(grid.quads + 1);
     for (std::uint64_t i = 0; i < grid.quads; ++i) {
@@ -238,17 +250,6 @@ class Tessellator {
       u_[i] = share < 0 ? share + 1 : share;
     }
     u_.back() = 1;
-  }
-
-  // The steps at vertices, and how far these stand out at most.
-  double standing_out() {
-    const Vec3& radii = shape_.radii;
-    around_step_ = squares(longitudes_, radii.x, radii.y, true);
-    along_step_ = squares(latitudes_, std::max(radii.x, radii.y), radii.z, false);
-    double most = 0;
-    for (std::size_t j = 0; j < latitudes_.size(); ++j)
-      for (std::size_t i = 0; i < longitudes_.size(); ++i) most = std::max(most, out(i, j));
-    return most;
   }
 
   // For vertices of the ellipse x = a cos t, y = b sin t: eight times the mean sag of their chords
@@ -290,15 +291,11 @@ class Tessellator {
             latitudes_[j].sin * (s / shape_.radii.z)};
   }
 
-  // how far a vertex stands out
-  double out(std::size_t i, std::size_t j) const {
-    const double s = std::min({shape_.radii.x, shape_.radii.y, shape_.radii.z});
-    const double height = s / glm::length(normal(i, j));
-    const double c = latitudes_[j].cos;
-    return height * (c * c * around_step_[i] + along_step_[j]) / 16;
-  }
-
-  void fill(Mesh& mesh, std::uint64_t ring) const {
+  // the vertices of a ring; returns how far they stand out
+  double fill(Mesh& mesh, std::uint64_t ring) const {
+    const Vec3& radii = shape_.radii;
+    const double smallest = std::min({radii.x, radii.y, radii.z});
+    double furthest = 0;
     const bool pole = ring == 0 || ring == grid_.rings;
     const std::uint64_t count = pole ? poles_ : columns_;
     const std::uint64_t start = start_of(ring);
@@ -306,15 +303,23 @@ class Tessellator {
     for (std::uint64_t k = 0; k < count; ++k) {
       const std::size_t i = pole ? 0 : k % grid_.quads;
       const Vec3 scaled = normal(i, ring);
-      const Vec3 n = scaled / glm::length(scaled);
+      const double length = glm::length(scaled);
+      const Vec3 n = scaled / length;
       const det::SinCos& lon = longitudes_[i];
       const det::SinCos& lat = latitudes_[ring];
-      const Vec3 p = shape_.radii * Vec3(lat.cos * lon.cos, lat.cos * lon.sin, lat.sin);
-      mesh.positions[start + k] = balanced_ ? p + out(i, ring) * n : p;
+      const Vec3 p = radii * Vec3(lat.cos * lon.cos, lat.cos * lon.sin, lat.sin);
+      // half of how far chords sag, both ways together
+      const double out =
+          balanced_
+              ? smallest / length * (lat.cos * lat.cos * around_step_[i] + along_step_[ring]) / 16
+              : 0;
+      furthest = std::max(furthest, out);
+      mesh.positions[start + k] = p + out * n;
       mesh.normals[start + k] = n;
       if (!options_.texcoords) continue;
       mesh.texcoords[start + k] = {pole ? 0.5 * (u_[k] + u_[k + 1]) : u_[k], v};
     }
+    return furthest;
   }
 
   std::uint64_t start_of(std::uint64_t ring) const {
@@ -356,6 +361,27 @@ class Tessellator {
   double furthest_ = 0;
 };
 
+// The mesh, with its error, or nothing where it has too many triangles.
+std::optional<Mesh> made(const Ellipsoid& s, const TessellationOptions& options,
+                         Tessellator& tessellator) {
+  const double most = std::min(static_cast<double>(options.max_triangles), kMostVertices);
+  double target = kMargin * tessellator.half_range();
+  Mesh mesh;
+  for (int i = 0;; ++i) {
+    const Grid grid = tessellator.grid(target);
+    if (!(grid.triangles() <= most) ||
+        static_cast<double>(grid.quads + 1) * static_cast<double>(grid.rings + 1) > kMostVertices)
+      return std::nullopt;
+    tessellator.make(grid, mesh);
+    const double error = tessellator.error(mesh);
+    if (error <= tessellator.half_range() || !(s.counts == Counts{}) || i == kIterations) {
+      set_error(mesh, error);
+      return mesh;
+    }
+    target *= std::clamp(kMargin * tessellator.half_range() / error, 0.5, kMargin);
+  }
+}
+
 }  // namespace
 
 Problem problem(const Ellipsoid& s) {
@@ -379,32 +405,25 @@ Result<Mesh> make(const Ellipsoid& s, const TessellationOptions& options, Source
                     format_double(options.max_error), format_double(tessellator.least_error())));
     return failed;
   }
-  double target = tessellator.half_range();
-  Mesh mesh;
-  for (int i = 0;; ++i) {
-    const Grid grid = tessellator.grid(target);
-    const double limit = std::min(static_cast<double>(options.max_triangles), kMostVertices);
-    if (!(grid.triangles() <= limit) ||
-        static_cast<double>(grid.quads + 1) * static_cast<double>(grid.rings + 1) > kMostVertices) {
-      log.report(Code::E2003, where,
-                 fmt::format("an ellipsoid of {} rings and {} quads has more than {} triangles",
-                             grid.rings, grid.quads, options.max_triangles));
-      return failed;
-    }
-    tessellator.make(grid, mesh);
-    const double error = tessellator.error(mesh);
-    if (error <= tessellator.half_range() || !(s.counts == Counts{}) || i == kIterations) {
-      set_error(mesh, error);
-      return mesh;
-    }
-    target *= std::clamp(0.998 * tessellator.half_range() / error, 0.5, 0.998);
-  }
+  std::optional<Mesh> mesh = made(s, options, tessellator);
+  if (mesh) return std::move(*mesh);
+  log.report(Code::E2003, where,
+             fmt::format("an ellipsoid with an error of {} m has more than {} triangles",
+                         format_double(options.max_error), options.max_triangles));
+  return failed;
 }
 
 double planned(const Ellipsoid& s, const TessellationOptions& options) {
-  const Tessellator tessellator(s, options);
+  Tessellator tessellator(s, options);
   if (tessellator.half_range() <= 0 && !tessellator.counted()) return kMostVertices;
-  return tessellator.grid(tessellator.half_range()).triangles();
+  const double triangles = tessellator.grid(kMargin * tessellator.half_range()).triangles();
+  if (triangles > kSmall) return triangles;
+  TessellationOptions plain = options;
+  plain.texcoords = false;
+  plain.max_triangles = std::uint64_t{1} << 32;
+  Tessellator small(s, plain);
+  const std::optional<Mesh> mesh = made(s, plain, small);
+  return mesh ? static_cast<double>(mesh->triangles.size()) : kMostVertices;
 }
 
 }  // namespace panwright::geometry::internal

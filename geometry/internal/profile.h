@@ -72,7 +72,7 @@ class CurveSamples {
   const Vec2& high() const { return high_; }
 
   // Chords per parameter for which the dip of segments and of chords together is 2·half_range
-  // (balanced vertices) or half_range (vertices on the curve). dip: 1 − cos(half a segment).
+  // (balanced vertices) or half_range (vertices on the curve). dip: segment_dip().
   Density density(double half_range, double dip, bool balanced) const;
   double chords(double half_range, double dip, bool balanced) const;
 
@@ -119,6 +119,11 @@ struct Chords {
   double error;  // no point of the turned chords lies further from the turned curve
 };
 
+// How far segments reach along the radius, of 1: from vertices on the circle to their middle, or
+// balanced, so that they dip inside by as much as their ends stand out.
+double segment_dip(double half, bool balanced);
+
+// The error asked for is kept where the segments leave room for it; counts are obeyed first.
 Chords laid_chords(const Curve& curve, const CurveSamples& samples, const ChordSettings& settings);
 
 }  // namespace panwright::geometry::internal

@@ -12,6 +12,8 @@ namespace {
 constexpr double kMostVertices = 4294967295.0;
 // numbers of segments that are compared for curved profiles
 constexpr std::uint32_t kCandidates = 24;
+// how often more segments are tried where chords alone do not reach the error
+constexpr int kRetries = 16;
 
 bool on_axis(const Vec2& p) { return p.x == 0; }
 
@@ -70,15 +72,21 @@ class Solver {
       return layout_;
     }
     layout_.segments = segments();
-    const double half = 0.5 * span_of(shape_.sector) / layout_.segments;
-    layout_.rim_factor = on_shape_ ? 1 : area_factor(half);
-    const double s = det::sin(0.5 * half);
-    const double dip = 2 * s * s;
-    layout_.error =
-        rim_radius_ * std::max(layout_.rim_factor - 1, 1 - layout_.rim_factor * (1 - dip));
+    const bool free = shape_.counts.around == 0 && options_.rim_segments == 0;
     const double most = static_cast<double>(options_.max_triangles);
-    if (!(layout_.segments * rows(dip) <= 4 * most + 100)) return too_many();
-    lay_parts(half);
+    for (int i = 0;; ++i) {
+      const double half = 0.5 * span_of(shape_.sector) / layout_.segments;
+      layout_.rim_factor = on_shape_ ? 1 : area_factor(half);
+      layout_.error =
+          rim_radius_ *
+          std::max(layout_.rim_factor - 1, 1 - layout_.rim_factor * (1 - segment_dip(half, false)));
+      if (!(layout_.segments * rows(segment_dip(half, balanced_)) <= 4 * most + 100))
+        return too_many();
+      lay_parts(half);
+      if (!free || layout_.error <= half_range_ || i == kRetries) break;
+      // note: few wide segments bend a coarse profile in ways that its chords cannot mend
+      layout_.segments += 1 + layout_.segments / 8;
+    }
     count();
     if (layout_.triangles > std::min(most, kMostVertices) || layout_.vertices > kMostVertices)
       return too_many();
@@ -120,19 +128,21 @@ class Solver {
     if (rim_radius_ > 0)
       least = segments_within(half_range_ / rim_radius_, shape_.sector, on_shape_);
     if (!(lever_ > 0)) return least;
-    const double room = (balanced_ ? 2 : 1) * half_range_;
+    const auto within = [&](double share) {
+      const double dip = share * half_range_ / lever_;
+      return segments_within(balanced_ ? 2 * dip / (1 + dip) : dip, shape_.sector, true);
+    };
     // half of the error for segments is the best for chords that are all alike
-    const std::uint32_t usual = segments_within(0.5 * room / lever_, shape_.sector, true);
+    const std::uint32_t usual = within(0.5);
     if (shape_.counts.along != 0) return std::max(least, usual);
-    const std::uint32_t possible = segments_within(0.9 * room / lever_, shape_.sector, true);
+    const std::uint32_t possible = within(0.9);
     const std::uint32_t first = std::max({least, possible, usual - usual / 4});
     const std::uint32_t last = std::max(first, usual + usual / 2 + 2);
     const std::uint32_t step = std::max(1u, (last - first) / kCandidates);
     std::uint32_t best = first;
     double best_cost = 0;
     for (std::uint32_t n = first; n <= last; n += step) {
-      const double s = det::sin(0.25 * span_of(shape_.sector) / n);
-      const double cost = n * rows(2 * s * s);
+      const double cost = n * rows(segment_dip(0.5 * span_of(shape_.sector) / n, balanced_));
       if (n == first || cost < best_cost) {
         best = n;
         best_cost = cost;
@@ -142,6 +152,7 @@ class Solver {
   }
 
   void lay_parts(double half) {
+    layout_.parts.clear();
     for (std::size_t i = 0; i < shape_.parts.size(); ++i) {
       const Part& part = shape_.parts[i];
       if (!part.curve) {
