@@ -16,7 +16,8 @@ namespace panwright::preview {
 struct RenderOptions {
   unsigned samples = 1;            // N: every pixel is the mean of N×N point samples; 1 to 64
   bool flat = false;               // shade by the triangles' own normals
-  bool truth = false;              // also depth, range, normal and ids, at the pixels' centres
+  bool truth = false;              // also depth, range, normal (without bumps) and ids, at the
+                                   // pixels' centres
   std::uint32_t tile_side = 2048;  // samples that are drawn at once, a side; ≥ samples
   std::uint64_t max_bytes = 12ull << 30;  // of the image in memory
 };
@@ -26,7 +27,10 @@ struct RenderOptions {
 //
 // What a pixel is (docs/conventions.md): the mean over its square of the radiance towards the
 // camera, one directional Sun, no shadows; a point is lit where its shading normal faces the Sun.
-// The back faces of closed meshes are not drawn; open meshes have two equal sides. Whatever decides
+// The back faces of closed meshes are not drawn; open meshes have two equal sides, and so have
+// those with holes (a cutout map), through which one sees what is behind. A decal lies on the side
+// that is seen: its z must point out of that side. Bumps are an instance's own: mirrored and
+// stretched with it. Whatever decides
 // where something is, is formed in double and camera-relative and rounded to float once, so the
 // distance of the camera costs no precision. Same model, view and options on the same context kind:
 // the same bits.
