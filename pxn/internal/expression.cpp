@@ -300,7 +300,7 @@ struct Expressions::Implementation {
                                   none ? "; there are none here" : " that is known here");
     if (is_function)
       problem.hint = fmt::format("functions take their values in parentheses: {}(…)", operand.name);
-    else if (const auto near = nearest_name(operand.name, names))
+    else if (const auto near = nearest_name(operand.name, names); near && operand.name.size() > 1)
       problem.hint = fmt::format("did you mean '{}'?", *near);
   }
 
@@ -374,7 +374,8 @@ struct Expressions::Implementation {
     const auto known = std::find_if(std::begin(kFunctions), std::end(kFunctions),
                                     [&](const Function& f) { return f.name == operation.name; });
     if (known == std::end(kFunctions))
-      problem.message = fmt::format("{} {} {} has no finite value", a, operation.name, b);
+      problem.message = fmt::format("{} {} {} has no finite value",
+                                    seen.values[0] < 0 ? "(" + a + ")" : a, operation.name, b);
     else
       problem.message = fmt::format("{}({}{}) has no finite value", operation.name, a,
                                     known->most > 1 ? ", " + b : "");

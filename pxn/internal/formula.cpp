@@ -165,7 +165,9 @@ class FormulaReader {
     if (found == "%") hint = "the remainder is written mod(a, b)";
     if (found == "\"" || found == "'") hint = "expressions have no texts";
     if (found == "[" || found == "]") hint = "parentheses group";
-    fail(at_, at_ + length, fmt::format("{} is no part of an expression", in_quotes(found)), hint);
+    fail(at_, at_ + length,
+         fmt::format("{} is no part of an expression", in_quotes(to_utf8(found, Encoding::utf8))),
+         hint);
   }
 
   void read_signs() {
@@ -208,7 +210,8 @@ class FormulaReader {
       hint = fmt::format("did you mean '{}'?", *near);
     else if (is_letter(name[0]))
       hint = "a product is written with *";
-    fail(at, at + name.size(), fmt::format("{} is no unit", in_quotes(name)), hint, Code::E1213);
+    fail(at, at + name.size(),
+         fmt::format("{} is no unit", in_quotes(to_utf8(name, Encoding::utf8))), hint, Code::E1213);
   }
 
   void read_name() {
