@@ -13,7 +13,7 @@ install(EXPORT panwright NAMESPACE panwright:: DESTINATION "${PANWRIGHT_CONFIG_D
 install(DIRECTORY base geometry materials scene pan compiler pxn preview schemas
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright"
         FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE)
-install(FILES schemas/pxn.xsd DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
+install(FILES schemas/pxn-0.xsd schemas/pxn.xsd DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
 install(DIRECTORY materials/presets DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright"
         FILES_MATCHING PATTERN "*.pxn")
 install(DIRECTORY examples DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Makes the reader tables, the XSD and the reference page of the pxn language from schemas/pxn.toml.
+"""Makes the reader tables, the XSDs and the reference page of the pxn language from schemas/pxn.toml.
 
-generate.py            writes schemas/generated/pxn_schema.h, schemas/pxn.xsd, docs/pxn-reference.md
+generate.py            writes schemas/generated/pxn_schema.h, schemas/pxn-0.xsd (level 0), schemas/pxn.xsd (level 1),
+                       docs/pxn-reference.md
 generate.py --check    fails, and names the file, when one of them differs from what it would write
 """
 
@@ -17,7 +18,7 @@ VALUE_KINDS = NUMBER_KINDS | {"word", "version", "path", "label", "quantity"}
 DIMENSIONS = {"none", "length", "angle", "ratio", "pixels"}
 RULE_KINDS = {"exclusive", "one_of", "any_of", "together", "requires"}
 ELEMENT_KEYS = {"id", "name", "section", "level", "supported", "in", "doc", "notes", "example", "default", "text",
-                "attribute", "attributes", "child", "rule"}
+                "attribute", "attributes", "child", "rule", "grouped"}
 VALUE_KEYS = {"kind", "count", "names", "numbers", "min", "max", "above", "nonzero", "dimension", "bare", "one", "tuple",
               "least", "words", "name", "level", "supported", "required", "default", "doc"}
 LARGEST = 1.7976931348623157e308
@@ -105,6 +106,7 @@ def complete(language):
         for name in element.get("attributes", []):
             need(name in groups, where, f"no attribute group is called {name}")
             element.setdefault("attribute", []).extend(copy.deepcopy(groups[name]["attribute"]))
+            element.setdefault("grouped", {}).update({each["name"]: name for each in groups[name]["attribute"]})
             element.setdefault("rule", []).extend(copy.deepcopy(groups[name].get("rule", [])))
         unknown = set(element) - ELEMENT_KEYS
         need(not unknown, where, f"unknown keys {sorted(unknown)}")
@@ -113,6 +115,7 @@ def complete(language):
         element.setdefault("supported", True)
         for key in ("attribute", "child", "rule", "in"):
             element.setdefault(key, [])
+        element.setdefault("grouped", {})
         need(set(element["in"]) <= classes, where, "in names no class")
         need(element.get("doc"), where, "a doc string is missing")
         if "text" in element:
@@ -334,40 +337,111 @@ def header_text(language):
     return text
 
 
-# ---- the XSD
+# ---- the XSDs, one for each level
 
 
-def xsd_number(kind, number):
-    """A simple type of one number in its range."""
-    base = "integer" if kind == "integer" else "real"
-    low = "minExclusive" if number["above"] else "minInclusive"
-    facets = ""
-    if number["min"] != -LARGEST:
-        facets += f'<xs:{low} value="{number_text(number["min"])}"/>'
-    if number["max"] != LARGEST:
-        facets += f'<xs:maxInclusive value="{number_text(number["max"])}"/>'
+NUMBER = r"[+\-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+\-]?[0-9]+)?"
+BRACES = r"\{[^{}]*\}"
+UNITS = {
+    "none": "",
+    "length": "km|m|cm|mm|um|µm|μm|nm|in|ft",
+    "angle": "deg|rad|mrad|urad|µrad|μrad|arcmin|arcsec",
+    "ratio": "%|ppm",
+    "pixels": "px",
+}
+
+
+def at_level(language, level):
+    """The language as files of one level have it: where two elements share a tag, the higher one."""
+    out = copy.deepcopy(language)
+    by_id = out["by_id"] = {element["id"]: element for element in out["element"]}
+    for element in out["element"]:
+        element["attribute"] = [each for each in element["attribute"] if each["level"] <= level]
+        slots = [name for child in element["child"] for name in child["of"]]
+        highest = {}
+        for name in slots:
+            if by_id[name]["level"] <= level:
+                tag = by_id[name]["name"]
+                if tag not in highest or by_id[name]["level"] > by_id[highest[tag]]["level"]:
+                    highest[tag] = name
+        for child in element["child"]:
+            child["of"] = [name for name in child["of"] if name in highest.values()]
+        element["child"] = [child for child in element["child"] if child["of"]]
+    reached, waiting = set(), [out["language"]["root"]]
+    while waiting:
+        name = waiting.pop()
+        if name not in reached:
+            reached.add(name)
+            waiting += [other for child in by_id[name]["child"] for other in child["of"]]
+    out["element"] = [element for element in out["element"] if element["id"] in reached]
+    out["level"] = level
+    return out
+
+
+def xsd_simple(base, facets):
     return f'<xs:simpleType><xs:restriction base="{base}">{facets}</xs:restriction></xs:simpleType>'
 
 
-def xsd_value(value, language):
-    """A simple type for a value. Lists take the widest range of their numbers."""
-    kind = value["kind"]
-    if kind == "word" or kind == "version":
-        words = value["words"] or language["language"]["versions"]
-        facets = "".join(f"<xs:enumeration value={quoteattr(word)}/>" for word in words)
-        return f'<xs:simpleType><xs:restriction base="xs:string">{facets}</xs:restriction></xs:simpleType>'
-    if kind not in NUMBER_KINDS:
-        return ('<xs:simpleType><xs:restriction base="xs:string"><xs:minLength value="1"/></xs:restriction>'
-                '</xs:simpleType>')
+def xsd_number(kind, number, scaled):
+    """A simple type of one number in its range; of a range in other units only the sign is known."""
+    base = "integer" if kind == "integer" else "real"
+    low = "minExclusive" if number["above"] else "minInclusive"
+    facets = ""
+    if number["min"] != -LARGEST and (not scaled or number["min"] == 0):
+        facets += f'<xs:{low} value="{number_text(number["min"])}"/>'
+    if number["max"] != LARGEST and not scaled:
+        facets += f'<xs:maxInclusive value="{number_text(number["max"])}"/>'
+    return xsd_simple(base, facets)
+
+
+def xsd_numbers(value, scaled):
+    """One number or a list, which takes the widest range of its numbers."""
     numbers = value["numbers"]
     widest = dict(numbers[0], min=min(number["min"] for number in numbers),
                   max=max(number["max"] for number in numbers), above=all(number["above"] for number in numbers))
-    one = xsd_number(kind, widest)
+    one = xsd_number(value["kind"], widest, scaled)
     if value["count"] == 1:
-        return one
-    length = f'<xs:length value="{value["count"]}"/>' if value["count"] else ""
-    return (f'<xs:simpleType><xs:restriction><xs:simpleType><xs:list>{one}</xs:list></xs:simpleType>{length}'
+        return [one]
+    if value["count"]:
+        length = f'<xs:length value="{value["count"]}"/>'
+    else:
+        length = f'<xs:minLength value="{value["tuple"] * value["least"]}"/>' if value["least"] else ""
+    many = (f'<xs:simpleType><xs:restriction><xs:simpleType><xs:list>{one}</xs:list></xs:simpleType>{length}'
             f'</xs:restriction></xs:simpleType>')
+    return [one, many] if value["one"] else [many]
+
+
+def xsd_measured(value):
+    """Numbers of which one at least has a unit or is an expression in braces."""
+    units = "|".join(filter(None, UNITS.values())) if value["kind"] == "quantity" else UNITS[value["dimension"]]
+    number = r"[+\-]?[0-9]+" if value["kind"] == "integer" else NUMBER
+    one = f"({number}" + (f"({units})?" if units else "") + f"|{BRACES})"
+    count = value["count"]
+    many = {0: r"(\s+" + one + ")*", 1: ""}.get(count, r"(\s+" + one + f"){{{count - 1}}}")
+    if value["one"]:
+        many = f"({many})?"
+    marked = BRACES + (f"|[0-9.]({units})" if units else "")
+    numbers = quoteattr(r"\s*" + one + many + r"\s*")
+    anywhere = quoteattr(r"[\s\S]*(" + marked + r")[\s\S]*")
+    first = xsd_simple("xs:string", f"<xs:pattern value={numbers}/>")
+    return (f"<xs:simpleType><xs:restriction>{first}<xs:pattern value={anywhere}/></xs:restriction>"
+            "</xs:simpleType>")
+
+
+def xsd_value(value, language):
+    """A simple type for a value."""
+    kind = value["kind"]
+    if kind in ("word", "version"):
+        words = value["words"] or [language["language"]["versions"][language["level"]]]
+        return xsd_simple("xs:string", "".join(f"<xs:enumeration value={quoteattr(word)}/>" for word in words))
+    if kind in ("path", "label"):
+        return xsd_simple("xs:string", '<xs:minLength value="1"/>')
+    if kind == "quantity":
+        plain = [xsd_simple("real", "")]
+    else:
+        plain = xsd_numbers(value, language["level"] > 0 and value["dimension"] != "none")
+    members = plain + ([xsd_measured(value)] if language["level"] > 0 else [])
+    return members[0] if len(members) == 1 else f'<xs:simpleType><xs:union>{"".join(members)}</xs:union></xs:simpleType>'
 
 
 def xsd_element(name, language, low, high):
@@ -402,7 +476,11 @@ def xsd_type(element, language):
     attributes = [xsd_attribute(attribute, language) for attribute in element["attribute"]]
     lines = [f'<xs:complexType name="t_{element["id"]}">',
              f'  <xs:annotation><xs:documentation>{escape(element["doc"])}</xs:documentation></xs:annotation>']
-    if "text" in element:
+    if not element["supported"] and not attributes and not element["child"] and "text" not in element:
+        # nothing is said about what it holds
+        lines += ['  <xs:sequence><xs:any minOccurs="0" maxOccurs="unbounded" processContents="skip"/></xs:sequence>',
+                  '  <xs:anyAttribute processContents="skip"/>']
+    elif "text" in element:
         lines += ["  <xs:simpleContent>", f'    <xs:extension base="v_{element["id"]}">']
         lines += ["      " + line for line in attributes]
         lines += ["    </xs:extension>", "  </xs:simpleContent>"]
@@ -411,14 +489,14 @@ def xsd_type(element, language):
     return lines + ["</xs:complexType>"]
 
 
-def xsd_text(language):
+def xsd_text(whole, level):
+    language = at_level(whole, level)
     lines = ['<?xml version="1.0" encoding="UTF-8"?>',
              "<!-- Generated by schemas/generate.py from schemas/pxn.toml. Do not edit. -->",
              '<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema">']
     root = language["language"]["root"]
     body = [f'<xs:element name="{language["by_id"][root]["name"]}" type="t_{root}"/>',
-            '<xs:simpleType name="real"><xs:restriction base="xs:double">'
-            r'<xs:pattern value="[+\-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+\-]?[0-9]+)?"/>'
+            f'<xs:simpleType name="real"><xs:restriction base="xs:double"><xs:pattern value="{NUMBER}"/>'
             '</xs:restriction></xs:simpleType>',
             '<xs:simpleType name="integer"><xs:restriction base="xs:integer"/></xs:simpleType>']
     for element in language["element"]:
@@ -464,7 +542,7 @@ def type_words(value, language):
         return {"path": "a path", "label": "a name", "quantity": "a number with a unit"}[kind]
     noun = "whole number" if kind == "integer" else "number"
     if value["count"] == 0:
-        return f"{noun}s"
+        return f"{noun}s" + (f", {value['tuple']} by {value['tuple']}" if value["tuple"] > 1 else "")
     return f"a {noun}" if value["count"] == 1 else f"{value['count']} {noun}s"
 
 
@@ -496,17 +574,29 @@ def link(name, language):
 
 
 def anchor(element, language):
-    return title(element, language).replace("`", "").replace("(", "").replace(")", "").lower().replace(" ", "-")
+    return slug(title(element, language))
+
+
+def slug(heading):
+    """What a heading is called in links, as GitHub and others do it."""
+    return "".join(c for c in heading.lower() if c.isalnum() or c in " -_").replace(" ", "-")
+
+
+def owners_of(element, language):
+    return [other["name"] for other in language["element"]
+            if any(element["id"] in child["of"] for child in other["child"])]
 
 
 def title(element, language):
-    """The tag; where several elements share it, with the element that holds it."""
-    same = [other for other in language["element"] if other["name"] == element["name"]]
-    if len(same) == 1 or element["in"]:
-        return f"`{element['name']}`"
-    owners = [other["name"] for other in language["element"]
-              if any(element["id"] in child["of"] for child in other["child"])]
-    return f"`{element['name']}` in {' '.join(owners)}"
+    """The tag; where several elements share it, with its level or the elements that hold it."""
+    others = [other for other in language["element"] if other["name"] == element["name"] and other is not element]
+    owners = owners_of(element, language)
+    words = f"`{element['name']}`"
+    # one of several in the same place is told by its level, one in a place of its own by that
+    if any(set(owners) & set(owners_of(other, language)) and other["level"] < element["level"] for other in others):
+        return f"{words} (level {element['level']})"
+    apart = [other for other in others if not set(owners) & set(owners_of(other, language))]
+    return f"{words} in {' '.join(dict.fromkeys(owners))}" if apart and not element["in"] else words
 
 
 def child_lines(element, language):
@@ -539,22 +629,72 @@ def rule_line(rule):
     return f"* {rule['doc']} Rule: {words}."
 
 
+ATTRIBUTE_TABLE = ["| attribute | value | must be there | meaning |", "|---|---|---|---|"]
+
+# groups of attributes that are explained once, for all elements that have them
+GROUPS = {
+    "placement": "Placement attributes",
+    "named": "Node attributes",
+    "covered": "Material attribute",
+    "shape": "Shape attributes",
+}
+
+
+def attribute_line(attribute, language, level):
+    limits = range_words(attribute["numbers"][0]) if attribute["numbers"] else ""
+    value = type_words(attribute, language) + (f", {limits}" if limits else "") + unit_words(attribute)
+    if attribute["one"]:
+        value += ", or one for all"
+    must = "yes" if attribute["required"] else "no"
+    meaning = attribute["doc"]
+    if attribute.get("default"):
+        meaning += f" Default: {attribute['default']}."
+    if attribute["level"] > level:
+        meaning = f"*Level {attribute['level']}.* {meaning}"
+    if not attribute["supported"]:
+        meaning += " *Not supported yet.*"
+    return f"| `{attribute['name']}` | {value} | {must} | {meaning} |"
+
+
+def attribute_lines(element, language):
+    own = [each for each in element["attribute"] if element["grouped"].get(each["name"]) not in GROUPS]
+    lines = []
+    if own:
+        lines += ATTRIBUTE_TABLE + [attribute_line(each, language, element["level"]) for each in own] + [""]
+    groups = [name for name in dict.fromkeys(element["grouped"].values()) if name in GROUPS]
+    if groups:
+        level = max(each["level"] for each in element["attribute"] if element["grouped"].get(each["name"]) in groups)
+        links = [f"[{GROUPS[name].lower()}](#{slug(GROUPS[name])})" for name in groups]
+        links = " and ".join(filter(None, [", ".join(links[:-1]), links[-1]]))
+        since = f" from level {level} on" if level > element["level"] else ""
+        lines += [("Also" if own else "It takes") + f" the {links}{since}.", ""]
+    return lines
+
+
+def group_lines(language):
+    """The attributes that many elements have."""
+    lines = ["## Attributes of many elements", ""]
+    for name, heading in GROUPS.items():
+        holders = [element for element in language["element"] if name in element["grouped"].values()]
+        if not holders:
+            continue
+        attributes = [each for each in holders[0]["attribute"] if holders[0]["grouped"].get(each["name"]) == name]
+        lines += [f"### {heading}", "", *ATTRIBUTE_TABLE]
+        lines += [attribute_line(each, language, each["level"]) for each in attributes]
+        lines += ["", "Of " + ", ".join(link(element["id"], language) for element in holders) + ".", ""]
+    return lines
+
+
 def element_lines(element, language):
-    lines = [f"### {title(element, language)}", "", element["doc"]]
+    lines = [f"### {title(element, language)}", ""]
+    mark = f"*Level {element['level']}.* " if element["level"] > 0 else ""
+    lines += [mark + element["doc"]]
     if not element["supported"]:
         lines += ["", "*Not supported yet: recognised, reported (E1106) and left out.*"]
     lines += [""]
     if "text" in element:
         lines += text_lines(element, language)
-    if element["attribute"]:
-        lines += ["| attribute | value | must be there | meaning |", "|---|---|---|---|"]
-        for attribute in element["attribute"]:
-            limits = range_words(attribute["numbers"][0]) if attribute["numbers"] else ""
-            value = type_words(attribute, language) + (f", {limits}" if limits else "")
-            value += unit_words(attribute)
-            must = "yes" if attribute["required"] else "no"
-            lines.append(f"| `{attribute['name']}` | {value} | {must} | {attribute['doc']} |")
-        lines += [""]
+    lines += attribute_lines(element, language)
     lines += child_lines(element, language)
     lines += [rule_line(rule) for rule in element["rule"]] + ([""] if element["rule"] else [])
     if element.get("notes"):
@@ -564,25 +704,43 @@ def element_lines(element, language):
     return lines
 
 
+# what a reader looks for first comes first; other sections follow
+SECTIONS = ["Structure", "Definitions", "Placement", "Appearance", "Shapes"]
+
+
+def by_section(language):
+    """Sections with their elements; those that share a tag stand together."""
+    names = list(dict.fromkeys(SECTIONS + [element["section"] for element in language["element"]]))
+    out = {}
+    for name in names:
+        elements = [element for element in language["element"] if element["section"] == name]
+        order = list(dict.fromkeys(element["name"] for element in elements))
+        out[name] = sorted(elements, key=lambda element: order.index(element["name"]))
+    return out
+
+
 def docs_text(language):
     text = (ROOT / "schemas" / "pxn_reference_intro.md").read_text(encoding="utf-8")
     lines = ["<!-- Generated by schemas/generate.py from schemas/pxn.toml and schemas/pxn_reference_intro.md. Do not "
              "edit. -->", "", text.rstrip(), ""]
-    sections = list(dict.fromkeys(element["section"] for element in language["element"]))
+    sections = by_section(language)
     lines += ["## All elements", "", "| | |", "|---|---|"]
-    for section in sections:
-        names = [f"[{title(element, language)}](#{anchor(element, language)})" for element in language["element"]
-                 if element["section"] == section]
+    for section, elements in sections.items():
+        names = [f"[{title(element, language)}](#{anchor(element, language)})" for element in elements]
         lines.append(f"| {section} | {', '.join(names)} |")
     lines += ["", "## Nodes", ""]
     for entry in language["class"]:
-        names = [link(element["id"], language) for element in language["element"] if entry["name"] in element["in"]]
+        nodes = [element for element in language["element"] if entry["name"] in element["in"]]
+        names = [f"[{title(element, language)}](#{anchor(element, language)})" for element in nodes]
         lines += [entry["doc"], "", ", ".join(names), ""]
-    for section in sections:
-        lines += [f"## {section}", ""]
-        for element in language["element"]:
-            if element["section"] == section:
-                lines += element_lines(element, language)
+    lines += group_lines(language)
+    for section, elements in sections.items():
+        lines += [f"## Elements: {section.lower()}", ""]
+        for element in elements:
+            lines += element_lines(element, language)
+    headings = [slug(line.lstrip("# ")) for line in lines if line.startswith("#")]
+    twice = {heading for heading in headings if headings.count(heading) > 1}
+    need(not twice, "docs/pxn-reference.md", f"headings that stand twice: {sorted(twice)}")
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -594,8 +752,8 @@ def main(arguments):
         language = tomllib.load(file)
     try:
         complete(language)
-        texts = {"schemas/generated/pxn_schema.h": header_text(language), "schemas/pxn.xsd": xsd_text(language),
-                 "docs/pxn-reference.md": docs_text(language)}
+        texts = {"schemas/generated/pxn_schema.h": header_text(language), "schemas/pxn-0.xsd": xsd_text(language, 0),
+                 "schemas/pxn.xsd": xsd_text(language, 1), "docs/pxn-reference.md": docs_text(language)}
     except SchemaError as error:
         print(f"pxn.toml: {error}", file=sys.stderr)
         return 1

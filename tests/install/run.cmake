@@ -14,7 +14,7 @@ endfunction()
 
 file(REMOVE_RECURSE "${WORK_DIR}")
 run(${CMAKE_COMMAND} --install "${BUILD_DIR}" --prefix "${WORK_DIR}/prefix")
-foreach(file bin/panwright bin/pxntopan bin/pxn2pan share/panwright/pxn.xsd
+foreach(file bin/panwright bin/pxntopan bin/pxn2pan share/panwright/pxn.xsd share/panwright/pxn-0.xsd
         share/panwright/examples/paper/figure8.pxn include/panwright/pan/model.h)
   if(NOT EXISTS "${WORK_DIR}/prefix/${file}")
     message(FATAL_ERROR "not installed: ${file}")
