@@ -97,14 +97,14 @@ class Layer {
   }
 
   // as many as the error needs
-  std::vector<double> placed(double half_range) const {
+  std::vector<double> placed(double half_range, std::size_t least) const {
     const Density density = samples_.density(half_range, dip_, set_.balanced);
     const double lost_first = 1 - end_length(curve_.begin(), set_.first, half_range);
     const double lost_last = 1 - end_length(curve_.end(), set_.last, half_range);
     const double lost = lost_first + lost_last;
     const double wanted = std::ceil((density.total() + lost) * (1 - 1e-12));
-    const auto count =
-        static_cast<std::size_t>(std::clamp(wanted, static_cast<double>(least_), kMostChords));
+    const auto needed = static_cast<std::size_t>(std::clamp(wanted, 1.0, kMostChords));
+    const std::size_t count = std::max({needed, least, std::size_t{least_}});
     std::vector<double> t(count + 1);
     for (std::size_t i = 1; i < count; ++i)
       t[i] = density.place((static_cast<double>(i) - lost_first) /
@@ -211,11 +211,11 @@ Chords laid_chords(const Curve& curve, const CurveSamples& samples, const ChordS
   const Layer layer(curve, samples, settings);
   if (settings.count != 0) return layer.chords(layer.even(settings.count));
   double target = settings.half_range;
-  Chords result = layer.chords(layer.placed(target));
+  Chords result = layer.chords(layer.placed(target, 1));
   if (!layer.attainable()) return result;
   for (int i = 0; i < kIterations && result.error > settings.half_range; ++i) {
     target *= std::clamp(0.998 * settings.half_range / result.error, 0.5, 0.995);
-    result = layer.chords(layer.placed(target));
+    result = layer.chords(layer.placed(target, result.points.size()));
   }
   return result;
 }

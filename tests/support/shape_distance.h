@@ -88,27 +88,26 @@ double to_curve(const Vec2& p, double begin, double end, int samples, const Poin
 inline double to_ellipsoid(const Vec3& radii, const Vec3& point) {
   const double unit = std::min({radii.x, radii.y, radii.z});
   const Vec3 e = radii / unit;
-  const Vec3 y = glm::abs(point) / unit;
-  // the foot x solves x_i = e_i² y_i/(t + e_i²), Σ(x_i/e_i)² = 1
-  const auto miss = [&](double t) {
+  const Vec3 above = e * e - Vec3(1);
+  // note: so that a point in a plane of symmetry has a foot on one side
+  const Vec3 y = glm::max(glm::abs(point) / unit, Vec3(1e-30));
+  // the foot is x_i = e_i² y_i/(w + e_i² − 1) with Σ(x_i/e_i)² = 1, w > 0
+  const auto miss = [&](double w) {
     double sum = -1;
     for (int i = 0; i < 3; ++i) {
-      const double q = e[i] * y[i] / (t + e[i] * e[i]);
+      const double q = e[i] * y[i] / (w + above[i]);
       sum += q * q;
     }
     return sum;
   };
-  double low = -1, high = glm::length(e * y);
-  for (int axis = 0; axis < 3; ++axis)
-    if (e[axis] == 1) low = std::max(low, -1 + y[axis]);
-  for (int i = 0; i < 200; ++i) {
-    const double t = 0.5 * (low + high);
-    (miss(t) > 0 ? low : high) = t;
+  double low = 0, high = 1 + glm::length(e * y);
+  for (int i = 0; i < 300 && low < high; ++i) {
+    const double w = 0.5 * (low + high);
+    (miss(w) > 0 ? low : high) = w;
   }
-  const double t = 0.5 * (low + high);
+  const double w = 0.5 * (low + high);
   Vec3 d;
-  for (int i = 0; i < 3; ++i) d[i] = t * y[i] / (t + e[i] * e[i]);
-  // note: y − x = t·y/(t + e²)
+  for (int i = 0; i < 3; ++i) d[i] = (w - 1) * y[i] / (w + above[i]);
   return unit * glm::length(d);
 }
 
@@ -198,7 +197,7 @@ inline std::vector<Vec2> profile_of(const geometry::Lathe& s, int steps) {
   line.push_back(points.back());
   return line;
 }
-inline Distance distance_to(const geometry::Lathe& s) { return to_revolved(profile_of(s, 3000)); }
+inline Distance distance_to(const geometry::Lathe& s) { return to_revolved(profile_of(s, 1000)); }
 
 struct Sampled {
   double worst = 0;
