@@ -17,6 +17,8 @@ namespace {
 
 // what public files round their quaternions to
 constexpr double kLengthTolerance = 1e-3;
+// what normalising leaves of 1: a quaternion written with all its digits comes back bit for bit
+constexpr double kRounding = 1e-15;
 // radians: below it, two directions do not fix a frame
 constexpr double kParallel = 1e-6;
 
@@ -82,6 +84,7 @@ bool Loader::read_rotation(Work& work, std::uint32_t element, Quat& out) {
 std::optional<Quat> Loader::unit_quat(Work& work, std::uint32_t element, SourceSpan where,
                                       std::span<const double> q) {
   const double length = glm::length(Vec4(q[0], q[1], q[2], q[3]));
+  if (std::abs(length - 1) <= kRounding) return Quat(q[0], q[1], q[2], q[3]);
   if (std::abs(length - 1) <= kLengthTolerance)
     return Quat(q[0] / length, q[1] / length, q[2] / length, q[3] / length);
   reporter_.report(Code::E1206, where, work.file.document, element, [&] {
@@ -199,8 +202,7 @@ void Loader::read_shape(Work& work, std::uint32_t element) {
       index = known->second;
     } else if (geometry::MeshShape mesh = read_mesh_shape(document, element, options_.crease_angle,
                                                           *work.file.values, reporter_)) {
-      scene_.shapes.push_back(std::move(mesh));
-      index = static_cast<std::uint32_t>(scene_.shapes.size() - 1);
+      index = known_shape(std::move(mesh));
       if (constant) known_meshes_[key] = *index;
     }
   } else if (auto shape = read_exact_shape(document, element, work.file.units, *work.file.values,

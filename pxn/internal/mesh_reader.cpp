@@ -19,6 +19,9 @@ using schemas::kNoElement;
 // as in geometry::MeshReport: thinner than this a triangle has no normal to speak of
 constexpr double kThinnest = 1e-7;
 
+// what normalising leaves of a length of 1
+constexpr double kRounding = 1e-15;
+
 class MeshReader {
  public:
   MeshReader(const xml::Document& document, std::uint32_t element, double crease_angle,
@@ -188,7 +191,8 @@ class MeshReader {
         zero.push_back(i);
         continue;
       }
-      n = glm::normalize(n / scale);
+      // note: a normal written with all its digits comes back bit for bit
+      if (!(std::abs(glm::length(n) - 1) <= kRounding)) n = glm::normalize(n / scale);
     }
     if (zero.empty()) return;
     // without creases every vertex keeps its index
