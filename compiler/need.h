@@ -14,17 +14,20 @@ namespace panwright::compiler {
 inline constexpr double kDefaultTolerance = 1e-3;
 
 // The flux of a part whose mesh lies within `error` of a shape of radius of curvature R is off by
-// at most kFluxFactor·error/R of it, over phase angles of 0 to 120 degrees.
+// at most kFluxFactor·error/R of it, over phase angles of 0 to 120 degrees, where the part keeps at
+// least a tenth of the flux that it has in full light: slivers of light have larger relative
+// errors.
 //
 // Derived: moving the lit limb of a Lambert cylinder outwards by the error changes the flux at the
-// phase angle a by 2·sin a/(sin a + (π − a)·cos a)·error/R: 1 at 64, 2 at 90, 5.06 at 120 degrees,
-// and of a sphere by 3·sin a/(…) times the mean of the limb, which lies within a third of the
-// error. Measured, smooth normals, errors of 1e-4 to 3e-2 R, directions at random (tests/compiler):
-// see kMeasuredFluxFactor.
+// phase angle a by 2·sin a/(sin a + (π − a)·cos a)·error/R: 1 at 64, 2 at 90, 5.06 at 120 degrees;
+// of a sphere by 3·sin a/(…) times the mean of the limb, which averages out to less than half of
+// the error. Worst measured with smooth normals (tests/compiler/need_test.cpp), for an error of
+// 0.03 R: cylinder 5.28, sphere 4.46; of 0.001 R: 5.09 and 3.40. At 90 degrees 2.1, at 150 over 20.
 inline constexpr double kFluxFactor = 5.5;
 // The photocentre of such a part is off by at most kCentroidFactor·error, in metres: the limb's
-// share of the flux, as above, times its distance from the photocentre, 0.67 at 90 degrees.
-inline constexpr double kCentroidFactor = 1.6;
+// share of the flux, as above, times its distance from the photocentre, 0.67 at 90 degrees. Worst
+// measured in the same way: sphere 1.60 for an error of 0.03 R, 0.75 of 0.001 R; cylinder 0.87.
+inline constexpr double kCentroidFactor = 1.7;
 
 // A distance that a mesh may lie from its shape, in the world, and what asked for it.
 struct Tolerance {
@@ -57,8 +60,8 @@ Tolerance tolerance_for(const scene::Need& need, const geometry::Shape& shape,
 
 // The smallest radius of curvature that carries a share of a shape, metres: the radius of a sphere,
 // cylinder or tube, the tube's radius of a torus, c²/a of an ellipsoid, the smaller of 2·focal
-// length and radius of a dish, the mean radius of a cone or lathe; of rounded edges that of a ball
-// in the box, for their share falls with their radius. None: flat faces and meshes.
+// length and radius of a dish, half of the mean radius of a cone or lathe; of rounded edges that of
+// a ball in the box, for their share falls with their radius. None: flat faces and meshes.
 std::optional<double> radius_of_curvature(const geometry::Shape& shape);
 
 // Whether the shape says how many segments it has, or is a mesh.
