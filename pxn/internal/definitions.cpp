@@ -242,6 +242,7 @@ std::optional<std::uint32_t> Loader::part_of(Definition& definition, const Argum
   if (known != definition.parts.end()) return known->second;
   File& file = *definition.file;
   definition.reading = true;
+  const Reporter::Elsewhere elsewhere(reporter_);
   const std::uint32_t index = add_part(file, definition.element);
   Part& part = parts_[index];
   part.name = definition.name;

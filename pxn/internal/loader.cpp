@@ -228,8 +228,24 @@ void Loader::walk(Work& work, std::uint32_t element, std::uint32_t depth) {
     case ElementId::decal:
       read_decal(work, element);
       break;
-    default:
+    case ElementId::sphere:
+    case ElementId::sphere_1:
+    case ElementId::ellipsoid:
+    case ElementId::box:
+    case ElementId::cylinder:
+    case ElementId::cone:
+    case ElementId::disc:
+    case ElementId::torus:
+    case ElementId::dish:
+    case ElementId::plane:
+    case ElementId::tube:
+    case ElementId::lathe:
+    case ElementId::extrude:
+    case ElementId::polygons:
+    case ElementId::mesh:
       read_shape(work, element);
+      break;
+    default:  // definitions, and what has been reported
       break;
   }
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
 
 #include "base/diagnostic.h"
 #include "pxn/internal/xml.h"
@@ -61,6 +62,21 @@ class Reporter {
     const Repetition* outer_;
     const std::string& variable_;
     std::uint64_t value_;
+  };
+
+  // Outside of all repeats, as long as it lives: for what is read on behalf of one, but stands
+  // elsewhere.
+  class Elsewhere {
+   public:
+    explicit Elsewhere(Reporter& reporter)
+        : reporter_(reporter), around_(std::exchange(reporter.repetition_, nullptr)) {}
+    ~Elsewhere() { reporter_.repetition_ = around_; }
+    Elsewhere(const Elsewhere&) = delete;
+    Elsewhere& operator=(const Elsewhere&) = delete;
+
+   private:
+    Reporter& reporter_;
+    const Repetition* around_;
   };
 
   struct Text {
