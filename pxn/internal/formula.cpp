@@ -209,7 +209,8 @@ class FormulaReader {
     if (near)
       hint = fmt::format("did you mean '{}'?", *near);
     else if (is_letter(name[0]))
-      hint = "a product is written with *";
+      hint = fmt::format("a product is written with *; units of length are {}",
+                         units_of(schemas::Dimension::length));
     fail(at, at + name.size(),
          fmt::format("{} is no unit", in_quotes(to_utf8(name, Encoding::utf8))), hint, Code::E1213);
   }

@@ -40,42 +40,52 @@ constexpr Unit kUnits[] = {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// A decimal number taken apart: ±digits·10^exponent, without the digits' point.
+// A decimal number taken apart: ±value·10^exponent.
 struct Decimal {
+  std::size_t length = 0;  // bytes; 0: this is no number
   bool negative = false;
-  std::string_view mantissa;  // with a point
-  std::int64_t exponent = 0;  // of the last digit
-  std::uint64_t value = 0;    // of the digits
-  bool exact = true;          // false: more digits than `value` holds
+  std::string_view mantissa;  // without the sign
+  std::int64_t exponent = 0;  // of the last digit of the mantissa
+  std::uint64_t value = 0;    // of its digits
+  bool exact = true;          // false: they are more than `value` holds
 };
 
-Decimal decimal_of(std::string_view number) {
+Decimal decimal_at(std::string_view text) {
   Decimal out;
-  if (number[0] == '-' || number[0] == '+') {
-    out.negative = number[0] == '-';
-    number.remove_prefix(1);
-  }
-  const std::size_t e = std::min(number.find_first_of("eE"), number.size());
-  out.mantissa = number.substr(0, e);
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  if (at < end && (*at == '-' || *at == '+')) out.negative = *at++ == '-';
+  const char* const first = at;
   bool point = false;
-  for (const char c : out.mantissa) {
-    if (c == '.') {
+  std::size_t digits = 0;
+  for (; at < end; ++at) {
+    if (is_digit(*at)) {
+      ++digits;
+      if (point) --out.exponent;
+      // 10^16 · 3048 is below 2^64
+      if (out.value >= 1'000'000'000'000'000)
+        out.exact = false;
+      else
+        out.value = out.value * 10 + static_cast<std::uint64_t>(*at - '0');
+    } else if (*at == '.' && !point) {
       point = true;
-      continue;
+    } else {
+      break;
     }
-    if (point) --out.exponent;
-    // 10^18 · 3048 is far below 2^64
-    if (out.value >= 1'000'000'000'000'000) out.exact = false;
-    if (out.exact) out.value = out.value * 10 + static_cast<std::uint64_t>(c - '0');
   }
-  if (e == number.size()) return out;
-  std::string_view digits = number.substr(e + 1);
-  const bool down = digits[0] == '-';
-  if (down || digits[0] == '+') digits.remove_prefix(1);
+  if (digits == 0) return out;
+  out.mantissa = {first, static_cast<std::size_t>(at - first)};
+  out.length = static_cast<std::size_t>(at - text.data());
+  if (at == end || (*at != 'e' && *at != 'E')) return out;
+  ++at;
+  const bool down = at < end && *at == '-';
+  if (at < end && (*at == '-' || *at == '+')) ++at;
+  if (at == end || !is_digit(*at)) return out;
   std::int64_t exponent = 0;
-  for (const char c : digits)
-    exponent = std::min<std::int64_t>(exponent * 10 + (c - '0'), 1'000'000'000'000);
+  for (; at < end && is_digit(*at); ++at)
+    exponent = std::min<std::int64_t>(exponent * 10 + (*at - '0'), 1'000'000'000'000);
   out.exponent += down ? -exponent : exponent;
+  out.length = static_cast<std::size_t>(at - text.data());
   return out;
 }
 
@@ -112,28 +122,7 @@ const Unit* find_unit(Dimension dimension, double factor) {
   return found == std::end(kUnits) ? nullptr : found;
 }
 
-std::size_t number_length(std::string_view text) {
-  std::size_t at = 0;
-  const auto digits = [&] {
-    const std::size_t begin = at;
-    while (at < text.size() && is_digit(text[at])) ++at;
-    return at - begin;
-  };
-  if (at < text.size() && (text[at] == '-' || text[at] == '+')) ++at;
-  std::size_t count = digits();
-  if (at < text.size() && text[at] == '.') {
-    ++at;
-    count += digits();
-  }
-  if (count == 0) return 0;
-  const std::size_t mantissa = at;
-  if (at < text.size() && (text[at] == 'e' || text[at] == 'E')) {
-    ++at;
-    if (at < text.size() && (text[at] == '-' || text[at] == '+')) ++at;
-    if (digits() == 0) at = mantissa;
-  }
-  return at;
-}
+std::size_t number_length(std::string_view text) { return decimal_at(text).length; }
 
 std::optional<double> read_number(std::string_view number, const Unit* unit) {
   if (unit == nullptr || (unit->times == 1 && unit->shift == 0)) return parse_double(number);
@@ -144,8 +133,8 @@ std::optional<double> read_number(std::string_view number, const Unit* unit) {
     const double rest = std::fma(*x, unit->factor, -product);
     return product + (rest + *x * unit->low);
   }
-  if (number_length(number) != number.size() || number.empty()) return std::nullopt;
-  const Decimal decimal = decimal_of(number);
+  const Decimal decimal = decimal_at(number);
+  if (decimal.length != number.size() || number.empty()) return std::nullopt;
   const std::int64_t exponent = decimal.exponent + unit->shift;
   const std::uint64_t whole = decimal.value * unit->times;
   // both are exact, so that the quotient or product is rounded once

@@ -111,16 +111,19 @@ Values::Bare Values::bare_of(const schemas::Value& value) const {
 // Past the number, or nullptr.
 const char* Values::read_plain_number(const char* at, const char* end, const Bare& bare,
                                       const schemas::Number& limits, double& out) const {
+  if (!is_si(bare.unit)) {
+    const char* rest = at;
+    while (rest < end && !is_blank(*rest)) ++rest;
+    const auto number = read_number({at, static_cast<std::size_t>(rest - at)}, bare.unit);
+    if (!number || !in_range(*number, limits)) return nullptr;
+    out = *number;
+    return rest;
+  }
   const char* const first = at + (at < end && *at == '-' ? 1 : 0);
   // note: from_chars takes words as well
   if (first >= end || !((*first >= '0' && *first <= '9') || *first == '.')) return nullptr;
   const auto [rest, error] = std::from_chars(at, end, out);
   if (error != std::errc() || (rest < end && !is_blank(*rest))) return nullptr;
-  if (!is_si(bare.unit)) {
-    const auto converted = read_number({at, static_cast<std::size_t>(rest - at)}, bare.unit);
-    if (!converted) return nullptr;
-    out = *converted;
-  }
   out *= bare.factor;
   return in_range(out, limits) ? rest : nullptr;
 }

@@ -419,7 +419,9 @@ TEST(Expression, Problems) {
       {"\"x\"", "E1221 0-1 '\"' is no part of an expression (expressions have no texts)"},
       {"2 + \u00b0", "E1221 4-6 '\u00b0' is no part of an expression"},
       {"2 \xff", "E1221 2-3 '\ufffd' is no part of an expression"},
-      {"2gap", "E1213 1-4 'gap' is no unit (a product is written with *)"},
+      {"2gap",
+       "E1213 1-4 'gap' is no unit (a product is written with *; units of length are m, mm, cm, "
+       "km, um, nm, in or ft)"},
       {"2\u00b0", "E1213 1-3 '\u00b0' is no unit"},
       {"2*gpa",
        "E1222 2-5 'gpa' is no parameter and no variable that is known here (did you mean "
