@@ -84,7 +84,9 @@ struct Definition {
   bool done = false;
   bool used = false;
   std::optional<std::uint32_t>
-      index;  // of the part or named material, once done, if it can be used
+      index;  // of the named material, once done, if it can be used
+  // of the part, for each set of arguments it was used with
+  std::map<std::vector<std::pair<std::string, double>>, std::uint32_t> parts;
 };
 
 using Definitions = std::map<std::string, Definition*, std::less<>>;
