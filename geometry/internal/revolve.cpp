@@ -14,6 +14,8 @@ constexpr double kMostVertices = 4294967295.0;
 constexpr std::uint32_t kCandidates = 24;
 // how often more segments are tried where chords alone do not reach the error
 constexpr int kRetries = 16;
+// below this many triangles other numbers of segments are tried as well
+constexpr double kSmall = 300;
 
 bool on_axis(const Vec2& p) { return p.x == 0; }
 
@@ -71,23 +73,14 @@ class Solver {
       layout_.state = Layout::State::too_fine;
       return layout_;
     }
-    layout_.segments = segments();
-    const bool free = shape_.counts.around == 0 && options_.rim_segments == 0;
     const double most = static_cast<double>(options_.max_triangles);
-    for (int i = 0;; ++i) {
-      const double half = 0.5 * span_of(shape_.sector) / layout_.segments;
-      layout_.rim_factor = on_shape_ ? 1 : area_factor(half);
-      layout_.error =
-          rim_radius_ *
-          std::max(layout_.rim_factor - 1, 1 - layout_.rim_factor * (1 - segment_dip(half, false)));
-      if (!(layout_.segments * rows(segment_dip(half, balanced_)) <= 4 * most + 100))
-        return too_many();
-      lay_parts(half);
-      if (!free || layout_.error <= half_range_ || i == kRetries) break;
-      // note: few wide segments bend a coarse profile in ways that its chords cannot mend
-      layout_.segments += 1 + layout_.segments / 8;
-    }
-    count();
+    const bool free = shape_.counts.around == 0 && options_.rim_segments == 0;
+    std::uint32_t n = segments();
+    if (!lay(n)) return too_many();
+    // note: few wide segments bend a coarse profile in ways that its chords cannot mend
+    for (int i = 0; i < kRetries && free && layout_.error > half_range_; ++i)
+      if (!lay(n += 1 + n / 8)) return too_many();
+    if (free && lever_ > 0 && layout_.triangles < kSmall) try_neighbours();
     if (layout_.triangles > std::min(most, kMostVertices) || layout_.vertices > kMostVertices)
       return too_many();
     return layout_;
@@ -106,6 +99,32 @@ class Solver {
     return false;
   }
 
+  // Everything for a number of segments; false: far too many triangles.
+  bool lay(std::uint32_t segments) {
+    layout_.segments = segments;
+    const double half = 0.5 * span_of(shape_.sector) / segments;
+    layout_.rim_factor = on_shape_ ? 1 : area_factor(half);
+    layout_.error = rim_radius_ * std::max(layout_.rim_factor - 1,
+                                           1 - layout_.rim_factor * (1 - segment_dip(half, false)));
+    const double most = static_cast<double>(options_.max_triangles);
+    if (!(segments * rows(segment_dip(half, balanced_)) <= 4 * most + 100)) return false;
+    lay_parts(half);
+    count();
+    return true;
+  }
+
+  // Where there are few triangles whole numbers matter more than any estimate.
+  void try_neighbours() {
+    Layout best = layout_;
+    const std::uint32_t first = std::max(least_, best.segments - std::min(best.segments, 3u));
+    for (std::uint32_t n = first; n <= first + 6; ++n) {
+      if (n == best.segments || !lay(n)) continue;
+      const bool better = layout_.triangles < best.triangles || best.error > half_range_;
+      if (layout_.error <= half_range_ && better) best = layout_;
+    }
+    layout_ = std::move(best);
+  }
+
   // chords and straight parts together, about
   double rows(double dip) const {
     double sum = 0;
@@ -120,23 +139,23 @@ class Solver {
     return sum;
   }
 
-  std::uint32_t segments() const {
+  std::uint32_t segments() {
     const std::uint32_t fewest = fewest_segments(shape_.sector);
     if (shape_.counts.around != 0) return shape_.counts.around;
     if (options_.rim_segments != 0) return std::max(fewest, options_.rim_segments);
-    std::uint32_t least = fewest;
+    least_ = fewest;
     if (rim_radius_ > 0)
-      least = segments_within(half_range_ / rim_radius_, shape_.sector, on_shape_);
-    if (!(lever_ > 0)) return least;
+      least_ = segments_within(half_range_ / rim_radius_, shape_.sector, on_shape_);
+    if (!(lever_ > 0)) return least_;
     const auto within = [&](double share) {
       const double dip = share * half_range_ / lever_;
       return segments_within(balanced_ ? 2 * dip / (1 + dip) : dip, shape_.sector, true);
     };
     // half of the error for segments is the best for chords that are all alike
     const std::uint32_t usual = within(0.5);
-    if (shape_.counts.along != 0) return std::max(least, usual);
+    if (shape_.counts.along != 0) return std::max(least_, usual);
     const std::uint32_t possible = within(0.9);
-    const std::uint32_t first = std::max({least, possible, usual - usual / 4});
+    const std::uint32_t first = std::max({least_, possible, usual - usual / 4});
     const std::uint32_t last = std::max(first, usual + usual / 2 + 2);
     const std::uint32_t step = std::max(1u, (last - first) / kCandidates);
     std::uint32_t best = first;
@@ -191,6 +210,7 @@ class Solver {
   }
 
   void count() {
+    layout_.triangles = layout_.vertices = 0;
     const double n = layout_.segments;
     const bool whole = shape_.sector.whole();
     for (std::size_t i = 0; i < shape_.parts.size(); ++i) {
@@ -214,8 +234,9 @@ class Solver {
   const TessellationOptions& options_;
   bool balanced_, on_shape_;
   std::vector<std::optional<CurveSamples>> samples_;
-  double rim_radius_ = 0;  // the largest of an edge
-  double lever_ = 0;       // the largest of a curve
+  std::uint32_t least_ = 0;  // segments
+  double rim_radius_ = 0;    // the largest of an edge
+  double lever_ = 0;         // the largest of a curve
   double reach_ = 0;
   double half_range_ = 0;
   Layout layout_;
