@@ -176,10 +176,9 @@ TEST(Triangulate, AHundredThousandPointsInTime) {
               outline.points.size() + 2 * (outline.loops.size() - 2) - 2);
     const double took =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    ::testing::Test::RecordProperty("seconds", std::to_string(took));
-    if (std::getenv("PANWRIGHT_TIMES")) printf("%zu points %.3f s\n", outline.points.size(), took);
     return took;
   };
+  // 0.05 to 0.16 s measured; flips without order take minutes
   EXPECT_LT(seconds(shapes::outline(shapes::star(100000, 2))), 8);
   EXPECT_LT(seconds(shapes::outline(shapes::comb(50000))), 8);
   EXPECT_LT(seconds(shapes::outline(shapes::circle(100000, 1))), 8);
