@@ -31,17 +31,19 @@ std::string mesh_name(const Job& job, std::size_t index) {
   return fmt::format("{}{}", geometry::kind_name(*job.shape), index + 1);
 }
 
-// The mesh's own error and that of rounding it, measured together where the shape is known.
+// The mesh's own error and that of rounding it. Exact shapes have it measured for their vertices as
+// rounded about the centre of the bounds; a sphere about its own centre, which need not be the
+// same.
 pan::PackedMesh packed_shape(const geometry::Shape& shape, geometry::Mesh& mesh, std::string name) {
-  if (std::holds_alternative<geometry::MeshShape>(shape)) {
-    mesh.error = 0;  // exact as written: packing measures the rounding, which is all there is
-    return pan::packed(mesh, std::move(name));
-  }
+  // exact as written: packing measures the rounding, which is all there is
+  const bool authored = std::holds_alternative<geometry::MeshShape>(shape);
+  if (authored) mesh.error = 0;
   pan::PackedMesh packed = pan::packed(mesh, std::move(name));
+  if (authored) return packed;
+  packed.error = mesh.error;
   const auto* sphere = std::get_if<geometry::Sphere>(&shape);
-  packed.error = sphere && sphere->whole()
-                     ? geometry::sphere_error(mesh, sphere->radius, packed.origin)
-                     : mesh.error;  // of the rounded vertices, as tessellated() says
+  if (sphere && sphere->whole() && packed.origin != Vec3(0))
+    packed.error = geometry::sphere_error(mesh, sphere->radius, packed.origin);
   return packed;
 }
 

@@ -64,6 +64,14 @@ void lower(Tolerance& best, double metres, NeedReason reason) {
 
 }  // namespace
 
+double tolerance_of_pixels(double pixels, double ifov, double nearest) {
+  return pixels * ifov * nearest;
+}
+
+double tolerance_of_centroid(double pixels, double ifov, double nearest) {
+  return pixels * ifov * nearest / kCentroidFactor;
+}
+
 std::optional<double> radius_of_curvature(const geometry::Shape& shape) {
   return std::visit(CurvatureOf{}, shape);
 }
@@ -93,10 +101,12 @@ Tolerance tolerance_for(const scene::Need& need, const geometry::Shape& shape,
   } else {
     if (need.tolerance) best.metres = *need.tolerance;
     if (need.ifov && need.nearest) {
-      const double pixel = *need.ifov * *need.nearest;
-      if (need.pixels) lower(best, *need.pixels * pixel, NeedReason::pixels);
+      if (need.pixels)
+        lower(best, tolerance_of_pixels(*need.pixels, *need.ifov, *need.nearest),
+              NeedReason::pixels);
       if (need.centroid)
-        lower(best, *need.centroid * pixel / kCentroidFactor, NeedReason::centroid);
+        lower(best, tolerance_of_centroid(*need.centroid, *need.ifov, *need.nearest),
+              NeedReason::centroid);
     }
     if (const auto radius = radius_of_curvature(shape); radius && need.flux) {
       // a stretched sphere is an ellipsoid: c²/a

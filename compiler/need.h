@@ -58,6 +58,10 @@ struct Asked {
 Tolerance tolerance_for(const scene::Need& need, const geometry::Shape& shape,
                         const Stretch& world_from_shape, const Asked& asked);
 
+// What terms of a need give, metres in the world: pixels and ifov radians at nearest metres.
+double tolerance_of_pixels(double pixels, double ifov, double nearest);
+double tolerance_of_centroid(double pixels, double ifov, double nearest);
+
 // The smallest radius of curvature that carries a share of a shape, metres: the radius of a sphere,
 // cylinder or tube, the tube's radius of a torus, c²/a of an ellipsoid, the smaller of 2·focal
 // length and radius of a dish, half of the mean radius of a cone or lathe; of rounded edges that of

@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
+#include "compiler/need.h"
 #include "tools/commands.h"
 #include "tools/load.h"
 #include "tools/session.h"
@@ -27,6 +29,50 @@ const char* specular_word(std::uint32_t law) {
   return kWords[law];
 }
 
+using pan::layout::NeedReason;
+
+// A length with the unit that keeps it readable.
+std::string length_words(double metres) {
+  constexpr struct {
+    double size;
+    const char* name;
+  } kUnits[] = {{1, "m"}, {1e-3, "mm"}, {1e-6, "µm"}, {1e-9, "nm"}};
+  for (const auto& unit : kUnits)
+    if (metres >= unit.size) return fmt::format("{:.4g} {}", metres / unit.size, unit.name);
+  return fmt::format("{:.4g} m", metres);
+}
+
+// A place in metres; what is left of sums that cancel is 0.
+std::string place_words(const Vec3& place) {
+  constexpr double kNothing = 1e-12;  // metres
+  Vec3 p = place;
+  for (int k = 0; k < 3; ++k)
+    if (std::fabs(p[k]) < kNothing) p[k] = 0;
+  return fmt::format("{:.6g} {:.6g} {:.6g}", p.x, p.y, p.z);
+}
+
+std::string angle_words(double radians) {
+  if (radians >= 0.1) return fmt::format("{:.4g} rad", radians);
+  return radians >= 1e-4 ? fmt::format("{:.4g} mrad", radians * 1e3)
+                         : fmt::format("{:.4g} µrad", radians * 1e6);
+}
+
+// What decided a tolerance, for people.
+std::string reason_words(const pan::Model& model, NeedReason reason) {
+  switch (reason) {
+    case NeedReason::explicit_counts:
+      return "as given";
+    case NeedReason::tolerance:
+      return model.need() && model.need()->tolerance > 0 ? "tolerance" : "default";
+    case NeedReason::shape:
+      return "the shape's own";
+    case NeedReason::command_line:
+      return "--max-error";
+    default:
+      return std::string(pan::reason_name(reason));
+  }
+}
+
 struct Totals {
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
@@ -35,22 +81,6 @@ struct Totals {
   double worst_error = 0;  // metres, world: transforms applied
 };
 
-// The factor by which a matrix stretches lengths at most: the root of the largest eigenvalue of
-// MᵀM, by power iteration from a start that no symmetry makes useless.
-double largest_stretch(const Mat4& m) {
-  const Mat3 a(m);
-  const Mat3 square = glm::transpose(a) * a;
-  Vec3 v = glm::normalize(Vec3(0.62, 0.54, 0.57));
-  double value = 0;
-  for (int i = 0; i < 60; ++i) {
-    const Vec3 next = square * v;
-    value = glm::length(next);
-    if (!(value > 0)) return 0;
-    v = next / value;
-  }
-  return std::sqrt(value);
-}
-
 Totals totals_of(const pan::Model& model) {
   Totals totals;
   const auto world = model.world_from_nodes();
@@ -58,13 +88,87 @@ Totals totals_of(const pan::Model& model) {
     totals.triangles += model.meshes()[instance.mesh].triangle_count;
     totals.vertices += model.meshes()[instance.mesh].vertex_count;
     totals.worst_error = std::max(totals.worst_error, model.meshes()[instance.mesh].error *
-                                                          largest_stretch(world[instance.node]));
+                                                          stretch_of(world[instance.node]).largest);
   }
   for (const auto& mesh : model.meshes()) {
     totals.unique_triangles += mesh.triangle_count;
     totals.unique_vertices += mesh.vertex_count;
   }
   return totals;
+}
+
+// How many meshes each term decided, in the order of the reasons.
+std::vector<std::pair<NeedReason, std::size_t>> decisions_of(const pan::Model& model) {
+  std::array<std::size_t, 7> counts{};
+  for (const auto& need : model.mesh_needs()) ++counts[need.reason];
+  std::vector<std::pair<NeedReason, std::size_t>> out;
+  for (std::uint32_t i = 0; i < counts.size(); ++i)
+    if (counts[i] > 0) out.emplace_back(NeedReason{i}, counts[i]);
+  return out;
+}
+
+Json need_json(const pan::Model& model) {
+  if (!model.need()) return nullptr;
+  const pan::layout::Need& need = *model.need();
+  const auto term = [](double value) { return value > 0 ? Json(value) : Json(nullptr); };
+  Json out{{"tolerance", term(need.tolerance)},
+           {"nearest", term(need.nearest)},
+           {"ifov", term(need.ifov)},
+           {"pixels", term(need.pixels)},
+           {"flux", term(need.flux)},
+           {"centroid", term(need.centroid)},
+           {"smallest_tolerance", term(need.smallest)}};
+  const double pixels = compiler::tolerance_of_pixels(need.pixels, need.ifov, need.nearest);
+  const double centroid = compiler::tolerance_of_centroid(need.centroid, need.ifov, need.nearest);
+  out["gives"] = {{"pixels", term(pixels)}, {"centroid", term(centroid)}};
+  out["meshes_decided_by"] = Json::object();
+  for (const auto& [reason, count] : decisions_of(model))
+    out["meshes_decided_by"][std::string(pan::reason_name(reason))] = count;
+  return out;
+}
+
+Json mesh_need_json(const pan::Model& model, std::size_t mesh) {
+  if (model.mesh_needs().empty()) return nullptr;
+  const auto& need = model.mesh_needs()[mesh];
+  const bool asked = need.tolerance > 0;
+  return {{"tolerance", asked ? Json(need.tolerance) : Json(nullptr)},
+          {"ratio", asked ? Json(model.meshes()[mesh].error / need.tolerance) : Json(nullptr)},
+          {"reason", pan::reason_name(NeedReason{need.reason})}};
+}
+
+Json truth_json(const pan::Model& model) {
+  Json out;
+  out["keypoints"] = Json::array();
+  const auto world = model.world_from_nodes();
+  for (std::size_t i = 0; i < model.keypoints().size(); ++i) {
+    const auto& point = model.keypoints()[i];
+    const Vec3 position(point.position[0], point.position[1], point.position[2]);
+    out["keypoints"].push_back({{"name", model.keypoint_name(i)},
+                                {"node", point.node},
+                                {"position", as_json(position)},
+                                {"world", as_json(Vec3(world[point.node] * Vec4(position, 1.0)))}});
+  }
+  out["decals"] = Json::array();
+  for (std::size_t i = 0; i < model.decals().size(); ++i) {
+    const auto& decal = model.decals()[i];
+    out["decals"].push_back({{"name", model.decal_name(i)},
+                             {"instance", decal.instance},
+                             {"texture", decal.texture},
+                             {"origin", decal.origin},
+                             {"rotation", decal.rotation},
+                             {"width", decal.width},
+                             {"height", decal.height},
+                             {"depth", decal.depth}});
+  }
+  return out;
+}
+
+Json maps_json(const pan::layout::Material& material) {
+  const auto map = [](std::int32_t texture) { return texture < 0 ? Json(nullptr) : Json(texture); };
+  return {{"albedo", map(material.albedo_map)},
+          {"normal", map(material.normal_map)},
+          {"roughness", map(material.roughness_map)},
+          {"cutout", map(material.cutout_map)}};
 }
 
 Json nodes_json(const pan::Model& model) {
@@ -105,7 +209,8 @@ Json tables_json(const pan::Model& model) {
     const auto& material = model.materials()[i];
     out["materials"].push_back({{"name", model.material_name(i)},
                                 {"diffuse_law", diffuse_word(material.diffuse_law)},
-                                {"specular_law", specular_word(material.specular_law)}});
+                                {"specular_law", specular_word(material.specular_law)},
+                                {"maps", maps_json(material)}});
   }
   out["meshes"] = Json::array();
   for (std::size_t i = 0; i < model.meshes().size(); ++i) {
@@ -114,6 +219,7 @@ Json tables_json(const pan::Model& model) {
                              {"triangles", mesh.triangle_count},
                              {"vertices", mesh.vertex_count},
                              {"error", mesh.error},
+                             {"need", mesh_need_json(model, i)},
                              {"closed", (mesh.flags & pan::layout::kMeshClosed) != 0}});
   }
   out["textures"] = Json::array();
@@ -138,38 +244,132 @@ Json tables_json(const pan::Model& model) {
   return out;
 }
 
+std::string plural(std::uint64_t n, const char* one, const char* many) {
+  return fmt::format("{} {}", n, n == 1 ? one : many);
+}
+
+constexpr double kRoundingAlone = 5e-3;  // of what was asked: the chords of round shapes take most
+
+// "error 0.21 mm of 0.25 mm asked (86 %, flux)"
+std::string mesh_error_words(const pan::Model& model, std::size_t i) {
+  const double error = model.meshes()[i].error;
+  const std::string achieved = error > 0 ? length_words(error) : "0";
+  if (model.mesh_needs().empty()) return fmt::format("error {} in its own frame", achieved);
+  const auto& need = model.mesh_needs()[i];
+  const std::string reason = reason_words(model, NeedReason{need.reason});
+  if (!(need.tolerance > 0)) return fmt::format("error {} ({})", achieved, reason);
+  const double ratio = error / need.tolerance;
+  // what is flat is exact, whatever was asked
+  return fmt::format(
+      "error {} of {} asked ({})", achieved, length_words(need.tolerance),
+      ratio < kRoundingAlone ? "rounding alone" : fmt::format("{:.0f} %, {}", 100 * ratio, reason));
+}
+
+void print_need(const pan::Model& model) {
+  if (!model.need()) return;
+  const pan::layout::Need& need = *model.need();
+  std::vector<std::string> lines;
+  if (need.nearest > 0 && need.ifov > 0)
+    lines.push_back(fmt::format("nearest {}, {} a pixel: a pixel covers {}",
+                                length_words(need.nearest), angle_words(need.ifov),
+                                length_words(need.nearest * need.ifov)));
+  if (need.tolerance > 0)
+    lines.push_back(fmt::format("tolerance {}", length_words(need.tolerance)));
+  if (need.pixels > 0)
+    lines.push_back(fmt::format(
+        "silhouettes to {:.4g} px, gives {}", need.pixels,
+        length_words(compiler::tolerance_of_pixels(need.pixels, need.ifov, need.nearest))));
+  if (need.centroid > 0)
+    lines.push_back(fmt::format(
+        "photocentres to {:.4g} px, gives {}", need.centroid,
+        length_words(compiler::tolerance_of_centroid(need.centroid, need.ifov, need.nearest))));
+  if (need.flux > 0)
+    lines.push_back(fmt::format("flux to {:.4g} %, gives {:.3g} % of a shape's radius",
+                                100 * need.flux, 100 * need.flux / compiler::kFluxFactor));
+  std::string decided;
+  for (const auto& [reason, count] : decisions_of(model))
+    decided += fmt::format("{}{} for {}", decided.empty() ? "decided by " : ", ",
+                           reason_words(model, reason), plural(count, "mesh", "meshes"));
+  if (need.smallest > 0) decided += "; finest " + length_words(need.smallest) + " in the world";
+  if (!decided.empty()) lines.push_back(decided);
+  const char* label = "budget";
+  for (const std::string& line : lines) {
+    fmt::print("{:<9} {}\n", label, line);
+    label = "";
+  }
+}
+
+void print_meshes(const pan::Model& model) {
+  for (std::size_t i = 0; i < model.meshes().size(); ++i) {
+    const auto& mesh = model.meshes()[i];
+    fmt::print(
+        "mesh      {}: {}, {}, {}, {}\n", model.mesh_name(i),
+        counted(mesh.triangle_count, "triangle"), plural(mesh.vertex_count, "vertex", "vertices"),
+        mesh.flags & pan::layout::kMeshClosed ? "closed" : "open", mesh_error_words(model, i));
+  }
+}
+
+void print_materials(const pan::Model& model) {
+  for (std::size_t i = 0; i < model.materials().size(); ++i) {
+    const auto& material = model.materials()[i];
+    std::string maps;
+    const auto add = [&](std::int32_t texture, const char* name) {
+      if (texture >= 0) maps += fmt::format("{}{}", maps.empty() ? ", maps: " : ", ", name);
+    };
+    add(material.albedo_map, "albedo");
+    add(material.normal_map, "normal");
+    add(material.roughness_map, "roughness");
+    add(material.cutout_map, "cutout");
+    fmt::print("material  {}: {} + {}{}\n", model.material_name(i),
+               diffuse_word(material.diffuse_law), specular_word(material.specular_law), maps);
+  }
+}
+
+void print_truth(const pan::Model& model) {
+  for (std::size_t i = 0; i < model.frames().size(); ++i)
+    fmt::print("frame     {} at {}\n", model.frame_name(i),
+               place_words(Vec3(model.world_from_frame(i)[3])));
+  const auto world = model.world_from_nodes();
+  for (std::size_t i = 0; i < model.keypoints().size(); ++i) {
+    const auto& point = model.keypoints()[i];
+    const Vec4 p(point.position[0], point.position[1], point.position[2], 1.0);
+    fmt::print("keypoint  {} at {}\n", model.keypoint_name(i),
+               place_words(Vec3(world[point.node] * p)));
+  }
+  for (std::size_t i = 0; i < model.decals().size(); ++i) {
+    const auto& decal = model.decals()[i];
+    fmt::print("decal     {}{}: {:.4g} x {:.4g} m on {}\n",
+               model.decal_name(i).empty() ? "" : fmt::format("{}, ", model.decal_name(i)),
+               model.texture_name(decal.texture), decal.width, decal.height,
+               model.node_path(model.instances()[decal.instance].node));
+  }
+}
+
 void print_text(const std::string& path, const pan::Model& model, const Totals& totals) {
-  const auto plural = [](std::uint64_t n, const char* one, const char* many) {
-    return fmt::format("{} {}", n, n == 1 ? one : many);
-  };
   fmt::print("{}: {}, {}, {} in {}\n", path, counted(model.bytes().size(), "byte"),
              counted(totals.triangles, "triangle"), counted(model.instances().size(), "instance"),
              plural(model.meshes().size(), "mesh", "meshes"));
+  std::string truth;
+  const auto add = [&](std::size_t count, const char* noun) {
+    if (count > 0) truth += (truth.empty() ? "" : ", ") + counted(count, noun);
+  };
+  add(model.frames().size(), "frame");
+  add(model.keypoints().size(), "keypoint");
+  add(model.decals().size(), "decal");
+  if (!truth.empty()) fmt::print("with      {}\n", truth);
   fmt::print("made by   {} ({})\n", model.version(), model.options());
   fmt::print("build id  {}\n", model.build_id().hex());
   if (const auto bounds = model.world_bounds())
     fmt::print("bounds    {:.6g} {:.6g} {:.6g} .. {:.6g} {:.6g} {:.6g} m\n", bounds->min.x,
                bounds->min.y, bounds->min.z, bounds->max.x, bounds->max.y, bounds->max.z);
   fmt::print("error     {:.4g} m at most between mesh and shape\n", totals.worst_error);
-  for (std::size_t i = 0; i < model.meshes().size(); ++i) {
-    const auto& mesh = model.meshes()[i];
-    fmt::print("mesh      {}: {}, {}, error {:.4g} m in its own frame{}\n", model.mesh_name(i),
-               counted(mesh.triangle_count, "triangle"),
-               plural(mesh.vertex_count, "vertex", "vertices"), mesh.error,
-               mesh.flags & pan::layout::kMeshClosed ? ", closed" : ", open");
-  }
-  for (std::size_t i = 0; i < model.materials().size(); ++i)
-    fmt::print("material  {}: {} + {}\n", model.material_name(i),
-               diffuse_word(model.materials()[i].diffuse_law),
-               specular_word(model.materials()[i].specular_law));
+  print_need(model);
+  print_meshes(model);
+  print_materials(model);
   for (std::size_t i = 0; i < model.textures().size(); ++i)
     fmt::print("texture   {}: {}x{}\n", model.texture_name(i), model.textures()[i].width,
                model.textures()[i].height);
-  for (std::size_t i = 0; i < model.frames().size(); ++i) {
-    const Vec3 origin(model.world_from_frame(i)[3]);
-    fmt::print("frame     {} at {:.6g} {:.6g} {:.6g}\n", model.frame_name(i), origin.x, origin.y,
-               origin.z);
-  }
+  print_truth(model);
   for (const auto& input : model.inputs())
     fmt::print("input     {}, {} bytes\n", model.string(input.path), input.bytes);
 }
@@ -199,7 +399,9 @@ int info(const InfoOptions& options) {
   out["nodes"] = nodes_json(*model);
   out["joints"] = Json::array();
   out["instances"] = instances_json(*model);
+  out["budget"] = need_json(*model);
   out.update(tables_json(*model));
+  out.update(truth_json(*model));
   if (!options.common.json) print_text(options.input, *model, totals);
   return session.finish();
 }

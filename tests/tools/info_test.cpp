@@ -1,0 +1,92 @@
+// What `panwright info` says about budgets, keypoints, decals and maps.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "compiler/need.h"
+#include "pan/writer.h"
+#include "tests/support/pan_sample.h"
+#include "tests/support/process.h"
+
+namespace panwright::tools {
+namespace {
+
+using json = nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+class Info : public testing::Test {
+ protected:
+  std::string text(const pan::Contents& contents) { return run(contents, {}); }
+  json object(const pan::Contents& contents) { return json::parse(run(contents, {"--json"})); }
+
+ private:
+  std::string run(const pan::Contents& contents, const std::vector<std::string>& more) {
+    const std::string path = folder_ / "m.pan";
+    DiagnosticLog log;
+    EXPECT_TRUE(pan::write(contents, path, log)) << to_text(log);
+    std::vector<std::string> words = {PANWRIGHT_BIN_DIR "/panwright", "info", path};
+    words.insert(words.end(), more.begin(), more.end());
+    return support::run(words).out;
+  }
+  support::TemporaryFolder folder_;
+};
+
+TEST_F(Info, SaysWhatWasAskedAndWhatCameOfIt) {
+  pan::Contents contents = support::small_contents();
+  contents.need = pan::layout::Need{0, 50, 2e-4, 0.5, 0.02, 0.25, 1e-3, {}};
+  contents.meshes[0].error = 2e-4;
+  contents.mesh_needs = {{2.5e-4, static_cast<std::uint32_t>(pan::layout::NeedReason::flux), 0},
+                         {}};
+  const std::string out = text(contents);
+  EXPECT_THAT(out, HasSubstr("budget    nearest 50 m, 0.2 mrad a pixel: a pixel covers 10 mm\n"));
+  EXPECT_THAT(out, HasSubstr("silhouettes to 0.5 px, gives 5 mm\n"));
+  EXPECT_THAT(out, HasSubstr("photocentres to 0.25 px, gives "));
+  EXPECT_THAT(out, HasSubstr("flux to 2 %, gives "));
+  EXPECT_THAT(out, HasSubstr("decided by as given for 1 mesh, flux for 1 mesh; finest 1 mm in the "
+                             "world\n"));
+  EXPECT_THAT(out, HasSubstr("error 200 µm of 250 µm asked (80 %, flux)\n"));
+  EXPECT_THAT(out, HasSubstr("error 0 (as given)\n"));
+
+  const json read = object(contents);
+  EXPECT_EQ(read["budget"]["tolerance"], nullptr);
+  EXPECT_EQ(read["budget"]["nearest"], 50);
+  EXPECT_EQ(read["budget"]["gives"]["pixels"], 0.5 * 2e-4 * 50);
+  EXPECT_EQ(read["budget"]["gives"]["centroid"], 0.25 * 2e-4 * 50 / compiler::kCentroidFactor);
+  EXPECT_EQ(read["budget"]["meshes_decided_by"], json({{"explicit_counts", 1}, {"flux", 1}}));
+  EXPECT_EQ(read["meshes"][0]["need"]["reason"], "flux");
+  EXPECT_EQ(read["meshes"][0]["need"]["ratio"], 2e-4 / 2.5e-4);
+  EXPECT_EQ(read["meshes"][1]["need"]["tolerance"], nullptr);
+}
+
+TEST_F(Info, WithoutABudgetThereIsNone) {
+  pan::Contents contents = support::small_contents();
+  contents.need.reset();
+  contents.mesh_needs.clear();
+  EXPECT_THAT(text(contents), Not(HasSubstr("budget")));
+  EXPECT_THAT(text(contents), HasSubstr("error 250 mm in its own frame\n"));
+  EXPECT_EQ(object(contents)["budget"], nullptr);
+  EXPECT_EQ(object(contents)["meshes"][0]["need"], nullptr);
+}
+
+TEST_F(Info, CountsAndListsKeypointsAndDecals) {
+  pan::Contents contents = support::small_contents();
+  contents.materials[1].maps.albedo = contents.materials[1].maps.cutout = 0;
+  const std::string out = text(contents);
+  EXPECT_THAT(out, HasSubstr("with      1 frame, 2 keypoints, 2 decals\n"));
+  // by hand, as in tests/pan: node 1 turns x to -0.28 x - 0.96 z, scaled by 2 2 -2, moved by 1 2 3
+  EXPECT_THAT(out, HasSubstr("keypoint  corner at -1.48 4 1.64\n"));
+  EXPECT_THAT(out, HasSubstr("decal     flag, skin.png: 0.5 x 0.25 m on craft/body/[2]\n"));
+  EXPECT_THAT(out, HasSubstr("material  paint: oren-nayar + none, maps: albedo, cutout\n"));
+  const json read = object(contents);
+  EXPECT_EQ(read["keypoints"][1]["name"], "tip");
+  EXPECT_EQ(read["keypoints"][1]["position"], json({0, 0, 0.1}));
+  EXPECT_EQ(read["decals"][0]["origin"], json({100.5, 0.5, 7}));
+  EXPECT_EQ(read["decals"][1]["depth"], 1.5);
+  EXPECT_EQ(read["materials"][1]["maps"]["cutout"], 0);
+  EXPECT_EQ(read["materials"][1]["maps"]["normal"], nullptr);
+}
+
+}  // namespace
+}  // namespace panwright::tools
