@@ -236,8 +236,9 @@ void Loader::read_definitions(File& file) {
 std::optional<std::uint32_t> Loader::part_of(Definition& definition, const Arguments& arguments,
                                              SourceSpan used_at) {
   if (definition.reading) return std::nullopt;
-  std::vector<std::pair<std::string, double>> key;
-  for (const auto& [name, value] : arguments) key.emplace_back(name, value.value);
+  std::vector<std::tuple<std::string, double, schemas::Dimension>> key;
+  for (const auto& [name, value] : arguments)
+    key.emplace_back(name, value.value, value.dimension);
   const auto known = definition.parts.find(key);
   if (known != definition.parts.end()) return known->second;
   File& file = *definition.file;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -86,7 +87,8 @@ struct Definition {
   std::optional<std::uint32_t>
       index;  // of the named material, once done, if it can be used
   // of the part, for each set of arguments it was used with
-  std::map<std::vector<std::pair<std::string, double>>, std::uint32_t> parts;
+  std::map<std::vector<std::tuple<std::string, double, schemas::Dimension>>, std::uint32_t>
+      parts;
 };
 
 using Definitions = std::map<std::string, Definition*, std::less<>>;
