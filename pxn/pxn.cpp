@@ -5,11 +5,10 @@
 #include "pxn/internal/assembler.h"
 #include "pxn/internal/files.h"
 #include "pxn/internal/loader.h"
+#include "pxn/internal/read_from.h"
 #include "pxn/internal/reporter.h"
 
 namespace panwright::pxn {
-
-namespace {
 
 Result<scene::Scene> read_from(Files& files, const FoundFile& top, const Options& options,
                                DiagnosticLog& log) {
@@ -22,8 +21,6 @@ Result<scene::Scene> read_from(Files& files, const FoundFile& top, const Options
   if (!assemble(loader, *part, options, reporter, scene)) return failed;
   return scene;
 }
-
-}  // namespace
 
 Result<scene::Scene> read(const std::filesystem::path& path, const Options& options,
                           DiagnosticLog& log) {

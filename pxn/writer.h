@@ -26,14 +26,14 @@ using PictureName = std::function<std::string(std::size_t texture)>;
 //
 // What the language cannot say is changed: names that several materials have get a number, and so
 // do those of shapes that a decal could not be told by; braces in names become parentheses; shapes
-// at a node with others, and a root that is moved, get nodes of their own; pictures by texture coordinates that belong to an
-// instance, and terms of a need that need others that are absent are left
-// out.
+// at a node with others, and a root that is moved, get nodes of their own; pictures by texture
+// coordinates that belong to an instance, and terms of a need that need others that are absent are
+// left out.
 [[nodiscard]] std::string to_text(const scene::Scene& scene, const PictureName& name = {});
 
-// Writes the pictures of a scene as PNG files, for a text in this folder. A file of the texture's
-// name that holds the same texels already stays and is used; others are called STEM-1.png,
-// STEM-2.png….
+// Writes the pictures of a scene as PNG files, for a text in this folder. Each keeps its texture's
+// name where that is a PNG file in the folder or below it that is not there yet, or that holds the
+// same texels already; others are called STEM-1.png, STEM-2.png….
 //
 //   returns  the name of each texture's file
 //

@@ -47,11 +47,17 @@ Result<std::vector<std::string>> write_pictures(const scene::Scene& scene, const
   std::vector<std::string> names;
   std::size_t number = 0;
   for (const scene::Texture& texture : scene.textures) {
-    if (is_below(texture.name) && holds(folder / texture.name, texture)) {
+    const fs::path own = folder / texture.name;
+    const bool may_keep = is_below(texture.name);
+    if (may_keep && holds(own, texture)) {
       names.push_back(texture.name);
       continue;
     }
-    names.push_back(fmt::format("{}-{}.png", stem, ++number));
+    std::error_code error;
+    const bool free =
+        may_keep && own.extension() == ".png" && !fs::exists(fs::symlink_status(own, error));
+    if (free) fs::create_directories(own.parent_path(), error);
+    names.push_back(free ? texture.name : fmt::format("{}-{}.png", stem, ++number));
     const std::string bytes = png_file(texture.width, texture.height, texture.rgba);
     if (!write_file(folder / names.back(), as_bytes(bytes), log)) return failed;
   }

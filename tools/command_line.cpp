@@ -27,6 +27,9 @@ struct AllOptions {
   InfoOptions info;
   RenderOptions render;
   DiffOptions diff;
+  FmtOptions fmt;
+  UpgradeOptions upgrade;
+  ExpandOptions expand;
   ExplainOptions explain;
   std::string completion_shell = "bash";
   bool json_version = false;
@@ -139,6 +142,54 @@ void add_render(CLI::App* app, RenderOptions& options) {
   add_common(app, options.common);
 }
 
+void add_max_input(CLI::App* app, std::uint64_t& bytes) {
+  app->add_option("--max-input", bytes, "Most bytes of input to read, e.g. 512MB")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("BYTES");
+}
+
+void add_fmt(CLI::App* app, FmtOptions& options) {
+  app->add_option("inputs", options.inputs, "Files to format; -: standard input to standard output")
+      ->required()
+      ->type_name("FILE.pxn…");
+  app->add_flag("--check", options.check,
+                "Write nothing; name the files that would change, with exit code 1");
+  app->add_option("-o,--output", options.output,
+                  "Write here instead (-: standard output); for one file")
+      ->type_name("FILE");
+  add_max_input(app, options.max_input);
+  add_common(app, options.common);
+}
+
+void add_upgrade(CLI::App* app, UpgradeOptions& options) {
+  app->add_option("inputs", options.inputs,
+                  "Files to upgrade: a model, and those of its included files that are meant too")
+      ->required()
+      ->type_name("FILE.pxn…");
+  app->add_option("-o,--output", options.output,
+                  "Write here instead (-: standard output); for one file")
+      ->type_name("FILE");
+  app->add_option("--root", options.root,
+                  "Folder that included files must lie in (default: the file's)")
+      ->type_name("DIR");
+  add_max_input(app, options.max_input);
+  add_common(app, options.common);
+}
+
+void add_expand(CLI::App* app, ExpandOptions& options) {
+  app->add_option("input", options.input, "The model, a .pxn file")
+      ->required()
+      ->type_name("FILE.pxn");
+  app->add_option(
+         "-o,--output", options.output,
+         "The text; pictures are written beside it as PNG, unless they are there (-: standard "
+         "output, without pictures)")
+      ->required()
+      ->type_name("FILE.pxn");
+  add_read(app, options.read);
+  add_common(app, options.common);
+}
+
 // Lets values begin with a minus sign: "--sun -1,0,0" and "--sun '-1 0 0'" become one word.
 std::vector<std::string> joined_values(int argc, const char* const* argv) {
   std::vector<std::string> words;
@@ -229,6 +280,16 @@ void add_subcommands(CLI::App& app, AllOptions& all) {
   add_read(diff_app, all.diff.read);
   add_common(diff_app, all.diff.common);
 
+  add_fmt(app.add_subcommand("fmt", "Lay pxn files out in their canonical form, comments and all"),
+          all.fmt);
+  add_upgrade(app.add_subcommand("upgrade", "Rewrite pxn files of level 0 in level 1"),
+              all.upgrade);
+  add_expand(
+      app.add_subcommand("expand",
+                         "Write a model as one pxn file without parts, repeats, includes and "
+                         "expressions"),
+      all.expand);
+
   auto* explain_app = app.add_subcommand("explain", "Explain a diagnostic code, or list them all");
   explain_app->add_option("code", all.explain.code, "A code such as E1101")->type_name("CODE");
   add_common(explain_app, all.explain.common);
@@ -279,6 +340,9 @@ int run_panwright(std::vector<std::string> words) {
     if (app.got_subcommand("info")) return with_threads(all.info.common), info(all.info);
     if (app.got_subcommand("render")) return with_threads(all.render.common), render(all.render);
     if (app.got_subcommand("diff")) return with_threads(all.diff.common), diff(all.diff);
+    if (app.got_subcommand("fmt")) return format(all.fmt);
+    if (app.got_subcommand("upgrade")) return upgrade(all.upgrade);
+    if (app.got_subcommand("expand")) return with_threads(all.expand.common), expand(all.expand);
     if (app.got_subcommand("explain")) return explain(all.explain);
     if (app.got_subcommand("completion")) {
       fmt::print("{}", completion_script(all.completion_shell, command_words(app)));

@@ -10,6 +10,9 @@ int check(const CheckOptions& options);
 int info(const InfoOptions& options);
 int render(const RenderOptions& options);
 int diff(const DiffOptions& options);
+int format(const FmtOptions& options);
+int upgrade(const UpgradeOptions& options);
+int expand(const ExpandOptions& options);
 int explain(const ExplainOptions& options);
 int version(bool json);
 

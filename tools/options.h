@@ -93,6 +93,29 @@ struct RenderOptions {
   std::uint64_t max_image_bytes = 12ull << 30;
 };
 
+struct FmtOptions {
+  CommonOptions common;
+  std::uint64_t max_input = 128ull << 20;  // bytes of each file
+  std::vector<std::string> inputs;         // "-": standard input
+  std::string output;                      // empty: each file itself; "-": standard output
+  bool check = false;                      // write nothing, name the files that would change
+};
+
+struct UpgradeOptions {
+  CommonOptions common;
+  std::string root;
+  std::uint64_t max_input = 128ull << 20;  // bytes of a model
+  std::vector<std::string> inputs;
+  std::string output;  // empty: each file itself
+};
+
+struct ExpandOptions {
+  CommonOptions common;
+  ReadOptions read;
+  std::string input;
+  std::string output;
+};
+
 struct ExplainOptions {
   CommonOptions common;
   std::string code;  // empty: lists all

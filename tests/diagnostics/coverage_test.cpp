@@ -59,6 +59,22 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
   const std::string pan = folder / "f.pan";
   codes_of({"compile", kFigure8, "-o", pan});
   const std::string png = folder / "f.png";
+  const auto model = [](const std::string& nodes) {
+    return "<pangu_model ver=\"0\">" + nodes + "</pangu_model>";
+  };
+  const auto vec3 = [](const std::string& tag, const std::string& numbers) {
+    return "<" + tag + "><vec3>" + numbers + "</vec3></" + tag + ">";
+  };
+  const std::string braces =
+      folder.write("braces.pxn", model("<frame_s label=\"a{1}\">" + vec3("origin", "0 0 0") +
+                                       vec3("forward", "0 0 1") + vec3("up", "0 -1 0") +
+                                       vec3("right", "1 0 0") + "</frame_s>"));
+  fs::create_directories(folder.path() / "parts");
+  const std::string whole =
+      folder.write("whole.pxn", model("<include type=\"pxn\" file=\"parts/part.pxn\"/>"));
+  const std::string part =
+      folder.write("parts/part.pxn", model("<include type=\"pxn\" file=\"ball.pxn\"/>"));
+  folder.write("ball.pxn", model("<sphere rings=\"3\" quads=\"3\"/>"));
   std::vector<Trigger> triggers = {
       {"E0101", {"check", folder / "none.pxn"}, {}},
       {"E0102", {"check", folder / "unreadable.pxn"}, {}},
@@ -69,6 +85,8 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"E0203", {"render", pan, "--views", view}, {}},
       {"E0204", {"explain", "E9999"}, {}},
       {"E1225", {"compile", kFigure8, "-o", pan, "-D", "span=1m"}, {}},
+      {"E1317", {"upgrade", braces}, {}},
+      {"N1318", {"upgrade", whole, part}, {}},
       {"E5005", {"render", pan, "-o", png, "--camera-frame", "camera"}, {}},
       {"N5004", {"render", pan, "-o", png, "--camera", "0 0 9"}, {}},
   };

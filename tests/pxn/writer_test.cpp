@@ -427,13 +427,18 @@ TEST(Writer, PicturesBesideTheText) {
       t.rgba.push_back(static_cast<std::uint8_t>(random()));
     scene.textures.push_back(t);
   }
+  scene.textures.push_back(scene.textures[0]);
+  scene.textures[3].name = "below/b.png";
+  scene.textures.push_back(scene.textures[0]);
+  scene.textures[4].name = "../c.png";
   // one is there already
   folder.write("a.png", png_file(7, 14, scene.textures[1].rgba));
   DiagnosticLog log;
   const auto names = write_pictures(scene, folder / "model.pxn", log);
   ASSERT_TRUE(names) << to_text(log);
-  EXPECT_THAT(*names, testing::ElementsAre("model-1.png", "a.png", "model-2.png"));
-  for (std::size_t i = 0; i < 3; ++i) {
+  EXPECT_THAT(*names, testing::ElementsAre("model-1.png", "a.png", "model-2.png", "below/b.png",
+                                           "model-3.png"));
+  for (std::size_t i = 0; i < 5; ++i) {
     const std::string bytes = support::contents(folder / (*names)[i]);
     DecodedImage image;
     EXPECT_FALSE(decode_image(std::as_bytes(std::span(bytes)), 1 << 30, image).code);

@@ -74,7 +74,8 @@ TEST(Program, HelpNamesEveryCommandAndUsageIsTwo) {
   const Outcome help = panwright({"--help"});
   EXPECT_EQ(help.code, 0);
   for (const char* command :
-       {"compile", "check", "info", "render", "diff", "explain", "completion"}) {
+       {"compile", "check", "info", "render", "diff", "fmt", "upgrade", "expand", "explain",
+        "completion"}) {
     EXPECT_THAT(help.out, HasSubstr(command));
     EXPECT_EQ(panwright({command, "--help"}).code, 0);
   }
