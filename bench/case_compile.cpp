@@ -3,8 +3,10 @@
 
 #include <cmath>
 
+#include "base/parallel.h"
 #include "bench/bench.h"
 #include "bench/scenes.h"
+#include "compiler/compile.h"
 #include "pan/model.h"
 
 namespace panwright::bench {
@@ -125,14 +127,102 @@ void add_memory(Context& context, const std::filesystem::path& tool) {
   }
 }
 
+// One part of 100 k triangles, shown so many times.
+std::string instances_pxn(int count) {
+  return fmt::format(
+      "<pangu_model ver=\"1\">\n<budget tolerance=\"0.0000235\"/>\n<repeat count=\"{}\" "
+      "translate=\"3 0 0\">\n<torus radius=\"1\" tube_radius=\"0.2\"/>\n</repeat>\n"
+      "</pangu_model>\n",
+      count);
+}
+
+// Many instances of a part take the memory of one, in writing and in reading.
+void add_instances(Context& context, const std::filesystem::path& tool) {
+  double one_compile = 0, one_check = 0;
+  for (const int count : {1, 1000}) {
+    const std::string name = fmt::format("instances{}", count);
+    const Job job{"", write_scratch(context, name + ".pxn", instances_pxn(count)),
+                  context.scratch() / (name + ".pan")};
+    double compiling = 0, checking = 0;
+    const bool done = compile(tool, job, &compiling) == 0 &&
+                      run_program(tool, {"check", job.output.string()}, &checking) == 0;
+    const auto found = counted_in(job.output);
+    if (!done || !found) {
+      context.note("instances of a part could not be compiled");
+      return;
+    }
+    if (count == 1) one_compile = compiling, one_check = checking;
+    Row row{
+        .case_name = "compile",
+        .setting = fmt::format("peak memory instances={} triangles={}", count, found->triangles),
+        .speed = compiling * 1e-6,
+        .speed_unit = "MB",
+        .error = found->worst_error,
+        .error_unit = "m",
+        .reference = "torus, on float32 vertices",
+        .reference_error = 1e-15,
+        .runs = 1,
+        .must = count == 1 ? 0 : 1.2 * one_compile * 1e-6,
+        .must_is_least = false,
+        .must_error = 2.35e-5};
+    context.add(row);
+    row.setting = fmt::format("peak memory of check instances={}", count);
+    row.speed = checking * 1e-6;
+    row.must = count == 1 ? 0 : 1.2 * one_check * 1e-6;
+    context.add(row);
+  }
+}
+
+// Exact shapes to a written file, on one core.
+void add_shapes(Context& context) {
+  geometry::Torus torus;
+  torus.tube_radius = 0.3;
+  geometry::Ellipsoid ellipsoid;
+  ellipsoid.radii = {1, 0.8, 0.6};
+  geometry::Dish dish;
+  dish.thickness = 0.01;
+  geometry::Sphere sphere;
+  const std::pair<geometry::Shape, double> shapes[] = {
+      {sphere, 2e-6}, {torus, 2e-6}, {ellipsoid, 2e-6}, {dish, 5e-7}};
+  set_thread_count(1);
+  for (const auto& [shape, tolerance] : shapes) {
+    scene::Scene scene = sphere_scene({8, 8}, lambert_material(0.8));
+    scene.shapes = {shape};
+    scene.need.tolerance = context.quick() ? 100 * tolerance : tolerance;
+    compiler::Report report;
+    const Timing timing = timed(
+        [&] {
+          DiagnosticLog log;
+          const auto done = compiler::compile(scene, {}, context.scratch() / "shape.pan", log);
+          if (done) report = *done;
+        },
+        context.runs());
+    Row row{.case_name = "compile",
+            .setting = fmt::format("one core {} triangles={}", geometry::kind_name(shape),
+                                   report.triangles),
+            .speed_unit = "Mtri/s",
+            .error = report.worst_error,
+            .error_unit = "m",
+            .reference = "the exact shape, by the bound that the file stores",
+            .must = context.quick() ? 0.0 : 5.0,
+            .must_error = *scene.need.tolerance};
+    set_rate(row, timing, 1e-6 * static_cast<double>(report.triangles));
+    context.add(row);
+  }
+  set_thread_count(0);
+}
+
 void run(Context& context) {
   const std::filesystem::path tool = context.program("panwright");
   if (tool.empty()) {
-    context.note("panwright is not built beside this program: nothing measured");
-    return;
+    context.note("panwright is not built beside this program: no process measured");
+  } else {
+    // note: Linux counts what this program held when it started another, so small ones come first
+    add_instances(context, tool);
+    add_times(context, tool);
+    add_memory(context, tool);
   }
-  add_times(context, tool);
-  add_memory(context, tool);
+  add_shapes(context);
 }
 
 const bool kAdded =
