@@ -116,9 +116,15 @@ Roundness measured_roundness(std::uint32_t steps) {
   return {factor, std::max(factor - 1, 1 - nearest)};
 }
 
+// that of kMeasuredSteps
+const Roundness& known_roundness() {
+  static const Roundness known = measured_roundness(kMeasuredSteps);
+  return known;
+}
+
 Roundness roundness(std::uint32_t steps) {
   if (steps <= kMeasuredSteps) return measured_roundness(steps);
-  const Roundness known = measured_roundness(kMeasuredSteps);
+  const Roundness& known = known_roundness();
   const double ratio = static_cast<double>(kMeasuredSteps) / steps;
   const double scale = ratio * ratio * kScalingSlack;
   return {1 + (known.factor - 1) * scale, known.error * scale};
@@ -140,8 +146,7 @@ Plan plan_of(const Box& box, const TessellationOptions& options) {
   const double reach = 0.5 * glm::length(box.size) + std::min(options.max_error, bevel_of(box));
   const double allowed = (options.max_error - rounding_bound(reach)) / bevel_of(box);
   if (!(allowed > 0)) return {kMostSteps, {}, true};
-  const Roundness known = measured_roundness(kMeasuredSteps);
-  const double guess = kMeasuredSteps * std::sqrt(known.error / allowed);
+  const double guess = kMeasuredSteps * std::sqrt(known_roundness().error / allowed);
   if (!(guess < kMostSteps)) return {kMostSteps, {}};
   auto steps = std::max(1u, static_cast<std::uint32_t>(guess));
   while (roundness(steps).error > allowed) ++steps;

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "base/text.h"
-#include "geometry/check.h"
 #include "geometry/internal/flat.h"
+#include "geometry/internal/predicates.h"
 #include "geometry/internal/revolve.h"
 #include "geometry/internal/triangulate.h"
 #include "geometry/internal/weld.h"
@@ -22,17 +22,6 @@ constexpr double kFlatness = 1e-6;
 constexpr double kAngleSlack = 1e-9;
 
 using Face = Polygons::Face;
-
-// The corners of a face, loop by loop.
-std::vector<std::uint32_t> corners_of(const Face& face, std::vector<std::uint32_t>& loops) {
-  std::vector<std::uint32_t> corners = face.outline;
-  loops = {0, static_cast<std::uint32_t>(corners.size())};
-  for (const auto& hole : face.holes) {
-    corners.insert(corners.end(), hole.begin(), hole.end());
-    loops.push_back(static_cast<std::uint32_t>(corners.size()));
-  }
-  return corners;
-}
 
 double corner_count(const Face& face) {
   double count = static_cast<double>(face.outline.size());
@@ -65,50 +54,76 @@ double size_of(const std::vector<Vec3>& positions, const std::vector<std::uint32
   return glm::length(high - low);
 }
 
-// A face in its plane, seen along the axis nearest to its normal: coordinates stay exact.
+// A face in its plane, seen along the axis nearest to its normal: coordinates stay exact, and the
+// outline runs counter-clockwise.
 struct FlatFace {
-  Vec3 normal{0};                      // unit, zero: no area
-  std::vector<std::uint32_t> corners;  // C
-  Region region;                       // C points
+  FlatFace(const std::vector<Vec3>& positions, const Face& face)
+      : size(size_of(positions, face.outline)) {
+    if (size == 0) return;
+    const Vec3 area = area_vector(positions, face.outline, size);
+    const double length = glm::length(area);
+    // an outline as thin as this has no direction
+    if (!(length > 1e-15)) return;
+    normal = area / length;
+    for (const int other : {1, 0})
+      if (std::fabs(area[other]) > std::fabs(area[axis])) axis = other;
+    away = area[axis] < 0;
+  }
+  bool has_area() const { return normal != Vec3(0); }
+  Vec2 flat(const Vec3& p) const {
+    const double x = p[(axis + 1) % 3];
+    const double y = p[(axis + 2) % 3];
+    return away ? Vec2(y, x) : Vec2(x, y);
+  }
+
+  double size;     // of the outline
+  Vec3 normal{0};  // unit, zero: no area
+  int axis = 2;
+  bool away = false;
 };
 
-FlatFace flat_face(const std::vector<Vec3>& positions, const Face& face) {
-  FlatFace flat;
-  const double size = size_of(positions, face.outline);
-  if (size == 0) return flat;
-  const Vec3 area = area_vector(positions, face.outline, size);
-  const double length = glm::length(area);
-  // an outline as thin as this has no direction
-  if (!(length > 1e-15)) return flat;
-  flat.normal = area / length;
-  std::vector<std::uint32_t> loops;
-  flat.corners = corners_of(face, loops);
-  int axis = 2;
-  for (const int other : {1, 0})
-    if (std::fabs(area[other]) > std::fabs(area[axis])) axis = other;
-  const bool away = area[axis] < 0;
+Region region_of_face(const std::vector<Vec3>& positions, const Face& face, const FlatFace& flat) {
   std::vector<Vec2> points;
-  points.reserve(flat.corners.size());
-  for (const std::uint32_t v : flat.corners) {
-    const double x = positions[v][(axis + 1) % 3];
-    const double y = positions[v][(axis + 2) % 3];
-    points.push_back(away ? Vec2(y, x) : Vec2(x, y));
+  std::vector<std::uint32_t> loops{0};
+  const auto add = [&](const std::vector<std::uint32_t>& loop) {
+    for (const std::uint32_t v : loop) points.push_back(flat.flat(positions[v]));
+    loops.push_back(static_cast<std::uint32_t>(points.size()));
+  };
+  add(face.outline);
+  for (const auto& hole : face.holes) add(hole);
+  return region_of(points, std::move(loops));
+}
+
+// Triangles and quads that turn left at each corner need no sweep. Not all sound ones: those that
+// do not pass are looked at closely.
+bool is_simple(const std::vector<Vec3>& positions, const Face& face, const FlatFace& flat) {
+  const std::size_t count = face.outline.size();
+  if (count > 4 || !face.holes.empty()) return false;
+  Vec2 p[4];
+  for (std::size_t i = 0; i < count; ++i) p[i] = flat.flat(positions[face.outline[i]]);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec2& next = p[(i + 1) % count];
+    if (!(glm::length(next - p[i]) > 1e-8 * flat.size)) return false;
+    if (orientation(p[i], next, p[(i + 2) % count]) <= 0) return false;
   }
-  flat.region = region_of(points, std::move(loops));
-  return flat;
+  return true;
 }
 
 // The corner furthest from the plane through the outline, and how far it is.
 std::pair<std::uint32_t, double> furthest_corner(const std::vector<Vec3>& positions,
-                                                 const FlatFace& flat) {
-  const Vec3& origin = positions[flat.corners[0]];
+                                                 const Face& face, const FlatFace& flat) {
+  const Vec3& origin = positions[face.outline[0]];
   double low = 0, high = 0;
-  std::uint32_t lowest = flat.corners[0], highest = lowest;
-  for (const std::uint32_t v : flat.corners) {
-    const double height = glm::dot(positions[v] - origin, flat.normal);
-    if (height < low) low = height, lowest = v;
-    if (height > high) high = height, highest = v;
-  }
+  std::uint32_t lowest = face.outline[0], highest = lowest;
+  const auto look_at = [&](const std::vector<std::uint32_t>& loop) {
+    for (const std::uint32_t v : loop) {
+      const double height = glm::dot(positions[v] - origin, flat.normal);
+      if (height < low) low = height, lowest = v;
+      if (height > high) high = height, highest = v;
+    }
+  };
+  look_at(face.outline);
+  for (const auto& hole : face.holes) look_at(hole);
   return {-low > high ? lowest : highest, 0.5 * (high - low)};
 }
 
@@ -137,37 +152,43 @@ Problem index_problem(const Polygons& shape, std::size_t index) {
 Problem problem_of_face(const Polygons& shape, std::size_t index) {
   if (auto bad = index_problem(shape, index)) return bad;
   const Face& face = shape.faces[index];
-  FlatFace flat = flat_face(shape.positions, face);
-  if (flat.normal == Vec3(0))
-    return face_problem(Code::E2012, index, "its outline encloses no area");
-  const double size = size_of(shape.positions, face.outline);
-  const auto [vertex, distance] = furthest_corner(shape.positions, flat);
-  if (distance > kFlatness * size)
+  const FlatFace flat(shape.positions, face);
+  if (!flat.has_area()) return face_problem(Code::E2012, index, "its outline encloses no area");
+  const auto [vertex, distance] = furthest_corner(shape.positions, face, flat);
+  if (distance > kFlatness * flat.size)
     return face_problem(Code::E2016, index,
                         fmt::format("vertex {} lies {} m from its plane; {} m is accepted", vertex,
-                                    format_double(distance), format_double(kFlatness * size)));
-  const auto fault = fault_of(flat.region);
+                                    format_double(distance), format_double(kFlatness * flat.size)));
+  if (is_simple(shape.positions, face, flat)) return std::nullopt;
+  Region region = region_of_face(shape.positions, face, flat);
+  const auto fault = fault_of(region);
   if (!fault) return std::nullopt;
-  return face_problem(code_of(*fault, flat.region), index, sentence_of(*fault, flat.region));
+  return face_problem(code_of(*fault, region), index, sentence_of(*fault, region));
 }
 
-// One vertex for the corners at a place whose faces are smooth there.
+// Corners are numbered face by face, loop by loop. One vertex stands for the corners at a place
+// whose faces are smooth there.
 class PolygonBuilder {
  public:
-  PolygonBuilder(const Polygons& shape, bool texcoords) : shape_(shape), texcoords_(texcoords) {}
+  PolygonBuilder(const Polygons& shape, bool texcoords)
+      : shape_(shape),
+        texcoords_(texcoords),
+        cos_smooth_(det::cos(std::min(shape.smooth + kAngleSlack, kPi))) {}
 
+  // false: not what problem_of() lets pass
   bool build(Mesh& mesh) {
     place_ = welded(shape_.positions);
-    for (const Face& face : shape_.faces) {
-      flats_.push_back(flat_face(shape_.positions, face));
-      FlatFace& flat = flats_.back();
-      if (flat.normal == Vec3(0) || fault_of(flat.region)) return false;
-      first_.push_back(corner_total_);
-      corner_total_ += static_cast<std::uint32_t>(flat.corners.size());
-    }
+    flats_.reserve(shape_.faces.size());
+    for (const Face& face : shape_.faces)
+      if (!add_face(face)) return false;
+    first_.push_back(static_cast<std::uint32_t>(corner_.size()));
     join_corners();
     sum_normals();
-    fill(mesh);
+    add_vertices(mesh);
+    for (Triangle& t : triangles_)
+      for (std::uint32_t& corner : t) corner = vertex_[corner];
+    mesh.triangles = std::move(triangles_);
+    mesh.closed = closed_;
     return true;
   }
 
@@ -176,7 +197,65 @@ class PolygonBuilder {
     std::uint32_t low, high;        // places
     std::uint32_t at_low, at_high;  // corners of the face
     std::uint32_t face;
+    bool forward;  // runs from the lower place
   };
+
+  bool add_face(const Face& face) {
+    const auto first = static_cast<std::uint32_t>(corner_.size());
+    const FlatFace flat(shape_.positions, face);
+    if (!flat.has_area()) return false;
+    first_.push_back(first);
+    flats_.push_back(flat);
+    corner_.insert(corner_.end(), face.outline.begin(), face.outline.end());
+    const auto count = static_cast<std::uint32_t>(face.outline.size());
+    if (is_simple(shape_.positions, face, flat)) {
+      for (std::uint32_t i = 0; i < count; ++i) {
+        next_.push_back(first + (i + 1) % count);
+        prev_.push_back(first + (i + count - 1) % count);
+      }
+      add_simple(first, count);
+      return true;
+    }
+    for (const auto& hole : face.holes) corner_.insert(corner_.end(), hole.begin(), hole.end());
+    Region region = region_of_face(shape_.positions, face, flat);
+    if (fault_of(region)) return false;
+    for (std::uint32_t i = 0; i < region.size(); ++i) {
+      next_.push_back(first + region.next[i]);
+      prev_.push_back(first + region.prev[i]);
+    }
+    for (const Triangle& t : triangulated(region, scaled(first)))
+      triangles_.push_back({first + t[0], first + t[1], first + t[2]});
+    return true;
+  }
+
+  // A quad is cut along its shorter diagonal.
+  void add_simple(std::uint32_t a, std::uint32_t count) {
+    if (count == 3) {
+      triangles_.push_back({a, a + 1, a + 2});
+      return;
+    }
+    const double across = glm::length(position(a + 2) - position(a));
+    const std::uint32_t b = glm::length(position(a + 3) - position(a + 1)) < across ? 1 : 0;
+    triangles_.push_back({a + b, a + b + 1, a + b + 2});
+    triangles_.push_back({a + b, a + b + 2, a + (b + 3) % 4});
+  }
+
+  const Vec3& position(std::uint32_t corner) const { return shape_.positions[corner_[corner]]; }
+
+  // Corners from `first` on, about the first and by the largest coordinate, for no other reason
+  // than range.
+  std::vector<Vec3> scaled(std::uint32_t first) const {
+    double largest = 0;
+    std::vector<Vec3> result;
+    result.reserve(corner_.size() - first);
+    for (std::uint32_t i = first; i < corner_.size(); ++i) {
+      const Vec3 d = position(i) - position(first);
+      largest = std::max({largest, std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)});
+      result.push_back(d);
+    }
+    for (Vec3& d : result) d /= largest;
+    return result;
+  }
 
   std::uint32_t root(std::uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
@@ -188,125 +267,134 @@ class PolygonBuilder {
     parent_[std::max(a, b)] = std::min(a, b);
   }
 
-  void join_corners() {
-    parent_.resize(corner_total_);
-    std::iota(parent_.begin(), parent_.end(), 0u);
-    std::vector<Side> sides;
-    sides.reserve(corner_total_);
+  // Sides in the order of their lower place.
+  std::vector<Side> sides() const {
+    std::vector<std::uint32_t> start(shape_.positions.size() + 1, 0);
+    const auto low = [&](std::uint32_t i) {
+      return std::min(place_[corner_[i]], place_[corner_[next_[i]]]);
+    };
+    for (std::uint32_t i = 0; i < corner_.size(); ++i) ++start[low(i) + 1];
+    for (std::size_t v = 1; v < start.size(); ++v) start[v] += start[v - 1];
+    std::vector<Side> result(corner_.size());
     for (std::uint32_t f = 0; f < flats_.size(); ++f) {
-      const FlatFace& flat = flats_[f];
-      for (std::uint32_t i = 0; i < flat.corners.size(); ++i) {
-        const std::uint32_t j = flat.region.next[i];
-        const std::uint32_t a = place_[flat.corners[i]];
-        const std::uint32_t b = place_[flat.corners[j]];
-        const std::uint32_t at_a = first_[f] + i;
-        const std::uint32_t at_b = first_[f] + j;
-        sides.push_back(a < b ? Side{a, b, at_a, at_b, f} : Side{b, a, at_b, at_a, f});
+      for (std::uint32_t i = first_[f]; i < first_[f + 1]; ++i) {
+        const std::uint32_t j = next_[i];
+        const std::uint32_t a = place_[corner_[i]];
+        const std::uint32_t b = place_[corner_[j]];
+        result[start[low(i)]++] = a < b ? Side{a, b, i, j, f, true} : Side{b, a, j, i, f, false};
       }
     }
-    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-      if (a.low != b.low) return a.low < b.low;
-      return a.high != b.high ? a.high < b.high : a.at_low < b.at_low;
-    });
-    for (std::size_t i = 0; i < sides.size();) {
+    return result;
+  }
+
+  void join_corners() {
+    parent_.resize(corner_.size());
+    std::iota(parent_.begin(), parent_.end(), 0u);
+    std::vector<Side> all = sides();
+    for (std::size_t i = 0; i < all.size();) {
       std::size_t end = i;
-      while (end < sides.size() && sides[end].low == sides[i].low &&
-             sides[end].high == sides[i].high)
-        ++end;
-      // note: where more than two faces meet none goes on in another
-      if (end - i == 2 && smooth(flats_[sides[i].face].normal, flats_[sides[i + 1].face].normal)) {
-        join(sides[i].at_low, sides[i + 1].at_low);
-        join(sides[i].at_high, sides[i + 1].at_high);
-      }
-      i = end;
+      while (end < all.size() && all[end].low == all[i].low) ++end;
+      std::sort(all.begin() + static_cast<std::ptrdiff_t>(i),
+                all.begin() + static_cast<std::ptrdiff_t>(end), [](const Side& a, const Side& b) {
+                  return a.high != b.high ? a.high < b.high : a.at_low < b.at_low;
+                });
+      while (i < end) i = join_side(all, i);
     }
   }
 
+  // All faces at one side of two places; returns where the next begins.
+  std::size_t join_side(const std::vector<Side>& all, std::size_t i) {
+    std::size_t end = i;
+    while (end < all.size() && all[end].low == all[i].low && all[end].high == all[i].high) ++end;
+    // note: where more than two faces meet none goes on in another
+    if (end - i != 2) {
+      closed_ = false;
+      return end;
+    }
+    const Side& a = all[i];
+    const Side& b = all[i + 1];
+    closed_ &= a.forward != b.forward;
+    if (smooth(flats_[a.face].normal, flats_[b.face].normal)) {
+      join(a.at_low, b.at_low);
+      join(a.at_high, b.at_high);
+    }
+    return end;
+  }
+
   bool smooth(const Vec3& a, const Vec3& b) const {
-    return angle_between(a, b) <= shape_.smooth + kAngleSlack;
+    const double cosine = glm::dot(a, b);
+    if (cosine < cos_smooth_ - 1e-6) return false;
+    return cosine > cos_smooth_ + 1e-6 || angle_between(a, b) <= shape_.smooth + kAngleSlack;
   }
 
   // Weighted by the angles of the corners.
   void sum_normals() {
-    normals_.assign(corner_total_, Vec3(0));
+    normals_.assign(corner_.size(), Vec3(0));
+    std::vector<bool> shared(corner_.size(), false);
+    for (std::uint32_t i = 0; i < corner_.size(); ++i)
+      if (root(i) != i) shared[root(i)] = true;
     for (std::uint32_t f = 0; f < flats_.size(); ++f) {
-      const FlatFace& flat = flats_[f];
-      for (std::uint32_t i = 0; i < flat.corners.size(); ++i) {
-        const Vec3& p = position(flat, i);
-        const Vec3 to_next = position(flat, flat.region.next[i]) - p;
-        const Vec3 to_prev = position(flat, flat.region.prev[i]) - p;
-        double angle = angle_between(to_next, to_prev);
-        if (glm::dot(glm::cross(to_next, to_prev), flat.normal) < 0) angle = 2 * kPi - angle;
-        normals_[root(first_[f] + i)] += angle * flat.normal;
-      }
-    }
-  }
-  const Vec3& position(const FlatFace& flat, std::uint32_t i) const {
-    return shape_.positions[flat.corners[i]];
-  }
-
-  void fill(Mesh& mesh) {
-    std::vector<std::uint32_t> vertex(corner_total_, kNone);  // by corner, first of its group
-    std::vector<Vec3> space;
-    std::vector<std::uint32_t> of_corner;
-    for (std::uint32_t f = 0; f < flats_.size(); ++f) {
-      const FlatFace& flat = flats_[f];
-      space.clear();
-      of_corner.clear();
-      for (std::uint32_t i = 0; i < flat.corners.size(); ++i) {
-        space.push_back(position(flat, i));
-        const std::uint32_t group = root(first_[f] + i);
-        std::uint32_t& known = vertex[group];
-        if (known == kNone || texcoords_) {
-          known = static_cast<std::uint32_t>(mesh.positions.size());
-          mesh.positions.push_back(space.back());
-          const double length = glm::length(normals_[group]);
-          mesh.normals.push_back(length > 1e-9 ? normals_[group] / length : flat.normal);
+      const Vec3& normal = flats_[f].normal;
+      for (std::uint32_t i = first_[f]; i < first_[f + 1]; ++i) {
+        if (!shared[root(i)]) {
+          normals_[i] = normal;
+          continue;
         }
-        of_corner.push_back(known);
+        const Vec3 to_next = position(next_[i]) - position(i);
+        const Vec3 to_prev = position(prev_[i]) - position(i);
+        double angle = angle_between(to_next, to_prev);
+        if (glm::dot(glm::cross(to_next, to_prev), normal) < 0) angle = 2 * kPi - angle;
+        normals_[root(i)] += angle * normal;
       }
-      if (texcoords_) add_texcoords(mesh, flat, space);
-      for (const Triangle& t : triangulated(flat.region, scaled(space)))
-        mesh.triangles.push_back({of_corner[t[0]], of_corner[t[1]], of_corner[t[2]]});
     }
   }
 
-  // about the first corner and in the size of the region's points, for no other reason than range
-  static std::vector<Vec3> scaled(const std::vector<Vec3>& space) {
-    double largest = 0;
-    std::vector<Vec3> result;
-    result.reserve(space.size());
-    for (const Vec3& p : space) {
-      result.push_back(p - space[0]);
-      const Vec3& d = result.back();
-      largest = std::max({largest, std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)});
+  void add_vertices(Mesh& mesh) {
+    vertex_.assign(corner_.size(), kNone);
+    for (std::uint32_t f = 0; f < flats_.size(); ++f) {
+      for (std::uint32_t i = first_[f]; i < first_[f + 1]; ++i) {
+        const std::uint32_t group = root(i);  // no corner of it comes before
+        if (vertex_[group] != kNone && !texcoords_) {
+          vertex_[i] = vertex_[group];
+          continue;
+        }
+        vertex_[i] = static_cast<std::uint32_t>(mesh.positions.size());
+        mesh.positions.push_back(position(i));
+        const double length = glm::length(normals_[group]);
+        mesh.normals.push_back(length > 1e-9 ? normals_[group] / length : flats_[f].normal);
+      }
+      if (texcoords_) add_texcoords(mesh, f);
     }
-    for (Vec3& d : result) d /= largest;
-    return result;
   }
 
-  void add_texcoords(Mesh& mesh, const FlatFace& flat, const std::vector<Vec3>& space) {
-    const Upright axes = upright(flat.normal);
-    std::vector<Vec2> uv;
-    uv.reserve(space.size());
-    for (const Vec3& p : space)
-      uv.push_back({glm::dot(p - space[0], axes.right), glm::dot(p - space[0], axes.up)});
-    Vec2 low = uv[0], high = uv[0];
-    for (std::uint32_t i = 0; i < flat.region.loops[1]; ++i) {
-      low = glm::min(low, uv[i]);
-      high = glm::max(high, uv[i]);
+  void add_texcoords(Mesh& mesh, std::uint32_t f) {
+    const Upright axes = upright(flats_[f].normal);
+    const auto flat = [&](std::uint32_t corner) {
+      const Vec3 p = position(corner) - position(first_[f]);
+      return Vec2(glm::dot(p, axes.right), glm::dot(p, axes.up));
+    };
+    Vec2 low(0), high(0);
+    for (std::uint32_t i = 0; i < shape_.faces[f].outline.size(); ++i) {
+      low = glm::min(low, flat(first_[f] + i));
+      high = glm::max(high, flat(first_[f] + i));
     }
-    for (const Vec2& p : uv) mesh.texcoords.push_back((p - low) / (high - low));
+    for (std::uint32_t i = first_[f]; i < first_[f + 1]; ++i)
+      mesh.texcoords.push_back((flat(i) - low) / (high - low));
   }
 
   const Polygons& shape_;
   bool texcoords_;
-  std::vector<std::uint32_t> place_;  // V, see welded()
-  std::vector<FlatFace> flats_;
-  std::vector<std::uint32_t> first_;  // corner of each face
-  std::uint32_t corner_total_ = 0;
-  std::vector<std::uint32_t> parent_;  // by corner
-  std::vector<Vec3> normals_;          // by group, at its first corner; not unit
+  double cos_smooth_;
+  bool closed_ = true;                      // each side has two faces that run it oppositely
+  std::vector<std::uint32_t> place_;        // V, see welded()
+  std::vector<FlatFace> flats_;             // F
+  std::vector<std::uint32_t> first_;        // F + 1, corner of each face
+  std::vector<std::uint32_t> corner_;       // C, the position of each
+  std::vector<std::uint32_t> next_, prev_;  // C, corners along their loop, the face on the left
+  std::vector<Triangle> triangles_;         // of corners
+  std::vector<std::uint32_t> parent_;       // C
+  std::vector<Vec3> normals_;               // C, by the first corner of a group; not unit
+  std::vector<std::uint32_t> vertex_;       // C
 };
 
 }  // namespace
@@ -331,7 +419,6 @@ Result<Mesh> make(const Polygons& shape, const TessellationOptions& options, Sou
     return failed;
   Mesh mesh;
   if (!PolygonBuilder(shape, options.texcoords).build(mesh)) return failed;
-  set_closed(mesh);
   set_error(mesh, 0);
   return mesh;
 }
