@@ -237,6 +237,41 @@ TEST(Rims, CountsThatAreGivenStay) {
   EXPECT_EQ(triangles(stack.compiled_to(1e-3), 0), 7u * 2 + 2 * 5);
 }
 
+TEST(Rims, EveryKindOfRimIsSharedWithinTheTolerance) {
+  geometry::Sphere dome;
+  dome.latitude_min = 0;
+  geometry::Dish dish;
+  dish.diameter = 2;
+  dish.focal_length = 0.5;
+  geometry::Lathe vase;
+  vase.profile = {{0.4, 0}, {0.7, 0.3}, {1, 0.5}};
+  vase.spline = true;
+  geometry::Tube pipe;
+  pipe.radius = 1;
+  pipe.path = {{0, 0, 0}, {0, 0, 3}, {3, 0, 6}};
+  geometry::Disc lid;
+  const struct {
+    geometry::Shape shape;
+    scene::Transform where;
+  } cases[] = {
+      {dome, {{0, 0, 1}, kStraight, Vec3(1)}},   {dish, {{0, 0, 0.5}, kStraight, Vec3(1)}},
+      {vase, {{0, 0, 0.5}, kStraight, Vec3(1)}}, {pipe, {{0, 0, 1}, kStraight, Vec3(1)}},
+      {lid, {{0, 0, 1}, kStraight, Vec3(1)}},
+  };
+  for (const auto& c : cases) {
+    for (const double tolerance : {3e-2, 1e-3, 1e-5}) {
+      Stack stack;
+      stack.add(cylinder(1, 2), {});
+      stack.add(c.shape, c.where);
+      const pan::Model model = stack.compiled_to(tolerance);
+      EXPECT_LT(gap(model, 0, 1, 1), 2 * kRounding)
+          << geometry::kind_name(c.shape) << " at " << tolerance;
+      for (const auto& mesh : model.meshes())
+        EXPECT_LE(mesh.error, tolerance) << geometry::kind_name(c.shape) << " at " << tolerance;
+    }
+  }
+}
+
 double seconds_of(Stack& stack) {
   const auto start = std::chrono::steady_clock::now();
   stack.compiled_to(0.05);
