@@ -136,8 +136,8 @@ void Loader::read_parameter(File& file, std::uint32_t element) {
   parameters_.insert(*name);
   for (const auto& [overridden, text] : options_.parameters)
     if (overridden == *name) value = overriding_value(*name, text);
-  // one without a value is there as well, so that its uses are no errors
-  file.scope.set(*name, value.value_or(Quantity{}));
+  // one that cannot be read is there as well, so that its uses are no errors
+  file.scope.set(*name, value.value_or(kUnread));
 }
 
 // The value of -D NAME=VALUE, read as that of a <param>, so that it may hold what that may.
@@ -284,7 +284,7 @@ void Loader::read_part_parameters(File& file, std::uint32_t element, const Argum
       if (const auto name = parameter_name(file, c, scope)) {
         const auto value = file.values->quantity(c, attribute::param_value);
         const auto given = arguments.find(*name);
-        scope.set(*name, given != arguments.end() ? given->second : value.value_or(Quantity{}));
+        scope.set(*name, given != arguments.end() ? given->second : value.value_or(kUnread));
       }
 }
 

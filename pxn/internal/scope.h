@@ -1,6 +1,7 @@
 // Names that expressions know: parameters, and variables of repeats.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -16,6 +17,11 @@ struct Quantity {
   schemas::Dimension dimension = schemas::Dimension::none;
   bool operator==(const Quantity&) const = default;
 };
+
+// The value of a parameter that could not be read, which has been reported: what is computed from
+// it cannot be read either, without a report.
+inline constexpr Quantity kUnread{std::numeric_limits<double>::quiet_NaN(),
+                                  schemas::Dimension::none};
 
 // What bare numbers of a file mean.
 struct Units {
@@ -51,8 +57,8 @@ class Scope {
   bool has_own(std::string_view name) const { return values_.contains(name); }
   // All that find() finds, for a did-you-mean.
   std::vector<std::string_view> names() const {
-    std::vector<std::string_view> all = outer_ == nullptr ? std::vector<std::string_view>{}
-                                                          : outer_->names();
+    std::vector<std::string_view> all =
+        outer_ == nullptr ? std::vector<std::string_view>{} : outer_->names();
     for (const auto& [name, value] : values_) all.push_back(name);
     return all;
   }

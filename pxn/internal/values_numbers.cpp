@@ -274,6 +274,20 @@ std::optional<Values::Amount> Values::read_amount(std::uint32_t element, const T
   return amount;
 }
 
+// Whether an expression holds a name whose value could not be read.
+static bool mentions_unread(std::string_view expression, const Scope& scope) {
+  for (std::size_t at = 0; at < expression.size();) {
+    std::size_t end = at + 1;
+    while (end < expression.size() && is_name(expression.substr(at, end + 1 - at))) ++end;
+    const std::string_view name = expression.substr(at, end - at);
+    if (is_name(name))
+      if (const Quantity* known = scope.find(name); known != nullptr && std::isnan(known->value))
+        return true;
+    at = end;
+  }
+  return false;
+}
+
 std::optional<Measured> Values::evaluate(std::uint32_t element, const Text& text,
                                          const Token& token) {
   const std::string_view inside =
@@ -281,7 +295,9 @@ std::optional<Measured> Values::evaluate(std::uint32_t element, const Text& text
   ExpressionProblem problem;
   const SourceSpan all = place(text, token);
   const auto measured = expressions_.evaluate(inside, all.begin, scope_, problem);
-  if (measured) return measured;
+  if (measured && std::isfinite(measured->value)) return measured;
+  // what is wrong with a parameter has been said where it stands
+  if (scope_ != nullptr && mentions_unread(inside, *scope_)) return std::nullopt;
   problem.end = std::min(std::max(problem.end, problem.begin + 1), token.text.size() - 1);
   const Token part = {text.text.substr(token.at + 1 + problem.begin, problem.end - problem.begin),
                       token.at + 1 + problem.begin};

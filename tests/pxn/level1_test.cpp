@@ -231,6 +231,15 @@ TEST(Level1, ParametersFromOutside) {
   EXPECT_TRUE(read_model(text, "", options).log.has_errors());
 }
 
+TEST(Level1, AParameterThatCannotBeReadIsOneProblem) {
+  const Reading r = read_model(
+      "<param name=\"a\" value=\"{1/0}\"/><param name=\"b\" value=\"{a*2}\"/>\n"
+      "<box size=\"{b} {a} 1\"/><box size=\"1\"/><repeat count=\"{a}\"><box size=\"1\"/></repeat>");
+  EXPECT_EQ(r.log.entries().size(), 1u) << r.summary();
+  EXPECT_THAT(r.summary(), HasSubstr("E1223"));
+  EXPECT_EQ(r.scene->instances.size(), 1u);
+}
+
 TEST(Level1, CyclesEndWithTheirNames) {
   EXPECT_THAT(read_model("<part name=\"a\"><use part=\"b\"/></part><part name=\"b\"><use "
                          "part=\"a\"/></part><use part=\"a\"/>")
