@@ -70,7 +70,8 @@ struct Ellipsoid {
 
 // A block; bevelled edges are flat at 45 degrees, rounded ones arcs of that radius with spherical
 // corners. Each face has its own unit square of texture, seen upright from outside: for the faces
-// ±x and ±y with +z up, for ±z with +y up. Bevels continue the larger face they meet.
+// ±x and ±y with +z up, for ±z with +y up. Bevels continue the larger face they meet, of equals that
+// of the first axis. The flat parts of faces are exact, whatever the error allowed to round ones.
 struct Box {
   Vec3 size{1};        // each > 0
   double bevel = 0;    // 0 ≤ bevel ≤ half of the smallest size
@@ -140,8 +141,11 @@ struct Plane {
 };
 
 // A pipe of circular section along a path. Corners of a polyline are mitred; a spline passes through
-// its points (centripetal Catmull-Rom) and must not bend sharper than the radius. u = angle about
-// the path, v = length along it.
+// its points (centripetal Catmull-Rom, straight on beyond its ends) and must not bend sharper than
+// the radius. u = angle about the path, v = length along it. Frames do not turn about the path. Angle 0
+// at its begin is along the axis x, y or z that is furthest from the path there, the first of equals
+// (a pipe along z begins at +x); what frames of a closed path have turned when they come back is
+// spread over its length, whole segments excepted. Caps: as a Disc, seen from outside.
 struct Tube {
   std::vector<Vec3> path;   // 2 or more, neighbours apart; closed: 3 or more
   double radius = 0.01;     // > 0
@@ -149,7 +153,7 @@ struct Tube {
   bool spline = false;
   bool closed = false;      // the last point joins the first; no caps then
   Caps caps = Caps::both;   // bottom: at the first point
-  Counts counts = {};
+  Counts counts = {};       // along: sections of a spline, equally far apart; ≥ 3 when closed
   bool operator==(const Tube&) const = default;
 };
 
@@ -166,8 +170,9 @@ struct Lathe {
 };
 
 // An outline in x, y pushed from z = 0 to z = height. Loops may run either way round; holes lie inside
-// the outline and apart from each other. Faces: u, v over the bounds of the outline; walls: u =
-// length along the loop over its whole, v = z. Neighbouring walls that meet at less than smooth share normals.
+// the outline and apart from each other. Faces: u, v over the bounds of the outline, upright seen from
+// outside; walls: u = length along the loop over its whole, v = z over the height. Neighbouring
+// walls that meet at no more than smooth share normals.
 struct Extrude {
   std::vector<Vec2> outline;             // 3 or more
   std::vector<std::vector<Vec2>> holes;  // each 3 or more
@@ -178,7 +183,7 @@ struct Extrude {
 };
 
 // Flat faces over a list of vertices. Loops are counter-clockwise seen from outside; holes either way.
-// u, v: the bounds of each face in its own plane.
+// u, v: the bounds of each face in its own plane, upright seen from outside as for a Box.
 struct Polygons {
   struct Face {
     std::vector<std::uint32_t> outline;             // 3 or more, each < V
@@ -187,7 +192,7 @@ struct Polygons {
   };
   std::vector<Vec3> positions;  // V
   std::vector<Face> faces;      // 1 or more
-  double smooth = 0;            // radians: faces that meet at less share normals
+  double smooth = 0;            // radians: two faces that meet at no more share normals
   bool operator==(const Polygons&) const = default;
 };
 
@@ -202,7 +207,7 @@ std::string_view kind_name(const Shape& shape);
 
 // What is wrong with a shape, and with which of its parts.
 struct ShapeProblem {
-  Code code;                 // E2010 to E2018
+  Code code;                 // E2001, E2010 to E2018
   std::string message;       // one lower-case sentence
   std::string_view part;     // member: "radius", "outline", "holes", "path", "profile", "faces"…
   std::size_t item = 0;      // of a list: which point, hole or face

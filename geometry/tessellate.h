@@ -44,7 +44,7 @@ struct TessellationOptions {
 // A MeshShape is returned as it is, with its error of rounding to float32.
 //
 // Expects: no problem_of(shape). Fails: E2003 before anything is allocated, and where float32 cannot
-// keep max_error; E2010 for a radius outside
+// keep max_error on a shape that is not flat; E2010 for a radius outside
 // [kMinRadius, kMaxCoordinate] or a coordinate beyond ±kMaxCoordinate.
 // Cost: O(triangles).
 Result<Mesh> tessellated(const Shape& shape, const TessellationOptions& options, SourceSpan where,
