@@ -104,9 +104,12 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     const double more =
         geometry::planned_triangles(*jobs[i].shape, internal::tessellation_of(jobs[i], options));
-    allowed[i] = planned + more <= static_cast<double>(options.max_triangles);
+    const auto limit = static_cast<double>(options.max_triangles);
+    // one that is too many by itself says so in its own words, before anything is allocated
+    const bool alone = more > limit;
+    allowed[i] = alone || planned + more <= limit;
     if (allowed[i])
-      planned += more;
+      planned += alone ? 0 : more;
     else
       logs[i].report(Code::E2003, {},
                      fmt::format("{:.0f} triangles here and {:.0f} before them are more than the "

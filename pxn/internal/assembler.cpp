@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "geometry/tessellate.h"
+#include "pxn/internal/grammar.h"
 
 namespace panwright::pxn {
 
@@ -38,8 +40,9 @@ struct Use {
   Use* outer;
   SourceSpan included_at;
   bool used = false;  // a part in its file, not an included file
-  // for decals: instances by the names of their shapes, and those decals, as item and context
-  std::map<std::string, std::vector<std::int32_t>, std::less<>> shapes;
+  // for decals: items and instances by the names of their shapes, in the order of items; and the
+  // items of those decals
+  std::map<std::string, std::vector<std::pair<std::uint32_t, std::int32_t>>, std::less<>> shapes;
   std::vector<std::uint32_t> decals;
 };
 
@@ -156,7 +159,7 @@ class Assembler {
         if (!enter(use, item, name_of(use, item), transform_of(use, item), inner)) return;
         break;
       case ItemKind::shape:
-        shape(use, item, inner);
+        shape(use, index, inner);
         return;
       case ItemKind::frame:
         frame(use, item, context);
@@ -248,7 +251,8 @@ class Assembler {
     return true;
   }
 
-  void shape(Use& use, const Item& item, Context& context) {
+  void shape(Use& use, std::uint32_t index, Context& context) {
+    const Item& item = use.part->items[index];
     if (!enter(use, item, name_of(use, item), transform_of(use, item), context)) return;
     scene::Instance instance;
     instance.node = context.node;
@@ -263,7 +267,8 @@ class Assembler {
     if (const Details* details = details_of(use, item)) {
       instance.tolerance = details->tolerance;
       if (!details->name.empty())
-        use.shapes[details->name].push_back(static_cast<std::int32_t>(scene_.instances.size()));
+        use.shapes[details->name].emplace_back(index,
+                                               static_cast<std::int32_t>(scene_.instances.size()));
     }
     scene_.instances.push_back(std::move(instance));
   }
@@ -300,23 +305,65 @@ class Assembler {
     const PartDecal& known = use.part->decals[item.data];
     const auto on = use.shapes.find(known.on);
     if (on == use.shapes.end()) {
-      if (!missing_.insert({use.part, item.element}).second) return;
-      report(Code::E1311, use, item, [&]() -> Reporter::Text {
-        std::vector<std::string_view> names;
-        for (const auto& [name, instances] : use.shapes) names.push_back(name);
-        const auto near = nearest_name(known.on, names);
-        return {fmt::format("no shape of this {} is called {}",
-                            use.part->element == 0 ? "file" : "part", in_quotes(known.on)),
-                near ? fmt::format("did you mean '{}'?", *near) : ""};
-      });
+      if (missing_.insert({use.part, item.element}).second && !is_written(*use.part, known.on))
+        report_missing_shape(use, item, known.on);
       return;
     }
-    for (const std::int32_t instance : on->second) {
+    const auto& all = on->second;
+    auto first = all.begin();
+    auto last = all.end();
+    for (std::uint32_t run = known.run; run != kNoRun; run = use.part->runs[run].outer) {
+      const auto before = [](const auto& shape, std::uint32_t index) {
+        return shape.first < index;
+      };
+      const auto from = std::lower_bound(all.begin(), all.end(), use.part->runs[run].begin, before);
+      const auto to = std::lower_bound(from, all.end(), use.part->runs[run].end, before);
+      if (from == to) continue;
+      first = from;
+      last = to;
+      break;
+    }
+    for (; first != last; ++first) {
+      if (scene_.decals.size() >= options_.limits.nodes) {
+        report(Code::E1008, use, item, [&] {
+          return Reporter::Text(
+              fmt::format("the model has more than {} decals", options_.limits.nodes));
+        });
+        stopped_ = true;
+        return;
+      }
       scene::Decal decal = known.decal;
-      decal.instance = instance;
+      decal.instance = first->second;
       decal.source = source_of(use, item);
       scene_.decals.push_back(std::move(decal));
     }
+  }
+
+  // Whether a shape of that name stands in the part, though nothing came of it: it was wrong, which
+  // has been said, or is repeated no times. Names with expressions may be any.
+  static bool is_written(const Part& part, std::string_view name) {
+    const xml::Document& document = part.file->document;
+    const std::uint32_t end = document.elements[part.element].next;
+    for (std::uint32_t e = part.element + 1; e < end; ++e)
+      if (const xml::Attribute* given = find_attribute(document, e, "name")) {
+        const std::string written = xml::decoded(document, given->value_begin, given->value_end);
+        if (written == name && document.elements[e].id != schemas::ElementId::decal) return true;
+        if (written.find('{') != std::string::npos &&
+            name.substr(0, written.find('{')) == written.substr(0, written.find('{')))
+          return true;
+      }
+    return false;
+  }
+
+  void report_missing_shape(Use& use, const Item& item, const std::string& name) {
+    report(Code::E1311, use, item, [&]() -> Reporter::Text {
+      std::vector<std::string_view> names;
+      for (const auto& [other, instances] : use.shapes) names.push_back(other);
+      const auto near = nearest_name(name, names);
+      return {fmt::format("no shape of this {} is called {}",
+                          use.part->element == 0 ? "file" : "part", in_quotes(name)),
+              near ? fmt::format("did you mean '{}'?", *near) : ""};
+    });
   }
 
   // An included file or a used part.

@@ -331,16 +331,27 @@ void Loader::read_repeat(Work& work, std::uint32_t element, std::uint32_t depth)
   work.scope = &scope;
   values.set_scope(&scope);
   ++repeats_;
+  const std::uint32_t outer_run = work.run;
   for (std::uint64_t i = 0; i < *count && complete_; ++i) {
     const auto number = static_cast<double>(i);
     scope.set(variable, {number, schemas::Dimension::none});
     const Reporter::Repetition repetition(reporter_, variable, i);
+    const auto first = static_cast<std::uint32_t>(work.part.items.size());
+    const std::size_t decals = work.part.decals.size();
+    work.run = static_cast<std::uint32_t>(work.part.runs.size());
+    work.part.runs.push_back({first, first, outer_run});
     const std::uint32_t details = read_details(work, element);
     if (details != kNoDetails)
       read_node(work, element, depth, details);
     else
       walk_children(work, element, depth + 1);
+    // those without decals are of no interest
+    if (work.part.decals.size() == decals)
+      work.part.runs.resize(work.run);
+    else
+      work.part.runs[work.run].end = static_cast<std::uint32_t>(work.part.items.size());
   }
+  work.run = outer_run;
   --repeats_;
   work.scope = outer;
   values.set_scope(outer);

@@ -41,7 +41,8 @@ class Loader {
   struct Work {
     File& file;
     Part& part;
-    const Scope* scope;  // the file's, or that of a repeat's variable
+    const Scope* scope;          // the file's, or that of a repeat's variable
+    std::uint32_t run = kNoRun;  // of the innermost repeat around
   };
   // How a picture is meant. Each way of the same file is a texture of its own.
   enum class Picture { color, linear, cutout };

@@ -64,9 +64,18 @@ struct PartKeypoint {
   Vec3 position;
 };
 
-// As scene::Decal, on the shapes of a name in the same part.
+// One run of a repeat: its items in the part.
+struct Run {
+  std::uint32_t begin;
+  std::uint32_t end;    // past the last one
+  std::uint32_t outer;  // index into runs of the one around; kNoRun for none
+};
+inline constexpr std::uint32_t kNoRun = 0xffffffffu;
+
+// As scene::Decal, on the shapes of a name in the same run, or else in what is around it.
 struct PartDecal {
   std::string on;
+  std::uint32_t run = kNoRun;
   scene::Decal decal;
 };
 
@@ -84,11 +93,9 @@ struct Definition {
   bool reading = false;  // asking for it again is a cycle
   bool done = false;
   bool used = false;
-  std::optional<std::uint32_t>
-      index;  // of the named material, once done, if it can be used
+  std::optional<std::uint32_t> index;  // of the named material, once done, if it can be used
   // of the part, for each set of arguments it was used with
-  std::map<std::vector<std::tuple<std::string, double, schemas::Dimension>>, std::uint32_t>
-      parts;
+  std::map<std::vector<std::tuple<std::string, double, schemas::Dimension>>, std::uint32_t> parts;
 };
 
 using Definitions = std::map<std::string, Definition*, std::less<>>;
@@ -120,6 +127,7 @@ struct Part {
   std::vector<PartFrame> frames;
   std::vector<PartKeypoint> keypoints;
   std::vector<PartDecal> decals;
+  std::vector<Run> runs;             // of those repeats that hold decals
   std::uint32_t height = 0;          // elements on the longest path, through includes and uses
   std::uint32_t include_height = 0;  // files on the longest path of includes below this one
   bool loading = true;               // its own includes and uses are being read

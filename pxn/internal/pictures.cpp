@@ -117,6 +117,7 @@ void Loader::read_decal(Work& work, std::uint32_t element) {
     decal.name = values.text(element, attribute::decal_name).value_or("");
   if (!on || !texture || !placed || !sized) return;
   part_decal.on = *on;
+  part_decal.run = work.run;
   decal.texture = static_cast<std::int32_t>(*texture);
   decal.width = size[0];
   decal.height = size[1];

@@ -240,6 +240,31 @@ TEST(Level1, AParameterThatCannotBeReadIsOneProblem) {
   EXPECT_EQ(r.scene->instances.size(), 1u);
 }
 
+TEST(Level1, ADecalLiesOnTheShapesOfItsOwnRun) {
+  const std::string pixel("P6\n1 1\n255\n\xff\xff\xff", 14);
+  const auto decals = [&](const std::string& inside) {
+    const Reading r = read_files(
+        {{"m.pxn", "<pangu_model ver=\"1\">" + inside + "</pangu_model>"}, {"p.ppm", pixel}});
+    EXPECT_EQ(r.summary(), "");
+    std::vector<std::int32_t> on;
+    for (const scene::Decal& decal : r.scene->decals) on.push_back(decal.instance);
+    return on;
+  };
+  const std::string box = "<box name=\"b\" size=\"1\"/>";
+  const std::string decal = "<decal on=\"b\" image=\"p.ppm\" at=\"0 0 1\" size=\"1\"/>";
+  using Places = std::vector<std::int32_t>;
+  EXPECT_EQ(decals("<repeat count=\"3\">" + decal + box + "</repeat>"), (Places{0, 1, 2}));
+  EXPECT_EQ(decals(decal + "<repeat count=\"3\">" + box + "</repeat>"), (Places{0, 1, 2}));
+  EXPECT_EQ(decals(box + "<repeat count=\"2\">" + decal + "</repeat>"), (Places{0, 0}));
+  EXPECT_EQ(decals("<repeat count=\"2\">" + box + "<repeat count=\"2\">" + box + "</repeat>" +
+                   decal + "</repeat>"),
+            (Places{0, 1, 2, 3, 4, 5}));
+  EXPECT_EQ(
+      decals("<repeat count=\"2\">" + box + "<repeat count=\"2\">" + decal + "</repeat></repeat>"),
+      (Places{0, 0, 1, 1}));
+  EXPECT_EQ(decals("<repeat count=\"0\">" + box + "</repeat>" + decal), Places{});
+}
+
 TEST(Level1, CyclesEndWithTheirNames) {
   EXPECT_THAT(read_model("<part name=\"a\"><use part=\"b\"/></part><part name=\"b\"><use "
                          "part=\"a\"/></part><use part=\"a\"/>")
