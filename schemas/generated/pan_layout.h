@@ -302,8 +302,8 @@ static_assert(offsetof(Keypoint, name) == 28);
 
 // A picture laid on an instance. A point of its mesh, in the decal's frame, takes the texel at
 // texcoord (x/width + 1/2, y/height + 1/2) where both lie in 0 to 1, |z| <= depth, and the
-// normal has z > 0; the diffuse colour is mixed with the picture by its alpha. Later decals lie
-// over earlier ones.
+// normal of the side that is seen has z > 0; the diffuse colour is mixed with the picture by its
+// alpha. Later decals lie over earlier ones.
 struct Decal {
   double origin[3];  // m: in the mesh's coordinates, its origin added
   // mesh_from_decal, unit quaternion w x y z, to 1e-12 in its squared length; z points outwards,
