@@ -86,7 +86,7 @@ std::string sentence_of(const RegionFault& fault, const Region& region) {
 Upright upright(const Vec3& normal) {
   // below this the direction of +z in the face is made of rounding
   constexpr double kFlat = 1e-9;
-  const bool flat = std::hypot(normal.x, normal.y) < kFlat;
+  const bool flat = normal.x * normal.x + normal.y * normal.y < kFlat * kFlat;
   const Vec3 towards = flat ? Vec3(0, 1, 0) : Vec3(0, 0, 1);
   const Vec3 right = glm::normalize(glm::cross(towards, normal));
   return {right, glm::normalize(glm::cross(normal, right))};

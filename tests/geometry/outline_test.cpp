@@ -189,9 +189,9 @@ TEST(Outline, AHundredThousandPointsAreCheckedInTime) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
   // 0.06 s measured; a check of all pairs takes minutes
-  EXPECT_LT(seconds(shapes::outline(shapes::star(100000, 2))), 5);
-  EXPECT_LT(seconds(shapes::outline(shapes::comb(50000))), 5);
-  EXPECT_LT(seconds(shapes::outline(shapes::circle(100000, 1))), 5);
+  EXPECT_LT(seconds(shapes::outline(shapes::star(100000, 2))), 30);
+  EXPECT_LT(seconds(shapes::outline(shapes::comb(50000))), 30);
+  EXPECT_LT(seconds(shapes::outline(shapes::circle(100000, 1))), 30);
 }
 
 TEST(Outline, HugeAndTinyCoordinates) {

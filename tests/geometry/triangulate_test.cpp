@@ -179,11 +179,11 @@ TEST(Triangulate, AHundredThousandPointsInTime) {
     return took;
   };
   // 0.05 to 0.16 s measured; flips without order take minutes
-  EXPECT_LT(seconds(shapes::outline(shapes::star(100000, 2))), 8);
-  EXPECT_LT(seconds(shapes::outline(shapes::comb(50000))), 8);
-  EXPECT_LT(seconds(shapes::outline(shapes::circle(100000, 1))), 8);
-  EXPECT_LT(seconds(shapes::outline(shapes::spiral(50000, 40))), 8);
-  EXPECT_LT(seconds(shapes::sieve(120)), 8);
+  EXPECT_LT(seconds(shapes::outline(shapes::star(100000, 2))), 30);
+  EXPECT_LT(seconds(shapes::outline(shapes::comb(50000))), 30);
+  EXPECT_LT(seconds(shapes::outline(shapes::circle(100000, 1))), 30);
+  EXPECT_LT(seconds(shapes::outline(shapes::spiral(50000, 40))), 30);
+  EXPECT_LT(seconds(shapes::sieve(120)), 30);
 }
 
 }  // namespace
