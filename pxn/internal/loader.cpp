@@ -335,6 +335,15 @@ void Loader::read_repeat(Work& work, std::uint32_t element, std::uint32_t depth)
   for (std::uint64_t i = 0; i < *count && complete_; ++i) {
     const auto number = static_cast<double>(i);
     scope.set(variable, {number, schemas::Dimension::none});
+    // note: runs around nothing add no items
+    if (++runs_ > kMostRepetitions) {
+      reporter_.report(Code::E1313, document.tag_span(element), document, element, [&] {
+        return Reporter::Text(
+            fmt::format("the repeats of this model run more than {} times", kMostRepetitions));
+      });
+      complete_ = false;
+      break;
+    }
     const Reporter::Repetition repetition(reporter_, variable, i);
     const auto first = static_cast<std::uint32_t>(work.part.items.size());
     const std::size_t decals = work.part.decals.size();

@@ -132,6 +132,7 @@ class Loader {
   std::uint32_t repeats_ = 0;        // around what is being read
   bool complete_ = true;             // false: a limit was reached
   std::uint64_t elements_ = 0;       // so far
+  std::uint64_t runs_ = 0;           // of all repeats, so far
   std::uint64_t items_ = 0;          // so far
   std::uint64_t texture_bytes_ = 0;  // so far
 };

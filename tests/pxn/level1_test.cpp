@@ -289,6 +289,10 @@ TEST(Level1, BoundsHold) {
                          "", options)
                   .summary(),
               HasSubstr("E1313"));
+  EXPECT_THAT(read_model("<repeat count=\"1000000\"><repeat count=\"1000000\"><repeat count=\"0\">"
+                         "<box size=\"1\"/></repeat></repeat></repeat>")
+                  .summary(),
+              HasSubstr("E1313"));
   std::string doubling = "<part name=\"p0\"/>";
   for (int i = 1; i <= 40; ++i)
     doubling += "<part name=\"p" + std::to_string(i) + "\"><use part=\"p" + std::to_string(i - 1) +
