@@ -314,6 +314,36 @@ TEST(Format, RandomDocumentsKeepTheirTree) {
   }
 }
 
+TEST(Format, DamagedDocumentsAreRefusedOrKept) {
+  std::mt19937 random(11);
+  std::size_t kept = 0;
+  for (std::uint32_t seed = 0; seed < 4000 && !HasFailure(); ++seed) {
+    std::string text = Author(seed).document();
+    for (int change = 0; change < 3; ++change) {
+      const std::size_t at = random() % text.size();
+      constexpr std::string_view kBytes = "<>&;\"'=/ !-[]?{}\n\r\tax\xc3";
+      switch (random() % 3) {
+        case 0:
+          text[at] = kBytes[random() % kBytes.size()];
+          break;
+        case 1:
+          text.insert(at, 1, kBytes[random() % kBytes.size()]);
+          break;
+        default:
+          text.erase(at, 1 + random() % 4);
+      }
+    }
+    // note: throws when what it makes does not mean the same
+    const Formatting f = format_of(text);
+    EXPECT_EQ(f.text.ok(), !f.log.has_errors());
+    if (!f.text) continue;
+    ++kept;
+    EXPECT_EQ(canonical(text), *f.text);
+    EXPECT_EQ(tree_of(*f.text), tree_of(text)) << "seed " << seed << "\n" << text;
+  }
+  EXPECT_GT(kept, 100u);
+}
+
 TEST(Format, DifferencesAreSeen) {
   const std::string text =
       "<a b=\"1\" c=\"2\"> <!-- c --> <d> 1 2 <![CDATA[x]]> </d> <?p i?> <e "
