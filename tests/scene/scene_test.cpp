@@ -21,7 +21,7 @@ Scene sound_scene() {
   scene.shapes = {geometry::Sphere{}, geometry::MeshShape(mesh)};
   scene.materials.emplace_back();
   scene.textures.push_back({"t", 1, 1, {1, 2, 3, 255}, false});
-  scene.instances.push_back({2, 1, 0, 0, Mapping::texcoords, Mat4(1), {}});
+  scene.instances.push_back({2, 1, 0, 0, Mapping::texcoords, Mat4(1), {}, {}});
   scene.frames.push_back({"camera", 1, Vec3(0), {1, 0, 0, 0}, {}});
   return scene;
 }
