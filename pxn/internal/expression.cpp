@@ -227,6 +227,8 @@ struct Expressions::Implementation {
     Formula formula;
     Program* program = nullptr;
     std::optional<std::size_t> culprit;  // the operation that broke it the last time
+    std::optional<Kind> kind;            // for operands of these dimensions
+    std::vector<Dimension> kind_of;
   };
 
   std::unordered_map<std::uint64_t, Entry> entries;
@@ -240,7 +242,7 @@ struct Expressions::Implementation {
     const auto found = entries.find(place);
     if (found != entries.end()) return found->second;
     Entry& entry = entries.size() < kFormulas ? entries[place] : passing;
-    entry = {read_formula(text), nullptr, {}};
+    entry = {read_formula(text), nullptr, {}, {}, {}};
     return entry;
   }
 
@@ -329,15 +331,24 @@ struct Expressions::Implementation {
     return down && *down == -*up ? up : std::nullopt;
   }
 
-  Measured measured(Program& program, double value) const {
-    using Measure = Measured::Measure;
+  // The kind of an entry's value, as far as its text tells; nothing where kinds clash.
+  bool find_kind(Entry& entry, ExpressionProblem& problem) const {
+    if (entry.kind && entry.kind_of == dimensions) return true;
+    entry.kind = kind_of(entry.formula, dimensions, problem);
+    entry.kind_of = dimensions;
+    return entry.kind.has_value();
+  }
+
+  // The kind of a value from how it follows its operands.
+  Kind measured(Program& program, double value) const {
+    using Measure = Kind::Measure;
     const auto length = follows(program, Dimension::length, value);
     const auto angle = follows(program, Dimension::angle, value);
-    if (!length || (*length == 0 && !angle)) return {Measure::unknown, value, 0};
-    if (*length == 1) return {Measure::length, value, 0};
-    if (*length != 0) return {Measure::other, value, *length};
-    if (*angle == 0) return {Measure::plain, value, 0};
-    return {*angle == 1 ? Measure::angle : Measure::unknown, value, 0};
+    if (!length || (*length == 0 && !angle)) return {};
+    if (*length == 1) return {Measure::length, 0};
+    if (*length != 0) return {Measure::other, *length};
+    if (*angle == 0) return {Measure::plain, 0};
+    return {*angle == 1 ? Measure::angle : Measure::unknown, 0};
   }
 
   // The operation that broke the run, by halves: its group tells in which half it is.
@@ -396,11 +407,15 @@ std::optional<Measured> Expressions::evaluate(std::string_view text, std::uint64
     return std::nullopt;
   }
   if (!own.bind(entry.formula, scope, problem)) return std::nullopt;
+  if (!own.find_kind(entry, problem)) return std::nullopt;
   try {
     Program& program = own.program_of(entry);
     own.fill(program, 1, 1);
     const auto value = program.run();
-    if (value) return own.measured(program, *value);
+    if (value)
+      return Measured{*value, entry.kind->measure != Kind::Measure::unknown
+                                  ? *entry.kind
+                                  : own.measured(program, *value)};
     own.not_finite(entry, text.size(), problem);
   } catch (const mu::ParserError& error) {
     problem = {Code::E1221, 0, text.size(), "it cannot be read: " + error.GetMsg(), ""};

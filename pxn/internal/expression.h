@@ -7,21 +7,15 @@
 #include <string_view>
 
 #include "pxn/internal/formula.h"
+#include "pxn/internal/kinds.h"
 #include "pxn/internal/scope.h"
 
 namespace panwright::pxn {
 
 // The value of an expression, in SI, and what it measures as far as that can be told.
 struct Measured {
-  enum class Measure : std::uint8_t {
-    unknown,
-    plain,
-    length,
-    angle,
-    other
-  } measure = Measure::unknown;
   double value = 0;
-  int power = 0;  // of other: metres to this power, never 0 or 1
+  Kind kind;
 };
 
 // Evaluates expressions, and keeps what it has read of them: an expression of the same place is
@@ -30,8 +24,9 @@ struct Measured {
 // Elementary functions are those of base/math.h: the same bits on every machine. Every operation
 // that is evaluated must have a finite result; the branch of ?: that is not taken is not evaluated.
 //
-// What a value measures is found by scaling all lengths, then all angles, and looking at how the
-// value follows: "width/2 + 5mm" doubles with them and is a length, "width*height" is none.
+// What a value measures is told by the kinds of its operands (kinds.h), or where these leave it open
+// by scaling all lengths, then all angles, and looking at how the value follows: with an n of 2,
+// "width^n" grows fourfold and is an area.
 class Expressions {
  public:
   Expressions();
@@ -41,7 +36,7 @@ class Expressions {
 
   // text: between the braces. place: the same number for the same text only.
   //
-  // Problems: E1213, E1221 to E1223.
+  // Problems: E1212, E1213, E1221 to E1223.
   std::optional<Measured> evaluate(std::string_view text, std::uint64_t place, const Scope* scope,
                                    ExpressionProblem& problem);
 

@@ -76,11 +76,12 @@ std::string noun(const schemas::Value& value) {
 
 bool is_expression(std::string_view token) { return token.find('{') != std::string_view::npos; }
 
-// "an area ({a*b})" has no name from the fourth power on.
-std::string name_of_power(int power) {
-  if (power == 2) return "an area";
-  if (power == 3) return "a volume";
-  return fmt::format("a length to the power {}", power);
+// Dimension::none where a kind has none, or may be any.
+Dimension dimension_of(const Kind& kind) {
+  for (const Dimension dimension :
+       {Dimension::length, Dimension::angle, Dimension::ratio, Dimension::pixels})
+    if (kind == kind_of(dimension)) return dimension;
+  return Dimension::none;
 }
 
 // Whether what follows a number is meant as a unit.
@@ -309,7 +310,6 @@ std::optional<Measured> Values::evaluate(std::uint32_t element, const Text& text
 std::optional<Values::Amount> Values::read_computed(std::uint32_t element, const Text& text,
                                                     const Token& token,
                                                     const schemas::Value& value) {
-  using Measure = Measured::Measure;
   const std::string_view whole = token.text;
   const std::size_t end = whole.find('}');
   if (!whole.starts_with('{') || end != whole.size() - 1) {
@@ -333,15 +333,13 @@ std::optional<Values::Amount> Values::read_computed(std::uint32_t element, const
   Amount amount;
   amount.value = measured->value;
   amount.computed = true;
-  if (measured->measure == Measure::length) amount.dimension = Dimension::length;
-  if (measured->measure == Measure::angle) amount.dimension = Dimension::angle;
+  amount.dimension = dimension_of(measured->kind);
   if (value.kind == schemas::ValueKind::quantity) return amount;
-  if (measured->measure == Measure::other) {
-    bad_kind(element, text, token, value.dimension, name_of_power(measured->power));
-    return std::nullopt;
-  }
-  if (amount.dimension != Dimension::none && amount.dimension != value.dimension) {
-    bad_kind(element, text, token, value.dimension, name_of(amount.dimension));
+  const bool is_part = amount.dimension == Dimension::ratio && value.dimension == Dimension::none;
+  const bool is_other = measured->kind.measure == Kind::Measure::other;
+  if (is_other ||
+      (amount.dimension != Dimension::none && amount.dimension != value.dimension && !is_part)) {
+    bad_kind(element, text, token, value.dimension, name_of(measured->kind));
     return std::nullopt;
   }
   amount.unit = find_unit(value.dimension, 1);

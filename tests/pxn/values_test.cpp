@@ -258,6 +258,15 @@ TEST(Values, UnitsOfTheWrongKind) {
             "1:7 E1212 a plain number is needed here, got a length ({gap})\n");
   EXPECT_EQ(complaint(kN, "{gap*2}"),
             "1:7 E1212 a plain number is needed here, got a length ({gap*2})\n");
+  EXPECT_EQ(complaint(kL, "{1px}").substr(0, 66),
+            "1:7 E1212 a length is needed here, got a number of pixels ({1px}) ");
+  EXPECT_EQ(complaint(kL, "{2*50%}").substr(0, 59),
+            "1:7 E1212 a length is needed here, got a ratio ({2*50%}) (i");
+  EXPECT_EQ(complaint(kA, "{gap + 1}").substr(0, 62),
+            "1:7 E1212 an angle is needed here, got a length ({gap + 1}) (i");
+  EXPECT_EQ(complaint(kA, "{2*(gap + 1deg)}").substr(0, 57),
+            "1:11 E1212 a length and an angle cannot be added (inside ");
+  EXPECT_EQ(real(kF, "{50% + 1}"), 1.5) << "a part of 1 is a number";
   EXPECT_EQ(complaint(kF, "{gap/5mm}"), "");
   EXPECT_EQ(complaint(kL, "{gap + 1}"), "");
   EXPECT_EQ(complaint(kL, "{5}"), "");
