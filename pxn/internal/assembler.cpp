@@ -39,7 +39,8 @@ struct Use {
   bool own_file;
   Use* outer;
   SourceSpan included_at;
-  bool used = false;  // a part in its file, not an included file
+  bool used = false;   // a part in its file, not an included file
+  bool named = false;  // in names of frames and keypoints inside
   // for decals: items and instances by the names of their shapes, in the order of items; and the
   // items of those decals
   std::map<std::string, std::vector<std::pair<std::uint32_t, std::int32_t>>, std::less<>> shapes;
@@ -126,7 +127,7 @@ class Assembler {
     scene_.nodes.push_back(std::move(root));
     Context context;
     context.world_from_node = scene_.nodes[0].parent_from_node.matrix();
-    Use use{&part, part.source, true, nullptr, {}, false, {}, {}};
+    Use use{&part, part.source, true, nullptr, {}, false, true, {}, {}};
     items_of(use, context);
     return !stopped_;
   }
@@ -184,10 +185,36 @@ class Assembler {
     return fmt::format("{}{}", base, ++counters_[base]);
   }
 
-  // The name itself the first time, then with a number.
-  std::string named(const std::string& base) {
-    const std::uint32_t count = ++counters_[base];
-    return count == 1 ? base : fmt::format("{}{}", base, count);
+  // The name itself the first time, then with a number; never one that is written in the same
+  // place.
+  std::string named(const Use& use, const std::string& base) {
+    for (;;) {
+      const std::uint32_t count = ++counters_[base];
+      std::string name = count == 1 ? base : fmt::format("{}{}", base, count);
+      if (!is_written_in(use, name) && made_.insert(name).second) return name;
+    }
+  }
+
+  bool is_written_in(const Use& use, const std::string& name) {
+    const Use* place = &use;
+    while (!place->named) place = place->outer;
+    return written_in(*place->part).contains(name);
+  }
+
+  // The names of uses and includes in a part, and in what it includes without a name.
+  const std::set<std::string>& written_in(const Part& part) {
+    const auto [known, added] = written_.try_emplace(&part);
+    if (!added) return known->second;
+    std::set<std::string> names;
+    for (const Item& item : part.items) {
+      if (item.kind != ItemKind::use && item.kind != ItemKind::include) continue;
+      const bool has_details = item.details != kNoDetails;
+      if (has_details && !part.details[item.details].name.empty())
+        names.insert(part.details[item.details].name);
+      else if (item.kind == ItemKind::include)
+        names.merge(std::set(written_in(loader_.part(item.data))));
+    }
+    return written_[&part] = std::move(names);
   }
 
   const Details* details_of(const Use& use, const Item& item) const {
@@ -216,8 +243,10 @@ class Assembler {
              Context& context) {
     if (scene_.nodes.size() >= options_.limits.nodes) {
       report(Code::E1008, use, item, [&] {
-        return Reporter::Text(fmt::format(
-            "the model has more than {} nodes, includes multiplied out", options_.limits.nodes));
+        return Reporter::Text(
+            fmt::format("the model has more than {} nodes, with all that parts, repeats and "
+                        "includes make of them",
+                        options_.limits.nodes));
       });
       stopped_ = true;
       return false;
@@ -277,6 +306,7 @@ class Assembler {
     const PartFrame& known = use.part->frames[item.data];
     const std::string name = context.prefix + known.label;
     if (!labels_.insert(name).second) {
+      if (!taken_.insert({use.part, item.element}).second) return;
       report(Code::E1210, use, item, [&] {
         return Reporter::Text(
             fmt::format("a frame is called {} already; this one is left out", in_quotes(name)));
@@ -291,6 +321,7 @@ class Assembler {
     const PartKeypoint& known = use.part->keypoints[item.data];
     const std::string name = context.prefix + known.name;
     if (!keypoints_.insert(name).second) {
+      if (!taken_.insert({use.part, item.element}).second) return;
       report(Code::E1210, use, item, [&] {
         return Reporter::Text(
             fmt::format("a keypoint is called {} already; this one is left out", in_quotes(name)));
@@ -384,14 +415,14 @@ class Assembler {
     std::string base =
         used ? part.name : std::filesystem::path(part.file->found.path).stem().string();
     if (base.empty()) base = "include";
-    const std::string name = has_name ? details->name : named(base);
+    const std::string name = has_name ? details->name : named(use, base);
     scene::Transform transform = transform_of(use, item);
     if (!used && part.file->y_up) transform = with_y_up(transform);
     if (!enter(use, item, name, transform, context)) return;
     if (used || has_name) context.prefix += name + "/";
     const bool first = used_.insert(item.data).second;
     SourceSpan at = use.part->file->document.tag_span(item.element);
-    Use inner{&part, part.source, first, &use, at, used, {}, {}};
+    Use inner{&part, part.source, first, &use, at, used, used || has_name, {}, {}};
     items_of(inner, context);
   }
 
@@ -457,6 +488,9 @@ class Assembler {
   std::set<std::string> labels_;
   std::set<std::string> keypoints_;
   std::set<std::pair<const Part*, std::uint32_t>> missing_;  // decals without a shape, said once
+  std::set<std::pair<const Part*, std::uint32_t>> taken_;    // names of these, said once
+  std::set<std::string> made_;                               // by named()
+  std::map<const Part*, std::set<std::string>> written_;     // by written_in()
   std::set<std::uint32_t> used_;
   std::uint64_t includes_ = 0;
   bool stopped_ = false;

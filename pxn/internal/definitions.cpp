@@ -118,10 +118,7 @@ std::optional<std::string> Loader::parameter_name(File& file, std::uint32_t elem
   const auto name = file.values->text(element, attribute::param_name);
   if (!name) return std::nullopt;
   const SourceSpan where = file.values->value_place(element, attribute::param_name);
-  if (!is_name(*name)) {
-    report_bad_name(file.document, element, where, *name, reporter_);
-    return std::nullopt;
-  }
+  if (!check_name(file.document, element, where, *name, reporter_)) return std::nullopt;
   if (!scope.has_own(*name)) return name;
   reporter_.report(Code::E1210, where, file.document, element, [&] {
     return Reporter::Text(fmt::format("a parameter is called {} already", in_quotes(*name)));
@@ -237,8 +234,7 @@ std::optional<std::uint32_t> Loader::part_of(Definition& definition, const Argum
                                              SourceSpan used_at) {
   if (definition.reading) return std::nullopt;
   std::vector<std::tuple<std::string, double, schemas::Dimension>> key;
-  for (const auto& [name, value] : arguments)
-    key.emplace_back(name, value.value, value.dimension);
+  for (const auto& [name, value] : arguments) key.emplace_back(name, value.value, value.dimension);
   const auto known = definition.parts.find(key);
   if (known != definition.parts.end()) return known->second;
   File& file = *definition.file;
@@ -310,7 +306,12 @@ bool Loader::read_arguments(Work& work, std::uint32_t element, const Definition&
         if (const xml::Attribute* given = find_attribute(other, p, "name"))
           all.push_back(xml::decoded(other, given->value_begin, given->value_end));
     if (std::find(all.begin(), all.end(), *name) != all.end()) {
-      arguments[*name] = *value;
+      if (!arguments.emplace(*name, *value).second)
+        reporter_.report(
+            Code::E1210, values.value_place(c, attribute::with_name), document, c, [&] {
+              return Reporter::Text(
+                  fmt::format("{} has a value already; the first one counts", in_quotes(*name)));
+            });
       continue;
     }
     reporter_.report(Code::E1222, values.value_place(c, attribute::with_name), document, c,

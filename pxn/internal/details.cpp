@@ -50,10 +50,13 @@ std::uint32_t Loader::read_details(Work& work, std::uint32_t element) {
     const bool turned = given("rotate").has_value() | given("quat").has_value();
     if (translate || scale || turned) {
       scene::Transform transform;
-      if (translate) values.numbers(element, *translate, std::span(&transform.translation.x, 3));
-      Vec3 factors(1);
-      if (scale && values.numbers(element, *scale, std::span(&factors.x, 3)))
-        transform.scale = factors;
+      // one with a number that is wrong does nothing
+      const auto vector = [&](std::size_t which, Vec3& out) {
+        Vec3 read(0);
+        if (values.numbers(element, which, std::span(&read.x, 3))) out = read;
+      };
+      if (translate) vector(*translate, transform.translation);
+      if (scale) vector(*scale, transform.scale);
       if (turned) read_rotation(work, element, transform.rotation);
       details.transform = transform;
     }

@@ -33,6 +33,14 @@ inline constexpr Function kFunctions[] = {
     {"sign", 1, 1}, {"mod", 2, 2},   {"hypot", 2, 2}, {"min", 1, 1000}, {"max", 1, 1000},
 };
 
+// Whether a name is that of a constant or a function.
+inline bool is_built_in(std::string_view name) {
+  if (name == "pi" || name == "tau") return true;
+  for (const Function& f : kFunctions)
+    if (f.name == name) return true;
+  return false;
+}
+
 inline constexpr std::size_t kLongestExpression = 4096;  // bytes
 
 struct Formula {

@@ -236,11 +236,16 @@ class Checker {
     });
   }
 
+  // note: elements of different levels may share a name
+  static void add_name(std::vector<std::string_view>& names, std::string_view name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+
   std::vector<std::string_view> names_in(const schemas::Element& schema) const {
     std::vector<std::string_view> names;
     for (const schemas::Slot& slot : schema.slots)
       for (const ElementId id : slot.elements)
-        if (entry(id).level <= level_ && entry(id).supported) names.push_back(entry(id).name);
+        if (entry(id).level <= level_ && entry(id).supported) add_name(names, entry(id).name);
     return names;
   }
 
@@ -285,7 +290,7 @@ class Checker {
     report(Code::E1103, doc_.name_span(element), element, [&] {
       std::vector<std::string_view> names;
       for (const ElementId id : slot.elements)
-        if (entry(id).supported && entry(id).level <= level_) names.push_back(entry(id).name);
+        if (entry(id).supported && entry(id).level <= level_) add_name(names, entry(id).name);
       const std::string what =
           slot.elements.size() == 1 ? fmt::format("<{}>", names.empty() ? "" : names[0])
           : slot.label.empty() ? fmt::format("<{}>", join_tags(names))

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <utility>
 
 #include "base/file.h"
 #include "base/hash.h"
@@ -44,6 +46,43 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> positions_of(const xml::Doc
     positions.emplace_back(line, column);
   }
   return positions;
+}
+
+// Whether an element stands among the items of its part.
+bool makes_item(ElementId id) {
+  switch (id) {
+    case ElementId::group:
+    case ElementId::node:
+    case ElementId::transform:
+    case ElementId::transform_1:
+    case ElementId::rotate:
+    case ElementId::appearance:
+    case ElementId::include:
+    case ElementId::include_1:
+    case ElementId::use:
+    case ElementId::frame_s:
+    case ElementId::frame:
+    case ElementId::keypoint:
+    case ElementId::decal:
+    case ElementId::sphere:
+    case ElementId::sphere_1:
+    case ElementId::ellipsoid:
+    case ElementId::box:
+    case ElementId::cylinder:
+    case ElementId::cone:
+    case ElementId::disc:
+    case ElementId::torus:
+    case ElementId::dish:
+    case ElementId::plane:
+    case ElementId::tube:
+    case ElementId::lathe:
+    case ElementId::extrude:
+    case ElementId::polygons:
+    case ElementId::mesh:
+      return true;
+    default:
+      return false;
+  }
 }
 
 }  // namespace
@@ -158,7 +197,8 @@ std::optional<FoundFile> Loader::find(Work& work, std::uint32_t element, std::si
 
 std::optional<std::uint32_t> Loader::add_item(Work& work, ItemKind kind, std::uint32_t element,
                                               std::uint32_t data, std::uint32_t details) {
-  if (++items_ > options_.limits.nodes && repeats_ > 0) {
+  // note: the root is a node as well
+  if (++items_ >= options_.limits.nodes && repeats_ > 0) {
     if (complete_)
       reporter_.report(Code::E1313, work.file.document.tag_span(element), work.file.document,
                        element, [&] {
@@ -301,6 +341,47 @@ void Loader::check_group_count(Work& work, std::uint32_t element) {
   });
 }
 
+// The items that an element makes at least, up to a limit; of a repeat, one run.
+// note: what expressions say, and what is inside of parts and files, is not known here
+std::uint64_t Loader::least_items(const File& file, std::uint32_t element, std::uint64_t limit) {
+  const xml::Document& document = file.document;
+  std::uint64_t items = 0;
+  const std::uint32_t end = document.elements[element].next;
+  for (std::uint32_t c = element + 1; c < end && items < limit; c = document.elements[c].next) {
+    const ElementId id = document.elements[c].id;
+    if (id == schemas::kNoElement) continue;
+    std::uint64_t times = 1;
+    if (id == ElementId::repeat) {
+      const xml::Attribute* given = find_attribute(document, c, "count");
+      if (given == nullptr) continue;
+      const std::string text = xml::decoded(document, given->value_begin, given->value_end);
+      const char* const last = text.data() + text.size();
+      const auto [rest, error] = std::from_chars(text.data(), last, times);
+      if (error != std::errc() || rest != last) continue;
+    } else if (makes_item(id)) {
+      ++items;
+    }
+    const std::uint64_t inside = least_items(file, c, limit);
+    items += inside == 0 || times <= limit / inside ? times * inside : limit;
+  }
+  return std::min(items, limit);
+}
+
+// Whether so many runs of a repeat may fit; reported where they cannot.
+bool Loader::fits_in_model(Work& work, std::uint32_t element, std::uint64_t count) {
+  const std::uint64_t limit = options_.limits.nodes;
+  const std::uint64_t inside = least_items(work.file, element, limit);
+  if (inside == 0 || count < (limit + inside - 1) / inside) return true;
+  const xml::Document& document = work.file.document;
+  reporter_.report(
+      Code::E1313, work.file.values->value_place(element, attribute::repeat_count), document,
+      element, [&] {
+        return Reporter::Text(fmt::format("{} repetitions of {} or more; a model has at most {} with its root",
+                                          count, counted(inside, "node"), limit));
+      });
+  return false;
+}
+
 void Loader::read_repeat(Work& work, std::uint32_t element, std::uint32_t depth) {
   Values& values = *work.file.values;
   const xml::Document& document = work.file.document;
@@ -311,12 +392,11 @@ void Loader::read_repeat(Work& work, std::uint32_t element, std::uint32_t depth)
     if (!given) return;
     variable = *given;
   }
-  if (!is_name(variable)) {
-    report_bad_name(document, element, values.value_place(element, attribute::repeat_var), variable,
-                    reporter_);
+  if (!check_name(document, element, values.value_place(element, attribute::repeat_var), variable,
+                  reporter_))
     return;
-  }
   if (!count) return;
+  if (!fits_in_model(work, element, *count)) return;
   if (*count > kMostRepetitions) {
     reporter_.report(
         Code::E1313, values.value_place(element, attribute::repeat_count), document, element, [&] {
@@ -431,6 +511,7 @@ void Loader::read_use(Work& work, std::uint32_t element, std::uint32_t depth) {
   Arguments arguments;
   if (!read_arguments(work, element, *definition, arguments)) return;
   if (nesting_ >= options_.limits.depth) {
+    work.part.too_deep = true;
     reporter_.report(Code::E1006, where, document, element, [&] {
       return Reporter::Text(
           fmt::format("parts use each other deeper than {}", options_.limits.depth));
@@ -448,7 +529,9 @@ void Loader::read_use(Work& work, std::uint32_t element, std::uint32_t depth) {
 
 bool Loader::fits_in(Work& work, std::uint32_t element, SourceSpan where, const Part& inner,
                      const std::string& name, std::uint32_t depth) {
+  if (inner.too_deep) work.part.too_deep = true;
   if (depth + inner.height > options_.limits.depth) {
+    if (std::exchange(work.part.too_deep, true)) return false;
     reporter_.report(Code::E1006, where, work.file.document, element, [&] {
       return Reporter::Text(fmt::format("with {} elements are nested deeper than {}",
                                         in_quotes(name), options_.limits.depth));

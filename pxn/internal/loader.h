@@ -58,6 +58,8 @@ class Loader {
   void read_node(Work& work, std::uint32_t element, std::uint32_t depth, std::uint32_t details);
   void read_appearance(Work& work, std::uint32_t element, std::uint32_t depth);
   void read_texture(Work& work, std::uint32_t element, std::uint32_t depth);
+  static std::uint64_t least_items(const File& file, std::uint32_t element, std::uint64_t limit);
+  bool fits_in_model(Work& work, std::uint32_t element, std::uint64_t count);
   void read_repeat(Work& work, std::uint32_t element, std::uint32_t depth);
   void check_group_count(Work& work, std::uint32_t element);
   void read_include(Work& work, std::uint32_t element, std::uint32_t depth);

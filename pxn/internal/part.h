@@ -130,6 +130,7 @@ struct Part {
   std::vector<Run> runs;             // of those repeats that hold decals
   std::uint32_t height = 0;          // elements on the longest path, through includes and uses
   std::uint32_t include_height = 0;  // files on the longest path of includes below this one
+  bool too_deep = false;             // what it holds was left out for that, and it was reported
   bool loading = true;               // its own includes and uses are being read
 };
 

@@ -144,6 +144,8 @@ class ShapeReader {
         ok_ = indices(c, s.positions.size(), f.holes.emplace_back()) && ok_;
       });
     });
+    // note: none at all has been reported
+    if (s.faces.empty()) ok_ = false;
     return s;
   }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "pxn/internal/formula.h"
 #include "pxn/internal/loader.h"
 
 namespace panwright::pxn {
@@ -47,14 +48,25 @@ double deviation(const Mat3& m) {
 
 }  // namespace
 
-void report_bad_name(const xml::Document& document, std::uint32_t element, SourceSpan where,
-                     const std::string& name, Reporter& reporter) {
+bool check_name(const xml::Document& document, std::uint32_t element, SourceSpan where,
+                const std::string& name, Reporter& reporter) {
+  if (is_name(name)) {
+    if (!is_built_in(name)) return true;
+    reporter.report(Code::E1210, where, document, element, [&]() -> Reporter::Text {
+      const bool constant = name == "pi" || name == "tau";
+      return {fmt::format("{} is a {} of the language", in_quotes(name),
+                          constant ? "constant" : "function"),
+              "give it another name"};
+    });
+    return true;
+  }
   reporter.report(Code::E1221, where, document, element, [&] {
     return Reporter::Text(fmt::format(
         "{} cannot stand in expressions; names are letters, digits and underscores, not beginning "
         "with a digit",
         in_quotes(name)));
   });
+  return false;
 }
 
 materials::Fields read_material(const xml::Document& document, std::uint32_t element,

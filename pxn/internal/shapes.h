@@ -27,9 +27,10 @@ std::optional<PartFrame> read_frame_axes(const xml::Document& document, std::uin
 // right, y down, z forward). Any lengths; nothing when they are 0 or within 1e-6 rad of parallel.
 std::optional<Quat> looking(Vec3 forward, Vec3 up);
 
-// Says that a text is no name for expressions (E1221).
-void report_bad_name(const xml::Document& document, std::uint32_t element, SourceSpan where,
-                     const std::string& name, Reporter& reporter);
+// Whether a text can be a name in expressions. Reports E1221 where it cannot, and E1210 where it is
+// that of a constant or a function.
+bool check_name(const xml::Document& document, std::uint32_t element, SourceSpan where,
+                const std::string& name, Reporter& reporter);
 
 // Reads a shape that is not a mesh.
 //

@@ -168,7 +168,7 @@ std::optional<std::string> Values::text(std::uint32_t element, std::size_t attri
       to_utf8(xml::decoded(doc_, given->value_begin, given->value_end), Encoding::utf8);
   const bool free =
       known.value.kind == schemas::ValueKind::label || known.value.kind == schemas::ValueKind::path;
-  if (units_.level >= 1 && free && out.find('{') != std::string::npos) {
+  if (units_.level >= 1 && free && out.find_first_of("{}") != std::string::npos) {
     offsets_.clear();
     buffer_ = xml::decoded(doc_, given->value_begin, given->value_end, &offsets_);
     out.clear();

@@ -416,6 +416,11 @@ bool Values::replace_expressions(std::uint32_t element, const Text& text, std::s
   bool ok = true;
   for (std::size_t at = 0; at < text.text.size();) {
     const std::size_t open = text.text.find('{', at);
+    if (const std::size_t lone = text.text.find('}', at); lone < open) {
+      reporter_.report(Code::E1221, place(text, {text.text.substr(lone, 1), lone}), doc_, element,
+                       [&] { return Reporter::Text("this brace closes what is not open"); });
+      return false;
+    }
     out += text.text.substr(at, std::min(open, text.text.size()) - at);
     if (open == std::string_view::npos) break;
     const std::size_t close = text.text.find('}', open);

@@ -265,6 +265,71 @@ TEST(Level1, ADecalLiesOnTheShapesOfItsOwnRun) {
   EXPECT_EQ(decals("<repeat count=\"0\">" + box + "</repeat>" + decal), Places{});
 }
 
+TEST(Level1, AWithTwiceAndNamesOfTheLanguage) {
+  const std::string part =
+      "<part name=\"p\"><param name=\"a\" value=\"1\"/><box size=\"{a}\"/></part>";
+  const Reading twice = read_model(
+      part + "<use part=\"p\"><with name=\"a\" value=\"2\"/><with name=\"a\" value=\"3\"/></use>");
+  EXPECT_EQ(twice.summary(), "2:119 E1210 'a' has a value already; the first one counts\n");
+  EXPECT_EQ(std::get<geometry::Box>(twice.scene->shapes[0]).size, Vec3(2));
+  const Reading names = read_model(
+      "<param name=\"pi\" value=\"3\"/><param name=\"sin\" value=\"2\"/>\n"
+      "<repeat count=\"2\" var=\"tau\"><box size=\"{1 + sin}\"/></repeat>\n"
+      "<part name=\"p\"><param name=\"max\" value=\"3\"/><box size=\"{max}\"/></part><use "
+      "part=\"p\"/>"
+      "<param name=\"sine\" value=\"3\"/>");
+  EXPECT_EQ(names.summary(),
+            "2:14 E1210 'pi' is a constant of the language (give it another name)\n"
+            "2:42 E1210 'sin' is a function of the language (give it another name)\n"
+            "3:24 E1210 'tau' is a constant of the language (give it another name)\n"
+            "4:29 E1210 'max' is a function of the language (give it another name)\n");
+}
+
+TEST(Level1, NamesThatAreMadeAreNotThoseThatAreWritten) {
+  const Reading r =
+      read_files({{"m.pxn", R"(<pangu_model ver="1">
+    <part name="p"><keypoint name="k" at="0 0 0"/></part>
+    <part name="p4"><use part="p"/></part>
+    <use part="p"/><use part="p" name="p2"/><use part="p"/><use part="p4"/><use part="p"/>
+    <use part="p4"/><node><use part="p" name="p5"/></node><include file="i.pxn"/>
+    </pangu_model>)"},
+                  {"i.pxn",
+                   R"(<pangu_model ver="1"><part name="q"><keypoint name="k" at="0 0 0"/></part>
+    <use part="q" name="p6"/></pangu_model>)"}});
+  EXPECT_EQ(r.summary(), "");
+  std::vector<std::string> names;
+  for (const scene::Keypoint& k : r.scene->keypoints) names.push_back(k.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"p/k", "p2/k", "p3/k", "p4/p5/k", "p7/k", "p42/p8/k",
+                                             "p5/k", "p6/k"}));
+}
+
+TEST(Level1, AProblemThatRepeatsIsSaidOnce) {
+  const Reading twice = read_model(
+      "<repeat count=\"20\"><keypoint name=\"k\" at=\"0 0 0\"/>"
+      "<frame name=\"f\" forward=\"0 0 1\" up=\"0 1 0\"/></repeat>\n"
+      "<keypoint name=\"k\" at=\"0 0 0\"/>");
+  EXPECT_EQ(twice.summary(),
+            "2:20 E1210 a keypoint is called 'k' already; this one is left out\n"
+            "2:51 E1210 a frame is called 'f' already; this one is left out\n"
+            "3:1 E1210 a keypoint is called 'k' already; this one is left out\n");
+  for (const int length : {200, 250, 300}) {
+    std::string chain = "<part name=\"p0\"><box size=\"1\"/></part>";
+    for (int i = 1; i <= length; ++i)
+      chain += "<part name=\"p" + std::to_string(i) + "\"><use part=\"p" + std::to_string(i - 1) +
+               "\"/></part>";
+    const std::string last = "<use part=\"p" + std::to_string(length) + "\"/>";
+    const Reading r = read_model(chain + last + last);
+    EXPECT_EQ(r.codes(), std::multiset<std::string>{"E1006"}) << r.summary();
+  }
+  EXPECT_EQ(read_model("<polygons><vertices> 0 0 0 1 0 0 0 1 0 </vertices></polygons>").codes(),
+            std::multiset<std::string>{"E1103"});
+  EXPECT_EQ(read_model("<box size=\"1\" translate=\"1e300 0 0\"/>").codes(),
+            std::multiset<std::string>{"E1202"});
+  const Reading element = read_model("<spere radius=\"1\"/>");
+  EXPECT_THAT(element.summary(), HasSubstr("frame_s, appearance, texture, sphere, mesh, node, use, "
+                                           "repeat, frame, keypoint, decal, ellipsoid, box"));
+}
+
 TEST(Level1, CyclesEndWithTheirNames) {
   EXPECT_THAT(read_model("<part name=\"a\"><use part=\"b\"/></part><part name=\"b\"><use "
                          "part=\"a\"/></part><use part=\"a\"/>")
@@ -281,6 +346,19 @@ TEST(Level1, CyclesEndWithTheirNames) {
 TEST(Level1, BoundsHold) {
   EXPECT_THAT(read_model("<repeat count=\"1000000000\"><box size=\"1\"/></repeat>").summary(),
               HasSubstr("E1313"));
+  // from the counts alone, and what else there is is read
+  const Reading counted = read_model(
+      "<repeat count=\"1000000\"><box size=\"1\"/></repeat>\n"
+      "<repeat count=\"500\"><node><repeat count=\"1000\"><box size=\"1\"/><box size=\"2\"/>"
+      "</repeat></node></repeat>\n<repeat count=\"0\"><repeat count=\"999999\"><box size=\"3\"/>"
+      "</repeat></repeat><box size=\"4\"/>");
+  EXPECT_EQ(
+      counted.summary(),
+      "2:16 E1313 1000000 repetitions of 1 node or more; a model has at most 1000000 with its "
+      "root\n"
+      "3:16 E1313 500 repetitions of 2001 nodes or more; a model has at most 1000000 with its "
+      "root\n");
+  EXPECT_EQ(counted.scene->instances.size(), 1u);
   Options options;
   options.limits.nodes = 1000;
   // repeats inside repeats, and parts that double

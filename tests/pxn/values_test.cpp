@@ -439,7 +439,8 @@ TEST(Values, Labels) {
   EXPECT_EQ(complaint(kName, "bolt{j}"),
             "1:15 E1222 'j' is no parameter and no variable that is known here\n");
   EXPECT_EQ(complaint(kName, "bolt{1"), "1:14 E1221 this brace is not closed\n");
-  EXPECT_EQ(complaint(kName, "bolt}"), "");
+  EXPECT_EQ(complaint(kName, "bolt}"), "1:14 E1221 this brace closes what is not open\n");
+  EXPECT_EQ(complaint(kName, "{1}}"), "1:13 E1221 this brace closes what is not open\n");
   EXPECT_EQ(complaint(kName, "{1/0} {k}"),
             "1:12 E1223 1 / 0 has no finite value (condition ? value : other can leave it out)\n"
             "1:17 E1222 'k' is no parameter and no variable that is known here\n");
