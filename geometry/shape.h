@@ -209,7 +209,7 @@ std::string_view kind_name(const Shape& shape);
 struct ShapeProblem {
   Code code;                 // E2001, E2010 to E2018
   std::string message;       // one lower-case sentence
-  std::string_view part;     // member: "radius", "outline", "holes", "path", "profile", "faces"…
+  std::string_view part;     // member: "radius", "outline", "faces"…; of counts "segments" or "rings"
   std::size_t item = 0;      // of a list: which point, hole or face
   std::size_t sub_item = 0;  // of a hole: which point
 };

@@ -41,19 +41,19 @@ Problem zero_or_size_problem(double size, std::string_view part, std::string_vie
 
 Problem sector_problem(const Sector& sector) {
   if (!(std::fabs(sector.begin) <= kLargestAngle && std::fabs(sector.end) <= kLargestAngle))
-    return ShapeProblem{Code::E2017,
-                        fmt::format("a sector from {} to {} rad; angles up to {} rad are accepted",
-                                    format_double(sector.begin), format_double(sector.end),
-                                    format_double(kLargestAngle)),
-                        "sector"};
+    return ShapeProblem{
+        Code::E2017,
+        fmt::format("a sector from {:.12g} to {:.12g} deg; angles up to {:.3g} deg are accepted",
+                    sector.begin / kDegree, sector.end / kDegree, kLargestAngle / kDegree),
+        "sector"};
   const double span = sector.end - sector.begin;
   // note: a whole turn from an angle may be a few ulps more
   if (!(span > 1e-12 && span <= 2 * kPi * (1 + 1e-9)))
     return ShapeProblem{
         Code::E2017,
-        fmt::format("a sector from {} to {} rad; it ends after it begins, at most a "
+        fmt::format("a sector from {:.12g} to {:.12g} deg; it ends after it begins, at most a "
                     "whole turn later",
-                    format_double(sector.begin), format_double(sector.end)),
+                    sector.begin / kDegree, sector.end / kDegree),
         "sector"};
   return std::nullopt;
 }
@@ -62,14 +62,14 @@ Problem counts_problem(const Counts& counts, const Sector& sector, std::uint32_t
   const std::uint32_t least_around = fewest_segments(sector);
   if (counts.around != 0 && counts.around < least_around)
     return ShapeProblem{Code::E2018,
-                        fmt::format("{} segments about the axis; this sector needs at least {}",
-                                    counts.around, least_around),
-                        "counts"};
+                        fmt::format("{} about the axis; this sector needs at least {}",
+                                    counted(counts.around, "segment"), least_around),
+                        "segments"};
   if (counts.along != 0 && counts.along < least_along)
     return ShapeProblem{Code::E2018,
-                        fmt::format("{} segments along the profile; this one needs at least {}",
-                                    counts.along, least_along),
-                        "counts"};
+                        fmt::format("{} along the profile; this one needs at least {}",
+                                    counted(counts.along, "segment"), least_along),
+                        "rings"};
   return std::nullopt;
 }
 

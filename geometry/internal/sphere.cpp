@@ -274,9 +274,9 @@ Problem problem(const Sphere& s) {
   if (!(s.latitude_min >= -most && s.latitude_max <= most &&
         s.latitude_max - s.latitude_min > 1e-12))
     return ShapeProblem{Code::E2017,
-                        fmt::format("latitudes from {} to {} rad; from -pi/2 to pi/2 is accepted, "
-                                    "the lowest first",
-                                    format_double(s.latitude_min), format_double(s.latitude_max)),
+                        fmt::format("latitudes from {:.12g} to {:.12g} deg; from -90 to 90 deg is "
+                                    "accepted, the lowest first",
+                                    s.latitude_min / kDegree, s.latitude_max / kDegree),
                         "latitude_min"};
   if (auto p = sector_problem(s.sector)) return p;
   if (!s.counts) return std::nullopt;
@@ -285,9 +285,9 @@ Problem problem(const Sphere& s) {
   if (s.counts->rings < least || s.counts->quads < 1)
     return ShapeProblem{
         Code::E2018,
-        fmt::format("{} rings and {} quads; at least {} and {} are needed", s.counts->rings,
-                    s.counts->quads, least, fewest_segments(s.sector)),
-        "counts"};
+        fmt::format("{} and {}; at least {} and {} are needed", counted(s.counts->rings, "ring"),
+                    counted(s.counts->quads, "quad"), least, fewest_segments(s.sector)),
+        s.counts->rings < least ? "rings" : "segments"};
   return counts_problem({s.counts->quads, s.counts->rings}, s.sector, least);
 }
 

@@ -280,7 +280,7 @@ class ShapeReader {
         {"bottom_radius", "radius"},
         {"latitude_min", "latitude"},
         {"latitude_max", "latitude"},
-        {"counts", "segments"},
+        {"segments", "quads"},
         {"width", "size"},
         {"height", "size"}};
     for (const std::string_view name : {problem.part, alias(problem.part, kAttributes)})

@@ -54,16 +54,30 @@ bool is_too_large(std::string_view token) {
 
 bool is_si(const Unit* unit) { return unit == nullptr || unit->factor == 1; }
 
-// A limit in a unit, with the unit where it is not SI or was written.
-std::string limit_in(double si, const Unit* unit, bool with_name) {
+// A number in a unit, with the unit where it is not SI or was written.
+std::string number_in(double si, const Unit* unit, bool with_name) {
   if (is_si(unit)) return format_double(si) + std::string(with_name ? unit->name : "");
   return fmt::format("{:.12g}{}", si / unit->factor, with_name ? unit->name : "");
 }
 
+// The same of a limit. One that is no round number there loses its digits past the third, so that
+// what is said to be accepted is.
+std::string limit_in(double si, const Unit* unit, bool with_name, bool is_lowest) {
+  if (is_si(unit) || si == 0) return number_in(si, unit, with_name);
+  const double in_unit = si / unit->factor;
+  const auto name = with_name ? unit->name : std::string_view();
+  const double round = parse_double(fmt::format("{:.6g}", in_unit)).value_or(0);
+  if (std::fabs(round - in_unit) <= 1e-12 * std::fabs(in_unit))
+    return fmt::format("{:.12g}{}", round, name);
+  const double step = std::pow(10, std::floor(std::log10(std::fabs(in_unit))) - 2);
+  const double steps = is_lowest ? std::ceil(in_unit / step) : std::floor(in_unit / step);
+  return fmt::format("{:.12g}{}", steps * step, name);
+}
+
 std::string range_of(const schemas::Number& number, const Unit* unit = nullptr,
                      bool with_name = false) {
-  const std::string low = limit_in(number.min, unit, with_name);
-  const std::string high = limit_in(number.max, unit, with_name);
+  const std::string low = limit_in(number.min, unit, with_name, true);
+  const std::string high = limit_in(number.max, unit, with_name, false);
   if (number.min == number.max) return low;
   const std::string range = number.above ? fmt::format("more than {}, up to {}", low, high)
                                          : fmt::format("{} to {}", low, high);
@@ -487,7 +501,7 @@ void Values::bad_number(Code code, std::uint32_t element, const Text& text, cons
     if (code == Code::E1202)
       return {fmt::format("{} is {}{}; it takes {}", what, written(text, token),
                           amount.computed
-                              ? " = " + limit_in(amount.value, amount.unit, amount.unit != nullptr)
+                              ? " = " + number_in(amount.value, amount.unit, amount.unit != nullptr)
                               : "",
                           takes)};
     if (code == Code::E1211)

@@ -289,10 +289,14 @@ TEST(Values, RangesAreShownInTheUnitOfTheNumber) {
   EXPECT_EQ(complaint(kP, "-2mm"),
             "1:7 E1202 p of <e> is -2mm; it takes more than 0mm, up to 1000000mm\n");
   EXPECT_EQ(complaint(kP, "1e6ft"),
-            "1:7 E1202 p of <e> is 1e6ft; it takes more than 0ft, up to 3280.83989501ft\n");
+            "1:7 E1202 p of <e> is 1e6ft; it takes more than 0ft, up to 3280ft\n");
   EXPECT_EQ(complaint(kP, "-2", {1, 0.001, 1}),
             "1:7 E1202 p of <e> is -2; it takes more than 0mm, up to 1000000mm\n");
   EXPECT_EQ(complaint(kA, "91"), "1:7 E1202 a of <e> is 91; it takes -90deg to 90deg\n");
+  EXPECT_EQ(complaint(kP, "1e6in"),
+            "1:7 E1202 p of <e> is 1e6in; it takes more than 0in, up to 39300in\n");
+  EXPECT_EQ(complaint(kA, "2e3mrad"),
+            "1:7 E1202 a of <e> is 2e3mrad; it takes -1570mrad to 1570mrad\n");
   EXPECT_EQ(complaint(kP, "{gap - 1}"),
             "1:7 E1202 p of <e> is {gap - 1} = -0.5m; it takes more than 0m, up to 1000m\n");
   EXPECT_EQ(complaint(kP, "1e400"),
