@@ -11,6 +11,16 @@
 
 namespace panwright::materials {
 
+// What the Sun's disc, of angular radius 4.6504e-3 rad at 1 AU, adds to the squares of alpha: half
+// vectors spread as those of facets do, by ρ²/16 along each axis, and alpha² is twice that.
+inline constexpr double kSunAlpha2 = 2.7033e-6;
+
+// What a law knows of a place beyond its normal.
+struct Local {
+  panwright::Vec3 tangent{0};  // unit, square to the normal; 0 where facets are the same all around
+  double sun_alpha2 = 0;       // kSunAlpha2 over the square of the distance in AU; 0: a point Sun
+};
+
 namespace f64 {
 
 using Vec3 = glm::dvec3;
@@ -20,18 +30,20 @@ using Vec3 = glm::dvec3;
 //
 //   to_light, to_viewer, normal  unit vectors, pointing away from the surface
 //   tint                         colour of a texture or vertex; multiplies diffuse
+//   material                     fitted, see fit()
 //   returns                      0 where the light is below the horizon. A viewer below it is taken
 //                                to it: near the limb of a smoothly shaded mesh the interpolated
 //                                normal may face away from who sees the facet.
 //
 // Reciprocal while both directions are 1e-6 or more above the horizon.
 Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
-          const Vec3& tint = Vec3(1));
+          const Vec3& tint = Vec3(1), const Local& local = {});
 
 // The radiance towards the viewer under a distant light, emission included: irradiance/sr. The
 // irradiance is that on a plane that faces the light.
 Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
-              const Vec3& normal, const Vec3& irradiance, const Vec3& tint = Vec3(1));
+              const Vec3& normal, const Vec3& irradiance, const Vec3& tint = Vec3(1),
+              const Local& local = {});
 
 }  // namespace f64
 
@@ -41,9 +53,10 @@ namespace f32 {
 using Vec3 = glm::vec3;
 
 Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
-          const Vec3& tint = Vec3(1));
+          const Vec3& tint = Vec3(1), const Local& local = {});
 Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
-              const Vec3& normal, const Vec3& irradiance, const Vec3& tint = Vec3(1));
+              const Vec3& normal, const Vec3& irradiance, const Vec3& tint = Vec3(1),
+              const Local& local = {});
 
 }  // namespace f32
 

@@ -1,5 +1,10 @@
 #include "materials/formula_text.h"
 
+#include <fmt/format.h>
+
+#include <cassert>
+#include <iterator>
+
 #include "materials/internal/formula_texts.h"
 
 namespace panwright::materials {
@@ -8,58 +13,90 @@ namespace {
 constexpr const char* kGlue = "#define Real float\n#define Vec3 vec3\n#define FORMULA\n";
 constexpr const char* kUnglue = "#undef Real\n#undef Vec3\n#undef FORMULA\n";
 
-struct Law {
-  const char* function;
-  const char* text;
-};
+constexpr const char* kDiffuse[] = {"lambert_law", "oren_nayar_law", "hapke_law", "eon_law",
+                                    "lommel_seeliger_law"};
+constexpr const char* kLobes[] = {"no_specular_lobe", "blinn_phong_lobe", "cook_torrance_lobe",
+                                  "beckmann_lobe",    "ggx_lobe",         "mirror_lobe"};
+constexpr const char* kFresnel[] = {"no_fresnel", "dielectric_fresnel", "conductor_fresnel"};
 
-Law law(DiffuseLaw diffuse) {
-  switch (diffuse) {
-    case DiffuseLaw::lambert:
-      break;
-    case DiffuseLaw::oren_nayar:
-      return {"oren_nayar_law", oren_nayar_text};
-    case DiffuseLaw::hapke:
-      return {"hapke_law", hapke_text};
-  }
-  return {"lambert_law", lambert_text};
+// Texts that families need, each once, in an order in which they may stand: what is called stands
+// before who calls it.
+std::string law_texts(std::span<const Laws> families) {
+  const auto any = [&](auto needs) {
+    for (const Laws& laws : families)
+      if (needs(laws)) return true;
+    return false;
+  };
+  const auto diffuse = [&](DiffuseLaw law) {
+    return any([&](const Laws& l) { return l.diffuse == law; });
+  };
+  const auto specular = [&](SpecularLaw law) {
+    return any([&](const Laws& l) { return l.specular == law; });
+  };
+  std::string text = std::string(parameters_text) + common_text + fresnel_text + lambert_text;
+  if (diffuse(DiffuseLaw::oren_nayar)) text += oren_nayar_text;
+  if (diffuse(DiffuseLaw::hapke)) text += hapke_text;
+  if (diffuse(DiffuseLaw::eon)) text += eon_text;
+  if (diffuse(DiffuseLaw::lommel_seeliger)) text += lommel_seeliger_text;
+  text += no_specular_text;
+  if (specular(SpecularLaw::blinn_phong)) text += blinn_phong_text;
+  text += cook_torrance_text;
+  text += facets_text;
+  text += coat_text;
+  return text;
 }
 
-Law law(SpecularLaw specular) {
-  switch (specular) {
-    case SpecularLaw::none:
-      break;
-    case SpecularLaw::blinn_phong:
-      return {"blinn_phong_law", blinn_phong_text};
-    case SpecularLaw::cook_torrance:
-      return {"cook_torrance_law", cook_torrance_text};
-  }
-  return {"no_specular_law", no_specular_text};
+std::string surface_functions(const Laws& laws) {
+  const std::pair<const char*, const char*> names[] = {
+      {"DIFFUSE", kDiffuse[static_cast<std::size_t>(laws.diffuse)]},
+      {"LOBE", kLobes[static_cast<std::size_t>(laws.specular)]},
+      {"FRESNEL", kFresnel[static_cast<std::size_t>(laws.fresnel)]},
+      {"MANY", laws.compensated ? "facet_many" : "no_many"},
+      {"LAYERS", laws.coated ? "coated" : "bare"}};
+  std::string text;
+  for (const auto& [name, law] : names) text += fmt::format("#define PANWRIGHT_{} {}\n", name, law);
+  text += surface_text;
+  for (const auto& [name, law] : names) text += fmt::format("#undef PANWRIGHT_{}\n", name);
+  return text;
+}
+
+// One function that calls that of a family.
+std::string choice(const char* function, const char* parameters, const char* arguments,
+                   std::size_t families) {
+  std::string text = fmt::format("vec3 {}(uint family, {}) {{\n", function, parameters);
+  for (std::size_t i = 0; i + 1 < families; ++i)
+    text += fmt::format("  if (family == {}u) return {}_{}({});\n", i, function, i, arguments);
+  return text + fmt::format("  return {}_{}({});\n}}\n", function, families - 1, arguments);
 }
 
 }  // namespace
 
-std::string glsl_formulas(DiffuseLaw diffuse, SpecularLaw specular) {
-  const Law first = law(diffuse);
-  const Law second = law(specular);
-  std::string text = kGlue;
-  text += std::string("#define PANWRIGHT_DIFFUSE_LAW ") + first.function + '\n';
-  text += std::string("#define PANWRIGHT_SPECULAR_LAW ") + second.function + '\n';
-  text += parameters_text;
-  text += common_text;
-  if (specular == SpecularLaw::cook_torrance) text += fresnel_text;
-  text += first.text;
-  text += second.text;
-  text += surface_text;
-  text += kUnglue;
-  return text + "#undef PANWRIGHT_DIFFUSE_LAW\n#undef PANWRIGHT_SPECULAR_LAW\n";
+std::string glsl_formulas(const Laws& laws) {
+  return kGlue + law_texts({&laws, 1}) + surface_functions(laws) + kUnglue;
+}
+
+std::string glsl_formulas(std::span<const Laws> families) {
+  assert(!families.empty());
+  std::string text = kGlue + law_texts(families);
+  constexpr const char* kNames[] = {"bare", "coated", "surface_brdf", "surface_radiance"};
+  for (std::size_t i = 0; i < families.size(); ++i) {
+    for (const char* name : kNames) text += fmt::format("#define {0} {0}_{1}\n", name, i);
+    text += surface_functions(families[i]);
+    for (const char* name : kNames) text += fmt::format("#undef {}\n", name);
+  }
+  const char* const place = "Surface s, vec3 to_light, vec3 to_viewer, vec3 normal";
+  text += choice("surface_brdf", place, "s, to_light, to_viewer, normal", families.size());
+  text += choice("surface_radiance", fmt::format("{}, vec3 irradiance", place).c_str(),
+                 "s, to_light, to_viewer, normal, irradiance", families.size());
+  return text + kUnglue;
 }
 
 std::string glsl_all_laws() {
   std::string text = kGlue;
   for (const char* part :
        {parameters_text, common_text, fresnel_text, lambert_text, oren_nayar_text, hapke_text,
-        no_specular_text, blinn_phong_text, cook_torrance_text})
+        eon_text, lommel_seeliger_text, no_specular_text, blinn_phong_text, cook_torrance_text,
+        facets_text, coat_text})
     text += part;
   return text + kUnglue;
 }

@@ -1,17 +1,18 @@
 // The reflectance formulas as GLSL, for shaders.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "materials/material.h"
 
 namespace panwright::materials {
 
-// The formulas that materials of one pair of laws need, as GLSL 4.00 or later. Stands after
+// The formulas that materials of one family of laws need, as GLSL 4.00 or later. Stands after
 // #version and before the code that calls it; it leaves no macros behind and these names:
 //
 //   struct Surface   the parameters (materials/formulas/parameters.glsl); fill in every member that
-//                    the two laws use
+//                    the laws use
 //   vec3 surface_brdf(Surface s, vec3 to_light, vec3 to_viewer, vec3 normal)      1/sr
 //   vec3 surface_radiance(Surface s, vec3 to_light, vec3 to_viewer, vec3 normal,
 //                         vec3 irradiance)                                        irradiance/sr
@@ -20,7 +21,11 @@ namespace panwright::materials {
 // multiplied into s.diffuse. Every operation is `precise`: the bits are those of f32 in
 // materials/brdf.h wherever sums, products, divisions and square roots are rounded as IEEE 754
 // says.
-[[nodiscard]] std::string glsl_formulas(DiffuseLaw diffuse, SpecularLaw specular);
+[[nodiscard]] std::string glsl_formulas(const Laws& laws);
+
+// The same for several families, one or more; surface_brdf and surface_radiance have a first
+// argument more, `uint family`, which counts them.
+[[nodiscard]] std::string glsl_formulas(std::span<const Laws> families);
 
 // Every law and helper, without surface_brdf and surface_radiance: for programs that call single
 // formulas.

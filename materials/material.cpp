@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
+#include <map>
 
 #include "base/text.h"
 
@@ -25,32 +27,55 @@ std::string text(double value) { return format_double(value); }
 
 bool is_zero(const std::optional<Vec3>& color) { return !color || *color == Vec3(0); }
 
-void settle_laws(Material& material, const Fields& fields, const Reporter& report) {
+void settle_diffuse(Material& material, const Fields& fields, const Reporter& report) {
+  if (fields.oren) material.oren = *fields.oren;
   if (fields.hapke) {
-    material.diffuse_law = DiffuseLaw::hapke;
     const auto& [w, h, b0, rough_deg] = *fields.hapke;
     material.hapke = {w, h, b0, rough_deg * kDegree};
-    report(Code::W1404,
-           fmt::format("hapke is read as single-scattering albedo {}, opposition width {}, "
-                       "opposition strength {} and mean roughness {} degrees",
-                       text(w), text(h), text(b0), text(rough_deg)));
+    // the numbers of level 0 have no names
+    if (!fields.hapke_grains)
+      report(Code::W1404,
+             fmt::format("hapke is read as single-scattering albedo {}, opposition width {}, "
+                         "opposition strength {} and mean roughness {} degrees",
+                         text(w), text(h), text(b0), text(rough_deg)));
+  }
+  material.grains = fields.hapke_grains.value_or(HapkeGrains{});
+  if (fields.lommel) material.hapke = {*fields.lommel, 0, 0, 0};
+  if (fields.diffuse_law) {
+    material.diffuse_law = *fields.diffuse_law;
+    return;
+  }
+  if (fields.hapke) {
+    material.diffuse_law = DiffuseLaw::hapke;
     if (fields.oren)
       report(Code::N1401,
              fmt::format("oren {} is not used, because hapke is given", text(*fields.oren)));
   } else if (fields.oren) {
     material.diffuse_law = DiffuseLaw::oren_nayar;
-    material.oren = *fields.oren;
   }
+}
 
-  if (fields.cook) {
-    material.specular_law = SpecularLaw::cook_torrance;
+void settle_specular(Material& material, const Fields& fields, const Reporter& report) {
+  if (fields.alpha) {
+    material.cook = {1, (*fields.alpha)[0], 1, 1};
+    material.alpha_y = (*fields.alpha)[1];
+  }
+  if (fields.cook && !fields.alpha) {
     material.cook = *fields.cook;
+    material.alpha_y = material.cook[1];
     const auto& [c, m, f, g] = *fields.cook;
     if (c != 1 || f != 1 || g != 1)
       report(Code::W1403,
              fmt::format("cook {} {} {} {} scales D, F and G by {}, {} and {}; public "
                          "models have 1 there",
                          text(c), text(m), text(f), text(g), text(c), text(f), text(g)));
+  }
+  if (fields.specular_law) {
+    material.specular_law = *fields.specular_law;
+    return;
+  }
+  if (fields.cook) {
+    material.specular_law = SpecularLaw::cook_torrance;
     if (fields.shine)
       report(Code::N1401,
              fmt::format("shine {} is not used, because cook is given", text(*fields.shine)));
@@ -58,6 +83,10 @@ void settle_laws(Material& material, const Fields& fields, const Reporter& repor
     material.specular_law = SpecularLaw::blinn_phong;
     material.shine = fields.shine.value_or(0);
   }
+}
+
+bool has_facets(SpecularLaw law) {
+  return law != SpecularLaw::none && law != SpecularLaw::blinn_phong;
 }
 
 // Fields whose partner is missing. What an explicit weight of 0 switches off is the author's will.
@@ -76,7 +105,8 @@ void report_idle_fields(const Material& material, const Fields& fields, const Re
   if (is_zero(fields.emissive) && fields.reflect && material.weights.z > 0)
     idle(fmt::format("the emissive weight {} of reflect", text(material.weights.z)),
          "the emissive colour is 0");
-  if (fields.refract && !fields.cook) idle("refract", "only cook has a Fresnel term");
+  if (fields.refract && !has_facets(material.specular_law))
+    idle("refract", "only cook, beckmann, ggx and mirror have a Fresnel term");
   if (fields.reflect) return;
   if (material.weights.y == 0 && !dark)
     idle("specular", "diffuse is given as well and there is no reflect, which is then 1 0 0");
@@ -124,6 +154,19 @@ Fields Fields::overridden_by(const Fields& inner) const {
   replace(merged.oren, inner.oren);
   replace(merged.hapke, inner.hapke);
   replace(merged.maps, inner.maps);
+  // a law that is given inside replaces the choice made outside
+  if (inner.oren || inner.hapke || inner.lommel || inner.diffuse_law)
+    merged.diffuse_law = inner.diffuse_law;
+  if (inner.shine || inner.cook || inner.alpha || inner.specular_law)
+    merged.specular_law = inner.specular_law;
+  if (inner.refract) merged.extinction = inner.extinction;
+  replace(merged.alpha, inner.alpha);
+  replace(merged.hapke_grains, inner.hapke_grains);
+  replace(merged.lommel, inner.lommel);
+  replace(merged.compensation, inner.compensation);
+  replace(merged.coat, inner.coat);
+  replace(merged.cells, inner.cells);
+  replace(merged.preset, inner.preset);
   return merged;
 }
 
@@ -135,13 +178,18 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
   material.specular = fields.specular.value_or(material.specular);
   material.emissive = fields.emissive.value_or(material.emissive);
   material.refract = fields.refract;
+  material.extinction = fields.extinction.value_or(Vec3(0));
+  material.compensation = fields.compensation.value_or(Compensation::automatic);
+  material.coat = fields.coat;
+  material.cells = fields.cells;
   material.maps = fields.maps.value_or(Maps{});
   if (fields.reflect)
     material.weights = *fields.reflect;
   else if (fields.specular && !fields.diffuse)
     material.weights = {0, 1, 0};
 
-  settle_laws(material, fields, report);
+  settle_diffuse(material, fields, report);
+  settle_specular(material, fields, report);
   report_idle_fields(material, fields, report);
   report_energy(material, report);
 
@@ -150,7 +198,31 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
     material.diffuse_law = DiffuseLaw::lambert;
   if (material.weights.y == 0 || material.specular == Vec3(0))
     material.specular_law = SpecularLaw::none;
+  fit(material);
   return material;
+}
+
+Laws laws_of(const Material& material) {
+  Laws laws{.diffuse = material.diffuse_law, .specular = material.specular_law};
+  if (has_facets(material.specular_law) && material.refract)
+    laws.fresnel = material.extinction == Vec3(0) ? FresnelLaw::dielectric : FresnelLaw::conductor;
+  laws.compensated = material.fits.many_scale != Vec3(0);
+  laws.coated = material.coat.has_value();
+  return laws;
+}
+
+std::vector<std::uint32_t> variants_of(std::span<const Material> materials) {
+  std::map<Laws, std::uint32_t> uses;
+  for (const Material& material : materials) ++uses[laws_of(material)];
+  std::vector<std::pair<Laws, std::uint32_t>> families(uses.begin(), uses.end());
+  std::stable_sort(families.begin(), families.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  for (std::uint32_t i = 0; i < families.size(); ++i)
+    uses[families[i].first] = std::min(i, kMostVariants - 1);
+  std::vector<std::uint32_t> variants;
+  variants.reserve(materials.size());
+  for (const Material& material : materials) variants.push_back(uses[laws_of(material)]);
+  return variants;
 }
 
 }  // namespace panwright::materials

@@ -167,8 +167,12 @@ Tables tables_of(const Contents& contents) {
   add_meshes(contents.meshes, tables);
   for (const InstanceContent& instance : contents.instances)
     tables.instances.push_back({instance.node, instance.mesh, instance.material, instance.texture});
-  for (const materials::Material& material : contents.materials)
+  const std::vector<std::uint32_t> variants = materials::variants_of(contents.materials);
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    const materials::Material& material = contents.materials[i];
     tables.materials.push_back(record_from(material, strings.id(material.name)));
+    tables.materials.back().variant = variants[i];
+  }
   add_textures(contents.textures, tables);
   for (const FrameContent& frame : contents.frames) {
     layout::Frame record{};

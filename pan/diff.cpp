@@ -187,8 +187,10 @@ bool is_enumeration(const layout::FieldRule& field) {
 }
 
 std::string enumeration_words(const layout::FieldRule& field, const std::byte* record) {
-  static constexpr const char* kDiffuse[] = {"lambert", "oren_nayar", "hapke"};
-  static constexpr const char* kSpecular[] = {"none", "blinn_phong", "cook_torrance"};
+  static constexpr const char* kDiffuse[] = {"lambert", "oren_nayar", "hapke", "eon",
+                                             "lommel_seeliger"};
+  static constexpr const char* kSpecular[] = {"none",     "blinn_phong", "cook_torrance",
+                                              "beckmann", "ggx",         "mirror"};
   std::uint32_t value;
   std::memcpy(&value, record + field.offset, sizeof value);
   const std::string_view name(field.name);

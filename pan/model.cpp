@@ -432,7 +432,12 @@ namespace {
 
 Vec3 vec3(const double* v) { return {v[0], v[1], v[2]}; }
 Vec3 vec3(const float* v) { return {v[0], v[1], v[2]}; }
+Vec2 vec2(const float* v) { return {v[0], v[1]}; }
 Quat quat(const double* q) { return {q[0], q[1], q[2], q[3]}; }
+
+void store(float* to, const Vec2& v) {
+  for (int k = 0; k < 2; ++k) to[k] = static_cast<float>(v[k]);
+}
 
 void store(float* to, const Vec3& v) {
   for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(v[k]);
@@ -469,13 +474,31 @@ materials::Material material_from(const layout::Material& record, std::string_vi
   material.emissive = vec3(record.emissive);
   material.weights = {record.weight_d, record.weight_s, record.weight_e};
   if (vec3(record.refract) != Vec3(0)) material.refract = vec3(record.refract);
+  material.extinction = vec3(record.extinction);
   material.shine = record.shine;
+  material.alpha_y = record.alpha_y;
+  material.grains = {record.grains[0], record.grains[1], record.grains[2], record.grains[3],
+                     record.porosity};
+  material.compensation = static_cast<materials::Compensation>(record.compensation);
+  if (record.coat_index > 0)
+    material.coat = {record.coat_index, record.coat_alpha, vec3(record.coat_depth)};
+  if (record.cell_count[0] > 0)
+    material.cells = {
+        vec2(record.cell_count),       vec2(record.cell_gap),  record.fingers,
+        record.finger_width,           vec3(record.gap_color), vec3(record.finger_color),
+        {record.tilt_u, record.tilt_v}};
+  for (std::size_t k = 0; k < 8; ++k) {
+    material.fits.loss[k] = record.loss[k];
+    material.fits.hapke_h[k] = record.hapke_h[k];
+  }
+  material.fits.many_scale = vec3(record.many_scale);
+  material.fits.coat_return = vec3(record.coat_return);
+  material.fits.error = record.fit_error;
   for (int k = 0; k < 4; ++k) material.cook[k] = record.cook[k];
   for (int k = 0; k < 4; ++k) material.hapke[k] = record.hapke[k];
   material.oren = record.oren;
-  material.maps = {record.albedo_map,       record.normal_map,
-                   record.roughness_map,    record.cutout_map,
-                   record.cutout_threshold, Vec2(record.map_repeat[0], record.map_repeat[1])};
+  material.maps = {record.albedo_map, record.normal_map,       record.roughness_map,
+                   record.cutout_map, record.cutout_threshold, vec2(record.map_repeat)};
   return material;
 }
 
@@ -488,7 +511,37 @@ layout::Material record_from(const materials::Material& material, std::uint32_t 
   record.weight_s = static_cast<float>(material.weights.y);
   record.weight_e = static_cast<float>(material.weights.z);
   if (material.refract) store(record.refract, *material.refract);
+  store(record.extinction, material.extinction);
   record.shine = static_cast<float>(material.shine);
+  record.alpha_y = static_cast<float>(material.alpha_y);
+  const materials::HapkeGrains& grains = material.grains;
+  store(record.grains, Vec3(grains.b, grains.c, grains.h_c));
+  record.grains[3] = static_cast<float>(grains.b_c0);
+  record.porosity = static_cast<float>(grains.porosity);
+  record.hapke_k = static_cast<float>(materials::porosity_factor(grains.porosity));
+  record.compensation = static_cast<std::uint32_t>(material.compensation);
+  if (const auto& coat = material.coat) {
+    record.coat_index = static_cast<float>(coat->index);
+    record.coat_alpha = static_cast<float>(coat->alpha);
+    store(record.coat_depth, coat->depth);
+  }
+  if (const auto& cells = material.cells) {
+    store(record.cell_count, cells->count);
+    store(record.cell_gap, cells->gap);
+    record.fingers = static_cast<float>(cells->fingers);
+    record.finger_width = static_cast<float>(cells->finger_width);
+    store(record.gap_color, cells->gap_color);
+    store(record.finger_color, cells->finger_color);
+    record.tilt_u = static_cast<float>(cells->tilt.x);
+    record.tilt_v = static_cast<float>(cells->tilt.y);
+  }
+  for (std::size_t k = 0; k < 8; ++k) {
+    record.loss[k] = static_cast<float>(material.fits.loss[k]);
+    record.hapke_h[k] = static_cast<float>(material.fits.hapke_h[k]);
+  }
+  store(record.many_scale, material.fits.many_scale);
+  store(record.coat_return, material.fits.coat_return);
+  record.fit_error = static_cast<float>(material.fits.error);
   for (int k = 0; k < 4; ++k) record.cook[k] = static_cast<float>(material.cook[k]);
   for (int k = 0; k < 4; ++k) record.hapke[k] = static_cast<float>(material.hapke[k]);
   record.oren = static_cast<float>(material.oren);
@@ -500,7 +553,7 @@ layout::Material record_from(const materials::Material& material, std::uint32_t 
   record.roughness_map = material.maps.roughness;
   record.cutout_map = material.maps.cutout;
   record.cutout_threshold = static_cast<float>(material.maps.threshold);
-  for (int k = 0; k < 2; ++k) record.map_repeat[k] = static_cast<float>(material.maps.repeat[k]);
+  store(record.map_repeat, material.maps.repeat);
   return record;
 }
 

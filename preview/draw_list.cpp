@@ -23,6 +23,18 @@ auto order(const DrawItem& item) {
 
 }  // namespace
 
+Families families_of(const pan::Model& model) {
+  Families families;
+  for (const pan::layout::Material& record : model.materials()) {
+    const materials::Laws laws = materials::laws_of(pan::material_from(record, {}));
+    std::vector<materials::Laws>& served = families.of_variant[record.variant];
+    const auto at = std::find(served.begin(), served.end(), laws);
+    families.of_material.push_back(static_cast<std::uint32_t>(at - served.begin()));
+    if (at == served.end()) served.push_back(laws);
+  }
+  return families;
+}
+
 std::vector<DrawItem> draw_list(const pan::Model& model) {
   namespace layout = pan::layout;
   const std::vector<Mat4> world_from_nodes = model.world_from_nodes();
@@ -33,8 +45,7 @@ std::vector<DrawItem> draw_list(const pan::Model& model) {
     const layout::Mesh& mesh = model.meshes()[instance.mesh];
     const layout::Material& material = model.materials()[instance.material];
     DrawItem item;
-    item.variant.diffuse = static_cast<materials::DiffuseLaw>(material.diffuse_law);
-    item.variant.specular = static_cast<materials::SpecularLaw>(material.specular_law);
+    item.variant.shading = material.variant;
     item.variant.textured = instance.texture >= 0;
     item.variant.coloured = (mesh.flags & layout::kMeshColours) != 0;
     item.variant.albedo_map = material.albedo_map >= 0;

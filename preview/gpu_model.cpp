@@ -88,14 +88,17 @@ bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawIte
   materials_texture_ = make_buffer_texture(gl);
   gl.TextureBuffer(materials_texture_.id(), GL_RGBA32F, materials_.id());
 
+  const Families families = families_of(model);
   std::vector<std::uint32_t> items;
   for (const DrawItem& item : list) {
     items.push_back(item.material);
-    items.push_back(law_pair(item.variant));
+    items.push_back(item.variant.shading);
+    items.push_back(families.of_material[item.material]);
+    items.push_back(0);
   }
   items_ = uploaded(gl, std::span<const std::uint32_t>(items));
   items_texture_ = make_buffer_texture(gl);
-  gl.TextureBuffer(items_texture_.id(), GL_RG32UI, items_.id());
+  gl.TextureBuffer(items_texture_.id(), GL_RGBA32UI, items_.id());
 
   material_stride_ =
       rounded_up(sizeof(layout::Material), integer(gl, GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT));

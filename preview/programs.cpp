@@ -44,14 +44,13 @@ GLuint Programs::geometry(const Variant& v, bool flat, unsigned layers, std::str
   return program.id();
 }
 
-GLuint Programs::shading(std::uint32_t pair, unsigned layers, bool one_material,
+GLuint Programs::shading(std::uint32_t variant, unsigned layers, bool one_material,
                          std::string* problem) {
-  GlProgram& program = shading_[(pair * kLayers + layers - 1) * 2 + one_material];
+  GlProgram& program = shading_[(variant * kLayers + layers - 1) * 2 + one_material];
   if (!program) {
-    std::string head = fmt::format("{}#define PAIR {}u\n", kVersion, pair);
+    std::string head = fmt::format("{}#define VARIANT {}u\n", kVersion, variant);
     head += layer_names(layers) + defined("ONE_MATERIAL", one_material);
-    head += materials::glsl_formulas(static_cast<materials::DiffuseLaw>(pair / 3),
-                                     static_cast<materials::SpecularLaw>(pair % 3));
+    head += materials::glsl_formulas(families_.of_variant[variant]);
     program = make_program(gl_, std::string(kVersion) + screen_vert, head + shading_frag, problem);
   }
   return program.id();

@@ -11,6 +11,7 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
+#include "materials/brdf.h"
 #include "preview/internal/draw_list.h"
 #include "preview/internal/gpu_model.h"
 #include "preview/internal/programs.h"
@@ -68,6 +69,8 @@ ViewBlock view_block(const View& view, const Tile& tile, unsigned samples) {
   copy_floats(right, block.sight_right);
   copy_floats(down, block.sight_down);
   copy_floats(glm::normalize(view.to_sun), block.to_sun);
+  block.to_sun[3] =
+      static_cast<float>(materials::kSunAlpha2 / (view.sun_distance * view.sun_distance));
   copy_floats(view.sun_irradiance.value_or(Vec3(1)), block.irradiance);
   return block;
 }
@@ -86,7 +89,7 @@ static_assert(std::size(kLayerFormats) == kLayers);
 
 struct Renderer::Impl {
   Impl(Context& context_in, const pan::Model& model_in)
-      : context(context_in), model(model_in), gl(context_in.gl()), programs(context_in.gl()) {}
+      : context(context_in), model(model_in), gl(context_in.gl()), programs(context_in.gl(), model_in) {}
   ~Impl() { context.make_current(); }  // the members delete their objects
 
   // What a pass over the triangles draws.
@@ -95,7 +98,7 @@ struct Renderer::Impl {
   // The items of one tile.
   struct TileItems {
     std::vector<std::uint32_t> drawn;  // into the scenery, ascending
-    std::vector<std::uint32_t> pairs;  // of laws, ascending
+    std::vector<std::uint32_t> variants;  // of shading, ascending
     bool one_material = true;
   };
 
@@ -225,7 +228,7 @@ bool Renderer::Impl::prepare(Pass pass, const Scenery& scenery, DiagnosticLog& l
     bool good = program(item.variant, pass, &problem) != 0;
     if (shaded && !gpu.decals().empty()) good = good && programs.decal(&problem) != 0;
     for (const bool one : {false, true})
-      good = good && (!shaded || programs.shading(law_pair(item.variant), layers, one, &problem));
+      good = good && (!shaded || programs.shading(item.variant.shading, layers, one, &problem));
     if (good) continue;
     log.report_file(Code::E5001, {},
                     fmt::format("{} refuses a shader: {}", context.renderer(), problem));
@@ -237,7 +240,7 @@ bool Renderer::Impl::prepare(Pass pass, const Scenery& scenery, DiagnosticLog& l
 Renderer::Impl::TileItems Renderer::Impl::items_on(const View& view, const Scenery& scenery,
                                                    const Tile& tile) const {
   TileItems items;
-  std::array<bool, kLawPairs> has_pair{};
+  std::array<bool, materials::kMostVariants> has{};
   for (std::uint32_t i = 0; i < scenery.items.size(); ++i) {
     if (!may_touch(view.camera, tile, 1.0, scenery.boxes[i])) continue;
     const DrawItem& item = list[scenery.items[i]];
@@ -245,10 +248,10 @@ Renderer::Impl::TileItems Renderer::Impl::items_on(const View& view, const Scene
       items.one_material =
           items.one_material && item.material == list[scenery.items[items.drawn.front()]].material;
     items.drawn.push_back(i);
-    has_pair[law_pair(item.variant)] = true;
+    has[item.variant.shading] = true;
   }
-  for (std::uint32_t pair = 0; pair < kLawPairs; ++pair)
-    if (has_pair[pair]) items.pairs.push_back(pair);
+  for (std::uint32_t variant = 0; variant < has.size(); ++variant)
+    if (has[variant]) items.variants.push_back(variant);
   return items;
 }
 
@@ -370,8 +373,8 @@ void Renderer::Impl::shade(const Scenery& scenery, const TileItems& items, const
   else
     gpu.bind_materials();
   gl.BindVertexArray(screen.id());
-  for (const std::uint32_t pair : items.pairs) {
-    gl.UseProgram(programs.shading(pair, layers, items.one_material, nullptr));
+  for (const std::uint32_t variant : items.variants) {
+    gl.UseProgram(programs.shading(variant, layers, items.one_material, nullptr));
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
 }

@@ -20,12 +20,13 @@ using Json = nlohmann::ordered_json;
 Json as_json(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 const char* diffuse_word(std::uint32_t law) {
-  constexpr const char* kWords[] = {"lambert", "oren-nayar", "hapke"};
+  constexpr const char* kWords[] = {"lambert", "oren-nayar", "hapke", "eon", "lommel-seeliger"};
   return kWords[law];
 }
 
 const char* specular_word(std::uint32_t law) {
-  constexpr const char* kWords[] = {"none", "blinn-phong", "cook-torrance"};
+  constexpr const char* kWords[] = {"none",     "blinn-phong", "cook-torrance",
+                                    "beckmann", "ggx",         "mirror"};
   return kWords[law];
 }
 

@@ -18,6 +18,6 @@ FORMULA Real blinn_phong(Real shine, Vec3 to_light, Vec3 to_viewer, Vec3 normal)
   return blinn_phong_scale(shine) * exp_negative(Real(0.5) * shine * log_one_plus(tan2));
 }
 
-FORMULA Vec3 blinn_phong_law(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  return s.specular * blinn_phong(s.shine, to_light, to_viewer, normal);
+FORMULA Real blinn_phong_lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  return blinn_phong(s.shine, to_light, to_viewer, normal);
 }

@@ -21,28 +21,26 @@ FORMULA Real v_cavity(Real cos_nl, Real cos_nv, Real both2) {
   return Real(1) / max(Real(4) * small * large, both2 * large / (small + large));
 }
 
-// The whole lobe for one index of refraction in each channel.
-FORMULA Vec3 cook_torrance(Real slope, Vec3 indices, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+// D G / (4 (n.l) (n.v)): the whole lobe but for the Fresnel reflectance of the facets.
+FORMULA Real cook_torrance(Real slope, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Real cos_nl = dot3(normal, to_light);
   Real cos_nv = dot3(normal, to_viewer);
-  if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Vec3(Real(0));
+  if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Real(0);
   cos_nl = max(cos_nl, Real(1e-10));
   cos_nv = max(cos_nv, Real(1e-10));
   Vec3 both = to_light + to_viewer;
   Real both2 = dot3(both, both);
-  if (both2 < Real(1e-12)) return Vec3(Real(0));
+  if (both2 < Real(1e-12)) return Real(0);
   Real d = beckmann(half_tan2(to_light, to_viewer, normal, cos_nl + cos_nv), slope);
-  // v.h = |l + v| / 2
-  return fresnel_rgb(Real(0.5) * sqrt(both2), indices) * (d * v_cavity(cos_nl, cos_nv, both2));
+  return d * v_cavity(cos_nl, cos_nv, both2);
 }
 
 // The lobe as printed in 1981 and 1982, for models that were tuned with it. Not for new ones.
-FORMULA Vec3 cook_torrance_as_printed(Real slope, Vec3 indices, Vec3 to_light, Vec3 to_viewer,
-                                      Vec3 normal) {
-  return Real(4) * cook_torrance(slope, indices, to_light, to_viewer, normal);
+FORMULA Real cook_torrance_as_printed(Real slope, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  return Real(4) * cook_torrance(slope, to_light, to_viewer, normal);
 }
 
-FORMULA Vec3 cook_torrance_law(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  return s.specular * (s.cook_d * s.cook_f * s.cook_g) *
-         cook_torrance(s.cook_m, s.indices, to_light, to_viewer, normal);
+FORMULA Real cook_torrance_lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  return s.lobe_scale *
+         cook_torrance(with_sun(s.alpha, s.sun_alpha2), to_light, to_viewer, normal);
 }

@@ -22,7 +22,35 @@ FORMULA Real fresnel_dielectric(Real cos_i, Real index) {
   return max(Real(1) - passing * (Real(1) + parallel * parallel), Real(0));
 }
 
-FORMULA Vec3 fresnel_rgb(Real cos_i, Vec3 indices) {
-  return Vec3(fresnel_dielectric(cos_i, indices.x), fresnel_dielectric(cos_i, indices.y),
-              fresnel_dielectric(cos_i, indices.z));
+// The same towards a conductor of complex index n + ik, k >= 0.
+FORMULA Real fresnel_conductor(Real cos_i, Real n, Real k) {
+  Real sin2 = (Real(1) - cos_i) * (Real(1) + cos_i);
+  Real d = (n - k) * (n + k) - sin2;
+  Real nk = Real(2) * n * k;
+  // a + ib = sqrt(N^2 - sin^2), the smaller of the two by division
+  Real size = sqrt(d * d + nk * nk);
+  Real a = sqrt(max(Real(0.5) * (size + abs(d)), Real(1e-30)));
+  Real b = Real(0.5) * nk / a;
+  Real re = d < Real(0) ? b : a;
+  Real im = d < Real(0) ? a : b;
+  Real rs = ((cos_i - re) * (cos_i - re) + im * im) / ((cos_i + re) * (cos_i + re) + im * im);
+  // tangential over normal: sin tan
+  Real t = sin2 / max(cos_i, Real(1e-10));
+  Real rp = rs * ((re - t) * (re - t) + im * im) / ((re + t) * (re + t) + im * im);
+  return min(Real(0.5) * (rs + rp), Real(1));
+}
+
+FORMULA Vec3 no_fresnel(Surface s, Real cos_i, Real outer) { return Vec3(Real(1)); }
+
+// outer: refractive index of what lies over the facets
+FORMULA Vec3 dielectric_fresnel(Surface s, Real cos_i, Real outer) {
+  return Vec3(fresnel_dielectric(cos_i, s.indices.x / outer),
+              fresnel_dielectric(cos_i, s.indices.y / outer),
+              fresnel_dielectric(cos_i, s.indices.z / outer));
+}
+
+FORMULA Vec3 conductor_fresnel(Surface s, Real cos_i, Real outer) {
+  return Vec3(fresnel_conductor(cos_i, s.indices.x / outer, s.extinction.x / outer),
+              fresnel_conductor(cos_i, s.indices.y / outer, s.extinction.y / outer),
+              fresnel_conductor(cos_i, s.indices.z / outer, s.extinction.z / outer));
 }

@@ -14,8 +14,11 @@ inline Real ldexp(Real a, int k) {
 }
 
 #define FORMULA inline
+// laws take their parameters by value in GLSL, by reference here
+#define Surface SurfaceFields
 #include "materials/formulas/parameters.glsl"
-//
+#undef Surface
+using Surface = const SurfaceFields&;
 #include "materials/formulas/common.glsl"
 //
 #include "materials/formulas/fresnel.glsl"
@@ -24,73 +27,146 @@ inline Real ldexp(Real a, int k) {
 #include "materials/formulas/cook_torrance.glsl"
 #include "materials/formulas/hapke.glsl"
 #include "materials/formulas/lambert.glsl"
+#include "materials/formulas/lommel_seeliger.glsl"
 #include "materials/formulas/no_specular.glsl"
 #include "materials/formulas/oren_nayar.glsl"
+//
+#include "materials/formulas/coat.glsl"
+#include "materials/formulas/eon.glsl"
+#include "materials/formulas/facets.glsl"
 #undef FORMULA
 
-using Law = Vec3 (*)(Surface, Vec3, Vec3, Vec3);
+// surface_brdf and surface_radiance of any laws.
+struct Composition {
+  Laws laws;
 
-// surface_brdf and surface_radiance for one pair of laws.
-template <Law kDiffuse, Law kSpecular>
-struct Pair {
-#define FORMULA static
-#define PANWRIGHT_DIFFUSE_LAW kDiffuse
-#define PANWRIGHT_SPECULAR_LAW kSpecular
+  Vec3 diffuse(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {
+    switch (laws.diffuse) {
+      case DiffuseLaw::lambert:
+        break;
+      case DiffuseLaw::oren_nayar:
+        return oren_nayar_law(s, to_light, to_viewer, normal);
+      case DiffuseLaw::hapke:
+        return hapke_law(s, to_light, to_viewer, normal);
+      case DiffuseLaw::eon:
+        return eon_law(s, to_light, to_viewer, normal);
+      case DiffuseLaw::lommel_seeliger:
+        return lommel_seeliger_law(s, to_light, to_viewer, normal);
+    }
+    return lambert_law(s, to_light, to_viewer, normal);
+  }
+  Real lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {
+    switch (laws.specular) {
+      case SpecularLaw::none:
+        break;
+      case SpecularLaw::blinn_phong:
+        return blinn_phong_lobe(s, to_light, to_viewer, normal);
+      case SpecularLaw::cook_torrance:
+        return cook_torrance_lobe(s, to_light, to_viewer, normal);
+      case SpecularLaw::beckmann:
+        return beckmann_lobe(s, to_light, to_viewer, normal);
+      case SpecularLaw::ggx:
+        return ggx_lobe(s, to_light, to_viewer, normal);
+      case SpecularLaw::mirror:
+        return mirror_lobe(s, to_light, to_viewer, normal);
+    }
+    return no_specular_lobe(s, to_light, to_viewer, normal);
+  }
+  Vec3 fresnel(Surface s, Real cosine, Real outer) const {
+    switch (laws.fresnel) {
+      case FresnelLaw::none:
+        break;
+      case FresnelLaw::dielectric:
+        return dielectric_fresnel(s, cosine, outer);
+      case FresnelLaw::conductor:
+        return conductor_fresnel(s, cosine, outer);
+    }
+    return no_fresnel(s, cosine, outer);
+  }
+  Vec3 many(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {
+    return laws.compensated ? facet_many(s, to_light, to_viewer, normal)
+                            : no_many(s, to_light, to_viewer, normal);
+  }
+  Vec3 layers(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+    return laws.coated ? coated(s, to_light, to_viewer, normal)
+                       : bare(s, to_light, to_viewer, normal);
+  }
+
+#define FORMULA
+#define PANWRIGHT_DIFFUSE diffuse
+#define PANWRIGHT_LOBE lobe
+#define PANWRIGHT_FRESNEL fresnel
+#define PANWRIGHT_MANY many
+#define PANWRIGHT_LAYERS layers
 #include "materials/formulas/surface.glsl"
 #undef FORMULA
-#undef PANWRIGHT_DIFFUSE_LAW
-#undef PANWRIGHT_SPECULAR_LAW
+#undef PANWRIGHT_DIFFUSE
+#undef PANWRIGHT_LOBE
+#undef PANWRIGHT_FRESNEL
+#undef PANWRIGHT_MANY
+#undef PANWRIGHT_LAYERS
 };
 
 inline Vec3 rounded(const panwright::Vec3& v) {
   return Vec3(static_cast<Real>(v.x), static_cast<Real>(v.y), static_cast<Real>(v.z));
 }
 
-inline Surface surface_of(const Material& material) {
-  Surface s;
+// The parameters of a fitted material.
+inline SurfaceFields surface_of(const Material& material, const Vec3& tangent = Vec3(Real(0)),
+                                Real sun_alpha2 = Real(0)) {
+  const auto real = [](double value) { return static_cast<Real>(value); };
+  SurfaceFields s{};
   s.diffuse = rounded(material.diffuse);
   s.specular = rounded(material.specular);
   s.emissive = rounded(material.emissive);
   s.weights = rounded(material.weights);
   s.indices = material.refract ? rounded(*material.refract) : Vec3(Real(0));
-  s.shine = static_cast<Real>(material.shine);
-  s.cook_d = static_cast<Real>(material.cook[0]);
-  s.cook_m = static_cast<Real>(material.cook[1]);
-  s.cook_f = static_cast<Real>(material.cook[2]);
-  s.cook_g = static_cast<Real>(material.cook[3]);
-  s.oren = static_cast<Real>(material.oren);
-  s.hapke_w = static_cast<Real>(material.hapke[0]);
-  s.hapke_h = static_cast<Real>(material.hapke[1]);
-  s.hapke_b0 = static_cast<Real>(material.hapke[2]);
-  s.hapke_rough = static_cast<Real>(material.hapke[3]);
-  s.hapke_b = Real(0);
-  s.hapke_c = Real(0);
+  s.extinction = rounded(material.extinction);
+  s.shine = real(material.shine);
+  s.lobe_scale = real(material.cook[0]) * real(material.cook[2]) * real(material.cook[3]);
+  s.alpha = real(material.cook[1]);
+  s.alpha_y = real(material.alpha_y);
+  s.tangent = tangent;
+  s.sun_alpha2 = sun_alpha2;
+  s.many_scale = rounded(material.fits.many_scale);
+  const auto& loss = material.fits.loss;
+  s.loss0 = real(loss[0]);
+  s.loss1 = real(loss[1]);
+  s.loss2 = real(loss[2]);
+  s.loss3 = real(loss[3]);
+  s.loss4 = real(loss[4]);
+  s.loss5 = real(loss[5]);
+  s.loss6 = real(loss[6]);
+  s.loss7 = real(loss[7]);
+  s.oren = real(material.oren);
+  s.hapke_w = real(material.hapke[0]);
+  s.hapke_h = real(material.hapke[1]);
+  s.hapke_b0 = real(material.hapke[2]);
+  s.hapke_rough = real(material.hapke[3]);
+  s.hapke_b = real(material.grains.b);
+  s.hapke_c = real(material.grains.c);
+  s.hapke_hc = real(material.grains.h_c);
+  s.hapke_bc0 = real(material.grains.b_c0);
+  s.hapke_k = real(porosity_factor(material.grains.porosity));
+  const auto& h = material.fits.hapke_h;
+  s.hapke_h0 = real(h[0]);
+  s.hapke_h1 = real(h[1]);
+  s.hapke_h2 = real(h[2]);
+  s.hapke_h3 = real(h[3]);
+  s.hapke_h4 = real(h[4]);
+  s.hapke_h5 = real(h[5]);
+  s.hapke_h6 = real(h[6]);
+  s.hapke_h7 = real(h[7]);
+  const Coat coat = material.coat.value_or(Coat{.index = 1});
+  s.coat_index = real(coat.index);
+  s.coat_alpha = real(coat.alpha);
+  s.coat_share = real(material.coat ? 1 : 0);
+  s.coat_depth = rounded(coat.depth);
+  s.coat_return = rounded(material.fits.coat_return);
+  const Vec2 tilt = material.cells ? material.cells->tilt : Vec2(0);
+  s.tilt_x = real(tilt.x);
+  s.tilt_y = real(tilt.y);
   return s;
 }
 
-// Calls `use` with the Pair of a material's laws.
-template <Law kDiffuse, class Use>
-auto with_specular(SpecularLaw specular, Use use) {
-  switch (specular) {
-    case SpecularLaw::none:
-      break;
-    case SpecularLaw::blinn_phong:
-      return use(Pair<kDiffuse, blinn_phong_law>());
-    case SpecularLaw::cook_torrance:
-      return use(Pair<kDiffuse, cook_torrance_law>());
-  }
-  return use(Pair<kDiffuse, no_specular_law>());
-}
-
-template <class Use>
-auto with_laws(const Material& material, Use use) {
-  switch (material.diffuse_law) {
-    case DiffuseLaw::lambert:
-      break;
-    case DiffuseLaw::oren_nayar:
-      return with_specular<oren_nayar_law>(material.specular_law, use);
-    case DiffuseLaw::hapke:
-      return with_specular<hapke_law>(material.specular_law, use);
-  }
-  return with_specular<lambert_law>(material.specular_law, use);
-}
+inline Composition composition_of(const Material& material) { return {laws_of(material)}; }

@@ -346,11 +346,24 @@ std::optional<Problem> material_problem(const Model& model) {
       return Problem{Code::E4012, fmt::format("materials[{}].refract is {} {} {}, all must be 0 or "
                                               "all above it",
                                               i, n[0], n[1], n[2])};
-    const auto cook = static_cast<std::uint32_t>(layout::SpecularLaw::cook_torrance);
-    if (materials[i].specular_law == cook && !(materials[i].cook[1] > 0))
+    const auto law = static_cast<layout::SpecularLaw>(materials[i].specular_law);
+    const bool smith = law == layout::SpecularLaw::beckmann || law == layout::SpecularLaw::ggx;
+    if ((smith || law == layout::SpecularLaw::cook_torrance) && !(materials[i].cook[1] > 0))
       return Problem{Code::E4012,
                      fmt::format("materials[{}].cook[1] is {}, a slope must be above 0", i,
                                  materials[i].cook[1])};
+    if (smith && !(materials[i].alpha_y > 0))
+      return Problem{Code::E4012,
+                     fmt::format("materials[{}].alpha_y is {}, a slope must be above 0", i,
+                                 materials[i].alpha_y)};
+    if (materials[i].coat_index != 0 && !(materials[i].coat_index >= 1))
+      return Problem{Code::E4012,
+                     fmt::format("materials[{}].coat_index is {}, it must be 0 or at least 1", i,
+                                 materials[i].coat_index)};
+    if (!(materials[i].porosity <= 0.7F))
+      return Problem{Code::E4012,
+                     fmt::format("materials[{}].porosity is {}, it must lie in 0 to 0.7", i,
+                                 materials[i].porosity)};
     if (!(materials[i].cutout_threshold <= 1))
       return Problem{Code::E4012,
                      fmt::format("materials[{}].cutout_threshold is {}, it must lie in 0 to 1", i,

@@ -2,6 +2,7 @@
 // needs OpenGL.
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <span>
@@ -14,10 +15,16 @@
 
 namespace panwright::preview {
 
+// The families of materials that each shading program serves, and which a material belongs to.
+struct Families {
+  std::array<std::vector<materials::Laws>, materials::kMostVariants> of_variant;
+  std::vector<std::uint32_t> of_material;  // into its variant's, one for each material
+};
+Families families_of(const pan::Model& model);
+
 // Which shader draws an instance, but for RenderOptions::flat.
 struct Variant {
-  materials::DiffuseLaw diffuse = materials::DiffuseLaw::lambert;
-  materials::SpecularLaw specular = materials::SpecularLaw::none;
+  std::uint32_t shading = 0;  // variant of the material
   bool textured = false;
   bool coloured = false;
   bool albedo_map = false;

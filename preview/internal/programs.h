@@ -38,7 +38,7 @@ struct alignas(16) ViewBlock {
   float sight[4];        // world direction through the tile's upper left corner, any length
   float sight_right[4];  // its change from sample to sample
   float sight_down[4];
-  float to_sun[4];      // world, unit
+  float to_sun[4];      // world, unit; w: what its disc adds to alpha²
   float irradiance[4];  // RGB
 };
 struct alignas(16) DrawBlock {
@@ -53,29 +53,25 @@ struct alignas(16) DecalBlock {
   float outwards[4];
 };
 
-inline constexpr std::uint32_t kLawPairs = 9;
-inline std::uint32_t law_pair(const Variant& variant) {
-  return static_cast<std::uint32_t>(variant.diffuse) * 3 +
-         static_cast<std::uint32_t>(variant.specular);
-}
-
 class Programs {
  public:
-  explicit Programs(const GladGLContext& gl) : gl_(gl) {}
+  Programs(const GladGLContext& gl, const pan::Model& model)
+      : gl_(gl), families_(families_of(model)) {}
 
   // Each returns 0 when the driver refuses a shader: *problem says why.
   //
   // layers: how many there are.
   GLuint geometry(const Variant& variant, bool flat, unsigned layers, std::string* problem);
-  GLuint shading(std::uint32_t pair, unsigned layers, bool one_material, std::string* problem);
+  GLuint shading(std::uint32_t variant, unsigned layers, bool one_material, std::string* problem);
   GLuint ids(bool cutout, std::string* problem);
   GLuint decal(std::string* problem);
   GLuint bare(std::string* problem);
 
  private:
   const GladGLContext& gl_;
+  Families families_;
   std::map<unsigned, GlProgram> geometry_;
-  std::array<GlProgram, kLawPairs * kLayers * 2> shading_;
+  std::array<GlProgram, materials::kMostVariants * kLayers * 2> shading_;
   std::array<GlProgram, 2> ids_;
   GlProgram decal_;
   GlProgram bare_;

@@ -1,15 +1,16 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, any of PAINTED
-// ROUGH ONE_MATERIAL, PAIR (the number of this pair of laws), and the pair's formulas (materials/formulas).
+// ROUGH ONE_MATERIAL, VARIANT (its number), and the formulas of its families (materials/formulas).
 
 layout(std140, binding = 0) uniform View {
   vec4 sight;        // world direction through the tile's upper left corner, any length
   vec4 sight_right;  // its change from sample to sample
   vec4 sight_down;
-  vec4 to_sun;      // world, unit
+  vec4 to_sun;      // world, unit; w: what its disc adds to the squares of alpha
   vec4 irradiance;  // RGB
 }
 view;
 
+layout(binding = 5) uniform usamplerBuffer items;  // x: material, y: variant, z: family
 layout(binding = 2) uniform sampler2D seen_samples;  // as geometry.frag leaves them
 #ifdef PAINTED
 layout(binding = 3) uniform sampler2D paints;
@@ -19,14 +20,14 @@ layout(binding = 6) uniform sampler2D roughs;
 #endif
 
 #ifdef ONE_MATERIAL
+const int first_row = 0;
 // a material record of a pan file as it stands
-layout(std140, binding = 2) uniform MaterialRecord { vec4 rows[10]; }
+layout(std140, binding = 2) uniform MaterialRecord { vec4 rows[24]; }
 material;
 #define ROW(i) material.rows[i]
 #else
-layout(binding = 4) uniform samplerBuffer materials;  // ten texels a record
-layout(binding = 5) uniform usamplerBuffer items;     // x: material, y: pair of laws
-#define ROW(i) texelFetch(materials, first_row + i)
+layout(binding = 4) uniform samplerBuffer materials;  // 24 texels a record
+#define ROW(i) texelFetch(materials, i)
 #endif
 
 layout(location = 0) out vec4 radiance;
@@ -37,6 +38,64 @@ vec3 unit_or_zero(vec3 v) {
   return square > 0.0 ? v * inversesqrt(square) : vec3(0.0);
 }
 
+// A material record (schemas/pan_layout.toml) as the parameters of its laws.
+Surface surface_of(int row) {
+  vec4 diffuse = ROW(row), specular = ROW(row + 1), emissive = ROW(row + 2);
+  vec4 refract_shine = ROW(row + 3), extinction = ROW(row + 4), cook = ROW(row + 5);
+  vec4 hapke = ROW(row + 6), grains = ROW(row + 7), mixed = ROW(row + 8);
+  vec4 coat_depth = ROW(row + 9), coat_return = ROW(row + 10), many_scale = ROW(row + 11);
+  vec4 loss = ROW(row + 12), more_loss = ROW(row + 13);
+  vec4 h = ROW(row + 14), more_h = ROW(row + 15);
+  Surface s;
+  s.diffuse = diffuse.rgb;
+  s.specular = specular.rgb;
+  s.emissive = emissive.rgb;
+  s.weights = vec3(diffuse.a, specular.a, emissive.a);
+  s.indices = refract_shine.rgb;
+  s.extinction = extinction.rgb;
+  s.shine = refract_shine.a;
+  s.lobe_scale = cook.x * cook.z * cook.w;
+  s.alpha = cook.y;
+  s.alpha_y = extinction.a;
+  s.tangent = vec3(0.0);
+  s.sun_alpha2 = view.to_sun.w;
+  s.many_scale = many_scale.rgb;
+  s.loss0 = loss.x;
+  s.loss1 = loss.y;
+  s.loss2 = loss.z;
+  s.loss3 = loss.w;
+  s.loss4 = more_loss.x;
+  s.loss5 = more_loss.y;
+  s.loss6 = more_loss.z;
+  s.loss7 = more_loss.w;
+  s.oren = mixed.y;
+  s.hapke_w = hapke.x;
+  s.hapke_h = hapke.y;
+  s.hapke_b0 = hapke.z;
+  s.hapke_rough = hapke.w;
+  s.hapke_b = grains.x;
+  s.hapke_c = grains.y;
+  s.hapke_hc = grains.z;
+  s.hapke_bc0 = grains.w;
+  s.hapke_k = coat_depth.a;
+  s.hapke_h0 = h.x;
+  s.hapke_h1 = h.y;
+  s.hapke_h2 = h.z;
+  s.hapke_h3 = h.w;
+  s.hapke_h4 = more_h.x;
+  s.hapke_h5 = more_h.y;
+  s.hapke_h6 = more_h.z;
+  s.hapke_h7 = more_h.w;
+  s.coat_index = mixed.z;
+  s.coat_alpha = mixed.w;
+  s.coat_share = 1.0;
+  s.coat_depth = coat_depth.rgb;
+  s.coat_return = coat_return.rgb;
+  s.tilt_x = coat_return.a;
+  s.tilt_y = many_scale.a;
+  return s;
+}
+
 #ifdef ROUGH
 // What a roughness map says, and the bumps that a sample is too large to show. Lambert's law is
 // linear in the normal, so the length of the mean normal gives their mean; mirror facets on bumps
@@ -45,8 +104,10 @@ void roughen(inout Surface surface, float length_of_mean, vec2 rough) {
   surface.diffuse *= length_of_mean;
   surface.oren *= rough.x;
   // floor: what the Sun's disc blurs is 50 times as much
-  float slope = max(surface.cook_m * rough.x, min(surface.cook_m, 1e-4));
-  surface.cook_m = rough.y > 0.0 ? sqrt(slope * slope + rough.y) : slope;
+  float slope = max(surface.alpha * rough.x, min(surface.alpha, 1e-4));
+  surface.alpha = rough.y > 0.0 ? sqrt(slope * slope + rough.y) : slope;
+  slope = max(surface.alpha_y * rough.x, min(surface.alpha_y, 1e-4));
+  surface.alpha_y = rough.y > 0.0 ? sqrt(slope * slope + rough.y) : slope;
   if (rough.y > 0.0)
     surface.shine = max(2.0 / (2.0 / (surface.shine + 2.0) + rough.y) - 2.0, 0.0);
 }
@@ -56,10 +117,10 @@ void main() {
   vec4 seen = texelFetch(seen_samples, ivec2(gl_FragCoord.xy), 0);
   int item = int(seen.w) - 1;
   if (item < 0) discard;
-#ifndef ONE_MATERIAL
   uvec4 of_item = texelFetch(items, item);
-  if (of_item.y != PAIR) discard;
-  int first_row = 10 * int(of_item.x);
+#ifndef ONE_MATERIAL
+  if (of_item.y != VARIANT) discard;
+  int first_row = 24 * int(of_item.x);
 #endif
 
   // the line of sight of this sample, free of where the surface is and how far
@@ -67,42 +128,18 @@ void main() {
                gl_FragCoord.y * view.sight_down.xyz;
   vec3 to_viewer = -normalize(sight);
 
-  vec4 diffuse = ROW(0);
-  vec4 specular = ROW(1);
-  vec4 emissive = ROW(2);
-  vec4 refract_shine = ROW(3);
-  vec4 cook = ROW(4);
-  vec4 hapke = ROW(5);
-  Surface surface;
-  surface.diffuse = diffuse.rgb;
+  Surface surface = surface_of(first_row);
 #ifdef PAINTED
   vec4 paint = texelFetch(paints, ivec2(gl_FragCoord.xy), 0);
   surface.diffuse = paint.rgb;
 #endif
-  surface.specular = specular.rgb;
-  surface.emissive = emissive.rgb;
-  surface.weights = vec3(diffuse.a, specular.a, emissive.a);
-  surface.indices = refract_shine.rgb;
-  surface.shine = refract_shine.a;
-  surface.cook_d = cook.x;
-  surface.cook_m = cook.y;
-  surface.cook_f = cook.z;
-  surface.cook_g = cook.w;
-  surface.oren = ROW(6).x;
-  surface.hapke_w = hapke.x;
-  surface.hapke_h = hapke.y;
-  surface.hapke_b0 = hapke.z;
-  surface.hapke_rough = hapke.w;
-  // level 0 of the language has isotropic particles
-  surface.hapke_b = 0.0;
-  surface.hapke_c = 0.0;
 #ifdef ROUGH
   roughen(surface, paint.a, texelFetch(roughs, ivec2(gl_FragCoord.xy), 0).xy);
 #endif
 
   // where the normal faces away from the viewer, at the limb of a smooth mesh, surface_brdf takes
   // the viewer to the horizon
-  radiance = vec4(surface_radiance(surface, view.to_sun.xyz, to_viewer, unit_or_zero(seen.xyz),
+  radiance = vec4(surface_radiance(of_item.z, surface, view.to_sun.xyz, to_viewer, unit_or_zero(seen.xyz),
                                    view.irradiance.rgb),
                   1.0);
 }

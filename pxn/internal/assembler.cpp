@@ -74,6 +74,24 @@ void append(std::vector<double>& key, const materials::Maps& m) {
   key.insert(key.end(), {m.threshold, m.repeat.x, m.repeat.y});
 }
 
+void append(std::vector<double>& key, const materials::HapkeGrains& g) {
+  key.insert(key.end(), {g.b, g.c, g.h_c, g.b_c0, g.porosity});
+}
+
+void append(std::vector<double>& key, const std::optional<materials::Coat>& coat) {
+  key.push_back(coat ? 1 : 0);
+  if (coat)
+    key.insert(key.end(), {coat->index, coat->alpha, coat->depth.x, coat->depth.y, coat->depth.z});
+}
+
+void append(std::vector<double>& key, const std::optional<materials::Cells>& c) {
+  key.push_back(c ? 1 : 0);
+  if (!c) return;
+  for (const Vec2& v : {c->count, c->gap, c->tilt}) key.insert(key.end(), {v.x, v.y});
+  for (const Vec3& v : {c->gap_color, c->finger_color}) key.insert(key.end(), {v.x, v.y, v.z});
+  key.insert(key.end(), {c->fingers, c->finger_width});
+}
+
 std::vector<double> key_of(const materials::Fields& f) {
   std::vector<double> key;
   append(key, f.diffuse);
@@ -86,6 +104,16 @@ std::vector<double> key_of(const materials::Fields& f) {
   append(key, f.oren);
   append(key, f.hapke);
   append(key, f.maps.value_or(materials::Maps{}));
+  append(key, f.extinction);
+  append(key, f.lommel);
+  key.push_back(f.diffuse_law ? static_cast<double>(*f.diffuse_law) : -1);
+  key.push_back(f.specular_law ? static_cast<double>(*f.specular_law) : -1);
+  key.push_back(f.compensation ? static_cast<double>(*f.compensation) : -1);
+  const auto alpha = f.alpha.value_or(std::array<double, 2>{-1, -1});
+  key.insert(key.end(), alpha.begin(), alpha.end());
+  append(key, f.hapke_grains.value_or(materials::HapkeGrains{}));
+  append(key, f.coat);
+  append(key, f.cells);
   return key;
 }
 
@@ -100,6 +128,11 @@ std::vector<double> key_of(const materials::Material& m) {
   append(key, std::optional(m.oren));
   append(key, std::optional(m.hapke));
   append(key, m.maps);
+  append(key, std::optional(m.extinction));
+  append(key, m.grains);
+  append(key, m.coat);
+  append(key, m.cells);
+  key.insert(key.end(), {m.alpha_y, static_cast<double>(m.compensation)});
   return key;
 }
 

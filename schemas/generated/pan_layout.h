@@ -28,14 +28,19 @@ inline constexpr std::uint64_t kKnownRequiredFeatures = 0;  // bits of Header.re
 enum class DiffuseLaw : std::uint32_t {
   lambert = 0,  // constant
   oren_nayar = 1,  // Oren-Nayar 1994, width in oren
-  hapke = 2,  // Hapke, parameters in hapke
+  hapke = 2,  // Hapke, parameters in hapke, grains and porosity
+  eon = 3,  // energy-preserving Oren-Nayar, roughness in oren
+  lommel_seeliger = 4,  // Lommel-Seeliger, w in hapke[0]
 };
 
 // The law of the specular part of a material.
 enum class SpecularLaw : std::uint32_t {
   none = 0,  // no specular part
   blinn_phong = 1,  // normalised Blinn-Phong, exponent in shine
-  cook_torrance = 2,  // Cook-Torrance with Beckmann slopes, parameters in cook
+  cook_torrance = 2,  // Cook-Torrance with Beckmann slopes in V-cavities, parameters in cook
+  beckmann = 3,  // Beckmann slopes with Smith's masking, cook[1] and alpha_y
+  ggx = 4,  // GGX slopes with Smith's masking, cook[1] and alpha_y
+  mirror = 5,  // a perfect mirror
 };
 
 // Which term of the need decided a tolerance.
@@ -205,9 +210,10 @@ static_assert(offsetof(Instance, mesh) == 4);
 static_assert(offsetof(Instance, material) == 8);
 static_assert(offsetof(Instance, texture) == 12);
 
-// A material in the std430 layout of ten vec4, so that the section is a shader storage buffer as
-// it stands. f = weight_d*diffuse*f_d + weight_s*specular*f_s; radiance = f*E*cos +
-// weight_e*emissive*E/pi.
+// A material in the std430 layout of 24 vec4, so that the section is a shader storage buffer as
+// it stands. f = weight_d*diffuse*f_d + weight_s*specular*f_s, under a coat where there is one;
+// radiance = f*E*cos + weight_e*emissive*E/pi. The laws are as authored; variant says which
+// materials share a shader.
 struct Material {
   float diffuse[3];  // linear RGB
   float weight_d;  // weight of the diffuse part
@@ -215,26 +221,54 @@ struct Material {
   float weight_s;  // weight of the specular part
   float emissive[3];  // linear RGB
   float weight_e;  // weight of the emitted part
-  float refract[3];  // real refractive index per channel; all 0: no Fresnel term, F = 1
+  float refract[3];  // refractive index n per channel; all 0: no Fresnel term, F = 1
   float shine;  // Blinn-Phong exponent
-  float cook[4];  // factor of D, RMS slope m (> 0 for cook_torrance), factor of F, factor of G
-  float hapke[4];  // w, h, B0, mean roughness angle in radians
-  float oren;  // rad: RMS slope angle of the facets
+  float extinction[3];  // k per channel; all 0: a dielectric
+  float alpha_y;  // beckmann, ggx: RMS slope along v
+  // factor of D, RMS slope m or alpha along u (> 0 for facets), factor of F, factor of G
+  float cook[4];
+  float hapke[4];  // w, h, B0, mean roughness angle in radians; lommel_seeliger: w alone
+  // Hapke: asymmetry b, backward share c, width and strength of the coherent backscatter
+  float grains[4];
+  float porosity;  // Hapke: filling factor, at most 0.7
+  float oren;  // oren_nayar: RMS slope angle of the facets, radians; eon: roughness 0 to 1
+  float coat_index;  // refractive index of the coat, at least 1; 0: no coat
+  float coat_alpha;  // RMS slope of the coat's surface
+  float coat_depth[3];  // optical thickness across the coat
+  float hapke_k;  // porosity factor K, at least 1
+  float coat_return[3];  // share of diffuse light from below that the coat sends back
+  float tilt_u;  // slope of cells against their cover glass along u
+  // light scattered more than once by facets: factor of loss(l)*loss(v), 1/sr; all 0: none
+  float many_scale[3];
+  float tilt_v;  // and along v
+  // 1 - E(cos), E the directional albedo of the facets: coefficients of the powers of sqrt(cos)
+  float loss[8];
+  float hapke_h[8];  // coefficients of H(x), see materials/formulas/hapke.glsl
   std::uint32_t diffuse_law;  // DiffuseLaw
   std::uint32_t specular_law;  // SpecularLaw
-  std::uint32_t flags;  // 0
+  std::uint32_t compensation;  // Compensation: automatic, on, off
+  std::uint32_t variant;  // which shader: materials of one variant share it
   std::uint32_t name;  // may be empty; a shader skips it
+  float fit_error;  // largest error of loss, or relative one of H
+  std::uint32_t flags;  // 0
+  float cutout_threshold;  // 0 to 1
   std::int32_t albedo_map;  // multiplies the diffuse colour; -1: none
   // linear; RGB x 2 - 1 is the normal: +x along u, +y along v, +z outwards; -1: none
   std::int32_t normal_map;
-  std::int32_t roughness_map;  // linear, red: multiplies cook[1] and oren; -1: none
+  std::int32_t roughness_map;  // linear, red: multiplies cook[1], alpha_y and oren; -1: none
   // alpha: the surface is there where it reaches cutout_threshold; -1: none
   std::int32_t cutout_map;
-  float cutout_threshold;  // 0 to 1
   float map_repeat[2];  // texcoords are multiplied by it for the maps of the material
-  std::uint32_t reserved[4];  // 0
+  float cell_count[2];  // solar cells along u and v of one unit of texcoords; 0 0: none
+  float cell_gap[2];  // gaps between cells, parts of their pitch
+  float fingers;  // grid lines across a cell
+  float finger_width;  // part of the pitch of the grid lines
+  float gap_color[3];  // diffuse, linear RGB
+  std::uint32_t reserved_a;  // 0
+  float finger_color[3];  // diffuse, linear RGB
+  std::uint32_t reserved_b[5];  // 0
 };
-static_assert(sizeof(Material) == 160);
+static_assert(sizeof(Material) == 384);
 static_assert(offsetof(Material, diffuse) == 0);
 static_assert(offsetof(Material, weight_d) == 12);
 static_assert(offsetof(Material, specular) == 16);
@@ -243,20 +277,44 @@ static_assert(offsetof(Material, emissive) == 32);
 static_assert(offsetof(Material, weight_e) == 44);
 static_assert(offsetof(Material, refract) == 48);
 static_assert(offsetof(Material, shine) == 60);
-static_assert(offsetof(Material, cook) == 64);
-static_assert(offsetof(Material, hapke) == 80);
-static_assert(offsetof(Material, oren) == 96);
-static_assert(offsetof(Material, diffuse_law) == 100);
-static_assert(offsetof(Material, specular_law) == 104);
-static_assert(offsetof(Material, flags) == 108);
-static_assert(offsetof(Material, name) == 112);
-static_assert(offsetof(Material, albedo_map) == 116);
-static_assert(offsetof(Material, normal_map) == 120);
-static_assert(offsetof(Material, roughness_map) == 124);
-static_assert(offsetof(Material, cutout_map) == 128);
-static_assert(offsetof(Material, cutout_threshold) == 132);
-static_assert(offsetof(Material, map_repeat) == 136);
-static_assert(offsetof(Material, reserved) == 144);
+static_assert(offsetof(Material, extinction) == 64);
+static_assert(offsetof(Material, alpha_y) == 76);
+static_assert(offsetof(Material, cook) == 80);
+static_assert(offsetof(Material, hapke) == 96);
+static_assert(offsetof(Material, grains) == 112);
+static_assert(offsetof(Material, porosity) == 128);
+static_assert(offsetof(Material, oren) == 132);
+static_assert(offsetof(Material, coat_index) == 136);
+static_assert(offsetof(Material, coat_alpha) == 140);
+static_assert(offsetof(Material, coat_depth) == 144);
+static_assert(offsetof(Material, hapke_k) == 156);
+static_assert(offsetof(Material, coat_return) == 160);
+static_assert(offsetof(Material, tilt_u) == 172);
+static_assert(offsetof(Material, many_scale) == 176);
+static_assert(offsetof(Material, tilt_v) == 188);
+static_assert(offsetof(Material, loss) == 192);
+static_assert(offsetof(Material, hapke_h) == 224);
+static_assert(offsetof(Material, diffuse_law) == 256);
+static_assert(offsetof(Material, specular_law) == 260);
+static_assert(offsetof(Material, compensation) == 264);
+static_assert(offsetof(Material, variant) == 268);
+static_assert(offsetof(Material, name) == 272);
+static_assert(offsetof(Material, fit_error) == 276);
+static_assert(offsetof(Material, flags) == 280);
+static_assert(offsetof(Material, cutout_threshold) == 284);
+static_assert(offsetof(Material, albedo_map) == 288);
+static_assert(offsetof(Material, normal_map) == 292);
+static_assert(offsetof(Material, roughness_map) == 296);
+static_assert(offsetof(Material, cutout_map) == 300);
+static_assert(offsetof(Material, map_repeat) == 304);
+static_assert(offsetof(Material, cell_count) == 312);
+static_assert(offsetof(Material, cell_gap) == 320);
+static_assert(offsetof(Material, fingers) == 328);
+static_assert(offsetof(Material, finger_width) == 332);
+static_assert(offsetof(Material, gap_color) == 336);
+static_assert(offsetof(Material, reserved_a) == 348);
+static_assert(offsetof(Material, finger_color) == 352);
+static_assert(offsetof(Material, reserved_b) == 364);
 
 // A picture of RGBA8 texels, row 0 the top row. Texcoord (0, 0) is the bottom left corner of the
 // picture, (1, 1) the top right.
@@ -439,7 +497,7 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
     {SectionKind::nodes, "nodes", 88, false},
     {SectionKind::meshes, "meshes", 96, false},
     {SectionKind::instances, "instances", 16, false},
-    {SectionKind::materials, "materials", 160, false},
+    {SectionKind::materials, "materials", 384, false},
     {SectionKind::textures, "textures", 32, false},
     {SectionKind::frames, "frames", 64, false},
     {SectionKind::sources, "sources", 16, true},
@@ -548,33 +606,81 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
     {SectionKind::materials, "shine", 60, FieldType::f32, 1,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::materials, "cook", 64, FieldType::f32, 4,
+    {SectionKind::materials, "extinction", 64, FieldType::f32, 3,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::materials, "hapke", 80, FieldType::f32, 4,
+    {SectionKind::materials, "alpha_y", 76, FieldType::f32, 1,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::materials, "oren", 96, FieldType::f32, 1,
+    {SectionKind::materials, "cook", 80, FieldType::f32, 4,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::materials, "diffuse_law", 100, FieldType::u32, 1,
-     FieldRuleKind::range, SectionKind::build, 0u, 2u},
-    {SectionKind::materials, "specular_law", 104, FieldType::u32, 1,
-     FieldRuleKind::range, SectionKind::build, 0u, 2u},
-    {SectionKind::materials, "flags", 108, FieldType::u32, 1,
-     FieldRuleKind::zero, SectionKind::build, 0, 0},
-    {SectionKind::materials, "name", 112, FieldType::u32, 1,
-     FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
-    {SectionKind::materials, "albedo_map", 116, FieldType::i32, 1,
-     FieldRuleKind::reference_or_none, SectionKind::textures, 0, 0},
-    {SectionKind::materials, "normal_map", 120, FieldType::i32, 1,
-     FieldRuleKind::reference_or_none, SectionKind::textures, 0, 0},
-    {SectionKind::materials, "roughness_map", 124, FieldType::i32, 1,
-     FieldRuleKind::reference_or_none, SectionKind::textures, 0, 0},
-    {SectionKind::materials, "cutout_map", 128, FieldType::i32, 1,
-     FieldRuleKind::reference_or_none, SectionKind::textures, 0, 0},
-    {SectionKind::materials, "cutout_threshold", 132, FieldType::f32, 1,
+    {SectionKind::materials, "hapke", 96, FieldType::f32, 4,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::materials, "map_repeat", 136, FieldType::f32, 2,
+    {SectionKind::materials, "grains", 112, FieldType::f32, 4,
      FieldRuleKind::finite, SectionKind::build, 0, 0},
-    {SectionKind::materials, "reserved", 144, FieldType::u32, 4,
+    {SectionKind::materials, "porosity", 128, FieldType::f32, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "oren", 132, FieldType::f32, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "coat_index", 136, FieldType::f32, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "coat_alpha", 140, FieldType::f32, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "coat_depth", 144, FieldType::f32, 3,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "hapke_k", 156, FieldType::f32, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "coat_return", 160, FieldType::f32, 3,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "tilt_u", 172, FieldType::f32, 1,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::materials, "many_scale", 176, FieldType::f32, 3,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "tilt_v", 188, FieldType::f32, 1,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::materials, "loss", 192, FieldType::f32, 8,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::materials, "hapke_h", 224, FieldType::f32, 8,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::materials, "diffuse_law", 256, FieldType::u32, 1,
+     FieldRuleKind::range, SectionKind::build, 0u, 4u},
+    {SectionKind::materials, "specular_law", 260, FieldType::u32, 1,
+     FieldRuleKind::range, SectionKind::build, 0u, 5u},
+    {SectionKind::materials, "compensation", 264, FieldType::u32, 1,
+     FieldRuleKind::range, SectionKind::build, 0u, 2u},
+    {SectionKind::materials, "variant", 268, FieldType::u32, 1,
+     FieldRuleKind::range, SectionKind::build, 0u, 7u},
+    {SectionKind::materials, "name", 272, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
+    {SectionKind::materials, "fit_error", 276, FieldType::f32, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "flags", 280, FieldType::u32, 1,
+     FieldRuleKind::zero, SectionKind::build, 0, 0},
+    {SectionKind::materials, "cutout_threshold", 284, FieldType::f32, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "albedo_map", 288, FieldType::i32, 1,
+     FieldRuleKind::reference_or_none, SectionKind::textures, 0, 0},
+    {SectionKind::materials, "normal_map", 292, FieldType::i32, 1,
+     FieldRuleKind::reference_or_none, SectionKind::textures, 0, 0},
+    {SectionKind::materials, "roughness_map", 296, FieldType::i32, 1,
+     FieldRuleKind::reference_or_none, SectionKind::textures, 0, 0},
+    {SectionKind::materials, "cutout_map", 300, FieldType::i32, 1,
+     FieldRuleKind::reference_or_none, SectionKind::textures, 0, 0},
+    {SectionKind::materials, "map_repeat", 304, FieldType::f32, 2,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::materials, "cell_count", 312, FieldType::f32, 2,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "cell_gap", 320, FieldType::f32, 2,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "fingers", 328, FieldType::f32, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "finger_width", 332, FieldType::f32, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "gap_color", 336, FieldType::f32, 3,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "reserved_a", 348, FieldType::u32, 1,
+     FieldRuleKind::zero, SectionKind::build, 0, 0},
+    {SectionKind::materials, "finger_color", 352, FieldType::f32, 3,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "reserved_b", 364, FieldType::u32, 5,
      FieldRuleKind::zero, SectionKind::build, 0, 0},
     {SectionKind::textures, "width", 0, FieldType::u32, 1,
      FieldRuleKind::range, SectionKind::build, 1u, 16384u},

@@ -25,7 +25,8 @@ Material figure8() {
 }
 
 TEST(Brdf, WeightsTimesColourTimesLaw) {
-  const double lobe = f64::cook_torrance(0.15, Vec3(1.5), kLight, kViewer, kNormal).x;
+  const double lobe = f64::fresnel_dielectric(f64::half_cosine(kLight, kViewer), 1.5) *
+                      f64::cook_torrance(0.15, kLight, kViewer, kNormal);
   ASSERT_GT(lobe, 0.01);
   const Vec3 want = 0.9 / kPi * Vec3(0.7038, 0.27048, 0.0828) + Vec3(0.1 * lobe);
   const Vec3 got = f64::brdf(figure8(), kLight, kViewer, kNormal);
@@ -53,7 +54,8 @@ TEST(Brdf, EveryPairOfLaws) {
       if (specular == SpecularLaw::blinn_phong)
         want += 0.4 * f64::blinn_phong(12.0, kLight, kViewer, kNormal);
       if (specular == SpecularLaw::cook_torrance)
-        want += 0.4 * f64::cook_torrance(0.15, Vec3(1.5), kLight, kViewer, kNormal);
+        want += 0.4 * Vec3(f64::fresnel_dielectric(f64::half_cosine(kLight, kViewer), 1.5) *
+                           f64::cook_torrance(0.15, kLight, kViewer, kNormal));
       const Vec3 got = f64::brdf(m, kLight, kViewer, kNormal);
       const glm::vec3 single =
           f32::brdf(m, glm::vec3(kLight), glm::vec3(kViewer), glm::vec3(kNormal));

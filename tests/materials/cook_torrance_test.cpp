@@ -38,7 +38,8 @@ double albedo(double m, double index, double mu, int order) {
   over_half_vectors(m, order, [&](const Vec3& h, double weight) {
     const Vec3 l = 2 * glm::dot(v, h) * h - v;
     if (l.z <= 0 || glm::dot(v, h) <= 0) return;
-    const double f = f64::cook_torrance(m, Vec3(index), l, v, kNormal).x;
+    const double f = f64::fresnel_dielectric(f64::half_cosine(l, v), index) *
+                     f64::cook_torrance(m, l, v, kNormal);
     sum += weight * f * l.z * 4 * glm::dot(v, h) / (beckmann_as_printed(h.z, m) * h.z);
   });
   return sum;
@@ -102,7 +103,8 @@ TEST(CookTorrance, TextbookForm) {
     const double fresnel = 0.5 * a * a * (1 + b * b);
     const double want = fresnel * beckmann_as_printed(nh, m) * g / (4 * l.z * v.z);
     if (want < 1e-20) continue;
-    const double got = f64::cook_torrance(m, Vec3(1.5), l, v, kNormal).x;
+    const double got =
+        f64::fresnel_dielectric(f64::half_cosine(l, v), 1.5) * f64::cook_torrance(m, l, v, kNormal);
     worst = std::max(worst, std::fabs(got - want) / want);
   }
   EXPECT_LE(worst, 1e-13) << worst;  // measured 3.0e-14
@@ -116,9 +118,9 @@ TEST(CookTorrance, PrintedFormIsFourTimesBrighter) {
   const double vh = glm::dot(v, h);
   const double g = std::min({1.0, 2 * h.z * v.z / vh, 2 * h.z * l.z / vh});
   const double printed = d * g / kPi / (l.z * v.z);
-  EXPECT_NEAR(f64::cook_torrance_as_printed(0.15, Vec3(0.0), l, v, kNormal).x, printed,
+  EXPECT_NEAR(f64::cook_torrance_as_printed(0.15, l, v, kNormal), printed,
               1e-13 * printed);
-  EXPECT_NEAR(f64::cook_torrance(0.15, Vec3(0.0), l, v, kNormal).x, printed / 4, 1e-13 * printed);
+  EXPECT_NEAR(f64::cook_torrance(0.15, l, v, kNormal), printed / 4, 1e-13 * printed);
 }
 
 }  // namespace

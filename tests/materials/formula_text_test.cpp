@@ -14,29 +14,42 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr std::array kDiffuse{DiffuseLaw::lambert, DiffuseLaw::oren_nayar, DiffuseLaw::hapke};
-constexpr std::array kSpecular{SpecularLaw::none, SpecularLaw::blinn_phong,
-                               SpecularLaw::cook_torrance};
+constexpr std::array kDiffuse{DiffuseLaw::lambert, DiffuseLaw::oren_nayar, DiffuseLaw::hapke,
+                              DiffuseLaw::eon, DiffuseLaw::lommel_seeliger};
+constexpr std::array kSpecular{SpecularLaw::none,     SpecularLaw::blinn_phong,
+                               SpecularLaw::cook_torrance, SpecularLaw::beckmann,
+                               SpecularLaw::ggx,      SpecularLaw::mirror};
 
-TEST(FormulaText, HoldsOnlyItsPairOfLaws) {
-  const char* diffuse_functions[] = {"Vec3 lambert(", "Vec3 oren_nayar(", "Real hapke("};
-  const char* specular_functions[] = {"Vec3 no_specular_law(", "Real blinn_phong(",
-                                      "Vec3 cook_torrance("};
-  for (std::size_t d = 0; d < 3; ++d)
-    for (std::size_t s = 0; s < 3; ++s) {
-      const std::string text = glsl_formulas(kDiffuse[d], kSpecular[s]);
-      for (std::size_t k = 0; k < 3; ++k) {
-        if (k == d)
-          EXPECT_THAT(text, HasSubstr(diffuse_functions[k]));
+// The text of a family has the laws that it calls, and none of the long ones that it does not.
+TEST(FormulaText, HoldsItsLaws) {
+  const std::pair<DiffuseLaw, const char*> diffuse[] = {
+      {DiffuseLaw::oren_nayar, "Vec3 oren_nayar_law("},
+      {DiffuseLaw::hapke, "Vec3 hapke_law("},
+      {DiffuseLaw::eon, "Vec3 eon_law("},
+      {DiffuseLaw::lommel_seeliger, "Vec3 lommel_seeliger_law("}};
+  for (const DiffuseLaw d : kDiffuse)
+    for (const SpecularLaw s : kSpecular) {
+      const std::string text = glsl_formulas({.diffuse = d, .specular = s});
+      for (const auto& [law, function] : diffuse) {
+        if (law == d)
+          EXPECT_THAT(text, HasSubstr(function));
         else
-          EXPECT_THAT(text, Not(HasSubstr(diffuse_functions[k])));
-        if (k == s)
-          EXPECT_THAT(text, HasSubstr(specular_functions[k]));
-        else
-          EXPECT_THAT(text, Not(HasSubstr(specular_functions[k])));
+          EXPECT_THAT(text, Not(HasSubstr(function)));
       }
+      EXPECT_EQ(text.find("Real blinn_phong_lobe(") != std::string::npos,
+                s == SpecularLaw::blinn_phong);
       EXPECT_THAT(text, HasSubstr("Vec3 surface_radiance("));
     }
+}
+
+// Several families stand side by side under names of their own.
+TEST(FormulaText, FamiliesAreChosenByNumber) {
+  const Laws families[] = {{.diffuse = DiffuseLaw::hapke},
+                           {.specular = SpecularLaw::ggx, .coated = true}};
+  const std::string text = glsl_formulas(families);
+  EXPECT_THAT(text, HasSubstr("if (family == 0u) return surface_brdf_0(s"));
+  EXPECT_THAT(text, HasSubstr("return surface_brdf_1(s"));
+  EXPECT_THAT(text, HasSubstr("Vec3 hapke_law("));
 }
 
 // What stands behind each `mark`, up to `end`.
@@ -54,9 +67,9 @@ std::vector<std::string> all_behind(const std::string& text, const std::string& 
 TEST(FormulaText, LeavesNoMacros) {
   for (const DiffuseLaw d : kDiffuse)
     for (const SpecularLaw s : kSpecular) {
-      const std::string text = glsl_formulas(d, s);
+      const std::string text = glsl_formulas({.diffuse = d, .specular = s});
       const auto macros = all_behind(text, "#define ", " \n");
-      EXPECT_EQ(macros.size(), 5u);
+      EXPECT_EQ(macros.size(), 8u);
       for (const std::string& macro : macros) EXPECT_THAT(text, HasSubstr("#undef " + macro));
     }
 }
@@ -64,7 +77,7 @@ TEST(FormulaText, LeavesNoMacros) {
 // No value is computed outside a precise variable: locals are declared so, and what is returned is
 // one of them or a constant.
 TEST(FormulaText, EveryValueIsPrecise) {
-  const std::string text = glsl_all_laws() + glsl_formulas({}, {});
+  const std::string text = glsl_all_laws() + glsl_formulas(Laws{});
   EXPECT_GT(all_behind(text, "  precise ", "\n").size(), 100u);
   for (const char* type : {"  Real ", "  Vec3 "})
     for (const std::string& rest : all_behind(text, type, "/\n"))
@@ -72,7 +85,7 @@ TEST(FormulaText, EveryValueIsPrecise) {
   const auto returned = all_behind(text, "return ", ";");
   EXPECT_GT(returned.size(), 40u);
   for (const std::string& value : returned)
-    EXPECT_THAT(value, testing::AnyOf("exact_result", "Real(0)", "Real(1)", "Vec3(Real(0))"));
+    EXPECT_THAT(value, testing::AnyOf("exact_result", "Real(0)", "Real(1)", "Vec3(Real(0))", "Vec3(Real(1))"));
 }
 
 }  // namespace

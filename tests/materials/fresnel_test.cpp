@@ -113,7 +113,9 @@ TEST(Fresnel, LimitsAndMirrors) {
   EXPECT_EQ(f64::fresnel_dielectric(0.3, 0.0), 1.0);  // no index: a mirror
   EXPECT_EQ(f64::fresnel_dielectric(0.1, 0.5), 1.0);  // total reflection
   EXPECT_EQ(f32::fresnel_dielectric(0.0f, 1.5f), 1.0f);
-  const auto rgb = f64::fresnel_rgb(1.0, {4.2, 2.77, 2.62});
+  f64::SurfaceFields s{};
+  s.indices = {4.2, 2.77, 2.62};
+  const auto rgb = f64::dielectric_fresnel(s, 1.0, 1.0);
   EXPECT_NEAR(rgb.x, 0.3787, 5e-5);
   EXPECT_NEAR(rgb.y, 0.2204, 5e-5);
   EXPECT_NEAR(rgb.z, 0.2003, 5e-5);

@@ -113,7 +113,7 @@ TEST(HardCases, NothingBelowTheHorizon) {
 TEST(HardCases, OppositeDirections) {
   const glm::dvec3 v = direction(1e-7, 0);
   const glm::dvec3 l(-v.x, 0, v.z);
-  EXPECT_EQ(materials::f64::cook_torrance(0.15, glm::dvec3(1.5), l, v, {0, 0, 1}), glm::dvec3(0));
+  EXPECT_EQ(materials::f64::cook_torrance(0.15, l, v, {0, 0, 1}), 0);
   EXPECT_EQ(materials::f64::blinn_phong(20.0, l, v, {0, 0, 1}), 0);
 }
 

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <memory>
 
+#include <fmt/format.h>
+
 #include "materials/brdf.h"
 #include "materials/formula_text.h"
 #include "preview/context.h"
@@ -197,55 +199,80 @@ TEST_P(FormulasGl, TheComparisonSeesTheLastBit) {
             0u);
 }
 
+// GLSL that makes a Surface of the same bits.
+std::string surface_text(const materials::f32::SurfaceFields& s) {
+  std::string text = "  Surface s;\n";
+  const auto bits = [](float value) {
+    return fmt::format("uintBitsToFloat({}u)", std::bit_cast<std::uint32_t>(value));
+  };
+  const auto real = [&](const char* name, float value) {
+    text += fmt::format("  s.{} = {};\n", name, bits(value));
+  };
+  const auto vector = [&](const char* name, const glm::vec3& v) {
+    text += fmt::format("  s.{} = vec3({}, {}, {});\n", name, bits(v.x), bits(v.y), bits(v.z));
+  };
+#define VECTOR(name) vector(#name, s.name);
+#define REAL(name) real(#name, s.name);
+  VECTOR(diffuse) VECTOR(specular) VECTOR(emissive) VECTOR(weights) VECTOR(indices)
+  VECTOR(extinction) REAL(shine) REAL(lobe_scale) REAL(alpha) REAL(alpha_y) VECTOR(tangent)
+  REAL(sun_alpha2) VECTOR(many_scale) REAL(loss0) REAL(loss1) REAL(loss2) REAL(loss3) REAL(loss4)
+  REAL(loss5) REAL(loss6) REAL(loss7) REAL(oren) REAL(hapke_w) REAL(hapke_h) REAL(hapke_b0)
+  REAL(hapke_rough) REAL(hapke_b) REAL(hapke_c) REAL(hapke_hc) REAL(hapke_bc0) REAL(hapke_k)
+  REAL(hapke_h0) REAL(hapke_h1) REAL(hapke_h2) REAL(hapke_h3) REAL(hapke_h4) REAL(hapke_h5)
+  REAL(hapke_h6) REAL(hapke_h7) REAL(coat_index) REAL(coat_alpha) REAL(coat_share)
+  VECTOR(coat_depth) VECTOR(coat_return) REAL(tilt_x) REAL(tilt_y)
+#undef VECTOR
+#undef REAL
+  return text;
+}
+
 // The assembled texts, with the parameters of a material written into the shader.
-TEST_P(FormulasGl, EveryPairOfLaws) {
+TEST_P(FormulasGl, EveryFamily) {
   Material m;
   m.diffuse = {0.75, 0.25, 0.0625};
   m.specular = {1, 0.5, 0.25};
   m.emissive = {0.5, 0.25, 0};
   m.weights = {0.625, 0.25, 0.125};
-  m.refract = Vec3(1.5, 2.5, 0);
   m.shine = 24;
   m.cook = {1, 0.25, 1, 0.5};
+  m.alpha_y = 0.375;
   m.oren = 0.375;
   m.hapke = {0.375, 0.0625, 1, 0.25};
-  const std::string statements = R"(
-  Surface s;
-  s.diffuse = vec3(0.75, 0.25, 0.0625);
-  s.specular = vec3(1.0, 0.5, 0.25);
-  s.emissive = vec3(0.5, 0.25, 0.0);
-  s.weights = vec3(0.625, 0.25, 0.125);
-  s.indices = vec3(1.5, 2.5, 0.0);
-  s.shine = 24.0;
-  s.cook_d = 1.0;
-  s.cook_m = 0.25;
-  s.cook_f = 1.0;
-  s.cook_g = 0.5;
-  s.oren = 0.375;
-  s.hapke_w = 0.375;
-  s.hapke_h = 0.0625;
-  s.hapke_b0 = 1.0;
-  s.hapke_rough = 0.25;
-  s.hapke_b = 0.0;
-  s.hapke_c = 0.0;
-)";
+  m.grains = {0.25, 0.5, 0.125, 0.5, 0.25};
   std::vector<Inputs> cases = grid();
   for (const auto& more : {tilted_grid(), random_pairs(-0.2, 5000), near_specular(0.25, 5000)})
     cases.insert(cases.end(), more.begin(), more.end());
   const glm::vec3 irradiance(1.5f, 1.0f, 0.5f);
-  const char* diffuse_names[] = {"lambert", "oren_nayar", "hapke"};
-  const char* specular_names[] = {"none", "blinn_phong", "cook_torrance"};
-  for (std::uint32_t d = 0; d < 3; ++d)
-    for (std::uint32_t s = 0; s < 3; ++s) {
-      m.diffuse_law = static_cast<DiffuseLaw>(d);
-      m.specular_law = static_cast<SpecularLaw>(s);
-      const Shader shader(context_->gl(), materials::glsl_formulas(m.diffuse_law, m.specular_law),
-                          statements, "surface_radiance(s, l, v, n, vec3(1.5, 1.0, 0.5))");
-      check(std::string(diffuse_names[d]) + " and " + specular_names[s], cases,
-            compare(cases, shader.run(cases), [&](const Inputs& c) {
-              return materials::f32::radiance(m, c.l, c.v, c.n, irradiance);
-            }));
-    }
+  const auto compare_laws = [&](const char* name) {
+    materials::fit(m);
+    const std::string statements =
+        surface_text(materials::f32::surface_of(m, glm::vec3(1, 0, 0), 2.7e-6f));
+    const materials::Local local{Vec3(1, 0, 0), 2.7e-6f};
+    const Shader shader(context_->gl(), materials::glsl_formulas(materials::laws_of(m)), statements,
+                        "surface_radiance(s, l, v, n, vec3(1.5, 1.0, 0.5))");
+    check(fmt::format("{} {} {} {}", name, static_cast<int>(m.diffuse_law),
+                      static_cast<int>(m.specular_law), static_cast<int>(m.refract.has_value())),
+          cases, compare(cases, shader.run(cases), [&](const Inputs& c) {
+            return materials::f32::radiance(m, c.l, c.v, c.n, irradiance, glm::vec3(1), local);
+          }));
+  };
+  for (std::uint32_t d = 0; d < 5; ++d) {
+    m.diffuse_law = static_cast<DiffuseLaw>(d);
+    compare_laws("diffuse");
+  }
+  for (std::uint32_t s = 0; s < 6; ++s) {
+    m.specular_law = static_cast<SpecularLaw>(s);
+    m.refract = {};
+    compare_laws("specular");
+    m.refract = Vec3(1.5, 2.5, 1);
+    compare_laws("dielectric");
+    m.extinction = {7, 3, 0.5};
+    compare_laws("conductor");
+    m.coat = materials::Coat{1.5, 0.0625, Vec3(0.125, 0.25, 0.5)};
+    compare_laws("coated");
+    m.coat = {};
+    m.extinction = Vec3(0);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Contexts, FormulasGl,

@@ -17,6 +17,7 @@ using layout::SectionKind;
 class Std430 {
  public:
   std::size_t scalar() { return place(4, 4); }
+  std::size_t vec2() { return place(8, 8); }
   std::size_t vec4() { return place(16, 16); }
   std::size_t size() const { return (at_ + 15) / 16 * 16; }
 
@@ -30,39 +31,58 @@ class Std430 {
   std::size_t at_ = 0;
 };
 
-// struct Material { vec4 diffuse, specular, emissive, refract, cook, hapke; float oren;
-//                   uint diffuse_law, specular_law, flags, name;
+// struct Material { vec4 diffuse, specular, emissive, refract, extinction, cook, hapke, grains;
+//                   float porosity, oren, coat_index, coat_alpha;
+//                   vec4 coat_depth, coat_return, many_scale, loss[2], hapke_h[2];
+//                   uint diffuse_law, specular_law, compensation, variant, name; float fit_error;
+//                   uint flags; float cutout_threshold;
 //                   int albedo_map, normal_map, roughness_map, cutout_map;
-//                   float cutout_threshold, map_repeat[2]; uint reserved[4]; };
+//                   vec2 map_repeat, cell_count, cell_gap; float fingers, finger_width;
+//                   vec4 gap_color, finger_color; uint reserved[4]; };
 TEST(Layout, MaterialIsStd430) {
   using layout::Material;
   Std430 gpu;
-  EXPECT_EQ(gpu.vec4(), offsetof(Material, diffuse));
-  EXPECT_EQ(gpu.vec4(), offsetof(Material, specular));
-  EXPECT_EQ(gpu.vec4(), offsetof(Material, emissive));
-  EXPECT_EQ(gpu.vec4(), offsetof(Material, refract));
-  EXPECT_EQ(gpu.vec4(), offsetof(Material, cook));
-  EXPECT_EQ(gpu.vec4(), offsetof(Material, hapke));
-  EXPECT_EQ(gpu.scalar(), offsetof(Material, oren));
-  EXPECT_EQ(gpu.scalar(), offsetof(Material, diffuse_law));
-  EXPECT_EQ(gpu.scalar(), offsetof(Material, specular_law));
-  EXPECT_EQ(gpu.scalar(), offsetof(Material, flags));
-  EXPECT_EQ(gpu.scalar(), offsetof(Material, name));
-  EXPECT_EQ(gpu.scalar(), offsetof(Material, albedo_map));
-  EXPECT_EQ(gpu.scalar(), offsetof(Material, normal_map));
-  EXPECT_EQ(gpu.scalar(), offsetof(Material, roughness_map));
-  EXPECT_EQ(gpu.scalar(), offsetof(Material, cutout_map));
-  EXPECT_EQ(gpu.scalar(), offsetof(Material, cutout_threshold));
-  // note: an array of float in std430 is packed by 4
-  for (std::size_t k = 0; k < 2; ++k)
-    EXPECT_EQ(gpu.scalar(), offsetof(Material, map_repeat) + 4 * k);
-  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(gpu.scalar(), offsetof(Material, reserved) + 4 * k);
+  for (const std::size_t at :
+       {offsetof(Material, diffuse), offsetof(Material, specular), offsetof(Material, emissive),
+        offsetof(Material, refract), offsetof(Material, extinction), offsetof(Material, cook),
+        offsetof(Material, hapke), offsetof(Material, grains)})
+    EXPECT_EQ(gpu.vec4(), at);
+  for (const std::size_t at : {offsetof(Material, porosity), offsetof(Material, oren),
+                               offsetof(Material, coat_index), offsetof(Material, coat_alpha)})
+    EXPECT_EQ(gpu.scalar(), at);
+  for (const std::size_t at :
+       {offsetof(Material, coat_depth), offsetof(Material, coat_return),
+        offsetof(Material, many_scale), offsetof(Material, loss), offsetof(Material, loss) + 16,
+        offsetof(Material, hapke_h), offsetof(Material, hapke_h) + 16})
+    EXPECT_EQ(gpu.vec4(), at);
+  for (const std::size_t at :
+       {offsetof(Material, diffuse_law), offsetof(Material, specular_law),
+        offsetof(Material, compensation), offsetof(Material, variant), offsetof(Material, name),
+        offsetof(Material, fit_error), offsetof(Material, flags),
+        offsetof(Material, cutout_threshold), offsetof(Material, albedo_map),
+        offsetof(Material, normal_map), offsetof(Material, roughness_map),
+        offsetof(Material, cutout_map)})
+    EXPECT_EQ(gpu.scalar(), at);
+  for (const std::size_t at :
+       {offsetof(Material, map_repeat), offsetof(Material, cell_count), offsetof(Material, cell_gap)})
+    EXPECT_EQ(gpu.vec2(), at);
+  EXPECT_EQ(gpu.scalar(), offsetof(Material, fingers));
+  EXPECT_EQ(gpu.scalar(), offsetof(Material, finger_width));
+  EXPECT_EQ(gpu.vec4(), offsetof(Material, gap_color));
+  EXPECT_EQ(gpu.vec4(), offsetof(Material, finger_color));
+  EXPECT_EQ(gpu.vec4(), sizeof(Material) - 16);
   EXPECT_EQ(gpu.size(), sizeof(Material));
   // the fourth component of a vec4 is the scalar that stands behind three others
-  EXPECT_EQ(offsetof(Material, weight_d), offsetof(Material, diffuse) + 12);
-  EXPECT_EQ(offsetof(Material, weight_s), offsetof(Material, specular) + 12);
-  EXPECT_EQ(offsetof(Material, weight_e), offsetof(Material, emissive) + 12);
-  EXPECT_EQ(offsetof(Material, shine), offsetof(Material, refract) + 12);
+  const std::pair<std::size_t, std::size_t> fourth[] = {
+      {offsetof(Material, weight_d), offsetof(Material, diffuse)},
+      {offsetof(Material, weight_s), offsetof(Material, specular)},
+      {offsetof(Material, weight_e), offsetof(Material, emissive)},
+      {offsetof(Material, shine), offsetof(Material, refract)},
+      {offsetof(Material, alpha_y), offsetof(Material, extinction)},
+      {offsetof(Material, hapke_k), offsetof(Material, coat_depth)},
+      {offsetof(Material, tilt_u), offsetof(Material, coat_return)},
+      {offsetof(Material, tilt_v), offsetof(Material, many_scale)}};
+  for (const auto& [scalar, vector] : fourth) EXPECT_EQ(scalar, vector + 12);
 }
 
 TEST(Layout, LawsAreNumberedAsInMaterials) {
@@ -72,6 +92,11 @@ TEST(Layout, LawsAreNumberedAsInMaterials) {
   EXPECT_EQ(number(DiffuseLaw::lambert), number(layout::DiffuseLaw::lambert));
   EXPECT_EQ(number(DiffuseLaw::oren_nayar), number(layout::DiffuseLaw::oren_nayar));
   EXPECT_EQ(number(DiffuseLaw::hapke), number(layout::DiffuseLaw::hapke));
+  EXPECT_EQ(number(DiffuseLaw::eon), number(layout::DiffuseLaw::eon));
+  EXPECT_EQ(number(DiffuseLaw::lommel_seeliger), number(layout::DiffuseLaw::lommel_seeliger));
+  EXPECT_EQ(number(SpecularLaw::beckmann), number(layout::SpecularLaw::beckmann));
+  EXPECT_EQ(number(SpecularLaw::ggx), number(layout::SpecularLaw::ggx));
+  EXPECT_EQ(number(SpecularLaw::mirror), number(layout::SpecularLaw::mirror));
   EXPECT_EQ(number(SpecularLaw::none), number(layout::SpecularLaw::none));
   EXPECT_EQ(number(SpecularLaw::blinn_phong), number(layout::SpecularLaw::blinn_phong));
   EXPECT_EQ(number(SpecularLaw::cook_torrance), number(layout::SpecularLaw::cook_torrance));

@@ -221,7 +221,8 @@ inline std::vector<Formula> formulas() {
       with_parameters(grid(), pairs_of(std::array{1.0, 0.3}, kSigmas)));
   add(PANWRIGHT_FORMULA("blinn_phong", Vec3(blinn_phong(p[0], l, v, n))),
       with_parameters(grid(), singles(kShines)));
-  add(PANWRIGHT_FORMULA("cook_torrance", cook_torrance(p[0], Vec3(p[1]), l, v, n)),
+  add(PANWRIGHT_FORMULA("cook_torrance", Vec3(fresnel_dielectric(half_cosine(l, v), p[1]) *
+                                               cook_torrance(p[0], l, v, n))),
       with_parameters(grid(), pairs_of(kSlopes, kIndices)));
   add(PANWRIGHT_FORMULA("hapke", Vec3(hapke(p[0], p[1], p[2], p[3], p[4], p[5], l, v, n))),
       with_parameters(grid(), kHapke));

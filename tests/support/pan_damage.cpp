@@ -333,10 +333,10 @@ void tables(Collection& add) {
   material(Code::E4012, "a negative weight", [](Material& m) { m.weight_s = -0.5f; });
   material(Code::E4012, "a refractive index of zero", [](Material& m) { m.refract[2] = 0; });
   material(Code::E4012, "a slope of zero", [](Material& m) { m.cook[1] = 0; });
-  material(Code::E4012, "an unknown diffuse law", [](Material& m) { m.diffuse_law = 3; });
+  material(Code::E4012, "an unknown diffuse law", [](Material& m) { m.diffuse_law = 5; });
   material(Code::E4012, "an unknown specular law",
            [](Material& m) { m.specular_law = 0x80000000u; });
-  material(Code::E4012, "a reserved word of a material", [](Material& m) { m.reserved[2] = 1; });
+  material(Code::E4012, "a reserved word of a material", [](Material& m) { m.reserved_b[2] = 1; });
   material(Code::E4010, "a material's name", [](Material& m) { m.name = 1u << 31; });
   const auto texture = [&](Code code, const char* what,
                            const std::function<void(Texture&)>& change) {
