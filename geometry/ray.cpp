@@ -8,6 +8,8 @@
 #include <new>
 #include <vector>
 
+#include "geometry/internal/embree_device.h"
+
 namespace panwright::geometry {
 
 namespace {
@@ -21,17 +23,6 @@ struct Placed {
   std::vector<Triangle> triangles;
   bool mirrored = false;
 };
-
-struct SharedDevice {
-  RTCDevice device = rtcNewDevice(nullptr);
-  ~SharedDevice() { rtcReleaseDevice(device); }
-};
-
-RTCDevice shared_device() {
-  static const SharedDevice shared;
-  if (shared.device == nullptr) throw std::bad_alloc();
-  return shared.device;
-}
 
 // One query on its way through the tree.
 struct Query {
@@ -192,7 +183,7 @@ void RayCaster::Impl::measure() {
 
 void RayCaster::Impl::attach(std::uint32_t instance) {
   const Placed& placed = instances[instance];
-  RTCGeometry geometry = rtcNewGeometry(shared_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* positions = static_cast<float*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                               3 * sizeof(float), placed.positions.size()));
@@ -219,13 +210,13 @@ void RayCaster::build() {
   Impl& impl = *impl_;
   assert(impl.scene == nullptr);
   impl.measure();
-  impl.scene = rtcNewScene(shared_device());
+  impl.scene = rtcNewScene(embree_device());
   rtcSetSceneFlags(impl.scene, RTC_SCENE_FLAG_ROBUST);
   if (impl.radius > 0)
     for (std::uint32_t i = 0; i < impl.instances.size(); ++i)
       if (!impl.instances[i].triangles.empty()) impl.attach(i);
   rtcCommitScene(impl.scene);
-  if (rtcGetDeviceError(shared_device()) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (rtcGetDeviceError(embree_device()) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
 }
 
 // Moves the ray's start close to the set, in double. False: it passes by.

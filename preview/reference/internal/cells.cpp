@@ -1,0 +1,191 @@
+#include "preview/reference/internal/cells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "preview/internal/projection.h"
+
+namespace panwright::preview::reference {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// pixels; instances of boxes up to this wide are measured by their vertices
+constexpr double kSmall = 8;
+
+struct Area {
+  Vec2 low{kInfinity};
+  Vec2 high{-kInfinity};
+  void add(const Vec2& p) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  bool empty() const { return !(low.x <= high.x && low.y <= high.y); }
+};
+
+// Where a set of points falls, widened by what rounding is worth. all: behind or beside the camera
+// too, so that it may be anywhere.
+class Projected {
+ public:
+  Projected(const Camera& camera, const Mat4& camera_from_mesh, double rounding)
+      : camera_(camera), camera_from_mesh_(camera_from_mesh), rounding_(rounding) {}
+
+  void add(const Vec3& p) {
+    const Vec3 at(camera_from_mesh_ * Vec4(p, 1));
+    nearest_ = std::min(nearest_, at.z);
+    if (camera_.projection == Projection::orthographic)
+      area_.add(camera_.focal * Vec2(at) + camera_.principal);
+    else if (at.z > 0)
+      area_.add(camera_.focal * (Vec2(at) / at.z) + camera_.principal);
+  }
+
+  Area area() const {
+    const double focal = std::max(camera_.focal.x, camera_.focal.y);
+    Area result = area_;
+    double slack = focal * rounding_;
+    if (camera_.projection == Projection::perspective) {
+      if (!(nearest_ > 2 * rounding_)) return {Vec2(-kInfinity), Vec2(kInfinity)};
+      slack /= nearest_ - rounding_;
+    }
+    if (result.empty()) return result;
+    const Vec2 far = glm::max(glm::abs(result.low), glm::abs(result.high));
+    slack += 1e-5 * std::max(result.high.x - result.low.x, result.high.y - result.low.y) +
+             1e-14 * std::max({far.x, far.y, focal});
+    result.low -= slack;
+    result.high += slack;
+    return result;
+  }
+
+ private:
+  const Camera& camera_;
+  const Mat4& camera_from_mesh_;
+  double rounding_;
+  double nearest_ = kInfinity;
+  Area area_;
+};
+
+Area area_of(const pan::Model& model, const View& view, const DrawItem& item,
+             const PlacedBox& box) {
+  const Vec3 far =
+      glm::max(glm::abs(Vec3(box.camera_from_mesh[3])),
+               glm::abs(view.camera.position) + glm::abs(view.world_from_model.translation));
+  // metres: some roundings of the largest numbers on the way
+  const double rounding = 1e-15 * std::max({far.x, far.y, far.z});
+  Projected whole(view.camera, box.camera_from_mesh, rounding);
+  for (const Vec3& corner : corners(box.low, box.high)) whole.add(corner);
+  const Area area = whole.area();
+  const Vec2 size = area.high - area.low;
+  if (!(std::max(size.x, size.y) <= kSmall)) return area;
+  Projected vertices(view.camera, box.camera_from_mesh, rounding);
+  for (const pan::layout::Float3& p : model.mesh(item.mesh).positions)
+    vertices.add(Vec3(p.x, p.y, p.z));
+  return vertices.area();
+}
+
+// Pixels with the parts that areas cover.
+class Grid {
+ public:
+  Grid(std::uint32_t width, std::uint32_t height, const Area& bounds) {
+    const auto pixel = [](double at, std::uint32_t size) {
+      return static_cast<std::int64_t>(std::clamp(at, 0.0, static_cast<double>(size)));
+    };
+    left_ = pixel(std::floor(bounds.low.x), width);
+    top_ = pixel(std::floor(bounds.low.y), height);
+    columns_ = std::max<std::int64_t>(0, pixel(std::ceil(bounds.high.x), width) - left_);
+    rows_ = std::max<std::int64_t>(0, pixel(std::ceil(bounds.high.y), height) - top_);
+    parts_.resize(static_cast<std::size_t>(columns_ * rows_));
+    inside_.resize(static_cast<std::size_t>((columns_ + 1) * (rows_ + 1)));
+  }
+
+  void add(const Area& area) {
+    const std::int64_t x0 = clamped(std::floor(area.low.x) - static_cast<double>(left_), columns_);
+    const std::int64_t y0 = clamped(std::floor(area.low.y) - static_cast<double>(top_), rows_);
+    const std::int64_t x1 = clamped(std::ceil(area.high.x) - static_cast<double>(left_), columns_);
+    const std::int64_t y1 = clamped(std::ceil(area.high.y) - static_cast<double>(top_), rows_);
+    if (x0 >= x1 || y0 >= y1) return;
+    // pixels that are covered whole are counted by the corners of their rectangle
+    const std::int64_t a0 = clamped(std::ceil(area.low.x) - static_cast<double>(left_), columns_);
+    const std::int64_t b0 = clamped(std::ceil(area.low.y) - static_cast<double>(top_), rows_);
+    const std::int64_t a1 = clamped(std::floor(area.high.x) - static_cast<double>(left_), columns_);
+    const std::int64_t b1 = clamped(std::floor(area.high.y) - static_cast<double>(top_), rows_);
+    const bool has_whole = a0 < a1 && b0 < b1;
+    if (has_whole) {
+      ++count(a0, b0);
+      --count(a1, b0);
+      --count(a0, b1);
+      ++count(a1, b1);
+    }
+    for (std::int64_t y = y0; y < y1; ++y)
+      for (std::int64_t x = x0; x < x1; ++x) {
+        if (has_whole && y >= b0 && y < b1 && x >= a0 && x < a1) {
+          x = a1 - 1;
+          continue;
+        }
+        Area& part = parts_[static_cast<std::size_t>(y * columns_ + x)];
+        const Vec2 corner(static_cast<double>(left_ + x), static_cast<double>(top_ + y));
+        part.add(glm::clamp(area.low - corner, Vec2(0), Vec2(1)));
+        part.add(glm::clamp(area.high - corner, Vec2(0), Vec2(1)));
+      }
+  }
+
+  std::vector<Cell> cells() const {
+    std::vector<Cell> result;
+    std::vector<std::int32_t> above(static_cast<std::size_t>(columns_) + 1);
+    for (std::int64_t y = 0; y < rows_; ++y) {
+      std::int32_t covered = 0;
+      for (std::int64_t x = 0; x < columns_; ++x) {
+        auto& column = above[static_cast<std::size_t>(x)];
+        column += inside_[static_cast<std::size_t>(y * (columns_ + 1) + x)];
+        covered += column;
+        Cell cell;
+        cell.column = static_cast<std::uint32_t>(left_ + x);
+        cell.row = static_cast<std::uint32_t>(top_ + y);
+        if (covered == 0) {
+          const Area& part = parts_[static_cast<std::size_t>(y * columns_ + x)];
+          if (!(part.low.x < part.high.x && part.low.y < part.high.y)) continue;
+          cell.low = part.low;
+          cell.high = part.high;
+        }
+        result.push_back(cell);
+      }
+    }
+    return result;
+  }
+
+ private:
+  static std::int64_t clamped(double at, std::int64_t size) {
+    return static_cast<std::int64_t>(std::clamp(at, 0.0, static_cast<double>(size)));
+  }
+  std::int32_t& count(std::int64_t x, std::int64_t y) {
+    return inside_[static_cast<std::size_t>(y * (columns_ + 1) + x)];
+  }
+
+  std::int64_t left_ = 0, top_ = 0, columns_ = 0, rows_ = 0;
+  std::vector<Area> parts_;
+  std::vector<std::int32_t> inside_;
+};
+
+}  // namespace
+
+std::vector<Cell> cells_of(const pan::Model& model, const View& view,
+                           std::span<const DrawItem> list) {
+  const Scenery seen = scenery(view, list);
+  std::vector<Area> areas(seen.items.size());
+  parallel_for(areas.size(), [&](std::size_t i) {
+    areas[i] = area_of(model, view, list[seen.items[i]], seen.boxes[i]);
+  });
+  Area bounds;
+  for (const Area& area : areas) {
+    if (area.empty()) continue;
+    bounds.add(area.low);
+    bounds.add(area.high);
+  }
+  if (bounds.empty()) return {};
+  Grid grid(view.camera.width, view.camera.height, bounds);
+  for (const Area& area : areas)
+    if (!area.empty()) grid.add(area);
+  return grid.cells();
+}
+
+}  // namespace panwright::preview::reference

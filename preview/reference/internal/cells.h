@@ -1,0 +1,29 @@
+// The parts of an image where a model may be seen. Private to preview/reference.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/math.h"
+#include "pan/model.h"
+#include "preview/camera.h"
+#include "preview/internal/draw_list.h"
+
+namespace panwright::preview::reference {
+
+// The part of a pixel that is sampled; outside of it there is background.
+struct Cell {
+  std::uint32_t column = 0;
+  std::uint32_t row = 0;
+  Vec2 low{0};   // in the pixel, 0 to 1
+  Vec2 high{1};  // > low
+};
+
+// Cells by rows, from the left: in each pixel the bounding rectangle of what of the instances'
+// own may fall there, by their boxes, or, where those are smaller than a few pixels, by their
+// vertices.
+// Cost: O(instances + pixels); O(vertices) for small instances.
+std::vector<Cell> cells_of(const pan::Model& model, const View& view,
+                           std::span<const DrawItem> list);
+
+}  // namespace panwright::preview::reference

@@ -1,0 +1,114 @@
+#include "preview/reference/internal/path.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/random.h"
+
+namespace panwright::preview::reference {
+namespace {
+
+// paths are not ended at random before this many bounces
+constexpr std::uint32_t kSureBounces = 3;
+constexpr double kLargestSurvival = 0.95;
+
+double power_weight(double pdf, double other) {
+  // a huge density must not overflow in the squares
+  const double ratio = other / pdf;
+  return 1 / (1 + ratio * ratio);
+}
+
+bool is_black(const Vec3& v) { return !(v.x > 0 || v.y > 0 || v.z > 0); }
+
+// The Sun's light that a surface sends to a viewer, its disc sampled.
+Vec3 sunlight(const Stage& stage, const Sun& sun, const Point& point, const Vec3& to_viewer,
+              const Vec2& u, RayCounts& counts) {
+  const Sun::Sample light = sun.sample(u);
+  const double cosine = glm::dot(point.normal, light.to_light);
+  if (!(cosine > 0)) return Vec3(0);
+  const Scatter& surface = point.surface();
+  Vec3 result =
+      surface.brdf(light.to_light, to_viewer, point.normal, point.tint) * cosine * light.irradiance;
+  if (is_black(result)) return Vec3(0);
+  if (surface.is_narrow() && sun.has_disc())
+    result *=
+        power_weight(sun.pdf(light.to_light), surface.pdf(light.to_light, to_viewer, point.normal));
+  ++counts.shadow;
+  if (stage.any({point.start, light.to_light})) return Vec3(0);
+  return result;
+}
+
+// What a sampled direction gets of the Sun's disc where nothing stands before it.
+Vec3 disc_seen(const Sun& sun, const Scattered& sampled) {
+  if (!sun.has_disc()) return Vec3(0);
+  const Vec3 radiance = sun.radiance(sampled.to_light);
+  if (sampled.delta) return radiance * sampled.weight;
+  const double pdf = sun.pdf(sampled.to_light);
+  if (!(pdf > 0)) return Vec3(0);
+  return radiance * sampled.weight * power_weight(sampled.pdf, pdf);
+}
+
+}  // namespace
+
+std::array<double, 4> numbers(const SampleName& name, std::uint32_t use) {
+  const std::array<std::uint32_t, 4> words =
+      philox({name.pixel, name.round, name.number, use},
+             {static_cast<std::uint32_t>(name.seed), static_cast<std::uint32_t>(name.seed >> 32)});
+  return {in_unit(words[0]), in_unit(words[1]), in_unit(words[2]), in_unit(words[3])};
+}
+
+Arrival traced(const Stage& stage, const Sun& sun, const geometry::Ray& ray, const Vec2& u_sun,
+               const SampleName& name, const PathOptions& options, RayCounts& counts) {
+  Arrival arrival;
+  ++counts.camera;
+  auto hit = stage.seen(ray);
+  if (!hit) return arrival;
+  arrival.covered = true;
+  Vec3 direction = ray.direction;
+  Vec3 share(1);
+  Vec2 u = u_sun;
+  for (std::uint32_t depth = 0;; ++depth) {
+    const Point point = stage.point(*hit, options.flat);
+    arrival.radiance += share * point.emitted * sun.irradiance();
+    const Scatter& surface = point.surface();
+    if (point.normal == Vec3(0) || !surface.reflects()) break;
+    if (depth > 0) {
+      const std::array<double, 4> random = numbers(name, 2 * depth);
+      u = {random[0], random[1]};
+    }
+    const Vec3 to_viewer = -direction;
+    arrival.radiance += share * sunlight(stage, sun, point, to_viewer, u, counts);
+
+    const bool last = depth >= options.bounces;
+    if (last && !surface.is_narrow()) break;
+    const std::array<double, 4> random = numbers(name, 2 * depth + 1);
+    const auto sampled =
+        surface.sample(to_viewer, point.normal, point.tint, {random[0], random[1]}, random[2]);
+    if (!sampled || is_black(sampled->weight)) break;
+    const Vec3 disc = surface.is_narrow() ? disc_seen(sun, *sampled) : Vec3(0);
+    if (last && is_black(disc)) break;
+    const geometry::Ray onward{point.start, sampled->to_light};
+    ++counts.bounce;
+    if (last) {
+      if (!stage.any(onward)) arrival.radiance += share * disc;
+      break;
+    }
+    hit = stage.closest(onward);
+    if (!hit) {
+      arrival.radiance += share * disc;
+      break;
+    }
+    // the inside of a closed mesh is not there for light
+    if (stage.is_inside(*hit)) break;
+    share *= sampled->weight;
+    direction = sampled->to_light;
+    if (depth + 1 > kSureBounces) {
+      const double survival = std::min(kLargestSurvival, std::max({share.x, share.y, share.z}));
+      if (!(random[3] < survival)) break;
+      share /= survival;
+    }
+  }
+  return arrival;
+}
+
+}  // namespace panwright::preview::reference

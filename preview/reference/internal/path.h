@@ -1,0 +1,51 @@
+// The light that arrives along one ray. Private to preview/reference.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "base/math.h"
+#include "geometry/ray.h"
+#include "preview/reference/internal/stage.h"
+#include "preview/reference/internal/sun.h"
+
+namespace panwright::preview::reference {
+
+// Names one sample of a picture: its random numbers are functions of this.
+struct SampleName {
+  std::uint32_t pixel = 0;
+  std::uint32_t round = 0;
+  std::uint32_t number = 0;  // within the pixel and round
+  std::uint64_t seed = 0;
+};
+
+struct RayCounts {
+  std::uint64_t camera = 0;
+  std::uint64_t shadow = 0;
+  std::uint64_t bounce = 0;
+};
+
+struct Arrival {
+  Vec3 radiance{0};
+  bool covered = false;  // something was seen
+};
+
+struct PathOptions {
+  std::uint32_t bounces = 0;
+  bool flat = false;
+};
+
+// Light along a ray from the camera: the Sun at every surface on the way, sampled by its disc and,
+// where a lobe is narrow, by the lobe (balanced by the power heuristic of E. Veach, "Robust Monte
+// Carlo methods for light transport simulation", 1997, 9.2), and what the surfaces emit.
+//
+//   ray    in the model's frame, unit direction
+//   u_sun  in the unit square: where on the disc, for the surface that is seen
+Arrival traced(const Stage& stage, const Sun& sun, const geometry::Ray& ray, const Vec2& u_sun,
+               const SampleName& name, const PathOptions& options, RayCounts& counts);
+
+// The numbers in (0, 1) of a sample for one use.
+std::array<double, 4> numbers(const SampleName& name, std::uint32_t use);
+// Uses: 0 is free for who makes the ray; traced() has those from 1.
+
+}  // namespace panwright::preview::reference

@@ -1,0 +1,181 @@
+#include "preview/reference/internal/rounds.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
+#include "base/random.h"
+
+namespace panwright::preview::reference {
+namespace {
+
+constexpr std::uint32_t kUnitSamples = 2048;
+// no sample has this number: numbers of a whole cell and round
+constexpr std::uint32_t kWholeCell = ~0u;
+
+// The mean of each cell in each of some rounds, from one unit.
+struct UnitResult {
+  std::vector<Light> sums;    // rounds × cells of the unit
+  std::vector<Light> totals;  // one for each round
+  RayCounts counts;
+};
+
+void add_counts(RayCounts& sum, const RayCounts& more) {
+  sum.camera += more.camera;
+  sum.shadow += more.shadow;
+  sum.bounce += more.bounce;
+}
+
+class BoxRounds final : public Rounds {
+ public:
+  BoxRounds(const Shot& shot, std::span<const Cell> cells, std::vector<double> weights)
+      : shot_(shot), cells_(cells), weights_(std::move(weights)), tally_(cells.size()) {
+    units_ = units_of(cells.size(), shot.round_samples());
+  }
+
+  void add(std::uint32_t rounds) override {
+    const bool whole = shot_.round_samples() <= kUnitSamples;
+    std::vector<UnitResult> results(units_.size());
+    parallel_for(units_.size(), [&](std::size_t i) {
+      results[i] = traced_unit(units_[i], rounds);
+      if (!whole) return;
+      // cells of no other unit
+      tally_cells(units_[i], results[i]);
+      results[i].sums = {};
+    });
+    if (!whole) join_parts(results, rounds);
+    for (std::uint32_t r = 0; r < rounds; ++r) {
+      Light total(0);
+      for (const UnitResult& result : results) total += result.totals[r];
+      total_.add(0, total, rounds_ + r + 1);
+    }
+    for (const UnitResult& result : results) add_counts(counts_, result.counts);
+    rounds_ += rounds;
+  }
+
+  void write(ReferenceImage& result) const override {
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const std::size_t pixel = std::size_t{cells_[i].row} * result.image.width + cells_[i].column;
+      const Vec3 error = tally_.error(i, rounds_);
+      for (std::size_t k = 0; k < 3; ++k) {
+        result.image.radiance[3 * pixel + k] =
+            static_cast<float>(tally_.mean(i)[static_cast<int>(k)]);
+        result.standard_error[3 * pixel + k] = static_cast<float>(error[static_cast<int>(k)]);
+      }
+      result.image.coverage[pixel] = static_cast<float>(std::clamp(tally_.mean(i).w, 0.0, 1.0));
+    }
+  }
+
+ private:
+  UnitResult traced_unit(const Unit& unit, std::uint32_t rounds) const {
+    UnitResult result;
+    const std::size_t cells = unit.end - unit.begin;
+    result.sums.resize(rounds * cells);
+    result.totals.resize(rounds);
+    for (std::size_t c = 0; c < cells; ++c) {
+      const Cell& cell = cells_[unit.begin + c];
+      const Vec2 size = cell.high - cell.low;
+      const double share = size.x * size.y / shot_.round_samples();
+      for (std::uint32_t r = 0; r < rounds; ++r) {
+        const CellSampler sampler(shot_, cell, rounds_ + r);
+        Light sum(0);
+        for (std::uint32_t k = 0; k < unit.count; ++k)
+          sum += sampler(unit.first + k, result.counts).light;
+        sum *= share;
+        result.sums[r * cells + c] = sum;
+        result.totals[r] += sum * weights_[unit.begin + c];
+      }
+    }
+    return result;
+  }
+
+  void tally_cells(const Unit& unit, const UnitResult& result) {
+    const std::size_t cells = unit.end - unit.begin;
+    for (std::size_t i = 0; i < result.sums.size(); ++i)
+      tally_.add(unit.begin + i % cells, result.sums[i],
+                 rounds_ + static_cast<std::uint32_t>(i / cells) + 1);
+  }
+
+  // cells that several units have worked on: their parts are added up in order
+  void join_parts(const std::vector<UnitResult>& results, std::uint32_t rounds) {
+    for (std::size_t i = 0; i < units_.size();) {
+      std::size_t end = i;
+      while (end < units_.size() && units_[end].begin == units_[i].begin) ++end;
+      for (std::uint32_t r = 0; r < rounds; ++r) {
+        Light sum(0);
+        for (std::size_t k = i; k < end; ++k) sum += results[k].sums[r];
+        tally_.add(units_[i].begin, sum, rounds_ + r + 1);
+      }
+      i = end;
+    }
+  }
+
+  const Shot& shot_;
+  std::span<const Cell> cells_;
+  std::vector<double> weights_;
+  std::vector<Unit> units_;
+  Tally tally_;
+};
+
+}  // namespace
+
+geometry::Ray ray_through(const Shot& shot, const Vec2& place) {
+  const Vec2 plane = (place - shot.camera.principal) / shot.camera.focal;
+  if (shot.camera.projection == Projection::orthographic)
+    return {shot.eye + shot.model_from_camera * Vec3(plane, 0), shot.model_from_camera[2]};
+  return {shot.eye, shot.model_from_camera * glm::normalize(Vec3(plane, 1))};
+}
+
+CellSampler::CellSampler(const Shot& shot, const Cell& cell, std::uint32_t round)
+    : shot_(shot), cell_(cell) {
+  name_.pixel = cell.row * shot.camera.width + cell.column;
+  name_.round = round;
+  name_.seed = shot.seed;
+  if (shot.grid == 1) {
+    factor_ = 1;
+    shift_ = 0;
+    return;
+  }
+  const auto words =
+      philox({name_.pixel, round, kWholeCell, 0},
+             {static_cast<std::uint32_t>(shot.seed), static_cast<std::uint32_t>(shot.seed >> 32)});
+  factor_ = words[0] | 1;  // odd: every place comes once
+  shift_ = words[1];
+}
+
+Sample CellSampler::operator()(std::uint32_t number, RayCounts& counts) const {
+  SampleName name = name_;
+  name.number = number;
+  const std::array<double, 4> u = numbers(name, 0);
+  const std::uint32_t grid = shot_.grid;
+  const std::uint32_t other = (number * factor_ + shift_) & (grid * grid - 1);
+  const double step = 1.0 / grid;
+  const Vec2 in_cell((number % grid + u[0]) * step, (number / grid + u[1]) * step);
+  const Vec2 on_sun((other % grid + u[2]) * step, (other / grid + u[3]) * step);
+  Sample sample;
+  sample.place = Vec2(cell_.column, cell_.row) + glm::mix(cell_.low, cell_.high, in_cell);
+  const Arrival arrival = traced(shot_.stage, shot_.sun, ray_through(shot_, sample.place), on_sun,
+                                 name, shot_.path, counts);
+  sample.light = Light(arrival.radiance, arrival.covered ? 1 : 0);
+  return sample;
+}
+
+std::vector<Unit> units_of(std::size_t cells, std::uint32_t round_samples) {
+  std::vector<Unit> units;
+  if (round_samples <= kUnitSamples) {
+    const std::size_t step = kUnitSamples / round_samples;
+    for (std::size_t i = 0; i < cells; i += step)
+      units.push_back({i, std::min(cells, i + step), 0, round_samples});
+    return units;
+  }
+  for (std::size_t i = 0; i < cells; ++i)
+    for (std::uint32_t first = 0; first < round_samples; first += kUnitSamples)
+      units.push_back({i, i + 1, first, std::min(kUnitSamples, round_samples - first)});
+  return units;
+}
+
+std::unique_ptr<Rounds> box_rounds(const Shot& shot, std::span<const Cell> cells,
+                                   std::vector<double> weights) {
+  return std::make_unique<BoxRounds>(shot, cells, std::move(weights));
+}
+
+}  // namespace panwright::preview::reference

@@ -1,0 +1,100 @@
+// Independent pictures of one view, one after the other. Private to preview/reference.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "preview/camera.h"
+#include "preview/reference/internal/cells.h"
+#include "preview/reference/internal/path.h"
+#include "preview/reference/internal/tally.h"
+#include "preview/reference/reference.h"
+
+namespace panwright::preview::reference {
+
+// What all samples of a view share.
+struct Shot {
+  const Stage& stage;
+  const Sun& sun;
+  Camera camera;              // its image may be larger than the one that is wanted
+  Vec3 eye{0};                // in the model's frame
+  Mat3 model_from_camera{1};  // rotation
+  PathOptions path;
+  std::uint64_t seed = 0;
+  std::uint32_t grid = 1;  // a power of two: each round has grid² samples in every cell
+
+  std::uint32_t round_samples() const { return grid * grid; }
+};
+
+// The ray through a place on the image, in the model's frame.
+geometry::Ray ray_through(const Shot& shot, const Vec2& place);
+
+// One sample of a cell.
+struct Sample {
+  Vec2 place;  // on the image, pixels
+  Light light;
+};
+// Sample `number` of a cell in a round: jittered on the grid, and likewise on the Sun's disc in an
+// order of its own.
+class CellSampler {
+ public:
+  CellSampler(const Shot& shot, const Cell& cell, std::uint32_t round);
+  Sample operator()(std::uint32_t number, RayCounts& counts) const;
+
+ private:
+  const Shot& shot_;
+  const Cell& cell_;
+  SampleName name_;
+  std::uint32_t factor_;  // the Sun's order: (number·factor + shift) mod grid²
+  std::uint32_t shift_;
+};
+
+// Work for one thread: samples [first, first + count) of the cells [begin, end).
+struct Unit {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+};
+// Each of some thousand samples, whatever the number of threads.
+std::vector<Unit> units_of(std::size_t cells, std::uint32_t round_samples);
+
+// Rounds so far, of the picture and of its total.
+class Rounds {
+ public:
+  virtual ~Rounds() = default;
+
+  virtual void add(std::uint32_t rounds) = 0;
+  // Sets radiance, coverage and standard errors. Expects: layers of their size, all 0.
+  virtual void write(ReferenceImage& result) const = 0;
+
+  std::uint32_t rounds() const { return rounds_; }
+  const Tally& total() const { return total_; }
+  const RayCounts& counts() const { return counts_; }
+
+ protected:
+  std::uint32_t rounds_ = 0;
+  Tally total_{1};
+  RayCounts counts_;
+};
+
+// Pixels are means over their squares.
+//
+//   weights  of each cell's pixel in the total
+std::unique_ptr<Rounds> box_rounds(const Shot& shot, std::span<const Cell> cells,
+                                   std::vector<double> weights);
+
+// The same of the image blurred by a Gaussian. The image that is wanted lies `margin` pixels within
+// that of the shot.
+//
+//   weight  of a pixel of the wanted image in the total, by column and row
+std::unique_ptr<Rounds> blurred_rounds(const Shot& shot, std::span<const Cell> cells, double sigma,
+                                       std::uint32_t margin,
+                                       std::function<double(std::uint32_t, std::uint32_t)> weight);
+// Pixels that a blur reaches.
+std::uint32_t blur_margin(double sigma);
+
+}  // namespace panwright::preview::reference

@@ -1,0 +1,277 @@
+#include "preview/reference/internal/stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "preview/reference/internal/texels.h"
+
+namespace panwright::preview::reference {
+namespace {
+
+namespace layout = pan::layout;
+
+Vec3 vec3(const layout::Float3& v) { return Vec3(v.x, v.y, v.z); }
+Vec2 vec2(const layout::Float2& v) { return Vec2(v.x, v.y); }
+
+Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
+  const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+  if (!(largest > 0) || !std::isfinite(largest)) return otherwise;
+  const Vec3 scaled = v / largest;
+  return scaled / glm::length(scaled);
+}
+
+// as preview/shaders/shading.frag
+materials::Material roughened(materials::Material material, double factor) {
+  material.oren *= factor;
+  double& slope = material.cook[1];
+  slope = std::max(slope * factor, std::min(slope, 1e-4));
+  return material;
+}
+
+}  // namespace
+
+Stage::Stage(const pan::Model& model) : model_(model), items_(draw_list(model)) {
+  decals_ = placed_decals(model, items_);
+  add_meshes();
+  for (std::uint32_t i = 0; i < model.materials().size(); ++i)
+    scatters_.emplace_back(pan::material_from(model.materials()[i], {}));
+  for (const DrawItem& item : items_) placed_.push_back(make_item(item));
+  for (std::uint32_t i = 0; i < decals_.size(); ++i) {
+    Item& item = placed_[decals_[i].item];
+    item.decals.push_back(i);
+    item.decal_pictures.push_back(static_cast<std::uint32_t>(
+        picture(static_cast<std::int32_t>(decals_[i].texture), TextureRole::premultiplied, 0)));
+  }
+  for (Item& item : placed_) {
+    if (item.decals.empty()) continue;
+    item.diffuse_in_tint = true;
+    materials::Material white = item.material;
+    white.diffuse = Vec3(1);
+    item.scatter = static_cast<std::uint32_t>(scatters_.size());
+    scatters_.emplace_back(white);
+  }
+}
+
+// every mesh that is placed, once; then every instance, in the order of the items
+void Stage::add_meshes() {
+  constexpr std::uint32_t kNone = ~0u;
+  std::vector<std::uint32_t> number(model_.meshes().size(), kNone);
+  tangents_.resize(model_.meshes().size());
+  for (const DrawItem& item : items_) {
+    if (number[item.mesh] == kNone) {
+      const pan::MeshView mesh = model_.mesh(item.mesh);
+      std::vector<Vec3> positions;
+      positions.reserve(mesh.positions.size());
+      for (const layout::Float3& p : mesh.positions) positions.push_back(vec3(p));
+      std::vector<geometry::Triangle> triangles(mesh.indices.size() / 3);
+      for (std::size_t i = 0; i < mesh.indices.size(); ++i)
+        triangles[i / 3][i % 3] = mesh.indices[i];
+      number[item.mesh] = caster_.add_mesh(positions, triangles);
+    }
+    if (item.variant.normal_map && !tangents_[item.mesh] &&
+        !model_.mesh(item.mesh).texcoords.empty())
+      tangents_[item.mesh] = tangents(model_.mesh(item.mesh));
+    // filters are asked where something may not count: holes, and insides for the camera
+    caster_.add(number[item.mesh], item.model_from_mesh, item.variant.cutout || item.closed);
+    has_holes_ = has_holes_ || item.variant.cutout;
+  }
+  caster_.build();
+}
+
+Stage::Item Stage::make_item(const DrawItem& draw) {
+  Item item;
+  const layout::Material& record = model_.materials()[draw.material];
+  const layout::Mesh& mesh = model_.meshes()[draw.mesh];
+  item.mesh = model_.mesh(draw.mesh);
+  if (tangents_[draw.mesh]) item.tangents = &*tangents_[draw.mesh];
+  const Vec3 far = glm::max(glm::abs(draw.low), glm::abs(draw.high));
+  // four roundings of the largest coordinate to float
+  item.flat_offset = 0x1p-22 * std::max({far.x, far.y, far.z});
+  // a chord is as deep below the smooth surface as others stand out of it
+  item.offset = 2 * mesh.error + item.flat_offset;
+  item.material = pan::material_from(record, {});
+  item.scatter = draw.material;
+  // what colour a hole has in the picture that cuts it counts nowhere
+  const auto colour = [&](std::int32_t texture) {
+    const bool cut = texture == record.cutout_map;
+    return picture(texture, cut ? TextureRole::premultiplied : TextureRole::colour, 0);
+  };
+  item.texture = colour(draw.texture);
+  if (item.mesh.texcoords.empty()) return item;
+  item.albedo = colour(record.albedo_map);
+  item.normal = picture(record.normal_map, TextureRole::normal, 0);
+  item.roughness = picture(record.roughness_map, TextureRole::roughness, 0);
+  item.cutout = picture(record.cutout_map, TextureRole::cutout, record.cutout_threshold);
+  return item;
+}
+
+std::int32_t Stage::picture(std::int32_t texture, TextureRole role, float threshold) {
+  if (texture < 0) return -1;
+  const auto [found, is_new] = picture_of_.try_emplace(PictureKey(texture, role, threshold),
+                                                       static_cast<std::int32_t>(pictures_.size()));
+  if (is_new) {
+    const auto index = static_cast<std::size_t>(texture);
+    const layout::Texture& record = model_.textures()[index];
+    pictures_.push_back(
+        std::move(map_levels(model_.texels(index), record.width, record.height,
+                             (record.flags & layout::kTextureLinear) != 0, role, threshold)
+                      .front()));
+  }
+  return found->second;
+}
+
+Stage::Place Stage::place(const Item& item, const geometry::InstanceHit& hit) const {
+  Place result;
+  for (std::size_t k = 0; k < 3; ++k)
+    result.corner[k] = item.mesh.indices[std::size_t{3} * hit.triangle + k];
+  result.weight = Vec3(1 - hit.barycentric.x - hit.barycentric.y, hit.barycentric);
+  return result;
+}
+
+Vec2 Stage::map_texcoord(const DrawItem& draw, const Item& item, const Place& place) const {
+  Vec2 at(0);
+  for (int k = 0; k < 3; ++k)
+    at += place.weight[k] * vec2(item.mesh.texcoords[place.corner[static_cast<std::size_t>(k)]]);
+  return at * draw.repeat;
+}
+
+bool Stage::is_there(const geometry::InstanceHit& hit) const {
+  const Item& item = placed_[hit.instance];
+  if (item.cutout < 0) return true;
+  const Vec2 at = map_texcoord(items_[hit.instance], item, place(item, hit));
+  return repeated_texel(pictures_[static_cast<std::size_t>(item.cutout)], at).x >= 0;
+}
+
+bool Stage::hole_filter(const void* stage, const geometry::InstanceHit& hit) {
+  return static_cast<const Stage*>(stage)->is_there(hit);
+}
+
+bool Stage::seen_filter(const void* data, const geometry::InstanceHit& hit) {
+  const Stage& stage = *static_cast<const Stage*>(data);
+  return !stage.is_inside(hit) && stage.is_there(hit);
+}
+
+std::optional<geometry::InstanceHit> Stage::seen(const geometry::Ray& ray) const {
+  const auto hit = closest(ray);
+  if (!hit || !is_inside(*hit)) return hit;
+  return caster_.closest(ray, {seen_filter, this});
+}
+
+std::optional<geometry::InstanceHit> Stage::closest(const geometry::Ray& ray) const {
+  return has_holes_ ? caster_.closest(ray, {hole_filter, this}) : caster_.closest(ray);
+}
+
+bool Stage::any(const geometry::Ray& ray) const {
+  return has_holes_ ? caster_.any(ray, {hole_filter, this}) : caster_.any(ray);
+}
+
+// The bumps are the mesh's: an instance mirrors and stretches them with it.
+Vec3 Stage::bumped(const DrawItem& draw, const Item& item, const geometry::InstanceHit& hit,
+                   const Vec3& normal, const Vec2& at, double& length) const {
+  const Place vertices = place(item, hit);
+  const Tangents& all = *item.tangents;
+  Vec4 tangent(0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t index =
+        all.indices.empty() ? vertices.corner[k] : all.indices[std::size_t{3} * hit.triangle + k];
+    const float* t = &all.tangents[4 * index];
+    tangent += vertices.weight[static_cast<int>(k)] * Vec4(t[0], t[1], t[2], t[3]);
+  }
+  Vec3 bump = Vec3(repeated_texel(pictures_[static_cast<std::size_t>(item.normal)], at));
+  if (draw.repeat.x < 0) bump.x = -bump.x;
+  if (draw.repeat.y < 0) bump.y = -bump.y;
+  length = std::min(glm::length(bump), 1.0);
+  const Vec3 t(tangent);
+  const Vec3 along = unit_or(t - normal * glm::dot(normal, t), Vec3(0));
+  const Vec3 across = glm::cross(normal, along) * (tangent.w < 0 ? -1.0 : 1.0);
+  return unit_or(bump.x * along + bump.y * across + bump.z * normal, normal);
+}
+
+// What pictures and vertices multiply the diffuse colour by.
+Vec3 Stage::colour(const DrawItem& draw, const Item& item, const Place& place,
+                   const Vec2& at) const {
+  const auto of = [&](std::int32_t index, const Vec2& where) {
+    const Vec4 texel = repeated_texel(pictures_[static_cast<std::size_t>(index)], where);
+    return draw.variant.cutout && texel.w > 0 ? Vec3(texel) / texel.w : Vec3(texel);
+  };
+  Vec3 result(1);
+  if (item.texture >= 0 && !item.mesh.texcoords.empty()) {
+    Vec2 plain(0);
+    for (int k = 0; k < 3; ++k)
+      plain +=
+          place.weight[k] * vec2(item.mesh.texcoords[place.corner[static_cast<std::size_t>(k)]]);
+    result *= of(item.texture, plain);
+  }
+  if (item.albedo >= 0) result *= of(item.albedo, at);
+  if (!item.mesh.colours.empty()) {
+    Vec3 sum(0);
+    for (int k = 0; k < 3; ++k)
+      sum += place.weight[k] * vec3(item.mesh.colours[place.corner[static_cast<std::size_t>(k)]]);
+    result *= sum;
+  }
+  return glm::max(result, Vec3(0));
+}
+
+// The diffuse colour with the decals that lie over a place of a mesh.
+Vec3 Stage::decorated(const Item& item, const Vec3& position, const Vec3& normal, bool front,
+                      Vec3 colour) const {
+  const Vec4 at(position, 1);
+  for (std::size_t i = 0; i < item.decals.size(); ++i) {
+    const PlacedDecal& decal = decals_[item.decals[i]];
+    const double facing = glm::dot(decal.outwards, normal);
+    const Vec2 where(glm::dot(decal.place[0], at), glm::dot(decal.place[1], at));
+    const bool inside = where.x >= 0 && where.x <= 1 && where.y >= 0 && where.y <= 1 &&
+                        std::fabs(glm::dot(decal.place[2], at)) <= 1 &&
+                        (front ? facing : -facing) > 0;
+    if (!inside) continue;
+    const Vec4 texel = clamped_texel(pictures_[item.decal_pictures[i]], where);
+    colour = colour * (1 - texel.w) + Vec3(texel);
+  }
+  return colour;
+}
+
+Point Stage::point(const geometry::InstanceHit& hit, bool flat) const {
+  const DrawItem& draw = items_[hit.instance];
+  const Item& item = placed_[hit.instance];
+  const Place where = place(item, hit);
+  std::array<Vec3, 3> corner;
+  Vec3 smooth(0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    corner[k] = vec3(item.mesh.positions[where.corner[k]]);
+    smooth += where.weight[static_cast<int>(k)] * vec3(item.mesh.normals[where.corner[k]]);
+  }
+  const Vec3 ab = corner[1] - corner[0];
+  const Vec3 ac = corner[2] - corner[0];
+  const Vec3 position = corner[0] + hit.barycentric.x * ab + hit.barycentric.y * ac;
+  const Vec3 facet = unit_or(glm::cross(ab, ac), Vec3(0, 0, 1));
+  if (flat) smooth = facet;
+  const Vec3 outwards = unit_or(smooth, facet);
+
+  Point result;
+  Vec3 shaded = outwards;
+  double length = 1;
+  Vec2 at(0);
+  if (!item.mesh.texcoords.empty()) at = map_texcoord(draw, item, where);
+  if (item.normal >= 0) shaded = bumped(draw, item, hit, outwards, at, length);
+  const double side = draw.closed || hit.front ? 1.0 : -1.0;
+  const Vec3 start = position + outwards * (side * (flat ? item.flat_offset : item.offset));
+  result.start = Vec3(draw.model_from_mesh * Vec4(start, 1));
+  result.normal = unit_or(draw.model_normal_from_mesh * shaded, Vec3(0)) * side;
+
+  Vec3 tint = colour(draw, item, where, at);
+  if (item.diffuse_in_tint)
+    tint =
+        decorated(item, position, smooth, draw.closed || hit.front, item.material.diffuse * tint);
+  result.tint = tint * length;
+  result.scatter = &scatters_[item.scatter];
+  if (item.roughness >= 0) {
+    const double factor = repeated_texel(pictures_[static_cast<std::size_t>(item.roughness)], at).x;
+    materials::Material material = roughened(item.material, factor);
+    if (item.diffuse_in_tint) material.diffuse = Vec3(1);
+    result.own.emplace(material);
+  }
+  result.emitted = item.material.emissive * (item.material.weights.z / kPi);
+  return result;
+}
+
+}  // namespace panwright::preview::reference

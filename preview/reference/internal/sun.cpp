@@ -1,0 +1,57 @@
+#include "preview/reference/internal/sun.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "preview/reference/internal/sampling.h"
+
+namespace panwright::preview::reference {
+namespace {
+
+// nominal solar radius (IAU 2015 B3) over the astronomical unit (IAU 2012 B2)
+constexpr double kSineAtOneAu = 695700e3 / 149597870700.0;
+
+}  // namespace
+
+Sun::Sun(const View& view, const Mat3& model_from_world, bool disc, double limb_darkening)
+    : irradiance_(view.sun_irradiance.value_or(Vec3(1))), darkening_(limb_darkening) {
+  const Vec3 to_sun = view.to_sun;
+  const double largest = std::max({std::fabs(to_sun.x), std::fabs(to_sun.y), std::fabs(to_sun.z)});
+  centre_ = glm::normalize(model_from_world * (to_sun / largest));
+  const Frame frame = frame_about(centre_);
+  across_[0] = frame.x;
+  across_[1] = frame.y;
+  // closer than its radius the Sun would be more than half the sky
+  if (disc) sine_ = std::min(kSineAtOneAu / view.sun_distance, 0.999);
+}
+
+double Sun::brightness(double square) const {
+  const double mu = std::sqrt(std::max(0.0, 1 - square));
+  return (1 - darkening_ * (1 - mu)) / (1 - darkening_ / 3);
+}
+
+Sun::Sample Sun::sample(const Vec2& u) const {
+  if (!has_disc()) return {centre_, irradiance_};
+  // even on the disc's projection, where what a facing plane gets is even
+  const Vec2 place = on_disc(u);
+  const Vec2 offset = sine_ * place;
+  const double cosine = std::sqrt(1 - glm::dot(offset, offset));
+  const Vec3 direction = offset.x * across_[0] + offset.y * across_[1] + cosine * centre_;
+  return {direction, irradiance_ * (brightness(glm::dot(place, place)) / cosine)};
+}
+
+Vec3 Sun::radiance(const Vec3& direction) const {
+  const Vec2 offset(glm::dot(direction, across_[0]), glm::dot(direction, across_[1]));
+  const double square = glm::dot(offset, offset) / (sine_ * sine_);
+  if (!(square <= 1) || !(glm::dot(direction, centre_) > 0)) return Vec3(0);
+  return irradiance_ * (brightness(square) / (kPi * sine_ * sine_));
+}
+
+double Sun::pdf(const Vec3& direction) const {
+  const double cosine = glm::dot(direction, centre_);
+  const Vec2 offset(glm::dot(direction, across_[0]), glm::dot(direction, across_[1]));
+  if (!(glm::dot(offset, offset) <= sine_ * sine_) || !(cosine > 0)) return 0;
+  return cosine / (kPi * sine_ * sine_);
+}
+
+}  // namespace panwright::preview::reference

@@ -1,0 +1,41 @@
+// The Sun as a disc at infinity. Private to preview/reference.
+#pragma once
+
+#include "base/math.h"
+#include "preview/camera.h"
+
+namespace panwright::preview::reference {
+
+// In the model's frame. The whole disc gives `irradiance` to a plane that faces its centre.
+class Sun {
+ public:
+  // disc: false makes it a point. limb_darkening: u of I = 1 − u·(1 − μ).
+  Sun(const View& view, const Mat3& model_from_world, bool disc, double limb_darkening);
+
+  bool has_disc() const { return sine_ > 0; }
+  const Vec3& irradiance() const { return irradiance_; }
+
+  // A direction to the Sun and the irradiance that it stands for on a plane square to it: the mean
+  // over u in the unit square is exact.
+  struct Sample {
+    Vec3 to_light;  // unit
+    Vec3 irradiance;
+  };
+  Sample sample(const Vec2& u) const;
+
+  // Expects: has_disc(). 0 beside the disc.
+  Vec3 radiance(const Vec3& direction) const;
+  // Of sample(), per steradian; 0 beside the disc.
+  double pdf(const Vec3& direction) const;
+
+ private:
+  double brightness(double square) const;  // relative to the mean; of (r / disc's radius)²
+
+  Vec3 centre_;
+  Vec3 across_[2];
+  Vec3 irradiance_;
+  double sine_ = 0;  // of the angular radius; 0: a point
+  double darkening_ = 0;
+};
+
+}  // namespace panwright::preview::reference
