@@ -46,13 +46,18 @@ std::string law_texts(std::span<const Laws> families) {
   return text;
 }
 
+const char* layers(const Laws& laws) {
+  if (!laws.coated) return "bare";
+  return laws.specular == SpecularLaw::mirror ? "coated_mirror" : "coated";
+}
+
 std::string surface_functions(const Laws& laws) {
   const std::pair<const char*, const char*> names[] = {
       {"DIFFUSE", kDiffuse[static_cast<std::size_t>(laws.diffuse)]},
       {"LOBE", kLobes[static_cast<std::size_t>(laws.specular)]},
       {"FRESNEL", kFresnel[static_cast<std::size_t>(laws.fresnel)]},
       {"MANY", laws.compensated ? "facet_many" : "no_many"},
-      {"LAYERS", laws.coated ? "coated" : "bare"}};
+      {"LAYERS", layers(laws)}};
   std::string text;
   for (const auto& [name, law] : names) text += fmt::format("#define PANWRIGHT_{} {}\n", name, law);
   text += surface_text;
@@ -78,7 +83,9 @@ std::string glsl_formulas(const Laws& laws) {
 std::string glsl_formulas(std::span<const Laws> families) {
   assert(!families.empty());
   std::string text = kGlue + law_texts(families);
-  constexpr const char* kNames[] = {"bare", "coated", "surface_brdf", "surface_radiance"};
+  constexpr const char* kNames[] = {
+      "mirrored",      "bare",         "coated_diffuse",   "coated_facets", "coated", "coated_reflection",
+      "coated_mirror", "surface_brdf", "surface_radiance"};
   for (std::size_t i = 0; i < families.size(); ++i) {
     for (const char* name : kNames) text += fmt::format("#define {0} {0}_{1}\n", name, i);
     text += surface_functions(families[i]);

@@ -2,7 +2,7 @@
 
 FORMULA Real refracted_cosine(Real cos_i, Real index) {
   Real sin_i2 = max((Real(1) - cos_i) * (Real(1) + cos_i), Real(0));
-  return sqrt(max(Real(1) - sin_i2 / (index * index), Real(0)));
+  return sqrt(max(Real(1) - sin_i2 / (index * index), Real(1e-20)));
 }
 
 // The direction inside the layer; both point away from the surface.
@@ -11,33 +11,79 @@ FORMULA Vec3 under_coat(Vec3 outside, Vec3 normal, Real index) {
   return (outside - normal * cosine) / index + normal * refracted_cosine(cosine, index);
 }
 
+FORMULA Vec3 at_most_one(Vec3 v) {
+  return Vec3(min(v.x, Real(1)), min(v.y, Real(1)), min(v.z, Real(1)));
+}
+
+FORMULA Vec3 at_least(Vec3 v, Real least) {
+  return Vec3(max(v.x, least), max(v.y, least), max(v.z, least));
+}
+
 FORMULA Vec3 transmittance(Vec3 depth, Real path) {
   return Vec3(exp_negative(depth.x * path), exp_negative(depth.y * path),
               exp_negative(depth.z * path));
 }
 
-// What a slab reflects beyond its first face: (1 - R1)^2 T^2 R2 / (1 - R1 R2 T^2).
+// What a slab with a mirror below reflects beyond its first face: (1 - R1)^2 T^2 R2/(1 - R1 R2 T^2).
 FORMULA Vec3 slab_remainder(Real first, Vec3 below, Vec3 depth, Real cos_t) {
-  Vec3 twice = transmittance(depth, Real(2) / cos_t) * below;
+  Vec3 twice = transmittance(depth, Real(2) / max(cos_t, Real(1e-10)));
   Real passing = (Real(1) - first) * (Real(1) - first);
-  return passing * (twice / (Vec3(Real(1)) - first * twice));
+  Vec3 again = Vec3(Real(1)) - first * (twice * at_most_one(below));
+  return passing * (twice * below / at_least(again, Real(1e-10)));
+}
+
+// The same where the way in and the way out differ. The smaller R1 of the two keeps both the balance
+// of energy and the reciprocity: (1 - R1)(1 - R1') is never over 1 - min(R1, R1').
+FORMULA Vec3 through_both(Surface s, Vec3 below, Real cos_nl, Real cos_nv) {
+  Real n = s.coat_index;
+  Real first_l = s.coat_share * fresnel_dielectric(cos_nl, n);
+  Real first_v = s.coat_share * fresnel_dielectric(cos_nv, n);
+  Real path = Real(1) / refracted_cosine(cos_nl, n) + Real(1) / refracted_cosine(cos_nv, n);
+  Vec3 twice = transmittance(s.coat_depth, min(path, Real(1e10)));
+  Vec3 again = Vec3(Real(1)) - min(first_l, first_v) * (twice * at_most_one(below));
+  Real passing = (Real(1) - first_l) * (Real(1) - first_v);
+  return passing * (twice / at_least(again, Real(1e-10)));
 }
 
 // Diffuse light from below, through the coat twice and back and forth in it.
-FORMULA Vec3 through_coat(Surface s, Vec3 below, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+FORMULA Vec3 through_coat(Surface s, Vec3 below, Real cos_nl, Real cos_nv) {
   Real n = s.coat_index;
-  Real cos_nl = max(dot3(normal, to_light), Real(0));
-  Real cos_nv = max(dot3(normal, to_viewer), Real(0));
   Real passing = (Real(1) - s.coat_share * fresnel_dielectric(cos_nl, n)) *
                  (Real(1) - s.coat_share * fresnel_dielectric(cos_nv, n));
   Real path = Real(1) / refracted_cosine(cos_nl, n) + Real(1) / refracted_cosine(cos_nv, n);
-  Vec3 again = Vec3(Real(1)) - s.weights.x * (s.diffuse * s.coat_return);
-  return passing / (n * n) * (transmittance(s.coat_depth, path) * below / again);
+  Vec3 again = Vec3(Real(1)) - at_most_one(s.weights.x * s.diffuse) * s.coat_return;
+  return passing / (n * n) *
+         (transmittance(s.coat_depth, min(path, Real(1e10))) * below / at_least(again, Real(1e-10)));
 }
 
-// The mean normal of cells that are not quite parallel to their cover glass.
-FORMULA Vec3 tilted_normal(Surface s, Vec3 normal) {
+// What the outer surface reflects.
+FORMULA Real coat_peak(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  Real first = s.coat_share * fresnel_dielectric(half_cosine(to_light, to_viewer), s.coat_index);
+  if (!(s.coat_alpha > Real(0)))
+    return first * disc_lobe(s.sun_alpha2, to_light, to_viewer, normal);
+  return first * cook_torrance(with_sun(s.coat_alpha, s.sun_alpha2), to_light, to_viewer, normal);
+}
+
+// The mean normal of cells that are not quite parallel to their cover glass. scale: what the slopes
+// as seen are multiplied by; inside a coat they are smaller by its index.
+FORMULA Vec3 tilted_normal(Surface s, Vec3 normal, Real scale) {
   Vec3 across = cross3(normal, s.tangent);
-  Vec3 tilted = normal - s.tilt_x * s.tangent - s.tilt_y * across;
+  Vec3 tilted = normal - scale * s.tilt_x * s.tangent - scale * s.tilt_y * across;
   return tilted / max(length3(tilted), Real(1e-10));
+}
+
+// What a tilted facet shows of itself to light and viewer, against the surface that it is part of.
+FORMULA Real tilted_share(Vec3 tilted, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  Real light = max(dot3(tilted, to_light), Real(0)) / max(dot3(normal, to_light), Real(1e-10));
+  Real viewer = max(dot3(tilted, to_viewer), Real(0)) / max(dot3(normal, to_viewer), Real(1e-10));
+  return min(Real(1), min(light, viewer));
+}
+
+// What a mirror under the coat reflects, the coat's passing apart. A rough coat bends light twice by
+// index - 1 times its slopes: as much as a mirror of slopes (index - 1)/sqrt 2 times them does.
+FORMULA Real mirror_below_coat(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 tilted) {
+  Real bent = (s.coat_index - Real(1)) * Real(0.7071067811865476) * s.coat_alpha;
+  if (!(bent > Real(0))) return disc_lobe(s.sun_alpha2, to_light, to_viewer, tilted);
+  Real slope = facet_slope(bent, s.sun_alpha2);
+  return beckmann_smith(slope, slope, s.tangent, to_light, to_viewer, tilted);
 }

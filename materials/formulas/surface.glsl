@@ -1,30 +1,65 @@
 // A material's laws put together. PANWRIGHT_DIFFUSE, PANWRIGHT_LOBE and PANWRIGHT_MANY name functions
 // of (Surface, to_light, to_viewer, normal), PANWRIGHT_FRESNEL one of (Surface, cosine, index
-// outside), PANWRIGHT_LAYERS `bare` or `coated`.
+// outside), PANWRIGHT_LAYERS `bare`, `coated` or `coated_mirror`.
+
+// Mirror facets, `outer` over them.
+FORMULA Vec3 mirrored(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Real outer) {
+  return s.specular * (PANWRIGHT_FRESNEL(s, half_cosine(to_light, to_viewer), outer) *
+                           PANWRIGHT_LOBE(s, to_light, to_viewer, normal) +
+                       PANWRIGHT_MANY(s, to_light, to_viewer, normal));
+}
 
 // The surface by itself.
 FORMULA Vec3 bare(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  Vec3 mirrored = PANWRIGHT_FRESNEL(s, half_cosine(to_light, to_viewer), Real(1)) *
-                      PANWRIGHT_LOBE(s, to_light, to_viewer, normal) +
-                  PANWRIGHT_MANY(s, to_light, to_viewer, normal);
   return s.weights.x * PANWRIGHT_DIFFUSE(s, to_light, to_viewer, normal) +
-         s.weights.y * (s.specular * mirrored);
+         s.weights.y * mirrored(s, to_light, to_viewer, normal, Real(1));
+}
+
+FORMULA Vec3 coated_diffuse(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  Vec3 below = PANWRIGHT_DIFFUSE(s, under_coat(to_light, normal, s.coat_index),
+                                 under_coat(to_viewer, normal, s.coat_index), normal);
+  return through_coat(s, s.weights.x * below, max(dot3(normal, to_light), Real(0)),
+                      max(dot3(normal, to_viewer), Real(0)));
+}
+
+// Facets under the coat. They see refracted light: at normal incidence slopes look larger by the
+// coat's index from outside, towards grazing by more. What is refracted so flat that the coat keeps
+// it is lost, here as it would not be in nature.
+FORMULA Vec3 coated_facets(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  Real n = s.coat_index;
+  Vec3 l = under_coat(to_light, normal, n);
+  Vec3 v = under_coat(to_viewer, normal, n);
+  Vec3 tilted = tilted_normal(s, normal, Real(1) / n);
+  Vec3 below = s.weights.y * s.specular * PANWRIGHT_FRESNEL(s, half_cosine(l, v), n);
+  Vec3 through = through_both(s, below, max(dot3(normal, to_light), Real(0)),
+                              max(dot3(normal, to_viewer), Real(0)));
+  Real share = s.weights.y * tilted_share(tilted, l, v, normal) / (n * n);
+  return share * (through * mirrored(s, l, v, tilted, n));
 }
 
 // The surface under its coat: a peak of the coat, one of the surface below with all reflections
 // between the two, and diffuse light that passes the coat twice.
 FORMULA Vec3 coated(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  Real n = s.coat_index;
-  Real cos_h = half_cosine(to_light, to_viewer);
-  Real cos_t = refracted_cosine(cos_h, n);
-  Real first = s.coat_share * fresnel_dielectric(cos_h, n);
-  Vec3 below = s.weights.y * (s.specular * PANWRIGHT_FRESNEL(s, cos_t, n));
-  Real peak = cook_torrance(with_sun(s.coat_alpha, s.sun_alpha2), to_light, to_viewer, normal);
-  Real lower = PANWRIGHT_LOBE(s, to_light, to_viewer, tilted_normal(s, normal));
-  return Vec3(first * peak) + slab_remainder(first, below, s.coat_depth, cos_t) * lower +
-         through_coat(s, s.weights.x * PANWRIGHT_DIFFUSE(s, under_coat(to_light, normal, n),
-                                                         under_coat(to_viewer, normal, n), normal),
-                      to_light, to_viewer, normal);
+  return Vec3(coat_peak(s, to_light, to_viewer, normal)) +
+         coated_facets(s, to_light, to_viewer, normal) +
+         coated_diffuse(s, to_light, to_viewer, normal);
+}
+
+// A mirror under the coat: light leaves at the angle it came at, whatever the coat bends it.
+FORMULA Vec3 coated_reflection(Surface s, Real cosine) {
+  Real cos_t = refracted_cosine(cosine, s.coat_index);
+  Vec3 below = s.weights.y * s.specular * PANWRIGHT_FRESNEL(s, cos_t, s.coat_index);
+  Real first = s.coat_share * fresnel_dielectric(cosine, s.coat_index);
+  return slab_remainder(first, below, s.coat_depth, cos_t);
+}
+
+FORMULA Vec3 coated_mirror(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  Vec3 tilted = tilted_normal(s, normal, Real(1));
+  Real lobe = tilted_share(tilted, to_light, to_viewer, normal) *
+              mirror_below_coat(s, to_light, to_viewer, tilted);
+  return Vec3(coat_peak(s, to_light, to_viewer, normal)) +
+         lobe * coated_reflection(s, half_cosine(to_light, to_viewer)) +
+         coated_diffuse(s, to_light, to_viewer, normal);
 }
 
 // The reflectance of a material, 1/sr. 0 where the light is below the horizon. Near the limb of a

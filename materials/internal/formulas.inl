@@ -31,9 +31,10 @@ using Surface = const SurfaceFields&;
 #include "materials/formulas/no_specular.glsl"
 #include "materials/formulas/oren_nayar.glsl"
 //
-#include "materials/formulas/coat.glsl"
 #include "materials/formulas/eon.glsl"
 #include "materials/formulas/facets.glsl"
+//
+#include "materials/formulas/coat.glsl"
 #undef FORMULA
 
 // surface_brdf and surface_radiance of any laws.
@@ -88,8 +89,9 @@ struct Composition {
                             : no_many(s, to_light, to_viewer, normal);
   }
   Vec3 layers(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-    return laws.coated ? coated(s, to_light, to_viewer, normal)
-                       : bare(s, to_light, to_viewer, normal);
+    if (!laws.coated) return bare(s, to_light, to_viewer, normal);
+    return laws.specular == SpecularLaw::mirror ? coated_mirror(s, to_light, to_viewer, normal)
+                                                : coated(s, to_light, to_viewer, normal);
   }
 
 #define FORMULA
@@ -164,8 +166,8 @@ inline SurfaceFields surface_of(const Material& material, const Vec3& tangent = 
   s.coat_depth = rounded(coat.depth);
   s.coat_return = rounded(material.fits.coat_return);
   const Vec2 tilt = material.cells ? material.cells->tilt : Vec2(0);
-  s.tilt_x = real(tilt.x);
-  s.tilt_y = real(tilt.y);
+  s.tilt_x = real(det::tan(tilt.x));
+  s.tilt_y = real(det::tan(tilt.y));
   return s;
 }
 

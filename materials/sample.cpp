@@ -1,0 +1,348 @@
+#include "materials/sample.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "materials/internal/formulas.h"
+
+namespace panwright::materials {
+namespace {
+
+double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
+
+// A frame about a normal; x along the tangent where there is one.
+struct Frame {
+  Vec3 x, y, z;
+
+  Frame(const Vec3& normal, const Vec3& tangent) : z(normal) {
+    Vec3 along = tangent - normal * glm::dot(normal, tangent);
+    if (!(glm::dot(along, along) > 0.25)) {
+      const Vec3 axis = std::fabs(normal.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+      along = axis - normal * glm::dot(normal, axis);
+    }
+    x = along / std::sqrt(glm::dot(along, along));
+    y = glm::cross(z, x);
+  }
+  Vec3 local(const Vec3& v) const { return {glm::dot(v, x), glm::dot(v, y), glm::dot(v, z)}; }
+  Vec3 world(const Vec3& v) const { return v.x * x + v.y * y + v.z * z; }
+};
+
+Vec3 unit(const Vec3& v) { return v / std::max(std::sqrt(glm::dot(v, v)), 1e-300); }
+
+// Half vectors of a lobe, about +z.
+struct HalfVectors {
+  SpecularLaw law = SpecularLaw::none;
+  double slope_x = 1;
+  double slope_y = 1;
+  double shine = 0;
+
+  Vec3 sample(const Vec3& v, const Vec2& u) const {
+    const auto [sin_phi, cos_phi] = det::sincos(2 * kPi * u.x);
+    if (law == SpecularLaw::ggx) {
+      // directions of a cap of the unit sphere, whose half vectors are the visible normals
+      const Vec3 stretched = unit({slope_x * v.x, slope_y * v.y, v.z});
+      const double z = (1 - u.y) * (1 + stretched.z) - stretched.z;
+      const double r = std::sqrt(std::clamp(1 - z * z, 0.0, 1.0));
+      const Vec3 h = Vec3(r * cos_phi, r * sin_phi, z) + stretched;
+      return unit({slope_x * h.x, slope_y * h.y, std::max(h.z, 0.0)});
+    }
+    if (law == SpecularLaw::blinn_phong) {
+      const double cosine = det::exp(det::log(1 - u.y) / (shine + 2));
+      const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
+      return {sine * cos_phi, sine * sin_phi, cosine};
+    }
+    const double tangent = std::sqrt(-det::log(1 - u.y));
+    return unit({slope_x * tangent * cos_phi, slope_y * tangent * sin_phi, 1});
+  }
+
+  // Density of light directions l, 1/sr, whose half vector with v was sampled.
+  double pdf(const Vec3& l, const Vec3& v) const {
+    const Vec3 h = l + v;
+    const double length = std::sqrt(glm::dot(h, h));
+    if (!(h.z > 0 && length > 1e-6 && v.z > 0)) return 0;
+    const double cosine = h.z / length;
+    const double cos_vh = 0.5 * length;
+    if (law == SpecularLaw::blinn_phong)
+      return (shine + 2) / (8 * kPi * cos_vh) * det::exp((shine + 1) * det::log(cosine));
+    const double x = h.x / (slope_x * h.z);
+    const double y = h.y / (slope_y * h.z);
+    const double spread = x * x + y * y;
+    const double area = kPi * slope_x * slope_y;
+    if (law == SpecularLaw::ggx) {
+      const double ratio = 1 / (cosine * cosine * (1 + spread));
+      const double sx = slope_x * v.x;
+      const double sy = slope_y * v.y;
+      return ratio * ratio / area / (2 * (v.z + std::sqrt(v.z * v.z + sx * sx + sy * sy)));
+    }
+    return f64::exp_negative(spread) / (area * cosine * cosine * cosine * 4 * cos_vh);
+  }
+};
+
+// Chances of what sample() may do; they add up to 1 (to 0 on a black surface).
+struct Chances {
+  double diffuse = 0;
+  double facets = 0;
+  double peak = 0;  // a rough coat
+  double mirror_peak = 0;
+  double mirror_below = 0;
+};
+
+Vec3 above_horizon(const Vec3& to_viewer, const Vec3& normal) {
+  const double cosine = glm::dot(normal, to_viewer);
+  return cosine < 1e-6 ? unit(to_viewer + normal * (1e-6 - cosine)) : to_viewer;
+}
+
+}  // namespace
+
+struct Scattering::Parts {
+  f64::SurfaceFields surface;
+  f64::Composition composition;
+  double mean_loss = 0;  // ∫ loss cosθ dω / π
+
+  explicit Parts(const Material& material)
+      : surface(f64::surface_of(material)), composition(f64::composition_of(material)) {
+    for (std::size_t k = 0; k < material.fits.loss.size(); ++k)
+      mean_loss += 2 * material.fits.loss[k] / (0.5 * static_cast<double>(k) + 2);
+  }
+
+  f64::SurfaceFields at(const Vec3& tangent, const Vec3& tint) const {
+    f64::SurfaceFields s = surface;
+    s.tangent = tangent;
+    s.diffuse = s.diffuse * tint;
+    return s;
+  }
+
+  bool coated() const { return composition.laws.coated; }
+  bool mirror() const { return composition.laws.specular == SpecularLaw::mirror; }
+  bool smooth_coat() const { return coated() && !(surface.coat_alpha > 0); }
+  // a rough coat blurs a mirror below
+  bool mirror_shows() const {
+    return mirror() && (!coated() || smooth_coat() || surface.coat_index == 1);
+  }
+
+  double first(double cosine) const {
+    return coated() ? surface.coat_share * f64::fresnel_dielectric(cosine, surface.coat_index) : 0;
+  }
+  Vec3 mirror_below(double cosine) const {
+    if (!mirror_shows()) return Vec3(0);
+    if (coated()) return f64::Composition(composition).coated_reflection(surface, cosine);
+    return surface.weights.y * surface.specular * composition.fresnel(surface, cosine, 1.0);
+  }
+
+  HalfVectors peak() const {
+    const double slope = f64::facet_slope(surface.coat_alpha, 0);
+    return {SpecularLaw::beckmann, slope, slope, 0};
+  }
+
+  HalfVectors facets() const {
+    if (mirror()) {
+      const double bent = (surface.coat_index - 1) * std::sqrt(0.5) * surface.coat_alpha;
+      const double slope = f64::facet_slope(bent, 0);
+      return {SpecularLaw::beckmann, slope, slope, 0};
+    }
+    double x = f64::facet_slope(surface.alpha, 0);
+    double y = f64::facet_slope(surface.alpha_y, 0);
+    const SpecularLaw law = composition.laws.specular;
+    if (law == SpecularLaw::cook_torrance) y = x;
+    if (f64::same_all_around(x, y, surface.tangent)) x = y = std::sqrt(x * y);
+    return {law, x, y, surface.shine};
+  }
+
+  Chances chances(const f64::SurfaceFields& s, double cosine) const {
+    Chances c;
+    const double passing = 1 - first(cosine);
+    const SpecularLaw law = composition.laws.specular;
+    const double inner = coated() ? f64::refracted_cosine(cosine, s.coat_index) : cosine;
+    c.diffuse = passing * s.weights.x * largest(s.diffuse);
+    if (composition.laws.compensated)
+      c.diffuse += passing * s.weights.y * largest(s.specular * s.many_scale) * kPi * mean_loss *
+                   f64::facet_loss(s, inner);
+    if (mirror_shows()) {
+      c.mirror_below = largest(mirror_below(cosine));
+    } else if (law != SpecularLaw::none) {
+      const Vec3 fresnel = composition.fresnel(s, inner, coated() ? s.coat_index : 1.0);
+      c.facets = passing * s.weights.y * largest(s.specular * fresnel);
+    }
+    (smooth_coat() ? c.mirror_peak : c.peak) = first(cosine);
+    // every part gets its twentieth at least
+    double* const all[] = {&c.diffuse, &c.facets, &c.peak, &c.mirror_peak, &c.mirror_below};
+    double sum = 0;
+    for (const double* one : all) sum += *one;
+    if (!(sum > 1e-30)) return {};
+    double total = 0;
+    for (double* one : all) {
+      if (*one > 0) *one = std::max(*one / sum, 0.05);
+      total += *one;
+    }
+    for (double* one : all) *one /= total;
+    return c;
+  }
+
+  // Directions below the coat, and the normal that facets have there.
+  struct Below {
+    Vec3 normal;
+    Vec3 to_viewer;
+    bool refracted;
+  };
+  Below below(const f64::SurfaceFields& s, const Vec3& to_viewer, const Vec3& normal) const {
+    if (!coated()) return {normal, to_viewer, false};
+    if (mirror()) return {f64::tilted_normal(s, normal, 1.0), to_viewer, false};
+    return {f64::tilted_normal(s, normal, 1 / s.coat_index),
+            f64::under_coat(to_viewer, normal, s.coat_index), true};
+  }
+
+  double pdf(const f64::SurfaceFields& s, const Chances& c, const Vec3& to_light,
+             const Vec3& to_viewer, const Vec3& normal) const {
+    const double cosine = glm::dot(normal, to_light);
+    if (!(cosine > 0)) return 0;
+    double density = c.diffuse * cosine / kPi;
+    if (c.facets > 0) {
+      const Below in = below(s, to_viewer, normal);
+      const Frame frame(in.normal, s.tangent);
+      const Vec3 l = in.refracted ? f64::under_coat(to_light, normal, s.coat_index) : to_light;
+      const double shrunk =
+          in.refracted ? cosine / (s.coat_index * s.coat_index * glm::dot(normal, l)) : 1;
+      density += c.facets * shrunk * facets().pdf(frame.local(l), frame.local(in.to_viewer));
+    }
+    if (c.peak > 0) {
+      const Frame frame(normal, s.tangent);
+      density += c.peak * peak().pdf(frame.local(to_light), frame.local(to_viewer));
+    }
+    return density;
+  }
+
+  // The direction that half vectors about a normal lead to; 0: none.
+  static Vec3 drawn(const HalfVectors& halves, const Frame& frame, const Vec3& to_viewer,
+                    const Vec2& u) {
+    const Vec3 v = frame.local(to_viewer);
+    if (!(v.z > 0)) return Vec3(0);
+    const Vec3 h = halves.sample(v, u);
+    const double cos_vh = glm::dot(v, h);
+    if (!(cos_vh > 0)) return Vec3(0);
+    return frame.world(2 * cos_vh * h - v);
+  }
+
+  Vec3 drawn_by_facets(const f64::SurfaceFields& s, const Vec3& to_viewer, const Vec3& normal,
+                       const Vec2& u) const {
+    const Below in = below(s, to_viewer, normal);
+    const Vec3 l = drawn(facets(), Frame(in.normal, s.tangent), in.to_viewer, u);
+    if (!in.refracted || !(glm::dot(normal, l) > 0)) return l;
+    // out of the coat
+    const Vec3 aside = s.coat_index * (l - normal * glm::dot(normal, l));
+    const double sin2 = glm::dot(aside, aside);
+    if (!(sin2 < 1)) return Vec3(0);
+    return aside + normal * std::sqrt(1 - sin2);
+  }
+};
+
+Scattering::Scattering(const Material& material) : parts_(std::make_unique<Parts>(material)) {}
+Scattering::Scattering(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Scattering::~Scattering() = default;
+Scattering::Scattering(const Scattering& other) : parts_(std::make_unique<Parts>(*other.parts_)) {}
+Scattering& Scattering::operator=(const Scattering& other) {
+  *parts_ = *other.parts_;
+  return *this;
+}
+Scattering::Scattering(Scattering&&) noexcept = default;
+Scattering& Scattering::operator=(Scattering&&) noexcept = default;
+
+Scattering Scattering::scaled(double roughness) const {
+  auto parts = std::make_unique<Parts>(*parts_);
+  parts->surface.alpha *= roughness;
+  parts->surface.alpha_y *= roughness;
+  parts->surface.oren *= roughness;
+  return Scattering(std::move(parts));
+}
+
+Vec3 Scattering::brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
+                      const Vec3& tangent, const Vec3& tint) const {
+  f64::Composition composition = parts_->composition;
+  return composition.surface_brdf(parts_->at(tangent, tint), to_light, to_viewer, normal);
+}
+
+double Scattering::pdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
+                       const Vec3& tangent, const Vec3& tint) const {
+  const f64::SurfaceFields s = parts_->at(tangent, tint);
+  const Vec3 v = above_horizon(to_viewer, normal);
+  return parts_->pdf(s, parts_->chances(s, glm::dot(normal, v)), to_light, v, normal);
+}
+
+std::optional<Sampled> Scattering::sample(const Vec3& to_viewer, const Vec3& normal,
+                                          const Vec3& tangent, const Vec3& tint, const Vec2& u,
+                                          double u_lobe) const {
+  const f64::SurfaceFields s = parts_->at(tangent, tint);
+  const Vec3 v = above_horizon(to_viewer, normal);
+  const Chances c = parts_->chances(s, glm::dot(normal, v));
+  Sampled sampled;
+  const auto mirrored = [&](int index, double chance) -> std::optional<Sampled> {
+    const Mirrors all = mirrors(v, normal, tangent);
+    if (index >= all.count) return std::nullopt;
+    const Mirrored& one = all.all[static_cast<std::size_t>(index)];
+    return Sampled{one.to_light, one.reflectance / chance, 0, true};
+  };
+  double left = u_lobe;
+  const auto is = [&](double chance) {
+    const bool taken = chance > 0 && left < chance;
+    left -= chance;
+    return taken;
+  };
+  if (is(c.mirror_peak)) return mirrored(0, c.mirror_peak);
+  if (is(c.mirror_below)) return mirrored(parts_->smooth_coat() ? 1 : 0, c.mirror_below);
+  if (is(c.facets)) {
+    sampled.to_light = parts_->drawn_by_facets(s, v, normal, u);
+  } else if (is(c.peak)) {
+    sampled.to_light = Parts::drawn(parts_->peak(), Frame(normal, s.tangent), v, u);
+  } else {
+    const auto [sin_phi, cos_phi] = det::sincos(2 * kPi * u.x);
+    const double r = std::sqrt(u.y);
+    sampled.to_light = Frame(normal, s.tangent)
+                           .world({r * cos_phi, r * sin_phi, std::sqrt(std::max(1 - u.y, 0.0))});
+  }
+  const double cosine = glm::dot(normal, sampled.to_light);
+  if (!(cosine > 0)) return std::nullopt;
+  sampled.pdf = parts_->pdf(s, c, sampled.to_light, v, normal);
+  if (!(sampled.pdf > 1e-300)) return std::nullopt;
+  f64::Composition composition = parts_->composition;
+  sampled.weight =
+      composition.surface_brdf(s, sampled.to_light, v, normal) * (cosine / sampled.pdf);
+  return sampled;
+}
+
+Mirrors Scattering::mirrors(const Vec3& to_viewer, const Vec3& normal, const Vec3& tangent) const {
+  Mirrors found;
+  const Vec3 v = above_horizon(to_viewer, normal);
+  const double cosine = glm::dot(normal, v);
+  const auto add = [&](const Vec3& to_light, const Vec3& reflectance) {
+    found.all[static_cast<std::size_t>(found.count++)] = {to_light, reflectance};
+  };
+  const Vec3 straight = 2 * cosine * normal - v;
+  if (parts_->smooth_coat()) add(straight, Vec3(parts_->first(cosine)));
+  if (!parts_->mirror_shows()) return found;
+  if (!parts_->coated()) {
+    add(straight, parts_->mirror_below(cosine));
+    return found;
+  }
+  f64::SurfaceFields s = parts_->surface;
+  s.tangent = tangent;
+  const Vec3 tilted = f64::tilted_normal(s, normal, 1.0);
+  const double cos_tilted = glm::dot(tilted, v);
+  const Vec3 l = 2 * cos_tilted * tilted - v;
+  const double cos_nl = glm::dot(normal, l);
+  if (!(cos_tilted > 0 && cos_nl > 0)) {
+    add(straight, Vec3(0));
+    return found;
+  }
+  add(l, parts_->mirror_below(cos_tilted) *
+             (f64::tilted_share(tilted, l, v, normal) * cos_nl / cos_tilted));
+  return found;
+}
+
+Vec3 Scattering::mirror_reflectance(double cosine) const {
+  Vec3 sum = parts_->mirror_below(cosine);
+  if (parts_->smooth_coat()) sum += parts_->first(cosine);
+  return sum;
+}
+
+bool Scattering::has_delta() const { return parts_->smooth_coat() || parts_->mirror_shows(); }
+
+}  // namespace panwright::materials

@@ -1,0 +1,83 @@
+// Scattering by a material, for tracers of paths: evaluation, sampling and density that agree.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+
+#include "base/math.h"
+#include "materials/material.h"
+
+namespace panwright::materials {
+
+// A direction drawn for a viewer.
+struct Sampled {
+  Vec3 to_light;       // unit
+  Vec3 weight;         // f cosθ over the density: what its radiance is multiplied by
+  double pdf = 0;      // 1/sr; 0 where delta
+  bool delta = false;  // a mirror's direction: nothing else leads there
+};
+
+// What a mirror shows of one direction.
+struct Mirrored {
+  Vec3 to_light;     // unit
+  Vec3 reflectance;  // of radiance
+};
+
+// At most two: a smooth coat's, and that of a mirror below, which may be tilted against it.
+struct Mirrors {
+  std::array<Mirrored, 2> all;
+  int count = 0;
+};
+
+// The authored laws of one material in double, for a point Sun: mirrors and smooth coats are
+// directions, which brdf() leaves out.
+//
+// Directions are unit vectors that point away from the surface; tangent: unit, square to the
+// normal, or 0 where facets are the same all around; tint multiplies diffuse. A viewer below the
+// horizon is taken to it, as brdf() of materials/brdf.h does. Nothing returned is ever NaN or
+// infinite. May be used from several threads.
+class Scattering {
+ public:
+  // Expects: fitted, see fit()
+  explicit Scattering(const Material& material);
+  ~Scattering();
+  Scattering(const Scattering&);
+  Scattering& operator=(const Scattering&);
+  Scattering(Scattering&&) noexcept;
+  Scattering& operator=(Scattering&&) noexcept;
+
+  // The same with slopes and σ times what a roughness map says, >= 0.
+  Scattering scaled(double roughness) const;
+
+  // 1/sr, without mirrors; 0 where the light is below the horizon.
+  Vec3 brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal, const Vec3& tangent,
+            const Vec3& tint) const;
+
+  // The density of sample() at to_light, 1/sr. Its integral over the upper hemisphere is the
+  // chance that sample() returns a direction that is not a mirror's.
+  double pdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal, const Vec3& tangent,
+             const Vec3& tint) const;
+
+  // Draws a direction. u, u_lobe: uniform in [0, 1). None where what was drawn leads below the
+  // horizon: its weight is 0. The mean of weight is the directional albedo.
+  // E. Heitz, "Sampling the GGX distribution of visible normals", 2018; J. Dupuy, A. Benyoub,
+  // "Sampling visible GGX normals with spherical caps", 2023.
+  std::optional<Sampled> sample(const Vec3& to_viewer, const Vec3& normal, const Vec3& tangent,
+                                const Vec3& tint, const Vec2& u, double u_lobe) const;
+
+  // Every mirrored direction of a viewer, for lights that are found by looking for them.
+  Mirrors mirrors(const Vec3& to_viewer, const Vec3& normal, const Vec3& tangent) const;
+
+  // What all mirrors together reflect where none is tilted; 0 without one. cosine: that of the
+  // viewer.
+  Vec3 mirror_reflectance(double cosine) const;
+  bool has_delta() const;
+
+ private:
+  struct Parts;
+  explicit Scattering(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace panwright::materials
