@@ -1,0 +1,52 @@
+// How much light materials send back: albedos by quadrature, in double, the same bits everywhere.
+#pragma once
+
+#include "base/math.h"
+#include "materials/material.h"
+
+namespace panwright::materials {
+
+// Mirror facets about +z, x along +x, without Fresnel's law.
+struct Facets {
+  SpecularLaw law = SpecularLaw::beckmann;  // cook_torrance (slope_x alone), beckmann or ggx
+  double slope_x = 0.5;                     // 1e-6 to 1000
+  double slope_y = 0.5;
+};
+
+// ∫ f cosθ dω over all lights for one viewer: 1 less what is scattered more than once.
+//
+//   to_viewer  unit, above the horizon
+//   nodes      of Gauss and Legendre's quadrature over each of radius and quarters of the azimuth:
+//              16, 32, 64 or 128. Smith's laws converge exponentially (1e-4 with 16, for cosines
+//              from 0.02 on), V-cavities with 1/nodes².
+[[nodiscard]] double facet_albedo(const Facets& facets, const Vec3& to_viewer, int nodes = 64);
+
+// 2∫E μ dμ, the mean over the azimuth where facets are not the same all around.
+[[nodiscard]] double facet_mean_albedo(const Facets& facets, int nodes = 32);
+
+// ∫ D G1(v) max(0, v·h) dω / (n·v), which is 1 when D and G1 belong together, whatever is lost.
+// E. Heitz, "Understanding the masking-shadowing function in microfacet-based BRDFs", 2014.
+[[nodiscard]] double weak_furnace(const Facets& facets, const Vec3& to_viewer, int nodes = 64);
+
+// What a surface of a fitted material sends back of the light from one direction, or what a viewer
+// sees of it under an even sky: mirrors and coats included, tint 1, a Sun without a disc.
+//
+//   mu       cosine of the direction, > 0 to 1
+//   azimuth  from the tangent, radians
+//   returns  RGB, within 2e-5 where no peak is narrower than 0.01
+[[nodiscard]] Vec3 directional_albedo(const Material& material, double mu, double azimuth = 0);
+
+// 2∫E μ dμ, RGB.
+[[nodiscard]] Vec3 hemispherical_albedo(const Material& material);
+
+// The largest directional albedo found, of any channel, and where.
+struct Gain {
+  double albedo = 0;
+  double mu = 1;
+};
+[[nodiscard]] Gain energy_gain(const Material& material);
+
+// The largest |f(l, v) − f(v, l)|/f over pairs at 1e-4 to 1 above the horizon.
+[[nodiscard]] double reciprocity_residual(const Material& material);
+
+}  // namespace panwright::materials
