@@ -1,6 +1,7 @@
 // Numbers that stand in the place of integrals.
 #include <cmath>
 
+#include "materials/internal/fits.h"
 #include "materials/material.h"
 
 namespace panwright::materials {
@@ -11,6 +12,9 @@ double porosity_factor(double filling) {
   return -det::log(1 - x) / x;
 }
 
-void fit(Material& material) { material.fits = {}; }
+void fit(Material& material) {
+  material.fits = {};
+  fit_hapke(material);
+}
 
 }  // namespace panwright::materials

@@ -166,6 +166,20 @@ FORMULA Real tangent(Real x) {
   return Real(2) * t / ((Real(1) - t) * (Real(1) + t));
 }
 
+// The part of a direction that lies in the surface: as long as the sine of its angle.
+FORMULA Vec3 along_surface(Vec3 direction, Vec3 normal, Real cosine) {
+  return direction - normal * cosine;
+}
+
+// Cosine and sine, >= 0, of the azimuth between two such parts of lengths whose product is `sines`;
+// z: 1 - |cosine| without cancellation.
+FORMULA Vec3 azimuth(Vec3 along_l, Vec3 along_v, Real sines) {
+  Real scale = max(sines, Real(1e-30));
+  Real cosine = max(min(dot3(along_l, along_v) / scale, Real(1)), Real(-1));
+  Real sine = min(length3(cross3(along_l, along_v)) / scale, Real(1));
+  return Vec3(cosine, sine, sine * sine / (Real(1) + abs(cosine)));
+}
+
 // tan^2 of the angle between the normal and l + v, without forming its cosine: 1 - cos^2 loses all
 // digits near the highlight. cos_sum: n.l + n.v > 0.
 FORMULA Real half_tan2(Vec3 to_light, Vec3 to_viewer, Vec3 normal, Real cos_sum) {

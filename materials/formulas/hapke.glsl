@@ -1,11 +1,30 @@
 // Particulate surfaces: single scattering by particles with an opposition effect, isotropic
 // multiple scattering, and shadows of macroscopic roughness. 1/sr.
-// B. Hapke, "Bidirectional reflectance spectroscopy" 1 (1981), 3 (1984), 5 (2002).
+// B. Hapke, "Bidirectional reflectance spectroscopy" 1 (1981), 3 (1984), 4 (1986), 5 (2002), 6
+// (2008). The opposition effect is that of 1986; the form of 1981 stands for the same shadows, and
+// no parameters are published for it alone.
 
-// H(x): light scattered more than once, within 1 % of Chandrasekhar's function (2002, equation 13).
-FORMULA Real hapke_h_function(Real x, Real w) {
-  Real r0 = (Real(1) - sqrt(Real(1) - w)) / (Real(1) + sqrt(Real(1) - w));
-  return Real(1) / (Real(1) - w * x * (r0 + (Real(0.5) - r0 * x) * log_one_plus(Real(1) / x)));
+// H(x): light scattered more than once, x <= 1. Chandrasekhar's equation gives its reciprocal the form
+// 1 - x (polynomial + ln(1 + 1/x) polynomial); the coefficients are fitted for the albedo at hand
+// (materials/fit_hapke.cpp).
+FORMULA Real hapke_h_function(Surface s, Real x) {
+  Real plain = s.hapke_h0 + x * (s.hapke_h1 + x * (s.hapke_h2 + x * s.hapke_h3));
+  Real curved = s.hapke_h4 + x * (s.hapke_h5 + x * (s.hapke_h6 + x * s.hapke_h7));
+  return Real(1) / (Real(1) - x * (plain + curved * log_one_plus(Real(1) / max(x, Real(1e-30)))));
+}
+
+// Shadows that particles hide at small phase angles: B0/(1 + tan(g/2)/h), tan(g/2) = |l - v|/|l + v|.
+FORMULA Real hapke_shadow_hiding(Real b0, Real h, Real minus, Real plus) {
+  return b0 * (h * plus) / max(h * plus + minus, Real(1e-30));
+}
+
+// Waves that come back on each other's paths: B0 (1 + (1 - exp(-z))/z)/(2 (1 + z)^2), z =
+// tan(g/2)/h.
+FORMULA Real hapke_coherent(Real b0, Real h, Real minus, Real plus) {
+  if (!(h > Real(0))) return Real(0);
+  Real z = max(minus / max(h * plus, Real(1e-30)), Real(1e-30));
+  Real near = Real(1) / (Real(1) + z);
+  return Real(0.5) * b0 * (near * near) * (Real(1) + one_minus_exp(z) / z);
 }
 
 // Double Henyey-Greenstein, mean 1 over the sphere. minus2, plus2: |l - v|^2 and |l + v|^2, which
@@ -29,8 +48,7 @@ FORMULA Real hapke_eta(Real tan_rough, Real cos_x, Real sin_x) {
                      (Real(1) + one_minus_exp(k));
 }
 
-FORMULA Real hapke(Real w, Real h, Real b0, Real rough, Real b, Real c, Vec3 to_light,
-                   Vec3 to_viewer, Vec3 normal) {
+FORMULA Real hapke(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Real cos_nl = dot3(normal, to_light);
   Real cos_nv = dot3(normal, to_viewer);
   if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Real(0);
@@ -38,21 +56,19 @@ FORMULA Real hapke(Real w, Real h, Real b0, Real rough, Real b, Real c, Vec3 to_
   cos_nv = max(cos_nv, Real(1e-10));
 
   // azimuth: cos^2 and sin^2 of its half, and 1 - azimuth/pi, each good where it is small
-  Vec3 along_l = to_light - normal * cos_nl;
-  Vec3 along_v = to_viewer - normal * cos_nv;
+  Vec3 along_l = along_surface(to_light, normal, cos_nl);
+  Vec3 along_v = along_surface(to_viewer, normal, cos_nv);
   Real sin_nl = length3(along_l);
   Real sin_nv = length3(along_v);
-  Real sines = max(sin_nl * sin_nv, Real(1e-30));
-  Real cos_phi = max(min(dot3(along_l, along_v) / sines, Real(1)), Real(-1));
-  Real sin_phi = min(length3(cross3(along_l, along_v)) / sines, Real(1));
-  Real near = Real(0.5) * sin_phi * sin_phi / (Real(1) + abs(cos_phi));
-  Real cos2_half = cos_phi < Real(0) ? near : Real(0.5) * (Real(1) + cos_phi);
-  Real sin2_half = cos_phi < Real(0) ? Real(0.5) * (Real(1) - cos_phi) : near;
-  Real angle = angle_of(sin_phi, abs(cos_phi)) * Real(0.31830988618379067);
-  Real from_pi = cos_phi < Real(0) ? angle : Real(1) - angle;
+  Vec3 turn = azimuth(along_l, along_v, sin_nl * sin_nv);
+  Real near = Real(0.5) * turn.z;
+  Real cos2_half = turn.x < Real(0) ? near : Real(0.5) * (Real(1) + turn.x);
+  Real sin2_half = turn.x < Real(0) ? Real(0.5) * (Real(1) - turn.x) : near;
+  Real angle = angle_of(turn.y, abs(turn.x)) * Real(0.31830988618379067);
+  Real from_pi = turn.x < Real(0) ? angle : Real(1) - angle;
 
   // effective cosines of the smaller angle s and the greater g, over chi
-  Real t = tangent(rough);
+  Real t = tangent(s.hapke_rough);
   Real cos_s = max(cos_nl, cos_nv);
   Real sin_s = min(sin_nl, sin_nv);
   Real cos_g = min(cos_nl, cos_nv);
@@ -76,20 +92,23 @@ FORMULA Real hapke(Real w, Real h, Real b0, Real rough, Real b, Real c, Vec3 to_
   Real grade = Real(2) * sqrt(sin2_half / max(cos2_half, Real(1e-30)));
   Real apart = one_minus_exp(grade) + exp_negative(grade) * (cos_s / eta_s);
 
-  Vec3 plus = to_light + to_viewer;
-  Vec3 minus = to_light - to_viewer;
-  Real plus2 = dot3(plus, plus);
-  Real minus2 = dot3(minus, minus);
-  // B0 / (1 + tan(g/2)/h), tan(g/2) = |l - v|/|l + v|
-  Real surge = b0 * h * sqrt(plus2) / max(h * sqrt(plus2) + sqrt(minus2), Real(1e-30));
-  Real albedo = min(max(w, Real(0)), Real(1));
-  Real many = hapke_h_function(chi * mu_s, albedo) * hapke_h_function(chi * mu_g, albedo);
-  Real bracket = (Real(1) + surge) * hapke_phase(b, c, minus2, plus2) + (many - Real(1));
-  return albedo * Real(0.079577471545947668) * bracket * (mu_s / eta_s) * (mu_g / eta_g) /
-         (mu_s + mu_g) / apart;
+  Vec3 both = to_light + to_viewer;
+  Vec3 between = to_light - to_viewer;
+  Real plus2 = dot3(both, both);
+  Real minus2 = dot3(between, between);
+  Real plus = sqrt(plus2);
+  Real minus = sqrt(minus2);
+  Real shadow = hapke_shadow_hiding(s.hapke_b0, s.hapke_h, minus, plus);
+  Real coherent = hapke_coherent(s.hapke_bc0, s.hapke_hc, minus, plus);
+  Real dense = max(s.hapke_k, Real(1));
+  Real many = hapke_h_function(s, chi * mu_s / dense) * hapke_h_function(s, chi * mu_g / dense);
+  Real bracket = (Real(1) + shadow) * hapke_phase(s.hapke_b, s.hapke_c, minus2, plus2) +
+                 max(many - Real(1), Real(0));
+  Real albedo = min(max(s.hapke_w, Real(0)), Real(1));
+  return dense * albedo * Real(0.079577471545947668) * bracket * (Real(1) + coherent) *
+         (mu_s / eta_s) * (mu_g / eta_g) / (mu_s + mu_g) / apart;
 }
 
 FORMULA Vec3 hapke_law(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  return s.diffuse * hapke(s.hapke_w, s.hapke_h, s.hapke_b0, s.hapke_rough, s.hapke_b, s.hapke_c,
-                           to_light, to_viewer, normal);
+  return s.diffuse * hapke(s, to_light, to_viewer, normal);
 }

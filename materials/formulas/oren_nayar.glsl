@@ -9,14 +9,12 @@ FORMULA Vec3 oren_nayar(Vec3 albedo, Real sigma, Vec3 to_light, Vec3 to_viewer, 
   cos_nl = max(cos_nl, Real(1e-10));
   cos_nv = max(cos_nv, Real(1e-10));
 
-  // azimuth between the two directions: both tangential parts have length sin(theta)
-  Vec3 along_l = to_light - normal * cos_nl;
-  Vec3 along_v = to_viewer - normal * cos_nv;
+  Vec3 along_l = along_surface(to_light, normal, cos_nl);
+  Vec3 along_v = along_surface(to_viewer, normal, cos_nv);
   Real sin_nl = length3(along_l);
   Real sin_nv = length3(along_v);
-  Real sines = max(sin_nl * sin_nv, Real(1e-30));
-  Real cos_phi = max(min(dot3(along_l, along_v) / sines, Real(1)), Real(-1));
-  Real sin_phi = min(length3(cross3(along_l, along_v)) / sines, Real(1));
+  Vec3 turn = azimuth(along_l, along_v, sin_nl * sin_nv);
+  Real cos_phi = turn.x;
 
   // a: the larger angle, b: the smaller
   Real sin_a = max(sin_nl, sin_nv);
@@ -36,10 +34,8 @@ FORMULA Vec3 oren_nayar(Vec3 albedo, Real sigma, Vec3 to_light, Vec3 to_viewer, 
     c2 = from_horizon * (Real(1) + b + b * b) - cos_a * cos_a / (Real(1) + sin_a);
   }
   Real c3 = Real(0.125) * wide * (a * b) * (a * b);
-  // 1 - |cos phi| without cancellation
-  Real aside = sin_phi * sin_phi / (Real(1) + abs(cos_phi));
   Real direct = c1 + Real(0.45) * wide * c2 * cos_phi * (sin_b / cos_b) +
-                aside * c3 * ((sin_a + sin_b) / (cos_a + cos_b));
+                turn.z * c3 * ((sin_a + sin_b) / (cos_a + cos_b));
   Real twice = Real(0.17) * s2 / (s2 + Real(0.13)) * (Real(1) - cos_phi * b * b);
   return albedo * ((max(direct, Real(0)) + albedo * twice) * Real(0.31830988618379067));
 }

@@ -34,7 +34,8 @@ TEST(Brdf, WeightsTimesColourTimesLaw) {
 }
 
 TEST(Brdf, EveryPairOfLaws) {
-  for (const auto diffuse : {DiffuseLaw::lambert, DiffuseLaw::oren_nayar, DiffuseLaw::hapke})
+  for (const auto diffuse : {DiffuseLaw::lambert, DiffuseLaw::oren_nayar, DiffuseLaw::hapke,
+                             DiffuseLaw::eon, DiffuseLaw::lommel_seeliger})
     for (const auto specular :
          {SpecularLaw::none, SpecularLaw::blinn_phong, SpecularLaw::cook_torrance}) {
       Material m = figure8();
@@ -44,13 +45,17 @@ TEST(Brdf, EveryPairOfLaws) {
       m.oren = 0.3;
       m.hapke = {0.4, 0.06, 1, 0.3};
       m.weights = {0.6, 0.4, 0};
+      fit(m);
       Vec3 want(0);
       const Vec3 rho = m.diffuse;
       if (diffuse == DiffuseLaw::lambert) want = 0.6 * rho / kPi;
       if (diffuse == DiffuseLaw::oren_nayar)
         want = 0.6 * f64::oren_nayar(rho, 0.3, kLight, kViewer, kNormal);
       if (diffuse == DiffuseLaw::hapke)
-        want = 0.6 * rho * f64::hapke(0.4, 0.06, 1.0, 0.3, 0.0, 0.0, kLight, kViewer, kNormal);
+        want = 0.6 * rho * f64::hapke(f64::surface_of(m), kLight, kViewer, kNormal);
+      if (diffuse == DiffuseLaw::eon) want = 0.6 * f64::eon(rho, 0.3, kLight, kViewer, kNormal);
+      if (diffuse == DiffuseLaw::lommel_seeliger)
+        want = 0.6 * rho * 0.4 / (4 * kPi * (kLight.z + kViewer.z));
       if (specular == SpecularLaw::blinn_phong)
         want += 0.4 * f64::blinn_phong(12.0, kLight, kViewer, kNormal);
       if (specular == SpecularLaw::cook_torrance)

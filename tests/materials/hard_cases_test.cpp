@@ -37,7 +37,11 @@ const struct {
                {"oren_nayar", 4e-7},     // 3.1e-7
                {"blinn_phong", 6.5e-6},  // 6.0e-6, exponent 31 of e at shine 1000
                {"cook_torrance", 6e-6},  // 5.4e-6, exponent 60 of e
-               {"hapke", 3e-6}};         // 2.4e-6
+               {"eon", 3e-7},            // 2.3e-7
+               {"fon", 3e-7},            // 1.9e-7
+               {"fon_loss", 4e-7},       // 3.0e-7
+               {"lommel_seeliger", 2e-7},  // 1.3e-7
+               {"hapke", 3e-6}};           // 2.4e-6
 
 TEST(HardCases, FloatIsNearDouble) {
   for (const Formula& formula : formulas()) {

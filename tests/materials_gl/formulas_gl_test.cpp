@@ -24,11 +24,12 @@ using materials::SpecularLaw;
 class Shader {
  public:
   Shader(const GladGLContext& gl, const std::string& text, const std::string& statements,
-         const std::string& expression)
+         const std::string& expression, const std::string& helpers = "")
       : gl_(gl) {
     const std::string source = "#version 450 core\n" + text + R"(
 #define Real float
 #define Vec3 vec3
+)" + helpers + R"(
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Inputs { float inputs[]; };
 layout(std430, binding = 1) writeonly buffer Outputs { float outputs[]; };
@@ -175,7 +176,7 @@ TEST_P(FormulasGl, EveryFormulaOverTheHardCases) {
   }
   const std::string text = materials::glsl_all_laws();
   for (const Formula& formula : all) {
-    const Shader shader(context_->gl(), text, "", formula.expression);
+    const Shader shader(context_->gl(), text, "", formula.expression, kHelpers);
     check(formula.name, formula.cases,
           compare(formula.cases, shader.run(formula.cases), formula.f32));
   }

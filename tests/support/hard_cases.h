@@ -27,16 +27,18 @@ inline constexpr std::array kSlopes{0.0, 1e-4, 1.64e-3, 0.01, 0.15, 1.0, 10.0};
 inline constexpr std::array kIndices{1.0, 1 + 1e-6, 1.5, 100.0};
 inline constexpr std::array kSigmas{0.0, 1e-3, 0.1, 0.3, 1.0, kPi / 2};
 inline constexpr std::array kShines{0.0, 1.0, 10.0, 128.0, 1000.0};
-// w, h, B0, roughness in radians, b, c
-inline constexpr std::array<std::array<double, 6>, 8> kHapke{
-    {{0.21, 0.07, 1, 0, 0.25, 0.3},
-     {0.21, 0.07, 1, 20 * kDegree, 0.25, 0.3},
-     {1, 0, 0, 0, 0, 0},
-     {0.9, 0, 1, 1 * kDegree, 0, 0},
-     {0.6, 1e-4, 3, 60 * kDegree, 0, 0},
-     {0.3, 1, 0.5, 1e-4, 0.9, -1},
-     {0, 0.05, 1, 0.3, 0, 0},
-     {1, 100, 100, 80 * kDegree, 0, 0}}};
+// w, h, B0, roughness in radians, b, c, K
+inline constexpr std::array<std::array<double, 7>, 9> kHapke{
+    {{0.21, 0.07, 1, 0, 0.25, 0.3, 1},
+     {0.21, 0.07, 1, 20 * kDegree, 0.25, 0.3, 1.7},
+     {1, 0, 0, 0, 0, 0, 1},
+     {0.9, 0, 1, 1 * kDegree, 0, 0, 1},
+     {0.6, 1e-4, 3, 60 * kDegree, 0, 0, 1},
+     {0.3, 1, 0.5, 1e-4, 0.9, -1, 1},
+     {0, 0.05, 1, 0.3, 0, 0, 1},
+     {0.95, 0.05, 1, 0.3, 0.6, 0.8, 3.4},
+     {1, 100, 100, 80 * kDegree, 0, 0, 1}}};
+inline constexpr std::array kRoughnesses{0.0, 1e-7, 1e-3, 0.25, 0.5, 1.0};
 
 inline glm::dvec3 direction(double cosine, double azimuth) {
   const double sine = std::sqrt((1 - cosine) * (1 + cosine));
@@ -134,6 +136,51 @@ std::vector<Inputs> with_parameters(const std::vector<Inputs>& directions, const
   return all;
 }
 
+// Hapke's parameters, with the coherent backscatter that goes with them and H of 2002, whose
+// reciprocal 1 - w x (r0 + (1/2 - r0 x) ln(1 + 1/x)) has the form of the fit.
+#define PANWRIGHT_HAPKE_SURFACE                                                                  \
+  SurfaceFields hapke_surface(Real w, Real h, Real b0, Real rough, Real b, Real c, Real dense) { \
+    SurfaceFields s;                                                                             \
+    s.diffuse = Vec3(Real(1));                                                                   \
+    s.hapke_w = w;                                                                               \
+    s.hapke_h = h;                                                                               \
+    s.hapke_b0 = b0;                                                                             \
+    s.hapke_rough = rough;                                                                       \
+    s.hapke_b = b;                                                                               \
+    s.hapke_c = c;                                                                               \
+    s.hapke_hc = Real(0.5) * h;                                                                  \
+    s.hapke_bc0 = Real(0.25) * b0;                                                               \
+    s.hapke_k = dense;                                                                           \
+    Real root = sqrt(Real(1) - w);                                                               \
+    Real r0 = (Real(1) - root) / (Real(1) + root);                                               \
+    s.hapke_h0 = w * r0;                                                                         \
+    s.hapke_h1 = Real(0);                                                                        \
+    s.hapke_h2 = Real(0);                                                                        \
+    s.hapke_h3 = Real(0);                                                                        \
+    s.hapke_h4 = Real(0.5) * w;                                                                  \
+    s.hapke_h5 = -w * r0;                                                                        \
+    s.hapke_h6 = Real(0);                                                                        \
+    s.hapke_h7 = Real(0);                                                                        \
+    return s;                                                                                    \
+  }
+#define PANWRIGHT_TEXT(...) #__VA_ARGS__
+#define PANWRIGHT_TEXT_OF(...) PANWRIGHT_TEXT(__VA_ARGS__)
+
+// GLSL of what the expressions call beyond the formulas. Stands where Real and Vec3 are defined.
+inline const std::string kHelpers =
+    "#define SurfaceFields Surface\n" PANWRIGHT_TEXT_OF(PANWRIGHT_HAPKE_SURFACE) "\n";
+
+}  // namespace panwright::hard_cases
+
+namespace panwright::materials::f32 {
+inline PANWRIGHT_HAPKE_SURFACE
+}
+namespace panwright::materials::f64 {
+inline PANWRIGHT_HAPKE_SURFACE
+}
+
+namespace panwright::hard_cases {
+
 // A formula and what it is tried on. The expression is read by C++ twice and by GLSL; it may use
 // Real, Vec3, l, v, n and p[].
 struct Formula {
@@ -224,8 +271,18 @@ inline std::vector<Formula> formulas() {
   add(PANWRIGHT_FORMULA("cook_torrance", Vec3(fresnel_dielectric(half_cosine(l, v), p[1]) *
                                                cook_torrance(p[0], l, v, n))),
       with_parameters(grid(), pairs_of(kSlopes, kIndices)));
-  add(PANWRIGHT_FORMULA("hapke", Vec3(hapke(p[0], p[1], p[2], p[3], p[4], p[5], l, v, n))),
+  add(PANWRIGHT_FORMULA("eon", eon(Vec3(p[0], Real(0.5) * p[0], Real(0)), p[1], l, v, n)),
+      with_parameters(grid(), pairs_of(std::array{1.0, 0.3}, kRoughnesses)));
+  add(PANWRIGHT_FORMULA("fon", Vec3(fon(p[0], l, v, n))),
+      with_parameters(grid(), singles(kRoughnesses)));
+  add(PANWRIGHT_FORMULA("fon_loss", Vec3(fon_loss(p[0], sqrt(max(Real(1) - p[0] * p[0], Real(0)))))),
+      numbers(1), false);
+  add(PANWRIGHT_FORMULA(
+          "hapke",
+          Vec3(hapke(hapke_surface(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), l, v, n))),
       with_parameters(grid(), kHapke));
+  add(PANWRIGHT_FORMULA("lommel_seeliger", Vec3(lommel_seeliger(p[0], l, v, n))),
+      with_parameters(grid(), singles(std::array{1.0, 0.1})));
   return all;
 }
 

@@ -1,0 +1,36 @@
+// Chandrasekhar's H function, which Hapke's law takes for light scattered more than once.
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace panwright::materials {
+
+// H of isotropic scattering with one albedo, the same bits everywhere.
+// S. Chandrasekhar, "Radiative transfer", 1960, chapter 5; his integral over t = exp(u).
+class HapkeH {
+ public:
+  // w: single-scattering albedo, 0..1. Cost: some 500 logarithms.
+  explicit HapkeH(double w);
+
+  // x: cosine, 0..1. Within 1e-13 of the solution of the integral equation; 1 at x = 0.
+  double operator()(double x) const;
+
+ private:
+  std::vector<double> t_;
+  std::vector<double> logs_;  // ln(1 − w·atan(t)/t), one for each t
+};
+
+// HapkeH(w)(x), for few x.
+[[nodiscard]] double hapke_h(double x, double w);
+
+// What hapke_h_function of materials/formulas/hapke.glsl needs to give H of one albedo.
+struct HFit {
+  std::array<double, 8> coefficients{};
+  double error = 0;  // largest relative error of H over x in [0, 1]
+};
+
+// Cost: a fraction of a millisecond.
+[[nodiscard]] HFit hapke_h_fit(double w);
+
+}  // namespace panwright::materials
