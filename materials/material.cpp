@@ -27,9 +27,22 @@ std::string text(double value) { return format_double(value); }
 
 bool is_zero(const std::optional<Vec3>& color) { return !color || *color == Vec3(0); }
 
+// A law that is named holds, and the numbers of others are forgotten.
+bool settle_named_diffuse(Material& material, const Fields& fields) {
+  if (!fields.diffuse_law) return false;
+  material.diffuse_law = *fields.diffuse_law;
+  if (material.diffuse_law == DiffuseLaw::eon) material.oren = fields.oren.value_or(0);
+  if (material.diffuse_law == DiffuseLaw::lommel_seeliger)
+    material.hapke = {fields.lommel.value_or(0), 0, 0, 0};
+  return true;
+}
+
 void settle_diffuse(Material& material, const Fields& fields, const Reporter& report) {
+  if (settle_named_diffuse(material, fields)) return;
   if (fields.oren) material.oren = *fields.oren;
   if (fields.hapke) {
+    material.diffuse_law = DiffuseLaw::hapke;
+    material.grains = fields.hapke_grains.value_or(HapkeGrains{});
     const auto& [w, h, b0, rough_deg] = *fields.hapke;
     material.hapke = {w, h, b0, rough_deg * kDegree};
     // the numbers of level 0 have no names
@@ -38,44 +51,38 @@ void settle_diffuse(Material& material, const Fields& fields, const Reporter& re
              fmt::format("hapke is read as single-scattering albedo {}, opposition width {}, "
                          "opposition strength {} and mean roughness {} degrees",
                          text(w), text(h), text(b0), text(rough_deg)));
-  }
-  material.grains = fields.hapke_grains.value_or(HapkeGrains{});
-  if (fields.lommel) material.hapke = {*fields.lommel, 0, 0, 0};
-  if (fields.diffuse_law) {
-    material.diffuse_law = *fields.diffuse_law;
-    return;
-  }
-  if (fields.hapke) {
-    material.diffuse_law = DiffuseLaw::hapke;
-    if (fields.oren)
+    if (fields.oren) {
+      material.oren = 0;
       report(Code::N1401,
              fmt::format("oren {} is not used, because hapke is given", text(*fields.oren)));
+    }
   } else if (fields.oren) {
     material.diffuse_law = DiffuseLaw::oren_nayar;
   }
 }
 
-void settle_specular(Material& material, const Fields& fields, const Reporter& report) {
-  if (fields.alpha) {
+bool settle_named_specular(Material& material, const Fields& fields) {
+  if (!fields.specular_law) return false;
+  material.specular_law = *fields.specular_law;
+  material.specular = fields.specular.value_or(Vec3(1));
+  if (fields.alpha && material.specular_law != SpecularLaw::mirror) {
     material.cook = {1, (*fields.alpha)[0], 1, 1};
     material.alpha_y = (*fields.alpha)[1];
   }
-  if (fields.cook && !fields.alpha) {
+  return true;
+}
+
+void settle_specular(Material& material, const Fields& fields, const Reporter& report) {
+  if (settle_named_specular(material, fields)) return;
+  if (fields.cook) {
+    material.specular_law = SpecularLaw::cook_torrance;
     material.cook = *fields.cook;
-    material.alpha_y = material.cook[1];
     const auto& [c, m, f, g] = *fields.cook;
     if (c != 1 || f != 1 || g != 1)
       report(Code::W1403,
              fmt::format("cook {} {} {} {} scales D, F and G by {}, {} and {}; public "
                          "models have 1 there",
                          text(c), text(m), text(f), text(g), text(c), text(f), text(g)));
-  }
-  if (fields.specular_law) {
-    material.specular_law = *fields.specular_law;
-    return;
-  }
-  if (fields.cook) {
-    material.specular_law = SpecularLaw::cook_torrance;
     if (fields.shine)
       report(Code::N1401,
              fmt::format("shine {} is not used, because cook is given", text(*fields.shine)));
@@ -94,7 +101,7 @@ void report_idle_fields(const Material& material, const Fields& fields, const Re
   const auto idle = [&](std::string_view field, std::string_view reason) {
     report(Code::N1405, fmt::format("{} has no effect, because {}", field, reason));
   };
-  const bool dark = is_zero(fields.specular);
+  const bool dark = material.specular == Vec3(0);
   if (dark && fields.cook)
     idle("cook", "the specular colour is 0");
   else if (dark && fields.shine)
@@ -174,6 +181,8 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
   assert(!fields.cook || (*fields.cook)[1] > 0);
   const Reporter report{where, log};
   Material material;
+  // the albedo of these is w; the levels that name them do not scale it unasked
+  if (fields.hapke_grains || fields.lommel) material.diffuse = Vec3(1);
   material.diffuse = fields.diffuse.value_or(material.diffuse);
   material.specular = fields.specular.value_or(material.specular);
   material.emissive = fields.emissive.value_or(material.emissive);
@@ -185,7 +194,7 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
   material.maps = fields.maps.value_or(Maps{});
   if (fields.reflect)
     material.weights = *fields.reflect;
-  else if (fields.specular && !fields.diffuse)
+  else if ((fields.specular || fields.specular_law) && !fields.diffuse)
     material.weights = {0, 1, 0};
 
   settle_diffuse(material, fields, report);
@@ -209,6 +218,11 @@ Laws laws_of(const Material& material) {
   laws.compensated = material.fits.many_scale != Vec3(0);
   laws.coated = material.coat.has_value();
   return laws;
+}
+
+double eon_roughness(double sigma) {
+  const double s2 = sigma * sigma;
+  return 0.45 * s2 / (s2 + 0.09) / (1 - 0.5 * s2 / (s2 + 0.33));
 }
 
 std::vector<std::uint32_t> variants_of(std::span<const Material> materials) {

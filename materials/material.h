@@ -59,7 +59,7 @@ struct Cells {
   double finger_width = 0;  // part of their pitch, 0 to 0.9
   Vec3 gap_color{0.5};      // diffuse, linear RGB
   Vec3 finger_color{0.6};   // diffuse, linear RGB
-  Vec2 tilt{0};             // slope of the cells against the cover glass, as seen, along u and v
+  Vec2 tilt{0};  // angle of the cells to their cover glass, as seen, about v and u, radians
   bool operator==(const Cells&) const = default;
 };
 
@@ -106,11 +106,12 @@ struct Laws {
 // Numbers that follow from a material's fields, computed once in double; what a shader needs in
 // the place of integrals. All 0 where the laws do not use them.
 struct Fits {
-  std::array<double, 8> loss{};  // 1 − E(cos): coefficients of 1, √cos, cos…; see facets.glsl
+  std::array<double, 8> loss{};  // 1 − E(cos): seven coefficients and a bend; see facets.glsl
   Vec3 many_scale{0};            // factor of loss(l)·loss(v), 1/sr
   std::array<double, 8> hapke_h{};  // of H(x); see hapke.glsl
-  Vec3 coat_return{0};              // share of diffuse light from below that the coat sends back
-  double error = 0;                 // largest error of loss, or relative one of H
+  // share of diffuse light from below that the coat sends back, times the albedo below over diffuse
+  Vec3 coat_return{0};
+  double error = 0;  // largest error of loss at any azimuth, or relative one of H
   bool operator==(const Fits&) const = default;
 };
 
@@ -145,6 +146,10 @@ struct Material {
 // The family of a material.
 Laws laws_of(const Material& material);
 
+// The roughness of eon whose terms have the same ratio as those of Oren and Nayar's law for slopes
+// of standard deviation σ, radians: 0 to 0.9.
+double eon_roughness(double sigma);
+
 // A shader for each material: 0 to kMostVariants − 1. Materials of one family share one; when there
 // are more families than variants, the rarest share the last.
 inline constexpr std::uint32_t kMostVariants = 8;
@@ -155,7 +160,8 @@ std::vector<std::uint32_t> variants_of(std::span<const Material> materials);
 double porosity_factor(double filling);
 
 // Computes material.fits from the fields. What resolved() and a pan give has been fitted.
-// Cost: up to some milliseconds where facets are compensated, or for Hapke's law.
+// Cost: a millisecond for facets that are compensated, some more where they are not the same all
+// around, and less for Hapke's law. Facets that have been seen before cost nothing.
 void fit(Material& material);
 
 // Fills in the defaults, settles which laws are used and fits. A part that adds nothing gets the

@@ -1,23 +1,79 @@
 #include "materials/spectra.h"
 
-#include <array>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "materials/internal/formulas.h"
+#include "materials/internal/optical_tables.h"
 
 namespace panwright::materials {
 namespace {
 
-constexpr std::array<std::string_view, 3> kNames{"Ag", "Al", "Au"};
-const std::array<Conductor, 3> kMetals{{{{.16262, .14512, .13550}, {4.0728, 3.19, 2.1997}},
-                                        {{1.5196, .96565, .53124}, {7.6635, 6.4581, 5.0699}},
-                                        {{.18299, .42108, 1.3734}, {3.4242, 2.3459, 1.7704}}}};
+constexpr std::array<std::string_view, 10> kMetals{"Ag", "Al", "Au", "Cu",       "GaAs",
+                                                   "Ge", "Si", "Ti", "graphite", "steel"};
+
+const OpticalTable* table_of(std::string_view name) {
+  for (const OpticalTable& table : kOpticalTables)
+    if (table.name == name) return &table;
+  return nullptr;
+}
 
 }  // namespace
 
 std::optional<Conductor> metal(std::string_view name) {
-  for (std::size_t i = 0; i < kNames.size(); ++i)
-    if (kNames[i] == name) return kMetals[i];
-  return std::nullopt;
+  if (std::find(kMetals.begin(), kMetals.end(), name) == kMetals.end()) return std::nullopt;
+  const OpticalTable& table = *table_of(name);
+  Conductor result;
+  constexpr std::array kBands{0.65, 0.55, 0.45};
+  for (int channel = 0; channel < 3; ++channel) {
+    // the grid holds these three
+    const auto at = std::find(kWavelengths.begin(), kWavelengths.end(),
+                              kBands[static_cast<std::size_t>(channel)]);
+    assert(at != kWavelengths.end());
+    const auto i = static_cast<std::size_t>(at - kWavelengths.begin());
+    result.n[channel] = table.n[i];
+    result.k[channel] = table.k[i];
+  }
+  return result;
 }
 
-std::span<const std::string_view> metal_names() { return kNames; }
+std::span<const std::string_view> metal_names() { return kMetals; }
+
+std::span<const double> wavelengths_um() { return kWavelengths; }
+
+std::optional<OpticalConstants> optical_constants(std::string_view name) {
+  const OpticalTable* table = table_of(name);
+  if (!table) return std::nullopt;
+  return OpticalConstants{table->what, table->n, table->k};
+}
+
+double reflectance(const Stack& stack, std::size_t wavelength, double cosine) {
+  const double n = stack.body.n[wavelength];
+  const double k = stack.body.k[wavelength];
+  if (!stack.film) return f64::fresnel_conductor(cosine, n, k);
+  const double outer = stack.film->n[wavelength];
+  const double inside = f64::refracted_cosine(cosine, outer);
+  const double first = f64::fresnel_dielectric(cosine, outer);
+  const double second = f64::fresnel_conductor(inside, n / outer, k / outer);
+  const double depth = 4 * kPi * stack.film->k[wavelength] * stack.thickness /
+                       (kWavelengths[wavelength] * 1e-6);
+  return first + f64::slab_remainder(first, Vec3(second), Vec3(depth), inside).x;
+}
+
+double solar_absorptance(const Stack& stack, double cosine) {
+  double sum = 0;
+  for (std::size_t i = 0; i < kWavelengths.size(); ++i)
+    sum += kSolarShares[i] * (1 - reflectance(stack, i, cosine));
+  return sum;
+}
+
+double hemispherical_solar_absorptance(const Stack& stack) {
+  // midpoints of cos²
+  constexpr int kSteps = 200;
+  double sum = 0;
+  for (int i = 0; i < kSteps; ++i) sum += solar_absorptance(stack, std::sqrt((i + 0.5) / kSteps));
+  return sum / kSteps;
+}
 
 }  // namespace panwright::materials

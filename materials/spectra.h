@@ -1,4 +1,4 @@
-// Optical constants of metals and other solids.
+// Optical constants of metals and films over the solar spectrum.
 #pragma once
 
 #include <optional>
@@ -16,9 +16,45 @@ struct Conductor {
 };
 
 // Optical constants by chemical symbol or name, as "Al"; nothing for one that is not known.
+// Thick enough to be opaque; values are those of one published set (internal/optical_tables.h says
+// which), others differ by 1 to 2 % in reflectance, gold at 550 nm by 6 %.
 std::optional<Conductor> metal(std::string_view name);
 
 // What metal() knows, in alphabetical order.
 std::span<const std::string_view> metal_names();
+
+// n and k, one for each of wavelengths_um().
+struct OpticalConstants {
+  std::string_view what;
+  std::span<const double> n;
+  std::span<const double> k;
+};
+std::span<const double> wavelengths_um();  // 0.3 to 2.5
+
+// What metal() knows, and the films "Kapton", "MgF2" and "SiO2".
+std::optional<OpticalConstants> optical_constants(std::string_view name);
+
+// An opaque body, bare or under a film that is thick beside the wavelength: a second-surface mirror,
+// an absorbing film over metal.
+struct Stack {
+  OpticalConstants body;
+  std::optional<OpticalConstants> film;
+  double thickness = 0;  // of the film, metres
+};
+
+// Reflectance of unpolarised light in vacuum; reflections in the film are added without regard to
+// phase, R1 + (1 − R1)² T² R2/(1 − R1 R2 T²).
+//
+//   wavelength  into wavelengths_um()
+//   cosine      of the angle of incidence, 0..1
+double reflectance(const Stack& stack, std::size_t wavelength, double cosine);
+
+// 1 − the reflectance weighted with the Sun's irradiance outside the atmosphere from 0.3 to 2.5 µm
+// (ASTM E490-00a; 4.4 % of it lie outside). Cost: 45 reflectances.
+double solar_absorptance(const Stack& stack, double cosine);
+
+// The same under light from everywhere, in which directions count with their cosine. Within 2e-5 of
+// the integral.
+double hemispherical_solar_absorptance(const Stack& stack);
 
 }  // namespace panwright::materials

@@ -483,10 +483,13 @@ materials::Material material_from(const layout::Material& record, std::string_vi
   if (record.coat_index > 0)
     material.coat = {record.coat_index, record.coat_alpha, vec3(record.coat_depth)};
   if (record.cell_count[0] > 0)
-    material.cells = {
-        vec2(record.cell_count),       vec2(record.cell_gap),  record.fingers,
-        record.finger_width,           vec3(record.gap_color), vec3(record.finger_color),
-        {record.tilt_u, record.tilt_v}};
+    material.cells = {vec2(record.cell_count),
+                      vec2(record.cell_gap),
+                      record.fingers,
+                      record.finger_width,
+                      vec3(record.gap_color),
+                      vec3(record.finger_color),
+                      {det::atan(record.tilt_u), det::atan(record.tilt_v)}};
   for (std::size_t k = 0; k < 8; ++k) {
     material.fits.loss[k] = record.loss[k];
     material.fits.hapke_h[k] = record.hapke_h[k];
@@ -532,8 +535,8 @@ layout::Material record_from(const materials::Material& material, std::uint32_t 
     record.finger_width = static_cast<float>(cells->finger_width);
     store(record.gap_color, cells->gap_color);
     store(record.finger_color, cells->finger_color);
-    record.tilt_u = static_cast<float>(cells->tilt.x);
-    record.tilt_v = static_cast<float>(cells->tilt.y);
+    record.tilt_u = static_cast<float>(det::tan(cells->tilt.x));
+    record.tilt_v = static_cast<float>(det::tan(cells->tilt.y));
   }
   for (std::size_t k = 0; k < 8; ++k) {
     record.loss[k] = static_cast<float>(material.fits.loss[k]);

@@ -1,5 +1,7 @@
 #include "pxn/writer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -260,7 +262,6 @@ class Writer {
     }
     if (m.emissive != Vec3(0)) vector("emissive", m.emissive);
     vector("reflect", m.weights);
-    if (m.refract) vector("refract", *m.refract);
     laws(m);
     if (m.maps.cutout != scene::kNone) {
       out_.open("cutout");
@@ -273,13 +274,91 @@ class Writer {
 
   // Parameters of laws that are not used count too, as long as one can have written them.
   void laws(const materials::Material& m) {
+    diffuse_law(m);
+    specular_law(m);
+    if (m.refract && m.extinction != Vec3(0)) {
+      out_.open("conductor");
+      out_.attribute("n", *m.refract);
+      out_.attribute("k", m.extinction);
+      out_.close("conductor");
+    } else if (m.refract) {
+      vector("refract", *m.refract);
+    }
+    if (m.coat) {
+      out_.open("coat");
+      out_.attribute("n", m.coat->index);
+      out_.attribute("slope", m.coat->alpha);
+      if (m.coat->depth != Vec3(0)) {
+        out_.attribute("absorption", m.coat->depth);
+        out_.attribute("thickness", 1.0);
+      }
+      out_.close("coat");
+    }
+    if (m.cells) cells(*m.cells);
+  }
+
+  void diffuse_law(const materials::Material& m) {
+    using materials::DiffuseLaw;
     const materials::Material none;
-    if (m.specular_law == materials::SpecularLaw::cook_torrance || m.cook != none.cook)
-      out_.element("cook", m.cook);
-    if (m.diffuse_law == materials::DiffuseLaw::oren_nayar || m.oren != 0)
+    switch (m.diffuse_law) {
+      case DiffuseLaw::eon:
+        return out_.element("eon", std::span(&m.oren, 1));
+      case DiffuseLaw::lommel_seeliger:
+        return out_.element("lommel_seeliger", std::span(m.hapke.data(), 1));
+      default:
+        break;
+    }
+    // note: an explicit law of level 1 may have left the numbers of another
+    const bool hapke = m.diffuse_law == DiffuseLaw::hapke || m.hapke != none.hapke;
+    if (!hapke && (m.diffuse_law == DiffuseLaw::oren_nayar || m.oren != 0))
       out_.element("oren", std::span(&m.oren, 1));
-    if (m.diffuse_law == materials::DiffuseLaw::hapke || m.hapke != none.hapke)
-      out_.element("hapke", std::array{m.hapke[0], m.hapke[1], m.hapke[2], degrees_of(m.hapke[3])});
+    if (!hapke) return;
+    out_.open("hapke");
+    const materials::HapkeGrains& g = m.grains;
+    const std::pair<const char*, double> grains[] = {
+        {"b", g.b}, {"c", g.c}, {"hc", g.h_c}, {"bc0", g.b_c0}, {"porosity", g.porosity}};
+    for (const auto& [name, value] : grains)
+      if (value != 0) out_.attribute(name, value);
+    for (const double number : {m.hapke[0], m.hapke[1], m.hapke[2], degrees_of(m.hapke[3])})
+      out_.number(number);
+    out_.close("hapke");
+  }
+
+  void specular_law(const materials::Material& m) {
+    using materials::SpecularLaw;
+    const materials::Material none;
+    const bool smith =
+        m.specular_law == SpecularLaw::beckmann || m.specular_law == SpecularLaw::ggx;
+    if (smith) {
+      const char* tag = m.specular_law == SpecularLaw::ggx ? "ggx" : "beckmann";
+      out_.open(tag);
+      if (m.compensation != materials::Compensation::automatic)
+        out_.attribute("energy", m.compensation == materials::Compensation::on ? "full" : "single");
+      out_.number(m.cook[1]);
+      out_.number(m.alpha_y);
+      out_.close(tag);
+    } else if (m.specular_law == SpecularLaw::mirror) {
+      out_.open("mirror");
+      out_.close("mirror");
+    } else if (m.specular_law == SpecularLaw::cook_torrance || m.cook != none.cook) {
+      out_.element("cook", m.cook);
+    }
+  }
+
+  void cells(const materials::Cells& c) {
+    out_.open("cells");
+    out_.attribute("columns", c.count.x);
+    out_.attribute("rows", c.count.y);
+    out_.numbers("gap", std::span(&c.gap.x, 2));
+    out_.attribute("gap_color", c.gap_color);
+    out_.attribute("fingers", c.fingers);
+    out_.attribute("finger_width", c.finger_width);
+    out_.attribute("finger_color", c.finger_color);
+    // in braces angles are radians
+    if (c.tilt != Vec2(0))
+      out_.attribute(
+          "tilt", fmt::format("{{{}}} {{{}}}", format_double(c.tilt.x), format_double(c.tilt.y)));
+    out_.close("cells");
   }
 
   void vector(std::string_view tag, const Vec3& v) { out_.element(tag, std::span(&v.x, 3)); }

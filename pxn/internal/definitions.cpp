@@ -7,6 +7,8 @@
 #include "base/text.h"
 #include "pxn/internal/grammar.h"
 #include "pxn/internal/loader.h"
+#include "pxn/internal/material_reader.h"
+#include "pxn/internal/presets.h"
 #include "pxn/internal/shapes.h"
 
 namespace panwright::pxn {
@@ -359,7 +361,8 @@ std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
       --nesting_;
     }
   }
-  fields = fields.overridden_by(read_material(document, element, *file.values));
+  if (const auto given = preset_of(file, element)) fields = *given;
+  fields = fields.overridden_by(read_material(document, element, *file.values, reporter_));
   // note: maps are read on the file's main part, which is there by now
   Work work{file, parts_[*known_files_.at(file.found.key)], &file.scope};
   const materials::Maps maps = read_maps(work, element, fields.maps.value_or(materials::Maps{}));
@@ -367,8 +370,24 @@ std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
   file.values->set_scope(around);
   definition.reading = false;
   definition.index = static_cast<std::uint32_t>(materials_.size());
-  materials_.push_back({definition.name, fields, document.tag_span(element)});
+  materials_.push_back({definition.name, fields, document.tag_span(element),
+                        read_provenance(document, element, *file.values)});
   return definition.index;
+}
+
+// The fields of the library's material that a named one starts from.
+std::optional<materials::Fields> Loader::preset_of(File& file, std::uint32_t element) {
+  const auto name = file.values->text(element, attribute::named_material_preset);
+  if (!name) return std::nullopt;
+  if (const Preset* found = find_preset(*name)) return found->fields;
+  reporter_.report(Code::E1311, file.values->value_place(element, attribute::named_material_preset),
+                   file.document, element, [&]() -> Reporter::Text {
+                     const auto near = nearest_name(*name, preset_names());
+                     return {fmt::format("the library has no material {}", in_quotes(*name)),
+                             near ? fmt::format("did you mean '{}'?", *near)
+                                  : "`panwright material --list` shows what it has"};
+                   });
+  return std::nullopt;
 }
 
 Definition* Loader::look_up(File& file, std::uint32_t element, std::size_t attribute,

@@ -10,6 +10,7 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "pxn/internal/grammar.h"
+#include "pxn/internal/material_reader.h"
 #include "pxn/internal/shapes.h"
 
 namespace panwright::pxn {
@@ -304,7 +305,7 @@ void Loader::read_appearance(Work& work, std::uint32_t element, std::uint32_t de
   const xml::Document& document = work.file.document;
   const std::uint32_t material = child_of(document, element, ElementId::material);
   work.part.fields.push_back(material == 0 ? materials::Fields{}
-                                           : read_material(document, material, *work.file.values));
+                                           : read_material(document, material, *work.file.values, reporter_));
   const auto item = add_item(work, ItemKind::appearance, element,
                              static_cast<std::uint32_t>(work.part.fields.size() - 1));
   if (!item) return;

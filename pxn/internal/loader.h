@@ -35,6 +35,7 @@ class Loader {
   const NamedMaterial& material(std::int32_t index) const {
     return materials_[static_cast<std::size_t>(index)];
   }
+  const std::vector<NamedMaterial>& materials() const { return materials_; }
 
  private:
   // One part at work.
@@ -89,6 +90,7 @@ class Loader {
   bool read_arguments(Work& work, std::uint32_t element, const Definition& definition,
                       Arguments& arguments);
   std::optional<std::uint32_t> material_of(Definition& definition);
+  std::optional<materials::Fields> preset_of(File& file, std::uint32_t element);
   // The definition that an attribute names, or nothing: reported as E1311.
   Definition* look_up(File& file, std::uint32_t element, std::size_t attribute,
                       const Definitions& known, std::string_view what);

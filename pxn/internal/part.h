@@ -17,6 +17,7 @@
 #include "pxn/internal/scope.h"
 #include "pxn/internal/values.h"
 #include "pxn/internal/xml.h"
+#include "pxn/materials.h"
 #include "scene/scene.h"
 
 namespace panwright::pxn {
@@ -138,6 +139,7 @@ struct NamedMaterial {
   std::string name;
   materials::Fields fields;
   SourceSpan place;
+  Provenance provenance;
 };
 
 }  // namespace panwright::pxn

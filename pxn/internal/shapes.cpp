@@ -69,52 +69,6 @@ bool check_name(const xml::Document& document, std::uint32_t element, SourceSpan
   return false;
 }
 
-materials::Fields read_material(const xml::Document& document, std::uint32_t element,
-                                Values& values) {
-  materials::Fields fields;
-  const std::uint32_t end = document.elements[element].next;
-  for (std::uint32_t c = element + 1; c < end; c = document.elements[c].next) {
-    Vec3 v(0);
-    std::array<double, 4> four{};
-    const auto vector = [&](std::optional<Vec3>& field) {
-      if (values.numbers(c, std::span(&v.x, 3))) field = v;
-    };
-    const auto numbers = [&](std::optional<std::array<double, 4>>& field) {
-      if (values.numbers(c, four)) field = four;
-    };
-    switch (document.elements[c].id) {
-      case ElementId::diffuse:
-        vector(fields.diffuse);
-        break;
-      case ElementId::specular:
-        vector(fields.specular);
-        fields.shine = values.real(c, schemas::attribute::specular_shine);
-        break;
-      case ElementId::emissive:
-        vector(fields.emissive);
-        break;
-      case ElementId::reflect:
-        vector(fields.reflect);
-        break;
-      case ElementId::refract:
-        vector(fields.refract);
-        break;
-      case ElementId::cook:
-        numbers(fields.cook);
-        break;
-      case ElementId::oren:
-        if (values.numbers(c, std::span(&v.x, 1))) fields.oren = v.x;
-        break;
-      case ElementId::hapke:
-        numbers(fields.hapke);
-        break;
-      default:
-        break;
-    }
-  }
-  return fields;
-}
-
 std::optional<PartFrame> read_frame_axes(const xml::Document& document, std::uint32_t element,
                                          Values& values, Reporter& reporter) {
   const auto origin = read_vector(document, element, ElementId::origin, ElementId::point, values);

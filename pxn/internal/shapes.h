@@ -1,21 +1,14 @@
-// Readers of single elements: materials, frames, shapes.
+// Readers of single elements: frames, shapes.
 #pragma once
 
 #include <memory>
 
 #include "geometry/shape.h"
-#include "materials/material.h"
 #include "pxn/internal/part.h"
 #include "pxn/internal/reporter.h"
 #include "pxn/internal/values.h"
 
 namespace panwright::pxn {
-
-// Reads a <material>. A field that cannot be read is left out.
-//
-// Reports: E1201 to E1203.
-materials::Fields read_material(const xml::Document& document, std::uint32_t element,
-                                Values& values);
 
 // Reads a <frame_s>: its origin and axes.
 //

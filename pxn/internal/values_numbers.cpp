@@ -193,6 +193,10 @@ bool Values::numbers(std::uint32_t element, std::span<double> out) {
   std::size_t count = 0;
   const bool ok = read_all(element, text, value, out, count);
   if (count == out.size()) return ok;
+  if (count == 1 && value.one) {
+    std::fill(out.begin() + 1, out.end(), out[0]);
+    return ok;
+  }
   // with a word among the numbers, how many there are is not the problem
   if (ok) bad_count(element, value, fmt::format("<{}>", schema(element).name), count);
   return false;

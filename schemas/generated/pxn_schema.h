@@ -57,9 +57,12 @@ enum class ElementId : std::uint16_t {
   named_material,
   cutout,
   lambert,
+  eon,
+  lommel_seeliger,
+  beckmann,
   ggx,
-  conductor,
   mirror,
+  conductor,
   coat,
   cells,
   provenance,
@@ -191,6 +194,12 @@ inline constexpr std::size_t include_type = 0;
 inline constexpr std::size_t include_file = 1;
 inline constexpr std::size_t frame_s_label = 0;
 inline constexpr std::size_t specular_shine = 0;
+inline constexpr std::size_t oren_energy = 0;
+inline constexpr std::size_t hapke_b = 0;
+inline constexpr std::size_t hapke_c = 1;
+inline constexpr std::size_t hapke_hc = 2;
+inline constexpr std::size_t hapke_bc0 = 3;
+inline constexpr std::size_t hapke_porosity = 4;
 inline constexpr std::size_t texture_type = 0;
 inline constexpr std::size_t include_raw_type = 0;
 inline constexpr std::size_t include_raw_file = 1;
@@ -217,6 +226,28 @@ inline constexpr std::size_t named_material_roughness_map = 6;
 inline constexpr std::size_t named_material_map_repeat = 7;
 inline constexpr std::size_t cutout_image = 0;
 inline constexpr std::size_t cutout_threshold = 1;
+inline constexpr std::size_t beckmann_energy = 0;
+inline constexpr std::size_t ggx_energy = 0;
+inline constexpr std::size_t conductor_metal = 0;
+inline constexpr std::size_t conductor_n = 1;
+inline constexpr std::size_t conductor_k = 2;
+inline constexpr std::size_t coat_n = 0;
+inline constexpr std::size_t coat_slope = 1;
+inline constexpr std::size_t coat_absorption = 2;
+inline constexpr std::size_t coat_thickness = 3;
+inline constexpr std::size_t cells_columns = 0;
+inline constexpr std::size_t cells_rows = 1;
+inline constexpr std::size_t cells_gap = 2;
+inline constexpr std::size_t cells_gap_color = 3;
+inline constexpr std::size_t cells_fingers = 4;
+inline constexpr std::size_t cells_finger_width = 5;
+inline constexpr std::size_t cells_finger_color = 6;
+inline constexpr std::size_t cells_tilt = 7;
+inline constexpr std::size_t provenance_source = 0;
+inline constexpr std::size_t provenance_published = 1;
+inline constexpr std::size_t provenance_fitted = 2;
+inline constexpr std::size_t provenance_indicative = 3;
+inline constexpr std::size_t provenance_absorptance = 4;
 inline constexpr std::size_t part_name = 0;
 inline constexpr std::size_t budget_tolerance = 0;
 inline constexpr std::size_t budget_nearest = 1;
@@ -682,14 +713,43 @@ inline constexpr Number kNumbers_cook[] = {
     {"f", 0, 1000000.0, false, false},
     {"g", 0, 1000000.0, false, false},
 };
+inline constexpr std::string_view kWords_oren_energy[] = {
+    "1994",
+    "preserving",
+};
 inline constexpr Number kNumbers_oren[] = {
     {"sigma", 0, 1.5, false, false},
+};
+inline constexpr Attribute kAttributes_oren[] = {
+    {"energy", 1, true, false, {ValueKind::word, 1, {}, kWords_oren_energy, Dimension::none, false, false, 1, 0}},
+};
+inline constexpr Number kNumbers_hapke_b[] = {
+    {"b", 0, 0.99, false, false},
+};
+inline constexpr Number kNumbers_hapke_c[] = {
+    {"c", -1, 1, false, false},
+};
+inline constexpr Number kNumbers_hapke_hc[] = {
+    {"hc", 0, 100, false, false},
+};
+inline constexpr Number kNumbers_hapke_bc0[] = {
+    {"bc0", 0, 10, false, false},
+};
+inline constexpr Number kNumbers_hapke_porosity[] = {
+    {"porosity", 0, 0.7, false, false},
 };
 inline constexpr Number kNumbers_hapke[] = {
     {"w: single-scattering albedo", 0, 1, false, false},
     {"h: width of the opposition surge", 0, 100, false, false},
     {"B0: strength of the opposition surge", 0, 100, false, false},
     {"θ̄: mean roughness angle, degrees", 0, 80, false, false},
+};
+inline constexpr Attribute kAttributes_hapke[] = {
+    {"b", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_b, {}, Dimension::none, false, false, 1, 0}},
+    {"c", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_c, {}, Dimension::none, false, false, 1, 0}},
+    {"hc", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_hc, {}, Dimension::none, false, false, 1, 0}},
+    {"bc0", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_bc0, {}, Dimension::none, false, false, 1, 0}},
+    {"porosity", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_porosity, {}, Dimension::none, false, false, 1, 0}},
 };
 inline constexpr std::string_view kWords_texture_type[] = {
     "sphere",
@@ -826,17 +886,59 @@ inline constexpr ElementId kChoice_named_material_8[] = {
 };
 inline constexpr ElementId kChoice_named_material_9[] = {
     ElementId::lambert,
+};
+inline constexpr ElementId kChoice_named_material_10[] = {
+    ElementId::eon,
+};
+inline constexpr ElementId kChoice_named_material_11[] = {
+    ElementId::lommel_seeliger,
+};
+inline constexpr ElementId kChoice_named_material_12[] = {
+    ElementId::beckmann,
+};
+inline constexpr ElementId kChoice_named_material_13[] = {
     ElementId::ggx,
-    ElementId::conductor,
+};
+inline constexpr ElementId kChoice_named_material_14[] = {
     ElementId::mirror,
+};
+inline constexpr ElementId kChoice_named_material_15[] = {
+    ElementId::conductor,
+};
+inline constexpr ElementId kChoice_named_material_16[] = {
     ElementId::coat,
+};
+inline constexpr ElementId kChoice_named_material_17[] = {
     ElementId::cells,
+};
+inline constexpr ElementId kChoice_named_material_18[] = {
     ElementId::provenance,
+};
+inline constexpr std::string_view kMembers_named_material_0[] = {
+    "lambert",
+    "oren",
+    "eon",
+    "hapke",
+    "lommel_seeliger",
+};
+inline constexpr std::string_view kMembers_named_material_1[] = {
+    "cook",
+    "beckmann",
+    "ggx",
+    "mirror",
+};
+inline constexpr std::string_view kMembers_named_material_2[] = {
+    "refract",
+    "conductor",
+};
+inline constexpr std::string_view kMembers_named_material_3[] = {
+    "@base",
+    "@preset",
 };
 inline constexpr Attribute kAttributes_named_material[] = {
     {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"base", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"preset", 1, false, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"preset", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"sides", 1, false, false, {ValueKind::word, 1, {}, kWords_named_material_sides, Dimension::none, false, false, 1, 0}},
     {"albedo_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"normal_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
@@ -853,7 +955,22 @@ inline constexpr Slot kSlots_named_material[] = {
     {kChoice_material_6, "", 0, 1, ""},
     {kChoice_material_7, "", 0, 1, ""},
     {kChoice_named_material_8, "", 0, 1, ""},
-    {kChoice_named_material_9, "", 0, 0, ""},
+    {kChoice_named_material_9, "", 0, 1, ""},
+    {kChoice_named_material_10, "", 0, 1, ""},
+    {kChoice_named_material_11, "", 0, 1, ""},
+    {kChoice_named_material_12, "", 0, 1, ""},
+    {kChoice_named_material_13, "", 0, 1, ""},
+    {kChoice_named_material_14, "", 0, 1, ""},
+    {kChoice_named_material_15, "", 0, 1, ""},
+    {kChoice_named_material_16, "", 0, 1, ""},
+    {kChoice_named_material_17, "", 0, 1, ""},
+    {kChoice_named_material_18, "", 0, 1, ""},
+};
+inline constexpr Rule kRules_named_material[] = {
+    {RuleKind::exclusive, kMembers_named_material_0},
+    {RuleKind::exclusive, kMembers_named_material_1},
+    {RuleKind::exclusive, kMembers_named_material_2},
+    {RuleKind::exclusive, kMembers_named_material_3},
 };
 inline constexpr Number kNumbers_cutout_threshold[] = {
     {"threshold", 0, 1, false, false},
@@ -861,6 +978,118 @@ inline constexpr Number kNumbers_cutout_threshold[] = {
 inline constexpr Attribute kAttributes_cutout[] = {
     {"image", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"threshold", 1, true, false, {ValueKind::real, 1, kNumbers_cutout_threshold, {}, Dimension::none, false, false, 1, 0}},
+};
+inline constexpr Number kNumbers_eon[] = {
+    {"roughness", 0, 1, false, false},
+};
+inline constexpr Number kNumbers_lommel_seeliger[] = {
+    {"w: single-scattering albedo", 0, 1, false, false},
+};
+inline constexpr std::string_view kWords_beckmann_energy[] = {
+    "auto",
+    "full",
+    "single",
+};
+inline constexpr Number kNumbers_beckmann[] = {
+    {"u", 0, 1, true, false},
+    {"v", 0, 1, true, false},
+};
+inline constexpr Attribute kAttributes_beckmann[] = {
+    {"energy", 1, true, false, {ValueKind::word, 1, {}, kWords_beckmann_energy, Dimension::none, false, false, 1, 0}},
+};
+inline constexpr Number kNumbers_conductor_n[] = {
+    {"r", 0, 100, true, false},
+    {"g", 0, 100, true, false},
+    {"b", 0, 100, true, false},
+};
+inline constexpr Number kNumbers_conductor_k[] = {
+    {"r", 0, 100, false, false},
+    {"g", 0, 100, false, false},
+    {"b", 0, 100, false, false},
+};
+inline constexpr std::string_view kMembers_conductor_0[] = {
+    "@metal",
+    "@n",
+};
+inline constexpr std::string_view kMembers_conductor_1[] = {
+    "@metal",
+    "@k",
+};
+inline constexpr Attribute kAttributes_conductor[] = {
+    {"metal", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"n", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_n, {}, Dimension::none, false, true, 1, 0}},
+    {"k", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_k, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Rule kRules_conductor[] = {
+    {RuleKind::one_of, kMembers_conductor_0},
+    {RuleKind::exclusive, kMembers_conductor_1},
+};
+inline constexpr Number kNumbers_coat_n[] = {
+    {"n", 1, 4, false, false},
+};
+inline constexpr Number kNumbers_coat_slope[] = {
+    {"slope", 0, 1, false, false},
+};
+inline constexpr Number kNumbers_coat_absorption[] = {
+    {"r", 0, 1000000000.0, false, false},
+    {"g", 0, 1000000000.0, false, false},
+    {"b", 0, 1000000000.0, false, false},
+};
+inline constexpr Number kNumbers_coat_thickness[] = {
+    {"thickness", 0, 1, false, false},
+};
+inline constexpr std::string_view kMembers_coat_0[] = {
+    "@absorption",
+    "@thickness",
+};
+inline constexpr Attribute kAttributes_coat[] = {
+    {"n", 1, true, false, {ValueKind::real, 1, kNumbers_coat_n, {}, Dimension::none, false, false, 1, 0}},
+    {"slope", 1, true, false, {ValueKind::real, 1, kNumbers_coat_slope, {}, Dimension::none, false, false, 1, 0}},
+    {"absorption", 1, true, false, {ValueKind::real, 3, kNumbers_coat_absorption, {}, Dimension::none, false, true, 1, 0}},
+    {"thickness", 1, true, false, {ValueKind::real, 1, kNumbers_coat_thickness, {}, Dimension::length, false, false, 1, 0}},
+};
+inline constexpr Rule kRules_coat[] = {
+    {RuleKind::together, kMembers_coat_0},
+};
+inline constexpr Number kNumbers_cells_columns[] = {
+    {"columns", 0.001, 1000000.0, false, false},
+};
+inline constexpr Number kNumbers_cells_rows[] = {
+    {"rows", 0.001, 1000000.0, false, false},
+};
+inline constexpr Number kNumbers_cells_gap[] = {
+    {"u", 0, 0.9, false, false},
+    {"v", 0, 0.9, false, false},
+};
+inline constexpr Number kNumbers_cells_fingers[] = {
+    {"fingers", 0, 10000.0, false, false},
+};
+inline constexpr Number kNumbers_cells_finger_width[] = {
+    {"finger_width", 0, 0.9, false, false},
+};
+inline constexpr Number kNumbers_cells_tilt[] = {
+    {"u", -0.2, 0.2, false, false},
+    {"v", -0.2, 0.2, false, false},
+};
+inline constexpr Attribute kAttributes_cells[] = {
+    {"columns", 1, true, true, {ValueKind::real, 1, kNumbers_cells_columns, {}, Dimension::none, false, false, 1, 0}},
+    {"rows", 1, true, true, {ValueKind::real, 1, kNumbers_cells_rows, {}, Dimension::none, false, false, 1, 0}},
+    {"gap", 1, true, false, {ValueKind::real, 2, kNumbers_cells_gap, {}, Dimension::none, false, true, 1, 0}},
+    {"gap_color", 1, true, false, {ValueKind::real, 3, kNumbers_rgb, {}, Dimension::none, false, true, 1, 0}},
+    {"fingers", 1, true, false, {ValueKind::real, 1, kNumbers_cells_fingers, {}, Dimension::none, false, false, 1, 0}},
+    {"finger_width", 1, true, false, {ValueKind::real, 1, kNumbers_cells_finger_width, {}, Dimension::none, false, false, 1, 0}},
+    {"finger_color", 1, true, false, {ValueKind::real, 3, kNumbers_rgb, {}, Dimension::none, false, true, 1, 0}},
+    {"tilt", 1, true, false, {ValueKind::real, 2, kNumbers_cells_tilt, {}, Dimension::angle, false, true, 1, 0}},
+};
+inline constexpr Number kNumbers_provenance_absorptance[] = {
+    {"absorptance", 0, 1, false, false},
+};
+inline constexpr Attribute kAttributes_provenance[] = {
+    {"source", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"published", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"fitted", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"indicative", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"absorptance", 1, true, false, {ValueKind::real, 1, kNumbers_provenance_absorptance, {}, Dimension::none, false, false, 1, 0}},
 };
 inline constexpr Attribute kAttributes_part[] = {
     {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
@@ -1467,10 +1696,10 @@ inline constexpr Element kElements[] = {
      {}, {}, {}},
     {"oren", 0, true,
      {ValueKind::real, 1, kNumbers_oren, {}, Dimension::angle, true, false, 1, 0},
-     {}, {}, {}},
+     kAttributes_oren, {}, {}},
     {"hapke", 0, true,
      {ValueKind::real, 4, kNumbers_hapke, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     kAttributes_hapke, {}, {}},
     {"texture", 0, true,
      {},
      kAttributes_texture, kSlots_texture, {}},
@@ -1521,31 +1750,40 @@ inline constexpr Element kElements[] = {
      kAttributes_param, {}, {}},
     {"material", 1, true,
      {},
-     kAttributes_named_material, kSlots_named_material, {}},
+     kAttributes_named_material, kSlots_named_material, kRules_named_material},
     {"cutout", 1, true,
      {},
      kAttributes_cutout, {}, {}},
-    {"lambert", 1, false,
+    {"lambert", 1, true,
      {},
      {}, {}, {}},
-    {"ggx", 1, false,
+    {"eon", 1, true,
+     {ValueKind::real, 1, kNumbers_eon, {}, Dimension::none, false, false, 1, 0},
+     {}, {}, {}},
+    {"lommel_seeliger", 1, true,
+     {ValueKind::real, 1, kNumbers_lommel_seeliger, {}, Dimension::none, false, false, 1, 0},
+     {}, {}, {}},
+    {"beckmann", 1, true,
+     {ValueKind::real, 2, kNumbers_beckmann, {}, Dimension::none, false, true, 1, 0},
+     kAttributes_beckmann, {}, {}},
+    {"ggx", 1, true,
+     {ValueKind::real, 2, kNumbers_beckmann, {}, Dimension::none, false, true, 1, 0},
+     kAttributes_beckmann, {}, {}},
+    {"mirror", 1, true,
      {},
      {}, {}, {}},
-    {"conductor", 1, false,
+    {"conductor", 1, true,
      {},
-     {}, {}, {}},
-    {"mirror", 1, false,
+     kAttributes_conductor, {}, kRules_conductor},
+    {"coat", 1, true,
      {},
-     {}, {}, {}},
-    {"coat", 1, false,
+     kAttributes_coat, {}, kRules_coat},
+    {"cells", 1, true,
      {},
-     {}, {}, {}},
-    {"cells", 1, false,
+     kAttributes_cells, {}, {}},
+    {"provenance", 1, true,
      {},
-     {}, {}, {}},
-    {"provenance", 1, false,
-     {},
-     {}, {}, {}},
+     kAttributes_provenance, {}, {}},
     {"part", 1, true,
      {},
      kAttributes_part, kSlots_part, {}},

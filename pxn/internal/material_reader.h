@@ -1,0 +1,20 @@
+// Reads materials. Private to pxn.
+#pragma once
+
+#include "materials/material.h"
+#include "pxn/internal/reporter.h"
+#include "pxn/internal/values.h"
+#include "pxn/materials.h"
+
+namespace panwright::pxn {
+
+// Reads a <material>. A field that cannot be read is left out.
+//
+// Reports: E1201 to E1203; of a named material also E1406, E1407.
+materials::Fields read_material(const xml::Document& document, std::uint32_t element,
+                                Values& values, Reporter& reporter);
+
+// What a named material says about itself in <provenance>; empty where it says nothing.
+Provenance read_provenance(const xml::Document& document, std::uint32_t element, Values& values);
+
+}  // namespace panwright::pxn
