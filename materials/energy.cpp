@@ -6,6 +6,7 @@
 #include <cmath>
 #include <span>
 
+#include "materials/internal/fits.h"
 #include "materials/internal/formulas.h"
 #include "materials/sample.h"
 
@@ -138,8 +139,8 @@ HalfSpace space_of(const Facets& facets) {
 // A light direction's share of ∫ … cosθ dω over the hemisphere; nodes are dense about the viewer,
 // where opposition peaks, and at the horizon.
 template <class F>
-Vec3 over_hemisphere(const Vec3& v, F f) {
-  const std::span<const Node> nodes = gauss(64);
+Vec3 over_hemisphere(const Vec3& v, int order, F f) {
+  const std::span<const Node> nodes = gauss(order);
   const double theta_v = det::acos(std::min(v.z, 1.0));
   const double phi_v = det::atan2(v.y, v.x);
   Vec3 sum(0);
@@ -221,7 +222,7 @@ Vec3 albedo(const Material& material, const Vec3& v, int order) {
   smooth.laws.specular = SpecularLaw::none;
   f64::Composition once = all;
   once.laws.compensated = false;
-  Vec3 sum = over_hemisphere(v, [&](const Vec3& l) {
+  Vec3 sum = over_hemisphere(v, std::min(order, 64), [&](const Vec3& l) {
     if (!all.laws.coated) return smooth.bare(s, l, v, kUp);
     Vec3 f = smooth.coated_diffuse(s, l, v, kUp);
     if (all.laws.compensated) f += smooth.coated_facets(s, l, v, kUp);
@@ -259,6 +260,26 @@ bool same_all_around(const Material& material) {
 constexpr std::array kAzimuths{0.0, 0.25 * kPi, 0.5 * kPi, 0.75 * kPi};
 
 }  // namespace
+
+Vec3 mean_over_cosines(const std::function<Vec3(double)>& f) {
+  Vec3 sum(0);
+  for (const Node& a : gauss(32)) sum += a.weight * 2 * a.x * f(a.x * a.x);
+  return sum;
+}
+
+Vec3 mean_diffuse_albedo(const Material& material) {
+  if (material.diffuse_law == DiffuseLaw::lambert) return material.diffuse;
+  const f64::SurfaceFields s = f64::surface_of(material);
+  const f64::Composition laws = f64::composition_of(material);
+  Vec3 sum(0);
+  for (const Node& a : gauss(16)) {
+    const double mu = a.x * a.x;
+    const Vec3 v = direction(mu, 0);
+    sum += a.weight * 4 * a.x * mu *
+           over_hemisphere(v, 16, [&](const Vec3& l) { return laws.diffuse(s, l, v, kUp); });
+  }
+  return sum;
+}
 
 double facet_albedo(const Facets& facets, const Vec3& to_viewer, int nodes) {
   assert(to_viewer.z > 0);

@@ -15,6 +15,8 @@ double porosity_factor(double filling) {
 void fit(Material& material) {
   material.fits = {};
   fit_hapke(material);
+  fit_facets(material);
+  fit_coat(material);
 }
 
 }  // namespace panwright::materials

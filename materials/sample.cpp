@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "materials/internal/fits.h"
 #include "materials/internal/formulas.h"
 
 namespace panwright::materials {
@@ -97,12 +98,11 @@ Vec3 above_horizon(const Vec3& to_viewer, const Vec3& normal) {
 struct Scattering::Parts {
   f64::SurfaceFields surface;
   f64::Composition composition;
-  double mean_loss = 0;  // ∫ loss cosθ dω / π
+  double lost = 0;  // 2∫ loss μ dμ
 
   explicit Parts(const Material& material)
       : surface(f64::surface_of(material)), composition(f64::composition_of(material)) {
-    for (std::size_t k = 0; k < material.fits.loss.size(); ++k)
-      mean_loss += 2 * material.fits.loss[k] / (0.5 * static_cast<double>(k) + 2);
+    if (composition.laws.compensated) lost = mean_loss(material.fits.loss);
   }
 
   f64::SurfaceFields at(const Vec3& tangent, const Vec3& tint) const {
@@ -155,7 +155,7 @@ struct Scattering::Parts {
     const double inner = coated() ? f64::refracted_cosine(cosine, s.coat_index) : cosine;
     c.diffuse = passing * s.weights.x * largest(s.diffuse);
     if (composition.laws.compensated)
-      c.diffuse += passing * s.weights.y * largest(s.specular * s.many_scale) * kPi * mean_loss *
+      c.diffuse += passing * s.weights.y * largest(s.specular * s.many_scale) * kPi * lost *
                    f64::facet_loss(s, inner);
     if (mirror_shows()) {
       c.mirror_below = largest(mirror_below(cosine));

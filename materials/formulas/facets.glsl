@@ -133,11 +133,13 @@ FORMULA Vec3 no_many(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   return Vec3(Real(0));
 }
 
-// 1 - E(cosine), the albedo that is missing in facets' single reflections: a polynomial of sqrt(cos).
+// 1 - E(cosine), the albedo that is missing in facets' single reflections: a polynomial of
+// sqrt(cosine (1 + b)/(cosine + b)), b = loss7, which is fitted with it.
 FORMULA Real facet_loss(Surface s, Real cosine) {
-  Real x = sqrt(min(max(cosine, Real(0)), Real(1)));
-  Real loss = s.loss7;
-  loss = loss * x + s.loss6;
+  Real c = min(max(cosine, Real(0)), Real(1));
+  Real b = max(s.loss7, Real(1e-3));
+  Real x = sqrt(c * (Real(1) + b) / (c + b));
+  Real loss = s.loss6;
   loss = loss * x + s.loss5;
   loss = loss * x + s.loss4;
   loss = loss * x + s.loss3;

@@ -236,12 +236,15 @@ struct Material {
   float coat_alpha;  // RMS slope of the coat's surface
   float coat_depth[3];  // optical thickness across the coat
   float hapke_k;  // porosity factor K, at least 1
-  float coat_return[3];  // share of diffuse light from below that the coat sends back
+  // share of diffuse light from below that the coat sends back, times the albedo below over
+  // diffuse
+  float coat_return[3];
   float tilt_u;  // slope of cells against their cover glass along u
   // light scattered more than once by facets: factor of loss(l)*loss(v), 1/sr; all 0: none
   float many_scale[3];
   float tilt_v;  // and along v
-  // 1 - E(cos), E the directional albedo of the facets: coefficients of the powers of sqrt(cos)
+  // 1 - E(cos), E the directional albedo of the facets: coefficients of 1, x ... x^6, and b; x^2
+  // = cos (1 + b)/(cos + b)
   float loss[8];
   float hapke_h[8];  // coefficients of H(x), see materials/formulas/hapke.glsl
   std::uint32_t diffuse_law;  // DiffuseLaw
