@@ -99,13 +99,13 @@ FORMULA Real hapke(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Real plus = sqrt(plus2);
   Real minus = sqrt(minus2);
   Real shadow = hapke_shadow_hiding(s.hapke_b0, s.hapke_h, minus, plus);
-  Real coherent = hapke_coherent(s.hapke_bc0, s.hapke_hc, minus, plus);
+  Real surge = hapke_coherent(s.hapke_bc0, s.hapke_hc, minus, plus);
   Real dense = max(s.hapke_k, Real(1));
   Real many = hapke_h_function(s, chi * mu_s / dense) * hapke_h_function(s, chi * mu_g / dense);
   Real bracket = (Real(1) + shadow) * hapke_phase(s.hapke_b, s.hapke_c, minus2, plus2) +
                  max(many - Real(1), Real(0));
   Real albedo = min(max(s.hapke_w, Real(0)), Real(1));
-  return dense * albedo * Real(0.079577471545947668) * bracket * (Real(1) + coherent) *
+  return dense * albedo * Real(0.079577471545947668) * bracket * (Real(1) + surge) *
          (mu_s / eta_s) * (mu_g / eta_g) / (mu_s + mu_g) / apart;
 }
 
