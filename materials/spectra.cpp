@@ -56,8 +56,8 @@ double reflectance(const Stack& stack, std::size_t wavelength, double cosine) {
   const double inside = f64::refracted_cosine(cosine, outer);
   const double first = f64::fresnel_dielectric(cosine, outer);
   const double second = f64::fresnel_conductor(inside, n / outer, k / outer);
-  const double depth = 4 * kPi * stack.film->k[wavelength] * stack.thickness /
-                       (kWavelengths[wavelength] * 1e-6);
+  const double depth =
+      4 * kPi * stack.film->k[wavelength] * stack.thickness / (kWavelengths[wavelength] * 1e-6);
   return first + f64::slab_remainder(first, Vec3(second), Vec3(depth), inside).x;
 }
 

@@ -34,8 +34,8 @@ std::span<const double> wavelengths_um();  // 0.3 to 2.5
 // What metal() knows, and the films "Kapton", "MgF2" and "SiO2".
 std::optional<OpticalConstants> optical_constants(std::string_view name);
 
-// An opaque body, bare or under a film that is thick beside the wavelength: a second-surface mirror,
-// an absorbing film over metal.
+// An opaque body, bare or under a film that is thick beside the wavelength: a second-surface
+// mirror, an absorbing film over metal.
 struct Stack {
   OpticalConstants body;
   std::optional<OpticalConstants> film;
