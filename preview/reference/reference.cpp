@@ -16,11 +16,11 @@ namespace {
 using namespace reference;
 
 constexpr std::uint32_t kMaxSide = 16384;
-// enough to know an error to a fifth
-constexpr std::uint32_t kLeastRounds = 16;
+// enough to know an error to an eighth
+constexpr std::uint32_t kLeastRounds = 32;
 constexpr std::uint32_t kFewestRounds = 8;
 // samples of a round with until_error: fewer would cost more in threads than in rays
-constexpr double kRoundWork = 32768;
+constexpr double kRoundWork = 8192;
 constexpr double kWidestPsf = 64;  // pixels
 // bytes for each pixel that the model may fall on, while it is rendered
 constexpr std::uint64_t kPixelBytes = 200;
@@ -38,11 +38,10 @@ constexpr std::uint64_t kPixelBytes = 200;
          options.psf_sigma <= kWidestPsf;
 }
 
-// the largest power of two whose square has at most this many samples
-std::uint32_t grid_for(double samples) {
-  std::uint32_t grid = 1;
-  while (4.0 * grid * grid <= samples && grid < 4096) grid *= 2;
-  return grid;
+// the largest grid of powers of two with at most this many samples
+void set_grid(Shot& shot, double samples) {
+  while (2.0 * shot.round_samples() <= samples && shot.round_samples() < 1u << 20)
+    (shot.columns == shot.rows ? shot.columns : shot.rows) *= 2;
 }
 
 // Of a pixel in the total flux.
@@ -63,7 +62,7 @@ double relative_error(const Rounds& rounds) {
 }
 
 // Adds rounds until the total is as good as it is wanted. Whether to go on is asked a few times
-// only, after 16 rounds and more, so that it hardly favours rounds that agree by chance.
+// only, after 32 rounds and more, so that it hardly favours rounds that agree by chance.
 void refine(Rounds& rounds, const Shot& shot, const ReferenceOptions& options, DiagnosticLog& log) {
   const std::uint64_t most =
       std::max<std::uint64_t>(rounds.rounds(), options.max_samples / shot.round_samples());
@@ -188,7 +187,7 @@ Result<ReferenceImage> Reference::render(const View& view, const ReferenceOption
     double each = options.samples / static_cast<double>(kLeastRounds);
     if (options.until_error > 0)
       each = std::max(each, kRoundWork / static_cast<double>(cells.size()));
-    shot.grid = grid_for(each);
+    set_grid(shot, each);
     const auto weight = [&](std::uint32_t column, std::uint32_t row) {
       return weight_of(camera, column, row);
     };

@@ -16,7 +16,7 @@ namespace panwright::preview {
 
 struct ReferenceOptions {
   // Points for each pixel, spent on the part of it where the model may be; 8 or more. They come in
-  // 16 independent rounds or more, each on a jittered grid.
+  // 32 independent rounds, or one for each point if those are fewer, on jittered grids.
   std::uint32_t samples = 64;
   // Relative standard error of the total flux, in its worst channel, that further rounds are added
   // for; 0: none are.

@@ -57,8 +57,9 @@ std::array<double, 4> numbers(const SampleName& name, std::uint32_t use) {
   return {in_unit(words[0]), in_unit(words[1]), in_unit(words[2]), in_unit(words[3])};
 }
 
-Arrival traced(const Stage& stage, const Sun& sun, const geometry::Ray& ray, const Vec2& u_sun,
-               const SampleName& name, const PathOptions& options, RayCounts& counts) {
+Arrival traced(const Stage& stage, const Sun& sun, const geometry::Ray& ray,
+               const FirstNumbers& first, const SampleName& name, const PathOptions& options,
+               RayCounts& counts) {
   Arrival arrival;
   ++counts.camera;
   auto hit = stage.seen(ray);
@@ -66,24 +67,25 @@ Arrival traced(const Stage& stage, const Sun& sun, const geometry::Ray& ray, con
   arrival.covered = true;
   Vec3 direction = ray.direction;
   Vec3 share(1);
-  Vec2 u = u_sun;
+  FirstNumbers u = first;
+  double u_survival = 0;
   for (std::uint32_t depth = 0;; ++depth) {
     const Point point = stage.point(*hit, options.flat);
     arrival.radiance += share * point.emitted * sun.irradiance();
     const Scatter& surface = point.surface();
     if (point.normal == Vec3(0) || !surface.reflects()) break;
     if (depth > 0) {
-      const std::array<double, 4> random = numbers(name, 2 * depth);
-      u = {random[0], random[1]};
+      const std::array<double, 4> a = numbers(name, 2 * depth);
+      const std::array<double, 4> b = numbers(name, 2 * depth + 1);
+      u = {{a[0], a[1]}, {b[0], b[1]}, b[2]};
+      u_survival = b[3];
     }
     const Vec3 to_viewer = -direction;
-    arrival.radiance += share * sunlight(stage, sun, point, to_viewer, u, counts);
+    arrival.radiance += share * sunlight(stage, sun, point, to_viewer, u.sun, counts);
 
     const bool last = depth >= options.bounces;
     if (last && !surface.is_narrow()) break;
-    const std::array<double, 4> random = numbers(name, 2 * depth + 1);
-    const auto sampled =
-        surface.sample(to_viewer, point.normal, point.tint, {random[0], random[1]}, random[2]);
+    const auto sampled = surface.sample(to_viewer, point.normal, point.tint, u.bounce, u.lobe);
     if (!sampled || is_black(sampled->weight)) break;
     const Vec3 disc = surface.is_narrow() ? disc_seen(sun, *sampled) : Vec3(0);
     if (last && is_black(disc)) break;
@@ -104,7 +106,7 @@ Arrival traced(const Stage& stage, const Sun& sun, const geometry::Ray& ray, con
     direction = sampled->to_light;
     if (depth + 1 > kSureBounces) {
       const double survival = std::min(kLargestSurvival, std::max({share.x, share.y, share.z}));
-      if (!(random[3] < survival)) break;
+      if (!(u_survival < survival)) break;
       share /= survival;
     }
   }

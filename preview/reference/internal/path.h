@@ -30,6 +30,13 @@ struct Arrival {
   bool covered = false;  // something was seen
 };
 
+// Numbers in the unit square and interval for the surface that is seen.
+struct FirstNumbers {
+  Vec2 sun{0};  // where on the disc
+  Vec2 bounce{0};
+  double lobe = 0;
+};
+
 struct PathOptions {
   std::uint32_t bounces = 0;
   bool flat = false;
@@ -40,12 +47,12 @@ struct PathOptions {
 // Carlo methods for light transport simulation", 1997, 9.2), and what the surfaces emit.
 //
 //   ray    in the model's frame, unit direction
-//   u_sun  in the unit square: where on the disc, for the surface that is seen
-Arrival traced(const Stage& stage, const Sun& sun, const geometry::Ray& ray, const Vec2& u_sun,
-               const SampleName& name, const PathOptions& options, RayCounts& counts);
+Arrival traced(const Stage& stage, const Sun& sun, const geometry::Ray& ray,
+               const FirstNumbers& first, const SampleName& name, const PathOptions& options,
+               RayCounts& counts);
 
 // The numbers in (0, 1) of a sample for one use.
 std::array<double, 4> numbers(const SampleName& name, std::uint32_t use);
-// Uses: 0 is free for who makes the ray; traced() has those from 1.
+// Uses: 0 and 1 are free for who makes the ray; traced() has those from 2.
 
 }  // namespace panwright::preview::reference

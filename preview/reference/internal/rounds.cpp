@@ -130,30 +130,36 @@ CellSampler::CellSampler(const Shot& shot, const Cell& cell, std::uint32_t round
   name_.pixel = cell.row * shot.camera.width + cell.column;
   name_.round = round;
   name_.seed = shot.seed;
-  if (shot.grid == 1) {
-    factor_ = 1;
-    shift_ = 0;
-    return;
-  }
+  if (shot.round_samples() == 1) return;
   const auto words =
       philox({name_.pixel, round, kWholeCell, 0},
              {static_cast<std::uint32_t>(shot.seed), static_cast<std::uint32_t>(shot.seed >> 32)});
-  factor_ = words[0] | 1;  // odd: every place comes once
-  shift_ = words[1];
+  // odd factors: every place comes once
+  factor_ = {words[0] | 1, words[2] | 1};
+  shift_ = {words[1], words[3]};
 }
 
 Sample CellSampler::operator()(std::uint32_t number, RayCounts& counts) const {
   SampleName name = name_;
   name.number = number;
+  const std::uint32_t columns = shot_.columns;
+  const Vec2 step(1.0 / columns, 1.0 / shot_.rows);
+  const auto jittered = [&](std::uint32_t place, double x, double y) {
+    return Vec2(place % columns + x, place / columns + y) * step;
+  };
+  const auto other = [&](std::size_t order) {
+    return (number * factor_[order] + shift_[order]) & (shot_.round_samples() - 1);
+  };
   const std::array<double, 4> u = numbers(name, 0);
-  const std::uint32_t grid = shot_.grid;
-  const std::uint32_t other = (number * factor_ + shift_) & (grid * grid - 1);
-  const double step = 1.0 / grid;
-  const Vec2 in_cell((number % grid + u[0]) * step, (number / grid + u[1]) * step);
-  const Vec2 on_sun((other % grid + u[2]) * step, (other / grid + u[3]) * step);
+  const Vec2 in_cell = jittered(number, u[0], u[1]);
+  FirstNumbers first;
+  first.sun = jittered(other(0), u[2], u[3]);
+  const std::array<double, 4> v = numbers(name, 1);
+  first.bounce = jittered(other(1), v[0], v[1]);
+  first.lobe = v[2];
   Sample sample;
   sample.place = Vec2(cell_.column, cell_.row) + glm::mix(cell_.low, cell_.high, in_cell);
-  const Arrival arrival = traced(shot_.stage, shot_.sun, ray_through(shot_, sample.place), on_sun,
+  const Arrival arrival = traced(shot_.stage, shot_.sun, ray_through(shot_, sample.place), first,
                                  name, shot_.path, counts);
   sample.light = Light(arrival.radiance, arrival.covered ? 1 : 0);
   return sample;

@@ -1,6 +1,7 @@
 // Independent pictures of one view, one after the other. Private to preview/reference.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -24,9 +25,11 @@ struct Shot {
   Mat3 model_from_camera{1};  // rotation
   PathOptions path;
   std::uint64_t seed = 0;
-  std::uint32_t grid = 1;  // a power of two: each round has grid² samples in every cell
+  // powers of two: each round has columns·rows samples in every cell
+  std::uint32_t columns = 1;
+  std::uint32_t rows = 1;
 
-  std::uint32_t round_samples() const { return grid * grid; }
+  std::uint32_t round_samples() const { return columns * rows; }
 };
 
 // The ray through a place on the image, in the model's frame.
@@ -37,8 +40,8 @@ struct Sample {
   Vec2 place;  // on the image, pixels
   Light light;
 };
-// Sample `number` of a cell in a round: jittered on the grid, and likewise on the Sun's disc in an
-// order of its own.
+// Sample `number` of a cell in a round: jittered on the grid, and likewise on the Sun's disc and
+// over the directions of the first bounce, each in an order of its own.
 class CellSampler {
  public:
   CellSampler(const Shot& shot, const Cell& cell, std::uint32_t round);
@@ -48,8 +51,9 @@ class CellSampler {
   const Shot& shot_;
   const Cell& cell_;
   SampleName name_;
-  std::uint32_t factor_;  // the Sun's order: (number·factor + shift) mod grid²
-  std::uint32_t shift_;
+  // orders: (number·factor + shift) mod the samples of a round
+  std::array<std::uint32_t, 2> factor_{1, 1};
+  std::array<std::uint32_t, 2> shift_{0, 0};
 };
 
 // Work for one thread: samples [first, first + count) of the cells [begin, end).

@@ -14,6 +14,9 @@ Vec3 vec3(const layout::Float3& v) { return Vec3(v.x, v.y, v.z); }
 Vec2 vec2(const layout::Float2& v) { return Vec2(v.x, v.y); }
 
 Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
+  const double square = glm::dot(v, v);
+  // neither under- nor overflow
+  if (square > 1e-200 && square < 1e200) return v * (1 / std::sqrt(square));
   const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
   if (!(largest > 0) || !std::isfinite(largest)) return otherwise;
   const Vec3 scaled = v / largest;
