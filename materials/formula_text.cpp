@@ -103,7 +103,7 @@ std::string glsl_all_laws() {
   for (const char* part :
        {parameters_text, common_text, fresnel_text, lambert_text, oren_nayar_text, hapke_text,
         eon_text, lommel_seeliger_text, no_specular_text, blinn_phong_text, cook_torrance_text,
-        facets_text, coat_text})
+        facets_text, coat_text, cells_text})
     text += part;
   return text + kUnglue;
 }

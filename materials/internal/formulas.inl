@@ -5,6 +5,7 @@ inline Real min(Real a, Real b) { return b < a ? b : a; }
 inline Real max(Real a, Real b) { return a < b ? b : a; }
 inline Real abs(Real a) { return a < Real(0) ? -a : a; }
 inline Real sqrt(Real a) { return std::sqrt(a); }
+inline Real floor(Real a) { return std::floor(a); }
 // a·2^k. Expects: 2^k is a normal number.
 inline Real ldexp(Real a, int k) {
   using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
@@ -34,6 +35,7 @@ using Surface = const SurfaceFields&;
 #include "materials/formulas/eon.glsl"
 #include "materials/formulas/facets.glsl"
 //
+#include "materials/formulas/cells.glsl"
 #include "materials/formulas/coat.glsl"
 #undef FORMULA
 

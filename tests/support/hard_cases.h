@@ -229,6 +229,23 @@ inline std::vector<Inputs> numbers(double most) {
   return all;
 }
 
+// Places, footprints, gap, fingers and their width for the pattern of solar cells, in numbers that
+// float holds exactly: beside an edge rounding decides.
+inline std::vector<Inputs> cell_cases() {
+  std::vector<Inputs> all;
+  for (const double u : {0.0, 0.25, 0.984375, 17.5, -3.0625})
+    for (const double v : {0.0, 0.5, 4096.75})
+      for (const double width : {0.0, 0.0009765625, 0.125, 0.75, 1.0, 3.0, 100.5})
+        for (const double height : {0.0, 0.0625, 2.25})
+          for (const double gap : {0.0, 0.03125, 0.5})
+            for (const double fingers : {0.0, 1.0, 32.0}) {
+              all.emplace_back();
+              const double p[] = {u, v, width, height, gap, fingers, 0.0625};
+              for (std::size_t k = 0; k < 7; ++k) all.back().p[k] = static_cast<float>(p[k]);
+            }
+  return all;
+}
+
 // All formulas over the hard cases.
 inline std::vector<Formula> formulas() {
   const auto pairs_of = [](const auto& first, const auto& second) {
@@ -281,6 +298,9 @@ inline std::vector<Formula> formulas() {
           "hapke",
           Vec3(hapke(hapke_surface(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), l, v, n))),
       with_parameters(grid(), kHapke));
+  add(PANWRIGHT_FORMULA("cell_shares", cell_shares(p[0], p[1], p[2], p[3], p[4], Real(0.5) * p[4],
+                                                   p[5], p[6])),
+      cell_cases(), false);
   add(PANWRIGHT_FORMULA("lommel_seeliger", Vec3(lommel_seeliger(p[0], l, v, n))),
       with_parameters(grid(), singles(std::array{1.0, 0.1})));
   return all;

@@ -1,0 +1,36 @@
+// The pattern of solar cells, on the CPU; shaders have the same text
+// (materials/formulas/cells.glsl).
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "materials/material.h"
+
+namespace panwright::materials {
+
+// Shares of a footprint; they add up to 1.
+struct CellShares {
+  double cell = 1;
+  double finger = 0;  // grid lines, on the cell and under its cover glass
+  double gap = 0;     // between cells, without cover glass
+};
+
+// What a footprint shows of the pattern: its average over a box.
+//
+//   texcoord   of the middle
+//   footprint  size of the box along u and v, in texture coordinates, >= 0
+//   returns    exact for a box. A skewed footprint stands in its bounding box: the mean over a
+//   panel
+//              stays, edges get up to twice as broad.
+CellShares cells_at(const Cells& cells, const Vec2& texcoord, const Vec2& footprint);
+
+// The materials of the three parts by themselves: of a cell, of a grid line on it, and of a gap.
+// A renderer that mixes them by their shares has what the pattern shows.
+std::array<Material, 3> cell_parts(const Material& material);
+
+// The text as GLSL, as glsl_formulas() gives it, with `vec3 cell_shares(u, v, size_u, size_v,
+// gap_u, gap_v, fingers, finger_width)` in units of the cells' pitches.
+[[nodiscard]] std::string glsl_cells();
+
+}  // namespace panwright::materials
