@@ -25,10 +25,11 @@ std::string cutout_text(bool cutout) {
 
 }  // namespace
 
-GLuint Programs::geometry(const Variant& v, bool flat, unsigned layers, std::string* problem) {
+GLuint Programs::geometry(const Variant& v, bool flat, unsigned layers, bool shadows,
+                          std::string* problem) {
   unsigned key = layers;
-  for (const bool bit :
-       {v.textured, v.coloured, v.albedo_map, v.normal_map, v.roughness_map, v.cutout, flat})
+  for (const bool bit : {v.textured, v.coloured, v.albedo_map, v.normal_map, v.roughness_map,
+                         v.cutout, flat, shadows})
     key = 2 * key + bit;
   GlProgram& program = geometry_[key];
   if (!program) {
@@ -37,21 +38,34 @@ GLuint Programs::geometry(const Variant& v, bool flat, unsigned layers, std::str
                              defined("TEXTURED", v.textured) + defined("COLOURED", v.coloured) +
                              defined("ALBEDO_MAP", v.albedo_map) + defined("BUMPED", v.normal_map) +
                              defined("ROUGHNESS_MAP", v.roughness_map) + defined("MAPPED", mapped) +
-                             defined("FLAT", flat) + draw_glsl;
-    program =
-        make_program(gl_, head + model_vert, head + cutout_text(v.cutout) + geometry_frag, problem);
+                             defined("FLAT", flat) + defined("SHADOWED", shadows) + draw_glsl;
+    const std::string place = shadows ? shadow_place_glsl : "";
+    program = make_program(gl_, head + model_vert,
+                           head + cutout_text(v.cutout) + place + geometry_frag, problem);
   }
   return program.id();
 }
 
-GLuint Programs::shading(std::uint32_t variant, unsigned layers, bool one_material,
+GLuint Programs::shading(std::uint32_t variant, unsigned layers, bool one_material, bool shadows,
                          std::string* problem) {
-  GlProgram& program = shading_[(variant * kLayers + layers - 1) * 2 + one_material];
+  GlProgram& program =
+      shading_[((variant * kLayers + layers - 1) * 2 + one_material) * 2 + shadows];
   if (!program) {
     std::string head = fmt::format("{}#define VARIANT {}u\n", kVersion, variant);
     head += layer_names(layers) + defined("ONE_MATERIAL", one_material);
     head += materials::glsl_formulas(families_.of_variant[variant]);
+    if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
     program = make_program(gl_, std::string(kVersion) + screen_vert, head + shading_frag, problem);
+  }
+  return program.id();
+}
+
+GLuint Programs::shadow(bool cutout, std::string* problem) {
+  GlProgram& program = shadow_[cutout];
+  if (!program) {
+    const std::string head = kVersion + defined("MAPPED", cutout) + draw_glsl;
+    program =
+        make_program(gl_, head + model_vert, head + cutout_text(cutout) + shadow_frag, problem);
   }
   return program.id();
 }

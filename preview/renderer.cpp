@@ -12,10 +12,12 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "materials/brdf.h"
+#include "preview/internal/blocks.h"
 #include "preview/internal/draw_list.h"
 #include "preview/internal/gpu_model.h"
 #include "preview/internal/programs.h"
 #include "preview/internal/samples.h"
+#include "preview/internal/shadow.h"
 
 namespace panwright::preview {
 namespace {
@@ -31,24 +33,9 @@ constexpr std::uint32_t kMaxSide = 16384;
          std::isfinite(camera.principal.x + camera.principal.y) && unit(camera.world_from_camera) &&
          unit(view.world_from_model.rotation) && is_finite(view.world_from_model.translation) &&
          is_finite(view.to_sun) && glm::length(view.to_sun) > 0 && options.samples >= 1 &&
-         options.samples <= 64 && options.tile_side >= options.samples;
-}
-
-void copy_floats(const Mat4& from, float* to) {
-  for (int column = 0; column < 4; ++column)
-    for (int row = 0; row < 4; ++row) *to++ = static_cast<float>(from[column][row]);
-}
-
-void copy_floats(const Mat3& from, float* to) {
-  for (int column = 0; column < 3; ++column) {
-    for (int row = 0; row < 3; ++row) *to++ = static_cast<float>(from[column][row]);
-    *to++ = 0;
-  }
-}
-
-void copy_floats(const Vec3& from, float* to) {
-  for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from[k]);
-  to[3] = 0;
+         options.samples <= 64 && options.tile_side >= options.samples &&
+         (options.shadow_side == 0 ||
+          (options.shadow_side >= 16 && options.shadow_side <= kMaxSide));
 }
 
 // what the fragments of a tile share
@@ -82,8 +69,13 @@ unsigned layers_of(const Variant& variant) {
   return kSeenLayer + 1;
 }
 
-constexpr GLenum kLayerFormats[] = {GL_RGBA32F, GL_RGBA32F, GL_RG32F};
-static_assert(std::size(kLayerFormats) == kLayers);
+constexpr GLenum kRadianceFormats[] = {GL_RGBA32F};
+
+std::array<GLenum, kLayers + 1> layer_formats(unsigned layers, bool shadows) {
+  return {GL_RGBA32F, layers > kPaintLayer ? GLenum{GL_RGBA32F} : GLenum{GL_NONE},
+          layers > kRoughLayer ? GLenum{GL_RG32F} : GLenum{GL_NONE},
+          shadows ? GLenum{GL_RGBA32UI} : GLenum{GL_NONE}};
+}
 
 }  // namespace
 
@@ -108,7 +100,7 @@ struct Renderer::Impl {
   bool prepare(Pass pass, const Scenery& scenery, DiagnosticLog& log);
   TileItems items_on(const View& view, const Scenery& scenery, const Tile& tile) const;
   void upload_blocks(const View& view, const Scenery& scenery, const TileItems& items,
-                     const Tile& tile, unsigned samples);
+                     const Tile& tile, unsigned samples, bool flat);
   void draw(const Scenery& scenery, const TileItems& items, const Tile& tile, unsigned samples,
             Pass pass, const Target& target);
   void draw_decals(const Scenery& scenery, const TileItems& items);
@@ -127,7 +119,9 @@ struct Renderer::Impl {
   GpuModel gpu;
   Programs programs;
   unsigned layers = 1;   // of seen_target: Layer
-  Target seen_target;    // normals and items; colours; roughness
+  bool shadows = false;  // of this view
+  ShadowMap shadow_map;
+  Target seen_target;    // normals and items; colours; roughness; places before the Sun
   Target color_target;   // radiance
   Target id_target;      // triangles
   Target bare_target;    // of seconds_of_bare_draw
@@ -161,10 +155,7 @@ Result<Renderer> Renderer::create(Context& context, const pan::Model& model, Dia
   impl->screen = make_vertex_array(impl->gl);
   if (!impl->gpu.upload(context, model, impl->list, log)) return failed;
   if (!impl->gpu.decals().empty()) impl->layers = std::max(impl->layers, kPaintLayer + 1u);
-  GLint alignment = 1;
-  impl->gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
-  const std::size_t step = static_cast<std::size_t>(std::max(alignment, 1));
-  impl->draw_stride = (sizeof(DrawBlock) + step - 1) / step * step;
+  impl->draw_stride = block_stride(impl->gl, sizeof(DrawBlock));
   impl->view_buffer = make_stream_buffer(impl->gl);
   impl->draw_buffer = make_stream_buffer(impl->gl);
   return Renderer(std::move(impl));
@@ -188,7 +179,10 @@ bool Renderer::Impl::ensure_target(Target& target, std::span<const GLenum> forma
                                    std::uint32_t width, std::uint32_t height, DiagnosticLog& log) {
   const auto w = static_cast<GLsizei>(width);
   const auto h = static_cast<GLsizei>(height);
-  if (target.width >= w && target.height >= h) return true;
+  bool enough = target.width >= w && target.height >= h;
+  for (std::size_t i = 0; i < formats.size(); ++i)
+    enough = enough && (formats[i] == GL_NONE || target.colors[i]);
+  if (enough) return true;
   const GLsizei wider = std::max(w, target.width);
   const GLsizei higher = std::max(h, target.height);
   target = {};  // first, so that memory need not hold both
@@ -204,9 +198,9 @@ bool Renderer::Impl::ensure_target(Target& target, std::span<const GLenum> forma
 GLuint Renderer::Impl::program(const Variant& variant, Pass pass, std::string* problem) {
   switch (pass) {
     case Pass::geometry:
-      return programs.geometry(variant, false, layers, problem);
+      return programs.geometry(variant, false, layers, shadows, problem);
     case Pass::flat_geometry:
-      return programs.geometry(variant, true, layers, problem);
+      return programs.geometry(variant, true, layers, shadows, problem);
     case Pass::ids:
       return programs.ids(variant.cutout, problem);
     case Pass::bare:
@@ -228,7 +222,8 @@ bool Renderer::Impl::prepare(Pass pass, const Scenery& scenery, DiagnosticLog& l
     bool good = program(item.variant, pass, &problem) != 0;
     if (shaded && !gpu.decals().empty()) good = good && programs.decal(&problem) != 0;
     for (const bool one : {false, true})
-      good = good && (!shaded || programs.shading(item.variant.shading, layers, one, &problem));
+      good = good &&
+             (!shaded || programs.shading(item.variant.shading, layers, one, shadows, &problem));
     if (good) continue;
     log.report_file(Code::E5001, {},
                     fmt::format("{} refuses a shader: {}", context.renderer(), problem));
@@ -257,7 +252,7 @@ Renderer::Impl::TileItems Renderer::Impl::items_on(const View& view, const Scene
 
 // one upload for all instances of a tile
 void Renderer::Impl::upload_blocks(const View& view, const Scenery& scenery, const TileItems& items,
-                                   const Tile& tile, unsigned samples) {
+                                   const Tile& tile, unsigned samples, bool flat) {
   const ViewBlock shared = view_block(view, tile, samples);
   gl.NamedBufferData(view_buffer.id(), sizeof shared, &shared, GL_STREAM_DRAW);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, kViewBinding, view_buffer.id());
@@ -274,10 +269,10 @@ void Renderer::Impl::upload_blocks(const View& view, const Scenery& scenery, con
     block.id[1] = tile.x * samples;
     block.id[2] = tile.y * samples;
     copy_floats(list[index].diffuse, block.diffuse);
-    for (int axis = 0; axis < 2; ++axis) {
-      block.repeat[axis] = static_cast<float>(list[index].repeat[axis]);
-      block.repeat[axis + 2] = list[index].repeat[axis] < 0 ? -1.0f : 1.0f;
-    }
+    copy_repeat(list[index], block);
+    if (shadows)
+      place_before_sun(shadow_map.frame(), model.meshes()[list[index].mesh], list[index], flat,
+                       block);
     std::memcpy(blocks.data() + k * draw_stride, &block, sizeof block);
   }
   if (!blocks.empty())
@@ -328,7 +323,7 @@ void Renderer::Impl::draw_decals(const Scenery& scenery, const TileItems& items)
   // every program puts a vertex on the same spot, so what is seen has the very depth that is there
   gl.DepthFunc(GL_EQUAL);
   gl.DepthMask(GL_FALSE);
-  for (GLuint layer = 0; layer < layers; ++layer) {
+  for (GLuint layer = 0; layer <= kSunLayer; ++layer) {
     const GLboolean paint = layer == kPaintLayer;
     gl.ColorMaski(layer, paint, paint, paint, GL_FALSE);
   }
@@ -368,13 +363,17 @@ void Renderer::Impl::shade(const Scenery& scenery, const TileItems& items, const
   gl.BindTextureUnit(kSeenUnit, seen_target.colors[kSeenLayer].id());
   if (layers > kPaintLayer) gl.BindTextureUnit(kPaintUnit, seen_target.colors[kPaintLayer].id());
   if (layers > kRoughLayer) gl.BindTextureUnit(kRoughUnit, seen_target.colors[kRoughLayer].id());
+  if (shadows) {
+    gl.BindTextureUnit(kSunUnit, seen_target.colors[kSunLayer].id());
+    shadow_map.bind(gl);
+  }
   if (items.one_material)
     gpu.bind_one_material(list[scenery.items[items.drawn.front()]].material);
   else
     gpu.bind_materials();
   gl.BindVertexArray(screen.id());
   for (const std::uint32_t variant : items.variants) {
-    gl.UseProgram(programs.shading(variant, layers, items.one_material, nullptr));
+    gl.UseProgram(programs.shading(variant, layers, items.one_material, shadows, nullptr));
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
 }
@@ -396,10 +395,15 @@ bool Renderer::Impl::render_radiance(const View& view, const Scenery& scenery,
   const std::uint32_t tile_side = std::max(1u, side / options.samples);
   const std::uint32_t width = std::min(tile_side, image.width) * options.samples;
   const std::uint32_t height = std::min(tile_side, image.height) * options.samples;
-  if (!ensure_target(seen_target, std::span(kLayerFormats).first(layers), true, width, height,
-                     log) ||
-      !ensure_target(color_target, std::span(kLayerFormats).first(1), false, width, height, log) ||
+  shadows = options.shadow_side > 0 && !scenery.items.empty();
+  const auto formats = layer_formats(layers, shadows);
+  if (!ensure_target(seen_target, formats, true, width, height, log) ||
+      !ensure_target(color_target, kRadianceFormats, false, width, height, log) ||
       !prepare(pass, scenery, log))
+    return false;
+  const Vec3 to_sun = glm::conjugate(view.world_from_model.rotation) * glm::normalize(view.to_sun);
+  if (shadows && !shadow_map.draw(context, model, list, gpu, programs, glm::normalize(to_sun),
+                                  options.shadow_side, log))
     return false;
   // kept between views: fresh memory costs as much as a tenth of a draw
   sample_buffer.resize(std::max(sample_buffer.size(), std::size_t{4} * width * height));
@@ -407,7 +411,7 @@ bool Renderer::Impl::render_radiance(const View& view, const Scenery& scenery,
     const TileItems items = items_on(view, scenery, whole);
     const Tile tile = touched_part(view.camera, whole, scenery.boxes, items.drawn);
     if (tile.width == 0 || tile.height == 0) continue;  // the image begins as background
-    upload_blocks(view, scenery, items, tile, options.samples);
+    upload_blocks(view, scenery, items, tile, options.samples, options.flat);
     draw(scenery, items, tile, options.samples, pass, seen_target);
     draw_decals(scenery, items);
     shade(scenery, items, tile, options.samples);
@@ -436,7 +440,7 @@ bool Renderer::Impl::render_truth(const View& view, const Scenery& scenery,
     const TileItems items = items_on(view, scenery, whole);
     const Tile tile = touched_part(view.camera, whole, scenery.boxes, items.drawn);
     if (tile.width == 0 || tile.height == 0) continue;
-    upload_blocks(view, scenery, items, tile, 1);
+    upload_blocks(view, scenery, items, tile, 1, options.flat);
     draw(scenery, items, tile, 1, Pass::ids, id_target);
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
     gl.ReadPixels(0, 0, static_cast<GLsizei>(tile.width), static_cast<GLsizei>(tile.height),
@@ -508,7 +512,7 @@ double Renderer::seconds_of_bare_draw(const View& view) {
   impl.gl.Finish();
   const auto start = std::chrono::steady_clock::now();
   const Impl::TileItems items = impl.items_on(view, scenery, whole);
-  impl.upload_blocks(view, scenery, items, whole, 1);
+  impl.upload_blocks(view, scenery, items, whole, 1, false);
   impl.draw(scenery, items, whole, 1, Impl::Pass::bare, impl.bare_target);
   impl.gl.Finish();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

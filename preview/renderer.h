@@ -16,6 +16,8 @@ namespace panwright::preview {
 struct RenderOptions {
   unsigned samples = 1;            // N: every pixel is the mean of N×N point samples; 1 to 64
   bool flat = false;               // shade by the triangles' own normals
+  unsigned shadow_side = 2048;     // texels a side of the map of what the Sun sees, 16 to 16384 (or
+                                   // what the context takes); 0: nothing casts shadows
   bool truth = false;              // also depth, range, normal (without bumps) and ids, at the
                                    // pixels' centres
   std::uint32_t tile_side = 2048;  // samples that are drawn at once, a side; ≥ samples
@@ -26,7 +28,10 @@ struct RenderOptions {
 // textures and shaders are kept on the context between views.
 //
 // What a pixel is (docs/conventions.md): the mean over its square of the radiance towards the
-// camera, one directional Sun, no shadows; a point is lit where its shading normal faces the Sun.
+// camera, one directional Sun; a point is lit where its shading normal faces the Sun and nothing
+// of the model stands in between. The edges of shadows are hard and right to a texel of the shadow
+// map, which spans the model as the Sun sees it; a point of a smooth mesh is moved out past the
+// mesh's error before it is asked, so that facets cast no shadows on the shape they stand for.
 // The back faces of closed meshes are not drawn; open meshes have two equal sides, and so have
 // those with holes (a cutout map), through which one sees what is behind. A decal lies on the side
 // that is seen: its z must point out of that side. Bumps are an instance's own: mirrored and

@@ -131,6 +131,13 @@ void add_render(CLI::App* app, RenderOptions& options) {
       ->check(CLI::Range(1u, 64u))
       ->type_name("N");
   app->add_flag("--flat", options.flat, "Shade with the triangles' own normals");
+  auto* no_shadows =
+      app->add_flag("--no-shadows", options.no_shadows, "Let the Sun shine through everything");
+  app->add_option("--shadow-side", options.shadow_side,
+                  "Texels a side of the shadow map that spans the model (default 2048)")
+      ->check(CLI::Range(16u, 16384u))
+      ->excludes(no_shadows)
+      ->type_name("N");
   app->add_option("--max-image-memory", options.max_image_bytes,
                   "Most memory of one image, e.g. 2GB (default 12GB)")
       ->transform(CLI::AsSizeValue(false))

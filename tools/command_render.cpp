@@ -87,6 +87,7 @@ bool render_one(const Job& job, const RenderOptions& options, const pan::Model& 
   preview::RenderOptions render;
   render.samples = options.samples;
   render.flat = options.flat;
+  render.shadow_side = options.no_shadows ? 0 : options.shadow_side;
   render.max_bytes = options.max_image_bytes;
   render.truth = preview::stores_truth(*preview::image_format(job.output));
   session.step("render " + job.output);

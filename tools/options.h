@@ -90,6 +90,8 @@ struct RenderOptions {
   std::string gl = "auto";
   unsigned samples = 1;
   bool flat = false;
+  bool no_shadows = false;
+  unsigned shadow_side = 2048;  // texels
   std::uint64_t max_image_bytes = 12ull << 30;
 };
 

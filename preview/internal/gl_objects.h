@@ -69,12 +69,13 @@ bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log);
 
 // A framebuffer over textures, with or without a D32F depth buffer.
 struct Target {
-  std::array<GlTexture, 3> colors;  // those behind the first may be empty
+  std::array<GlTexture, 4> colors;  // those behind the first may be empty
   GlRenderbuffer depth;
   GlFramebuffer framebuffer;
   GLsizei width = 0;  // 0: the context could not make it
   GLsizei height = 0;
 };
+// color_formats: GL_NONE leaves a place empty.
 Target make_target(const GladGLContext& gl, std::span<const GLenum> color_formats, bool depth,
                    GLsizei width, GLsizei height);
 

@@ -16,6 +16,7 @@ inline constexpr GLuint kViewBinding = 0;  // uniform blocks
 inline constexpr GLuint kDrawBinding = 1;
 inline constexpr GLuint kMaterialBinding = 2;
 inline constexpr GLuint kDecalBinding = 3;
+inline constexpr GLuint kShadowBinding = 4;
 inline constexpr GLuint kDiffuseMapUnit = 0;  // textures
 inline constexpr GLuint kTriangleNormalsUnit = 1;
 inline constexpr GLuint kSeenUnit = 2;
@@ -28,10 +29,15 @@ inline constexpr GLuint kNormalMapUnit = 8;
 inline constexpr GLuint kRoughnessMapUnit = 9;
 inline constexpr GLuint kCutoutMapUnit = 10;
 inline constexpr GLuint kDecalUnit = 11;
+inline constexpr GLuint kSunUnit = 12;
+inline constexpr GLuint kShadowDepthsUnit = 13;
+inline constexpr GLuint kShadowSlopesUnit = 14;
 
 // What is kept of each sample between the two steps of a drawing: at least the first, and those
 // before the last that is needed.
 enum Layer : unsigned { kSeenLayer, kPaintLayer, kRoughLayer, kLayers };
+// Behind them, where there are shadows: the place before the Sun.
+inline constexpr unsigned kSunLayer = kLayers;
 
 // Uniform blocks, in std140.
 struct alignas(16) ViewBlock {
@@ -47,6 +53,9 @@ struct alignas(16) DrawBlock {
   std::uint32_t id[4];               // x: item + 1; y, z: samples left of and above the tile
   float diffuse[4];                  // RGB
   float repeat[4];                   // of maps: x, y, and their signs
+  float sun_from_mesh[12];           // rows of 4, as SunFrame says
+  float sun_normal_from_mesh[12];    // columns of 3, each padded to 4
+  float lift[4];                     // x: how far a point is moved out before it is lit, mesh frame
 };
 struct alignas(16) DecalBlock {
   float place[12];  // rows of 4: from positions to picture coordinates and height over depth
@@ -61,8 +70,11 @@ class Programs {
   // Each returns 0 when the driver refuses a shader: *problem says why.
   //
   // layers: how many there are.
-  GLuint geometry(const Variant& variant, bool flat, unsigned layers, std::string* problem);
-  GLuint shading(std::uint32_t variant, unsigned layers, bool one_material, std::string* problem);
+  GLuint geometry(const Variant& variant, bool flat, unsigned layers, bool shadows,
+                  std::string* problem);
+  GLuint shading(std::uint32_t variant, unsigned layers, bool one_material, bool shadows,
+                 std::string* problem);
+  GLuint shadow(bool cutout, std::string* problem);
   GLuint ids(bool cutout, std::string* problem);
   GLuint decal(std::string* problem);
   GLuint bare(std::string* problem);
@@ -71,7 +83,8 @@ class Programs {
   const GladGLContext& gl_;
   Families families_;
   std::map<unsigned, GlProgram> geometry_;
-  std::array<GlProgram, materials::kMostVariants * kLayers * 2> shading_;
+  std::array<GlProgram, materials::kMostVariants * kLayers * 4> shading_;
+  std::array<GlProgram, 2> shadow_;
   std::array<GlProgram, 2> ids_;
   GlProgram decal_;
   GlProgram bare_;

@@ -12,5 +12,8 @@ extern const char* const shading_frag;
 extern const char* const ids_frag;
 extern const char* const decal_frag;
 extern const char* const bare_frag;
+extern const char* const shadow_glsl;
+extern const char* const shadow_place_glsl;
+extern const char* const shadow_frag;
 
 }  // namespace panwright::preview

@@ -1,7 +1,8 @@
 // What is seen at a sample: its normal, its instance, its colour. Light comes later, once for each
 // sample and not once for each of the many fragments that small triangles throw away. Defined in
 // front: version, draw.glsl, any of PAINTED ROUGH (the layers there are), TEXTURED COLOURED FLAT,
-// ALBEDO_MAP BUMPED ROUGHNESS_MAP (MAPPED with each of these), and CUTOUT with cutout.glsl.
+// ALBEDO_MAP BUMPED ROUGHNESS_MAP (MAPPED with each of these), CUTOUT with cutout.glsl, and
+// SHADOWED with shadow_place.glsl.
 
 #ifdef FLAT
 layout(binding = 1) uniform samplerBuffer triangle_normals;
@@ -66,6 +67,9 @@ void main() {
 #else
   // a linear map may come after the interpolation, where several threads share the work
   vec3 normal = mesh_normal;
+#endif
+#ifdef SHADOWED
+  sun_sample = place_before_sun(gl_FrontFacing ? normal : -normal);
 #endif
   float length_of_mean = 1.0;
   vec2 roughness = vec2(1.0, 0.0);

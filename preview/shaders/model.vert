@@ -1,5 +1,5 @@
 // The vertices of one instance. Defined in front: version, draw.glsl, and any of GEOMETRY TEXTURED
-// COLOURED FLAT MAPPED BUMPED DECAL.
+// COLOURED FLAT MAPPED BUMPED DECAL SHADOWED.
 layout(location = 0) in vec3 position;  // metres, relative to the mesh's origin
 layout(location = 1) in vec3 normal;    // mesh frame
 layout(location = 2) in vec2 texcoord;
@@ -22,6 +22,10 @@ layout(location = 3) out vec2 map_texcoord;
 #endif
 #ifdef BUMPED
 layout(location = 4) out vec4 mesh_tangent;
+#endif
+
+#ifdef SHADOWED
+layout(location = 7) out vec3 sun_place;
 #endif
 
 #ifdef DECAL
@@ -58,6 +62,10 @@ void main() {
 #endif
 #ifdef BUMPED
   mesh_tangent = tangent;
+#endif
+#ifdef SHADOWED
+  for (int row = 0; row < 3; ++row)
+    sun_place[row] = dot(draw.sun_from_mesh[row], vec4(position, 1.0));
 #endif
 #ifdef DECAL
   vec4 at = vec4(position, 1.0);

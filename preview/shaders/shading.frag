@@ -1,5 +1,6 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, any of PAINTED
-// ROUGH ONE_MATERIAL, VARIANT (its number), and the formulas of its families (materials/formulas).
+// ROUGH ONE_MATERIAL SHADOWED (with shadow.glsl), VARIANT (its number), and the formulas of its
+// families (materials/formulas).
 
 layout(std140, binding = 0) uniform View {
   vec4 sight;        // world direction through the tile's upper left corner, any length
@@ -96,6 +97,13 @@ Surface surface_of(int row) {
   return s;
 }
 
+#ifdef SHADOWED
+// What is left where the Sun does not shine.
+vec3 shaded_radiance(Surface surface) {
+  return view.irradiance.rgb * surface.emissive * (surface.weights.z * 0.31830988618379067);
+}
+#endif
+
 #ifdef ROUGH
 // What a roughness map says, and the bumps that a sample is too large to show. Lambert's law is
 // linear in the normal, so the length of the mean normal gives their mean; mirror facets on bumps
@@ -142,4 +150,8 @@ void main() {
   radiance = vec4(surface_radiance(of_item.z, surface, view.to_sun.xyz, to_viewer, unit_or_zero(seen.xyz),
                                    view.irradiance.rgb),
                   1.0);
+#ifdef SHADOWED
+  if (dot(seen.xyz, view.to_sun.xyz) > 0.0)
+    radiance.rgb = mix(shaded_radiance(surface), radiance.rgb, sun_visibility());
+#endif
 }

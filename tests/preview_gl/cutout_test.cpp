@@ -117,6 +117,7 @@ TEST(Cutout, WhatIsBehindAHole) {
   const pan::Model model = model_of(contents);
   RenderOptions options;
   options.truth = true;
+  options.shadow_side = 0;
   const Vec3 sun = glm::normalize(Vec3(0.1, 0.2, 1));
   const Image image = rendered(model, above(200, 2.5, sun), options);
   expect_no_nan(image);

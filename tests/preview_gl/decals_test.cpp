@@ -90,6 +90,7 @@ Compared compared(const pan::Contents& contents, const View& view, bool two_side
   RenderOptions options;
   options.truth = true;
   options.samples = 1;
+  options.shadow_side = 0;
   const Image image = rendered(model, view, options);
   expect_no_nan(image);
   View lit = view;

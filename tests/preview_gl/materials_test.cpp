@@ -99,6 +99,7 @@ TEST(Materials, ManyOnOneImageKeepApart) {
   const View view = looking_from({0.2, -1, 0.1}, 20, 0.4, 256, 0.7);
   RenderOptions options;
   options.truth = true;
+  options.shadow_side = 0;
   for (const std::uint32_t tile_side : {2048u, 50u}) {  // tiles of one material, too
     options.tile_side = tile_side;
     const Image image = rendered(model, view, options);

@@ -1,0 +1,152 @@
+// Sun shadows: what they cost, beside how far off their edges and the flux are.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "bench/bench.h"
+#include "compiler/compile.h"
+#include "pan/model.h"
+#include "preview/internal/sun_frame.h"
+#include "preview/renderer.h"
+#include "pxn/pxn.h"
+#include "tests/support/sun_rays.h"
+
+namespace panwright::bench {
+
+namespace {
+
+struct Side {
+  const char* name;
+  Vec3 camera;
+  Vec3 to_sun;
+};
+
+constexpr double kFieldOfView = 47 * kDegree;
+
+preview::View view_of(const Side& side, std::uint32_t pixels, DiagnosticLog& log) {
+  preview::View view;
+  preview::set_field_of_view(view.camera, pixels, pixels, kFieldOfView);
+  view.camera.position = side.camera;
+  const auto turn = preview::looking_at(side.camera, Vec3(0), {}, log);
+  if (turn) view.camera.world_from_camera = *turn;
+  view.to_sun = side.to_sun;
+  return view;
+}
+
+// What a picture with shadows is, against rays.
+struct Errors {
+  double flux = 0;   // relative
+  double edge = 0;   // texels across the Sun's rays, 99 of 100 wrong pixels
+  double wrong = 0;  // share of the lit pixels that rays answer otherwise, partly shaded ones half
+};
+
+Errors errors(const pan::Model& model, const preview::View& view, const preview::Image& with,
+              const preview::Image& without, unsigned side) {
+  const support::SunRays rays(model, view);
+  const preview::SunFrame frame = preview::fitted_sun_frame(
+      preview::draw_list(model), glm::normalize(view.to_sun), std::max(side, 16u));
+  const double texel = std::max(frame.extent.x, frame.extent.y) / std::max(side, 16u);
+  double drawn = 0;
+  double traced = 0;
+  double off = 0;
+  std::size_t lit = 0;
+  std::vector<double> edges;
+  for (std::uint32_t y = 0; y < with.height; ++y)
+    for (std::uint32_t x = 0; x < with.width; ++x) {
+      const std::size_t i = 3 * (std::size_t{y} * with.width + x) + 1;
+      const double whole = without.radiance[i];
+      if (!(whole > 0)) continue;
+      const auto point = rays.seen({x + 0.5, y + 0.5});
+      if (!point || !(glm::dot(point->normal, glm::normalize(view.to_sun)) > 0)) continue;
+      ++lit;
+      const double sun = rays.lit(point->start) ? 1 : 0;
+      drawn += with.radiance[i];
+      traced += whole * sun;
+      const double share = std::fabs(with.radiance[i] / whole - sun);
+      off += share;
+      if (share > 0.5 && side > 0) edges.push_back(rays.to_edge(*point, texel) / texel);
+    }
+  std::sort(edges.begin(), edges.end());
+  return {std::fabs(drawn / traced - 1), edges.empty() ? 0 : edges[(edges.size() - 1) * 99 / 100],
+          off / static_cast<double>(lit)};
+}
+
+// renderers: the second keeps its map
+void run_side(Context& context, std::array<preview::Renderer, 2>& renderers,
+              const pan::Model& model, const Side& side, DiagnosticLog& log) {
+  const preview::View small = view_of(side, 256, log);
+  const preview::View large = view_of(side, context.quick() ? 256 : 1024, log);
+  const auto render = [&](const preview::View& view, unsigned texels, std::size_t which = 0) {
+    preview::RenderOptions options;
+    options.shadow_side = texels;
+    auto image = renderers[which].render(view, options, log);
+    return image ? *std::move(image) : preview::Image{};
+  };
+  const preview::Image without = render(small, 0);
+  bool turned = false;
+  const auto other_sun = [&](unsigned texels) {
+    // another Sun for each picture, so that the map is drawn again
+    preview::View view = large;
+    view.to_sun += Vec3(0, 0, turned ? 1e-9 : 2e-9);
+    turned = !turned;
+    render(view, texels);
+  };
+  const std::vector<Variant> variants = {
+      {"shadows=off", [&] { render(large, 0); }},
+      {"shadows=1024", [&] { other_sun(1024); }},
+      {"shadows=2048", [&] { other_sun(2048); }},
+      {"shadows=4096", [&] { other_sun(4096); }},
+      {"shadows=2048 same Sun", [&] { render(large, 2048, 1); }},
+  };
+  const std::vector<Timing> timings = interleaved(variants, context.runs());
+  const unsigned sides[] = {0, 1024, 2048, 4096, 2048};
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    const Errors found = errors(model, small, render(small, sides[i]), without, sides[i]);
+    const std::string setting = fmt::format("servicer {} {} {}x{}", side.name, variants[i].setting,
+                                            large.camera.width, large.camera.height);
+    Row row{.case_name = "shadows",
+            .setting = setting,
+            .speed_unit = "ms/frame",
+            .reference = "one ray to the Sun a pixel, 256x256",
+            .reference_error = 0};
+    set_time(row, timings[i], 1e3);
+    row.error = found.flux;
+    row.error_unit = "relative flux";
+    context.add(row);
+    row.error = found.wrong;
+    row.error_unit = "share of lit pixels";
+    context.add(row);
+    if (sides[i] == 0) continue;
+    row.error = found.edge;
+    row.error_unit = "texels, 99 % of edges";
+    row.must_error = 1.5;
+    context.add(row);
+  }
+}
+
+void run(Context& context) {
+  DiagnosticLog log;
+  auto gl = preview::Context::create(preview::ContextKind::automatic, log);
+  if (!gl) return context.note("no OpenGL context: nothing measured");
+  context.set_renderer((*gl)->renderer());
+  const auto scene = pxn::read(context.source("examples/servicer/servicer.pxn"), {}, log);
+  if (!scene) return context.note("the servicer could not be read");
+  const auto bytes = compiler::compiled(*scene, {}, log);
+  auto model = bytes ? pan::Model::from_bytes(*bytes, "servicer", log) : Result<pan::Model>(failed);
+  if (!model || !model->check(log)) return context.note("the servicer could not be compiled");
+  auto first = preview::Renderer::create(**gl, *model, log);
+  auto second = preview::Renderer::create(**gl, *model, log);
+  if (!first || !second) return context.note("the servicer could not be drawn");
+  std::array<preview::Renderer, 2> renderers{*std::move(first), *std::move(second)};
+  for (const Side& side : {Side{"front", {8, -8.5, 5.5}, {1, -0.6, 0.6}},
+                           Side{"back", {-8, 8.5, 3.5}, {-1, 1.2, 1.6}}})
+    run_side(context, renderers, *model, side, log);
+}
+
+const bool kAdded = add_case({"shadows", "Sun shadows of the servicer against rays", run});
+
+}  // namespace
+
+}  // namespace panwright::bench

@@ -1,0 +1,17 @@
+// What the Sun sees first: its depth, and how the depth changes along x and y, each from -1 to 1
+// across the map. Defined in front: version, draw.glsl, and CUTOUT with cutout.glsl.
+layout(std140, binding = 4) uniform Shadow {
+  float texel_depth;
+  float half_side;  // texels
+}
+shadow;
+
+layout(location = 0) out vec2 slope;
+
+void main() {
+  vec2 change = vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z)) * shadow.half_side;
+  slope = clamp(change, vec2(-6e4), vec2(6e4));
+#ifdef CUTOUT
+  if (!is_there()) discard;
+#endif
+}

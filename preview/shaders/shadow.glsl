@@ -1,0 +1,51 @@
+// How much of the Sun a sample sees, from the shadow map around it.
+layout(std140, binding = 4) uniform Shadow {
+  float texel_depth;  // what one texel measures, as a share of the map's depth
+  float half_side;    // texels
+}
+shadow;
+
+layout(binding = 12) uniform usampler2D sun_samples;   // as shadow_place.glsl leaves them
+layout(binding = 13) uniform sampler2D shadow_depths;  // 1 towards the Sun, 0 away from it
+layout(binding = 14) uniform sampler2D shadow_slopes;
+
+// Room for what is rounded: 16 roundings of a depth near 1, and how far across a point may be off,
+// in texels (a context's grid for vertices and half floats for slopes come to 1/100)
+const float kDepthSlack = 1e-6;
+const float kTexelSlack = 1.0 / 16.0;
+// A surface is followed down its slope by no more than so many texels: behind a wall that the Sun
+// grazes lies something else.
+const float kMostDown = 16.0;
+
+// Whether what the Sun sees at a texel hides a sample from it. Both are planes here: the texel's
+// must lie above the sample, and the texel above the sample's. Along an edge one of the two fails,
+// whichever way it bends, so no bias is needed that grows with the slope.
+bool hides(ivec2 texel, vec3 place, vec2 slope) {
+  float depth = texelFetch(shadow_depths, texel, 0).r;
+  vec2 there = (vec2(texel) + 0.5) / shadow.half_side - 1.0;
+  vec2 step = there - place.xy;
+  vec2 reach = vec2(kTexelSlack / shadow.half_side);
+  float slack = kDepthSlack + dot(abs(slope), reach);
+  if (!(depth > place.z + dot(slope, step) + slack)) return false;
+  vec2 its_slope = texelFetch(shadow_slopes, texel, 0).xy;
+  float down = min(dot(its_slope, step), kMostDown * shadow.texel_depth);
+  return depth - down > place.z + kDepthSlack + dot(abs(its_slope), reach);
+}
+
+// From 0 to 1: the share of four texels around the sample that hide it, weighted by how near they
+// are.
+float sun_visibility() {
+  uvec4 found = texelFetch(sun_samples, ivec2(gl_FragCoord.xy), 0);
+  vec3 place = uintBitsToFloat(found.xyz);
+  vec2 slope = unpackHalf2x16(found.w);
+  vec2 at = clamp((place.xy + 1.0) * shadow.half_side - 0.5, vec2(0.0),
+                  vec2(2.0 * shadow.half_side - 1.001));
+  ivec2 first = ivec2(at);
+  vec2 share = at - vec2(first);
+  vec4 seen;
+  for (int i = 0; i < 4; ++i)
+    seen[i] = hides(first + ivec2(i & 1, i >> 1), place, slope) ? 0.0 : 1.0;
+  // note: a + (b - a)·t is exactly 1 where all four are
+  vec2 rows = seen.xz + (seen.yw - seen.xz) * share.x;
+  return rows.x + (rows.y - rows.x) * share.y;
+}
