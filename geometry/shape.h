@@ -207,7 +207,7 @@ std::string_view kind_name(const Shape& shape);
 
 // What is wrong with a shape, and with which of its parts.
 struct ShapeProblem {
-  Code code;                 // E2001, E2010 to E2018
+  Code code;                 // E2001, E2010 to E2018; W2006, W2007, W2009, W2019
   std::string message;       // one lower-case sentence
   std::string_view part;     // member: "radius", "outline", "faces"…; of counts "segments" or "rings"
   std::size_t item = 0;      // of a list: which point, hole or face
@@ -219,6 +219,14 @@ struct ShapeProblem {
 //
 // Cost: O(points log points) for outlines, else O(points).
 std::optional<ShapeProblem> problem_of(const Shape& shape);
+
+// What is rarely meant in a shape that has no problem: parts so thin that their triangles have no
+// area (as in MeshReport), closed polygons and lathes that are inside out, faces that look
+// opposite ways, profiles that run through themselves (of splines, 16 chords for each piece). Each
+// kind once. Meshes are not examined.
+//
+// Cost: O(points log points), of profiles that go to and fro O(points²), up to 20 million pairs.
+std::vector<ShapeProblem> doubts_of(const Shape& shape);
 
 // Whether the surface has no border, by its parameters. A mesh: as it says.
 bool is_closed(const Shape& shape);

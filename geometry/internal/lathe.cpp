@@ -168,6 +168,30 @@ Problem points_problem(const std::vector<Vec2>& profile) {
 
 }  // namespace
 
+std::vector<Vec2> sampled_profile(const Lathe& s, int chords) {
+  if (!s.spline) return s.profile;
+  std::vector<Vec2> points{s.profile.front()};
+  std::size_t at = 0;
+  for (const Run& run : runs(s)) {
+    // stretches along the axis
+    for (; at < run.first; ++at)
+      for (int k = 1; k <= chords; ++k)
+        points.push_back(
+            glm::mix(s.profile[at], s.profile[at + 1], static_cast<double>(k) / chords));
+    for (const Cubic& c : cubics(run.points, is_loop(run))) {
+      for (int k = 1; k < chords; ++k) {
+        const double t = static_cast<double>(k) / chords;
+        points.push_back(c[0] + t * (c[1] + t * (c[2] + t * c[3])));
+      }
+      points.push_back(s.profile[++at]);
+    }
+  }
+  for (; at + 1 < s.profile.size(); ++at)
+    for (int k = 1; k <= chords; ++k)
+      points.push_back(glm::mix(s.profile[at], s.profile[at + 1], static_cast<double>(k) / chords));
+  return points;
+}
+
 Problem problem(const Lathe& s) {
   if (auto p = points_problem(s.profile)) return p;
   if (auto p = sector_problem(s.sector)) return p;

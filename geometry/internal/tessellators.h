@@ -19,6 +19,9 @@ Problem problem(const Torus& shape);
 Problem problem(const Dish& shape);
 Problem problem(const Lathe& shape);
 
+// The profile; that of a spline with so many chords for each piece.
+std::vector<Vec2> sampled_profile(const Lathe& shape, int chords);
+
 Result<Mesh> make(const Sphere& shape, const TessellationOptions&, SourceSpan, DiagnosticLog&);
 Result<Mesh> make(const Ellipsoid& shape, const TessellationOptions&, SourceSpan, DiagnosticLog&);
 Result<Mesh> make(const Cylinder& shape, const TessellationOptions&, SourceSpan, DiagnosticLog&);

@@ -23,11 +23,16 @@ class ShapeReader {
   std::optional<geometry::Shape> run() {
     auto shape = read();
     if (!shape || !ok_) return std::nullopt;
-    const auto problem = geometry::problem_of(*shape);
-    if (!problem) return shape;
-    reporter_.report(problem->code, place_of(*problem), doc_, element_,
-                     [&] { return Reporter::Text(problem->message); });
-    return std::nullopt;
+    const auto report = [&](const geometry::ShapeProblem& problem) {
+      reporter_.report(problem.code, place_of(problem), doc_, element_,
+                       [&] { return Reporter::Text(problem.message); });
+    };
+    if (const auto problem = geometry::problem_of(*shape)) {
+      report(*problem);
+      return std::nullopt;
+    }
+    for (const geometry::ShapeProblem& doubt : geometry::doubts_of(*shape)) report(doubt);
+    return shape;
   }
 
  private:
