@@ -60,6 +60,7 @@ void Loader::read_root(File& file) {
         file.units.level = static_cast<std::size_t>(
             std::find(all.begin(), all.end(), std::string_view(version)) - all.begin());
       }
+  values.set_units(file.units);
   if (file.units.level == 0) return;
   if (const auto unit = values.text(0, attribute::pangu_model_units))
     file.units.length = metres_of(*unit);

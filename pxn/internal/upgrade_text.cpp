@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 #include "base/text.h"
 #include "pxn/internal/grammar.h"
@@ -36,16 +35,6 @@ std::optional<Quat> frame_rotation(int level, const std::string& frame) {
   const auto scene = scene_of(level, frame);
   if (!scene || scene->frames.size() != 1) return std::nullopt;
   return scene->frames[0].rotation;
-}
-
-// Whether rotate= gives the bits that a <rotation> of level 0 gives.
-bool turns_alike(const std::string& rotation, const std::string& rotate) {
-  const std::string sphere = "<sphere rings=\"2\" quads=\"3\"/>";
-  const auto before = scene_of(0, "<transform><rotation>" + rotation + "</rotation><child>" +
-                                      sphere + "</child></transform>");
-  const auto after = scene_of(1, "<transform rotate=\"" + rotate + "\">" + sphere + "</transform>");
-  return before && after && before->nodes.size() > 1 && after->nodes.size() > 1 &&
-         before->nodes[1].parent_from_node == after->nodes[1].parent_from_node;
 }
 
 class Upgrade {
@@ -149,25 +138,6 @@ class Upgrade {
       out_ += fmt::format(" {}=\"{}\"", name, words(c));
   }
 
-  // Angles of level 0 for rotate=. Level 0 multiplies them with π/180, level 1 is exact: where that
-  // makes another number, the product stands there.
-  std::string rotate(const std::string& rotation) {
-    const auto [known, added] = rotations_.emplace(rotation, rotation);
-    if (!added || turns_alike(rotation, rotation)) return known->second;
-    known->second.clear();
-    for (std::size_t at = 0; at < rotation.size();) {
-      const std::size_t end = std::min(rotation.find(' ', at), rotation.size());
-      const std::string angle = rotation.substr(at, end - at);
-      const std::string alone = angle + " 0 0";
-      known->second += at == 0 ? "" : " ";
-      known->second += turns_alike(alone, alone)
-                           ? angle
-                           : fmt::format("{{{}*(pi/180)}}", angle.substr(angle[0] == '+' ? 1 : 0));
-      at = end + 1;
-    }
-    return known->second;
-  }
-
   // An attribute with its name and quotes as written.
   void copy(const xml::Attribute& a) {
     out_.push_back(' ');
@@ -258,7 +228,7 @@ class Upgrade {
     out_ += "<transform";
     attribute_from("translate", e, ElementId::translation);
     if (const std::uint32_t c = child_of(doc_, e, ElementId::rotation); c != 0)
-      out_ += fmt::format(" rotate=\"{}\"", rotate(words(c)));
+      out_ += fmt::format(" rotate=\"{}\"", words(c));
     attribute_from("quat", e, ElementId::quat);
     attribute_from("scale", e, ElementId::scaling);
     out_.push_back('>');
@@ -353,7 +323,6 @@ class Upgrade {
   const NewPath& new_path_;
   const PathChanged& path_changed_;
   std::string out_;
-  std::map<std::string, std::string> rotations_;  // of level 0, and their rotate=
   bool left_out_ = false;  // an element or tag, since the last thing that was written
 };
 

@@ -116,8 +116,7 @@ Values::Bare Values::bare_of(const schemas::Value& value) const {
   if (value.dimension == Dimension::length && units_.level >= 1)
     return length_unit_ != nullptr ? Bare{length_unit_, 1} : Bare{nullptr, units_.length};
   if (value.dimension == Dimension::angle && !value.bare_radians) {
-    // note: level 0 has always multiplied, and its models keep their bytes
-    if (units_.level >= 1 && angle_unit_ != nullptr) return {angle_unit_, 1};
+    if (angle_unit_ != nullptr) return {angle_unit_, 1};
     return {nullptr, units_.angle};
   }
   return {};

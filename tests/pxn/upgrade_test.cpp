@@ -82,6 +82,10 @@ TEST(Upgrade, TheWords) {
 
 TEST(Upgrade, AnglesKeepTheirBits) {
   // 15, 30 and 60 times the rounded π/180 are not what 15deg, 30deg and 60deg are rounded to
+  EXPECT_EQ(upgraded_nodes("<transform><rotation>30 +15 6e1</rotation><child>"
+                           "<sphere rings='3' quads='4'/></child></transform>"),
+            "  <transform rotate=\"30 +15 6e1\">\n    <sphere rings=\"3\" quads=\"4\"/>\n"
+            "  </transform>\n");
   for (const char* angles : {"0 0 90", "30 0 0", "1 2 3", "-60 15 45", "+30 1e1 0.125"}) {
     const std::string nodes = "<transform><rotation>" + std::string(angles) +
                               "</rotation><child><sphere rings='3' quads='4'/></child></transform>";

@@ -222,7 +222,7 @@ TEST(Values, BareNumbersHaveTheUnitOfTheRoot) {
 TEST(Values, LevelZeroHasNoUnits) {
   const Units zero;
   EXPECT_EQ(real(kL, "12", zero), 12);
-  EXPECT_EQ(real(kA, "30", zero), 30 * kDegree);
+  EXPECT_EQ(real(kA, "30", zero), kThirty);
   EXPECT_EQ(real(kB, "0.5", zero), 0.5);
   EXPECT_EQ(
       complaint(kL, "12mm", zero),
