@@ -205,7 +205,7 @@ Vec3 facets_part(const Material& material, const f64::SurfaceFields& s, f64::Com
     if (mirror) {
       const double lobe =
           f64::tilted_share(tilted, l, v, kUp) * f64::mirror_below_coat(s, l, v, tilted);
-      return cosines * lobe * laws.coated_reflection(s, f64::half_cosine(l, v));
+      return cosines * lobe * laws.coated_reflection(s, f64::half_cosine(l, v), l.z, v.z);
     }
     const Vec3 aside(n * l.x, n * l.y, 0);
     const double sin2 = glm::dot(aside, aside);

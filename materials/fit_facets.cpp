@@ -147,7 +147,7 @@ Loss fitted_loss(const Facets& facets) {
   loss.coefficients[kTerms] = bend;
   loss.mean = mean_loss(loss.coefficients);
   // between nodes it is a little more than at them
-  loss.error = 1.2 * best.error + *std::max_element(spread.begin(), spread.end());
+  loss.error = 1.4 * best.error + *std::max_element(spread.begin(), spread.end());
   return loss;
 }
 

@@ -123,29 +123,32 @@ struct Scattering::Parts {
   double first(double cosine) const {
     return coated() ? surface.coat_share * f64::fresnel_dielectric(cosine, surface.coat_index) : 0;
   }
-  Vec3 mirror_below(double cosine) const {
+  // tilted: the cosine of both directions to the mirror's normal
+  Vec3 mirror_below(double tilted, double cos_nl, double cos_nv) const {
     if (!mirror_shows()) return Vec3(0);
-    if (coated()) return f64::Composition(composition).coated_reflection(surface, cosine);
-    return surface.weights.y * surface.specular * composition.fresnel(surface, cosine, 1.0);
+    if (coated())
+      return f64::Composition(composition).coated_reflection(surface, tilted, cos_nl, cos_nv);
+    return surface.weights.y * surface.specular * composition.fresnel(surface, tilted, 1.0);
   }
+  Vec3 mirror_below(double cosine) const { return mirror_below(cosine, cosine, cosine); }
 
   HalfVectors peak() const {
     const double slope = f64::facet_slope(surface.coat_alpha, 0);
     return {SpecularLaw::beckmann, slope, slope, 0};
   }
 
-  HalfVectors facets() const {
+  HalfVectors facets(const f64::SurfaceFields& s) const {
     if (mirror()) {
-      const double bent = (surface.coat_index - 1) * std::sqrt(0.5) * surface.coat_alpha;
+      const double bent = (s.coat_index - 1) * std::sqrt(0.5) * s.coat_alpha;
       const double slope = f64::facet_slope(bent, 0);
       return {SpecularLaw::beckmann, slope, slope, 0};
     }
-    double x = f64::facet_slope(surface.alpha, 0);
-    double y = f64::facet_slope(surface.alpha_y, 0);
+    double x = f64::facet_slope(s.alpha, 0);
+    double y = f64::facet_slope(s.alpha_y, 0);
     const SpecularLaw law = composition.laws.specular;
     if (law == SpecularLaw::cook_torrance) y = x;
-    if (f64::same_all_around(x, y, surface.tangent)) x = y = std::sqrt(x * y);
-    return {law, x, y, surface.shine};
+    if (f64::same_all_around(x, y, s.tangent) > 0) x = y = std::sqrt(x * y);
+    return {law, x, y, s.shine};
   }
 
   Chances chances(const f64::SurfaceFields& s, double cosine) const {
@@ -202,7 +205,7 @@ struct Scattering::Parts {
       const Vec3 l = in.refracted ? f64::under_coat(to_light, normal, s.coat_index) : to_light;
       const double shrunk =
           in.refracted ? cosine / (s.coat_index * s.coat_index * glm::dot(normal, l)) : 1;
-      density += c.facets * shrunk * facets().pdf(frame.local(l), frame.local(in.to_viewer));
+      density += c.facets * shrunk * facets(s).pdf(frame.local(l), frame.local(in.to_viewer));
     }
     if (c.peak > 0) {
       const Frame frame(normal, s.tangent);
@@ -225,7 +228,7 @@ struct Scattering::Parts {
   Vec3 drawn_by_facets(const f64::SurfaceFields& s, const Vec3& to_viewer, const Vec3& normal,
                        const Vec2& u) const {
     const Below in = below(s, to_viewer, normal);
-    const Vec3 l = drawn(facets(), Frame(in.normal, s.tangent), in.to_viewer, u);
+    const Vec3 l = drawn(facets(s), Frame(in.normal, s.tangent), in.to_viewer, u);
     if (!in.refracted || !(glm::dot(normal, l) > 0)) return l;
     // out of the coat
     const Vec3 aside = s.coat_index * (l - normal * glm::dot(normal, l));
@@ -332,7 +335,7 @@ Mirrors Scattering::mirrors(const Vec3& to_viewer, const Vec3& normal, const Vec
     add(straight, Vec3(0));
     return found;
   }
-  add(l, parts_->mirror_below(cos_tilted) *
+  add(l, parts_->mirror_below(cos_tilted, cos_nl, cosine) *
              (f64::tilted_share(tilted, l, v, normal) * cos_nl / cos_tilted));
   return found;
 }

@@ -32,8 +32,10 @@ FORMULA Vec3 slab_remainder(Real first, Vec3 below, Vec3 depth, Real cos_t) {
   return passing * (twice * below / at_least(again, Real(1e-10)));
 }
 
-// The same where the way in and the way out differ. The smaller R1 of the two keeps both the balance
-// of energy and the reciprocity: (1 - R1)(1 - R1') is never over 1 - min(R1, R1').
+// How much of what a mirror below reflects comes out of a slab, all reflections between its faces
+// included: (1 - R1)^2 T^2/(1 - R1 R2 T^2). Where the way in and the way out differ, the smaller R1
+// of the two keeps both the balance of energy and the reciprocity: (1 - R1)(1 - R1') is never over
+// 1 - min(R1, R1').
 FORMULA Vec3 through_both(Surface s, Vec3 below, Real cos_nl, Real cos_nv) {
   Real n = s.coat_index;
   Real first_l = s.coat_share * fresnel_dielectric(cos_nl, n);

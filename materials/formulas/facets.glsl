@@ -9,13 +9,16 @@ FORMULA Real facet_slope(Real alpha, Real sun_alpha2) {
   return min(max(with_sun(alpha, sun_alpha2), Real(1e-6)), Real(1000));
 }
 
-FORMULA bool same_all_around(Real slope_x, Real slope_y, Vec3 tangent) {
-  return slope_x == slope_y || !(dot3(tangent, tangent) > Real(0.25));
+// 1 where facets are the same all around, else 0.
+FORMULA Real same_all_around(Real slope_x, Real slope_y, Vec3 tangent) {
+  if (slope_x == slope_y || !(dot3(tangent, tangent) > Real(0.25))) return Real(1);
+  return Real(0);
 }
 
 // (x/slope_x)^2 + (y/slope_y)^2 of a vector in the surface, given its cross product with the normal.
 FORMULA Real over_slopes(Real slope_x, Real slope_y, Vec3 tangent, Vec3 turned, Vec3 normal) {
-  if (same_all_around(slope_x, slope_y, tangent)) return dot3(turned, turned) / (slope_x * slope_y);
+  if (same_all_around(slope_x, slope_y, tangent) > Real(0))
+    return dot3(turned, turned) / (slope_x * slope_y);
   Real x = dot3(turned, cross3(normal, tangent)) / slope_x;
   Real y = dot3(turned, tangent) / slope_y;
   return x * x + y * y;
@@ -23,7 +26,7 @@ FORMULA Real over_slopes(Real slope_x, Real slope_y, Vec3 tangent, Vec3 turned, 
 
 // slope times sine: the length of a direction's part in the surface, its axes scaled by the slopes
 FORMULA Real sloped_sine(Real slope_x, Real slope_y, Vec3 tangent, Vec3 direction, Vec3 normal) {
-  if (same_all_around(slope_x, slope_y, tangent)) {
+  if (same_all_around(slope_x, slope_y, tangent) > Real(0)) {
     Real cosine = dot3(normal, direction);
     return sqrt(max((Real(1) - cosine) * (Real(1) + cosine), Real(0)) * (slope_x * slope_y));
   }

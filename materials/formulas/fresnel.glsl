@@ -25,7 +25,8 @@ FORMULA Real fresnel_dielectric(Real cos_i, Real index) {
 // The same towards a conductor of complex index n + ik, k >= 0.
 FORMULA Real fresnel_conductor(Real cos_i, Real n, Real k) {
   Real sin2 = (Real(1) - cos_i) * (Real(1) + cos_i);
-  Real d = (n - k) * (n + k) - sin2;
+  // N^2 - sin^2, good beside n = 1 as well
+  Real d = (n - Real(1)) * (n + Real(1)) + cos_i * cos_i - k * k;
   Real nk = Real(2) * n * k;
   // a + ib = sqrt(N^2 - sin^2), the smaller of the two by division
   Real size = sqrt(d * d + nk * nk);

@@ -45,20 +45,23 @@ FORMULA Vec3 coated(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
          coated_diffuse(s, to_light, to_viewer, normal);
 }
 
-// A mirror under the coat: light leaves at the angle it came at, whatever the coat bends it.
-FORMULA Vec3 coated_reflection(Surface s, Real cosine) {
-  Real cos_t = refracted_cosine(cosine, s.coat_index);
+// What a mirror under the coat sends from one direction to another, lobe apart. tilted: the cosine
+// of both to the mirror's normal.
+FORMULA Vec3 coated_reflection(Surface s, Real tilted, Real cos_nl, Real cos_nv) {
+  Real cos_t = refracted_cosine(tilted, s.coat_index);
   Vec3 below = s.weights.y * s.specular * PANWRIGHT_FRESNEL(s, cos_t, s.coat_index);
-  Real first = s.coat_share * fresnel_dielectric(cosine, s.coat_index);
-  return slab_remainder(first, below, s.coat_depth, cos_t);
+  return below * through_both(s, below, cos_nl, cos_nv);
 }
 
+// A mirror under the coat: light leaves at the angle it came at, whatever the coat bends it.
 FORMULA Vec3 coated_mirror(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Vec3 tilted = tilted_normal(s, normal, Real(1));
   Real lobe = tilted_share(tilted, to_light, to_viewer, normal) *
               mirror_below_coat(s, to_light, to_viewer, tilted);
   return Vec3(coat_peak(s, to_light, to_viewer, normal)) +
-         lobe * coated_reflection(s, half_cosine(to_light, to_viewer)) +
+         lobe * coated_reflection(s, half_cosine(to_light, to_viewer),
+                                  max(dot3(normal, to_light), Real(0)),
+                                  max(dot3(normal, to_viewer), Real(0))) +
          coated_diffuse(s, to_light, to_viewer, normal);
 }
 

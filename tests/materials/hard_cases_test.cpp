@@ -41,6 +41,9 @@ const struct {
                {"fon", 3e-7},            // 1.9e-7
                {"fon_loss", 4e-7},       // 3.0e-7
                {"cell_shares", 2e-3},  // 1.4e-3, an edge in the smallest footprint: 6e-8 of 1e-5
+               {"conductor", 5e-6},        // 4.3e-6, n = 0.05
+               {"beckmann_smith", 1e-5},   // 8.9e-6, exponent 70 of e
+               {"ggx_smith", 6e-7},        // 5.4e-7
                {"lommel_seeliger", 2e-7},  // 1.3e-7
                {"hapke", 3e-6}};           // 2.4e-6
 

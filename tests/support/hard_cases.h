@@ -265,6 +265,11 @@ inline std::vector<Formula> formulas() {
   std::vector<double> indices{0.0, 0.5, 1.33, 1.7, 2.4, 4.2};
   indices.insert(indices.end(), kIndices.begin(), kIndices.end());
 
+  std::vector<std::array<double, 3>> conductors;
+  for (const double n : {0.0, 0.05, 0.9, 1.5, 50.0})
+    for (const double k : {0.0, 1e-6, 1.0, 7.0, 50.0})
+      for (const double c : cosines) conductors.push_back({c, n, k});
+
   std::vector<Formula> all;
   const auto add = [&](Formula formula, std::vector<Inputs> cases, bool of_directions = true) {
     formula.cases = std::move(cases);
@@ -301,8 +306,29 @@ inline std::vector<Formula> formulas() {
   add(PANWRIGHT_FORMULA("cell_shares", cell_shares(p[0], p[1], p[2], p[3], p[4], Real(0.5) * p[4],
                                                    p[5], p[6])),
       cell_cases(), false);
+  add(PANWRIGHT_FORMULA("conductor", Vec3(fresnel_conductor(p[0], p[1], p[2]))),
+      with_parameters({Inputs{}}, conductors), false);
+  // slopes p[0] along x and p[1] across it
+  add(PANWRIGHT_FORMULA("beckmann_smith",
+                        Vec3(beckmann_smith(max(p[0], Real(1e-6)), max(p[1], Real(1e-6)),
+                                            Vec3(Real(1), Real(0), Real(0)), l, v, n))),
+      with_parameters(grid(), pairs_of(kSlopes, kSlopes)));
+  add(PANWRIGHT_FORMULA("ggx_smith", Vec3(ggx_smith(max(p[0], Real(1e-6)), max(p[1], Real(1e-6)),
+                                                    Vec3(Real(1), Real(0), Real(0)), l, v, n))),
+      with_parameters(grid(), pairs_of(kSlopes, kSlopes)));
   add(PANWRIGHT_FORMULA("lommel_seeliger", Vec3(lommel_seeliger(p[0], l, v, n))),
       with_parameters(grid(), singles(std::array{1.0, 0.1})));
+  return all;
+}
+
+// Lobes of Smith's facets where they are bright.
+inline std::vector<Formula> facets_near_specular(double slope, std::size_t count) {
+  std::vector<Formula> all{
+      PANWRIGHT_FORMULA("beckmann_smith",
+                        Vec3(beckmann_smith(p[0], p[0], Vec3(Real(0)), l, v, n))),
+      PANWRIGHT_FORMULA("ggx_smith", Vec3(ggx_smith(p[0], p[0], Vec3(Real(0)), l, v, n)))};
+  for (Formula& formula : all)
+    formula.cases = with_parameters(near_specular(slope, count), std::vector{std::array{slope}});
   return all;
 }
 
