@@ -58,11 +58,13 @@ class Studio {
     return view;
   }
 
-  std::optional<Measured> measure(double phase, unsigned samples, bool flat, int runs) {
+  std::optional<Measured> measure(double phase, unsigned samples, bool flat, int runs,
+                                  bool shadows = true) {
     const preview::View view_here = view(phase, log_);
     preview::RenderOptions options;
     options.samples = samples;
     options.flat = flat;
+    if (!shadows) options.shadow_side = 0;
     std::optional<preview::Image> kept;
     Measured out;
     out.timing = timed(
@@ -172,7 +174,8 @@ void run_lambert(Context& context, preview::Context& gl, DiagnosticLog& log, std
   }
 }
 
-// Against the same context's draw of the same triangles with the shortest shader there is.
+// Without shadows, against the same context's draw of the same triangles with the shortest shader
+// there is.
 void run_throughput(Context& context, preview::Context& gl, DiagnosticLog& log) {
   const std::uint32_t side = context.quick() ? 100 : 708;  // 708: 1,001,112 triangles
   Studio studio(gl, {side, side}, lambert_material(1), log);
@@ -183,7 +186,7 @@ void run_throughput(Context& context, preview::Context& gl, DiagnosticLog& log) 
   std::optional<Measured> measured;
   for (int run = 0; run < context.runs(); ++run) {
     const double bare = studio.renderer().seconds_of_bare_draw(view);
-    measured = studio.measure(phase, 1, false, 1);
+    measured = studio.measure(phase, 1, false, 1, false);
     if (!measured) return context.note("the throughput model was not rendered");
     // note: the first pass warms up
     if (run > 0) ratios.push_back(bare / measured->timing.median);

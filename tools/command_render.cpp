@@ -80,6 +80,7 @@ void describe(const Job& job, const RenderOptions& options, const pan::Model& mo
                   job.view.camera.principal.x, job.view.camera.principal.y));
   add("panwright.sun", words(job.view.to_sun));
   add("panwright.samples", fmt::format("{}", options.samples));
+  add("panwright.shadow_side", fmt::format("{}", options.no_shadows ? 0 : options.shadow_side));
 }
 
 bool render_one(const Job& job, const RenderOptions& options, const pan::Model& model,
