@@ -5,6 +5,7 @@
 #include <chrono>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -51,12 +52,15 @@ pan::PackedMesh packed_shape(const geometry::Shape& shape, geometry::Mesh& mesh,
 struct Product {
   std::vector<std::optional<pan::PackedMesh>> meshes;
   std::vector<std::optional<pan::DecalContent>> decals;
+  std::vector<char> hidden;  // decals that show nothing
 };
 
 void place_decals(const scene::Scene& scene, const Job& job, const geometry::Mesh& mesh,
                   Product& out) {
-  for (const std::uint32_t decal : job.decals)
+  for (const std::uint32_t decal : job.decals) {
     out.decals[decal] = internal::placed(scene.decals[decal], mesh);
+    out.hidden[decal] = out.decals[decal] && !internal::shows(*out.decals[decal], mesh);
+  }
 }
 
 void make_job(const scene::Scene& scene, const Plan& plan, std::size_t index,
@@ -80,13 +84,27 @@ void make_job(const scene::Scene& scene, const Plan& plan, std::size_t index,
   if (job.textured && mesh.texcoords.empty()) mesh.texcoords.resize(2 * mesh.vertex_count());
 }
 
+std::string place_of(const scene::Source& source) {
+  return source.line == 0 ? source.file
+                          : fmt::format("{}:{}:{}", source.file, source.line, source.column);
+}
+
 // Reports what went wrong with a shape at the place where the shape was written.
 void pass_on(const DiagnosticLog& from, const scene::Source& source, DiagnosticLog& log) {
-  for (const Diagnostic& entry : from.entries()) {
-    const std::string place =
-        source.line == 0 ? source.file
-                         : fmt::format("{}:{}:{}", source.file, source.line, source.column);
-    log.report(entry.code, {}, fmt::format("{}: {}", place, entry.message), entry.hint);
+  for (const Diagnostic& entry : from.entries())
+    log.report(entry.code, {}, fmt::format("{}: {}", place_of(source), entry.message), entry.hint);
+}
+
+// Each decal once, however many shapes it is on.
+void report_hidden(const scene::Scene& scene, const Product& product, DiagnosticLog& log) {
+  std::set<std::string> known;
+  for (std::size_t i = 0; i < scene.decals.size(); ++i) {
+    if (!product.hidden[i]) continue;
+    const std::string place = place_of(scene.decals[i].source);
+    if (known.insert(place).second)
+      log.report(Code::W2020, {},
+                 fmt::format("{}: no surface within the decal's box faces it", place),
+                 "its normal points away from the surface, or leave it out");
   }
 }
 
@@ -98,6 +116,7 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
   Product out;
   out.meshes.resize(jobs.size());
   out.decals.resize(scene.decals.size());
+  out.hidden.resize(scene.decals.size());
   std::vector<DiagnosticLog> logs(jobs.size());
   std::vector<char> allowed(jobs.size());
   double planned = 0;
@@ -124,6 +143,7 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
     progress.advance();
   });
   for (std::size_t i = 0; i < jobs.size(); ++i) pass_on(logs[i], jobs[i].user->source, log);
+  report_hidden(scene, out, log);
   return out;
 }
 

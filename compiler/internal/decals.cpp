@@ -29,7 +29,44 @@ Quat rotation_to(const Vec3& x, const Vec3& y, const Vec3& z) {
   return q.w < 0 ? -q : q;
 }
 
+// Whether a triangle meets the cube of half side 1 about the origin.
+bool meets_cube(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const auto apart = [&](const Vec3& axis) {
+    const double pa = glm::dot(a, axis), pb = glm::dot(b, axis), pc = glm::dot(c, axis);
+    const double reach = std::fabs(axis.x) + std::fabs(axis.y) + std::fabs(axis.z);
+    return std::min({pa, pb, pc}) > reach || std::max({pa, pb, pc}) < -reach;
+  };
+  const Vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const Vec3& axis : axes)
+    if (apart(axis)) return false;
+  const Vec3 sides[] = {b - a, c - b, a - c};
+  if (apart(glm::cross(sides[0], sides[1]))) return false;
+  for (const Vec3& side : sides)
+    for (const Vec3& axis : axes)
+      if (apart(glm::cross(axis, side))) return false;
+  return true;
+}
+
 }  // namespace
+
+bool shows(const pan::DecalContent& decal, const geometry::Mesh& mesh) {
+  const Quat decal_from_mesh = glm::conjugate(decal.rotation);
+  const Vec3 outwards = decal.rotation * Vec3(0, 0, 1);
+  const Vec3 half(0.5 * decal.width, 0.5 * decal.height, decal.depth);
+  const auto in_box = [&](std::uint32_t vertex) {
+    return (decal_from_mesh * (mesh.positions[vertex] - decal.origin)) / half;
+  };
+  for (const geometry::Triangle& t : mesh.triangles) {
+    bool faces = mesh.normals.empty();
+    for (const std::uint32_t vertex : t) {
+      if (faces) break;
+      const double facing = glm::dot(mesh.normals[vertex], outwards);
+      faces = facing > 0 || (!mesh.closed && facing < 0);
+    }
+    if (faces && meets_cube(in_box(t[0]), in_box(t[1]), in_box(t[2]))) return true;
+  }
+  return false;
+}
 
 std::optional<pan::DecalContent> placed(const scene::Decal& decal, const geometry::Mesh& mesh) {
   const auto point = geometry::closest_point(mesh, decal.at);

@@ -14,4 +14,8 @@ namespace panwright::compiler::internal {
 // 1e-6 rad from the normal. `instance` is left to the caller. None: the mesh has no surface.
 std::optional<pan::DecalContent> placed(const scene::Decal& decal, const geometry::Mesh& mesh);
 
+// Whether some triangle of the mesh lies in part within the decal's box and faces its picture, from
+// behind too where the mesh is open. Akenine-Möller, "Fast 3D triangle-box overlap testing", 2001.
+bool shows(const pan::DecalContent& decal, const geometry::Mesh& mesh);
+
 }  // namespace panwright::compiler::internal

@@ -75,6 +75,11 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
   const std::string part =
       folder.write("parts/part.pxn", model("<include type=\"pxn\" file=\"ball.pxn\"/>"));
   folder.write("ball.pxn", model("<sphere rings=\"3\" quads=\"3\"/>"));
+  folder.write("white.ppm", std::string("P6\n1 1\n255\n\xff\xff\xff", 14));
+  const std::string inwards =
+      folder.write("inwards.pxn",
+                   "<pangu_model ver=\"1\"><box name=\"b\" size=\"2\"/><decal on=\"b\" "
+                   "image=\"white.ppm\" at=\"0 0 1\" normal=\"0 0 -1\" size=\"1\"/></pangu_model>");
   std::vector<Trigger> triggers = {
       {"E0101", {"check", folder / "none.pxn"}, {}},
       {"E0102", {"check", folder / "unreadable.pxn"}, {}},
@@ -86,6 +91,7 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"E0204", {"explain", "E9999"}, {}},
       {"E1225", {"compile", kFigure8, "-o", pan, "-D", "span=1m"}, {}},
       {"E1317", {"upgrade", braces}, {}},
+      {"W2020", {"compile", inwards, "-o", folder / "inwards.pan"}, {}},
       {"N1318", {"upgrade", whole, part}, {}},
       {"E5005", {"render", pan, "-o", png, "--camera-frame", "camera"}, {}},
       {"N5004", {"render", pan, "-o", png, "--camera", "0 0 9"}, {}},
