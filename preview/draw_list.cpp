@@ -16,6 +16,13 @@ Mat3 outward_normals(const Mat3& linear) {
   return glm::determinant(linear) < 0 ? -normals : normals;
 }
 
+bool is_brushed(const pan::layout::Material& material) {
+  const auto law = static_cast<materials::SpecularLaw>(material.specular_law);
+  const bool smith = law == materials::SpecularLaw::beckmann || law == materials::SpecularLaw::ggx;
+  return (smith && material.alpha_y != material.cook[1]) || material.tilt_u != 0 ||
+         material.tilt_v != 0;
+}
+
 auto order(const DrawItem& item) {
   return std::tie(item.variant, item.closed, item.mirrored, item.texture, item.material, item.mesh,
                   item.instance);
@@ -52,6 +59,10 @@ std::vector<DrawItem> draw_list(const pan::Model& model) {
     item.variant.normal_map = material.normal_map >= 0;
     item.variant.roughness_map = material.roughness_map >= 0;
     item.variant.cutout = material.cutout_map >= 0;
+    item.variant.brushed = is_brushed(material);
+    item.variant.tangents =
+        item.variant.normal_map ||
+        (item.variant.brushed && !model.mesh(instance.mesh).texcoords.empty());
     item.closed = (mesh.flags & layout::kMeshClosed) != 0 && !item.variant.cutout;
     item.texture = instance.texture;
     item.material = instance.material;

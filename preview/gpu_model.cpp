@@ -141,7 +141,7 @@ bool GpuModel::upload_tangents(const pan::Model& model, std::span<const DrawItem
   std::vector<bool> used(model.meshes().size());
   bool any = false;
   for (const DrawItem& item : list)
-    if (item.variant.normal_map) any = used[item.mesh] = true;
+    if (item.variant.tangents) any = used[item.mesh] = true;
   if (!any) return true;
   tangents_at_.resize(used.size());
   repeated_.resize(used.size());

@@ -15,7 +15,8 @@ std::string defined(const char* name, bool yes) {
 }
 
 std::string layer_names(unsigned layers) {
-  return defined("PAINTED", layers > kPaintLayer) + defined("ROUGH", layers > kRoughLayer);
+  return defined("PAINTED", layers > kPaintLayer) + defined("ROUGH", layers > kRoughLayer) +
+         defined("BRUSHED", layers > kTangentLayer);
 }
 
 // of a fragment shader that may leave holes
@@ -29,7 +30,7 @@ GLuint Programs::geometry(const Variant& v, bool flat, unsigned layers, bool sha
                           std::string* problem) {
   unsigned key = layers;
   for (const bool bit : {v.textured, v.coloured, v.albedo_map, v.normal_map, v.roughness_map,
-                         v.cutout, flat, shadows})
+                         v.cutout, v.tangents, flat, shadows})
     key = 2 * key + bit;
   GlProgram& program = geometry_[key];
   if (!program) {
@@ -38,7 +39,8 @@ GLuint Programs::geometry(const Variant& v, bool flat, unsigned layers, bool sha
                              defined("TEXTURED", v.textured) + defined("COLOURED", v.coloured) +
                              defined("ALBEDO_MAP", v.albedo_map) + defined("BUMPED", v.normal_map) +
                              defined("ROUGHNESS_MAP", v.roughness_map) + defined("MAPPED", mapped) +
-                             defined("FLAT", flat) + defined("SHADOWED", shadows) + draw_glsl;
+                             defined("TANGENTS", v.tangents) + defined("FLAT", flat) +
+                             defined("SHADOWED", shadows) + draw_glsl;
     const std::string place = shadows ? shadow_place_glsl : "";
     program = make_program(gl_, head + model_vert,
                            head + cutout_text(v.cutout) + place + geometry_frag, problem);

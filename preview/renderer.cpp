@@ -64,6 +64,7 @@ ViewBlock view_block(const View& view, const Tile& tile, unsigned samples) {
 
 // the layers that an instance needs
 unsigned layers_of(const Variant& variant) {
+  if (variant.brushed) return kTangentLayer + 1;
   if (variant.normal_map || variant.roughness_map) return kRoughLayer + 1;
   if (variant.textured || variant.coloured || variant.albedo_map) return kPaintLayer + 1;
   return kSeenLayer + 1;
@@ -74,6 +75,7 @@ constexpr GLenum kRadianceFormats[] = {GL_RGBA32F};
 std::array<GLenum, kLayers + 1> layer_formats(unsigned layers, bool shadows) {
   return {GL_RGBA32F, layers > kPaintLayer ? GLenum{GL_RGBA32F} : GLenum{GL_NONE},
           layers > kRoughLayer ? GLenum{GL_RG32F} : GLenum{GL_NONE},
+          layers > kTangentLayer ? GLenum{GL_RGBA32F} : GLenum{GL_NONE},
           shadows ? GLenum{GL_RGBA32UI} : GLenum{GL_NONE}};
 }
 
@@ -121,7 +123,7 @@ struct Renderer::Impl {
   unsigned layers = 1;   // of seen_target: Layer
   bool shadows = false;  // of this view
   ShadowMap shadow_map;
-  Target seen_target;    // normals and items; colours; roughness; places before the Sun
+  Target seen_target;    // normals and items; colours; roughness; tangents; places before the Sun
   Target color_target;   // radiance
   Target id_target;      // triangles
   Target bare_target;    // of seconds_of_bare_draw
@@ -363,6 +365,8 @@ void Renderer::Impl::shade(const Scenery& scenery, const TileItems& items, const
   gl.BindTextureUnit(kSeenUnit, seen_target.colors[kSeenLayer].id());
   if (layers > kPaintLayer) gl.BindTextureUnit(kPaintUnit, seen_target.colors[kPaintLayer].id());
   if (layers > kRoughLayer) gl.BindTextureUnit(kRoughUnit, seen_target.colors[kRoughLayer].id());
+  if (layers > kTangentLayer)
+    gl.BindTextureUnit(kTangentUnit, seen_target.colors[kTangentLayer].id());
   if (shadows) {
     gl.BindTextureUnit(kSunUnit, seen_target.colors[kSunLayer].id());
     shadow_map.bind(gl);

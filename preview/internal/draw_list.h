@@ -31,6 +31,8 @@ struct Variant {
   bool normal_map = false;
   bool roughness_map = false;
   bool cutout = false;
+  bool brushed = false;   // its light depends on the direction along u
+  bool tangents = false;  // of each vertex: a normal map, or brushed with texture coordinates
   auto operator<=>(const Variant&) const = default;
 };
 

@@ -32,10 +32,11 @@ inline constexpr GLuint kDecalUnit = 11;
 inline constexpr GLuint kSunUnit = 12;
 inline constexpr GLuint kShadowDepthsUnit = 13;
 inline constexpr GLuint kShadowSlopesUnit = 14;
+inline constexpr GLuint kTangentUnit = 15;
 
 // What is kept of each sample between the two steps of a drawing: at least the first, and those
 // before the last that is needed.
-enum Layer : unsigned { kSeenLayer, kPaintLayer, kRoughLayer, kLayers };
+enum Layer : unsigned { kSeenLayer, kPaintLayer, kRoughLayer, kTangentLayer, kLayers };
 // Behind them, where there are shadows: the place before the Sun.
 inline constexpr unsigned kSunLayer = kLayers;
 

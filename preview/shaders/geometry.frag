@@ -1,8 +1,8 @@
 // What is seen at a sample: its normal, its instance, its colour. Light comes later, once for each
 // sample and not once for each of the many fragments that small triangles throw away. Defined in
-// front: version, draw.glsl, any of PAINTED ROUGH (the layers there are), TEXTURED COLOURED FLAT,
-// ALBEDO_MAP BUMPED ROUGHNESS_MAP (MAPPED with each of these), CUTOUT with cutout.glsl, and
-// SHADOWED with shadow_place.glsl.
+// front: version, draw.glsl, any of PAINTED ROUGH BRUSHED (the layers there are), TEXTURED COLOURED
+// FLAT, ALBEDO_MAP BUMPED ROUGHNESS_MAP (MAPPED with each of these), TANGENTS (BUMPED has them),
+// CUTOUT with cutout.glsl, and SHADOWED with shadow_place.glsl.
 
 #ifdef FLAT
 layout(binding = 1) uniform samplerBuffer triangle_normals;
@@ -24,6 +24,8 @@ layout(binding = 7) uniform sampler2D albedo_map;
 #endif
 #ifdef BUMPED
 layout(binding = 8) uniform sampler2D normal_map;
+#endif
+#ifdef TANGENTS
 layout(location = 4) in vec4 mesh_tangent;
 #endif
 #ifdef ROUGHNESS_MAP
@@ -44,6 +46,9 @@ layout(location = 2) out vec2 rough;  // factor of the roughness; squared slope 
 vec3 colour_of(vec4 texel) { return texel.a > 0.0 ? texel.rgb / texel.a : texel.rgb; }
 #else
 vec3 colour_of(vec4 texel) { return texel.rgb; }
+#endif
+#ifdef BRUSHED
+layout(location = 3) out vec4 brush;  // world direction along the tangent, of any length
 #endif
 
 #ifdef BUMPED
@@ -82,6 +87,17 @@ void main() {
 #endif
 #ifdef ROUGHNESS_MAP
   roughness.x = texture(roughness_map, map_texcoord).r;
+#endif
+#ifdef BRUSHED
+  // along u, or around z where there are no texture coordinates. A cross product of what normals
+  // become turns with the instance as tangents do, whatever stretches it.
+#ifdef TANGENTS
+  vec3 across = cross(normal, mesh_tangent.xyz);
+#else
+  vec3 across = cross(normal, vec3(-normal.y, normal.x, 0.0));
+#endif
+  vec3 along = cross(draw.world_normal_from_mesh * across, draw.world_normal_from_mesh * normal);
+  brush = vec4(determinant(draw.world_normal_from_mesh) < 0.0 ? -along : along, 0.0);
 #endif
   normal = draw.world_normal_from_mesh * normal;
   // the back of an open mesh is as good as its front

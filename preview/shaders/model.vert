@@ -1,5 +1,5 @@
 // The vertices of one instance. Defined in front: version, draw.glsl, and any of GEOMETRY TEXTURED
-// COLOURED FLAT MAPPED BUMPED DECAL SHADOWED.
+// COLOURED FLAT MAPPED BUMPED TANGENTS DECAL SHADOWED.
 layout(location = 0) in vec3 position;  // metres, relative to the mesh's origin
 layout(location = 1) in vec3 normal;    // mesh frame
 layout(location = 2) in vec2 texcoord;
@@ -20,7 +20,7 @@ layout(location = 2) out vec3 surface_colour;
 #ifdef MAPPED
 layout(location = 3) out vec2 map_texcoord;
 #endif
-#ifdef BUMPED
+#ifdef TANGENTS
 layout(location = 4) out vec4 mesh_tangent;
 #endif
 
@@ -60,7 +60,7 @@ void main() {
 #ifdef MAPPED
   map_texcoord = clamp(texcoord * draw.repeat.xy, vec2(-kFarOut), vec2(kFarOut));
 #endif
-#ifdef BUMPED
+#ifdef TANGENTS
   mesh_tangent = tangent;
 #endif
 #ifdef SHADOWED

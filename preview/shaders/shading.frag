@@ -1,5 +1,5 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, any of PAINTED
-// ROUGH ONE_MATERIAL SHADOWED (with shadow.glsl), VARIANT (its number), and the formulas of its
+// ROUGH BRUSHED ONE_MATERIAL SHADOWED (with shadow.glsl), VARIANT (its number), and the formulas of its
 // families (materials/formulas).
 
 layout(std140, binding = 0) uniform View {
@@ -18,6 +18,9 @@ layout(binding = 3) uniform sampler2D paints;
 #endif
 #ifdef ROUGH
 layout(binding = 6) uniform sampler2D roughs;
+#endif
+#ifdef BRUSHED
+layout(binding = 15) uniform sampler2D brushes;
 #endif
 
 #ifdef ONE_MATERIAL
@@ -143,6 +146,12 @@ void main() {
 #endif
 #ifdef ROUGH
   roughen(surface, paint.a, texelFetch(roughs, ivec2(gl_FragCoord.xy), 0).xy);
+#endif
+
+#ifdef BRUSHED
+  vec3 brush = unit_or_zero(texelFetch(brushes, ivec2(gl_FragCoord.xy), 0).xyz);
+  vec3 facing = unit_or_zero(seen.xyz);
+  surface.tangent = unit_or_zero(brush - facing * dot(facing, brush));
 #endif
 
   // where the normal faces away from the viewer, at the limb of a smooth mesh, surface_brdf takes
