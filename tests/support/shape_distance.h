@@ -15,40 +15,48 @@ namespace panwright::oracles {
 // from a point to a surface, ≥ 0
 using Distance = std::function<double(const Vec3&)>;
 
-inline double to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 d = b - a;
+template <class Vec>
+double to_segment(const Vec& p, const Vec& a, const Vec& b) {
+  const Vec d = b - a;
   const double share = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
   return glm::length(p - a - share * d);
 }
 
-// to a polyline in the half-plane (r, z); a long one in runs of 32 with their circles
-class Polyline {
+// to a polyline; a long one in runs with their circles
+template <class Vec>
+class PolylineOf {
  public:
-  explicit Polyline(std::vector<Vec2> points) : points_(std::move(points)) {
-    for (std::size_t i = 0; i + 1 < points_.size(); i += kRun) {
-      const std::size_t last = std::min(i + kRun, points_.size() - 1);
+  explicit PolylineOf(std::vector<Vec> points)
+      : run_(std::max(32.0, std::sqrt(static_cast<double>(points.size())))),
+        points_(std::move(points)) {
+    for (std::size_t i = 0; i + 1 < points_.size(); i += run_) {
+      const std::size_t last = std::min(i + run_, points_.size() - 1);
       double reach = 0;
       for (std::size_t k = i; k <= last; ++k)
         reach = std::max(reach, glm::length(points_[k] - points_[i]));
       reach_.push_back(reach);
     }
   }
-  double distance(const Vec2& p) const {
+  double distance(const Vec& p) const {
+    // no further than the nearest start of a run
     double best = HUGE_VAL;
+    for (std::size_t run = 0; run < reach_.size(); ++run)
+      best = std::min(best, glm::length(p - points_[run * run_]));
     for (std::size_t run = 0; run < reach_.size(); ++run) {
-      const std::size_t i = run * kRun;
+      const std::size_t i = run * run_;
       if (glm::length(p - points_[i]) - reach_[run] > best) continue;
-      for (std::size_t k = i; k < std::min(i + kRun, points_.size() - 1); ++k)
+      for (std::size_t k = i; k < std::min(i + run_, points_.size() - 1); ++k)
         best = std::min(best, to_segment(p, points_[k], points_[k + 1]));
     }
     return best;
   }
 
  private:
-  static constexpr std::size_t kRun = 32;
-  std::vector<Vec2> points_;
+  std::size_t run_;
+  std::vector<Vec> points_;
   std::vector<double> reach_;
 };
+using Polyline = PolylineOf<Vec2>;  // in the half-plane (r, z), or of a loop
 
 inline Vec2 meridian(const Vec3& p) { return {std::hypot(p.x, p.y), p.z}; }
 
@@ -162,14 +170,15 @@ inline Distance distance_to(const geometry::Dish& s) {
 }
 
 // A centripetal Catmull-Rom point by repeated interpolation. Barry, Goldman, 1988.
-inline Vec2 catmull_rom(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, double share) {
+template <class Vec>
+Vec catmull_rom(const Vec& a, const Vec& b, const Vec& c, const Vec& d, double share) {
   const double t0 = 0, t1 = t0 + std::sqrt(glm::length(b - a));
   const double t2 = t1 + std::sqrt(glm::length(c - b)), t3 = t2 + std::sqrt(glm::length(d - c));
   const double t = t1 + share * (t2 - t1);
-  const auto mix = [t](const Vec2& p, const Vec2& q, double tp, double tq) {
+  const auto mix = [t](const Vec& p, const Vec& q, double tp, double tq) {
     return ((tq - t) * p + (t - tp) * q) / (tq - tp);
   };
-  const Vec2 p1 = mix(a, b, t0, t1), p2 = mix(b, c, t1, t2), p3 = mix(c, d, t2, t3);
+  const Vec p1 = mix(a, b, t0, t1), p2 = mix(b, c, t1, t2), p3 = mix(c, d, t2, t3);
   return mix(mix(p1, p2, t0, t2), mix(p2, p3, t1, t3), t1, t2);
 }
 
@@ -198,6 +207,91 @@ inline std::vector<Vec2> profile_of(const geometry::Lathe& s, int steps) {
   return line;
 }
 inline Distance distance_to(const geometry::Lathe& s) { return to_revolved(profile_of(s, 1000)); }
+
+// The outside of an open pipe with caps: along a spline as `steps` chords for each pair of points,
+// along a polyline by its pieces, each up to the planes of its mitres and `slack` beyond.
+inline Distance distance_to_spline_tube(const geometry::Tube& s, int steps) {
+  const auto& points = s.path;
+  const std::size_t last = points.size() - 1;
+  std::vector<Vec3> line;
+  for (std::size_t i = 0; i < last; ++i) {
+    const Vec3 before = i > 0 ? points[i - 1] : 2.0 * points[0] - points[1];
+    const Vec3 after = i + 1 < last ? points[i + 2] : 2.0 * points[last] - points[last - 1];
+    for (int k = 0; k < steps; ++k)
+      line.push_back(catmull_rom(before, points[i], points[i + 1], after, double(k) / steps));
+  }
+  line.push_back(points.back());
+  const Vec3 ends[2] = {points[0], points[last]};
+  const Vec3 out[2] = {glm::normalize(line[0] - line[1]),
+                       glm::normalize(line.back() - line[line.size() - 2])};
+  return [s, ends = std::vector(ends, ends + 2), out = std::vector(out, out + 2),
+          axis = PolylineOf<Vec3>(std::move(line))](const Vec3& p) {
+    double best = std::fabs(axis.distance(p) - s.radius);
+    for (int k = 0; k < 2; ++k) {
+      const double height = glm::dot(p - ends[k], out[k]);
+      const double beside = glm::length(p - ends[k] - height * out[k]) - s.radius;
+      best = std::min(best, std::hypot(height, std::max(0.0, beside)));
+    }
+    return best;
+  };
+}
+inline Distance distance_to_mitred_tube(const geometry::Tube& s, double slack) {
+  return [s, slack](const Vec3& p) {
+    const std::size_t last = s.path.size() - 1;
+    const auto along = [&](std::size_t i) { return glm::normalize(s.path[i + 1] - s.path[i]); };
+    double best = HUGE_VAL;
+    for (std::size_t i = 0; i < last; ++i) {
+      const Vec3 d = along(i);
+      const Vec3 begin = i > 0 ? glm::normalize(along(i - 1) + d) : d;
+      const Vec3 end = i + 1 < last ? glm::normalize(d + along(i + 1)) : d;
+      const double from = glm::dot(p - s.path[i], begin);
+      const double to = glm::dot(p - s.path[i + 1], end);
+      if (from < -slack || to > slack) continue;
+      const auto radius = [&](const Vec3& q) {
+        return glm::length(q - s.path[i] - glm::dot(q - s.path[i], d) * d);
+      };
+      best = std::min(best, std::fabs(radius(p) - s.radius));
+      const double beside = std::max(0.0, radius(p) - s.radius);
+      if (i == 0) best = std::min(best, std::hypot(from, beside));
+      if (i + 1 == last) best = std::min(best, std::hypot(to, beside));
+    }
+    return best;
+  };
+}
+
+inline Distance distance_to(const geometry::Plane& s) {
+  return [s](const Vec3& p) {
+    const double x = std::max(0.0, std::fabs(p.x) - s.width / 2);
+    const double y = std::max(0.0, std::fabs(p.y) - s.height / 2);
+    return glm::length(Vec3(x, y, p.z));
+  };
+}
+
+// One with both caps, by the crossings of a ray with its loops.
+inline Distance distance_to(const geometry::Extrude& s) {
+  std::vector<std::vector<Vec2>> loops = s.holes;
+  loops.push_back(s.outline);
+  std::vector<Polyline> lines;
+  for (auto& loop : loops) {
+    loop.push_back(loop.front());
+    lines.emplace_back(loop);
+  }
+  return [height = s.height, loops, lines](const Vec3& p) {
+    double wall = HUGE_VAL;
+    bool inside = false;
+    for (std::size_t i = 0; i < loops.size(); ++i) {
+      wall = std::min(wall, lines[i].distance({p.x, p.y}));
+      for (std::size_t k = 0; k + 1 < loops[i].size(); ++k) {
+        const Vec2 &a = loops[i][k], &b = loops[i][k + 1];
+        if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x))
+          inside = !inside;
+      }
+    }
+    const double beyond = std::max({0.0, -p.z, p.z - height});
+    if (!inside) return std::hypot(wall, beyond);
+    return beyond > 0 ? beyond : std::min({wall, p.z, height - p.z});
+  };
+}
 
 struct Sampled {
   double worst = 0;
