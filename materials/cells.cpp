@@ -24,6 +24,7 @@ std::array<Material, 3> cell_parts(const Material& material) {
   finger.specular_law = SpecularLaw::none;
   Material gap = finger;
   gap.coat = {};
+  gap.weights.z = 0;
   if (material.cells) {
     finger.diffuse = material.cells->finger_color;
     gap.diffuse = material.cells->gap_color;

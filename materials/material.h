@@ -52,6 +52,8 @@ struct Coat {
 };
 
 // Solar cells over the shape's texture coordinates: between the cells gaps, over each cell fingers.
+// The material is that of a cell. Fingers are Lambert's, under its coat; gaps are Lambert's, without
+// coat and emission; the weights of the cell are not theirs.
 struct Cells {
   Vec2 count{1};            // cells along u and v of one unit of texture coordinates, > 0
   Vec2 gap{0};              // between them, parts of a cell's pitch, 0 to 0.9
@@ -59,7 +61,7 @@ struct Cells {
   double finger_width = 0;  // part of their pitch, 0 to 0.9
   Vec3 gap_color{0.5};      // diffuse, linear RGB
   Vec3 finger_color{0.6};   // diffuse, linear RGB
-  Vec2 tilt{0};             // slope of the cells against the cover glass, as seen, along u and v
+  Vec2 tilt{0};  // angle of the cells to their cover glass, as seen, about v and u, radians
   bool operator==(const Cells&) const = default;
 };
 
@@ -145,6 +147,10 @@ struct Material {
 
 // The family of a material.
 Laws laws_of(const Material& material);
+
+// The roughness of eon whose terms have the same ratio as those of Oren and Nayar's law for slopes
+// of standard deviation σ, radians: 0 to 0.9.
+double eon_roughness(double sigma);
 
 // A shader for each material: 0 to kMostVariants − 1. Materials of one family share one; when there
 // are more families than variants, the rarest share the last.

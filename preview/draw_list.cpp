@@ -59,6 +59,7 @@ std::vector<DrawItem> draw_list(const pan::Model& model) {
     item.variant.normal_map = material.normal_map >= 0;
     item.variant.roughness_map = material.roughness_map >= 0;
     item.variant.cutout = material.cutout_map >= 0;
+    item.variant.cells = material.cell_count[0] > 0;
     item.variant.brushed = is_brushed(material);
     item.variant.tangents =
         item.variant.normal_map ||
@@ -76,6 +77,11 @@ std::vector<DrawItem> draw_list(const pan::Model& model) {
     item.model_normal_from_mesh = outward_normals(Mat3(world));
     item.repeat = Vec2(material.map_repeat[0], material.map_repeat[1]);
     item.diffuse = Vec3(material.diffuse[0], material.diffuse[1], material.diffuse[2]);
+    if (item.variant.cells) {
+      // gaps and fingers have colours of their own, whatever the weight of the cells'
+      item.diffuse *= static_cast<double>(material.weight_d);
+      item.cells = *pan::material_from(material, {}).cells;
+    }
     item.low = Vec3(mesh.bounds_min[0], mesh.bounds_min[1], mesh.bounds_min[2]);
     item.high = Vec3(mesh.bounds_max[0], mesh.bounds_max[1], mesh.bounds_max[2]);
     list.push_back(item);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "materials/cells.h"
 #include "materials/formula_text.h"
 #include "preview/internal/shader_text.h"
 
@@ -30,7 +31,7 @@ GLuint Programs::geometry(const Variant& v, bool flat, unsigned layers, bool sha
                           std::string* problem) {
   unsigned key = layers;
   for (const bool bit : {v.textured, v.coloured, v.albedo_map, v.normal_map, v.roughness_map,
-                         v.cutout, v.tangents, flat, shadows})
+                         v.cutout, v.cells, v.tangents, flat, shadows})
     key = 2 * key + bit;
   GlProgram& program = geometry_[key];
   if (!program) {
@@ -39,11 +40,13 @@ GLuint Programs::geometry(const Variant& v, bool flat, unsigned layers, bool sha
                              defined("TEXTURED", v.textured) + defined("COLOURED", v.coloured) +
                              defined("ALBEDO_MAP", v.albedo_map) + defined("BUMPED", v.normal_map) +
                              defined("ROUGHNESS_MAP", v.roughness_map) + defined("MAPPED", mapped) +
-                             defined("TANGENTS", v.tangents) + defined("FLAT", flat) +
+                             defined("CELLS", v.cells) + defined("TANGENTS", v.tangents) +
+                             defined("FLAT", flat) +
                              defined("SHADOWED", shadows) + draw_glsl;
+    const std::string pattern = v.cells ? materials::glsl_cells() : std::string();
     const std::string place = shadows ? shadow_place_glsl : "";
     program = make_program(gl_, head + model_vert,
-                           head + cutout_text(v.cutout) + place + geometry_frag, problem);
+                           head + pattern + cutout_text(v.cutout) + place + geometry_frag, problem);
   }
   return program.id();
 }

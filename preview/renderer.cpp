@@ -38,6 +38,17 @@ constexpr std::uint32_t kMaxSide = 16384;
           (options.shadow_side >= 16 && options.shadow_side <= kMaxSide));
 }
 
+void copy_cells(const materials::Cells& cells, DrawBlock& block) {
+  for (int axis = 0; axis < 2; ++axis) {
+    block.cells[axis] = static_cast<float>(cells.count[axis]);
+    block.cells[axis + 2] = static_cast<float>(cells.gap[axis]);
+  }
+  copy_floats(cells.gap_color, block.gap_colour);
+  copy_floats(cells.finger_color, block.finger_colour);
+  block.gap_colour[3] = static_cast<float>(std::floor(cells.fingers + 0.5));
+  block.finger_colour[3] = static_cast<float>(cells.finger_width);
+}
+
 // what the fragments of a tile share
 ViewBlock view_block(const View& view, const Tile& tile, unsigned samples) {
   const Camera& camera = view.camera;
@@ -65,7 +76,7 @@ ViewBlock view_block(const View& view, const Tile& tile, unsigned samples) {
 // the layers that an instance needs
 unsigned layers_of(const Variant& variant) {
   if (variant.brushed) return kTangentLayer + 1;
-  if (variant.normal_map || variant.roughness_map) return kRoughLayer + 1;
+  if (variant.normal_map || variant.roughness_map || variant.cells) return kRoughLayer + 1;
   if (variant.textured || variant.coloured || variant.albedo_map) return kPaintLayer + 1;
   return kSeenLayer + 1;
 }
@@ -74,7 +85,7 @@ constexpr GLenum kRadianceFormats[] = {GL_RGBA32F};
 
 std::array<GLenum, kLayers + 1> layer_formats(unsigned layers, bool shadows) {
   return {GL_RGBA32F, layers > kPaintLayer ? GLenum{GL_RGBA32F} : GLenum{GL_NONE},
-          layers > kRoughLayer ? GLenum{GL_RG32F} : GLenum{GL_NONE},
+          layers > kRoughLayer ? GLenum{GL_RGBA32F} : GLenum{GL_NONE},
           layers > kTangentLayer ? GLenum{GL_RGBA32F} : GLenum{GL_NONE},
           shadows ? GLenum{GL_RGBA32UI} : GLenum{GL_NONE}};
 }
@@ -272,6 +283,7 @@ void Renderer::Impl::upload_blocks(const View& view, const Scenery& scenery, con
     block.id[2] = tile.y * samples;
     copy_floats(list[index].diffuse, block.diffuse);
     copy_repeat(list[index], block);
+    copy_cells(list[index].cells, block);
     if (shadows)
       place_before_sun(shadow_map.frame(), model.meshes()[list[index].mesh], list[index], flat,
                        block);

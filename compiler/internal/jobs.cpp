@@ -28,8 +28,9 @@ JobKey key_of(const Job& job, const Hash128& shape) {
 }
 
 bool needs_texcoords(const scene::Scene& scene, const scene::Instance& instance) {
-  return instance.texture != scene::kNone ||
-         scene.materials[static_cast<std::size_t>(instance.material)].maps.any();
+  const materials::Material& material =
+      scene.materials[static_cast<std::size_t>(instance.material)];
+  return instance.texture != scene::kNone || material.maps.any() || material.cells;
 }
 
 // Lowers the job's error to what one of its instances asks for.

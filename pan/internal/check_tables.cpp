@@ -321,9 +321,11 @@ std::optional<Problem> instance_problem(const Model& model) {
   const auto instances = model.instances();
   for (std::size_t i = 0; i < instances.size(); ++i) {
     if (model.meshes()[instances[i].mesh].flags & layout::kMeshTexcoords) continue;
-    const char* reason = instances[i].texture >= 0                            ? "texture"
-                         : has_maps(model.materials()[instances[i].material]) ? "material with maps"
-                                                                              : nullptr;
+    const layout::Material& material = model.materials()[instances[i].material];
+    const char* reason = instances[i].texture >= 0    ? "texture"
+                         : has_maps(material)         ? "material with maps"
+                         : material.cell_count[0] > 0 ? "material with cells"
+                                                      : nullptr;
     if (reason)
       return Problem{Code::E4010, fmt::format("instances[{}] has a {}, and meshes[{}] has no "
                                               "texcoords",
@@ -334,6 +336,24 @@ std::optional<Problem> instance_problem(const Model& model) {
     return Problem{Code::E4010,
                    fmt::format("section 'sources' has {}, there are {}",
                                counted(sources, "element"), counted(instances.size(), "instance"))};
+  return {};
+}
+
+// within what their pattern is finite for
+std::optional<Problem> cells_problem(const layout::Material& material, std::size_t i) {
+  const float* count = material.cell_count;
+  const float* gap = material.cell_gap;
+  if ((count[0] > 0) != (count[1] > 0) || count[0] > 1e6F || count[1] > 1e6F)
+    return Problem{Code::E4012, fmt::format("materials[{}].cell_count is {} {}, both must be 0 or "
+                                            "above it and at most 1e6",
+                                            i, count[0], count[1])};
+  if (!(gap[0] <= 0.9F && gap[1] <= 0.9F && material.finger_width <= 0.9F))
+    return Problem{Code::E4012, fmt::format("materials[{}] has gaps of {} {} and fingers {} wide, "
+                                            "0.9 is the most",
+                                            i, gap[0], gap[1], material.finger_width)};
+  if (!(material.fingers <= 1e4F))
+    return Problem{Code::E4012, fmt::format("materials[{}].fingers is {}, the limit is 1e4", i,
+                                            material.fingers)};
   return {};
 }
 
@@ -364,6 +384,7 @@ std::optional<Problem> material_problem(const Model& model) {
       return Problem{Code::E4012,
                      fmt::format("materials[{}].porosity is {}, it must lie in 0 to 0.7", i,
                                  materials[i].porosity)};
+    if (auto problem = cells_problem(materials[i], i)) return problem;
     if (!(materials[i].cutout_threshold <= 1))
       return Problem{Code::E4012,
                      fmt::format("materials[{}].cutout_threshold is {}, it must lie in 0 to 1", i,

@@ -31,6 +31,7 @@ struct Variant {
   bool normal_map = false;
   bool roughness_map = false;
   bool cutout = false;
+  bool cells = false;
   bool brushed = false;   // its light depends on the direction along u
   bool tangents = false;  // of each vertex: a normal map, or brushed with texture coordinates
   auto operator<=>(const Variant&) const = default;
@@ -50,7 +51,8 @@ struct DrawItem {
   // outward normals of any length
   Mat3 model_normal_from_mesh{1};
   Vec2 repeat{1};   // of the texture coordinates, for maps
-  Vec3 diffuse{0};  // colour
+  Vec3 diffuse{0};  // colour; of cells, times its weight
+  materials::Cells cells;  // where the variant has them
   Vec3 low{0};      // bounds in the mesh's frame
   Vec3 high{0};
 };

@@ -1,8 +1,8 @@
 // What is seen at a sample: its normal, its instance, its colour. Light comes later, once for each
 // sample and not once for each of the many fragments that small triangles throw away. Defined in
 // front: version, draw.glsl, any of PAINTED ROUGH BRUSHED (the layers there are), TEXTURED COLOURED
-// FLAT, ALBEDO_MAP BUMPED ROUGHNESS_MAP (MAPPED with each of these), TANGENTS (BUMPED has them),
-// CUTOUT with cutout.glsl, and SHADOWED with shadow_place.glsl.
+// FLAT, ALBEDO_MAP BUMPED ROUGHNESS_MAP (MAPPED with each of these), TANGENTS (BUMPED has them), CELLS
+// with its formulas, CUTOUT with cutout.glsl, and SHADOWED with shadow_place.glsl.
 
 #ifdef FLAT
 layout(binding = 1) uniform samplerBuffer triangle_normals;
@@ -31,6 +31,9 @@ layout(location = 4) in vec4 mesh_tangent;
 #ifdef ROUGHNESS_MAP
 layout(binding = 9) uniform sampler2D roughness_map;
 #endif
+#ifdef CELLS
+layout(location = 9) in vec2 cell_place;  // in pitches
+#endif
 
 // xyz: world normal of any length, on the side that is seen; w: item + 1, exact in a float
 layout(location = 0) out vec4 seen;
@@ -38,7 +41,12 @@ layout(location = 0) out vec4 seen;
 layout(location = 1) out vec4 paint;  // diffuse colour; a: length of the mean normal
 #endif
 #ifdef ROUGH
-layout(location = 2) out vec2 rough;  // factor of the roughness; squared slope of unseen bumps
+// factor of the roughness; squared slope of unseen bumps; share of cells with their fingers, and in
+// these of cells without
+layout(location = 2) out vec4 rough;
+#endif
+#ifdef BRUSHED
+layout(location = 3) out vec4 brush;  // world direction along the tangent, of any length
 #endif
 
 #ifdef CUTOUT
@@ -46,9 +54,6 @@ layout(location = 2) out vec2 rough;  // factor of the roughness; squared slope 
 vec3 colour_of(vec4 texel) { return texel.a > 0.0 ? texel.rgb / texel.a : texel.rgb; }
 #else
 vec3 colour_of(vec4 texel) { return texel.rgb; }
-#endif
-#ifdef BRUSHED
-layout(location = 3) out vec4 brush;  // world direction along the tangent, of any length
 #endif
 
 #ifdef BUMPED
@@ -78,6 +83,7 @@ void main() {
 #endif
   float length_of_mean = 1.0;
   vec2 roughness = vec2(1.0, 0.0);
+  vec3 shares = vec3(1.0, 0.0, 0.0);
 #ifdef BUMPED
   vec4 bump = texture(normal_map, map_texcoord);
   bump.xy *= draw.repeat.zw;
@@ -113,10 +119,18 @@ void main() {
 #ifdef COLOURED
   colour *= surface_colour;
 #endif
-  paint = vec4(draw.diffuse.rgb * colour, length_of_mean);
+  colour *= draw.diffuse.rgb;
+#ifdef CELLS
+  // the box around the sample's footprint
+  vec2 size = abs(dFdx(cell_place)) + abs(dFdy(cell_place));
+  shares = cell_shares(cell_place.x, cell_place.y, size.x, size.y, draw.cells.z, draw.cells.w,
+                       draw.gap_colour.a, draw.finger_colour.a);
+  colour = (shares.x * colour + shares.y * draw.finger_colour.rgb) / max(1.0 - shares.z, 1e-20);
+#endif
+  paint = vec4(colour, length_of_mean);
 #endif
 #ifdef ROUGH
-  rough = roughness;
+  rough = vec4(roughness, 1.0 - shares.z, shares.x / max(1.0 - shares.z, 1e-20));
 #endif
 #ifdef CUTOUT
   if (!is_there()) discard;

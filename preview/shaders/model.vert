@@ -1,5 +1,5 @@
 // The vertices of one instance. Defined in front: version, draw.glsl, and any of GEOMETRY TEXTURED
-// COLOURED FLAT MAPPED BUMPED TANGENTS DECAL SHADOWED.
+// COLOURED FLAT MAPPED BUMPED TANGENTS CELLS DECAL SHADOWED.
 layout(location = 0) in vec3 position;  // metres, relative to the mesh's origin
 layout(location = 1) in vec3 normal;    // mesh frame
 layout(location = 2) in vec2 texcoord;
@@ -22,6 +22,9 @@ layout(location = 3) out vec2 map_texcoord;
 #endif
 #ifdef TANGENTS
 layout(location = 4) out vec4 mesh_tangent;
+#endif
+#ifdef CELLS
+layout(location = 9) out vec2 cell_place;
 #endif
 
 #ifdef SHADOWED
@@ -59,6 +62,9 @@ void main() {
 #endif
 #ifdef MAPPED
   map_texcoord = clamp(texcoord * draw.repeat.xy, vec2(-kFarOut), vec2(kFarOut));
+#endif
+#ifdef CELLS
+  cell_place = clamp(texcoord * draw.cells.xy, vec2(-kFarOut), vec2(kFarOut));
 #endif
 #ifdef TANGENTS
   mesh_tangent = tangent;

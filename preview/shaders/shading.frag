@@ -145,7 +145,14 @@ void main() {
   surface.diffuse = paint.rgb;
 #endif
 #ifdef ROUGH
-  roughen(surface, paint.a, texelFetch(roughs, ivec2(gl_FragCoord.xy), 0).xy);
+  vec4 rough = texelFetch(roughs, ivec2(gl_FragCoord.xy), 0);
+  roughen(surface, paint.a, rough.xy);
+  // of solar cells the paint has the colour of cells and fingers, weights included
+  bool has_cells = ROW(first_row + 19).z > 0.0;
+  if (has_cells) {
+    surface.weights.x = 1.0;
+    surface.weights.y *= rough.w;
+  }
 #endif
 
 #ifdef BRUSHED
@@ -159,6 +166,14 @@ void main() {
   radiance = vec4(surface_radiance(of_item.z, surface, view.to_sun.xyz, to_viewer, unit_or_zero(seen.xyz),
                                    view.irradiance.rgb),
                   1.0);
+#ifdef ROUGH
+  // Lambert's gaps between cells, without cover glass
+  if (has_cells) {
+    float lit = max(dot(unit_or_zero(seen.xyz), view.to_sun.xyz), 0.0) * 0.31830988618379067;
+    radiance.rgb = rough.z * radiance.rgb + (1.0 - rough.z) * (lit * paint.a) *
+                                                ROW(first_row + 21).rgb * view.irradiance.rgb;
+  }
+#endif
 #ifdef SHADOWED
   if (dot(seen.xyz, view.to_sun.xyz) > 0.0)
     radiance.rgb = mix(shaded_radiance(surface), radiance.rgb, sun_visibility());
