@@ -72,11 +72,11 @@ TEST(ReferenceLight, StraightEdgePenumbra) {
     for (const double darkening : {0.0, 0.6}) {
       const pan::Model model =
           model_of(plates({{-1, 1, -1, 1, 0}, {-5, 0, -5, 5, drop}}, lambert(1)));
-      View view = slice(48, 2, 2.4 * reach, 1, 1);
+      View view = slice(48, 1, 2.4 * reach, 1, 1);
       view.sun_distance = distance_au;
       ReferenceOptions options;
       options.bounces = 0;
-      options.samples = 1 << 16;
+      options.samples = 1 << 15;
       options.limb_darkening = darkening;
       const ReferenceImage result = traced(model, view, options);
       double worst = 0;

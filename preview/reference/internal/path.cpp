@@ -28,24 +28,40 @@ Vec3 sunlight(const Stage& stage, const Sun& sun, const Point& point, const Vec3
   if (!(cosine > 0)) return Vec3(0);
   const Scatter& surface = point.surface();
   Vec3 result =
-      surface.brdf(light.to_light, to_viewer, point.normal, point.tint) * cosine * light.irradiance;
+      surface.scattering.brdf(light.to_light, to_viewer, point.normal, point.tangent, point.tint) *
+      cosine * light.irradiance;
   if (is_black(result)) return Vec3(0);
   if (surface.is_narrow() && sun.has_disc())
-    result *=
-        power_weight(sun.pdf(light.to_light), surface.pdf(light.to_light, to_viewer, point.normal));
+    result *= power_weight(
+        sun.pdf(light.to_light),
+        surface.scattering.pdf(light.to_light, to_viewer, point.normal, point.tangent, point.tint));
   ++counts.shadow;
   if (stage.any({point.start, light.to_light})) return Vec3(0);
   return result;
 }
 
-// What a sampled direction gets of the Sun's disc where nothing stands before it.
-Vec3 disc_seen(const Sun& sun, const Scattered& sampled) {
-  if (!sun.has_disc()) return Vec3(0);
-  const Vec3 radiance = sun.radiance(sampled.to_light);
-  if (sampled.delta) return radiance * sampled.weight;
+// The Sun's disc as mirrors show it.
+Vec3 mirrored_disc(const Stage& stage, const Sun& sun, const Point& point, const Vec3& to_viewer,
+                   RayCounts& counts) {
+  Vec3 result(0);
+  const materials::Mirrors mirrors =
+      point.surface().scattering.mirrors(to_viewer, point.normal, point.tangent);
+  for (int i = 0; i < mirrors.count; ++i) {
+    const materials::Mirrored& one = mirrors.all[static_cast<std::size_t>(i)];
+    const Vec3 shown = sun.radiance(one.to_light) * one.reflectance;
+    if (is_black(shown) || !(glm::dot(one.to_light, point.normal) > 0)) continue;
+    ++counts.shadow;
+    if (!stage.any({point.start, one.to_light})) result += shown;
+  }
+  return result;
+}
+
+// What a direction drawn by a narrow lobe gets of the Sun's disc where nothing stands before it.
+Vec3 disc_seen(const Sun& sun, const materials::Sampled& sampled) {
   const double pdf = sun.pdf(sampled.to_light);
-  if (!(pdf > 0)) return Vec3(0);
-  return radiance * sampled.weight * power_weight(sampled.pdf, pdf);
+  // mirrors have looked for the Sun already
+  if (sampled.delta || !(pdf > 0)) return Vec3(0);
+  return sun.radiance(sampled.to_light) * sampled.weight * power_weight(sampled.pdf, pdf);
 }
 
 }  // namespace
@@ -73,7 +89,7 @@ Arrival traced(const Stage& stage, const Sun& sun, const geometry::Ray& ray,
     const Point point = stage.point(*hit, options.flat);
     arrival.radiance += share * point.emitted * sun.irradiance();
     const Scatter& surface = point.surface();
-    if (point.normal == Vec3(0) || !surface.reflects()) break;
+    if (point.normal == Vec3(0)) break;
     if (depth > 0) {
       const std::array<double, 4> a = numbers(name, 2 * depth);
       const std::array<double, 4> b = numbers(name, 2 * depth + 1);
@@ -82,12 +98,15 @@ Arrival traced(const Stage& stage, const Sun& sun, const geometry::Ray& ray,
     }
     const Vec3 to_viewer = -direction;
     arrival.radiance += share * sunlight(stage, sun, point, to_viewer, u.sun, counts);
+    if (surface.has_mirror && sun.has_disc())
+      arrival.radiance += share * mirrored_disc(stage, sun, point, to_viewer, counts);
 
     const bool last = depth >= options.bounces;
     if (last && !surface.is_narrow()) break;
-    const auto sampled = surface.sample(to_viewer, point.normal, point.tint, u.bounce, u.lobe);
+    const auto sampled = surface.scattering.sample(to_viewer, point.normal, point.tangent,
+                                                   point.tint, u.bounce, u.lobe);
     if (!sampled || is_black(sampled->weight)) break;
-    const Vec3 disc = surface.is_narrow() ? disc_seen(sun, *sampled) : Vec3(0);
+    const Vec3 disc = surface.is_narrow() && sun.has_disc() ? disc_seen(sun, *sampled) : Vec3(0);
     if (last && is_black(disc)) break;
     const geometry::Ray onward{point.start, sampled->to_light};
     ++counts.bounce;

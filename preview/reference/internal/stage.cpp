@@ -23,21 +23,25 @@ Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
   return scaled / glm::length(scaled);
 }
 
-// as preview/shaders/shading.frag
-materials::Material roughened(materials::Material material, double factor) {
-  material.oren *= factor;
-  double& slope = material.cook[1];
-  slope = std::max(slope * factor, std::min(slope, 1e-4));
-  return material;
+// Whether its laws look different along u and along v.
+bool has_direction(const materials::Material& material) {
+  const bool facets = material.specular_law == materials::SpecularLaw::beckmann ||
+                      material.specular_law == materials::SpecularLaw::ggx;
+  return (facets && material.cook[1] != material.alpha_y) ||
+         (material.cells && material.cells->tilt != Vec2(0));
 }
 
 }  // namespace
 
 Stage::Stage(const pan::Model& model) : model_(model), items_(draw_list(model)) {
   decals_ = placed_decals(model, items_);
+  for (std::uint32_t i = 0; i < model.materials().size(); ++i) {
+    materials_.push_back(pan::material_from(model.materials()[i], {}));
+    // in double, whatever the file's own fits were rounded to
+    materials::fit(materials_.back());
+    scatters_.emplace_back(materials_.back());
+  }
   add_meshes();
-  for (std::uint32_t i = 0; i < model.materials().size(); ++i)
-    scatters_.emplace_back(pan::material_from(model.materials()[i], {}));
   for (const DrawItem& item : items_) placed_.push_back(make_item(item));
   for (std::uint32_t i = 0; i < decals_.size(); ++i) {
     Item& item = placed_[decals_[i].item];
@@ -48,7 +52,7 @@ Stage::Stage(const pan::Model& model) : model_(model), items_(draw_list(model)) 
   for (Item& item : placed_) {
     if (item.decals.empty()) continue;
     item.diffuse_in_tint = true;
-    materials::Material white = item.material;
+    materials::Material white = materials_[items_[&item - placed_.data()].material];
     white.diffuse = Vec3(1);
     item.scatter = static_cast<std::uint32_t>(scatters_.size());
     scatters_.emplace_back(white);
@@ -71,8 +75,8 @@ void Stage::add_meshes() {
         triangles[i / 3][i % 3] = mesh.indices[i];
       number[item.mesh] = caster_.add_mesh(positions, triangles);
     }
-    if (item.variant.normal_map && !tangents_[item.mesh] &&
-        !model_.mesh(item.mesh).texcoords.empty())
+    if ((item.variant.normal_map || has_direction(materials_[item.material])) &&
+        !tangents_[item.mesh] && !model_.mesh(item.mesh).texcoords.empty())
       tangents_[item.mesh] = tangents(model_.mesh(item.mesh));
     // filters are asked where something may not count: holes, and insides for the camera
     caster_.add(number[item.mesh], item.model_from_mesh, item.variant.cutout || item.closed);
@@ -92,7 +96,8 @@ Stage::Item Stage::make_item(const DrawItem& draw) {
   item.flat_offset = 0x1p-22 * std::max({far.x, far.y, far.z});
   // a chord is as deep below the smooth surface as others stand out of it
   item.offset = 2 * mesh.error + item.flat_offset;
-  item.material = pan::material_from(record, {});
+  item.diffuse = materials_[draw.material].diffuse;
+  item.emitted = materials_[draw.material].emissive * (materials_[draw.material].weights.z / kPi);
   item.scatter = draw.material;
   // what colour a hole has in the picture that cuts it counts nowhere
   const auto colour = [&](std::int32_t texture) {
@@ -168,18 +173,21 @@ bool Stage::any(const geometry::Ray& ray) const {
   return has_holes_ ? caster_.any(ray, {hole_filter, this}) : caster_.any(ray);
 }
 
-// The bumps are the mesh's: an instance mirrors and stretches them with it.
-Vec3 Stage::bumped(const DrawItem& draw, const Item& item, const geometry::InstanceHit& hit,
-                   const Vec3& normal, const Vec2& at, double& length) const {
-  const Place vertices = place(item, hit);
+Vec4 Stage::tangent(const Item& item, const geometry::InstanceHit& hit, const Place& place) const {
   const Tangents& all = *item.tangents;
-  Vec4 tangent(0);
+  Vec4 result(0);
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t index =
-        all.indices.empty() ? vertices.corner[k] : all.indices[std::size_t{3} * hit.triangle + k];
+        all.indices.empty() ? place.corner[k] : all.indices[std::size_t{3} * hit.triangle + k];
     const float* t = &all.tangents[4 * index];
-    tangent += vertices.weight[static_cast<int>(k)] * Vec4(t[0], t[1], t[2], t[3]);
+    result += place.weight[static_cast<int>(k)] * Vec4(t[0], t[1], t[2], t[3]);
   }
+  return result;
+}
+
+// The bumps are the mesh's: an instance mirrors and stretches them with it.
+Vec3 Stage::bumped(const DrawItem& draw, const Item& item, const Vec4& tangent, const Vec3& normal,
+                   const Vec2& at, double& length) const {
   Vec3 bump = Vec3(repeated_texel(pictures_[static_cast<std::size_t>(item.normal)], at));
   if (draw.repeat.x < 0) bump.x = -bump.x;
   if (draw.repeat.y < 0) bump.y = -bump.y;
@@ -255,25 +263,28 @@ Point Stage::point(const geometry::InstanceHit& hit, bool flat) const {
   double length = 1;
   Vec2 at(0);
   if (!item.mesh.texcoords.empty()) at = map_texcoord(draw, item, where);
-  if (item.normal >= 0) shaded = bumped(draw, item, hit, outwards, at, length);
+  Vec4 along(0);
+  if (item.tangents) along = tangent(item, hit, where);
+  if (item.normal >= 0) shaded = bumped(draw, item, along, outwards, at, length);
   const double side = draw.closed || hit.front ? 1.0 : -1.0;
   const Vec3 start = position + outwards * (side * (flat ? item.flat_offset : item.offset));
   result.start = Vec3(draw.model_from_mesh * Vec4(start, 1));
   result.normal = unit_or(draw.model_normal_from_mesh * shaded, Vec3(0)) * side;
+  if (item.tangents) {
+    const Vec3 t = Mat3(draw.model_from_mesh) * Vec3(along);
+    result.tangent = unit_or(t - result.normal * glm::dot(result.normal, t), Vec3(0));
+  }
 
   Vec3 tint = colour(draw, item, where, at);
   if (item.diffuse_in_tint)
-    tint =
-        decorated(item, position, smooth, draw.closed || hit.front, item.material.diffuse * tint);
+    tint = decorated(item, position, smooth, draw.closed || hit.front, item.diffuse * tint);
   result.tint = tint * length;
   result.scatter = &scatters_[item.scatter];
   if (item.roughness >= 0) {
     const double factor = repeated_texel(pictures_[static_cast<std::size_t>(item.roughness)], at).x;
-    materials::Material material = roughened(item.material, factor);
-    if (item.diffuse_in_tint) material.diffuse = Vec3(1);
-    result.own.emplace(material);
+    result.own.emplace(result.scatter->roughened(factor));
   }
-  result.emitted = item.material.emissive * (item.material.weights.z / kPi);
+  result.emitted = item.emitted;
   return result;
 }
 

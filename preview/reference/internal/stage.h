@@ -21,9 +21,10 @@ namespace panwright::preview::reference {
 
 // A point of the model that a ray has hit, in the model's frame.
 struct Point {
-  Vec3 start{0};   // where rays leave it: past the chord error, towards the smooth surface
-  Vec3 normal{0};  // as shaded, unit, on the side that is seen
-  Vec3 tint{1};    // multiplies the diffuse colour
+  Vec3 start{0};    // where rays leave it: past the chord error, towards the smooth surface
+  Vec3 normal{0};   // as shaded, unit, on the side that is seen
+  Vec3 tangent{0};  // along u of the texture coordinates, unit and square to the normal; 0: none
+  Vec3 tint{1};     // multiplies the diffuse colour
   const Scatter* scatter = nullptr;
   std::optional<Scatter> own;  // of a roughness map; scatter is then to be taken from here
   Vec3 emitted{0};             // radiance for an irradiance of 1
@@ -57,10 +58,11 @@ class Stage {
   // What of an instance rays ask for.
   struct Item {
     pan::MeshView mesh;
-    const Tangents* tangents = nullptr;  // with a normal map
+    const Tangents* tangents = nullptr;  // with a normal map, or a law that has a direction
     double offset = 0;                   // mesh metres: past its chord error and float's rounding
     double flat_offset = 0;              // past float's rounding
-    materials::Material material;
+    Vec3 diffuse{0};                     // colour of the material
+    Vec3 emitted{0};                     // radiance for an irradiance of 1
     std::uint32_t scatter = 0;
     bool diffuse_in_tint = false;  // the tint is the whole diffuse colour, decals over it
     std::int32_t texture = -1, albedo = -1, normal = -1, roughness = -1, cutout = -1;  // pictures
@@ -80,8 +82,9 @@ class Stage {
   Place place(const Item& item, const geometry::InstanceHit& hit) const;
   Vec2 map_texcoord(const DrawItem& draw, const Item& item, const Place& place) const;
   bool is_there(const geometry::InstanceHit& hit) const;
-  Vec3 bumped(const DrawItem& draw, const Item& item, const geometry::InstanceHit& hit,
-              const Vec3& normal, const Vec2& at, double& length) const;
+  Vec4 tangent(const Item& item, const geometry::InstanceHit& hit, const Place& place) const;
+  Vec3 bumped(const DrawItem& draw, const Item& item, const Vec4& tangent, const Vec3& normal,
+              const Vec2& at, double& length) const;
   Vec3 colour(const DrawItem& draw, const Item& item, const Place& place, const Vec2& at) const;
   Vec3 decorated(const Item& item, const Vec3& position, const Vec3& normal, bool front,
                  Vec3 colour) const;
@@ -90,8 +93,9 @@ class Stage {
 
   const pan::Model& model_;
   std::vector<DrawItem> items_;
-  std::vector<Item> placed_;  // one for each of items_
-  std::vector<Scatter> scatters_;
+  std::vector<Item> placed_;                    // one for each of items_
+  std::vector<materials::Material> materials_;  // the model's
+  std::vector<Scatter> scatters_;  // one for each of materials_, then those of items with decals
   std::vector<TextureLevel> pictures_;
   std::map<PictureKey, std::int32_t> picture_of_;
   std::vector<PlacedDecal> decals_;

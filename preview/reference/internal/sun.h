@@ -23,9 +23,9 @@ class Sun {
   };
   Sample sample(const Vec2& u) const;
 
-  // Expects: has_disc(). 0 beside the disc.
+  // 0 beside the disc. Expects: has_disc().
   Vec3 radiance(const Vec3& direction) const;
-  // Of sample(), per steradian; 0 beside the disc.
+  // Of sample(), per steradian; 0 beside the disc. Expects: has_disc().
   double pdf(const Vec3& direction) const;
 
  private:
