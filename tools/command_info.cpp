@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "base/text.h"
 #include "compiler/need.h"
@@ -300,14 +301,63 @@ void print_need(const pan::Model& model) {
   }
 }
 
-void print_meshes(const pan::Model& model) {
-  for (std::size_t i = 0; i < model.meshes().size(); ++i) {
-    const auto& mesh = model.meshes()[i];
-    fmt::print(
-        "mesh      {}: {}, {}, {}, {}\n", model.mesh_name(i),
-        counted(mesh.triangle_count, "triangle"), plural(mesh.vertex_count, "vertex", "vertices"),
-        mesh.flags & pan::layout::kMeshClosed ? "closed" : "open", mesh_error_words(model, i));
+void print_mesh(const pan::Model& model, std::size_t i) {
+  const auto& mesh = model.meshes()[i];
+  fmt::print("mesh      {}: {}, {}, {}, {}\n", model.mesh_name(i),
+             counted(mesh.triangle_count, "triangle"),
+             plural(mesh.vertex_count, "vertex", "vertices"),
+             mesh.flags & pan::layout::kMeshClosed ? "closed" : "open", mesh_error_words(model, i));
+}
+
+// Of all meshes together: how many triangles, the largest error, and the largest share of what was
+// asked.
+std::string meshes_words(const pan::Model& model, const Totals& totals) {
+  std::string words = counted(totals.unique_triangles, "triangle");
+  const auto meshes = model.meshes();
+  const auto worst = std::max_element(
+      meshes.begin(), meshes.end(), [](const auto& a, const auto& b) { return a.error < b.error; });
+  if (worst == meshes.end()) return words;
+  const auto name = [&](auto mesh) {
+    return model.mesh_name(static_cast<std::size_t>(mesh - meshes.begin()));
+  };
+  words += worst->error > 0
+               ? fmt::format("; largest error {} ({})", length_words(worst->error), name(worst))
+               : "; no error";
+  double ratio = 0;
+  auto nearest = meshes.end();
+  for (std::size_t i = 0; i < model.mesh_needs().size(); ++i) {
+    const double tolerance = model.mesh_needs()[i].tolerance;
+    if (!(tolerance > 0) || meshes[i].error / tolerance <= ratio) continue;
+    ratio = meshes[i].error / tolerance;
+    nearest = meshes.begin() + static_cast<std::ptrdiff_t>(i);
   }
+  if (nearest != meshes.end() && ratio >= kRoundingAlone)
+    words += fmt::format(", at most {:.0f} % of what was asked ({})", 100 * ratio, name(nearest));
+  return words;
+}
+
+// A summary and the heaviest ones, or all in their order.
+void print_meshes(const pan::Model& model, const Totals& totals, bool all) {
+  constexpr std::size_t kHeaviest = 5;
+  const auto meshes = model.meshes();
+  fmt::print("meshes    {}: {}\n", meshes.size(), meshes_words(model, totals));
+  std::vector<std::size_t> order(meshes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (!all) {
+    const auto heavier = [&](std::size_t a, std::size_t b) {
+      return meshes[a].triangle_count != meshes[b].triangle_count
+                 ? meshes[a].triangle_count > meshes[b].triangle_count
+                 : a < b;
+    };
+    const std::size_t shown = std::min(kHeaviest, order.size());
+    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(shown),
+                      order.end(), heavier);
+    order.resize(shown);
+  }
+  for (const std::size_t i : order) print_mesh(model, i);
+  if (order.size() < meshes.size())
+    fmt::print("          and {} lighter; --meshes lists all\n",
+               plural(meshes.size() - order.size(), "mesh", "meshes"));
 }
 
 void print_materials(const pan::Model& model) {
@@ -346,7 +396,8 @@ void print_truth(const pan::Model& model) {
   }
 }
 
-void print_text(const std::string& path, const pan::Model& model, const Totals& totals) {
+void print_text(const std::string& path, const pan::Model& model, const Totals& totals,
+                bool all_meshes) {
   fmt::print("{}: {}, {}, {} in {}\n", path, counted(model.bytes().size(), "byte"),
              counted(totals.triangles, "triangle"), counted(model.instances().size(), "instance"),
              plural(model.meshes().size(), "mesh", "meshes"));
@@ -365,7 +416,7 @@ void print_text(const std::string& path, const pan::Model& model, const Totals& 
                bounds->min.y, bounds->min.z, bounds->max.x, bounds->max.y, bounds->max.z);
   fmt::print("error     {:.4g} m at most between mesh and shape\n", totals.worst_error);
   print_need(model);
-  print_meshes(model);
+  print_meshes(model, totals, all_meshes);
   print_materials(model);
   for (std::size_t i = 0; i < model.textures().size(); ++i)
     fmt::print("texture   {}: {}x{}\n", model.texture_name(i), model.textures()[i].width,
@@ -403,7 +454,7 @@ int info(const InfoOptions& options) {
   out["budget"] = need_json(*model);
   out.update(tables_json(*model));
   out.update(truth_json(*model));
-  if (!options.common.json) print_text(options.input, *model, totals);
+  if (!options.common.json) print_text(options.input, *model, totals, options.meshes);
   return session.finish();
 }
 

@@ -274,6 +274,7 @@ void add_subcommands(CLI::App& app, AllOptions& all) {
   info_app->add_option("input", all.info.input, "A .pan or .pxn file")
       ->required()
       ->type_name("FILE");
+  info_app->add_flag("--meshes", all.info.meshes, "List all meshes, not the heaviest only");
   add_read(info_app, all.info.read);
   add_common(info_app, all.info.common);
 

@@ -50,6 +50,7 @@ struct InfoOptions {
   CommonOptions common;
   ReadOptions read;
   std::string input;
+  bool meshes = false;  // all of them
 };
 
 struct DiffOptions {

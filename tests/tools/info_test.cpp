@@ -18,7 +18,9 @@ using testing::Not;
 
 class Info : public testing::Test {
  protected:
-  std::string text(const pan::Contents& contents) { return run(contents, {}); }
+  std::string text(const pan::Contents& contents, const std::vector<std::string>& more = {}) {
+    return run(contents, more);
+  }
   json object(const pan::Contents& contents) { return json::parse(run(contents, {"--json"})); }
 
  private:
@@ -68,6 +70,38 @@ TEST_F(Info, WithoutABudgetThereIsNone) {
   EXPECT_THAT(text(contents), HasSubstr("error 250 mm in its own frame\n"));
   EXPECT_EQ(object(contents)["budget"], nullptr);
   EXPECT_EQ(object(contents)["meshes"][0]["need"], nullptr);
+}
+
+TEST_F(Info, ShowsTheHeaviestMeshes) {
+  pan::Contents contents = support::small_contents();
+  contents.mesh_needs.clear();
+  contents.need.reset();
+  const auto lines = [](const std::string& out) {
+    std::vector<std::string> found;
+    for (std::size_t at = 0, end; (end = out.find('\n', at)) != std::string::npos; at = end + 1)
+      if (out.compare(at, 10, "mesh      ") == 0)
+        found.push_back(out.substr(at + 10, out.find(':', at) - at - 10));
+    return found;
+  };
+  const std::string first = contents.meshes[0].name, second = contents.meshes[1].name;
+  const bool swaps = contents.meshes[1].triangle_count() > contents.meshes[0].triangle_count();
+  const std::vector<std::string> by_weight = {swaps ? second : first, swaps ? first : second};
+  EXPECT_EQ(lines(text(contents)), by_weight);
+  // lighter ones, of which some are not shown
+  const std::size_t lighter = swaps ? 0 : 1;
+  const std::string error = "largest error 250 mm (";
+  EXPECT_THAT(text(contents), HasSubstr(error));
+  for (const char* name : {"c", "d", "e", "f", "g"}) {
+    contents.meshes.push_back(contents.meshes[lighter]);
+    contents.meshes.back().name = name;
+  }
+  const std::string out = text(contents);
+  EXPECT_EQ(lines(out), (std::vector<std::string>{by_weight[0], by_weight[1], "c", "d", "e"}));
+  EXPECT_THAT(out, HasSubstr("meshes    7: "));
+  EXPECT_THAT(out, HasSubstr("          and 2 meshes lighter; --meshes lists all\n"));
+  EXPECT_EQ(lines(text(contents, {"--meshes"})),
+            (std::vector<std::string>{first, second, "c", "d", "e", "f", "g"}));
+  EXPECT_EQ(object(contents)["meshes"].size(), 7u);
 }
 
 TEST_F(Info, CountsAndListsKeypointsAndDecals) {
