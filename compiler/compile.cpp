@@ -14,6 +14,7 @@
 #include "compiler/internal/jobs.h"
 #include "geometry/mapping.h"
 #include "geometry/tessellate.h"
+#include "materials/certificate.h"
 #include "pan/writer.h"
 
 namespace panwright::compiler {
@@ -147,6 +148,23 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
   return out;
 }
 
+// Warns of laws that give back more light than they get.
+void certify(const scene::Scene& scene, DiagnosticLog& log) {
+  // what quadrature and fits may be off by
+  constexpr double kTolerance = 1e-3;
+  for (const materials::Material& material : scene.materials) {
+    if (!materials::may_gain(material)) continue;
+    const materials::Gain gain = materials::energy_gain(material);
+    if (gain.albedo <= 1 + kTolerance + material.fits.error) continue;
+    log.report(Code::W1408, {},
+               fmt::format("the material {} reflects {:.4f} times the light that comes from {:.1f} "
+                           "degrees off its normal",
+                           in_quotes(material.name), gain.albedo, det::acos(gain.mu) / kDegree),
+               "`panwright material` shows its albedo; darker colours or another law keep the "
+               "balance of energy");
+  }
+}
+
 std::string describe(const Options& options) {
   return fmt::format("max_error={} max_triangles={} strip_sources={}",
                      options.max_error ? format_double(*options.max_error) : "need",
@@ -239,6 +257,7 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
   }
   if (plan.asked) out.need = need_record(scene.need, options, plan.smallest);
   copy_tables(scene, out);
+  certify(scene, log);
   place_instances(scene, plan, options, mesh_of_job, product, out);
   for (const pan::InstanceContent& instance : out.instances)
     report.triangles += out.meshes[instance.mesh].triangle_count();

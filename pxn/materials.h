@@ -21,6 +21,11 @@ struct Provenance {
   std::string fitted;                 // what was fitted, and to what
   std::string indicative;             // what is a plausible guess
   std::optional<double> absorptance;  // published solar absorptance
+
+  // what the material names of materials/spectra.h
+  std::string metal;
+  std::string film;           // of the coat
+  double film_thickness = 0;  // metres
 };
 
 struct DescribedMaterial {

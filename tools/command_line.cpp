@@ -25,6 +25,7 @@ struct AllOptions {
   CompileOptions compile;
   CheckOptions check;
   InfoOptions info;
+  MaterialOptions material;
   RenderOptions render;
   DiffOptions diff;
   FmtOptions fmt;
@@ -183,6 +184,30 @@ void add_upgrade(CLI::App* app, UpgradeOptions& options) {
   add_common(app, options.common);
 }
 
+void add_material(CLI::App* app, MaterialOptions& options) {
+  app->add_option("inputs", options.inputs, "A .pxn file, or a material of the library")
+      ->type_name("FILE|PRESET…");
+  app->add_option("--name", options.name, "Only this material of the files")->type_name("NAME");
+  app->add_flag("--all", options.all, "Every material of the library");
+  app->add_flag("--list", options.list, "List the library");
+  app->add_flag("--show", options.show, "Print the text of a library's material");
+  app->add_option("--albedo", options.albedo, "Cosines of the directions whose albedo is printed")
+      ->type_name("MU,MU…");
+  app->add_option("--svg", options.svg, "Write plots of albedo and lobes into this folder")
+      ->check(CLI::ExistingDirectory)
+      ->type_name("FOLDER");
+  app->add_option("--render", options.render,
+                  "Draw a sphere, a tilted tile and a wrinkled tile of each")
+      ->type_name("FILE.png");
+  app->add_option("--width", options.width, "Pixels across one material's picture")
+      ->check(CLI::Range(60, 4096))
+      ->type_name("PIXELS");
+  app->add_option("--engine", options.engine, "gl or reference")
+      ->check(CLI::IsMember({"gl", "reference"}))
+      ->type_name("ENGINE");
+  add_common(app, options.common);
+}
+
 void add_expand(CLI::App* app, ExpandOptions& options) {
   app->add_option("input", options.input, "The model, a .pxn file")
       ->required()
@@ -281,6 +306,10 @@ void add_subcommands(CLI::App& app, AllOptions& all) {
   auto* render_app = app.add_subcommand("render", "Render a model as a camera sees it");
   add_render(render_app, all.render);
 
+  add_material(
+      app.add_subcommand("material", "Certify materials: albedo, energy, reciprocity, precision"),
+      all.material);
+
   auto* diff_app = app.add_subcommand("diff", "Compare two models; exit code 1 when they differ");
   diff_app->add_option("a", all.diff.a, "A .pan or .pxn file")->required()->type_name("A");
   diff_app->add_option("b", all.diff.b, "A .pan or .pxn file")->required()->type_name("B");
@@ -345,6 +374,8 @@ int run_panwright(std::vector<std::string> words) {
     if (app.got_subcommand("compile"))
       return with_threads(all.compile.common), compile(all.compile);
     if (app.got_subcommand("check")) return with_threads(all.check.common), check(all.check);
+    if (app.got_subcommand("material"))
+      return with_threads(all.material.common), material(all.material);
     if (app.got_subcommand("info")) return with_threads(all.info.common), info(all.info);
     if (app.got_subcommand("render")) return with_threads(all.render.common), render(all.render);
     if (app.got_subcommand("diff")) return with_threads(all.diff.common), diff(all.diff);

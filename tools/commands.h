@@ -9,6 +9,7 @@ int compile(const CompileOptions& options);
 int check(const CheckOptions& options);
 int info(const InfoOptions& options);
 int render(const RenderOptions& options);
+int material(const MaterialOptions& options);
 int diff(const DiffOptions& options);
 int format(const FmtOptions& options);
 int upgrade(const UpgradeOptions& options);

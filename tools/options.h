@@ -96,6 +96,22 @@ struct RenderOptions {
   std::uint64_t max_image_bytes = 12ull << 30;
 };
 
+struct MaterialOptions {
+  CommonOptions common;
+  ReadOptions read;
+  std::vector<std::string> inputs;  // pxn files, and materials of the library
+  std::string name;                 // of one in the files; empty: all
+  bool all = false;                 // the whole library too
+  bool list = false;
+  bool show = false;          // the text of a library's material
+  std::string albedo;         // cosines, with commas
+  std::string svg;            // folder for plots
+  std::string render;         // picture of samples
+  std::uint32_t width = 480;  // of one material in the picture, pixels
+  std::string engine = "gl";
+  std::string gl = "auto";
+};
+
 struct FmtOptions {
   CommonOptions common;
   std::uint64_t max_input = 128ull << 20;  // bytes of each file

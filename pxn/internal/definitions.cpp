@@ -338,6 +338,7 @@ std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
   file.values->set_scope(&file.scope);
   definition.reading = true;
   materials::Fields fields;
+  Provenance provenance;
   if (file.values->has(element, attribute::named_material_base)) {
     Definition* const base =
         look_up(file, element, attribute::named_material_base, file.materials, "material");
@@ -358,11 +359,17 @@ std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
           });
     else if (base != nullptr) {
       ++nesting_;
-      if (const auto index = material_of(*base)) fields = materials_[*index].fields;
+      if (const auto index = material_of(*base)) {
+        fields = materials_[*index].fields;
+        provenance = materials_[*index].provenance;
+      }
       --nesting_;
     }
   }
-  if (const auto given = preset_of(file, element)) fields = *given;
+  if (const Preset* given = preset_of(file, element)) {
+    fields = given->fields;
+    provenance = given->provenance;
+  }
   fields = fields.overridden_by(read_material(document, element, *file.values, reporter_));
   // note: maps are read on the file's main part, which is there by now
   Work work{file, parts_[*known_files_.at(file.found.key)], &file.scope};
@@ -371,24 +378,26 @@ std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
   file.values->set_scope(around);
   definition.reading = false;
   definition.index = static_cast<std::uint32_t>(materials_.size());
-  materials_.push_back({definition.name, fields, document.tag_span(element),
-                        read_provenance(document, element, *file.values)});
+  read_provenance(document, element, *file.values, provenance);
+  materials_.push_back({definition.name, fields, document.tag_span(element), provenance});
   return definition.index;
 }
 
-// The fields of the library's material that a named one starts from.
-std::optional<materials::Fields> Loader::preset_of(File& file, std::uint32_t element) {
+// The library's material that a named one starts from; nullptr where it names none.
+const Preset* Loader::preset_of(File& file, std::uint32_t element) {
   const auto name = file.values->text(element, attribute::named_material_preset);
-  if (!name) return std::nullopt;
-  if (const Preset* found = find_preset(*name)) return found->fields;
-  reporter_.report(Code::E1311, file.values->value_place(element, attribute::named_material_preset),
-                   file.document, element, [&]() -> Reporter::Text {
-                     const auto near = nearest_name(*name, preset_names());
-                     return {fmt::format("the library has no material {}", in_quotes(*name)),
-                             near ? fmt::format("did you mean '{}'?", *near)
-                                  : "`panwright material --list` shows what it has"};
-                   });
-  return std::nullopt;
+  if (!name) return nullptr;
+  const Preset* const found = find_preset(*name);
+  if (found == nullptr)
+    reporter_.report(Code::E1311,
+                     file.values->value_place(element, attribute::named_material_preset),
+                     file.document, element, [&]() -> Reporter::Text {
+                       const auto near = nearest_name(*name, preset_names());
+                       return {fmt::format("the library has no material {}", in_quotes(*name)),
+                               near ? fmt::format("did you mean '{}'?", *near)
+                                    : "`panwright material --list` shows what it has"};
+                     });
+  return found;
 }
 
 Definition* Loader::look_up(File& file, std::uint32_t element, std::size_t attribute,

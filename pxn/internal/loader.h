@@ -20,6 +20,8 @@
 
 namespace panwright::pxn {
 
+struct Preset;
+
 // Shapes, textures, inputs and the need go into the scene, each once; parts say which of them stand
 // where.
 class Loader {
@@ -90,7 +92,7 @@ class Loader {
   bool read_arguments(Work& work, std::uint32_t element, const Definition& definition,
                       Arguments& arguments);
   std::optional<std::uint32_t> material_of(Definition& definition);
-  std::optional<materials::Fields> preset_of(File& file, std::uint32_t element);
+  const Preset* preset_of(File& file, std::uint32_t element);
   // The definition that an attribute names, or nothing: reported as E1311.
   Definition* look_up(File& file, std::uint32_t element, std::size_t attribute,
                       const Definitions& known, std::string_view what);

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
+#include <iterator>
+#include <span>
 
 #include "base/math.h"
 #include "base/text.h"
@@ -20,6 +22,27 @@ namespace {
 
 // sums of rounded decimals, as 0.7 0.2 0.1, may come out this much above 1
 constexpr double kSumTolerance = 1e-9;
+
+constexpr double kBands_um[] = {0.65, 0.55, 0.45};  // of the channels
+constexpr std::string_view kFilms[] = {"Kapton", "MgF2", "SiO2"};
+
+// n and k of a film for the channels.
+std::optional<materials::Conductor> film_of(std::string_view name) {
+  if (std::find(std::begin(kFilms), std::end(kFilms), name) == std::end(kFilms))
+    return std::nullopt;
+  const auto constants = materials::optical_constants(name);
+  if (!constants) return std::nullopt;
+  const auto grid = materials::wavelengths_um();
+  materials::Conductor out;
+  for (int channel = 0; channel < 3; ++channel) {
+    const auto above = std::upper_bound(grid.begin(), grid.end(), kBands_um[channel]);
+    const auto i = static_cast<std::size_t>(above - grid.begin()) - 1;
+    const double t = (kBands_um[channel] - grid[i]) / (grid[i + 1] - grid[i]);
+    out.n[channel] = constants->n[i] + t * (constants->n[i + 1] - constants->n[i]);
+    out.k[channel] = constants->k[i] + t * (constants->k[i + 1] - constants->k[i]);
+  }
+  return out;
+}
 
 class Reader {
  public:
@@ -162,13 +185,8 @@ class Reader {
         fields.extinction = metal->k;
         return;
       }
-      reporter_.report(Code::E1407, values_.value_place(c, attribute::conductor_metal), document_,
-                       c, [&]() -> Reporter::Text {
-                         const auto near = nearest_name(*name, materials::metal_names());
-                         return {fmt::format("n and k of {} are not known", in_quotes(*name)),
-                                 near ? fmt::format("did you mean '{}'?", *near)
-                                      : "give n and k for the bands about 650, 550 and 450 nm"};
-                       });
+      unknown(c, attribute::conductor_metal, *name, materials::metal_names(),
+              "give n and k for the bands about 650, 550 and 450 nm");
     }
   }
 
@@ -179,6 +197,15 @@ class Reader {
     double thickness = 0;
     give(c, attribute::coat_thickness, thickness);
     if (give(c, attribute::coat_absorption, coat.depth)) coat.depth *= thickness;
+    if (const auto name = values_.text(c, attribute::coat_film)) {
+      if (const auto film = film_of(*name)) {
+        coat.index = film->n.y;
+        for (int k = 0; k < 3; ++k)
+          coat.depth[k] = 4 * kPi * film->k[k] / (kBands_um[k] * 1e-6) * thickness;
+      } else {
+        unknown(c, attribute::coat_film, *name, kFilms, "give n and absorption");
+      }
+    }
     fields.coat = coat;
   }
 
@@ -194,6 +221,16 @@ class Reader {
     give(c, attribute::cells_finger_color, cells.finger_color);
     give(c, attribute::cells_tilt, cells.tilt);
     fields.cells = cells;
+  }
+
+  void unknown(std::uint32_t c, std::size_t which, const std::string& name,
+               std::span<const std::string_view> known, const char* otherwise) {
+    reporter_.report(
+        Code::E1407, values_.value_place(c, which), document_, c, [&]() -> Reporter::Text {
+          const auto near = nearest_name(name, known);
+          return {fmt::format("optical constants of {} are not known", in_quotes(name)),
+                  near ? fmt::format("did you mean '{}'?", *near) : otherwise};
+        });
   }
 
   const xml::Document& document_;
@@ -212,17 +249,33 @@ materials::Fields read_material(const xml::Document& document, std::uint32_t ele
   return std::move(reader.fields);
 }
 
-Provenance read_provenance(const xml::Document& document, std::uint32_t element, Values& values) {
-  Provenance provenance;
+void read_provenance(const xml::Document& document, std::uint32_t element, Values& values,
+                     Provenance& out) {
   const std::uint32_t end = document.elements[element].next;
   for (std::uint32_t c = element + 1; c < end; c = document.elements[c].next) {
-    if (document.elements[c].id != ElementId::provenance) continue;
     const auto text = [&](std::size_t which) { return values.text(c, which).value_or(""); };
-    provenance = {text(attribute::provenance_source), text(attribute::provenance_published),
-                  text(attribute::provenance_fitted), text(attribute::provenance_indicative),
-                  values.real(c, attribute::provenance_absorptance)};
+    switch (document.elements[c].id) {
+      case ElementId::provenance:
+        out.source = text(attribute::provenance_source);
+        out.published = text(attribute::provenance_published);
+        out.fitted = text(attribute::provenance_fitted);
+        out.indicative = text(attribute::provenance_indicative);
+        out.absorptance = values.real(c, attribute::provenance_absorptance);
+        break;
+      case ElementId::conductor:
+        out.metal = text(attribute::conductor_metal);
+        break;
+      case ElementId::refract:
+        out.metal.clear();
+        break;
+      case ElementId::coat:
+        out.film = text(attribute::coat_film);
+        out.film_thickness = values.real(c, attribute::coat_thickness).value_or(0);
+        break;
+      default:
+        break;
+    }
   }
-  return provenance;
 }
 
 }  // namespace panwright::pxn

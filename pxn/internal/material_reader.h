@@ -14,7 +14,9 @@ namespace panwright::pxn {
 materials::Fields read_material(const xml::Document& document, std::uint32_t element,
                                 Values& values, Reporter& reporter);
 
-// What a named material says about itself in <provenance>; empty where it says nothing.
-Provenance read_provenance(const xml::Document& document, std::uint32_t element, Values& values);
+// What a named material says about where its numbers come from, over what the material that it
+// starts from said.
+void read_provenance(const xml::Document& document, std::uint32_t element, Values& values,
+                     Provenance& out);
 
 }  // namespace panwright::pxn

@@ -231,10 +231,11 @@ inline constexpr std::size_t ggx_energy = 0;
 inline constexpr std::size_t conductor_metal = 0;
 inline constexpr std::size_t conductor_n = 1;
 inline constexpr std::size_t conductor_k = 2;
-inline constexpr std::size_t coat_n = 0;
-inline constexpr std::size_t coat_slope = 1;
-inline constexpr std::size_t coat_absorption = 2;
-inline constexpr std::size_t coat_thickness = 3;
+inline constexpr std::size_t coat_film = 0;
+inline constexpr std::size_t coat_n = 1;
+inline constexpr std::size_t coat_slope = 2;
+inline constexpr std::size_t coat_absorption = 3;
+inline constexpr std::size_t coat_thickness = 4;
 inline constexpr std::size_t cells_columns = 0;
 inline constexpr std::size_t cells_rows = 1;
 inline constexpr std::size_t cells_gap = 2;
@@ -1042,14 +1043,30 @@ inline constexpr std::string_view kMembers_coat_0[] = {
     "@absorption",
     "@thickness",
 };
+inline constexpr std::string_view kMembers_coat_1[] = {
+    "@film",
+    "@thickness",
+};
+inline constexpr std::string_view kMembers_coat_2[] = {
+    "@film",
+    "@n",
+};
+inline constexpr std::string_view kMembers_coat_3[] = {
+    "@film",
+    "@absorption",
+};
 inline constexpr Attribute kAttributes_coat[] = {
+    {"film", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"n", 1, true, false, {ValueKind::real, 1, kNumbers_coat_n, {}, Dimension::none, false, false, 1, 0}},
     {"slope", 1, true, false, {ValueKind::real, 1, kNumbers_coat_slope, {}, Dimension::none, false, false, 1, 0}},
     {"absorption", 1, true, false, {ValueKind::real, 3, kNumbers_coat_absorption, {}, Dimension::none, false, true, 1, 0}},
     {"thickness", 1, true, false, {ValueKind::real, 1, kNumbers_coat_thickness, {}, Dimension::length, false, false, 1, 0}},
 };
 inline constexpr Rule kRules_coat[] = {
-    {RuleKind::together, kMembers_coat_0},
+    {RuleKind::requires_others, kMembers_coat_0},
+    {RuleKind::requires_others, kMembers_coat_1},
+    {RuleKind::exclusive, kMembers_coat_2},
+    {RuleKind::exclusive, kMembers_coat_3},
 };
 inline constexpr Number kNumbers_cells_columns[] = {
     {"columns", 0.001, 1000000.0, false, false},

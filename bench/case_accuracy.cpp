@@ -1,0 +1,248 @@
+// OpenGL against the reference renderer, law by law: a sphere, and the servicer. Three rows each:
+// flux, RMSE, FLIP, beside the time of a frame.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "bench/bench.h"
+#include "bench/flip.h"
+#include "bench/scenes.h"
+#include "compiler/compile.h"
+#include "materials/spectra.h"
+#include "pan/model.h"
+#include "preview/reference/reference.h"
+#include "preview/renderer.h"
+#include "pxn/pxn.h"
+
+namespace panwright::bench {
+namespace {
+
+using materials::DiffuseLaw;
+using materials::Material;
+using materials::SpecularLaw;
+
+constexpr unsigned kSamples = 4;  // N×N points a pixel of OpenGL
+
+std::vector<std::pair<std::string, Material>> all_laws() {
+  std::vector<std::pair<std::string, Material>> all;
+  const auto add = [&](const char* name, Material material) {
+    material.name = name;
+    materials::fit(material);
+    all.emplace_back(name, std::move(material));
+  };
+  const auto diffuse = [](DiffuseLaw law) {
+    Material m;
+    m.diffuse = Vec3(0.8, 0.6, 0.4);
+    m.diffuse_law = law;
+    return m;
+  };
+  add("Lambert", diffuse(DiffuseLaw::lambert));
+  Material m = diffuse(DiffuseLaw::oren_nayar);
+  m.oren = 0.4;
+  add("Oren-Nayar 1994", m);
+  m = diffuse(DiffuseLaw::eon);
+  m.oren = 0.8;
+  add("EON", m);
+  m = diffuse(DiffuseLaw::hapke);
+  m.hapke = {0.3, 0.07, 1, 20 * kDegree};
+  m.grains.b = 0.24;
+  m.grains.c = 0.3;
+  add("Hapke", m);
+  m = diffuse(DiffuseLaw::lommel_seeliger);
+  m.hapke = {0.3, 0, 0, 0};
+  add("Lommel-Seeliger", m);
+
+  const auto glossy = [](SpecularLaw law, double alpha) {
+    Material g;
+    g.diffuse = Vec3(0.6, 0.3, 0.1);
+    g.specular = Vec3(1);
+    g.weights = {0.7, 0.3, 0};
+    g.specular_law = law;
+    g.refract = Vec3(1.5);
+    g.cook = {1, alpha, 1, 1};
+    g.alpha_y = alpha;
+    return g;
+  };
+  m = glossy(SpecularLaw::blinn_phong, 0.1);
+  m.refract = {};
+  m.shine = 64;
+  add("Blinn-Phong", m);
+  add("Cook-Torrance", glossy(SpecularLaw::cook_torrance, 0.15));
+  add("Beckmann", glossy(SpecularLaw::beckmann, 0.15));
+  add("GGX", glossy(SpecularLaw::ggx, 0.15));
+
+  const auto metal = [&](SpecularLaw law, double alpha, double alpha_y, const char* name) {
+    Material g = glossy(law, alpha);
+    g.weights = {0, 1, 0};
+    g.alpha_y = alpha_y;
+    if (const auto constants = materials::metal(name)) {
+      g.refract = constants->n;
+      g.extinction = constants->k;
+    }
+    return g;
+  };
+  add("GGX aluminium 0.3", metal(SpecularLaw::ggx, 0.3, 0.3, "Al"));
+  add("GGX aluminium 0.08 x 0.32", metal(SpecularLaw::ggx, 0.08, 0.32, "Al"));
+  add("GGX gold 0.05", metal(SpecularLaw::ggx, 0.05, 0.05, "Au"));
+  m = metal(SpecularLaw::ggx, 0.06, 0.06, "Al");
+  m.coat = materials::Coat{1.7, 0.03, Vec3(0.05, 0.2, 3)};
+  add("coated aluminium", m);
+  m = diffuse(DiffuseLaw::lambert);
+  m.coat = materials::Coat{1.5, 0.1, Vec3(0)};
+  add("coated Lambert", m);
+  return all;
+}
+
+struct Subject {
+  std::unique_ptr<pan::Model> model;
+  preview::View view;
+};
+
+std::unique_ptr<pan::Model> compiled_model(const scene::Scene& scene, DiagnosticLog& log) {
+  const auto bytes = compiler::compiled(scene, {}, log);
+  if (!bytes) return nullptr;
+  auto model = pan::Model::from_bytes(*bytes, "bench", log);
+  if (!model || !model->check(log)) return nullptr;
+  return std::make_unique<pan::Model>(*std::move(model));
+}
+
+preview::View view_from(const Vec3& eye, const Vec3& target, double fov, const Vec3& to_sun,
+                        std::uint32_t side, DiagnosticLog& log) {
+  preview::View view;
+  preview::set_field_of_view(view.camera, side, side, fov);
+  view.camera.position = eye;
+  if (const auto turn = preview::looking_at(eye, target, {}, log))
+    view.camera.world_from_camera = *turn;
+  view.to_sun = to_sun;
+  return view;
+}
+
+std::vector<float> shown(const preview::Image& image) {
+  std::vector<float> rgb(image.radiance.size());
+  std::transform(image.radiance.begin(), image.radiance.end(), rgb.begin(),
+                 [](float value) { return static_cast<float>(kPi) * value; });
+  return rgb;
+}
+
+// The irradiance that a picture holds, of its brightest channel.
+double flux_of(const preview::Image& image, const preview::Camera& camera) {
+  Vec3 sum(0);
+  for (std::uint32_t row = 0; row < image.height; ++row)
+    for (std::uint32_t column = 0; column < image.width; ++column) {
+      const std::size_t at = 3 * (std::size_t{row} * image.width + column);
+      const double solid_angle = preview::pixel_solid_angle(camera, column, row);
+      for (int k = 0; k < 3; ++k)
+        sum[k] +=
+            solid_angle * static_cast<double>(image.radiance[at + static_cast<std::size_t>(k)]);
+    }
+  return std::max({sum.x, sum.y, sum.z});
+}
+
+void compare(Context& context, preview::Context& gl, const std::string& setting,
+             const pan::Model& model, const preview::View& view, std::uint32_t bounces,
+             double until_error, DiagnosticLog& log) {
+  auto renderer = preview::Renderer::create(gl, model, log);
+  auto reference = preview::Reference::create(model, log);
+  if (!renderer || !reference) return;
+  preview::RenderOptions fast;
+  fast.samples = kSamples;
+  std::optional<preview::Image> image;
+  const Timing timing = timed(
+      [&] {
+        auto drawn = renderer->render(view, fast, log);
+        if (drawn) image = *std::move(drawn);
+      },
+      context.runs());
+  preview::ReferenceOptions slow;
+  slow.bounces = bounces;
+  slow.until_error = context.quick() ? 0 : until_error;
+  slow.max_samples = 4096;
+  const auto truth = reference->render(view, slow, log);
+  if (!image || !truth) return;
+
+  const std::vector<float> seen = shown(*image);
+  const std::vector<float> wanted = shown(truth->image);
+  double squares = 0;
+  double noise = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    // note: what a display clips is not counted, or one glint would be all there is
+    const double a = std::min(static_cast<double>(seen[i]), 1.0);
+    const double b = std::min(static_cast<double>(wanted[i]), 1.0);
+    squares += (a - b) * (a - b);
+    const double sigma = kPi * static_cast<double>(truth->standard_error[i]);
+    if (b < 1) noise += sigma * sigma;
+  }
+  const auto count = static_cast<double>(seen.size());
+  const double true_flux = std::max({truth->flux.x, truth->flux.y, truth->flux.z});
+  const double flux_error =
+      std::max({truth->flux_error.x, truth->flux_error.y, truth->flux_error.z}) / true_flux;
+  const std::string against =
+      fmt::format("reference renderer; {} bounces; {} samples", bounces, truth->samples);
+  const auto add = [&](const char* unit, double error, double uncertainty) {
+    Row row;
+    row.case_name = "accuracy";
+    row.setting = setting;
+    set_time(row, timing, 1e3);
+    row.speed_unit = "ms/frame";
+    row.error = error;
+    row.error_unit = unit;
+    row.reference = against;
+    row.reference_error = uncertainty;
+    context.add(row);
+  };
+  add("flux", std::fabs(flux_of(*image, view.camera) / true_flux - 1), flux_error);
+  add("rmse", std::sqrt(squares / count), std::sqrt(noise / count));
+  add("flip", mean_flip(wanted, seen, image->width, image->height), 0);
+}
+
+void run_accuracy(Context& context) {
+  DiagnosticLog log;
+  auto gl = preview::Context::create(preview::ContextKind::automatic, log);
+  if (!gl) {
+    context.note("there is no OpenGL context, so nothing was measured");
+    return;
+  }
+  context.set_renderer((*gl)->renderer());
+  const std::uint32_t side = context.quick() ? 64 : 400;
+  const Vec3 to_sun(0.8, -0.5, 0.33);
+  for (const auto& [name, material] : all_laws()) {
+    const auto model = compiled_model(sphere_scene({240, 480}, material), log);
+    if (!model) return;
+    // the sphere fills nine tenths of the picture
+    const preview::View view =
+        view_from({0, -20, 0}, Vec3(0), 2 * std::asin(1.0 / 18), to_sun, side, log);
+    compare(context, **gl, "sphere, " + name, *model, view, 0, 2e-4, log);
+    if (context.quick()) break;
+  }
+  const auto path = context.source("examples/servicer/servicer.pxn");
+  if (path.empty()) return;
+  auto scene = pxn::read(path, {}, log);
+  if (!scene) return;
+  const auto authored = compiled_model(*scene, log);
+  const preview::View view =
+      view_from({9, -11, 6}, {0, 0, 0.4}, 24 * kDegree, {0.9, -0.7, 0.5}, side, log);
+  if (!authored) return;
+  compare(context, **gl, "servicer, as authored", *authored, view, 0, 1e-3, log);
+  compare(context, **gl, "servicer, as authored, with light between surfaces", *authored, view, 3,
+          1e-3, log);
+  if (context.quick()) return;
+  for (const auto& [name, material] : all_laws()) {
+    scene::Scene worn = *scene;
+    for (materials::Material& each : worn.materials) {
+      const std::string own = each.name;
+      each = material;
+      each.name = own;
+    }
+    const auto model = compiled_model(worn, log);
+    if (model) compare(context, **gl, "servicer, " + name, *model, view, 0, 1e-3, log);
+  }
+}
+
+const bool kAdded =
+    add_case({"accuracy", "OpenGL against the reference renderer, law by law", run_accuracy});
+
+}  // namespace
+}  // namespace panwright::bench

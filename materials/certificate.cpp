@@ -1,0 +1,126 @@
+#include "materials/certificate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "materials/brdf.h"
+
+namespace panwright::materials {
+namespace {
+
+// directional albedos of Oren and Nayar's law of 1994 reach 1.0435 at albedo 1
+constexpr double kOrenGain = 1.05;
+
+constexpr double kRounding = 1e-9;
+
+double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
+
+// Directions about +z: polar angles from the zenith to just above the horizon.
+std::vector<Vec3> directions(std::span<const double> azimuths) {
+  constexpr double kAngles_deg[] = {0, 0.1, 1, 5, 15, 30, 45, 60, 75, 85, 89, 89.9};
+  std::vector<Vec3> all;
+  for (const double polar : kAngles_deg)
+    for (const double azimuth : azimuths) {
+      const auto t = det::sincos(polar * kDegree);
+      const auto p = det::sincos(azimuth * kDegree);
+      // note: in floats, so that both precisions see the same directions
+      all.emplace_back(Vec3(glm::vec3(Vec3(t.sin * p.cos, t.sin * p.sin, t.cos))));
+      if (polar == 0) break;
+    }
+  return all;
+}
+
+void compare_precisions(const Material& material, Certificate& out) {
+  constexpr double kViewers_deg[] = {0};
+  constexpr double kLights_deg[] = {0, 0.1, 10, 45, 90, 135, 170, 179, 179.9, 180};
+  const Vec3 normal(0, 0, 1);
+  const Vec3 tangent(1, 0, 0);
+  const Local local{tangent, kSunAlpha2};
+  struct Pair {
+    Vec3 exact;
+    Vec3 single;
+  };
+  std::vector<Pair> pairs;
+  double peak = 0;
+  for (const Vec3& viewer : directions(kViewers_deg))
+    for (const Vec3& light : directions(kLights_deg)) {
+      Pair pair;
+      pair.exact = f64::brdf(material, light, viewer, normal, Vec3(1), local);
+      pair.single = Vec3(f32::brdf(material, glm::vec3(light), glm::vec3(viewer), glm::vec3(normal),
+                                   glm::vec3(1), local));
+      peak = std::max(peak, largest(pair.exact));
+      pairs.push_back(pair);
+    }
+  double sum = 0;
+  std::size_t count = 0;
+  for (const Pair& pair : pairs)
+    for (int k = 0; k < 3; ++k) {
+      if (!(pair.exact[k] > 1e-6 * peak)) continue;
+      const double error = std::fabs(pair.single[k] - pair.exact[k]) / pair.exact[k];
+      out.f32_error = std::max(out.f32_error, error);
+      sum += error * error;
+      ++count;
+    }
+  if (count > 0) out.f32_rms = std::sqrt(sum / static_cast<double>(count));
+}
+
+}  // namespace
+
+Certificate certificate(const Material& material, std::span<const double> mus) {
+  Certificate out;
+  for (const double mu : mus) out.directional.push_back({mu, directional_albedo(material, mu)});
+  out.hemispherical = hemispherical_albedo(material);
+  out.gain = energy_gain(material);
+  out.reciprocity = reciprocity_residual(material);
+  out.fit_error = material.fits.error;
+  compare_precisions(material, out);
+  return out;
+}
+
+bool may_gain(const Material& m) {
+  // note: under a coat both parts are weakened by it, and the coat's own share is what it takes
+  const double factor =
+      m.specular_law == SpecularLaw::cook_torrance ? m.cook[0] * m.cook[2] * m.cook[3] : 1;
+  double diffuse = 1;
+  if (m.diffuse_law == DiffuseLaw::oren_nayar) diffuse = kOrenGain;
+  // plane albedo 1 − γH is at most 1 but for the opposition effects, which come on top
+  if (m.diffuse_law == DiffuseLaw::hapke)
+    diffuse = m.hapke[0] * (1 + m.hapke[2]) * (1 + m.grains.b_c0) < 0.5 ? 0.5 : 1e9;
+  bool gain = false;
+  for (int k = 0; k < 3; ++k) {
+    const double d = m.weights.x * m.diffuse[k];
+    const double s = m.weights.y * m.specular[k];
+    if (m.diffuse_law != DiffuseLaw::hapke && d + s > 1 + kRounding) return false;
+    gain = gain || d * diffuse + s * factor > 1 + kRounding;
+  }
+  return gain;
+}
+
+std::string laws_in_words(const Material& m) {
+  constexpr const char* kDiffuse[] = {"Lambert", "Oren-Nayar 1994", "Hapke", "EON",
+                                      "Lommel-Seeliger"};
+  constexpr const char* kSpecular[] = {"",
+                                       "Blinn-Phong",
+                                       "Cook-Torrance facets (Beckmann, V-cavities)",
+                                       "Beckmann facets (Smith)",
+                                       "GGX facets (Smith)",
+                                       "mirror"};
+  std::string words;
+  const Laws laws = laws_of(m);
+  if (laws.specular != SpecularLaw::none) {
+    words = kSpecular[static_cast<std::size_t>(laws.specular)];
+    if (laws.fresnel == FresnelLaw::conductor) words += " of a conductor";
+    if (laws.fresnel == FresnelLaw::dielectric) words += " of a dielectric";
+    if (laws.compensated) words += ", all scattering";
+  }
+  if (m.weights.x > 0 && m.diffuse != Vec3(0)) {
+    if (!words.empty()) words += " over ";
+    words += kDiffuse[static_cast<std::size_t>(laws.diffuse)];
+  }
+  if (words.empty()) words = "black";
+  if (laws.coated) words += ", under a clear coat";
+  if (m.cells) words += ", laid out as cells";
+  return words;
+}
+
+}  // namespace panwright::materials

@@ -1,0 +1,42 @@
+// What a material is worth: its albedos, and how far it is from what a law of nature may be.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/math.h"
+#include "materials/energy.h"
+#include "materials/material.h"
+
+namespace panwright::materials {
+
+struct Certificate {
+  struct Albedo {
+    double mu;  // cosine of the direction
+    Vec3 rgb;   // directional albedo
+  };
+  std::vector<Albedo> directional;
+  Vec3 hemispherical{0};  // 2∫E μ dμ
+  Gain gain;              // the largest directional albedo found; above 1 the material gains energy
+  double reciprocity = 0;  // largest |f(l, v) − f(v, l)|/f in double
+  double f32_error = 0;    // largest |f32 − f64| over f64, where f64 is above 1e-6 of its largest
+  double f32_rms = 0;      // root of the mean square of the same
+  double fit_error = 0;    // of what stands in the place of integrals, see Fits
+};
+
+// Measures a fitted material. The same numbers everywhere.
+//
+//   mus  cosines, > 0 to 1, of the directions whose albedo is asked for
+//
+// Cost: about a tenth of a second.
+[[nodiscard]] Certificate certificate(const Material& material, std::span<const double> mus);
+
+// Whether the laws of a material could gain energy although its weights and colours do not (those
+// are W1402): a bound, so that the quadrature of energy_gain() is needed for few. False is certain.
+[[nodiscard]] bool may_gain(const Material& material);
+
+// The laws of a material in words, as "GGX facets of a conductor under a coat, Lambert".
+[[nodiscard]] std::string laws_in_words(const Material& material);
+
+}  // namespace panwright::materials

@@ -1,0 +1,175 @@
+// Materials of level 1: laws, metals, coats, cells, the library.
+
+#include <gtest/gtest.h>
+
+#include "materials/spectra.h"
+#include "pxn/materials.h"
+#include "pxn/writer.h"
+#include "tests/pxn/reading.h"
+
+namespace panwright::pxn {
+namespace {
+
+using materials::Compensation;
+using materials::DiffuseLaw;
+using materials::FresnelLaw;
+using materials::SpecularLaw;
+
+// One sphere that wears a named material; the material's fields stand in line 3.
+Reading wearing(const std::string& fields, const std::string& attributes = "") {
+  return read_files(
+      {{"m.pxn", "<pangu_model ver=\"1\">\n<material name=\"m\" " + attributes + ">\n" + fields +
+                     "\n</material><sphere material=\"m\"/></pangu_model>"}});
+}
+
+const materials::Material& worn(const Reading& r) { return r.scene->materials.at(0); }
+
+TEST(NamedMaterial, Laws) {
+  const Reading eon = wearing("<diffuse>0.5 0.5 0.5</diffuse><eon>0.7</eon>");
+  EXPECT_EQ(eon.summary(), "");
+  EXPECT_EQ(worn(eon).diffuse_law, DiffuseLaw::eon);
+  EXPECT_EQ(worn(eon).oren, 0.7);
+
+  const Reading kept =
+      wearing("<diffuse>0.5 0.5 0.5</diffuse><oren energy=\"preserving\">0.3</oren>");
+  EXPECT_EQ(worn(kept).diffuse_law, DiffuseLaw::eon);
+  // 0.45 s²/(s² + 0.09) = 0.225 over 1 − 0.5 s²/(s² + 0.33) = 1 − 0.045/0.42
+  EXPECT_NEAR(worn(kept).oren, 0.225 / (1 - 0.045 / 0.42), 1e-15);
+
+  const Reading ggx = wearing("<ggx energy=\"single\">0.1 0.4</ggx><conductor metal=\"Al\"/>");
+  EXPECT_EQ(ggx.summary(), "");
+  EXPECT_EQ(worn(ggx).specular_law, SpecularLaw::ggx);
+  EXPECT_EQ(worn(ggx).cook[1], 0.1);
+  EXPECT_EQ(worn(ggx).alpha_y, 0.4);
+  EXPECT_EQ(worn(ggx).compensation, Compensation::off);
+  EXPECT_EQ(worn(ggx).specular, Vec3(1)) << "facets are not coloured";
+  EXPECT_EQ(worn(ggx).weights, Vec3(0, 1, 0));
+  EXPECT_EQ(worn(ggx).refract, materials::metal("Al")->n);
+  EXPECT_EQ(worn(ggx).extinction, materials::metal("Al")->k);
+  EXPECT_EQ(materials::laws_of(worn(ggx)).fresnel, FresnelLaw::conductor);
+
+  const Reading one = wearing("<beckmann>0.2</beckmann>");
+  EXPECT_EQ(worn(one).specular_law, SpecularLaw::beckmann);
+  EXPECT_EQ(worn(one).alpha_y, 0.2) << "one number for both directions";
+
+  const Reading mirror = wearing("<mirror/><conductor n=\"0.2\" k=\"3 3 2\"/><coat n=\"1.46\"/>");
+  EXPECT_EQ(worn(mirror).specular_law, SpecularLaw::mirror);
+  EXPECT_EQ(worn(mirror).extinction, Vec3(3, 3, 2));
+  ASSERT_TRUE(worn(mirror).coat);
+  EXPECT_EQ(worn(mirror).coat->index, 1.46);
+
+  const Reading hapke =
+      wearing("<hapke b=\"0.25\" c=\"-0.5\" porosity=\"0.3\">0.2 0.1 1 20</hapke>");
+  EXPECT_EQ(hapke.summary(), "") << "level 1 says what the numbers are";
+  EXPECT_EQ(worn(hapke).grains.c, -0.5);
+  EXPECT_EQ(worn(hapke).grains.porosity, 0.3);
+  EXPECT_EQ(worn(hapke).diffuse, Vec3(1));
+
+  const Reading lommel = wearing("<lommel_seeliger>0.1</lommel_seeliger>");
+  EXPECT_EQ(worn(lommel).diffuse_law, DiffuseLaw::lommel_seeliger);
+  EXPECT_EQ(worn(lommel).hapke[0], 0.1);
+  EXPECT_EQ(worn(lommel).diffuse, Vec3(1));
+}
+
+// Absorption times thickness, whatever the unit; a film's from its k: 4πk/λ.
+TEST(NamedMaterial, Coats) {
+  const Reading r =
+      wearing("<coat n=\"1.7\" slope=\"0.1\" absorption=\"1000 2000 40000\" thickness=\"25um\"/>");
+  ASSERT_TRUE(worn(r).coat);
+  EXPECT_NEAR(worn(r).coat->depth.x, 0.025, 1e-15);
+  EXPECT_NEAR(worn(r).coat->depth.z, 1.0, 1e-15);
+  EXPECT_EQ(worn(r).coat->alpha, 0.1);
+  const Reading film = wearing("<coat film=\"Kapton\" thickness=\"25um\"/>");
+  EXPECT_EQ(film.summary(), "");
+  EXPECT_NEAR(worn(film).coat->index, 1.7, 0.1);
+  EXPECT_GT(worn(film).coat->depth.z, 2 * worn(film).coat->depth.x) << "amber";
+}
+
+TEST(NamedMaterial, InnerLawsReplaceOuterOnes) {
+  const std::string base =
+      "<material name=\"b\"><ggx>0.2</ggx><conductor metal=\"Au\"/>"
+      "<provenance source=\"someone\"/></material>";
+  const auto read = [&](const std::string& fields) {
+    return read_files(
+        {{"m.pxn", "<pangu_model ver=\"1\">" + base + "<material name=\"m\" base=\"b\">" + fields +
+                       "</material><sphere material=\"m\"/></pangu_model>"}});
+  };
+  EXPECT_EQ(worn(read("<mirror/>")).specular_law, SpecularLaw::mirror);
+  EXPECT_EQ(worn(read("<ggx>0.3</ggx>")).cook[1], 0.3);
+  EXPECT_EQ(worn(read("<cook>1 0.3 1 1</cook>")).specular_law, SpecularLaw::cook_torrance);
+  EXPECT_EQ(worn(read("<refract>1.5 1.5 1.5</refract>")).extinction, Vec3(0));
+  EXPECT_EQ(worn(read("<coat/>")).specular_law, SpecularLaw::ggx);
+}
+
+TEST(NamedMaterial, BadInput) {
+  EXPECT_EQ(wearing("<ggx>0</ggx>").codes(), std::multiset<std::string>{"E1202"});
+  EXPECT_EQ(wearing("<ggx>1.5</ggx>").codes(), std::multiset<std::string>{"E1202"});
+  EXPECT_EQ(wearing("<conductor n=\"1\" k=\"-1\"/><mirror/>").codes(),
+            std::multiset<std::string>{"E1202"});
+  EXPECT_EQ(wearing("<coat n=\"0.9\"/>").codes(), std::multiset<std::string>{"E1202"});
+  EXPECT_EQ(wearing("<eon>nan</eon>").codes(), std::multiset<std::string>{"E1201"});
+  EXPECT_EQ(wearing("<refract>0.5 1 1</refract><mirror/>").codes(),
+            std::multiset<std::string>{"E1202"});
+  EXPECT_EQ(wearing("<ggx>0.1 0.2 0.3</ggx>").codes(), std::multiset<std::string>{"E1203"});
+  EXPECT_EQ(wearing("<conductor metal=\"Aluminum\"/><mirror/>").codes(),
+            std::multiset<std::string>{"E1407"});
+  EXPECT_EQ(wearing("<coat film=\"Kaptn\" thickness=\"1um\"/>").summary(),
+            "3:13 E1407 optical constants of 'Kaptn' are not known (did you mean 'Kapton'?)\n");
+  EXPECT_EQ(wearing("<diffuse>1 1 1</diffuse><specular>1 1 1</specular><cook>1 0.1 1 1</cook>"
+                    "<reflect>0.7 0.7 0</reflect>")
+                .codes(),
+            std::multiset<std::string>{"E1406"});
+  EXPECT_EQ(wearing("", "preset=\"white_z39\"").summary(),
+            "2:28 E1311 the library has no material 'white_z39' (did you mean 'white_z93'?)\n");
+  EXPECT_EQ(wearing("<ggx>0.1</ggx><mirror/>").codes(), std::multiset<std::string>{"E1105"});
+}
+
+// Every material of the library is read without a word, has a source, and keeps its energy.
+TEST(Presets, AllAreSound) {
+  ASSERT_GE(preset_names().size(), 24u);
+  for (const std::string_view name : preset_names()) {
+    DiagnosticLog log;
+    const auto found = preset(name, log);
+    ASSERT_TRUE(found) << name;
+    EXPECT_EQ(log.entries().size(), 0u) << name;
+    EXPECT_EQ(found->material.name, name);
+    EXPECT_FALSE(found->provenance.source.empty()) << name;
+    EXPECT_FALSE(found->material.maps.any()) << name;
+    const Reading r = read_files({{"p.pxn", std::string(*preset_text(name))}});
+    EXPECT_EQ(r.summary(), "") << name;
+  }
+}
+
+TEST(Presets, FieldsAreOverridden) {
+  const Reading r = wearing("<ggx>0.3</ggx>", "preset=\"gold_plating\"");
+  EXPECT_EQ(r.summary(), "");
+  EXPECT_EQ(worn(r).cook[1], 0.3);
+  EXPECT_EQ(worn(r).refract, materials::metal("Au")->n);
+}
+
+// What is written reads back the same, field by field.
+TEST(Presets, AreWrittenAndReadBack) {
+  std::string text = "<pangu_model ver=\"1\">";
+  for (const std::string_view name : preset_names())
+    text += "<material name=\"my_" + std::string(name) + "\" preset=\"" + std::string(name) +
+            "\"/><sphere material=\"my_" + std::string(name) + "\"/>";
+  const Reading first = read_files({{"m.pxn", text + "</pangu_model>"}});
+  ASSERT_EQ(first.summary(), "");
+  const Reading again = read_files({{"n.pxn", to_text(*first.scene)}});
+  EXPECT_EQ(again.summary(), "");
+  ASSERT_EQ(again.scene->materials.size(), first.scene->materials.size());
+  for (std::size_t i = 0; i < first.scene->materials.size(); ++i)
+    EXPECT_TRUE(first.scene->materials[i] == again.scene->materials[i])
+        << first.scene->materials[i].name;
+}
+
+TEST(DescribedMaterials, OfAFile) {
+  DiagnosticLog log;
+  const auto all = read_materials(PANWRIGHT_SOURCE_DIR "/examples/servicer/materials.pxn", {}, log);
+  ASSERT_TRUE(all);
+  EXPECT_FALSE(log.has_errors());
+  EXPECT_GT(all->size(), 5u);
+}
+
+}  // namespace
+}  // namespace panwright::pxn

@@ -1,0 +1,340 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "base/file.h"
+#include "base/text.h"
+#include "compiler/compile.h"
+#include "materials/brdf.h"
+#include "materials/certificate.h"
+#include "materials/spectra.h"
+#include "preview/context.h"
+#include "preview/reference/reference.h"
+#include "preview/renderer.h"
+#include "pxn/materials.h"
+#include "tools/commands.h"
+#include "tools/label.h"
+#include "tools/load.h"
+#include "tools/material_plots.h"
+#include "tools/material_scene.h"
+#include "tools/session.h"
+#include "tools/view.h"
+
+namespace panwright::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using pxn::DescribedMaterial;
+
+Json as_json(const Vec3& v) { return Json::array({v.x, v.y, v.z}); }
+
+std::string rgb_words(const Vec3& v) { return fmt::format("{:.4f} {:.4f} {:.4f}", v.x, v.y, v.z); }
+
+// The materials that the command is about: of files, of the library, or all of that.
+std::vector<DescribedMaterial> chosen(const MaterialOptions& options, Session& session) {
+  std::vector<DescribedMaterial> all;
+  std::vector<std::string> inputs = options.inputs;
+  if (options.all)
+    for (const std::string_view name : pxn::preset_names()) inputs.emplace_back(name);
+  for (const std::string& input : inputs) {
+    if (extension_of(input) != ".pxn") {
+      if (auto preset = pxn::preset(input, session.log())) all.push_back(std::move(*preset));
+      continue;
+    }
+    pxn::Options read;
+    read.root = options.read.root;
+    read.limits.bytes = options.read.max_input;
+    auto found = pxn::read_materials(input, read, session.log());
+    if (!found) continue;
+    std::vector<std::string_view> names;
+    for (const DescribedMaterial& each : *found) names.push_back(each.material.name);
+    if (options.name.empty()) {
+      if (names.empty())
+        session.log().report_file(Code::E1311, input, "the file defines no material");
+      for (DescribedMaterial& each : *found) all.push_back(std::move(each));
+      continue;
+    }
+    const auto at = std::find(names.begin(), names.end(), options.name);
+    if (at != names.end()) {
+      all.push_back(std::move((*found)[static_cast<std::size_t>(at - names.begin())]));
+      continue;
+    }
+    const auto near = nearest_name(options.name, names);
+    session.log().report_file(Code::E1311, input,
+                              fmt::format("no material is called {}", in_quotes(options.name)),
+                              near ? fmt::format("did you mean '{}'?", *near) : "");
+  }
+  return all;
+}
+
+std::optional<std::vector<double>> cosines(const MaterialOptions& options, Session& session) {
+  if (options.albedo.empty()) return std::vector<double>{0.02, 0.05, 0.1, 0.25, 0.5, 0.75, 1};
+  std::vector<double> mus;
+  for (std::size_t at = 0; at <= options.albedo.size();) {
+    const std::size_t comma = std::min(options.albedo.find(',', at), options.albedo.size());
+    const auto number = parse_numbers(options.albedo.substr(at, comma - at), 1);
+    if (!number || !((*number)[0] > 0 && (*number)[0] <= 1)) {
+      session.log().report(Code::E0201, {},
+                           fmt::format("--albedo is {}: it takes cosines above 0 and up to 1, with "
+                                       "commas between them",
+                                       in_quotes(options.albedo)));
+      return std::nullopt;
+    }
+    mus.push_back((*number)[0]);
+    at = comma + 1;
+  }
+  return mus;
+}
+
+// Nanoseconds of one evaluation, the median of several runs.
+double nanoseconds(const std::function<Vec3(const Vec3&)>& evaluate) {
+  constexpr int kEvaluations = 4000;
+  std::vector<double> runs;
+  Vec3 sum(0);
+  for (int run = 0; run < 7; ++run) {
+    const auto start = std::chrono::steady_clock::now();
+    for (int i = 0; i < kEvaluations; ++i) {
+      const double x = -0.6 + 1.2 * i / kEvaluations;
+      sum += evaluate(Vec3(x, 0.1, std::sqrt(0.99 - x * x)));
+    }
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    runs.push_back(seconds.count() / kEvaluations * 1e9);
+  }
+  std::sort(runs.begin(), runs.end());
+  // note: the sum is used, so that nothing is optimised away
+  return std::isfinite(sum.x) ? runs[runs.size() / 2] : 0;
+}
+
+struct Speed {
+  double f64 = 0;  // ns an evaluation, one core
+  double f32 = 0;
+};
+
+Speed speed_of(const materials::Material& material) {
+  const Vec3 viewer(0.3, 0, std::sqrt(0.91));
+  const Vec3 normal(0, 0, 1);
+  const materials::Local local{Vec3(1, 0, 0), materials::kSunAlpha2};
+  Speed speed;
+  speed.f64 = nanoseconds([&](const Vec3& light) {
+    return materials::f64::brdf(material, light, viewer, normal, Vec3(1), local);
+  });
+  speed.f32 = nanoseconds([&](const Vec3& light) {
+    return Vec3(materials::f32::brdf(material, glm::vec3(light), glm::vec3(viewer),
+                                     glm::vec3(normal), glm::vec3(1), local));
+  });
+  return speed;
+}
+
+// The solar absorptance of a material whose constants are known over the spectrum.
+std::optional<double> computed_absorptance(const DescribedMaterial& described) {
+  const pxn::Provenance& from = described.provenance;
+  if (from.metal.empty() || described.material.weights.x > 0) return std::nullopt;
+  const auto metal = materials::optical_constants(from.metal);
+  if (!metal) return std::nullopt;
+  materials::Stack stack{*metal, std::nullopt, 0};
+  if (described.material.coat) {
+    if (from.film.empty()) return std::nullopt;
+    stack.film = materials::optical_constants(from.film);
+    if (!stack.film) return std::nullopt;
+    stack.thickness = from.film_thickness;
+  }
+  return materials::solar_absorptance(stack, 1);
+}
+
+Json certificate_json(const DescribedMaterial& described, const materials::Certificate& c,
+                      const Speed& speed) {
+  const pxn::Provenance& from = described.provenance;
+  Json out;
+  out["name"] = described.material.name;
+  out["laws"] = materials::laws_in_words(described.material);
+  out["directional_albedo"] = Json::array();
+  for (const auto& each : c.directional)
+    out["directional_albedo"].push_back({{"mu", each.mu}, {"rgb", as_json(each.rgb)}});
+  out["hemispherical_albedo"] = as_json(c.hemispherical);
+  out["largest_albedo"] = {{"albedo", c.gain.albedo}, {"mu", c.gain.mu}};
+  out["reciprocity_residual"] = c.reciprocity;
+  out["fit_error"] = c.fit_error;
+  out["f32_error"] = {{"max", c.f32_error}, {"rms", c.f32_rms}};
+  out["ns_per_evaluation"] = {{"f64", speed.f64}, {"f32", speed.f32}};
+  const auto absorptance = computed_absorptance(described);
+  out["solar_absorptance"] = {
+      {"computed", absorptance ? Json(*absorptance) : Json(nullptr)},
+      {"published", from.absorptance ? Json(*from.absorptance) : Json(nullptr)}};
+  out["provenance"] = {{"source", from.source},
+                       {"published", from.published},
+                       {"fitted", from.fitted},
+                       {"indicative", from.indicative}};
+  return out;
+}
+
+void print_provenance(const pxn::Provenance& from) {
+  const std::pair<const char*, const std::string*> lines[] = {{"source", &from.source},
+                                                              {"published", &from.published},
+                                                              {"fitted", &from.fitted},
+                                                              {"indicative", &from.indicative}};
+  for (const auto& [name, words] : lines)
+    if (!words->empty()) fmt::print("{:<21} {}\n", name, *words);
+}
+
+void print_certificate(const DescribedMaterial& described, const materials::Certificate& c,
+                       const Speed& speed) {
+  fmt::print("{}: {}\n", described.material.name, materials::laws_in_words(described.material));
+  print_provenance(described.provenance);
+  fmt::print("cosine  angle   directional albedo at 650, 550, 450 nm\n");
+  for (const auto& each : c.directional)
+    fmt::print("{:<7.4g} {:>5.2f}°  {}\n", each.mu, det::acos(each.mu) / kDegree,
+               rgb_words(each.rgb));
+  fmt::print("hemispherical albedo  {}\n", rgb_words(c.hemispherical));
+  fmt::print("energy                {} (largest directional albedo {:.6f} at cosine {:.4g})\n",
+             c.gain.albedo <= 1 + 1e-4 ? "kept" : "GAINED", c.gain.albedo, c.gain.mu);
+  fmt::print("reciprocity           {:.1e} largest relative residual\n", c.reciprocity);
+  fmt::print("single precision      {:.1e} largest, {:.1e} RMS relative error\n", c.f32_error,
+             c.f32_rms);
+  if (c.fit_error > 0)
+    fmt::print("fits                  {:.1e} largest error of what stands for integrals\n",
+               c.fit_error);
+  fmt::print("speed                 {:.0f} ns an evaluation in double, {:.0f} ns in single\n",
+             speed.f64, speed.f32);
+  const auto absorptance = computed_absorptance(described);
+  const auto& published = described.provenance.absorptance;
+  if (absorptance)
+    fmt::print("solar absorptance     {:.3f} from n and k over 0.3 to 2.5 µm{}\n", *absorptance,
+               published ? fmt::format(", published {:.2f}", *published) : std::string());
+  else
+    fmt::print("solar absorptance     visible albedo, not comparable{}\n",
+               published ? fmt::format(" (published {:.2f})", *published) : std::string());
+}
+
+bool write_plots(const std::string& folder, const materials::Material& material, Session& session) {
+  const std::filesystem::path base = std::filesystem::path(folder) / material.name;
+  const auto write = [&](const char* suffix, const std::string& text) {
+    return write_file(base.string() + suffix, std::as_bytes(std::span(text)), session.log());
+  };
+  return write("-albedo.svg", albedo_plot(material)) && write("-slices.svg", slices_plot(material));
+}
+
+// One picture of a material's samples.
+Result<preview::Image> sample_picture(const materials::Material& material,
+                                      const MaterialOptions& options, preview::Context* context,
+                                      Session& session) {
+  DiagnosticLog& log = session.log();
+  const auto bytes = compiler::compiled(sample_scene(material), {}, log);
+  if (!bytes) return failed;
+  auto model = pan::Model::from_bytes(*bytes, material.name, log);
+  if (!model || !model->check(log)) return failed;
+  const preview::View view = sample_view(options.width);
+  if (context == nullptr) {
+    const auto reference = preview::Reference::create(*model, log);
+    if (!reference) return failed;
+    auto image = reference->render(view, {}, log);
+    if (!image) return failed;
+    return std::move(image->image);
+  }
+  auto renderer = preview::Renderer::create(*context, *model, log);
+  if (!renderer) return failed;
+  preview::RenderOptions render;
+  render.samples = 4;
+  return renderer->render(view, render, log);
+}
+
+// All pictures on one sheet, in columns, with their names.
+bool write_sheet(const std::vector<DescribedMaterial>& all, const MaterialOptions& options,
+                 Session& session) {
+  std::unique_ptr<preview::Context> context;
+  if (options.engine != "reference") {
+    auto opened =
+        preview::Context::create(*preview::context_kind_from_name(options.gl), session.log());
+    if (!opened) return false;
+    context = std::move(*opened);
+  }
+  constexpr std::uint32_t kLabelHeight = 26;
+  const std::uint32_t columns = all.size() > 12 ? 3 : all.size() > 4 ? 2 : 1;
+  const auto rows = static_cast<std::uint32_t>((all.size() + columns - 1) / columns);
+  const std::uint32_t cell_height = options.width / 3 + kLabelHeight;
+  preview::Image sheet;
+  sheet.width = columns * options.width;
+  sheet.height = rows * cell_height;
+  sheet.unit = "1/sr";
+  sheet.radiance.assign(3 * sheet.pixels(), 0.0f);
+  sheet.coverage.assign(sheet.pixels(), 0.0f);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    session.step("render " + all[i].material.name);
+    const auto picture = sample_picture(all[i].material, options, context.get(), session);
+    if (!picture) return false;
+    const auto x = static_cast<std::uint32_t>(i % columns) * options.width;
+    const auto y = static_cast<std::uint32_t>(i / columns) * cell_height;
+    write_label(sheet, x + 10, y + 8, 2, all[i].material.name);
+    for (std::uint32_t row = 0; row < picture->height; ++row) {
+      const std::size_t from = std::size_t{row} * picture->width;
+      const std::size_t to = std::size_t{y + kLabelHeight + row} * sheet.width + x;
+      std::copy_n(picture->radiance.begin() + static_cast<std::ptrdiff_t>(3 * from),
+                  3 * picture->width, sheet.radiance.begin() + static_cast<std::ptrdiff_t>(3 * to));
+      std::copy_n(picture->coverage.begin() + static_cast<std::ptrdiff_t>(from), picture->width,
+                  sheet.coverage.begin() + static_cast<std::ptrdiff_t>(to));
+    }
+  }
+  session.step("write " + options.render);
+  return preview::write_image(options.render, sheet, 0, session.log());
+}
+
+void list(const Session& session) {
+  for (const std::string_view name : pxn::preset_names()) {
+    DiagnosticLog log;
+    const auto preset = pxn::preset(name, log);
+    if (preset && !session.options().json)
+      fmt::print("{:<24} {}\n", name, materials::laws_in_words(preset->material));
+  }
+}
+
+}  // namespace
+
+int material(const MaterialOptions& options) {
+  Session session("material", options.common);
+  Json& out = session.result();
+  if (options.list) {
+    out["presets"] = pxn::preset_names();
+    list(session);
+    return session.finish();
+  }
+  if (options.inputs.empty() && !options.all) {
+    session.log().report(Code::E0201, {}, "name a pxn file or a material of the library",
+                         "`panwright material --list` shows what it has");
+    return session.finish();
+  }
+  if (options.show) {
+    for (const std::string& name : options.inputs)
+      if (const auto text = pxn::preset_text(name))
+        fmt::print("{}", *text);
+      else
+        (void)pxn::preset(name, session.log());
+    return session.finish();
+  }
+  const auto mus = cosines(options, session);
+  if (!mus) return session.finish();
+  const std::vector<DescribedMaterial> all = chosen(options, session);
+  out["materials"] = Json::array();
+  for (const DescribedMaterial& each : all) {
+    if (!options.render.empty() && all.size() > 4) break;  // a sheet is asked for, not its numbers
+    session.step("certify " + each.material.name);
+    const materials::Certificate certificate = materials::certificate(each.material, *mus);
+    const Speed speed = speed_of(each.material);
+    out["materials"].push_back(certificate_json(each, certificate, speed));
+    if (!options.common.json) {
+      if (&each != &all.front()) fmt::print("\n");
+      print_certificate(each, certificate, speed);
+    }
+    if (!options.svg.empty() && !write_plots(options.svg, each.material, session)) break;
+  }
+  // what one material says stands where a reader of one looks
+  if (out["materials"].size() == 1) out.update(Json(out["materials"][0]));
+  if (!options.render.empty() && !all.empty()) write_sheet(all, options, session);
+  return session.finish();
+}
+
+}  // namespace panwright::tools

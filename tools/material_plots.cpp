@@ -1,0 +1,154 @@
+#include "tools/material_plots.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "base/text.h"
+#include "materials/brdf.h"
+#include "materials/energy.h"
+
+namespace panwright::tools {
+namespace {
+
+using Points = std::vector<std::pair<double, double>>;
+
+std::string xml_text(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '&')
+      out += "&amp;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+// A frame with axes, and curves in it. Data coordinates x0..x1, y0..y1 over a fixed area.
+class Plot {
+ public:
+  Plot(const std::string& title, const std::string& x_label, const std::string& y_label, double x0,
+       double x1, double y0, double y1)
+      : x0_(x0), x1_(x1), y0_(y0), y1_(y1) {
+    text_ =
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"640\" height=\"420\" "
+        "viewBox=\"0 0 640 420\" font-family=\"sans-serif\" font-size=\"12\">\n"
+        "<rect width=\"640\" height=\"420\" fill=\"white\"/>\n";
+    label(kLeft, 24, "start", title, 15);
+    label((kLeft + kRight) / 2, 408, "middle", x_label);
+    text_ += fmt::format(
+        "<text transform=\"translate(16,{:.0f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
+        (kTop + kBottom) / 2, xml_text(y_label));
+  }
+
+  void x_tick(double x, const std::string& words) {
+    line(px(x), kTop, px(x), kBottom, "#ddd", 1);
+    label(px(x), kBottom + 16, "middle", words);
+  }
+  void y_tick(double y, const std::string& words) {
+    line(kLeft, py(y), kRight, py(y), "#ddd", 1);
+    label(kLeft - 6, py(y) + 4, "end", words);
+  }
+  void curve(const Points& points, const char* color, const std::string& name) {
+    text_ += "<polyline fill=\"none\" stroke-width=\"2\" stroke=\"" + std::string(color) +
+             "\" points=\"";
+    for (const auto& [x, y] : points)
+      text_ += fmt::format("{:.2f},{:.2f} ", px(x), py(std::clamp(y, y0_, y1_)));
+    text_ += "\"/>\n";
+    const double at = kTop + 16 + 16 * names_++;
+    line(kRight - 92, at - 4, kRight - 72, at - 4, color, 2);
+    label(kRight - 66, at, "start", name);
+  }
+  std::string finish() {
+    text_ += fmt::format(
+        "<rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\" fill=\"none\" "
+        "stroke=\"#444\"/>\n</svg>\n",
+        kLeft, kTop, kRight - kLeft, kBottom - kTop);
+    return std::move(text_);
+  }
+
+ private:
+  static constexpr double kLeft = 70, kRight = 620, kTop = 40, kBottom = 370;
+
+  double px(double x) const { return kLeft + (x - x0_) / (x1_ - x0_) * (kRight - kLeft); }
+  double py(double y) const { return kBottom - (y - y0_) / (y1_ - y0_) * (kBottom - kTop); }
+  void line(double xa, double ya, double xb, double yb, const char* color, int width) {
+    text_ += fmt::format(
+        "<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" stroke=\"{}\" "
+        "stroke-width=\"{}\"/>\n",
+        xa, ya, xb, yb, color, width);
+  }
+  void label(double x, double y, const char* anchor, const std::string& words, int size = 12) {
+    text_ += fmt::format(
+        "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" font-size=\"{}\">{}</text>\n", x, y,
+        anchor, size, xml_text(words));
+  }
+
+  double x0_, x1_, y0_, y1_;
+  int names_ = 0;
+  std::string text_;
+};
+
+constexpr const char* kChannels[] = {"650 nm", "550 nm", "450 nm"};
+constexpr const char* kChannelColors[] = {"#c0392b", "#27ae60", "#2c6fbb"};
+
+}  // namespace
+
+std::string albedo_plot(const materials::Material& material) {
+  Plot plot(material.name + ": directional albedo", "angle from the normal, degrees", "albedo", 0,
+            90, 0, 1);
+  for (int x = 0; x <= 90; x += 15) plot.x_tick(x, std::to_string(x));
+  for (int y = 0; y <= 10; y += 2) plot.y_tick(y / 10.0, fmt::format("{:.1f}", y / 10.0));
+  std::array<Points, 3> curves;
+  for (const int angle :
+       {0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 75, 80, 83, 86, 88}) {
+    const Vec3 albedo = materials::directional_albedo(material, det::cos(angle * kDegree));
+    for (std::size_t k = 0; k < 3; ++k) curves[k].emplace_back(angle, albedo[static_cast<int>(k)]);
+  }
+  for (std::size_t k = 0; k < 3; ++k) plot.curve(curves[k], kChannelColors[k], kChannels[k]);
+  return plot.finish();
+}
+
+std::string slices_plot(const materials::Material& material) {
+  constexpr int kLights_deg[] = {0, 30, 60, 80};
+  constexpr const char* kColors[] = {"#222222", "#2c6fbb", "#27ae60", "#c0392b"};
+  const materials::Local local{Vec3(1, 0, 0), materials::kSunAlpha2};
+  const auto direction = [](double angle) {
+    const auto t = det::sincos(angle * kDegree);
+    return Vec3(t.sin, 0, t.cos);
+  };
+  std::array<Points, 4> curves;
+  double peak = 1e-30;
+  for (std::size_t i = 0; i < 4; ++i)
+    // note: half a degree apart, and finely about the mirrored direction and the light
+    for (int step = -1780; step <= 1780; ++step) {
+      const double angle = step * 0.05;
+      const double glint =
+          std::min(std::fabs(angle - kLights_deg[i]), std::fabs(angle + kLights_deg[i]));
+      if (step % 10 != 0 && glint > 3) continue;
+      const Vec3 f = materials::f64::brdf(material, direction(-kLights_deg[i]), direction(angle),
+                                          Vec3(0, 0, 1), Vec3(1), local);
+      const double value = kPi * (f.x + f.y + f.z) / 3;
+      peak = std::max(peak, value);
+      curves[i].emplace_back(angle, value);
+    }
+  const double top = std::ceil(det::log10(peak));
+  const double bottom = std::max(top - 6, -4.0) < top - 2 ? std::max(top - 6, -4.0) : top - 2;
+  Plot plot(material.name + ": reflectance in the plane of incidence",
+            "viewing angle, degrees (light from the left, its mirror image to the right)", "π f",
+            -90, 90, bottom, top);
+  for (int x = -90; x <= 90; x += 30) plot.x_tick(x, std::to_string(x));
+  for (double y = bottom; y <= top; y += 1) plot.y_tick(y, fmt::format("1e{:.0f}", y));
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (auto& [x, y] : curves[i]) y = y > 0 ? det::log10(y) : bottom;
+    plot.curve(curves[i], kColors[i], fmt::format("light {}°", kLights_deg[i]));
+  }
+  return plot.finish();
+}
+
+}  // namespace panwright::tools

@@ -1,0 +1,125 @@
+#include "tools/material_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "base/random.h"
+#include "geometry/strip.h"
+
+namespace panwright::tools {
+namespace {
+
+constexpr double kDistance = 9;  // metres from the camera to the samples
+constexpr double kPitch = 1.18;  // between samples
+constexpr double kSide = 1.0;    // of the tiles
+const Vec3 kToSun(-0.55, -0.75, 0.42);
+
+// Heights of a wrinkled sheet: white noise, smoothed by repeated means over 3×3, scaled to an RMS
+// slope. Cells of one unit; edge samples repeat.
+std::vector<double> wrinkles(int side, int passes, double rms_slope) {
+  const auto n = static_cast<std::size_t>(side);
+  std::vector<double> heights(n * n), next(n * n);
+  for (std::size_t i = 0; i < heights.size(); ++i)
+    heights[i] = in_unit(philox({static_cast<std::uint32_t>(i), 0, 0, 0}, {7, 0})[0]) - 0.5;
+  const auto at = [&](int row, int column) {
+    const auto r = static_cast<std::size_t>(std::clamp(row, 0, side - 1));
+    return heights[r * n + static_cast<std::size_t>(std::clamp(column, 0, side - 1))];
+  };
+  for (int pass = 0; pass < passes; ++pass) {
+    for (int row = 0; row < side; ++row)
+      for (int column = 0; column < side; ++column) {
+        double sum = 0;
+        for (int r = -1; r <= 1; ++r)
+          for (int c = -1; c <= 1; ++c) sum += at(row + r, column + c);
+        next[static_cast<std::size_t>(row) * n + static_cast<std::size_t>(column)] = sum / 9;
+      }
+    heights.swap(next);
+  }
+  double squares = 0;
+  for (int row = 0; row < side; ++row)
+    for (int column = 0; column + 1 < side; ++column) {
+      const double step = at(row, column + 1) - at(row, column);
+      squares += step * step;
+    }
+  const double slope = std::sqrt(squares / static_cast<double>(side * (side - 1)));
+  for (double& height : heights) height *= rms_slope / slope;
+  return heights;
+}
+
+// A tile in the plane of x and y that faces +z.
+geometry::Mesh wrinkled_tile() {
+  constexpr int kPoints = 161;
+  const std::vector<double> heights = wrinkles(kPoints, 40, 0.16);
+  const double cell = kSide / (kPoints - 1);
+  geometry::Mesh mesh;
+  for (int row = 0; row < kPoints; ++row)
+    for (int column = 0; column < kPoints; ++column) {
+      const double u = column * cell / kSide;
+      const double v = row * cell / kSide;
+      mesh.positions.emplace_back((u - 0.5) * kSide, (v - 0.5) * kSide,
+                                  heights[static_cast<std::size_t>(row * kPoints + column)] * cell);
+      mesh.texcoords.emplace_back(u, v);
+    }
+  for (std::uint32_t row = 0; row + 1 < kPoints; ++row)
+    for (std::uint32_t column = 0; column + 1 < kPoints; ++column) {
+      const std::uint32_t a = row * kPoints + column;
+      mesh.triangles.push_back({a, a + 1, a + kPoints + 1});
+      mesh.triangles.push_back({a, a + kPoints + 1, a + kPoints});
+    }
+  geometry::compute_normals(mesh, kPi);
+  return mesh;
+}
+
+// The rotation that takes +z to a direction, +y as far upwards as can be.
+Quat facing(const Vec3& normal) {
+  const Vec3 z = glm::normalize(normal);
+  const Vec3 x = glm::normalize(glm::cross(Vec3(0, 0, 1), z));
+  return glm::quat_cast(Mat3(x, glm::cross(z, x), z));
+}
+
+}  // namespace
+
+scene::Scene sample_scene(const materials::Material& material) {
+  scene::Scene scene;
+  scene.materials.push_back(material);
+  scene.need.tolerance = 2e-4;
+  scene::Node root;
+  root.name = "root";
+  scene.nodes.push_back(root);
+  const auto add = [&](const char* name, geometry::Shape shape, double x, const Quat& rotation) {
+    scene::Node node;
+    node.name = name;
+    node.parent = 0;
+    node.parent_from_node.translation = {x, 0, 0};
+    node.parent_from_node.rotation = rotation;
+    scene::Instance instance;
+    instance.node = static_cast<std::int32_t>(scene.nodes.size());
+    instance.shape = static_cast<std::int32_t>(scene.shapes.size());
+    scene.nodes.push_back(std::move(node));
+    scene.shapes.push_back(std::move(shape));
+    scene.instances.push_back(std::move(instance));
+  };
+  add("sphere", geometry::Sphere{kSide / 2}, -kPitch, Quat(1, 0, 0, 0));
+  // halfway between the Sun and the viewer, and a seventh of a right angle back towards the viewer:
+  // a mirror's glint misses the tile, a rough surface shows the flank of its highlight
+  const Vec3 to_viewer(0, -1, 0);
+  const Vec3 halfway = glm::normalize(glm::normalize(kToSun) + to_viewer);
+  const Quat tilt = facing(halfway + 0.23 * to_viewer);
+  add("tile", geometry::Plane{kSide, kSide}, 0, tilt);
+  add("wrinkled", std::make_shared<const geometry::Mesh>(wrinkled_tile()), kPitch, tilt);
+  return scene;
+}
+
+preview::View sample_view(std::uint32_t width) {
+  preview::View view;
+  preview::set_field_of_view(view.camera, width, width / 3, 2 * det::atan(1.83 / kDistance));
+  view.camera.position = {0, -kDistance, 0};
+  DiagnosticLog log;
+  view.camera.world_from_camera =
+      *preview::looking_at(view.camera.position, Vec3(0), std::nullopt, log);
+  view.to_sun = kToSun;
+  return view;
+}
+
+}  // namespace panwright::tools

@@ -1,0 +1,20 @@
+// A scene that shows materials: for each a sphere, a tilted tile and a wrinkled tile.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "materials/material.h"
+#include "preview/camera.h"
+#include "scene/scene.h"
+
+namespace panwright::tools {
+
+// One material's samples side by side, within 3.6 × 1.2 m about the origin, seen from −y.
+scene::Scene sample_scene(const materials::Material& material);
+
+// The view of them, `width` pixels across and a third of it high. The tiles are turned
+// so that a mirror's glint just misses the viewer.
+preview::View sample_view(std::uint32_t width);
+
+}  // namespace panwright::tools
