@@ -117,6 +117,33 @@ void add_view(CLI::App* app, ViewOptions& view) {
   add("--ev", view.ev, "STOPS", "Exposure of PNG output: 2^EV (default 0)");
 }
 
+void add_reference(CLI::App* app, RenderOptions& options) {
+  app->add_option_function<std::string>(
+         "--engine",
+         [&options](const std::string& name) { options.reference = name == "reference"; },
+         "gl: OpenGL (default); reference: path tracing on the CPU, slow and with error bars")
+      ->check(CLI::IsMember({"gl", "reference"}))
+      ->type_name("NAME");
+  app->add_option("--until-error", options.until_error,
+                  "Reference: go on until the flux is known this well, as 0.1%")
+      ->type_name("SHARE");
+  app->add_option("--bounces", options.bounces,
+                  "Reference: interreflections that are followed (default 3)")
+      ->check(CLI::Range(0u, 1000u))
+      ->type_name("N");
+  app->add_option("--seed", options.seed, "Reference: which random numbers (default 0)")
+      ->type_name("N");
+  app->add_option("--filter", options.filter,
+                  "Reference: box, a pixel is the mean over its square (default), or "
+                  "gaussian:SIGMA, of the image blurred by that many pixels")
+      ->type_name("FILTER");
+  app->add_option("--limb-darkening", options.limb_darkening,
+                  "Reference: u of I = 1 - u (1 - cos) over the Sun's disc (default 0)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("U");
+  app->add_flag("--no-sun-disc", options.no_sun_disc, "Reference: the Sun is a point");
+}
+
 void add_render(CLI::App* app, RenderOptions& options) {
   app->add_option("input", options.input, "A .pan file, or a .pxn file to compile on the way")
       ->required()
@@ -128,9 +155,11 @@ void add_render(CLI::App* app, RenderOptions& options) {
   app->add_option("--views", options.views,
                   "JSON list of views, each an object of camera and Sun options and an output")
       ->type_name("FILE.json");
-  app->add_option("--samples", options.samples, "N x N samples in each pixel, an exact box filter")
+  app->add_option("--samples", options.samples,
+                  "N x N samples in each pixel (default 1; with --engine reference 8)")
       ->check(CLI::Range(1u, 64u))
       ->type_name("N");
+  add_reference(app, options);
   app->add_flag("--flat", options.flat, "Shade with the triangles' own normals");
   auto* no_shadows =
       app->add_flag("--no-shadows", options.no_shadows, "Let the Sun shine through everything");
@@ -196,6 +225,8 @@ void add_material(CLI::App* app, MaterialOptions& options) {
   app->add_option("--svg", options.svg, "Write plots of albedo and lobes into this folder")
       ->check(CLI::ExistingDirectory)
       ->type_name("FOLDER");
+  app->add_option("--fit", options.fit, "Fit our laws to a table of measured reflectance")
+      ->type_name("TABLE");
   app->add_option("--render", options.render,
                   "Draw a sphere, a tilted tile and a wrinkled tile of each")
       ->type_name("FILE.png");

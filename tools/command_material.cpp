@@ -283,6 +283,38 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const MaterialOption
   return preview::write_image(options.render, sheet, 0, session.log());
 }
 
+// Laws fitted to a table, the best first, and the best as text.
+void fit_table(const MaterialOptions& options, Session& session) {
+  session.step("read " + options.fit);
+  const auto readings = materials::read_measured(options.fit, session.log());
+  if (!readings) return;
+  session.step("fit");
+  const std::vector<materials::Fit> fits = materials::fitted_laws(*readings);
+  Json& out = session.result();
+  out["readings"] = readings->size();
+  out["fits"] = Json::array();
+  if (!session.options().json)
+    fmt::print("{} of {}\nRMS of log10(law/reading), largest, RMS of the difference in 1/sr\n",
+               counted(readings->size(), "reading"), options.fit);
+  for (const materials::Fit& fit : fits) {
+    out["fits"].push_back({{"law", fit.law},
+                           {"rms_decades", fit.rms_decades},
+                           {"max_decades", fit.max_decades},
+                           {"rms", fit.rms},
+                           {"text", fit.text}});
+    if (!session.options().json)
+      fmt::print("{:<30} {:.3f}  {:.3f}  {:.4g}\n", fit.law, fit.rms_decades, fit.max_decades,
+                 fit.rms);
+  }
+  if (!session.options().json)
+    fmt::print("\n<material name=\"measured\">\n{}\n</material>\n", fits.front().text);
+  if (options.svg.empty()) return;
+  const std::string text = fit_plot(*readings, fits.front());
+  const auto path = std::filesystem::path(options.svg) /
+                    (std::filesystem::path(options.fit).stem().string() + "-fit.svg");
+  write_file(path, std::as_bytes(std::span(text)), session.log());
+}
+
 void list(const Session& session) {
   for (const std::string_view name : pxn::preset_names()) {
     DiagnosticLog log;
@@ -300,6 +332,10 @@ int material(const MaterialOptions& options) {
   if (options.list) {
     out["presets"] = pxn::preset_names();
     list(session);
+    return session.finish();
+  }
+  if (!options.fit.empty()) {
+    fit_table(options, session);
     return session.finish();
   }
   if (options.inputs.empty() && !options.all) {

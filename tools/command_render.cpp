@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "preview/context.h"
 #include "preview/image.h"
+#include "preview/reference/reference.h"
 #include "preview/renderer.h"
 #include "tools/commands.h"
 #include "tools/load.h"
@@ -80,7 +81,21 @@ void describe(const Job& job, const RenderOptions& options, const pan::Model& mo
                   job.view.camera.principal.x, job.view.camera.principal.y));
   add("panwright.sun", words(job.view.to_sun));
   add("panwright.samples", fmt::format("{}", options.samples));
+  if (options.reference) return;
   add("panwright.shadow_side", fmt::format("{}", options.no_shadows ? 0 : options.shadow_side));
+}
+
+bool write(const Job& job, const preview::Image& image, Session& session) {
+  session.step("write " + job.output);
+  double sync = 0;
+  if (!preview::write_image(job.output, image, job.ev, session.log(), &sync)) return false;
+  session.step({});
+  session.add_timing("sync to disk", sync);
+  session.result()["images"].push_back({{"output", job.output},
+                                        {"width", image.width},
+                                        {"height", image.height},
+                                        {"unit", image.unit}});
+  return true;
 }
 
 bool render_one(const Job& job, const RenderOptions& options, const pan::Model& model,
@@ -95,27 +110,119 @@ bool render_one(const Job& job, const RenderOptions& options, const pan::Model& 
   auto image = renderer.render(job.view, render, session.log());
   if (!image) return false;
   describe(job, options, model, *image);
-  session.step("write " + job.output);
-  double sync = 0;
-  if (!preview::write_image(job.output, *image, job.ev, session.log(), &sync)) return false;
-  session.step({});
-  session.add_timing("sync to disk", sync);
-  session.result()["images"].push_back({{"output", job.output},
-                                        {"width", image->width},
-                                        {"height", image->height},
-                                        {"unit", image->unit}});
+  return write(job, *image, session);
+}
+
+// A share as typed: "0.1%" or "0.001".
+std::optional<double> parse_share(std::string text) {
+  const bool percent = !text.empty() && text.back() == '%';
+  if (percent) text.pop_back();
+  const auto number = parse_numbers(text, 1);
+  if (!number) return std::nullopt;
+  return percent ? (*number)[0] / 100 : (*number)[0];
+}
+
+Result<preview::ReferenceOptions> reference_options(const RenderOptions& options,
+                                                    DiagnosticLog& log) {
+  constexpr double kWidestPsf = 64;  // pixels
+  const std::size_t errors = log.errors();
+  preview::ReferenceOptions result;
+  result.samples = std::max(options.samples * options.samples, 8u);
+  result.seed = options.seed;
+  result.bounces = options.bounces;
+  result.sun_disc = !options.no_sun_disc;
+  result.limb_darkening = options.limb_darkening;
+  result.flat = options.flat;
+  result.max_bytes = options.max_image_bytes;
+  if (!options.until_error.empty()) {
+    const auto share = parse_share(options.until_error);
+    if (share && *share > 0 && *share < 1)
+      result.until_error = *share;
+    else
+      log.report(Code::E0201, {},
+                 fmt::format("--until-error is {}: it takes a share between 0 and 1, as 0.1%",
+                             in_quotes(options.until_error)));
+  }
+  if (options.filter != "box") {
+    const std::string prefix = "gaussian:";
+    const auto sigma = options.filter.starts_with(prefix)
+                           ? parse_numbers(options.filter.substr(prefix.size()), 1)
+                           : std::nullopt;
+    if (sigma && (*sigma)[0] > 0 && (*sigma)[0] <= kWidestPsf)
+      result.psf_sigma = (*sigma)[0];
+    else
+      log.report(Code::E0201, {},
+                 fmt::format("--filter is {}: it takes box, or gaussian:SIGMA of up to {} pixels",
+                             in_quotes(options.filter), kWidestPsf));
+  }
+  if (log.errors() != errors) return failed;
+  return result;
+}
+
+// Flux and error of each channel, and how fast.
+void tell(const Job& job, const preview::ReferenceImage& result, Session& session) {
+  const std::uint64_t rays = result.camera_rays + result.shadow_rays + result.bounce_rays;
+  const double rate = static_cast<double>(rays) / std::max(result.seconds, 1e-9);
+  const auto numbers = [](const Vec3& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
+  nlohmann::ordered_json& entry = session.result()["images"].back();
+  entry["flux"] = numbers(result.flux);
+  entry["flux_error"] = numbers(result.flux_error);
+  entry["samples"] = result.samples;
+  entry["rays"] = rays;
+  entry["seconds"] = result.seconds;
+  if (session.options().json) return;
+  const bool unresolved = result.image.unit == "1/sr";
+  const bool square = job.view.camera.projection == preview::Projection::orthographic;
+  fmt::print("{}: flux {:.6g} {:.6g} {:.6g} ± {:.1e} {:.1e} {:.1e} {}, {:.3g} M rays/s\n",
+             job.output, result.flux.x, result.flux.y, result.flux.z, result.flux_error.x,
+             result.flux_error.y, result.flux_error.z,
+             square ? (unresolved ? "m^2/sr" : "W/sr") : (unresolved ? "of the Sun's" : "W/m^2"),
+             1e-6 * rate);
+}
+
+bool trace_one(const Job& job, const RenderOptions& options,
+               const preview::ReferenceOptions& traced, const pan::Model& model,
+               const preview::Reference& reference, Session& session) {
+  preview::ReferenceOptions render = traced;
+  render.truth = preview::stores_truth(*preview::image_format(job.output));
+  session.step("render " + job.output);
+  auto result = reference.render(job.view, render, session.log());
+  if (!result) return false;
+  result->image.standard_error = std::move(result->standard_error);
+  describe(job, options, model, result->image);
+  if (!write(job, result->image, session)) return false;
+  tell(job, *result, session);
   return true;
+}
+
+int render_reference(const RenderOptions& options, const pan::Model& model,
+                     const std::vector<Job>& jobs, Session& session) {
+  const auto traced = reference_options(options, session.log());
+  if (!traced) return session.finish();
+  session.step("prepare " + options.input);
+  const auto reference = preview::Reference::create(model, session.log());
+  if (!reference) return session.finish();
+  Progress progress("rendering", jobs.size());
+  for (const Job& job : jobs) {
+    if (!trace_one(job, options, *traced, model, *reference, session)) break;
+    progress.advance();
+  }
+  return session.finish();
 }
 
 }  // namespace
 
-int render(const RenderOptions& options) {
+int render(const RenderOptions& typed) {
+  RenderOptions options = typed;
+  if (options.samples == 0) options.samples = options.reference ? 8 : 1;
   Session session("render", options.common);
   DiagnosticLog& log = session.log();
   const auto model = load_model(options.input, options.read, session);
   if (!model) return session.finish();
   const auto jobs = make_jobs(options, *model, log);
   if (!jobs) return session.finish();
+
+  if (options.reference) return render_reference(options, *model, *jobs, session);
 
   session.step("open an OpenGL context");
   auto context = preview::Context::create(*preview::context_kind_from_name(options.gl), log);

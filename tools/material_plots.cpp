@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -63,6 +65,11 @@ class Plot {
     const double at = kTop + 16 + 16 * names_++;
     line(kRight - 92, at - 4, kRight - 72, at - 4, color, 2);
     label(kRight - 66, at, "start", name);
+  }
+  void dots(const Points& points, const char* color) {
+    for (const auto& [x, y] : points)
+      text_ += fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"2\" fill=\"{}\"/>\n", px(x),
+                           py(std::clamp(y, y0_, y1_)), color);
   }
   std::string finish() {
     text_ += fmt::format(
@@ -147,6 +154,51 @@ std::string slices_plot(const materials::Material& material) {
   for (std::size_t i = 0; i < 4; ++i) {
     for (auto& [x, y] : curves[i]) y = y > 0 ? det::log10(y) : bottom;
     plot.curve(curves[i], kColors[i], fmt::format("light {}°", kLights_deg[i]));
+  }
+  return plot.finish();
+}
+
+std::string fit_plot(const std::vector<materials::Reading>& readings, const materials::Fit& fit) {
+  constexpr const char* kColors[] = {"#222222", "#2c6fbb", "#27ae60", "#c0392b"};
+  // viewing angles are positive on the far side of the normal from the light
+  struct Slice {
+    int light_deg;
+    Points measured;
+  };
+  std::vector<Slice> slices;
+  double least = 1, most = 1e-6;
+  for (const materials::Reading& r : readings) {
+    if (std::fabs(r.to_light.x * r.to_viewer.y - r.to_light.y * r.to_viewer.x) > 1e-6) continue;
+    const int light = static_cast<int>(std::lround(det::acos(r.to_light.z) / kDegree));
+    auto at = std::find_if(slices.begin(), slices.end(),
+                           [&](const Slice& s) { return s.light_deg == light; });
+    if (at == slices.end()) {
+      if (slices.size() == std::size(kColors)) continue;
+      at = slices.insert(slices.end(), {light, {}});
+    }
+    const double side = r.to_light.x * r.to_viewer.x + r.to_light.y * r.to_viewer.y;
+    const double angle = det::acos(std::clamp(r.to_viewer.z, -1.0, 1.0)) / kDegree;
+    at->measured.emplace_back(side > 0 ? -angle : angle, det::log10(std::max(r.reflectance, 1e-4)));
+    least = std::min(least, std::max(r.reflectance, 1e-4));
+    most = std::max(most, r.reflectance);
+  }
+  const double bottom = std::floor(det::log10(least));
+  const double top = std::max(std::ceil(det::log10(most)), bottom + 1);
+  Plot plot(fmt::format("{}: {:.3f} decades RMS", fit.law, fit.rms_decades),
+            "viewing angle, degrees (light from the left)", "f, 1/sr", -90, 90, bottom, top);
+  for (int x = -90; x <= 90; x += 30) plot.x_tick(x, std::to_string(x));
+  for (double y = bottom; y <= top; y += 1) plot.y_tick(y, fmt::format("1e{:.0f}", y));
+  for (std::size_t i = 0; i < slices.size(); ++i) {
+    plot.dots(slices[i].measured, kColors[i]);
+    const auto l = det::sincos(-slices[i].light_deg * kDegree);
+    Points curve;
+    for (int step = -178; step <= 178; ++step) {
+      const auto v = det::sincos(step * 0.5 * kDegree);
+      const Vec3 f = materials::f64::brdf(fit.material, Vec3(l.sin, 0, l.cos),
+                                          Vec3(v.sin, 0, v.cos), Vec3(0, 0, 1));
+      curve.emplace_back(step * 0.5, f.y > 0 ? det::log10(f.y) : bottom);
+    }
+    plot.curve(curve, kColors[i], fmt::format("light {}°", slices[i].light_deg));
   }
   return plot.finish();
 }

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "materials/certificate.h"
 #include "materials/material.h"
+#include "materials/measured.h"
 
 namespace panwright::tools {
 
@@ -14,5 +16,9 @@ std::string albedo_plot(const materials::Material& material);
 // Reflectance π f in the plane of incidence over the viewing angle, −90° to 90°, logarithmic, for
 // light from 0°, 30°, 60° and 80°; mean of the channels, under the Sun's disc.
 std::string slices_plot(const materials::Material& material);
+
+// Readings in the plane of incidence as dots, and a law fitted to them as lines, over the viewing
+// angle; one colour for each of up to four angles of the light. Logarithmic.
+std::string fit_plot(const std::vector<materials::Reading>& readings, const materials::Fit& fit);
 
 }  // namespace panwright::tools

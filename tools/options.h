@@ -89,11 +89,19 @@ struct RenderOptions {
   ViewOptions view;
   std::string views;  // JSON file of many views
   std::string gl = "auto";
-  unsigned samples = 1;
+  unsigned samples = 0;  // N; 0: the engine's own
   bool flat = false;
   bool no_shadows = false;
   unsigned shadow_side = 2048;  // texels
   std::uint64_t max_image_bytes = 12ull << 30;
+
+  bool reference = false;   // the path tracer; what follows is for it alone
+  std::string until_error;  // "0.1%" or a fraction; empty: none
+  std::uint64_t seed = 0;
+  unsigned bounces = 3;
+  std::string filter = "box";  // or "gaussian:σ" in pixels
+  double limb_darkening = 0;   // u, 0 to 1
+  bool no_sun_disc = false;
 };
 
 struct MaterialOptions {
@@ -106,6 +114,7 @@ struct MaterialOptions {
   bool show = false;          // the text of a library's material
   std::string albedo;         // cosines, with commas
   std::string svg;            // folder for plots
+  std::string fit;            // table of measured reflectance
   std::string render;         // picture of samples
   std::uint32_t width = 480;  // of one material in the picture, pixels
   std::string engine = "gl";

@@ -91,6 +91,7 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"E0204", {"explain", "E9999"}, {}},
       {"E1225", {"compile", kFigure8, "-o", pan, "-D", "span=1m"}, {}},
       {"E1317", {"upgrade", braces}, {}},
+      {"E1409", {"material", "--fit", folder.write("short.csv", "1 2 3\n")}, {}},
       {"W2020", {"compile", inwards, "-o", folder / "inwards.pan"}, {}},
       {"N1318", {"upgrade", whole, part}, {}},
       {"E5005", {"render", pan, "-o", png, "--camera-frame", "camera"}, {}},

@@ -1,0 +1,54 @@
+// Measured reflectance, and laws fitted to it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/math.h"
+#include "base/result.h"
+#include "materials/material.h"
+
+namespace panwright::materials {
+
+// One reading: directions are unit vectors about the normal +z, away from the surface.
+struct Reading {
+  Vec3 to_light;
+  Vec3 to_viewer;
+  double reflectance = 0;  // 1/sr, one band
+};
+
+// Reads a table of measured reflectance: text with five numbers a line, parted by spaces, tabs,
+// commas or semicolons: zenith angle and azimuth of the light, zenith angle and azimuth of the
+// viewer, in degrees, and the reflectance in 1/sr. Zenith angles may be negative: the other side.
+// Lines that begin with # or with a letter are not read. In any order.
+//
+// This is the layout of the tables that G. Fankhauser, J. A. Tyson, J. Askari published with
+// "Satellite optical brightness", 2023.
+//
+// Fails: E0101, E0102; E1409 at each line that is no reading, and for fewer than 8 readings of
+// light and viewer above the horizon.
+Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, DiagnosticLog& log);
+
+// A law, with the numbers that come nearest to readings.
+struct Fit {
+  std::string law;         // in words
+  std::string text;        // its fields as pxn
+  Material material;       // fitted; the same in all channels
+  double rms_decades = 0;  // root of the mean square of log10(law/reading)
+  double max_decades = 0;  // the largest of them
+  double rms = 0;          // root of the mean square of law − reading, 1/sr
+};
+
+// Fits each of our laws that a single band can tell: Lambert, EON, and mirror facets and lacquers
+// over them. Logarithms are compared, so that the glint does not outweigh everything else; readings
+// below `floor` count as that much, where instruments see their own noise.
+//
+//   returns  the best first
+//
+// Deterministic: simplices of J. A. Nelder, R. Mead, "A simplex method for function minimization",
+// 1965, from several starts. Cost: about a second for a thousand readings.
+std::vector<Fit> fitted_laws(const std::vector<Reading>& readings, double floor = 1e-3);
+
+}  // namespace panwright::materials
