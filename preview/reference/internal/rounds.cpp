@@ -1,6 +1,7 @@
 #include "preview/reference/internal/rounds.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "base/parallel.h"
 #include "base/random.h"
@@ -131,12 +132,23 @@ CellSampler::CellSampler(const Shot& shot, const Cell& cell, std::uint32_t round
   name_.round = round;
   name_.seed = shot.seed;
   if (shot.round_samples() == 1) return;
-  const auto words =
+  words_ =
       philox({name_.pixel, round, kWholeCell, 0},
              {static_cast<std::uint32_t>(shot.seed), static_cast<std::uint32_t>(shot.seed >> 32)});
-  // odd factors: every place comes once
-  factor_ = {words[0] | 1, words[2] | 1};
-  shift_ = {words[1], words[3]};
+}
+
+// Products with odd numbers and folds of the high half onto the low one are orders each; the last
+// step alone makes every place as likely as any other.
+std::uint32_t CellSampler::shuffled(std::uint32_t number, std::size_t order) const {
+  const std::uint32_t mask = shot_.round_samples() - 1;
+  const int half = (std::bit_width(mask) + 1) / 2;
+  const std::uint32_t a = words_[2 * order];
+  const std::uint32_t b = words_[2 * order + 1];
+  number = (number * (a | 1) + (a >> 16)) & mask;
+  number ^= number >> half;
+  number = (number * ((a >> 8) | 1) + (a >> 24)) & mask;
+  number ^= number >> half;
+  return (number + b) & mask;
 }
 
 Sample CellSampler::operator()(std::uint32_t number, RayCounts& counts) const {
@@ -147,15 +159,12 @@ Sample CellSampler::operator()(std::uint32_t number, RayCounts& counts) const {
   const auto jittered = [&](std::uint32_t place, double x, double y) {
     return Vec2(place % columns + x, place / columns + y) * step;
   };
-  const auto other = [&](std::size_t order) {
-    return (number * factor_[order] + shift_[order]) & (shot_.round_samples() - 1);
-  };
   const std::array<double, 4> u = numbers(name, 0);
   const Vec2 in_cell = jittered(number, u[0], u[1]);
   FirstNumbers first;
-  first.sun = jittered(other(0), u[2], u[3]);
+  first.sun = jittered(shuffled(number, 0), u[2], u[3]);
   const std::array<double, 4> v = numbers(name, 1);
-  first.bounce = jittered(other(1), v[0], v[1]);
+  first.bounce = jittered(shuffled(number, 1), v[0], v[1]);
   first.lobe = v[2];
   Sample sample;
   sample.place = Vec2(cell_.column, cell_.row) + glm::mix(cell_.low, cell_.high, in_cell);

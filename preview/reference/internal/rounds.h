@@ -48,12 +48,13 @@ class CellSampler {
   Sample operator()(std::uint32_t number, RayCounts& counts) const;
 
  private:
+  // Where a number comes in an order of the round's samples.
+  std::uint32_t shuffled(std::uint32_t number, std::size_t order) const;
+
   const Shot& shot_;
   const Cell& cell_;
   SampleName name_;
-  // orders: (number·factor + shift) mod the samples of a round
-  std::array<std::uint32_t, 2> factor_{1, 1};
-  std::array<std::uint32_t, 2> shift_{0, 0};
+  std::array<std::uint32_t, 4> words_{};  // at random, two for each order
 };
 
 // Work for one thread: samples [first, first + count) of the cells [begin, end).
