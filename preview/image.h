@@ -30,6 +30,8 @@ struct Image {
   std::vector<std::uint32_t> node_id;      // H*W node index + 1; background 0
   std::vector<std::uint32_t> material_id;  // H*W material index + 1; background 0
 
+  std::vector<float> standard_error;  // 3*H*W of the radiance; empty where it is not known
+
   std::vector<std::pair<std::string, std::string>> metadata;  // name, value; into EXR headers
 
   bool has_truth() const { return !depth.empty(); }
@@ -38,9 +40,9 @@ struct Image {
 
 enum class ImageFormat {
   png,  // 8 bits a channel, sRGB(clamp(π·L·2^EV)): a white Lambert plate at normal Sun is white
-  exr,  // R G B A Z range N.X N.Y N.Z float, id.node id.material uint
+  exr,  // R G B A Z range N.X N.Y N.Z error.R error.G error.B float, id.node id.material uint
   npy,  // (H, W, 3) float32 radiance
-  npz,  // radiance, coverage; depth, range, normal, node_id, material_id
+  npz,  // radiance, coverage; depth, range, normal, node_id, material_id; standard_error
 };
 
 // The format that a file name's extension asks for, in any letter case.

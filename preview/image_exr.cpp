@@ -73,6 +73,11 @@ bool write_exr(AtomicFile& file, const Image& image, DiagnosticLog& log) {
     layers.add("G", image.radiance, 1, 3);
     layers.add("B", image.radiance, 2, 3);
     layers.add("A", image.coverage, 0, 1);
+    if (!image.standard_error.empty()) {
+      layers.add("error.R", image.standard_error, 0, 3);
+      layers.add("error.G", image.standard_error, 1, 3);
+      layers.add("error.B", image.standard_error, 2, 3);
+    }
     if (image.has_truth()) {
       layers.add("Z", image.depth, 0, 1);
       layers.add("range", image.range, 0, 1);
