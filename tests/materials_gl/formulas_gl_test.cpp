@@ -12,6 +12,7 @@
 #include "materials/formula_text.h"
 #include "preview/context.h"
 #include "tests/support/hard_cases.h"
+#include "tests/support/surface_text.h"
 
 namespace panwright::hard_cases {
 namespace {
@@ -198,33 +199,6 @@ TEST_P(FormulasGl, TheComparisonSeesTheLastBit) {
                     [](const Inputs& c) { return glm::vec3(materials::f32::exp_negative(c.p[0])); })
                 .different,
             0u);
-}
-
-// GLSL that makes a Surface of the same bits.
-std::string surface_text(const materials::f32::SurfaceFields& s) {
-  std::string text = "  Surface s;\n";
-  const auto bits = [](float value) {
-    return fmt::format("uintBitsToFloat({}u)", std::bit_cast<std::uint32_t>(value));
-  };
-  const auto real = [&](const char* name, float value) {
-    text += fmt::format("  s.{} = {};\n", name, bits(value));
-  };
-  const auto vector = [&](const char* name, const glm::vec3& v) {
-    text += fmt::format("  s.{} = vec3({}, {}, {});\n", name, bits(v.x), bits(v.y), bits(v.z));
-  };
-#define VECTOR(name) vector(#name, s.name);
-#define REAL(name) real(#name, s.name);
-  VECTOR(diffuse) VECTOR(specular) VECTOR(emissive) VECTOR(weights) VECTOR(indices)
-  VECTOR(extinction) REAL(shine) REAL(lobe_scale) REAL(alpha) REAL(alpha_y) VECTOR(tangent)
-  REAL(sun_alpha2) VECTOR(many_scale) REAL(loss0) REAL(loss1) REAL(loss2) REAL(loss3) REAL(loss4)
-  REAL(loss5) REAL(loss6) REAL(loss7) REAL(oren) REAL(hapke_w) REAL(hapke_h) REAL(hapke_b0)
-  REAL(hapke_rough) REAL(hapke_b) REAL(hapke_c) REAL(hapke_hc) REAL(hapke_bc0) REAL(hapke_k)
-  REAL(hapke_h0) REAL(hapke_h1) REAL(hapke_h2) REAL(hapke_h3) REAL(hapke_h4) REAL(hapke_h5)
-  REAL(hapke_h6) REAL(hapke_h7) REAL(coat_index) REAL(coat_alpha) REAL(coat_share)
-  VECTOR(coat_depth) VECTOR(coat_return) REAL(tilt_x) REAL(tilt_y)
-#undef VECTOR
-#undef REAL
-  return text;
 }
 
 // The assembled texts, with the parameters of a material written into the shader.
