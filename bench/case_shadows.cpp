@@ -106,11 +106,11 @@ void run_side(Context& context, std::array<preview::Renderer, 2>& renderers,
     const Errors found = errors(model, small, render(small, sides[i]), without, sides[i]);
     const std::string setting = fmt::format("servicer {} {} {}x{}", side.name, variants[i].setting,
                                             large.camera.width, large.camera.height);
-    Row row{.case_name = "shadows",
-            .setting = setting,
-            .speed_unit = "ms/frame",
-            .reference = "one ray to the Sun a pixel, 256x256",
-            .reference_error = 0};
+    Row row;
+    row.case_name = "shadows";
+    row.setting = setting;
+    row.speed_unit = "ms/frame";
+    row.reference = "one ray to the Sun a pixel, 256x256";
     set_time(row, timings[i], 1e3);
     row.error = found.flux;
     row.error_unit = "relative flux";
