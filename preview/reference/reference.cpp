@@ -186,7 +186,8 @@ Result<ReferenceImage> Reference::render(const View& view, const ReferenceOption
   if (!cells.empty()) {
     double each = options.samples / static_cast<double>(kLeastRounds);
     if (options.until_error > 0)
-      each = std::max(each, kRoundWork / static_cast<double>(cells.size()));
+      each = std::clamp(kRoundWork / static_cast<double>(cells.size()), each,
+                        std::max<double>(each, options.max_samples / kLeastRounds));
     set_grid(shot, each);
     const auto weight = [&](std::uint32_t column, std::uint32_t row) {
       return weight_of(camera, column, row);

@@ -1,0 +1,139 @@
+// The reference renderer: rays a second, beside what the picture is off by.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/bench.h"
+#include "geometry/instances.h"
+#include "geometry/tessellate.h"
+#include "pan/writer.h"
+#include "preview/reference/reference.h"
+#include "tests/support/oracles.h"
+
+namespace panwright::bench {
+
+namespace {
+
+constexpr double kDistance = 1e5;  // radii
+
+pan::Model ball(std::uint32_t rings) {
+  DiagnosticLog log;
+  const auto mesh =
+      geometry::tessellated(geometry::Sphere{1, geometry::SphereCounts{rings, rings}}, {}, {}, log);
+  pan::Contents contents;
+  contents.nodes.push_back({"root", -1, Vec3(0), Quat(1, 0, 0, 0), Vec3(1)});
+  contents.meshes.push_back(pan::packed(*mesh, "ball"));
+  contents.materials.push_back({});
+  contents.instances.push_back({0, 0, 0, -1});
+  auto model = pan::Model::from_bytes(pan::write_to_memory(contents), "ball.pan", log);
+  model->check(log);
+  return std::move(*model);
+}
+
+// The ball fills the image but for its corners; radius in pixels.
+preview::View view_of(double radius, std::uint32_t size, double phase) {
+  DiagnosticLog log;
+  preview::View view;
+  view.camera.width = view.camera.height = size;
+  view.camera.focal = Vec2(radius * kDistance);
+  view.camera.principal = Vec2(size / 2.0);
+  view.camera.position = Vec3(0, -kDistance, 0);
+  view.camera.world_from_camera = *preview::looking_at(view.camera.position, Vec3(0), {}, log);
+  view.to_sun = view.camera.world_from_camera * Vec3(det::sin(phase), 0, -det::cos(phase));
+  return view;
+}
+
+double flux_error(const preview::ReferenceImage& image, double phase) {
+  const double exact = 0.8 * oracles::lambert_sphere_intensity(phase);
+  return std::fabs(image.flux.x * kDistance * kDistance / exact - 1);
+}
+
+// Whole pictures: camera rays are those of a ball that is lit from behind, where nothing else is
+// to do; shadow rays come with the camera rays of a ball that is lit from the camera.
+void pictures(Context& context, const pan::Model& model, double mesh_error) {
+  DiagnosticLog log;
+  const auto reference = preview::Reference::create(model, log);
+  const std::uint32_t size = context.quick() ? 64 : 512;
+  preview::ReferenceOptions options;
+  options.samples = context.quick() ? 8 : 16;
+  options.sun_disc = false;
+  options.bounces = 0;
+  preview::ReferenceImage lit, dark, full;
+  const preview::View front = view_of(0.41 * size, size, 0);
+  const preview::View behind = view_of(0.41 * size, size, kPi);
+  const preview::View aside = view_of(0.41 * size, size, kPi / 3);
+  preview::ReferenceOptions all;
+  all.samples = options.samples;
+  const std::vector<Timing> timings =
+      interleaved({{"dark", [&] { dark = *reference->render(behind, options, log); }},
+                   {"lit", [&] { lit = *reference->render(front, options, log); }},
+                   {"full", [&] { full = *reference->render(aside, all, log); }}},
+                  context.quick() ? 2 : 5);
+  const auto row = [&](std::string setting, const Timing& timing, double rays, double error,
+                       double uncertainty) {
+    Row result{.case_name = "reference",
+               .setting = std::move(setting),
+               .speed_unit = "Mray/s",
+               .error = error,
+               .error_unit = "relative flux",
+               .reference = "closed form of the Lambert sphere",
+               .reference_error = mesh_error + uncertainty};
+    set_rate(result, timing, 1e-6 * rays);
+    return result;
+  };
+  Row camera =
+      row("camera rays, whole picture", timings[0], static_cast<double>(dark.camera_rays), 0, 0);
+  camera.must = 8;
+  context.add(camera);
+  Row shadow = row("shadow rays, beside as many camera rays, whole picture", timings[1],
+                   static_cast<double>(lit.shadow_rays), flux_error(lit, 0),
+                   3 * lit.flux_error.x / lit.flux.x);
+  shadow.must = 4;
+  if (!context.quick()) shadow.must_error = 1e-4;
+  context.add(shadow);
+  context.add(row("all rays, Sun disc and 3 bounces, phase 60, whole picture", timings[2],
+                  static_cast<double>(full.camera_rays + full.shadow_rays + full.bounce_rays),
+                  flux_error(full, kPi / 3), 3 * full.flux_error.x / full.flux.x));
+}
+
+// A ball whose disc is 1 % of a pixel, to 0.1 %.
+void small_ball(Context& context, const pan::Model& model, double mesh_error) {
+  DiagnosticLog log;
+  const auto reference = preview::Reference::create(model, log);
+  preview::ReferenceOptions options;
+  options.until_error = context.quick() ? 1e-2 : 1e-3 / 3;
+  preview::ReferenceImage image;
+  preview::View view = view_of(0.1 / std::sqrt(kPi), 16, kPi / 3);
+  view.camera.principal = Vec2(8.13, 8.81);
+  const Timing timing =
+      timed([&] { image = *reference->render(view, options, log); }, context.quick() ? 2 : 5);
+  Row row{.case_name = "reference",
+          .setting = fmt::format("a ball over 1 % of a pixel, --until-error {:.2g}%",
+                                 100 * options.until_error),
+          .speed_unit = "ms",
+          .error = flux_error(image, kPi / 3),
+          .error_unit = "relative flux",
+          .reference = "closed form of the Lambert sphere",
+          .reference_error = mesh_error,
+          .must = 2000,
+          .must_is_least = false};
+  if (!context.quick()) row.must_error = 1e-3;
+  set_time(row, timing, 1e3);
+  context.add(row);
+}
+
+void run(Context& context) {
+  const std::uint32_t rings = context.quick() ? 60 : 400;
+  const pan::Model model = ball(rings);
+  // what chords take off the disc
+  const double mesh_error = 1 - std::sin(2 * kPi / rings) / (2 * kPi / rings);
+  pictures(context, model, mesh_error);
+  small_ball(context, model, mesh_error);
+}
+
+const bool kAdded = add_case({"reference", "the path tracer's rays and errors", run});
+
+}  // namespace
+
+}  // namespace panwright::bench
