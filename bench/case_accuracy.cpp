@@ -223,7 +223,7 @@ void run_accuracy(Context& context) {
   if (!scene) return;
   const auto authored = compiled_model(*scene, log);
   const preview::View view =
-      view_from({9, -11, 6}, {0, 0, 0.4}, 24 * kDegree, {0.9, -0.7, 0.5}, side, log);
+      view_from({9, -11, 6}, {0, 0, 0.4}, 24 * kDegree, {1, 0.2, 0.5}, side, log);
   if (!authored) return;
   compare(context, **gl, "servicer, as authored", *authored, view, 0, 1e-3, log);
   compare(context, **gl, "servicer, as authored, with light between surfaces", *authored, view, 3,

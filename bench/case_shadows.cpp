@@ -8,7 +8,6 @@
 #include "bench/bench.h"
 #include "compiler/compile.h"
 #include "pan/model.h"
-#include "preview/internal/sun_frame.h"
 #include "preview/renderer.h"
 #include "pxn/pxn.h"
 #include "tests/support/sun_rays.h"
@@ -45,9 +44,7 @@ struct Errors {
 Errors errors(const pan::Model& model, const preview::View& view, const preview::Image& with,
               const preview::Image& without, unsigned side) {
   const support::SunRays rays(model, view);
-  const preview::SunFrame frame = preview::fitted_sun_frame(
-      preview::draw_list(model), glm::normalize(view.to_sun), std::max(side, 16u));
-  const double texel = std::max(frame.extent.x, frame.extent.y) / std::max(side, 16u);
+  const double texel = rays.texel(std::max(side, 16u));
   double drawn = 0;
   double traced = 0;
   double off = 0;

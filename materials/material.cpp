@@ -184,7 +184,8 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
   // the albedo of these is w; the levels that name them do not scale it unasked
   if (fields.hapke_grains || fields.lommel) material.diffuse = Vec3(1);
   material.diffuse = fields.diffuse.value_or(material.diffuse);
-  material.specular = fields.specular.value_or(material.specular);
+  // metals reflect by their n and k, and are not coloured besides
+  material.specular = fields.specular.value_or(Vec3(fields.extinction ? 1 : 0));
   material.emissive = fields.emissive.value_or(material.emissive);
   material.refract = fields.refract;
   material.extinction = fields.extinction.value_or(Vec3(0));

@@ -1,7 +1,5 @@
 #include "pxn/writer.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -43,6 +41,7 @@ class UniqueNames {
 
 // The degrees whose radians these are.
 double degrees_of(double radians) {
+  if (radians == 0) return 0;
   const double near = radians / kDegree;
   double candidate = near;
   for (int step = 0; step < 4; ++step)
@@ -243,7 +242,13 @@ class Writer {
   }
 
   void material(std::size_t index) {
-    const materials::Material& m = scene_.materials[index];
+    materials::Material m = scene_.materials[index];
+    // level 1 refuses weights that add up to more than 1; their products with the colours remain
+    const double weights = m.weights.x + m.weights.y + m.weights.z;
+    if (weights > 1 + 1e-9) {
+      m.weights /= weights;
+      for (Vec3* color : {&m.diffuse, &m.specular, &m.emissive}) *color *= weights;
+    }
     out_.open("material");
     out_.attribute("name", materials_[index]);
     const auto map = [&](std::string_view name, std::int32_t texture) {
@@ -354,10 +359,7 @@ class Writer {
     out_.attribute("fingers", c.fingers);
     out_.attribute("finger_width", c.finger_width);
     out_.attribute("finger_color", c.finger_color);
-    // in braces angles are radians
-    if (c.tilt != Vec2(0))
-      out_.attribute(
-          "tilt", fmt::format("{{{}}} {{{}}}", format_double(c.tilt.x), format_double(c.tilt.y)));
+    if (c.tilt != Vec2(0)) out_.numbers("tilt", std::span(&c.tilt.x, 2));
     out_.close("cells");
   }
 

@@ -26,7 +26,8 @@ using PictureName = std::function<std::string(std::size_t texture)>;
 //
 // What the language cannot say is changed: names that several materials have get a number, and so
 // do those of shapes that a decal could not be told by; braces in names become parentheses; shapes
-// at a node with others, and a root that is moved, get nodes of their own; pictures by texture
+// at a node with others, and a root that is moved, get nodes of their own; weights that add up to
+// more than 1 are scaled to 1 and colours made brighter for it; pictures by texture
 // coordinates that belong to an instance, and terms of a need that need others that are absent are
 // left out.
 [[nodiscard]] std::string to_text(const scene::Scene& scene, const PictureName& name = {});

@@ -734,7 +734,7 @@ inline constexpr Number kNumbers_hapke_hc[] = {
     {"hc", 0, 100, false, false},
 };
 inline constexpr Number kNumbers_hapke_bc0[] = {
-    {"bc0", 0, 10, false, false},
+    {"bc0", 0, 1000, false, false},
 };
 inline constexpr Number kNumbers_hapke_porosity[] = {
     {"porosity", 0, 0.7, false, false},

@@ -80,6 +80,11 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       folder.write("inwards.pxn",
                    "<pangu_model ver=\"1\"><box name=\"b\" size=\"2\"/><decal on=\"b\" "
                    "image=\"white.ppm\" at=\"0 0 1\" normal=\"0 0 -1\" size=\"1\"/></pangu_model>");
+  // Oren and Nayar's law of 1994 reflects up to 1.04 of the light at albedo 1
+  const std::string chalk =
+      folder.write("chalk.pxn",
+                   "<pangu_model ver=\"1\"><material name=\"chalk\"><diffuse>1 1 1</diffuse>"
+                   "<oren>0.3rad</oren></material><sphere material=\"chalk\"/></pangu_model>");
   std::vector<Trigger> triggers = {
       {"E0101", {"check", folder / "none.pxn"}, {}},
       {"E0102", {"check", folder / "unreadable.pxn"}, {}},
@@ -92,6 +97,7 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"E1225", {"compile", kFigure8, "-o", pan, "-D", "span=1m"}, {}},
       {"E1317", {"upgrade", braces}, {}},
       {"E1409", {"material", "--fit", folder.write("short.csv", "1 2 3\n")}, {}},
+      {"W1408", {"compile", chalk, "-o", folder / "chalk.pan"}, {}},
       {"W2020", {"compile", inwards, "-o", folder / "inwards.pan"}, {}},
       {"N1318", {"upgrade", whole, part}, {}},
       {"E5005", {"render", pan, "-o", png, "--camera-frame", "camera"}, {}},

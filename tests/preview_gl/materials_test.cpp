@@ -56,7 +56,8 @@ Comparison compared(const Image& image, const View& view, const pan::Model& mode
       const Vec3 exact =
           materials::f64::radiance(stored[image.material_id[pixel] - 1], to_sun,
                                    -pixel_ray(view.camera, {x + 0.5, y + 0.5}).direction,
-                                   glm::normalize(Vec3(n[0], n[1], n[2])), irradiance);
+                                   glm::normalize(Vec3(n[0], n[1], n[2])), irradiance, Vec3(1),
+                                   {Vec3(0), materials::kSunAlpha2});
       const float* drawn = &image.radiance[3 * pixel];
       peak = glm::max(peak, exact);
       worst = glm::max(worst, glm::abs(Vec3(drawn[0], drawn[1], drawn[2]) - exact));

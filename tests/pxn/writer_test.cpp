@@ -177,7 +177,8 @@ class Maker {
     if (below(2) == 0) f.specular = color();
     if (below(3) == 0) f.shine = unit() * 128;
     if (below(3) == 0) f.emissive = color();
-    if (below(2) == 0) f.reflect = Vec3(unit(), unit(), below(2) * unit());
+    // level 1 refuses more than 1 in all
+    if (below(2) == 0) f.reflect = Vec3(unit(), unit(), below(2) * unit()) / 3.0;
     if (below(3) == 0) f.cook = {unit(), unit() + 0.01, unit(), unit()};
     if (below(3) == 0) f.oren = unit();
     if (below(3) == 0) f.hapke = {unit(), unit(), unit(), 80 * unit()};

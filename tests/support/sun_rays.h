@@ -1,6 +1,7 @@
 // Who sees the Sun, by rays in double: what shadow maps are held against. Meshes without holes.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "geometry/ray.h"
 #include "pan/model.h"
 #include "preview/camera.h"
+#include "preview/internal/sun_frame.h"
 
 namespace panwright::support {
 
@@ -31,6 +33,13 @@ class SunRays {
       caster_.add(exact, world_from_mesh_.back());
     }
     caster_.build();
+  }
+
+  // Metres of a texel of the preview's shadow map, where the model stands as it was made.
+  double texel(unsigned side) const {
+    const preview::SunFrame frame =
+        preview::fitted_sun_frame(preview::draw_list(model_), to_sun_, side);
+    return std::max(frame.extent.x, frame.extent.y) / side;
   }
 
   // What a camera ray meets.
