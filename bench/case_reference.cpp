@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "base/parallel.h"
 #include "bench/bench.h"
 #include "geometry/instances.h"
 #include "geometry/tessellate.h"
@@ -84,17 +86,69 @@ void pictures(Context& context, const pan::Model& model, double mesh_error) {
   };
   Row camera =
       row("camera rays, whole picture", timings[0], static_cast<double>(dark.camera_rays), 0, 0);
-  camera.must = 8;
   context.add(camera);
   Row shadow = row("shadow rays, beside as many camera rays, whole picture", timings[1],
                    static_cast<double>(lit.shadow_rays), flux_error(lit, 0),
                    3 * lit.flux_error.x / lit.flux.x);
-  shadow.must = 4;
   if (!context.quick()) shadow.must_error = 1e-4;
   context.add(shadow);
   context.add(row("all rays, Sun disc and 3 bounces, phase 60, whole picture", timings[2],
                   static_cast<double>(full.camera_rays + full.shadow_rays + full.bounce_rays),
                   flux_error(full, kPi / 3), 3 * full.flux_error.x / full.flux.x));
+}
+
+// The rays alone, without what is done at their ends: on a grid over the ball from far away, and
+// from its surface to the Sun.
+void rays(Context& context, std::uint32_t rings) {
+  DiagnosticLog log;
+  const auto mesh =
+      geometry::tessellated(geometry::Sphere{1, geometry::SphereCounts{rings, rings}}, {}, {}, log);
+  geometry::InstanceCaster caster;
+  caster.add(caster.add_mesh(mesh->positions, mesh->triangles), Mat4(1), false);
+  caster.build();
+  const int side = context.quick() ? 64 : 1024;
+  std::vector<geometry::Ray> camera, shadow;
+  double worst = 0;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const Vec3 aside(2.2 * (x + 0.5) / side - 1.1, 2.2 * (y + 0.5) / side - 1.1, 0);
+      camera.push_back({aside + Vec3(0, 0, kDistance), Vec3(0, 0, -1)});
+      const auto hit = caster.closest(camera.back());
+      if (!hit) continue;
+      const Vec3 at = aside + Vec3(0, 0, kDistance - hit->distance);
+      worst = std::max(worst, std::fabs(glm::length(at) - 1));
+      shadow.push_back({at * (1 + 2 * mesh->error), glm::normalize(Vec3(0.6, 0, 0.8))});
+    }
+  const auto cast = [&](const std::vector<geometry::Ray>& all, bool any) {
+    constexpr std::size_t kChunk = 4096;
+    std::vector<std::size_t> hits((all.size() + kChunk - 1) / kChunk);
+    parallel_for(hits.size(), [&](std::size_t task) {
+      const std::size_t end = std::min(all.size(), (task + 1) * kChunk);
+      for (std::size_t i = task * kChunk; i < end; ++i)
+        hits[task] += any ? caster.any(all[i]) : caster.closest(all[i]).has_value();
+    });
+    return std::accumulate(hits.begin(), hits.end(), std::size_t{0});
+  };
+  std::size_t seen = 0, dark = 0;
+  const std::vector<Timing> timings = interleaved({{"camera", [&] { seen = cast(camera, false); }},
+                                                   {"shadow", [&] { dark = cast(shadow, true); }}},
+                                                  context.quick() ? 2 : 5);
+  if (dark == 0 || seen != shadow.size()) context.note("rays of the ball miss it");
+  for (const bool is_shadow : {false, true}) {
+    Row row{.case_name = "reference",
+            .setting = fmt::format("{} rays alone, {} triangles", is_shadow ? "shadow" : "camera",
+                                   mesh->triangles.size()),
+            .speed_unit = "Mray/s",
+            .error = worst,
+            .error_unit = "m",
+            .reference = "sphere of radius 1 m; the mesh's own error is included",
+            .reference_error = mesh->error,
+            .must = is_shadow ? 4.0 : 8.0,
+            .must_error = mesh->error + 1e-9};
+    set_rate(row, timings[is_shadow],
+             1e-6 * static_cast<double>((is_shadow ? shadow : camera).size()));
+    context.add(row);
+  }
 }
 
 // A ball whose disc is 1 % of a pixel, to 0.1 %.
@@ -128,6 +182,7 @@ void run(Context& context) {
   const pan::Model model = ball(rings);
   // what chords take off the disc
   const double mesh_error = 1 - std::sin(2 * kPi / rings) / (2 * kPi / rings);
+  rays(context, rings);
   pictures(context, model, mesh_error);
   small_ball(context, model, mesh_error);
 }

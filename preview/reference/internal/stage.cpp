@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "materials/cells.h"
 #include "preview/reference/internal/texels.h"
 
 namespace panwright::preview::reference {
@@ -40,6 +41,12 @@ Stage::Stage(const pan::Model& model) : model_(model), items_(draw_list(model)) 
     // in double, whatever the file's own fits were rounded to
     materials::fit(materials_.back());
     scatters_.emplace_back(materials_.back());
+  }
+  for (const materials::Material& material : materials_) {
+    parts_of_.push_back(material.cells ? static_cast<std::uint32_t>(scatters_.size()) : 0);
+    if (!material.cells) continue;
+    for (const materials::Material& part : materials::cell_parts(material))
+      scatters_.emplace_back(part);
   }
   add_meshes();
   for (const DrawItem& item : items_) placed_.push_back(make_item(item));
@@ -106,6 +113,7 @@ Stage::Item Stage::make_item(const DrawItem& draw) {
   };
   item.texture = colour(draw.texture);
   if (item.mesh.texcoords.empty()) return item;
+  item.cell_parts = parts_of_[draw.material];
   item.albedo = colour(record.albedo_map);
   item.normal = picture(record.normal_map, TextureRole::normal, 0);
   item.roughness = picture(record.roughness_map, TextureRole::roughness, 0);
@@ -136,11 +144,24 @@ Stage::Place Stage::place(const Item& item, const geometry::InstanceHit& hit) co
   return result;
 }
 
-Vec2 Stage::map_texcoord(const DrawItem& draw, const Item& item, const Place& place) const {
+Vec2 Stage::plain_texcoord(const Item& item, const Place& place) const {
   Vec2 at(0);
   for (int k = 0; k < 3; ++k)
     at += place.weight[k] * vec2(item.mesh.texcoords[place.corner[static_cast<std::size_t>(k)]]);
-  return at * draw.repeat;
+  return at;
+}
+
+Vec2 Stage::map_texcoord(const DrawItem& draw, const Item& item, const Place& place) const {
+  return plain_texcoord(item, place) * draw.repeat;
+}
+
+// The laws of a place: its material's, or those of the part of a solar cell.
+const Scatter& Stage::scatter_at(const DrawItem& draw, const Item& item, const Place& place) const {
+  if (item.cell_parts == 0 || item.diffuse_in_tint) return scatters_[item.scatter];
+  const materials::CellShares shares =
+      materials::cells_at(*materials_[draw.material].cells, plain_texcoord(item, place), Vec2(0));
+  const std::uint32_t part = shares.cell >= 0.5 ? 0 : shares.finger > shares.gap ? 1 : 2;
+  return scatters_[item.cell_parts + part];
 }
 
 bool Stage::is_there(const geometry::InstanceHit& hit) const {
@@ -207,11 +228,7 @@ Vec3 Stage::colour(const DrawItem& draw, const Item& item, const Place& place,
   };
   Vec3 result(1);
   if (item.texture >= 0 && !item.mesh.texcoords.empty()) {
-    Vec2 plain(0);
-    for (int k = 0; k < 3; ++k)
-      plain +=
-          place.weight[k] * vec2(item.mesh.texcoords[place.corner[static_cast<std::size_t>(k)]]);
-    result *= of(item.texture, plain);
+    result *= of(item.texture, plain_texcoord(item, place));
   }
   if (item.albedo >= 0) result *= of(item.albedo, at);
   if (!item.mesh.colours.empty()) {
@@ -279,7 +296,7 @@ Point Stage::point(const geometry::InstanceHit& hit, bool flat) const {
   if (item.diffuse_in_tint)
     tint = decorated(item, position, smooth, draw.closed || hit.front, item.diffuse * tint);
   result.tint = tint * length;
-  result.scatter = &scatters_[item.scatter];
+  result.scatter = &scatter_at(draw, item, where);
   if (item.roughness >= 0) {
     const double factor = repeated_texel(pictures_[static_cast<std::size_t>(item.roughness)], at).x;
     result.own.emplace(result.scatter->roughened(factor));

@@ -64,6 +64,7 @@ class Stage {
     Vec3 diffuse{0};                     // colour of the material
     Vec3 emitted{0};                     // radiance for an irradiance of 1
     std::uint32_t scatter = 0;
+    std::uint32_t cell_parts = 0;  // of scatters_: cell, grid line, gap; 0: no solar cells
     bool diffuse_in_tint = false;  // the tint is the whole diffuse colour, decals over it
     std::int32_t texture = -1, albedo = -1, normal = -1, roughness = -1, cutout = -1;  // pictures
     std::vector<std::uint32_t> decals;  // from the lowest
@@ -80,6 +81,8 @@ class Stage {
   Item make_item(const DrawItem& item);
   void add_meshes();
   Place place(const Item& item, const geometry::InstanceHit& hit) const;
+  const Scatter& scatter_at(const DrawItem& draw, const Item& item, const Place& place) const;
+  Vec2 plain_texcoord(const Item& item, const Place& place) const;
   Vec2 map_texcoord(const DrawItem& draw, const Item& item, const Place& place) const;
   bool is_there(const geometry::InstanceHit& hit) const;
   Vec4 tangent(const Item& item, const geometry::InstanceHit& hit, const Place& place) const;
@@ -95,7 +98,9 @@ class Stage {
   std::vector<DrawItem> items_;
   std::vector<Item> placed_;                    // one for each of items_
   std::vector<materials::Material> materials_;  // the model's
-  std::vector<Scatter> scatters_;  // one for each of materials_, then those of items with decals
+  // one for each of materials_, then the parts of solar cells and those of items with decals
+  std::vector<Scatter> scatters_;
+  std::vector<std::uint32_t> parts_of_;  // Item::cell_parts of each of materials_
   std::vector<TextureLevel> pictures_;
   std::map<PictureKey, std::int32_t> picture_of_;
   std::vector<PlacedDecal> decals_;
