@@ -127,6 +127,10 @@ void add_reference(CLI::App* app, RenderOptions& options) {
   app->add_option("--until-error", options.until_error,
                   "Reference: go on until the flux is known this well, as 0.1%")
       ->type_name("SHARE");
+  app->add_option("--max-samples", options.max_samples,
+                  "Reference: most samples of a pixel with --until-error (default 67108864)")
+      ->check(CLI::Range(32u, 1u << 30))
+      ->type_name("N");
   app->add_option("--bounces", options.bounces,
                   "Reference: interreflections that are followed (default 3)")
       ->check(CLI::Range(0u, 1000u))

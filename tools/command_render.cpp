@@ -128,6 +128,7 @@ Result<preview::ReferenceOptions> reference_options(const RenderOptions& options
   const std::size_t errors = log.errors();
   preview::ReferenceOptions result;
   result.samples = std::max(options.samples * options.samples, 8u);
+  result.max_samples = options.max_samples;
   result.seed = options.seed;
   result.bounces = options.bounces;
   result.sun_disc = !options.no_sun_disc;

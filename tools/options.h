@@ -98,6 +98,7 @@ struct RenderOptions {
   bool reference = false;   // the path tracer; what follows is for it alone
   std::string until_error;  // "0.1%" or a fraction; empty: none
   std::uint64_t seed = 0;
+  unsigned max_samples = 1u << 26;  // of a pixel, with until_error
   unsigned bounces = 3;
   std::string filter = "box";  // or "gaussian:σ" in pixels
   double limb_darkening = 0;   // u, 0 to 1

@@ -36,7 +36,7 @@ TEST(Random, NeighboursAreIndependent) {
       for (std::uint32_t bit = 0; bit < 32; ++bit) set[k][bit] += (here[k] ^ next[k]) >> bit & 1;
   }
   for (const auto& word : set)
-    for (const int count : word)  // 5 sigma of 128 coins thrown 20,000 times; 3.4 sigma seen
+    for (const int count : word)  // 5 sigma of coins thrown 20,000 times: 1 in 14,000 for all 128
       EXPECT_NEAR(count, kCount / 2.0, 5 * std::sqrt(kCount / 4.0));
 }
 

@@ -102,6 +102,10 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"N1318", {"upgrade", whole, part}, {}},
       {"E5005", {"render", pan, "-o", png, "--camera-frame", "camera"}, {}},
       {"N5004", {"render", pan, "-o", png, "--camera", "0 0 9"}, {}},
+      {"W5008",
+       {"render", pan, "-o", png, "--engine", "reference", "--until-error", "0.0001%",
+        "--max-samples", "100", "--size", "8x8"},
+       {}},
   };
 #ifdef PANWRIGHT_GL
   triggers.insert(
