@@ -1,0 +1,55 @@
+// Pictures on surfaces, on plates seen straight from above.
+#include "reference_models.h"
+#include "tests/preview_gl/pictures.h"
+
+namespace panwright::preview {
+namespace {
+
+using namespace testing_support;
+
+constexpr std::uint32_t kSide = 32;  // pixels across a plate of 1 m
+
+TEST(ReferenceMaps, AlbedoMapsKeepTheirMean) {
+  Pictured contents(single(plate(1, 1), lambert(0.8)));
+  contents.materials[0].maps.albedo = contents.add(
+      4, 4, true, [](std::uint32_t x, std::uint32_t) { return grey(x % 2 ? 255 : 0); });
+  const ReferenceImage result = traced(model_of(contents), above(kSide, 1), direct_light(64));
+  // bilinear between stripes: half of the colour, on the mean
+  EXPECT_NEAR(result.flux.x * kPi, 0.4, 5 * kPi * result.flux_error.x + 1e-6);
+  expect_no_nan(result.image);
+}
+
+TEST(ReferenceMaps, HolesAreSeenAndLitThrough) {
+  Pictured contents(single(plate(1, 1), lambert(0.8)));
+  contents.materials[0].maps.cutout = contents.add(
+      4, 4, true, [](std::uint32_t x, std::uint32_t) { return grey(255, x < 2 ? 255 : 0); });
+  ReferenceImage result = traced(model_of(contents), above(kSide, 1), direct_light(64));
+  double covered = 0;
+  for (const float c : result.image.coverage) covered += c;
+  EXPECT_NEAR(covered / (kSide * kSide), 0.5, 2e-3);
+  EXPECT_NEAR(result.flux.x * kPi, 0.4, 2e-3);
+  // a whole plate below shows through the holes, and the light that falls through them
+  contents.nodes.push_back({"below", 0, Vec3(0, 0, -0.5), Quat(1, 0, 0, 0), Vec3(1)});
+  contents.materials.push_back(lambert(0.8));
+  contents.instances.push_back({1, 0, 1, -1});
+  result = traced(model_of(contents), above(kSide, 1), direct_light(64));
+  EXPECT_NEAR(result.flux.x * kPi, 0.8, 1e-6);
+}
+
+TEST(ReferenceMaps, NormalMapsTilt) {
+  Pictured contents(single(plate(1, 1), lambert(1)));
+  // (0.6, 0, 0.8) as codes
+  contents.materials[0].maps.normal = contents.add(2, 2, true, [](std::uint32_t, std::uint32_t) {
+    return Texel{204, 128, 230, 255};
+  });
+  const double x = 2 * 204 / 255.0 - 1, y = 2 * 128 / 255.0 - 1, z = 2 * 230 / 255.0 - 1;
+  const Vec3 normal = glm::normalize(Vec3(x, y, z));
+  for (const Vec3& sun : {Vec3(0, 0, 1), Vec3(0.6, 0, 0.8), Vec3(-0.6, 0.5, 0.6)}) {
+    const ReferenceImage result =
+        traced(model_of(contents), above(kSide, 1, sun), direct_light(32));
+    EXPECT_NEAR(result.flux.x * kPi, std::max(0.0, glm::dot(normal, glm::normalize(sun))), 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace panwright::preview
