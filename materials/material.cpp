@@ -195,7 +195,7 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
   material.maps = fields.maps.value_or(Maps{});
   if (fields.reflect)
     material.weights = *fields.reflect;
-  else if ((fields.specular || fields.specular_law) && !fields.diffuse)
+  else if ((fields.specular || fields.specular_law || fields.extinction) && !fields.diffuse)
     material.weights = {0, 1, 0};
 
   settle_diffuse(material, fields, report);

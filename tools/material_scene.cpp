@@ -101,11 +101,11 @@ scene::Scene sample_scene(const materials::Material& material) {
     scene.instances.push_back(std::move(instance));
   };
   add("sphere", geometry::Sphere{kSide / 2}, -kPitch, Quat(1, 0, 0, 0));
-  // halfway between the Sun and the viewer, and a seventh of a right angle back towards the viewer:
-  // a mirror's glint misses the tile, a rough surface shows the flank of its highlight
+  // halfway between the Sun and the viewer, and 12 degrees back towards the viewer: a mirror's glint
+  // misses the tile, a rough surface shows the flank of its highlight
   const Vec3 to_viewer(0, -1, 0);
   const Vec3 halfway = glm::normalize(glm::normalize(kToSun) + to_viewer);
-  const Quat tilt = facing(halfway + 0.23 * to_viewer);
+  const Quat tilt = facing(halfway + 1.2 * to_viewer);
   add("tile", geometry::Plane{kSide, kSide}, 0, tilt);
   add("wrinkled", std::make_shared<const geometry::Mesh>(wrinkled_tile()), kPitch, tilt);
   return scene;
