@@ -10,7 +10,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 INTRO = """# How right is the preview?
 
 The OpenGL preview against the reference renderer (`docs/reference-renderer.md`), law by law: a sphere that fills nine tenths of the
-picture, and the servicer of the examples with every surface of that law; 400 × 400 pixels, 4 × 4 points each, the Sun 60° (sphere)
+picture, and the servicer of the examples with every surface of that law; 256 × 256 pixels, 4 × 4 points each, the Sun 60° (sphere)
 and 56° (servicer) from the line of sight. This page is written by `bench/accuracy_table.py` from `bench/results/accuracy.csv`, which
 `panwright-bench accuracy` measures.
 

@@ -1,9 +1,10 @@
-// OpenGL against the reference renderer, law by law: a sphere, and the servicer. Three rows each:
-// flux, RMSE, FLIP, beside the time of a frame.
+// OpenGL against the reference renderer, law by law: a sphere, and the servicer in some of them.
+// Three rows each: flux, RMSE, FLIP, beside the time of a frame.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -159,7 +160,8 @@ void compare(Context& context, preview::Context& gl, const std::string& setting,
   preview::ReferenceOptions slow;
   slow.bounces = bounces;
   slow.until_error = context.quick() ? 0 : until_error;
-  slow.max_samples = 4096;
+  slow.samples = context.quick() ? 8 : 32;
+  slow.max_samples = 256;
   const auto truth = reference->render(view, slow, log);
   if (!image || !truth) return;
 
@@ -206,7 +208,7 @@ void run_accuracy(Context& context) {
     return;
   }
   context.set_renderer((*gl)->renderer());
-  const std::uint32_t side = context.quick() ? 64 : 400;
+  const std::uint32_t side = context.quick() ? 64 : 256;
   const Vec3 to_sun(0.8, -0.5, 0.33);
   for (const auto& [name, material] : all_laws()) {
     const auto model = compiled_model(sphere_scene({240, 480}, material), log);
@@ -214,7 +216,7 @@ void run_accuracy(Context& context) {
     // the sphere fills nine tenths of the picture
     const preview::View view =
         view_from({0, -20, 0}, Vec3(0), 2 * std::asin(1.0 / 18), to_sun, side, log);
-    compare(context, **gl, "sphere, " + name, *model, view, 0, 2e-4, log);
+    compare(context, **gl, "sphere, " + name, *model, view, 0, 5e-4, log);
     if (context.quick()) break;
   }
   const auto path = context.source("examples/servicer/servicer.pxn");
@@ -225,11 +227,14 @@ void run_accuracy(Context& context) {
   const preview::View view =
       view_from({9, -11, 6}, {0, 0, 0.4}, 24 * kDegree, {1, 0.2, 0.5}, side, log);
   if (!authored) return;
-  compare(context, **gl, "servicer, as authored", *authored, view, 0, 1e-3, log);
+  compare(context, **gl, "servicer, as authored", *authored, view, 0, 2e-3, log);
   compare(context, **gl, "servicer, as authored, with light between surfaces", *authored, view, 3,
-          1e-3, log);
+          2e-3, log);
   if (context.quick()) return;
   for (const auto& [name, material] : all_laws()) {
+    const std::string_view shown[] = {"Lambert",           "Hapke",         "Cook-Torrance", "GGX",
+                                      "GGX aluminium 0.3", "coated Lambert"};
+    if (std::find(std::begin(shown), std::end(shown), name) == std::end(shown)) continue;
     scene::Scene worn = *scene;
     for (materials::Material& each : worn.materials) {
       const std::string own = each.name;
@@ -237,7 +242,7 @@ void run_accuracy(Context& context) {
       each.name = own;
     }
     const auto model = compiled_model(worn, log);
-    if (model) compare(context, **gl, "servicer, " + name, *model, view, 0, 1e-3, log);
+    if (model) compare(context, **gl, "servicer, " + name, *model, view, 0, 2e-3, log);
   }
 }
 

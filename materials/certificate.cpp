@@ -86,12 +86,15 @@ bool may_gain(const Material& m) {
   // plane albedo 1 − γH is at most 1 but for the opposition effects, which come on top
   if (m.diffuse_law == DiffuseLaw::hapke)
     diffuse = m.hapke[0] * (1 + m.hapke[2]) * (1 + m.grains.b_c0) < 0.5 ? 0.5 : 1e9;
+  // rough coats, and facets that are not the same all around, are balanced to a few per cent only
+  constexpr double kNearlyAll = 0.9;
+  const bool uneven = m.coat || (m.cook[1] != m.alpha_y && !m.refract);
   bool gain = false;
   for (int k = 0; k < 3; ++k) {
     const double d = m.weights.x * m.diffuse[k];
     const double s = m.weights.y * m.specular[k];
     if (m.diffuse_law != DiffuseLaw::hapke && d + s > 1 + kRounding) return false;
-    gain = gain || d * diffuse + s * factor > 1 + kRounding;
+    gain = gain || d * diffuse + s * factor > (uneven ? kNearlyAll : 1 + kRounding);
   }
   return gain;
 }

@@ -208,6 +208,11 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
     material.diffuse_law = DiffuseLaw::lambert;
   if (material.weights.y == 0 || material.specular == Vec3(0))
     material.specular_law = SpecularLaw::none;
+  if (fields.specular_law && material.specular_law == SpecularLaw::none) {
+    material.cook = Material{}.cook;
+    material.alpha_y = Material{}.alpha_y;
+    material.compensation = Compensation::automatic;
+  }
   fit(material);
   return material;
 }

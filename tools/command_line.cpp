@@ -1,6 +1,7 @@
 // The command line. The only translation unit that includes CLI11, which is slow to compile.
 
 #include <fmt/format.h>
+#include <cmath>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -13,10 +14,19 @@
 #include "tools/completion.h"
 #include "tools/run.h"
 #include "tools/session.h"
+#include "tools/view.h"
 
 namespace panwright::tools {
 
 namespace {
+
+// Refuses what is no finite number: ranges let "nan" pass.
+const CLI::Validator kNumber(
+    [](std::string& text) {
+      const auto number = parse_numbers(text, 1);
+      return number && std::isfinite((*number)[0]) ? std::string() : text + " is no finite number";
+    },
+    "");
 
 constexpr int kUsage = 2;
 constexpr int kInternal = 70;
@@ -64,6 +74,7 @@ void add_read(CLI::App* app, ReadOptions& read) {
   app->add_option("--max-error", read.max_error,
                   "Metres that a mesh may lie from its shape, in the world: overrides the model's "
                   "budget (default: the budget, or 0.001)")
+      ->check(kNumber)
       ->check(CLI::PositiveNumber)
       ->type_name("METRES");
   app->add_option("--max-triangles", read.max_triangles, "Most triangles in the file")
@@ -143,6 +154,7 @@ void add_reference(CLI::App* app, RenderOptions& options) {
       ->type_name("FILTER");
   app->add_option("--limb-darkening", options.limb_darkening,
                   "Reference: u of I = 1 - u (1 - cos) over the Sun's disc (default 0)")
+      ->check(kNumber)
       ->check(CLI::Range(0.0, 1.0))
       ->type_name("U");
   app->add_flag("--no-sun-disc", options.no_sun_disc, "Reference: the Sun is a point");

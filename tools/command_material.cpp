@@ -212,7 +212,11 @@ void print_certificate(const DescribedMaterial& described, const materials::Cert
 }
 
 bool write_plots(const std::string& folder, const materials::Material& material, Session& session) {
-  const std::filesystem::path base = std::filesystem::path(folder) / material.name;
+  std::string stem = material.name;
+  for (char& c : stem)
+    if (c == '/' || c == '\\' || c == '\0') c = '_';
+  if (stem.starts_with('.')) stem.front() = '_';
+  const std::filesystem::path base = std::filesystem::path(folder) / stem;
   const auto write = [&](const char* suffix, const std::string& text) {
     return write_file(base.string() + suffix, std::as_bytes(std::span(text)), session.log());
   };
@@ -261,6 +265,15 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const MaterialOption
   sheet.width = columns * options.width;
   sheet.height = rows * cell_height;
   sheet.unit = "1/sr";
+  constexpr std::size_t kMostPixels = 100'000'000;
+  if (sheet.pixels() > kMostPixels) {
+    session.log().report(
+        Code::E5003, {},
+        fmt::format("a sheet of {} by {} pixels is more than {} megapixels; take a "
+                    "smaller --width or fewer materials",
+                    sheet.width, sheet.height, kMostPixels / 1'000'000));
+    return false;
+  }
   sheet.radiance.assign(3 * sheet.pixels(), 0.0f);
   sheet.coverage.assign(sheet.pixels(), 0.0f);
   for (std::size_t i = 0; i < all.size(); ++i) {

@@ -38,11 +38,12 @@ class Reader {
       return std::nullopt;
     }
     const Vec3 v((*numbers)[0], (*numbers)[1], (*numbers)[2]);
-    if (direction && glm::length(v) == 0) {
-      fail(name, *text, "a direction, not all zeros");
-      return std::nullopt;
-    }
-    return v;
+    if (!direction) return v;
+    // squares of the largest and the smallest numbers have no place in a double
+    const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+    if (largest > 0) return v / largest;
+    fail(name, *text, "a direction, not all zeros");
+    return std::nullopt;
   }
 
   std::optional<Quat> quaternion(const char* name, const std::string& text,
@@ -186,12 +187,14 @@ void read_sun(const ViewOptions& options, Reader& reader, preview::View& view) {
   const std::string& text = *options.sun_irradiance;
   const auto one = parse_numbers(text, 1);
   const auto three = parse_numbers(text, 3);
-  if (one && (*one)[0] >= 0)
+  // what a float holds, with room for glints
+  const auto fits = [](double e) { return e >= 0 && e <= 1e20; };
+  if (one && fits((*one)[0]))
     view.sun_irradiance = Vec3((*one)[0]);
-  else if (three && std::all_of(three->begin(), three->end(), [](double e) { return e >= 0; }))
+  else if (three && std::all_of(three->begin(), three->end(), fits))
     view.sun_irradiance = Vec3((*three)[0], (*three)[1], (*three)[2]);
   else
-    reader.fail("sun-irradiance", text, "one number or three, W/m², none below 0");
+    reader.fail("sun-irradiance", text, "one number or three, W/m², 0 to 1e20");
 }
 
 }  // namespace

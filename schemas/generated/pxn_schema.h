@@ -992,8 +992,8 @@ inline constexpr std::string_view kWords_beckmann_energy[] = {
     "single",
 };
 inline constexpr Number kNumbers_beckmann[] = {
-    {"u", 0, 1, true, false},
-    {"v", 0, 1, true, false},
+    {"u", 1e-05, 1, false, false},
+    {"v", 1e-05, 1, false, false},
 };
 inline constexpr Attribute kAttributes_beckmann[] = {
     {"energy", 1, true, false, {ValueKind::word, 1, {}, kWords_beckmann_energy, Dimension::none, false, false, 1, 0}},
