@@ -16,6 +16,8 @@ namespace {
 
 constexpr std::uint64_t kMostBytes = 64u << 20;
 constexpr std::size_t kFewestReadings = 8;
+constexpr std::size_t kMostReadings = 100'000;
+constexpr double kBrightest = 1e9;  // 1/sr; a flat mirror shows the Sun with 1.5e4
 // closer to the horizon instruments measure the edge of the sample
 constexpr double kLowest = 0.03;  // cosine
 
@@ -42,6 +44,8 @@ std::string read_line(std::string_view line, std::array<double, 5>& out) {
   if (std::fabs(out[0]) > 90 || std::fabs(out[2]) > 90)
     return fmt::format("a zenith angle of {} degrees is below the horizon",
                        format_double(std::fabs(out[0]) > 90 ? out[0] : out[2]));
+  if (out[4] > kBrightest)
+    return fmt::format("the reflectance {} is no surface's", format_double(out[4]));
   if (out[4] < 0) return fmt::format("the reflectance {} is below 0", format_double(out[4]));
   return {};
 }
@@ -250,6 +254,12 @@ Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, Di
     begin = end + 1;
   }
   if (log.errors() != errors) return failed;
+  if (readings.size() > kMostReadings) {
+    log.report_file(
+        Code::E1409, path.string(),
+        fmt::format("{} are more than {}", counted(readings.size(), "reading"), kMostReadings));
+    return failed;
+  }
   if (usable < kFewestReadings) {
     log.report_file(
         Code::E1409, path.string(),

@@ -302,13 +302,24 @@ void fit_table(const MaterialOptions& options, Session& session) {
   const auto readings = materials::read_measured(options.fit, session.log());
   if (!readings) return;
   session.step("fit");
-  const std::vector<materials::Fit> fits = materials::fitted_laws(*readings);
+  // where the surface is black all over, instruments see less of their own noise
+  double brightest = 0;
+  for (const materials::Reading& reading : *readings)
+    brightest = std::max(brightest, reading.reflectance);
+  const double floor = std::min(1e-3, 0.01 * brightest);
+  if (!(floor > 0)) {
+    session.log().report_file(Code::E1409, options.fit, "every reading is 0");
+    return;
+  }
+  const std::vector<materials::Fit> fits = materials::fitted_laws(*readings, floor);
   Json& out = session.result();
   out["readings"] = readings->size();
   out["fits"] = Json::array();
   if (!session.options().json)
-    fmt::print("{} of {}\nRMS of log10(law/reading), largest, RMS of the difference in 1/sr\n",
-               counted(readings->size(), "reading"), options.fit);
+    fmt::print(
+        "{} of {}, those below {:.2g}/sr taken as that\n"
+        "RMS of log10(law/reading), largest, RMS of the difference in 1/sr\n",
+        counted(readings->size(), "reading"), options.fit, floor);
   for (const materials::Fit& fit : fits) {
     out["fits"].push_back({{"law", fit.law},
                            {"rms_decades", fit.rms_decades},

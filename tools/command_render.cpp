@@ -211,6 +211,21 @@ int render_reference(const RenderOptions& options, const pan::Model& model,
   return session.finish();
 }
 
+// An option of the other engine; nullptr: none.
+const char* stray_option(const RenderOptions& options) {
+  const RenderOptions none;
+  if (options.reference) {
+    if (options.no_shadows) return "--no-shadows";
+    return options.shadow_side != none.shadow_side ? "--shadow-side" : nullptr;
+  }
+  if (options.until_error != none.until_error) return "--until-error";
+  if (options.filter != none.filter) return "--filter";
+  if (options.bounces != none.bounces) return "--bounces";
+  if (options.seed != none.seed) return "--seed";
+  if (options.limb_darkening != none.limb_darkening) return "--limb-darkening";
+  return options.no_sun_disc ? "--no-sun-disc" : nullptr;
+}
+
 }  // namespace
 
 int render(const RenderOptions& typed) {
@@ -218,6 +233,12 @@ int render(const RenderOptions& typed) {
   if (options.samples == 0) options.samples = options.reference ? 8 : 1;
   Session session("render", options.common);
   DiagnosticLog& log = session.log();
+  if (const char* stray = stray_option(options)) {
+    log.report(Code::E0201, {},
+               fmt::format("{} means nothing to --engine {}", stray,
+                           options.reference ? "reference" : "gl"));
+    return session.finish();
+  }
   const auto model = load_model(options.input, options.read, session);
   if (!model) return session.finish();
   const auto jobs = make_jobs(options, *model, log);
