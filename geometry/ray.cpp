@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/internal/embree_device.h"
+#include "geometry/internal/hit_order.h"
 
 namespace panwright::geometry {
 
@@ -85,14 +86,7 @@ bool take(Query& query, const RTCHit& hit) {
   candidate.triangle = hit.primID;
   if (!(candidate.distance >= query.min_distance && candidate.distance <= query.max_distance))
     return false;
-  if (query.found) {
-    const RayHit& best = query.best;
-    if (candidate.distance > best.distance) return false;
-    if (candidate.distance == best.distance &&
-        (candidate.instance != best.instance ? candidate.instance > best.instance
-                                             : candidate.triangle > best.triangle))
-      return false;
-  }
+  if (query.found && comes_after(candidate, query.best)) return false;
   query.best = candidate;
   query.found = true;
   return true;

@@ -8,6 +8,7 @@
 #include <new>
 
 #include "geometry/internal/embree_device.h"
+#include "geometry/internal/hit_order.h"
 
 namespace panwright::geometry {
 namespace {
@@ -97,10 +98,7 @@ bool take(Query& query, const RTCHit& hit) {
   candidate.front = crossing.front;
   if (!(candidate.distance >= ray.min_distance && candidate.distance <= ray.max_distance))
     return false;
-  if (ray.found && candidate.distance == ray.best.distance &&
-      (candidate.instance != ray.best.instance ? candidate.instance > ray.best.instance
-                                               : candidate.triangle > ray.best.triangle))
-    return false;
+  if (ray.found && comes_after(candidate, ray.best)) return false;
   if (query.asked && ray.filter.counts && !ray.filter.counts(ray.filter.data, candidate))
     return false;
   ray.best = candidate;

@@ -1,0 +1,13 @@
+// Which of two hits a ray gives. Private to geometry.
+#pragma once
+
+namespace panwright::geometry {
+
+// The nearer; at equal distances the lower instance, then the lower triangle.
+template <class Hit>
+bool comes_after(const Hit& a, const Hit& b) {
+  if (a.distance != b.distance) return a.distance > b.distance;
+  return a.instance != b.instance ? a.instance > b.instance : a.triangle > b.triangle;
+}
+
+}  // namespace panwright::geometry
