@@ -4,7 +4,7 @@
 #include <system_error>
 
 #include "base/file.h"
-#include "pxn/internal/image.h"
+#include "importers/image.h"
 #include "pxn/internal/png_writer.h"
 #include "pxn/writer.h"
 
@@ -25,8 +25,8 @@ bool holds(const fs::path& path, const scene::Texture& texture) {
   DiagnosticLog ignored;
   const auto bytes = read_file(path, kMostBytes, ignored);
   if (!bytes) return false;
-  DecodedImage image;
-  if (decode_image(as_bytes(*bytes), texture.rgba.size(), image).code) return false;
+  importers::DecodedImage image;
+  if (importers::decode_image(as_bytes(*bytes), texture.rgba.size(), image).code) return false;
   return image.width == texture.width && image.height == texture.height &&
          image.rgba == texture.rgba;
 }

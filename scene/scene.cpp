@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string_view>
@@ -111,6 +112,21 @@ std::string check_rest(const Scene& scene) {
   return {};
 }
 
+std::string check_joints(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.joints.size(); ++i) {
+    const Joint& joint = scene.joints[i];
+    const auto finite = [](double x) { return std::isfinite(x); };
+    if (!in_range(joint.node, scene.nodes.size()) || !panwright::is_finite(joint.axis) ||
+        !(std::abs(glm::length(joint.axis) - 1) <= kUnitTolerance) || !finite(joint.value))
+      return fmt::format("joint {} is not sound", i);
+    if (joint.lower.size() != joint.upper.size() ||
+        !std::all_of(joint.lower.begin(), joint.lower.end(), finite) ||
+        !std::all_of(joint.upper.begin(), joint.upper.end(), finite))
+      return fmt::format("joint {} has limits that are not sound", i);
+  }
+  return {};
+}
+
 std::string check_truth(const Scene& scene) {
   std::set<std::string_view> names;
   for (std::size_t i = 0; i < scene.keypoints.size(); ++i) {
@@ -175,7 +191,7 @@ std::vector<Mat4> world_from_nodes(const Scene& scene) {
 
 std::string check(const Scene& scene) {
   for (const auto& part : {check_nodes, check_shapes, check_instances, check_rest, check_truth,
-                           check_need, check_maps}) {
+                           check_need, check_maps, check_joints}) {
     const std::string problem = part(scene);
     if (!problem.empty()) return problem;
   }

@@ -112,6 +112,26 @@ struct Frame {
   Source source;
 };
 
+enum class JointKind : std::uint8_t { fixed, revolute, continuous, prismatic, ball, scale };
+
+// How a part of the spacecraft moves: about or along an axis through its node's origin, before the
+// node's own transform. Several joints of one node apply in their order, the first outermost.
+// Models stand as written; what a joint was written at is `value`.
+struct Joint {
+  std::string name;
+  std::int32_t node = 0;
+  JointKind kind = JointKind::revolute;
+  Vec3 axis{0, 0, 1};         // unit, in the node's frame; scale: factors are powers of its parts
+  std::vector<double> lower;  // radians, metres or factors; none: unlimited; ball: three numbers
+  std::vector<double> upper;  // as many as lower
+  double value = 0;           // at which the node stands as written
+  // of the part that moves, where the file tells: kilograms, metres in the node's frame, kg·m²
+  std::optional<double> mass;
+  std::optional<Vec3> centre_of_mass;
+  std::optional<Mat3> inertia;
+  Source source;
+};
+
 // A file that went into the scene.
 struct Input {
   std::string path;  // relative to the top file's folder, '/' between parts
@@ -128,9 +148,21 @@ struct Scene {
   std::vector<Frame> frames;        // names are unique
   std::vector<Keypoint> keypoints;  // names are unique
   std::vector<Decal> decals;        // later ones lie over earlier ones
+  std::vector<Joint> joints;        // names need not be unique
   Need need;
   std::vector<Input> inputs;  // in order of first use
 };
+
+// A transform of any regular affine matrix: p' = outer·inner·p. A shear needs both; else inner is
+// the identity. Mirrors become a negative scale. Nothing for a matrix that flattens space (smallest
+// stretch below 1e-12 of the largest) or is not finite or not affine. Good to a few ulps of the
+// largest stretch.
+struct Decomposed {
+  Transform outer;
+  Transform inner;  // a pure rotation
+  bool sheared = false;
+};
+std::optional<Decomposed> decomposed(const Mat4& matrix);
 
 // World matrices, one for each node, root first.
 std::vector<Mat4> world_from_nodes(const Scene& scene);

@@ -4,7 +4,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "pxn/internal/image.h"
+#include "importers/image.h"
 #include "pxn/internal/loader.h"
 
 namespace panwright::pxn {
@@ -15,7 +15,7 @@ using schemas::ElementId;
 namespace {
 
 // Makes alpha of brightness, where a picture has no alpha.
-void alpha_from_brightness(DecodedImage& image) {
+void alpha_from_brightness(importers::DecodedImage& image) {
   for (std::size_t i = 3; i < image.rgba.size(); i += 4)
     if (image.rgba[i] != 255) return;
   for (std::size_t i = 0; i < image.rgba.size(); i += 4)
@@ -57,8 +57,8 @@ std::optional<std::uint32_t> Loader::load_picture(Work& work, std::uint32_t elem
   if (!bytes) return std::nullopt;
   add_input(found, as_bytes(**bytes));
   const std::uint64_t left = options_.limits.texture_bytes - texture_bytes_;
-  DecodedImage image;
-  const ImageProblem problem = decode_image(as_bytes(**bytes), left, image);
+  importers::DecodedImage image;
+  const importers::ImageProblem problem = importers::decode_image(as_bytes(**bytes), left, image);
   if (problem.code) {
     reporter_.report(*problem.code, where, work.file.document, element, [&] {
       return Reporter::Text(fmt::format("{}: {}", in_quotes(file), problem.message));

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <random>
 
-#include "pxn/internal/image.h"
+#include "importers/image.h"
 #include "pxn/internal/png_writer.h"
 #include "tests/pxn/reading.h"
 #include "tests/support/process.h"
@@ -441,8 +441,8 @@ TEST(Writer, PicturesBesideTheText) {
                                            "model-3.png"));
   for (std::size_t i = 0; i < 5; ++i) {
     const std::string bytes = support::contents(folder / (*names)[i]);
-    DecodedImage image;
-    EXPECT_FALSE(decode_image(std::as_bytes(std::span(bytes)), 1 << 30, image).code);
+    importers::DecodedImage image;
+    EXPECT_FALSE(importers::decode_image(std::as_bytes(std::span(bytes)), 1 << 30, image).code);
     EXPECT_TRUE(image.rgba == scene.textures[i].rgba);
   }
 }

@@ -10,7 +10,7 @@
 
 #include "base/diagnostic.h"
 
-namespace panwright::pxn {
+namespace panwright::importers {
 
 inline constexpr std::uint32_t kMaxTextureSide = 16384;  // pixels, as in the pan file
 
@@ -33,4 +33,4 @@ struct ImageProblem {
 ImageProblem decode_image(std::span<const std::byte> bytes, std::uint64_t max_bytes,
                           DecodedImage& out);
 
-}  // namespace panwright::pxn
+}  // namespace panwright::importers

@@ -1,4 +1,4 @@
-#include "pxn/internal/image.h"
+#include "importers/image.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -31,7 +31,7 @@
 #include <stb_image.h>
 #pragma GCC diagnostic pop
 
-namespace panwright::pxn {
+namespace panwright::importers {
 
 static_assert(STBI_MAX_DIMENSIONS == kMaxTextureSide);
 
@@ -245,4 +245,4 @@ ImageProblem decode_image(std::span<const std::byte> bytes, std::uint64_t max_by
   return decode_with_stb(text, png, max_bytes, out);
 }
 
-}  // namespace panwright::pxn
+}  // namespace panwright::importers

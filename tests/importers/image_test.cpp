@@ -1,6 +1,6 @@
 // Pictures: pixels against files made here byte by byte, and what is refused.
 
-#include "pxn/internal/image.h"
+#include "importers/image.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@
 #include <stb_image_write.h>
 #pragma GCC diagnostic pop
 
-namespace panwright::pxn {
+namespace panwright::importers {
 namespace {
 
 using testing::HasSubstr;
@@ -194,4 +194,4 @@ TEST(Image, DamagedJpegsAreRefusedOrTheSameEachTime) {
 }
 
 }  // namespace
-}  // namespace panwright::pxn
+}  // namespace panwright::importers

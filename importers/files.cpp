@@ -1,0 +1,124 @@
+#include "importers/files.h"
+
+#include <map>
+#include <system_error>
+
+#include "base/file.h"
+
+namespace panwright::importers {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+class FolderFiles : public Files {
+ public:
+  FolderFiles(const fs::path& folder, std::uint64_t max_bytes) : typed_(folder), left_(max_bytes) {
+    std::error_code error;
+    real_ =
+        fs::weakly_canonical(fs::absolute(folder.empty() ? fs::path(".") : folder, error), error);
+  }
+
+  Outcome read(const std::string& path, std::shared_ptr<const std::string>& bytes) override {
+    std::error_code error;
+    const fs::path real = fs::canonical(real_ / path, error);
+    if (error) return Outcome::missing;
+    const fs::path relative = real.lexically_relative(real_);
+    if (relative.empty() || *relative.begin() == "..") return Outcome::outside;
+    if (!fs::is_regular_file(real, error)) return Outcome::missing;
+    const std::uint64_t size = fs::file_size(real, error);
+    if (error) return Outcome::unreadable;
+    if (size > left_) return Outcome::too_large;
+    DiagnosticLog log;  // the caller says it in its own words
+    auto text = read_file(real, left_, log);
+    if (!text) return log.contains(Code::E0104) ? Outcome::too_large : Outcome::unreadable;
+    left_ -= text->size();
+    bytes = std::make_shared<const std::string>(std::move(*text));
+    return Outcome::found;
+  }
+
+  std::string display_name(const std::string& path) const override {
+    return (typed_ / path).string();
+  }
+
+ private:
+  fs::path typed_;
+  fs::path real_;
+  std::uint64_t left_;
+};
+
+class MemoryFiles : public Files {
+ public:
+  MemoryFiles(std::span<const MemoryFile> files, std::uint64_t max_bytes) : left_(max_bytes) {
+    for (const MemoryFile& file : files)
+      files_.emplace(fs::path(file.path).lexically_normal().generic_string(), &file.bytes);
+  }
+
+  Outcome read(const std::string& path, std::shared_ptr<const std::string>& bytes) override {
+    const auto found = files_.find(path);
+    if (found == files_.end()) return Outcome::missing;
+    if (found->second->size() > left_) return Outcome::too_large;
+    left_ -= found->second->size();
+    // shares nothing and owns nothing: the caller keeps the bytes
+    bytes = std::shared_ptr<const std::string>(std::shared_ptr<void>(), found->second);
+    return Outcome::found;
+  }
+
+  std::string display_name(const std::string& path) const override { return path; }
+
+ private:
+  std::map<std::string, const std::string*> files_;
+  std::uint64_t left_;
+};
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+std::string percent_decoded(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '%' && i + 2 < text.size() && hex_digit(text[i + 1]) >= 0 &&
+        hex_digit(text[i + 2]) >= 0) {
+      out += static_cast<char>(hex_digit(text[i + 1]) * 16 + hex_digit(text[i + 2]));
+      i += 2;
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
+
+// "http", "urn", "C"…: what stands before a colon that no '/' precedes.
+bool has_scheme(std::string_view uri) {
+  const std::size_t colon = uri.find(':');
+  return colon != uri.npos && uri.find('/') > colon;
+}
+
+}  // namespace
+
+std::unique_ptr<Files> files_in_folder(const fs::path& folder, std::uint64_t max_bytes) {
+  return std::make_unique<FolderFiles>(folder, max_bytes);
+}
+
+std::unique_ptr<Files> files_in_memory(std::span<const MemoryFile> files, std::uint64_t max_bytes) {
+  return std::make_unique<MemoryFiles>(files, max_bytes);
+}
+
+std::optional<std::string> resolved(std::string_view including, std::string_view uri,
+                                    bool percent_encoded) {
+  std::string path = percent_encoded ? percent_decoded(uri) : std::string(uri);
+  for (char& c : path)
+    if (c == '\\') c = '/';
+  if (path.starts_with("file:")) path.erase(0, path.starts_with("file://") ? 7 : 5);
+  if (path.empty() || path.find('\0') != path.npos || path.front() == '/' || has_scheme(path))
+    return std::nullopt;
+  const fs::path whole = (fs::path(including).parent_path() / path).lexically_normal();
+  if (whole.empty() || whole.is_absolute() || *whole.begin() == "..") return std::nullopt;
+  return whole.generic_string();
+}
+
+}  // namespace panwright::importers

@@ -1,0 +1,53 @@
+// Where a model and the files that it names come from: one folder on disk, or memory.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/diagnostic.h"
+
+namespace panwright::importers {
+
+struct MemoryFile {
+  std::string path;  // relative, '/' between parts
+  std::string bytes;
+};
+
+// Files below one folder. Paths are relative to it, in normal form, '/' between parts.
+class Files {
+ public:
+  enum class Outcome {
+    found,
+    missing,    // nothing there, or not a regular file
+    outside,    // a link leads out of the folder
+    too_large,  // brings all files read so far to more than the limit
+    unreadable,
+  };
+
+  virtual ~Files() = default;
+
+  // Reads a file. Each reading counts towards the limit of bytes.
+  virtual Outcome read(const std::string& path, std::shared_ptr<const std::string>& bytes) = 0;
+
+  // As the user would type it.
+  virtual std::string display_name(const std::string& path) const = 0;
+};
+
+std::unique_ptr<Files> files_in_folder(const std::filesystem::path& folder,
+                                       std::uint64_t max_bytes);
+
+// The bytes are not copied: they outlive the result.
+std::unique_ptr<Files> files_in_memory(std::span<const MemoryFile> files, std::uint64_t max_bytes);
+
+// The path that a URI or file name in the file `including` stands for: percent-decoded when asked,
+// "file:" and backslashes taken as people mean them. Nothing when it leaves the folder, is
+// absolute, names another scheme, or holds a NUL.
+std::optional<std::string> resolved(std::string_view including, std::string_view uri,
+                                    bool percent_encoded);
+
+}  // namespace panwright::importers

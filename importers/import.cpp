@@ -1,0 +1,108 @@
+#include "importers/import.h"
+
+#include <fmt/format.h>
+
+#include "base/file.h"
+#include "base/text.h"
+#include "importers/gltf/gltf.h"
+#include "importers/internal/gzip.h"
+#include "importers/vrml/vrml.h"
+
+namespace panwright::importers {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool starts_with_any(std::string_view text, std::initializer_list<std::string_view> marks) {
+  for (const std::string_view mark : marks)
+    if (text.starts_with(mark)) return true;
+  return false;
+}
+
+// glTF is JSON or a GLB; everything else is left to the reader of VRML, which says what is wrong.
+bool looks_like_gltf(std::string_view bytes) {
+  if (bytes.starts_with("glTF")) return true;
+  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
+  const std::size_t first = bytes.find_first_not_of(" \t\r\n");
+  return first != bytes.npos && bytes[first] == '{';
+}
+
+void report(Code code, const std::string& name, const std::string& message, SourceSpan where,
+            DiagnosticLog& log, std::string hint = {}) {
+  if (where.file == kNoFile)
+    log.report_file(code, name, message, std::move(hint));
+  else
+    log.report(code, where, message, std::move(hint));
+}
+
+}  // namespace
+
+Result<Imported> import_from(Files& files, const std::string& path, const Options& options,
+                             DiagnosticLog& log, SourceSpan included_at) {
+  std::shared_ptr<const std::string> bytes;
+  const std::string name = files.display_name(path);
+  switch (files.read(path, bytes)) {
+    case Files::Outcome::found:
+      break;
+    case Files::Outcome::too_large:
+      report(Code::E0104, name, fmt::format("{} is larger than the limit", in_quotes(name)),
+             included_at, log);
+      return failed;
+    case Files::Outcome::missing:
+    case Files::Outcome::outside:
+    case Files::Outcome::unreadable:
+      report(Code::E0101, name, fmt::format("{} cannot be read", in_quotes(name)), included_at,
+             log);
+      return failed;
+  }
+  const Hash128 hash = hash128(as_bytes(*bytes));
+  const std::uint64_t size = bytes->size();
+  const internal::Unpacked unpacked = internal::unpacked(bytes, options.limits.bytes);
+  if (!unpacked.problem.empty()) {
+    report(Code::E6003, name, unpacked.problem, included_at, log);
+    if (!unpacked.bytes) return failed;
+  }
+  const std::string_view text = *unpacked.bytes;
+  if (starts_with_any(text, {"#X3D", "<?xml", "<X3D", "#Inventor", "solid", "ply", "ISO-10303"})) {
+    report(Code::E6001, name, "only VRML, glTF and GLB files are read", included_at, log,
+           "convert it to one of these first");
+    return failed;
+  }
+  const InputFile file{path, name, unpacked.bytes, included_at};
+  auto imported = looks_like_gltf(text) ? gltf::read(files, file, options, log)
+                                        : vrml::read(files, file, options, log);
+  if (imported) imported->scene.inputs.insert(imported->scene.inputs.begin(), {path, hash, size});
+  return imported;
+}
+
+Result<Imported> import_file(const fs::path& path, const Options& options, DiagnosticLog& log) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) {
+    log.report_file(Code::E0101, path.string(),
+                    fmt::format("{} is not a file that can be read", in_quotes(path.string())));
+    return failed;
+  }
+  fs::path folder = path.parent_path();
+  std::string name = path.filename().generic_string();
+  if (!options.root.empty()) {
+    const fs::path relative = fs::relative(path, options.root, error);
+    if (error || relative.empty() || *relative.begin() == "..") {
+      log.report_file(Code::E0101, path.string(), "it does not lie in the folder of the project");
+      return failed;
+    }
+    folder = options.root;
+    name = relative.generic_string();
+  }
+  const auto files = files_in_folder(folder, options.limits.bytes);
+  return import_from(*files, name, options, log);
+}
+
+Result<Imported> import_memory(std::span<const MemoryFile> files, const Options& options,
+                               DiagnosticLog& log) {
+  const auto store = files_in_memory(files, options.limits.bytes);
+  return import_from(*store, fs::path(files[0].path).lexically_normal().generic_string(), options,
+                     log);
+}
+
+}  // namespace panwright::importers

@@ -1,0 +1,88 @@
+// CAD files → scene: VRML 97, VRML 1.0, glTF 2.0 and GLB.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/result.h"
+#include "importers/files.h"
+#include "scene/scene.h"
+
+namespace panwright::importers {
+
+enum class Format : std::uint8_t { vrml97, vrml1, gltf };
+
+// What a reading may cost. A file that asks for more gets E6002.
+struct Limits {
+  std::uint64_t bytes = 0xfffffffe;   // of all files together, unpacked; source places have 32 bits
+  std::uint64_t memory = 8ull << 30;  // of arrays in memory
+  std::uint64_t nodes = 1'000'000;    // of the scene, shared parts multiplied out
+  std::uint64_t triangles = 1ull << 27;    // of all meshes together
+  std::uint32_t depth = 256;               // of nodes
+  std::uint32_t files = 10'000;            // inlines, prototypes, buffers and pictures
+  std::uint64_t texture_bytes = 1u << 30;  // of decoded pictures together
+};
+
+// The axis of the file that becomes the scene's +z. y: (x, y, z) → (x, −z, y).
+enum class UpAxis : std::uint8_t { y, z };
+
+struct Options {
+  Limits limits;
+  std::filesystem::path
+      root;  // files named by the model lie in this folder; empty: the model's own
+  std::optional<std::string> scene;  // glTF: a scene's name or number; none: the default one
+  std::uint32_t primitives = 0;      // VRML: segments around round shapes; 0: exact shapes
+  double crease_angle =
+      30 * kDegree;              // radians, for meshes whose file gives neither normals nor one
+  bool textures = true;          // pictures are read
+  std::optional<Format> assume;  // of a file whose header does not say
+};
+
+// What a CAD file says of a material, beyond what the scene's material keeps. Linear colours.
+struct CadMaterial {
+  std::string name;  // as in the file; may be empty, or stand more than once
+  Vec3 base_colour{0.8};
+  double metallic = 0;   // 0 to 1
+  double roughness = 1;  // 0 to 1, perceptual
+  double opacity = 1;    // 0 to 1
+  bool textured = false;
+  std::vector<std::string> lost;  // properties that the scene's material does not have
+};
+
+// A file as it stands: its own axes and unit, its own shapes, nothing cleaned. Names are kept;
+// where the file gives none, a node is called by its kind and number ("Shape3", "mesh2"), and "/"
+// in a name becomes "_". Equal materials and shapes that the file shares are stored once. The root
+// is called "root"; it has the identity as transform.
+struct Imported {
+  Format format = Format::gltf;
+  scene::Scene scene;
+  std::vector<CadMaterial> materials;  // one for each of scene.materials
+};
+
+// Reads a CAD file and all that it names. The kind is told by its first bytes; gzip is unpacked
+// whatever the file is called.
+//
+//   returns  what could be read, sound by scene::check; the log says whether that is all of it.
+//
+// Fails: E01…, E6001, E6002, E6003, E6101, E6201 to E6203. Reports E6…, W6…, N6….
+// Cost: O(bytes); memory about 3 times the scene's arrays.
+[[nodiscard]] Result<Imported> import_file(const std::filesystem::path& path,
+                                           const Options& options, DiagnosticLog& log);
+
+// The same for files in memory, for tests and fuzzing: the first is the model.
+//
+// Expects: files not empty.
+[[nodiscard]] Result<Imported> import_memory(std::span<const MemoryFile> files,
+                                             const Options& options, DiagnosticLog& log);
+
+// The same for the file at `path` among `files`.
+[[nodiscard]] Result<Imported> import_from(Files& files, const std::string& path,
+                                           const Options& options, DiagnosticLog& log,
+                                           SourceSpan included_at = {});
+
+}  // namespace panwright::importers

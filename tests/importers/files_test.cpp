@@ -1,0 +1,97 @@
+// Which names lead to which files, and what is kept out.
+
+#include "importers/files.h"
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "importers/import.h"
+#include "importers/internal/gzip.h"
+
+namespace panwright::importers {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Resolved, names_in_the_folder_of_the_including_file) {
+  EXPECT_EQ(resolved("a/model.wrl", "part.wrl", false), "a/part.wrl");
+  EXPECT_EQ(resolved("a/model.wrl", "../b/part.wrl", false), "b/part.wrl");
+  EXPECT_EQ(resolved("a/model.wrl", "b\\part.wrl", false), "a/b/part.wrl");
+  EXPECT_EQ(resolved("model.gltf", "a%20b.bin", true), "a b.bin");
+  EXPECT_EQ(resolved("model.wrl", "a%20b.bin", false), "a%20b.bin");
+  EXPECT_EQ(resolved("model.wrl", "file:part.wrl", false), "part.wrl");
+}
+
+TEST(Resolved, what_leaves_the_folder_is_nothing) {
+  for (const char* uri : {"../part.wrl", "a/../../part.wrl", "/etc/passwd", "http://a/b.wrl",
+                          "C:\\part.wrl", "urn:x:y", "", "file:///etc/passwd", "..\\part.wrl"})
+    EXPECT_FALSE(resolved("model.wrl", uri, false)) << uri;
+  for (const char* uri : {"%2e%2e/part.bin", "%2Fetc/passwd", "a%00b"})
+    EXPECT_FALSE(resolved("model.gltf", uri, true)) << uri;
+}
+
+TEST(Files, links_out_of_the_folder_are_not_followed) {
+  const fs::path folder = fs::temp_directory_path() / "panwright_files_test";
+  fs::remove_all(folder);
+  fs::create_directories(folder / "in");
+  std::ofstream(folder / "secret") << "secret";
+  std::ofstream(folder / "in/part") << "part";
+  fs::create_symlink(folder / "secret", folder / "in/link");
+  const auto files = files_in_folder(folder / "in", 6);
+  std::shared_ptr<const std::string> bytes;
+  EXPECT_EQ(files->read("link", bytes), Files::Outcome::outside);
+  EXPECT_EQ(files->read("none", bytes), Files::Outcome::missing);
+  EXPECT_EQ(files->read("part", bytes), Files::Outcome::found);
+  EXPECT_EQ(*bytes, "part");
+  EXPECT_EQ(files->read("part", bytes), Files::Outcome::too_large);
+  fs::remove_all(folder);
+}
+
+std::string packed(const std::string& text) {
+  z_stream stream{};
+  deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY);
+  std::string out(compressBound(text.size()) + 64, '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  deflate(&stream, Z_FINISH);
+  out.resize(out.size() - stream.avail_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+TEST(Gzip, every_truncation_and_every_flipped_byte_is_noticed) {
+  std::string text;
+  for (int i = 0; i < 4000; ++i) text += std::to_string(i * i) + " ";
+  const std::string whole = packed(text);
+  const auto read = [](std::string bytes, std::uint64_t most = 1 << 20) {
+    return internal::unpacked(std::make_shared<const std::string>(std::move(bytes)), most);
+  };
+  ASSERT_EQ(*read(whole).bytes, text);
+  EXPECT_EQ(*read(whole + packed("more")).bytes, text + "more");
+  EXPECT_TRUE(read(whole + std::string(512, '\0')).problem.empty());
+  EXPECT_FALSE(read(whole, text.size() - 1).bytes);
+  for (std::size_t n = 2; n < whole.size(); n += 7)
+    EXPECT_FALSE(read(whole.substr(0, n)).problem.empty()) << n;
+  for (std::size_t i = 10; i < whole.size(); i += 11) {
+    std::string flipped = whole;
+    flipped[i] = static_cast<char>(flipped[i] ^ 0x10);
+    EXPECT_FALSE(read(flipped).problem.empty()) << i;
+  }
+}
+
+TEST(Import, other_formats_are_refused_by_name) {
+  for (const char* text : {"#X3D V3.0 utf8\n", "<?xml version='1.0'?>", "solid part\n", "ply\n"}) {
+    DiagnosticLog log;
+    const MemoryFile files[] = {{"model.wrl", text}};
+    EXPECT_FALSE(import_memory(files, {}, log));
+    EXPECT_TRUE(log.contains(Code::E6001)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace panwright::importers
