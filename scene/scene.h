@@ -76,6 +76,7 @@ struct Instance {
   Mapping mapping = Mapping::texcoords;
   Mat4 texture_from_shape{1};       // for Mapping::sphere
   std::optional<double> tolerance;  // metres in the world: overrides the need
+  bool prunable = false;            // a mesh whose faces may go where nobody outside can see them
   Source source;
 };
 
