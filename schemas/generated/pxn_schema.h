@@ -73,6 +73,9 @@ enum class ElementId : std::uint16_t {
   with,
   repeat,
   include_1,
+  import,
+  assign,
+  remove,
   transform_1,
   frame,
   keypoint,
@@ -99,7 +102,6 @@ enum class ElementId : std::uint16_t {
   face_outline,
   face_hole,
   subdiv,
-  import,
   joint,
   mli,
   mli_settings,
@@ -287,6 +289,26 @@ inline constexpr std::size_t include_1_translate = 4;
 inline constexpr std::size_t include_1_rotate = 5;
 inline constexpr std::size_t include_1_quat = 6;
 inline constexpr std::size_t include_1_scale = 7;
+inline constexpr std::size_t import_file = 0;
+inline constexpr std::size_t import_units = 1;
+inline constexpr std::size_t import_up = 2;
+inline constexpr std::size_t import_clean = 3;
+inline constexpr std::size_t import_weld = 4;
+inline constexpr std::size_t import_crease = 5;
+inline constexpr std::size_t import_hidden = 6;
+inline constexpr std::size_t import_scene = 7;
+inline constexpr std::size_t import_primitives = 8;
+inline constexpr std::size_t import_name = 9;
+inline constexpr std::size_t import_translate = 10;
+inline constexpr std::size_t import_rotate = 11;
+inline constexpr std::size_t import_quat = 12;
+inline constexpr std::size_t import_scale = 13;
+inline constexpr std::size_t assign_nodes = 0;
+inline constexpr std::size_t assign_materials = 1;
+inline constexpr std::size_t assign_material = 2;
+inline constexpr std::size_t assign_pictures = 3;
+inline constexpr std::size_t remove_nodes = 0;
+inline constexpr std::size_t remove_materials = 1;
 inline constexpr std::size_t transform_1_name = 0;
 inline constexpr std::size_t transform_1_material = 1;
 inline constexpr std::size_t transform_1_translate = 2;
@@ -486,6 +508,7 @@ inline constexpr ElementId kChoice_pangu_model_0[] = {
     ElementId::use,
     ElementId::repeat,
     ElementId::include_1,
+    ElementId::import,
     ElementId::transform_1,
     ElementId::frame,
     ElementId::keypoint,
@@ -504,7 +527,6 @@ inline constexpr ElementId kChoice_pangu_model_0[] = {
     ElementId::extrude,
     ElementId::polygons,
     ElementId::subdiv,
-    ElementId::import,
     ElementId::joint,
     ElementId::mli,
 };
@@ -1211,6 +1233,82 @@ inline constexpr Attribute kAttributes_include_1[] = {
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
     {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
 };
+inline constexpr std::string_view kWords_import_units[] = {
+    "auto",
+    "m",
+    "mm",
+    "cm",
+    "dm",
+    "km",
+    "um",
+    "in",
+    "ft",
+};
+inline constexpr std::string_view kWords_import_up[] = {
+    "y",
+    "z",
+};
+inline constexpr std::string_view kWords_import_clean[] = {
+    "yes",
+    "no",
+};
+inline constexpr Number kNumbers_import_weld[] = {
+    {"weld", 0, 1e+30, false, false},
+};
+inline constexpr Number kNumbers_import_crease[] = {
+    {"crease", 0, 3.141592653589793, false, false},
+};
+inline constexpr std::string_view kWords_import_hidden[] = {
+    "remove",
+    "keep",
+};
+inline constexpr Number kNumbers_import_primitives[] = {
+    {"primitives", 0, 100000, false, false},
+};
+inline constexpr ElementId kChoice_import_0[] = {
+    ElementId::assign,
+    ElementId::remove,
+};
+inline constexpr Attribute kAttributes_import[] = {
+    {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"units", 1, true, false, {ValueKind::word, 1, {}, kWords_import_units, Dimension::none, false, false, 1, 0}},
+    {"up", 1, true, false, {ValueKind::word, 1, {}, kWords_import_up, Dimension::none, false, false, 1, 0}},
+    {"clean", 1, true, false, {ValueKind::word, 1, {}, kWords_import_clean, Dimension::none, false, false, 1, 0}},
+    {"weld", 1, true, false, {ValueKind::real, 1, kNumbers_import_weld, {}, Dimension::length, false, false, 1, 0}},
+    {"crease", 1, true, false, {ValueKind::real, 1, kNumbers_import_crease, {}, Dimension::angle, false, false, 1, 0}},
+    {"hidden", 1, true, false, {ValueKind::word, 1, {}, kWords_import_hidden, Dimension::none, false, false, 1, 0}},
+    {"scene", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"primitives", 1, true, false, {ValueKind::integer, 1, kNumbers_import_primitives, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+};
+inline constexpr Slot kSlots_import[] = {
+    {kChoice_import_0, "", 0, 0, ""},
+};
+inline constexpr std::string_view kWords_assign_pictures[] = {
+    "drop",
+    "keep",
+};
+inline constexpr Attribute kAttributes_assign[] = {
+    {"nodes", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"materials", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"material", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"pictures", 1, true, false, {ValueKind::word, 1, {}, kWords_assign_pictures, Dimension::none, false, false, 1, 0}},
+};
+inline constexpr std::string_view kMembers_remove_0[] = {
+    "@nodes",
+    "@materials",
+};
+inline constexpr Attribute kAttributes_remove[] = {
+    {"nodes", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"materials", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+};
+inline constexpr Rule kRules_remove[] = {
+    {RuleKind::any_of, kMembers_remove_0},
+};
 inline constexpr std::string_view kMembers_transform_1_0[] = {
     "@scale",
     "scaling",
@@ -1822,6 +1920,15 @@ inline constexpr Element kElements[] = {
     {"include", 1, true,
      {},
      kAttributes_include_1, {}, kRules_mesh},
+    {"import", 1, true,
+     {},
+     kAttributes_import, kSlots_import, kRules_mesh},
+    {"assign", 1, true,
+     {},
+     kAttributes_assign, {}, {}},
+    {"remove", 1, true,
+     {},
+     kAttributes_remove, {}, kRules_remove},
     {"transform", 1, true,
      {},
      kAttributes_node, kSlots_transform_1, kRules_transform_1},
@@ -1898,9 +2005,6 @@ inline constexpr Element kElements[] = {
      {ValueKind::integer, 0, kNumbers_tristrip, {}, Dimension::none, false, false, 1, 3},
      {}, {}, {}},
     {"subdiv", 1, false,
-     {},
-     {}, {}, {}},
-    {"import", 1, false,
      {},
      {}, {}, {}},
     {"joint", 1, false,
