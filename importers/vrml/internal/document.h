@@ -1,0 +1,199 @@
+// A VRML file as read: nodes and their fields, before anything is made of them. Both versions.
+//
+//   Transform { translation 1 0 0 children [ DEF A Shape { … } USE A ] }
+//   → Node Transform, fields: translation = {1, 0, 0}, children = {p, p}; p → Node Shape, name "A".
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "base/math.h"
+#include "base/source.h"
+#include "importers/import.h"
+
+namespace panwright::importers::vrml {
+
+// Thrown when a reading needs more than its limits allow; vrml::read() makes E6002 of it.
+struct OverLimit {
+  std::string what;  // "memory", "nodes"…
+  SourceSpan where;
+};
+
+// Memory that lives as long as a document. Throws OverLimit past the budget.
+class Arena {
+ public:
+  // used: bytes taken so far by all arenas of a reading.
+  Arena(std::uint64_t& used, std::uint64_t limit) : used_(used), limit_(limit) {}
+  ~Arena();
+  Arena(const Arena&) = delete;
+  Arena& operator=(const Arena&) = delete;
+
+  void* allocate(std::size_t bytes, std::size_t alignment);
+  // Takes over a block that std::malloc made.
+  void adopt(void* block, std::size_t bytes);
+  void count(std::size_t bytes);
+
+  template <class T>
+  T* make() {
+    return new (allocate(sizeof(T), alignof(T))) T();
+  }
+  template <class T>
+  std::span<T> copied(std::span<const T> items) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (items.empty()) return {};
+    T* out = static_cast<T*>(allocate(items.size_bytes(), alignof(T)));
+    std::uninitialized_copy(items.begin(), items.end(), out);
+    return {out, items.size()};
+  }
+  std::string_view copied(std::string_view text);
+
+ private:
+  std::uint64_t& used_;
+  std::uint64_t limit_;
+  std::vector<void*> blocks_;
+  std::byte* at_ = nullptr;
+  std::size_t left_ = 0;
+};
+
+enum class FieldType : std::uint8_t {
+  none,
+  sf_bool,
+  sf_int32,
+  sf_float,
+  sf_time,
+  sf_vec2f,
+  sf_vec3f,
+  sf_color,
+  sf_rotation,
+  sf_matrix,  // VRML 1.0
+  sf_string,
+  sf_enum,     // VRML 1.0
+  sf_bitmask,  // VRML 1.0
+  sf_image,
+  sf_node,
+  mf_bool,
+  mf_int32,
+  mf_float,
+  mf_time,
+  mf_vec2f,
+  mf_vec3f,
+  mf_color,
+  mf_rotation,
+  mf_string,
+  mf_node,
+};
+
+std::string_view type_name(FieldType type);  // "SFVec3f"
+bool is_list(FieldType type);                // MF…
+// Numbers of one item: 3 for sf_vec3f and mf_vec3f; 0 where items are no numbers.
+std::size_t width_of(FieldType type);
+
+struct Node;
+
+// The value of a field. Plain view of memory in an arena or in the text.
+struct Value {
+  FieldType type = FieldType::none;
+  const void* data = nullptr;
+  std::size_t size = 0;  // of the span below that fits the type
+
+  // sf/mf_float, time, vec2f, vec3f, color, rotation (axis, angle), matrix (as written): flat
+  std::span<const double> numbers() const { return {static_cast<const double*>(data), size}; }
+  // sf/mf_bool (0 or 1), int32; image: width, height, components, pixels (their 32 bits)
+  std::span<const std::int32_t> integers() const {
+    return {static_cast<const std::int32_t*>(data), size};
+  }
+  // sf/mf_string, without quotes and escapes; enum and bitmask: the words. UTF-8
+  std::span<const std::string_view> strings() const {
+    return {static_cast<const std::string_view*>(data), size};
+  }
+  // sf_node (NULL: none), mf_node; never null
+  std::span<Node* const> nodes() const { return {static_cast<Node* const*>(data), size}; }
+};
+
+struct FieldSpec {
+  enum class Access : std::uint8_t { field, exposed_field, event_in, event_out };
+  std::string_view name;
+  FieldType type = FieldType::none;
+  Access access = Access::exposed_field;
+  Value initial;  // the standard's default
+};
+
+// A node type of the standard.
+struct NodeSpec {
+  std::string_view name;
+  std::span<const FieldSpec> fields;
+  bool group = false;  // VRML 1.0: has children without a field
+  const FieldSpec* find(std::string_view field) const;
+};
+
+// Node types by name; nullptr: none of that version.
+const NodeSpec* spec97(std::string_view name);
+const NodeSpec* spec10(std::string_view name);
+std::span<const NodeSpec> specs97();  // the 54 of VRML 97, by name
+std::span<const NodeSpec> specs10();  // those of VRML 1.0, by name
+
+struct Field {
+  std::string_view name;
+  Value value;
+  SourceSpan where;      // of the value
+  std::int32_t is = -1;  // in the body of a prototype: field of its interface; else −1
+};
+
+struct Prototype;
+
+struct Node {
+  std::string_view type;           // as written
+  const NodeSpec* spec = nullptr;  // nullptr: not known, or an instance of a prototype
+  std::string_view name;           // of its DEF; may be empty. UTF-8
+  SourceSpan where;                // its type
+  std::span<Field> fields;         // those written, in order; of instances the interface, whole
+  std::span<Node*> children;       // VRML 1.0, and nodes inside those that are not known
+  Prototype* prototype = nullptr;  // an instance of this
+  std::uint32_t id = 0;            // of the reading, in order of making; shared nodes have one
+  bool has_is = false;             // it or what stands below it takes values of an interface
+
+  // The last writing of a field; nullptr: not written.
+  const Field* find(std::string_view field) const;
+
+  // Values as written, or the standard's default.
+  // Expects: the node type has such a field, of a type that fits.
+  const Value& value(std::string_view field) const;
+  std::span<const double> numbers(std::string_view field) const { return value(field).numbers(); }
+  std::span<const std::int32_t> integers(std::string_view field) const {
+    return value(field).integers();
+  }
+  std::span<const std::string_view> strings(std::string_view field) const {
+    return value(field).strings();
+  }
+  std::span<Node* const> nodes(std::string_view field) const { return value(field).nodes(); }
+  double number(std::string_view field) const { return numbers(field)[0]; }
+  std::int32_t integer(std::string_view field) const { return integers(field)[0]; }
+  bool flag(std::string_view field) const { return integer(field) != 0; }
+  Vec2 vec2(std::string_view field) const;
+  Vec3 vec3(std::string_view field) const;
+  std::string_view string(std::string_view field) const;
+  Node* node(std::string_view field) const;  // nullptr: NULL
+};
+
+// One file. Prototypes stand beside the nodes; instances point to them.
+struct Document {
+  std::string path;  // as Files knows it
+  FileId file = kNoFile;
+  Format format = Format::vrml97;
+  std::shared_ptr<const std::string> text;
+  std::vector<Node*> nodes;  // top level
+  std::unique_ptr<Arena> arena;
+  std::vector<std::unique_ptr<Prototype>> prototypes;  // in order of definition, nested ones too
+};
+
+// Where item `index` of a list of numbers or strings stands, for messages: found by reading the
+// text again. The whole value for those that do not stand there.
+SourceSpan place_of_item(const SourceMap& sources, const Field& field, std::size_t index);
+
+}  // namespace panwright::importers::vrml

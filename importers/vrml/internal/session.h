@@ -1,0 +1,60 @@
+// What the files of one model share while they are read.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "importers/import.h"
+#include "importers/internal/input_file.h"
+#include "importers/vrml/internal/document.h"
+
+namespace panwright::importers::vrml {
+
+class Session {
+ public:
+  Session(Files& files, const Options& options, DiagnosticLog& log)
+      : files(files), options(options), log(log) {}
+
+  Files& files;
+  const Options& options;
+  DiagnosticLog& log;
+  std::uint64_t memory_used = 0;             // by documents, bytes
+  std::uint32_t next_id = 0;                 // of nodes
+  std::vector<scene::Input> further_inputs;  // in order of first use, without the model itself
+
+  // Reads the model. Reports E6101 and returns nullptr when it is no VRML.
+  Document* open(const InputFile& file);
+
+  // The document that the first usable of some URLs names, read once; the fragment ("#Name") is
+  // dropped. Reports W6004, W6005 at `where` and returns nullptr when there is none.
+  //
+  //   where  the field with the URLs; they are relative to its file
+  Document* inlined(std::span<const std::string_view> urls, SourceSpan where);
+
+  // The bytes of a file named so, as inlined(). Its path is stored in *path.
+  std::shared_ptr<const std::string> bytes_of(std::span<const std::string_view> urls,
+                                              SourceSpan where, std::string* path);
+
+  // The first node of the body of an instance of a prototype, made at the first call; nullptr: no
+  // body, or one that contains itself (reported). Not an instance itself: instances in instances
+  // are followed. Any other node is returned as it is; nullptr stays.
+  Node* actual(Node* node);
+
+  const std::string& path_of(FileId file) const;
+
+ private:
+  struct Loaded {
+    std::unique_ptr<Document> document;  // null: not readable
+  };
+  Document* load(const InputFile& file, bool top);
+  std::map<std::string, Loaded> documents_;
+  std::map<FileId, std::string> paths_;
+  std::uint32_t files_read_ = 1;
+};
+
+}  // namespace panwright::importers::vrml
