@@ -86,9 +86,14 @@ bool may_gain(const Material& m) {
   // plane albedo 1 − γH is at most 1 but for the opposition effects, which come on top
   if (m.diffuse_law == DiffuseLaw::hapke)
     diffuse = m.hapke[0] * (1 + m.hapke[2]) * (1 + m.grains.b_c0) < 0.5 ? 0.5 : 1e9;
-  // rough coats, and facets that are not the same all around, are balanced to a few per cent only
+  // facets that are not the same all around are balanced in the mean over the azimuth; a rough coat
+  // over facets that scatter more than once reflects up to 6 % of what diffuse light has passed
   constexpr double kNearlyAll = 0.9;
-  const bool uneven = m.coat || (m.cook[1] != m.alpha_y && !m.refract);
+  const bool brushed =
+      m.cook[1] != m.alpha_y && (m.coat || !m.refract) &&
+      (m.specular_law == SpecularLaw::beckmann || m.specular_law == SpecularLaw::ggx);
+  const bool twice = m.coat && m.coat->alpha > 0 && m.fits.many_scale != Vec3(0);
+  const bool uneven = brushed || (twice && m.weights.x * largest(m.diffuse) > 0);
   bool gain = false;
   for (int k = 0; k < 3; ++k) {
     const double d = m.weights.x * m.diffuse[k];

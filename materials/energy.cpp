@@ -59,10 +59,27 @@ struct HalfSpace {
   bool thin_tail;  // exp(−r²); else 1/(1 + r²)², whose r is taken as sinh
 };
 
+// The r, at most `end`, to which v's reflections about h = (r x, r y, 1) keep above a cosine.
+double end_above(const Vec3& h, const Vec3& v, double edge, double end) {
+  const auto above = [&](double r) {
+    const Vec3 at(r * h.x, r * h.y, 1);
+    return 2 * glm::dot(v, at) >= (edge + v.z) * glm::dot(at, at);
+  };
+  if (above(end)) return end;
+  double inside = 0;
+  for (int i = 0; i < 50 && end - inside > 1e-12 * end; ++i) {
+    const double middle = 0.5 * (inside + end);
+    (above(middle) ? inside : end) = middle;
+  }
+  return end;
+}
+
 // Sums visit(h, weight) over half vectors h whose reflection of v is above +z (`lit`) or which v
-// sees; weights are those of dω. Both domains end in r, for every φ, at the root of a polynomial.
+// sees; weights are those of dω. Both domains end in r, for every φ, at the root of a polynomial,
+// or where the reflection of a v above `edge` sinks to a cosine of `edge`.
 template <class Visit>
-void over_half_vectors(const HalfSpace& space, const Vec3& v, bool lit, int order, Visit visit) {
+void over_half_vectors(const HalfSpace& space, const Vec3& v, bool lit, double edge, int order,
+                       Visit visit) {
   const std::span<const Node> nodes = gauss(order);
   const Vec2 stretched(v.x * space.slope_x, v.y * space.slope_y);
   const double size = std::sqrt(glm::dot(stretched, stretched));
@@ -86,6 +103,7 @@ void over_half_vectors(const HalfSpace& space, const Vec3& v, bool lit, int orde
       double end = p < 0 ? v.z / (lit ? root - p : -p) : lit ? (p + root) / (v.z * q) : 1e300;
       // what a thin tail holds beyond 6 is 1e-16, a thick one beyond 1e9 as little
       end = space.thin_tail ? std::min(end, 6.0) : std::min(end, 1e9);
+      if (edge > 0) end = end_above(Vec3(slopes, 1), v, edge, end);
       if (!space.thin_tail) end = det::log(end + std::sqrt(end * end + 1));
       for (const Node& b : nodes) {
         double r = end * b.x;
@@ -103,10 +121,11 @@ void over_half_vectors(const HalfSpace& space, const Vec3& v, bool lit, int orde
 }
 
 // ∫ f(l) cos_l dω over lights, f RGB or a number; h about +z, light and viewer as they are there.
+// edge: f is 0 where the light's cosine is less, and v's is not; 0: none
 template <class Value, class Lobe>
-Value over_lights(const HalfSpace& space, const Vec3& v, int order, Lobe f) {
+Value over_lights(const HalfSpace& space, const Vec3& v, int order, Lobe f, double edge = 0) {
   Value sum(0);
-  over_half_vectors(space, v, true, order, [&](const Vec3& h, double weight) {
+  over_half_vectors(space, v, true, edge, order, [&](const Vec3& h, double weight) {
     const double cos_vh = glm::dot(v, h);
     const Vec3 l = 2 * cos_vh * h - v;
     if (l.z > 0 && cos_vh > 0) sum += weight * 4 * cos_vh * l.z * f(l);
@@ -197,7 +216,10 @@ Vec3 facets_part(const Material& material, const f64::SurfaceFields& s, f64::Com
   const Vec3 inside = mirror ? v : f64::under_coat(v, kUp, n);
   const Vec3 seen = glm::transpose(world) * inside;
   if (!(seen.z > 0)) return Vec3(0);
-  return over_lights<Vec3>(space, seen, order, [&](const Vec3& local) {
+  // what is refracted out of the coat; tilted facets see that edge askew
+  const bool level = tilted == kUp;
+  const double edge = level && n > 1 ? std::sqrt((1 - 1 / n) * (1 + 1 / n)) : 0;
+  const auto seen_as = [&](const Vec3& local) {
     const Vec3 l = world * local;
     if (!(l.z > 0)) return Vec3(0);
     // over_lights counts cosines to the tilted normal
@@ -212,7 +234,8 @@ Vec3 facets_part(const Material& material, const f64::SurfaceFields& s, f64::Com
     if (!(sin2 < 1)) return Vec3(0);
     // cosθ dω outside is n² times that inside
     return cosines * n * n * laws.coated_facets(s, aside + Vec3(0, 0, std::sqrt(1 - sin2)), v, kUp);
-  });
+  };
+  return over_lights<Vec3>(space, seen, order, seen_as, edge);
 }
 
 Vec3 albedo(const Material& material, const Vec3& v, int order) {
@@ -225,7 +248,7 @@ Vec3 albedo(const Material& material, const Vec3& v, int order) {
   Vec3 sum = over_hemisphere(v, std::min(order, 64), [&](const Vec3& l) {
     if (!all.laws.coated) return smooth.bare(s, l, v, kUp);
     Vec3 f = smooth.coated_diffuse(s, l, v, kUp);
-    if (all.laws.compensated) f += smooth.coated_facets(s, l, v, kUp);
+    if (all.laws.compensated) f += smooth.coated_many(s, l, v, kUp);
     return f;
   });
   const Scattering scattering(material);
@@ -233,11 +256,7 @@ Vec3 albedo(const Material& material, const Vec3& v, int order) {
   for (int i = 0; i < mirrors.count; ++i)
     sum += mirrors.all[static_cast<std::size_t>(i)].reflectance;
   const bool peak = all.laws.coated && s.coat_alpha > 0;
-  if (peak) {
-    const double slope = f64::facet_slope(s.coat_alpha, 0);
-    sum += over_lights<double>({slope, slope, true}, v, order,
-                               [&](const Vec3& l) { return f64::coat_peak(s, l, v, kUp); });
-  }
+  if (peak) sum += coat_peak_albedo(*material.coat, v, order);
   const bool blurred = peak && s.coat_index > 1;
   if (all.laws.specular == SpecularLaw::none ||
       (all.laws.specular == SpecularLaw::mirror && !blurred))
@@ -281,6 +300,21 @@ Vec3 mean_diffuse_albedo(const Material& material) {
   return sum;
 }
 
+double coat_peak_albedo(const Coat& coat, const Vec3& to_viewer, int nodes) {
+  Material material;
+  material.coat = coat;
+  const f64::SurfaceFields s = f64::surface_of(material);
+  const double slope = f64::facet_slope(coat.alpha, 0);
+  return over_lights<double>({slope, slope, true}, to_viewer, nodes,
+                             [&](const Vec3& l) { return f64::coat_peak(s, l, to_viewer, kUp); });
+}
+
+double coated_facets_albedo(const Material& material, const Vec3& to_viewer, int nodes) {
+  return facets_part(material, f64::surface_of(material, kTangent), f64::composition_of(material),
+                     to_viewer, nodes)
+      .x;
+}
+
 double facet_albedo(const Facets& facets, const Vec3& to_viewer, int nodes) {
   assert(to_viewer.z > 0);
   return over_lights<double>(space_of(facets), to_viewer, nodes,
@@ -307,7 +341,7 @@ double weak_furnace(const Facets& facets, const Vec3& v, int nodes) {
   const double y = space_of(facets).slope_y;
   const auto sine = [&](const Vec3& d) { return f64::sloped_sine(x, y, kTangent, d, kUp); };
   double sum = 0;
-  over_half_vectors(space_of(facets), v, false, nodes, [&](const Vec3& h, double weight) {
+  over_half_vectors(space_of(facets), v, false, 0, nodes, [&](const Vec3& h, double weight) {
     const double cos_vh = std::max(glm::dot(v, h), 0.0);
     double g1 = 0;
     double d = 0;

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <tuple>
 
 #include "base/math.h"
@@ -15,21 +17,24 @@ namespace panwright::materials {
 namespace {
 
 constexpr std::size_t kTerms = 7;
-constexpr std::size_t kNodes = 24;
+constexpr std::size_t kNodes = 32;
+constexpr int kAzimuths = 8;     // of facets that are not the same all around
 constexpr double kLeast = 1e-6;  // cosine that stands for grazing
-// where the loss has its bend: the b of facet_loss
-constexpr std::array kBends{0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8, 1.5, 3.0, 10.0};
+// where the loss has its bend: the b of loss_polynomial; negative ones are tried as well
+constexpr std::array kBends{2e-3, 6e-3, 0.016, 0.035, 0.07, 0.1, 0.15,
+                            0.2,  0.3,  0.5,   0.8,   1.5,  3.0, 10.0};
 
 struct Loss {
   std::array<double, 8> coefficients{};
-  double mean = 0;   // 1 − E_avg of the fit itself
   double error = 0;  // largest, of any azimuth
 };
 
 using Terms = std::array<double, kTerms>;
 
 double warped(double cosine, double bend) {
-  return std::sqrt(cosine * (1 + bend) / (cosine + bend));
+  const double c = bend < 0 ? cosine * cosine : cosine;
+  const double b = std::fabs(bend);
+  return std::sqrt(c * (1 + b) / (c + b));
 }
 
 // Chebyshev's polynomials of 2x − 1.
@@ -110,9 +115,31 @@ Terms powers(const Terms& chebyshevs) {
   return result;
 }
 
-Loss fitted_loss(const Facets& facets) {
-  const bool round = facets.slope_x == facets.slope_y;
-  const int azimuths = round ? 1 : 3;
+// Mirror facets, a mirror under a rough coat, or a coat's surface, whose loss is fitted.
+struct Stack {
+  Facets facets;
+  std::optional<Coat> coat;  // its depth is not looked at
+};
+
+// What is missing of the light from one direction, as facet_loss takes it.
+double missing(const Stack& stack, const Vec3& v) {
+  if (!stack.coat) return 1 - facet_albedo(stack.facets, v, 16);
+  Material white;
+  white.weights = {0, 1, 0};
+  white.specular = Vec3(1);
+  white.specular_law = stack.facets.law;
+  white.cook = {1, stack.facets.slope_x, 1, 1};
+  white.alpha_y = stack.facets.slope_y;
+  white.coat = Coat{.index = stack.coat->index, .alpha = stack.coat->alpha};
+  const bool round = white.cook[1] == white.alpha_y;
+  const double returned = coated_facets_albedo(white, v, round ? 32 : 16);
+  if (white.coat->alpha > 0) return 1 - coat_peak_albedo(*white.coat, v, 32) - returned;
+  return 1 - returned / (1 - f64::fresnel_dielectric(v.z, white.coat->index));
+}
+
+// Fits `value` of (cosine, azimuth), in the mean over `azimuths` of a quarter.
+template <class Value>
+Loss fitted(int azimuths, Value value) {
   std::array<double, kNodes> cosines;
   std::array<double, kNodes> values{};
   std::array<double, kNodes> spread{};  // of the azimuths about their mean
@@ -122,10 +149,10 @@ Loss fitted_loss(const Facets& facets) {
     const double sine = std::sqrt((1 - mu) * (1 + mu));
     cosines[i] = mu;
     double least = 1;
-    double most = 0;
+    double most = -1;
     for (int k = 0; k < azimuths; ++k) {
-      const det::SinCos turn = det::sincos(round ? 0 : kPi / 2 * (k + 0.5) / azimuths);
-      const double loss = 1 - facet_albedo(facets, {sine * turn.cos, sine * turn.sin, mu}, 16);
+      const det::SinCos turn = det::sincos(azimuths == 1 ? 0 : kPi / 2 * (k + 0.5) / azimuths);
+      const double loss = value(Vec3(sine * turn.cos, sine * turn.sin, mu));
       values[i] += loss / azimuths;
       least = std::min(least, loss);
       most = std::max(most, loss);
@@ -134,60 +161,90 @@ Loss fitted_loss(const Facets& facets) {
   }
   Minimax best;
   double bend = 1;
-  for (const double one : kBends) {
-    const Minimax found = minimax(cosines, values, one);
-    if (found.error < best.error) {
-      best = found;
-      bend = one;
+  for (const double one : kBends)
+    for (const double signed_one : {one, -one}) {
+      const Minimax found = minimax(cosines, values, signed_one);
+      if (found.error < best.error) {
+        best = found;
+        bend = signed_one;
+      }
     }
-  }
   Loss loss;
   const Terms terms = powers(best.terms);
   std::copy(terms.begin(), terms.end(), loss.coefficients.begin());
   loss.coefficients[kTerms] = bend;
-  loss.mean = mean_loss(loss.coefficients);
   // between nodes it is a little more than at them
   loss.error = 1.4 * best.error + *std::max_element(spread.begin(), spread.end());
   return loss;
 }
 
 // Models have many materials and few kinds of facets.
-Loss remembered_loss(const Facets& facets) {
+template <class Make>
+Loss remembered(const Stack& stack, Make make) {
   static std::mutex mutex;
-  static std::map<std::tuple<SpecularLaw, double, double>, Loss> all;
-  const std::tuple key(facets.law, facets.slope_x, facets.slope_y);
+  static std::map<std::tuple<SpecularLaw, double, double, double, double>, Loss> all;
+  const Coat coat = stack.coat.value_or(Coat{.index = 0});
+  const std::tuple key(stack.facets.law, stack.facets.slope_x, stack.facets.slope_y, coat.index,
+                       coat.alpha);
   {
     const std::lock_guard lock(mutex);
     const auto found = all.find(key);
     if (found != all.end()) return found->second;
   }
-  const Loss loss = fitted_loss(facets);
+  const Loss loss = make();
   const std::lock_guard lock(mutex);
   if (all.size() >= 256) all.clear();
   all.emplace(key, loss);
   return loss;
 }
 
+Loss loss_of(const Stack& stack) {
+  return remembered(stack, [&] {
+    const bool round = stack.facets.slope_x == stack.facets.slope_y;
+    return fitted(round ? 1 : kAzimuths, [&](const Vec3& v) { return missing(stack, v); });
+  });
+}
+
+// What a rough coat's surface reflects more than a plane.
+Loss coat_excess(const Coat& coat) {
+  return remembered({{SpecularLaw::none, 0, 0}, coat}, [&] {
+    return fitted(1, [&](const Vec3& v) {
+      return coat_peak_albedo(coat, v, 64) - f64::fresnel_dielectric(v.z, coat.index);
+    });
+  });
+}
+
+double mean_of_cosines(const std::function<double(double)>& f) {
+  return 2 * mean_over_cosines([&](double mu) { return Vec3(mu * f(mu)); }).x;
+}
+
+// Part of the light from below that is not let out at once which is left after a way down and up.
+Vec3 kept_by_depth(const Coat& coat) {
+  const double edge = std::sqrt(std::max((1 - 1 / coat.index) * (1 + 1 / coat.index), 0.0));
+  return 2.0 * mean_over_cosines([&](double x) {
+           const double path = 2 / std::max(edge * x, 1e-10);
+           return x * Vec3(det::exp(-coat.depth.x * path), det::exp(-coat.depth.y * path),
+                           det::exp(-coat.depth.z * path));
+         });
+}
+
 double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
 }  // namespace
 
-double mean_loss(const std::array<double, 8>& coefficients) {
-  f64::SurfaceFields s{};
-  s.loss0 = coefficients[0];
-  s.loss1 = coefficients[1];
-  s.loss2 = coefficients[2];
-  s.loss3 = coefficients[3];
-  s.loss4 = coefficients[4];
-  s.loss5 = coefficients[5];
-  s.loss6 = coefficients[6];
-  s.loss7 = coefficients[7];
-  return 2 * mean_over_cosines([&](double mu) { return Vec3(mu * f64::facet_loss(s, mu)); }).x;
+double mean_loss(const Material& material) {
+  const f64::SurfaceFields s = f64::surface_of(material);
+  const bool passed = material.coat && !(s.coat_alpha > 0);
+  return mean_of_cosines([&](double mu) {
+    return (passed ? 1 - f64::coat_first(s, mu) : 1) * f64::facet_loss(s, mu);
+  });
 }
 
 void fit_facets(Material& material) {
   const SpecularLaw law = material.specular_law;
-  if (law != SpecularLaw::beckmann && law != SpecularLaw::ggx) return;
+  const bool blurred = law == SpecularLaw::mirror && material.coat && material.coat->alpha > 0 &&
+                       material.coat->index > 1;
+  if (law != SpecularLaw::beckmann && law != SpecularLaw::ggx && !blurred) return;
   if (material.compensation == Compensation::off) return;
   const f64::SurfaceFields s = f64::surface_of(material);
   const f64::Composition laws = f64::composition_of(material);
@@ -198,15 +255,29 @@ void fit_facets(Material& material) {
   // 1 − E_avg stays below 0.6 up to slopes of 1, and below 1 always
   if (!(facing > 0) || (!always && !(facing > kWorthCompensation))) return;
 
-  Facets facets{law, f64::facet_slope(material.cook[1], 0), f64::facet_slope(material.alpha_y, 0)};
-  const Loss loss = remembered_loss(facets);
-  if (!(loss.mean > 1e-9) || (!always && !(facing * loss.mean > kWorthCompensation))) return;
+  // a mirror takes the slopes of its coat
+  const auto slope = [&](double alpha) { return blurred ? 0 : f64::facet_slope(alpha, 0); };
+  const Stack stack{{law, slope(material.cook[1]), slope(material.alpha_y)}, material.coat};
+  const Loss loss = loss_of(stack);
+  Material tried = material;
+  tried.fits.loss = loss.coefficients;
+  const double lost = mean_loss(tried);
+  if (!(lost > 1e-9) || (!always && !(facing * lost > kWorthCompensation))) return;
   const Vec3 mean =
       glm::min(2.0 * mean_over_cosines([&](double mu) { return mu * reflected(mu); }), Vec3(1));
+  // of what comes in, and of what goes round and round
+  double entering = 1;
+  Vec3 round(1);
+  if (material.coat) {
+    entering = mean_of_cosines([&](double mu) { return 1 - f64::fresnel_dielectric(mu, outer); });
+    round = kept_by_depth(*material.coat);
+  }
+  const double staying = std::min(lost / entering, 1.0);
   for (int k = 0; k < 3; ++k) {
     if (!(s.specular[k] > 0)) continue;
-    const double again = mean[k] * mean[k] * (1 - loss.mean) / (1 - mean[k] * loss.mean);
-    material.fits.many_scale[k] = again / (s.specular[k] * kPi * loss.mean);
+    const double again =
+        mean[k] * mean[k] * round[k] * (1 - staying) / (1 - mean[k] * round[k] * staying);
+    material.fits.many_scale[k] = again / (s.specular[k] * kPi * lost);
   }
   material.fits.loss = loss.coefficients;
   material.fits.error = std::max(material.fits.error, loss.error);
@@ -230,6 +301,17 @@ void fit_coat(Material& material) {
       const double inner = f64::fresnel_dielectric(mu, 1 / coat.index);
       return 4 * x * (1 - edge) * mu * inner * passed(mu);
     });
+  if (coat.alpha > 0 && material.fits.many_scale == Vec3(0)) {
+    const Loss excess = coat_excess(coat);
+    material.fits.loss = excess.coefficients;
+    material.fits.error = std::max(material.fits.error, excess.error);
+    const f64::SurfaceFields s = f64::surface_of(material);
+    const double more = mean_of_cosines([&](double mu) {
+      return f64::coat_first(s, mu) - f64::fresnel_dielectric(mu, coat.index);
+    });
+    // n² as much light from below as from outside
+    kept += more / (coat.index * coat.index) * passed(1);
+  }
   const Vec3 below = mean_diffuse_albedo(material);
   for (int k = 0; k < 3; ++k) {
     const double share = material.diffuse[k] > 0 ? below[k] / material.diffuse[k] : 1;

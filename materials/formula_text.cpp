@@ -83,9 +83,10 @@ std::string glsl_formulas(const Laws& laws) {
 std::string glsl_formulas(std::span<const Laws> families) {
   assert(!families.empty());
   std::string text = kGlue + law_texts(families);
-  constexpr const char* kNames[] = {
-      "mirrored",      "bare",         "coated_diffuse",   "coated_facets", "coated", "coated_reflection",
-      "coated_mirror", "surface_brdf", "surface_radiance"};
+  constexpr const char* kNames[] = {"mirrored",          "bare",          "coated_diffuse",
+                                    "coated_facets",     "coated_many",   "coated",
+                                    "coated_reflection", "coated_mirror", "surface_brdf",
+                                    "surface_radiance"};
   for (std::size_t i = 0; i < families.size(); ++i) {
     for (const char* name : kNames) text += fmt::format("#define {0} {0}_{1}\n", name, i);
     text += surface_functions(families[i]);

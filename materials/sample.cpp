@@ -98,11 +98,11 @@ Vec3 above_horizon(const Vec3& to_viewer, const Vec3& normal) {
 struct Scattering::Parts {
   f64::SurfaceFields surface;
   f64::Composition composition;
-  double lost = 0;  // 2∫ loss μ dμ
+  double lost = 0;  // see mean_loss()
 
   explicit Parts(const Material& material)
       : surface(f64::surface_of(material)), composition(f64::composition_of(material)) {
-    if (composition.laws.compensated) lost = mean_loss(material.fits.loss);
+    if (composition.laws.compensated) lost = mean_loss(material);
   }
 
   f64::SurfaceFields at(const Vec3& tangent, const Vec3& tint) const {
@@ -158,8 +158,8 @@ struct Scattering::Parts {
     const double inner = coated() ? f64::refracted_cosine(cosine, s.coat_index) : cosine;
     c.diffuse = passing * s.weights.x * largest(s.diffuse);
     if (composition.laws.compensated)
-      c.diffuse += passing * s.weights.y * largest(s.specular * s.many_scale) * kPi * lost *
-                   f64::facet_loss(s, inner);
+      c.diffuse += (smooth_coat() ? passing : 1) * s.weights.y *
+                   largest(s.specular * s.many_scale) * kPi * lost * f64::facet_loss(s, cosine);
     if (mirror_shows()) {
       c.mirror_below = largest(mirror_below(cosine));
     } else if (law != SpecularLaw::none) {

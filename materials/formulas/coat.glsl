@@ -32,14 +32,23 @@ FORMULA Vec3 slab_remainder(Real first, Vec3 below, Vec3 depth, Real cos_t) {
   return passing * (twice * below / at_least(again, Real(1e-10)));
 }
 
+// What the coat's outer surface reflects of the light from a direction. Facets of a rough one reflect
+// another share than a plane does, whose difference is fitted; over facets that scatter more than
+// once the fit stands for those, and a rough coat passes what a smooth one does.
+FORMULA Real coat_first(Surface s, Real cosine) {
+  Real plane = s.coat_share * fresnel_dielectric(cosine, s.coat_index);
+  if (!(s.coat_alpha > Real(0)) || dot3(s.many_scale, Vec3(Real(1))) > Real(0)) return plane;
+  return min(max(plane + loss_polynomial(s, cosine), Real(0)), Real(1));
+}
+
 // How much of what a mirror below reflects comes out of a slab, all reflections between its faces
 // included: (1 - R1)^2 T^2/(1 - R1 R2 T^2). Where the way in and the way out differ, the smaller R1
 // of the two keeps both the balance of energy and the reciprocity: (1 - R1)(1 - R1') is never over
 // 1 - min(R1, R1').
 FORMULA Vec3 through_both(Surface s, Vec3 below, Real cos_nl, Real cos_nv) {
   Real n = s.coat_index;
-  Real first_l = s.coat_share * fresnel_dielectric(cos_nl, n);
-  Real first_v = s.coat_share * fresnel_dielectric(cos_nv, n);
+  Real first_l = coat_first(s, cos_nl);
+  Real first_v = coat_first(s, cos_nv);
   Real path = Real(1) / refracted_cosine(cos_nl, n) + Real(1) / refracted_cosine(cos_nv, n);
   Vec3 twice = transmittance(s.coat_depth, min(path, Real(1e10)));
   Vec3 again = Vec3(Real(1)) - min(first_l, first_v) * (twice * at_most_one(below));
@@ -50,12 +59,22 @@ FORMULA Vec3 through_both(Surface s, Vec3 below, Real cos_nl, Real cos_nv) {
 // Diffuse light from below, through the coat twice and back and forth in it.
 FORMULA Vec3 through_coat(Surface s, Vec3 below, Real cos_nl, Real cos_nv) {
   Real n = s.coat_index;
-  Real passing = (Real(1) - s.coat_share * fresnel_dielectric(cos_nl, n)) *
-                 (Real(1) - s.coat_share * fresnel_dielectric(cos_nv, n));
+  Real passing = (Real(1) - coat_first(s, cos_nl)) * (Real(1) - coat_first(s, cos_nv));
   Real path = Real(1) / refracted_cosine(cos_nl, n) + Real(1) / refracted_cosine(cos_nv, n);
   Vec3 again = Vec3(Real(1)) - at_most_one(s.weights.x * s.diffuse) * s.coat_return;
   return passing / (n * n) *
          (transmittance(s.coat_depth, min(path, Real(1e10))) * below / at_least(again, Real(1e-10)));
+}
+
+// What facets under the coat scatter more than once is multiplied by this: it comes and leaves
+// through the coat.
+FORMULA Vec3 many_through_coat(Surface s, Real cos_nl, Real cos_nv) {
+  Real n = s.coat_index;
+  Real path = Real(1) / refracted_cosine(cos_nl, n) + Real(1) / refracted_cosine(cos_nv, n);
+  Vec3 through = transmittance(s.coat_depth, min(path, Real(1e10)));
+  if (s.coat_alpha > Real(0)) return through;
+  Real passing = (Real(1) - coat_first(s, cos_nl)) * (Real(1) - coat_first(s, cos_nv));
+  return passing * through;
 }
 
 // What the outer surface reflects.

@@ -136,11 +136,16 @@ FORMULA Vec3 no_many(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   return Vec3(Real(0));
 }
 
-// 1 - E(cosine), the albedo that is missing in facets' single reflections: a polynomial of
-// sqrt(cosine (1 + b)/(cosine + b)), b = loss7, which is fitted with it.
-FORMULA Real facet_loss(Surface s, Real cosine) {
+// A polynomial of sqrt(c (1 + b)/(c + b)), c the cosine and b = loss7, which is fitted with it; where
+// loss7 is negative, b = -loss7 and c the square of the cosine. It stands for
+//   facets without a coat: 1 - E, the albedo that is missing in their single reflections;
+//   facets under a smooth coat: what is missing in those of the whole stack, over what passes the
+//     coat from outside; under a rough one: the same, but not over what passes;
+//   a rough coat over anything else: what it reflects more than a smooth one.
+FORMULA Real loss_polynomial(Surface s, Real cosine) {
   Real c = min(max(cosine, Real(0)), Real(1));
-  Real b = max(s.loss7, Real(1e-3));
+  if (s.loss7 < Real(0)) c = c * c;
+  Real b = max(abs(s.loss7), Real(1e-3));
   Real x = sqrt(c * (Real(1) + b) / (c + b));
   Real loss = s.loss6;
   loss = loss * x + s.loss5;
@@ -148,9 +153,10 @@ FORMULA Real facet_loss(Surface s, Real cosine) {
   loss = loss * x + s.loss3;
   loss = loss * x + s.loss2;
   loss = loss * x + s.loss1;
-  loss = loss * x + s.loss0;
-  return max(loss, Real(0));
+  return loss * x + s.loss0;
 }
+
+FORMULA Real facet_loss(Surface s, Real cosine) { return max(loss_polynomial(s, cosine), Real(0)); }
 
 // C. Kulla, A. Conty, "Revisiting physically based shading at Imageworks", 2017.
 FORMULA Vec3 facet_many(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {

@@ -23,8 +23,8 @@ FORMULA Vec3 coated_diffuse(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 norma
 }
 
 // Facets under the coat. They see refracted light: at normal incidence slopes look larger by the
-// coat's index from outside, towards grazing by more. What is refracted so flat that the coat keeps
-// it is lost, here as it would not be in nature.
+// coat's index from outside, towards grazing by more. What is reflected so flat that the coat keeps
+// it is lost here, and comes back in coated_many.
 FORMULA Vec3 coated_facets(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Real n = s.coat_index;
   Vec3 l = under_coat(to_light, normal, n);
@@ -34,7 +34,15 @@ FORMULA Vec3 coated_facets(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal
   Vec3 through = through_both(s, below, max(dot3(normal, to_light), Real(0)),
                               max(dot3(normal, to_viewer), Real(0)));
   Real share = s.weights.y * tilted_share(tilted, l, v, normal) / (n * n);
-  return share * (through * mirrored(s, l, v, tilted, n));
+  return share * (through * (s.specular * (PANWRIGHT_FRESNEL(s, half_cosine(l, v), n) *
+                                           PANWRIGHT_LOBE(s, l, v, tilted))));
+}
+
+// What facets and coat send back and forth until it leaves.
+FORMULA Vec3 coated_many(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  Vec3 through = many_through_coat(s, max(dot3(normal, to_light), Real(0)),
+                                   max(dot3(normal, to_viewer), Real(0)));
+  return s.weights.y * s.specular * through * PANWRIGHT_MANY(s, to_light, to_viewer, normal);
 }
 
 // The surface under its coat: a peak of the coat, one of the surface below with all reflections
@@ -42,6 +50,7 @@ FORMULA Vec3 coated_facets(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal
 FORMULA Vec3 coated(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   return Vec3(coat_peak(s, to_light, to_viewer, normal)) +
          coated_facets(s, to_light, to_viewer, normal) +
+         coated_many(s, to_light, to_viewer, normal) +
          coated_diffuse(s, to_light, to_viewer, normal);
 }
 
@@ -62,6 +71,7 @@ FORMULA Vec3 coated_mirror(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal
          lobe * coated_reflection(s, half_cosine(to_light, to_viewer),
                                   max(dot3(normal, to_light), Real(0)),
                                   max(dot3(normal, to_viewer), Real(0))) +
+         coated_many(s, to_light, to_viewer, normal) +
          coated_diffuse(s, to_light, to_viewer, normal);
 }
 

@@ -15,11 +15,20 @@ inline constexpr double kWorthCompensation = 0.01;
 // where it is larger than what stands there.
 void fit_facets(Material& material);
 
-// fits.coat_return. Needs what fit_hapke() gives.
+// fits.coat_return, and for a rough coat fits.loss unless fit_facets() filled it. Needs what
+// fit_hapke() and fit_facets() give.
 void fit_coat(Material& material);
 
-// 2∫ loss μ dμ of coefficients as facet_loss (materials/formulas/facets.glsl) takes them.
-double mean_loss(const std::array<double, 8>& coefficients);
+// 2∫ f loss μ dμ of a fitted material, f what its smooth coat passes: see facet_loss in
+// materials/formulas/facets.glsl.
+double mean_loss(const Material& material);
+
+// What the outer surface of a rough coat reflects of light from a direction, and what comes out
+// again of the light that facets below it reflect, once. nodes: see facet_albedo().
+//
+// Expects: to_viewer above the horizon; the coat rough; the material one of facets, without tint
+double coat_peak_albedo(const Coat& coat, const Vec3& to_viewer, int nodes);
+double coated_facets_albedo(const Material& material, const Vec3& to_viewer, int nodes);
 
 // ∫ f(μ) dμ from 0 to 1, of functions that are smooth in √μ.
 Vec3 mean_over_cosines(const std::function<Vec3(double)>& f);

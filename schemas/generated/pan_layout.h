@@ -243,8 +243,9 @@ struct Material {
   // light scattered more than once by facets: factor of loss(l)*loss(v), 1/sr; all 0: none
   float many_scale[3];
   float tilt_v;  // and along v
-  // 1 - E(cos), E the directional albedo of the facets: coefficients of 1, x ... x^6, and b; x^2
-  // = cos (1 + b)/(cos + b)
+  // polynomial of what single reflections miss, of facets alone or with their coat, or of what a
+  // rough coat reflects more than a smooth one (materials/formulas/facets.glsl): coefficients of
+  // 1, x ... x^6, and b; x^2 = c (1 + |b|)/(c + |b|), c the cosine, its square where b < 0
   float loss[8];
   float hapke_h[8];  // coefficients of H(x), see materials/formulas/hapke.glsl
   std::uint32_t diffuse_law;  // DiffuseLaw
