@@ -10,8 +10,10 @@ namespace panwright::geometry {
 
 struct CleanOptions {
   bool weld = true;
-  double tolerance = 0;         // metres; 0: vertices at equal positions alone become one
-  bool drop_degenerate = true;  // triangles without area (as in MeshReport)
+  double tolerance = 0;  // metres; 0: vertices at equal positions alone become one
+  // Triangles without area (as in MeshReport), but for those with three corners apart that keep a
+  // surface together.
+  bool drop_degenerate = true;
   // Triangles with the same corners as an earlier one. Back to back, as CAD makes sheets that show
   // both sides, they are dropped where their colours and texture coordinates are the same.
   bool drop_duplicates = true;
@@ -31,7 +33,8 @@ enum class SpotKind : std::uint8_t { non_manifold_edge, hole, t_junction, flippe
 struct Spot {
   SpotKind kind = SpotKind::hole;
   Vec3 at{0};              // the middle of what is wrong, in the mesh's frame
-  double length = 0;       // metres: of the edge, of the hole's rim, of the flipped piece's bounds
+  double length = 0;       // metres: of the edge, of the hole's rim; of a flipped piece the
+                           // root of its area
   std::uint64_t size = 0;  // edges of a hole's rim, faces of a piece or at an edge
 };
 
@@ -51,8 +54,9 @@ struct CleanReport {
   std::uint64_t one_sided = 0;           // pieces without two sides, as Möbius' strip: left alone
   std::uint64_t non_manifold_edges = 0;  // shared by three triangles or more
   std::uint64_t border_edges = 0;        // of one triangle
-  std::uint64_t holes = 0;               // closed rims of border edges
-  double hole_length = 0;                // metres, of all rims
+  std::uint64_t rims = 0;                // closed loops of border edges
+  std::uint64_t holes = 0;               // rims whose length² is below the area of their piece
+  double hole_length = 0;                // metres, of their rims
   std::uint64_t filled = 0;              // holes
   std::uint64_t t_junctions = 0;  // border vertices inside other border edges; at least so many
   std::vector<Spot> spots;        // by kind, then as max_spots says

@@ -1,8 +1,13 @@
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <unordered_map>
 
+#include "base/parallel.h"
+#include "geometry/internal/lists.h"
+#include "geometry/internal/normals.h"
 #include "geometry/internal/triangle.h"
 #include "geometry/internal/weld.h"
 #include "geometry/strip.h"
@@ -14,59 +19,66 @@ namespace {
 constexpr std::uint32_t kNone = 0xffffffffu;
 // radians: what rounding may do to the angle of a right-angled crease
 constexpr double kAngleSlack = 1e-9;
+constexpr int kChainLimit = 16;
+constexpr std::size_t kChunk = 1u << 13;  // triangles or vertices that a thread takes at once
 
-// A corner is 3·triangle + place.
-struct Corners {
-  std::vector<std::uint32_t> start;  // V + 1, of the corners at each welded vertex
-  std::vector<std::uint32_t> list;   // corners of triangles with area, in triangle order
-};
-
-class NormalBuilder {
+// The facets around the vertices of one chunk, joined where they are smooth.
+class Fans {
  public:
-  NormalBuilder(Mesh& mesh, double crease_angle)
+  Fans(const Mesh& mesh, std::span<const std::uint32_t> place, const Lists& corners,
+       const std::vector<Vec3>& facet_normals, const std::vector<double>& angles, double crease,
+       std::vector<std::uint32_t>& group_of)
       : mesh_(mesh),
-        crease_(std::clamp(crease_angle, 0.0, kPi)),
-        cos_crease_(det::cos(std::min(kPi, crease_ + kAngleSlack))) {}
+        place_(place),
+        corners_(corners),
+        facet_normals_(facet_normals),
+        angles_(angles),
+        crease_(crease),
+        cos_crease_(det::cos(std::min(kPi, crease + kAngleSlack))),
+        group_of_(group_of) {}
 
-  void run() {
-    first_ = welded(mesh_.positions);
-    measure_facets();
-    list_corners();
-    group_of_.assign(3 * mesh_.triangles.size(), kNone);
-    for (std::size_t v = 0; v < mesh_.positions.size(); ++v) group_vertex(v);
-    emit();
+  std::vector<Vec3> normals;  // one for each group
+
+  // Facets that share an edge at this vertex are joined across it where it is smooth.
+  void group_vertex(std::uint32_t v) {
+    const std::span<const std::uint32_t> corners = corners_[v];
+    const auto count = static_cast<std::uint32_t>(corners.size());
+    if (count == 0) return;
+    parent_.resize(count);
+    std::iota(parent_.begin(), parent_.end(), 0u);
+    if (count > 1) join_all(corners, v);
+    make_groups(corners);
   }
 
  private:
-  void measure_facets() {
-    facet_normals_.assign(mesh_.triangles.size(), Vec3(0));
-    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
-      const Triangle& t = mesh_.triangles[i];
-      const TriangleMeasure m =
-          measure(mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]);
-      if (!m.degenerate()) facet_normals_[i] = m.cross / m.double_area;
+  std::uint32_t place(std::uint32_t corner, std::uint32_t step) const {
+    const std::uint32_t k = corner % 3 + step;
+    return place_[mesh_.triangles[corner / 3][k < 3 ? k : k - 3]];
+  }
+
+  void join_all(std::span<const std::uint32_t> corners, std::uint32_t v) {
+    sides_.clear();
+    for (std::uint32_t i = 0; i < corners.size(); ++i)
+      for (const std::uint32_t step : {1u, 2u})
+        sides_.push_back(std::uint64_t{place(corners[i], step)} << 32 | i);
+    std::sort(sides_.begin(), sides_.end());
+    for (std::size_t i = 0; i < sides_.size();) {
+      std::size_t end = i + 1;
+      while (end < sides_.size() && sides_[end] >> 32 == sides_[i] >> 32) ++end;
+      if (end - i == 2)
+        join_if_smooth(corners, corner_of(i), corner_of(i + 1));
+      else if (end - i > 2)
+        join_fan(corners, v, i, end);
+      i = end;
     }
   }
 
-  bool has_area(std::size_t triangle) const { return facet_normals_[triangle] != Vec3(0); }
-  std::uint32_t place(std::uint32_t corner, std::uint32_t step) const {
-    return first_[mesh_.triangles[corner / 3][(corner + step) % 3]];
+  std::uint32_t corner_of(std::size_t side) const {
+    return static_cast<std::uint32_t>(sides_[side]);
   }
 
-  void list_corners() {
-    const auto for_each_corner = [&](const auto& body) {
-      for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
-        if (!has_area(i)) continue;
-        for (std::uint32_t k = 0; k < 3; ++k) body(first_[mesh_.triangles[i][k]], 3 * i + k);
-      }
-    };
-    std::vector<std::uint32_t>& start = corners_.start;
-    start.assign(mesh_.positions.size() + 2, 0);
-    for_each_corner([&](std::uint32_t v, std::uint32_t) { ++start[v + 2]; });
-    std::partial_sum(start.begin(), start.end(), start.begin());
-    corners_.list.resize(start.back());
-    for_each_corner(
-        [&](std::uint32_t v, std::uint32_t corner) { corners_.list[start[v + 1]++] = corner; });
+  void join_if_smooth(std::span<const std::uint32_t> corners, std::uint32_t a, std::uint32_t b) {
+    if (is_smooth(facet_normals_[corners[a] / 3], facet_normals_[corners[b] / 3])) join(a, b);
   }
 
   bool is_smooth(const Vec3& a, const Vec3& b) const {
@@ -87,141 +99,199 @@ class NormalBuilder {
     parent_[std::max(a, b)] = std::min(a, b);
   }
 
-  // Facets that share an edge at this vertex are joined across it where it is smooth.
-  void group_vertex(std::size_t v) {
-    const std::uint32_t begin = corners_.start[v];
-    const std::uint32_t count = corners_.start[v + 1] - begin;
-    if (count == 0) return;
-    const std::uint32_t* corners = corners_.list.data() + begin;
-    parent_.resize(count);
-    std::iota(parent_.begin(), parent_.end(), 0u);
-    sides_.clear();
-    for (std::uint32_t i = 0; i < count; ++i) {
-      sides_.push_back({place(corners[i], 1), i});
-      sides_.push_back({place(corners[i], 2), i});
-    }
-    std::sort(sides_.begin(), sides_.end());
-    for (std::size_t i = 0; i < sides_.size();) {
-      std::size_t end = i + 1;
-      while (end < sides_.size() && sides_[end].first == sides_[i].first) ++end;
-      if (end - i == 2) {
-        const std::uint32_t a = sides_[i].second;
-        const std::uint32_t b = sides_[i + 1].second;
-        if (is_smooth(facet_normals_[corners[a] / 3], facet_normals_[corners[b] / 3])) join(a, b);
-      } else if (end - i > 2) {
-        join_fan(corners, v, i, end);
-      }
-      i = end;
-    }
-    make_groups(corners, count);
-  }
-
   // Many facets on one edge: their normals lie on a circle about it, and neighbours on the circle
   // decide for all pairs.
-  void join_fan(const std::uint32_t* corners, std::size_t v, std::size_t begin, std::size_t end) {
-    const Vec3 axis = glm::normalize(mesh_.positions[sides_[begin].first] - mesh_.positions[v]);
-    const Vec3 zero = facet_normals_[corners[sides_[begin].second] / 3];
+  void join_fan(std::span<const std::uint32_t> corners, std::uint32_t v, std::size_t begin,
+                std::size_t end) {
+    const Vec3 axis = glm::normalize(mesh_.positions[sides_[begin] >> 32] - mesh_.positions[v]);
+    const Vec3 zero = facet_normals_[corners[corner_of(begin)] / 3];
     const Vec3 right = glm::cross(axis, zero);
     fan_.clear();
     for (std::size_t i = begin; i < end; ++i) {
-      const Vec3& n = facet_normals_[corners[sides_[i].second] / 3];
-      fan_.push_back({det::atan2(glm::dot(n, right), glm::dot(n, zero)), sides_[i].second});
+      const Vec3& n = facet_normals_[corners[corner_of(i)] / 3];
+      fan_.push_back({det::atan2(glm::dot(n, right), glm::dot(n, zero)), corner_of(i)});
     }
     std::sort(fan_.begin(), fan_.end());
-    for (std::size_t i = 0; i < fan_.size(); ++i) {
-      const std::uint32_t a = fan_[i].second;
-      const std::uint32_t b = fan_[(i + 1) % fan_.size()].second;
-      if (is_smooth(facet_normals_[corners[a] / 3], facet_normals_[corners[b] / 3])) join(a, b);
-    }
+    for (std::size_t i = 0; i < fan_.size(); ++i)
+      join_if_smooth(corners, fan_[i].second, fan_[(i + 1) % fan_.size()].second);
   }
 
-  void make_groups(const std::uint32_t* corners, std::uint32_t count) {
-    group_name_.assign(count, kNone);
-    const std::size_t first_group = group_normals_.size();
-    for (std::uint32_t i = 0; i < count; ++i) {
+  void make_groups(std::span<const std::uint32_t> corners) {
+    name_.assign(corners.size(), kNone);
+    const std::size_t before = normals.size();
+    weight_.clear();
+    first_.clear();
+    for (std::uint32_t i = 0; i < corners.size(); ++i) {
       const std::uint32_t r = root(i);
-      if (group_name_[r] == kNone) {
-        group_name_[r] = static_cast<std::uint32_t>(group_normals_.size());
-        group_normals_.push_back(Vec3(0));
-        group_weight_.push_back(0);
-        group_first_.push_back(facet_normals_[corners[i] / 3]);
+      const Vec3& facet = facet_normals_[corners[i] / 3];
+      if (name_[r] == kNone) {
+        name_[r] = static_cast<std::uint32_t>(normals.size());
+        normals.push_back(Vec3(0));
+        weight_.push_back(0);
+        first_.push_back(facet);
       }
-      const std::uint32_t group = group_name_[r];
-      const double angle = corner_angle(corners[i]);
-      group_normals_[group] += angle * facet_normals_[corners[i] / 3];
-      group_weight_[group] += angle;
-      group_of_[corners[i]] = group;
+      const double angle = angles_[corners[i]];
+      normals[name_[r]] += angle * facet;
+      weight_[name_[r] - before] += angle;
+      group_of_[corners[i]] = name_[r];
     }
-    for (std::size_t g = first_group; g < group_normals_.size(); ++g) {
-      const double length = glm::length(group_normals_[g]);
+    for (std::size_t g = before; g < normals.size(); ++g) {
+      const double length = glm::length(normals[g]);
       // facets back to back cancel, and what is left has no direction
-      const bool cancelled = !(length > 1e-9 * group_weight_[g]);
-      group_normals_[g] = cancelled ? group_first_[g] : group_normals_[g] / length;
+      const bool cancelled = !(length > 1e-9 * weight_[g - before]);
+      normals[g] = cancelled ? first_[g - before] : normals[g] / length;
     }
   }
 
-  double corner_angle(std::uint32_t corner) const {
-    const Triangle& t = mesh_.triangles[corner / 3];
-    const Vec3& p = mesh_.positions[t[corner % 3]];
-    return angle_between(mesh_.positions[t[(corner + 1) % 3]] - p,
-                         mesh_.positions[t[(corner + 2) % 3]] - p);
+  const Mesh& mesh_;
+  std::span<const std::uint32_t> place_;
+  const Lists& corners_;
+  const std::vector<Vec3>& facet_normals_;
+  const std::vector<double>& angles_;
+  double crease_;
+  double cos_crease_;
+  std::vector<std::uint32_t>& group_of_;
+  // scratch of one vertex
+  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint64_t> sides_;  // neighbour · 2³² + corner at the vertex
+  std::vector<std::pair<double, std::uint32_t>> fan_;
+  std::vector<std::uint32_t> name_;
+  std::vector<double> weight_;
+  std::vector<Vec3> first_;
+};
+
+class NormalBuilder {
+ public:
+  NormalBuilder(Mesh& mesh, double crease_angle, std::span<const std::uint32_t> place)
+      : mesh_(mesh), crease_(std::clamp(crease_angle, 0.0, kPi)), place_(place) {}
+
+  void run() {
+    measure_facets();
+    corners_ = lists_by(corner_place_, mesh_.positions.size());
+    group();
+    emit();
+  }
+
+ private:
+  // Normals of facets, angles of corners, and where corners of facets with area stand.
+  void measure_facets() {
+    const std::size_t count = mesh_.triangles.size();
+    facet_normals_.resize(count);
+    angles_.resize(3 * count);
+    corner_place_.resize(3 * count);
+    for_chunks(count, [&](std::size_t, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) measure_facet(i);
+    });
+  }
+
+  void measure_facet(std::size_t i) {
+    const Triangle& t = mesh_.triangles[i];
+    const Vec3& a = mesh_.positions[t[0]];
+    const Vec3& b = mesh_.positions[t[1]];
+    const Vec3& c = mesh_.positions[t[2]];
+    const TriangleMeasure m = measure(a, b, c);
+    const bool has_area = !m.degenerate();
+    facet_normals_[i] = has_area ? m.cross / m.double_area : Vec3(0);
+    for (std::size_t k = 0; k < 3; ++k) corner_place_[3 * i + k] = has_area ? place_[t[k]] : kNoKey;
+    if (!has_area) return;
+    const std::array<Vec3, 3> side = {b - a, c - b, a - c};
+    std::array<double, 3> cosine;  // · lengths of the sides
+    for (std::size_t k = 0; k < 3; ++k) cosine[k] = -glm::dot(side[k], side[(k + 2) % 3]);
+    // the largest angle is what the others leave
+    std::size_t largest = 0;
+    double longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double squared = glm::dot(side[(k + 1) % 3], side[(k + 1) % 3]);
+      if (squared > longest) largest = k;
+      longest = std::max(longest, squared);
+    }
+    double rest = kPi;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (k == largest) continue;
+      angles_[3 * i + k] = det::atan2(m.double_area, cosine[k]);
+      rest -= angles_[3 * i + k];
+    }
+    angles_[3 * i + largest] = rest;
+  }
+
+  template <class Body>
+  static void for_chunks(std::size_t count, const Body& body) {
+    parallel_for((count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+      body(chunk, chunk * kChunk, std::min(count, (chunk + 1) * kChunk));
+    });
+  }
+
+  // Groups are numbered in order of their vertices, whichever thread finds them.
+  void group() {
+    group_of_.assign(3 * mesh_.triangles.size(), kNone);
+    const std::size_t count = mesh_.positions.size();
+    std::vector<std::vector<Vec3>> parts((count + kChunk - 1) / kChunk);
+    for_chunks(count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+      Fans fans(mesh_, place_, corners_, facet_normals_, angles_, crease_, group_of_);
+      for (std::size_t v = begin; v < end; ++v) fans.group_vertex(static_cast<std::uint32_t>(v));
+      parts[chunk] = std::move(fans.normals);
+    });
+    std::vector<std::size_t> base(parts.size() + 1, 0);
+    for (std::size_t i = 0; i < parts.size(); ++i) base[i + 1] = base[i] + parts[i].size();
+    group_normals_.resize(base.back());
+    for_chunks(count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+      std::copy(parts[chunk].begin(), parts[chunk].end(),
+                group_normals_.begin() + static_cast<std::ptrdiff_t>(base[chunk]));
+      if (base[chunk] == 0) return;
+      for (std::size_t i = corners_.start[begin]; i < corners_.start[end]; ++i)
+        group_of_[corners_.items[i]] += static_cast<std::uint32_t>(base[chunk]);
+    });
   }
 
   // The group that a corner of a triangle without area takes: the first one at its place.
   std::uint32_t any_group(std::uint32_t v) const {
-    const std::uint32_t begin = corners_.start[first_[v]];
-    return begin == corners_.start[first_[v] + 1] ? kNone : group_of_[corners_.list[begin]];
+    const std::span<const std::uint32_t> corners = corners_[place_[v]];
+    return corners.empty() ? kNone : group_of_[corners[0]];
   }
 
-  // For each corner the first corner that can share its vertex: same vertex, same group.
-  std::vector<std::uint32_t> leaders() {
-    std::vector<std::uint32_t> start(mesh_.positions.size() + 2, 0);
-    for (const Triangle& t : mesh_.triangles)
-      for (const std::uint32_t v : t) ++start[v + 2];
-    std::partial_sum(start.begin(), start.end(), start.begin());
-    std::vector<std::uint32_t> list(start.back());
-    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        const std::uint32_t v = mesh_.triangles[i][k];
-        list[start[v + 1]++] = 3 * i + k;
-        if (group_of_[3 * i + k] == kNone) group_of_[3 * i + k] = any_group(v);
-      }
+  // The vertex that corners of vertex v with this group share: v itself for the first group that
+  // uses it, then copies.
+  std::uint32_t vertex_for(std::uint32_t v, std::uint32_t group) {
+    if (!used_[v]) {
+      used_[v] = true;
+      group_at_[v] = group;
+      return v;
     }
-    std::vector<std::uint32_t> leader(list.size());
-    for (std::size_t v = 0; v < mesh_.positions.size(); ++v) {
-      const auto begin = list.begin() + start[v];
-      const auto end = list.begin() + start[v + 1];
-      std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
-        return group_of_[a] != group_of_[b] ? group_of_[a] < group_of_[b] : a < b;
-      });
-      for (auto i = begin; i != end; ++i)
-        leader[*i] = i != begin && group_of_[*i] == group_of_[i[-1]] ? leader[i[-1]] : *i;
+    std::uint32_t last = v;
+    for (int steps = 0; steps < kChainLimit; ++steps) {
+      if (group_at_[last] == group) return last;
+      if (next_[last] == kNone) return next_[last] = make_copy(v, group);
+      last = next_[last];
     }
-    return leader;
+    // so many groups at one place are found by their number
+    const auto [found, added] = copies_.emplace(std::uint64_t{v} << 32 | group, kNone);
+    if (added) found->second = make_copy(v, group);
+    return found->second;
+  }
+
+  std::uint32_t make_copy(std::uint32_t v, std::uint32_t group) {
+    group_at_.push_back(group);
+    next_.push_back(kNone);
+    return copy_vertex(v);
   }
 
   void emit() {
     const std::size_t originals = mesh_.positions.size();
-    const std::vector<std::uint32_t> leader = leaders();
-    std::vector<bool> used(originals, false);
-    std::vector<std::uint32_t> group_at(originals, kNone);  // of each vertex, grows with them
-    for (std::uint32_t corner = 0; corner < leader.size(); ++corner) {
-      std::uint32_t& index = mesh_.triangles[corner / 3][corner % 3];
-      const std::uint32_t first = leader[corner];
-      if (first != corner) {
-        // note: the leader has its final index already
-        index = mesh_.triangles[first / 3][first % 3];
-      } else if (!used[index]) {
-        used[index] = true;
-        group_at[index] = group_of_[corner];
-      } else {
-        index = copy_vertex(index);
-        group_at.push_back(group_of_[corner]);
+    used_.assign(originals, false);
+    group_at_.assign(originals, kNone);
+    next_.assign(originals, kNone);
+    std::uint32_t corner = 0;
+    for (Triangle& t : mesh_.triangles) {
+      for (std::uint32_t& v : t) {
+        const std::uint32_t group = group_of_[corner++];
+        v = vertex_for(v, group == kNone ? any_group(v) : group);
       }
     }
     mesh_.normals.resize(mesh_.positions.size());
-    for (std::size_t v = 0; v < mesh_.normals.size(); ++v)
-      mesh_.normals[v] = group_at[v] == kNone ? Vec3(0, 0, 1) : group_normals_[group_at[v]];
+    for_chunks(mesh_.normals.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v)
+        mesh_.normals[v] = group_at_[v] == kNone ? Vec3(0, 0, 1) : group_normals_[group_at_[v]];
+    });
   }
 
   std::uint32_t copy_vertex(std::uint32_t v) {
@@ -238,27 +308,29 @@ class NormalBuilder {
 
   Mesh& mesh_;
   double crease_;
-  double cos_crease_;
-  std::vector<std::uint32_t> first_;  // V
-  std::vector<Vec3> facet_normals_;   // T, zero: no area
-  Corners corners_;
-  std::vector<std::uint32_t> group_of_;  // 3*T
-  std::vector<Vec3> group_normals_;      // one for each group
-  std::vector<double> group_weight_;
-  std::vector<Vec3> group_first_;
-  // scratch of one vertex
-  std::vector<std::uint32_t> parent_;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> sides_;  // neighbour, corner at the vertex
-  std::vector<std::pair<double, std::uint32_t>> fan_;
-  std::vector<std::uint32_t> group_name_;
+  std::span<const std::uint32_t> place_;     // V
+  std::vector<Vec3> facet_normals_;          // T, zero: no area
+  std::vector<double> angles_;               // 3*T, radians
+  std::vector<std::uint32_t> corner_place_;  // 3*T, kNoKey: no area
+  Lists corners_;                            // of each place, corners: 3·triangle + number
+  std::vector<std::uint32_t> group_of_;      // 3*T
+  std::vector<Vec3> group_normals_;          // one for each group
+  std::vector<char> used_;                   // of each vertex that was there
+  std::vector<std::uint32_t> group_at_;      // of each vertex, grows with them
+  std::vector<std::uint32_t> next_;          // copy of the same vertex
+  std::unordered_map<std::uint64_t, std::uint32_t> copies_;
 };
 
 }  // namespace
 
 void compute_normals(Mesh& mesh, double crease_angle) {
+  compute_normals(mesh, crease_angle, welded(mesh.positions));
+}
+
+void compute_normals(Mesh& mesh, double crease_angle, std::span<const std::uint32_t> place) {
   assert(mesh.positions.size() + 3 * mesh.triangles.size() < 0xffffffffull);
   mesh.normals.clear();
-  NormalBuilder(mesh, crease_angle).run();
+  NormalBuilder(mesh, crease_angle, place).run();
 }
 
 }  // namespace panwright::geometry

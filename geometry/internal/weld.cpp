@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <numeric>
+
+#include "geometry/internal/first_equal.h"
 
 namespace panwright::geometry {
 
@@ -17,16 +20,53 @@ Key key_of(const Vec3& p) {
           std::bit_cast<std::uint64_t>(p.z + 0.0)};
 }
 
-// multiply and fold: coordinates differ in few bits, often only the high ones
 std::uint64_t mixed(const Key& key) {
-  std::uint64_t h = 0x9e3779b97f4a7c15ull;  // 2^64 / golden ratio
-  for (const std::uint64_t part : key) {
-    h = (h ^ part) * 0xff51afd7ed558ccdull;  // MurmurHash3's 64-bit finaliser
-    h ^= h >> 32;
-  }
-  h *= 0xc4ceb9fe1a85ec53ull;  // the same
-  return h ^ (h >> 29);
+  std::uint64_t h = kHashSeed;
+  for (const std::uint64_t part : key) h = hash_step(h, part);
+  return hash_end(h);
 }
+
+// Points that stayed, by the cell of a grid they lie in.
+class Representatives {
+ public:
+  Representatives(std::span<const Vec3> positions, double tolerance)
+      : positions_(positions), tolerance_(tolerance), cell_(4 * tolerance) {
+    heads_.assign(std::bit_ceil(std::max<std::size_t>(16, positions.size() * 2)), kEmpty);
+    next_.assign(positions.size(), kEmpty);
+  }
+
+  // The first that lies within the tolerance, or kEmpty. Cells are four tolerances wide, so that
+  // what is near lies in the eight cells about the nearest corner of the grid.
+  std::uint32_t near(const Vec3& p) const {
+    std::uint32_t best = kEmpty;
+    const Vec3 corner = glm::floor(p / cell_ + 0.5);
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 cell = corner - Vec3(i & 1, (i >> 1) & 1, (i >> 2) & 1);
+      for (std::uint32_t r = heads_[slot(cell)]; r != kEmpty; r = next_[r]) {
+        const Vec3 off = positions_[r] - p;
+        if (glm::dot(off, off) <= tolerance_ * tolerance_) best = std::min(best, r);
+      }
+    }
+    return best;
+  }
+
+  void add(std::uint32_t i) {
+    std::uint32_t& head = heads_[slot(glm::floor(positions_[i] / cell_))];
+    next_[i] = head;
+    head = i;
+  }
+
+  static constexpr std::uint32_t kEmpty = 0xffffffffu;
+
+ private:
+  std::size_t slot(const Vec3& cell) const { return mixed(key_of(cell)) & (heads_.size() - 1); }
+
+  std::span<const Vec3> positions_;
+  double tolerance_;
+  double cell_;
+  std::vector<std::uint32_t> heads_;
+  std::vector<std::uint32_t> next_;
+};
 
 }  // namespace
 
@@ -47,21 +87,29 @@ std::vector<std::uint32_t> welded_by_sorting(std::span<const Vec3> positions) {
 }
 
 std::vector<std::uint32_t> welded(std::span<const Vec3> positions) {
-  constexpr std::uint32_t kEmpty = 0xffffffffu;
-  const std::size_t slots = std::bit_ceil(std::max<std::size_t>(16, positions.size() * 2));
-  std::vector<std::uint32_t> table(slots, kEmpty);
-  std::vector<std::uint32_t> first(positions.size());
-  // a sound table needs about 1.5 probes for each vertex; one that was attacked needs V
-  std::uint64_t probes_left = 32 * static_cast<std::uint64_t>(positions.size()) + 1024;
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const Key key = key_of(positions[i]);
-    std::size_t slot = mixed(key) & (slots - 1);
-    while (table[slot] != kEmpty && key_of(positions[table[slot]]) != key) {
-      if (--probes_left == 0) return welded_by_sorting(positions);
-      slot = (slot + 1) & (slots - 1);
+  auto first = first_equal(
+      positions.size(), [&](std::uint32_t i) { return mixed(key_of(positions[i])); },
+      [&](std::uint32_t a, std::uint32_t b) {
+        return key_of(positions[a]) == key_of(positions[b]);
+      });
+  if (!first) return welded_by_sorting(positions);
+  return std::move(*first);
+}
+
+std::vector<std::uint32_t> welded_within(std::span<const Vec3> positions, double tolerance) {
+  std::vector<std::uint32_t> first = welded(positions);
+  if (!(tolerance > 0)) return first;
+  Representatives representatives(positions, tolerance);
+  for (std::uint32_t i = 0; i < first.size(); ++i) {
+    if (first[i] != i) {
+      first[i] = first[first[i]];
+      continue;
     }
-    if (table[slot] == kEmpty) table[slot] = static_cast<std::uint32_t>(i);
-    first[i] = table[slot];
+    const std::uint32_t near = representatives.near(positions[i]);
+    if (near == Representatives::kEmpty)
+      representatives.add(i);
+    else
+      first[i] = near;
   }
   return first;
 }
