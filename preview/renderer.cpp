@@ -38,7 +38,7 @@ constexpr std::uint32_t kMaxSide = 16384;
           (options.shadow_side >= 16 && options.shadow_side <= kMaxSide));
 }
 
-void copy_cells(const materials::Cells& cells, DrawBlock& block) {
+void copy_cells(const materials::Cells& cells, const float coat_return[3], DrawBlock& block) {
   for (int axis = 0; axis < 2; ++axis) {
     block.cells[axis] = static_cast<float>(cells.count[axis]);
     block.cells[axis + 2] = static_cast<float>(cells.gap[axis]);
@@ -47,6 +47,7 @@ void copy_cells(const materials::Cells& cells, DrawBlock& block) {
   copy_floats(cells.finger_color, block.finger_colour);
   block.gap_colour[3] = static_cast<float>(std::floor(cells.fingers + 0.5));
   block.finger_colour[3] = static_cast<float>(cells.finger_width);
+  std::copy_n(coat_return, 3, block.lift + 1);
 }
 
 // what the fragments of a tile share
@@ -283,7 +284,7 @@ void Renderer::Impl::upload_blocks(const View& view, const Scenery& scenery, con
     block.id[2] = tile.y * samples;
     copy_floats(list[index].diffuse, block.diffuse);
     copy_repeat(list[index], block);
-    copy_cells(list[index].cells, block);
+    copy_cells(list[index].cells, model.materials()[list[index].material].coat_return, block);
     if (shadows)
       place_before_sun(shadow_map.frame(), model.meshes()[list[index].mesh], list[index], flat,
                        block);

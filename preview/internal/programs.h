@@ -59,7 +59,8 @@ struct alignas(16) DrawBlock {
   float finger_colour[4];            // RGB, their width
   float sun_from_mesh[12];           // rows of 4, as SunFrame says
   float sun_normal_from_mesh[12];    // columns of 3, each padded to 4
-  float lift[4];                     // x: how far a point is moved out before it is lit, mesh frame
+  float lift[4];                     // x: how far a point is moved out before it is lit, mesh frame;
+                                     // others: what glass over cells sends back of diffuse light
 };
 struct alignas(16) DecalBlock {
   float place[12];  // rows of 4: from positions to picture coordinates and height over depth

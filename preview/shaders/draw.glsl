@@ -10,6 +10,7 @@ layout(std140, binding = 1) uniform Draw {
   vec4 finger_colour;  // RGB; a: part of their pitch that they cover
   vec4 sun_from_mesh[3];  // rows: the place before the Sun (sun_frame.h)
   mat3 sun_normal_from_mesh;
-  vec4 lift;  // x: how far a point is moved out before it is lit, mesh frame
+  vec4 lift;  // x: how far a point is moved out before it is lit, mesh frame; y, z, w: the share of
+              // diffuse light that the glass over cells sends back
 }
 draw;

@@ -125,7 +125,13 @@ void main() {
   vec2 size = abs(dFdx(cell_place)) + abs(dFdy(cell_place));
   shares = cell_shares(cell_place.x, cell_place.y, size.x, size.y, draw.cells.z, draw.cells.w,
                        draw.gap_colour.a, draw.finger_colour.a);
-  colour = (shares.x * colour + shares.y * draw.finger_colour.rgb) / max(1.0 - shares.z, 1e-20);
+  // light goes back and forth between each part and the glass: c/(1 - c r) is what is mixed
+  vec3 back = draw.lift.yzw;
+  vec3 cell = colour / max(1.0 - min(colour, vec3(1.0)) * back, vec3(1e-10));
+  vec3 line = draw.finger_colour.rgb;
+  line = line / max(1.0 - min(line, vec3(1.0)) * back, vec3(1e-10));
+  colour = (shares.x * cell + shares.y * line) / max(1.0 - shares.z, 1e-20);
+  colour = colour / (1.0 + colour * back);
 #endif
   paint = vec4(colour, length_of_mean);
 #endif

@@ -136,26 +136,31 @@ TEST(Cells, GapsHaveNoGlass) {
     const View view = above(64, 0.9, to_sun);
     const Image image = rendered(model, view, {.samples = 1});
     double worst = 0;
-    int alone = 0;
+    double worst_mixture = 0;
+    int mixtures = 0;
     for (std::uint32_t y = 0; y < 64; ++y)
       for (std::uint32_t x = 0; x < 64; ++x) {
         const Vec2 at = Vec2(x - 31.5, 31.5 - y) * (0.9 / 64) + 0.5;
         const materials::CellShares shares =
             materials::cells_at(*material.cells, at, Vec2(0.9 / 64));
-        // parts where one is alone; mixtures differ by light that goes back and forth in the glass
-        if (std::max({shares.cell, shares.finger, shares.gap}) < 1) continue;
-        ++alone;
+        const bool mixture = std::max({shares.cell, shares.finger, shares.gap}) < 1;
+        mixtures += mixture;
         const auto parts = materials::cell_parts(material);
-        const std::size_t part = shares.cell == 1 ? 0 : shares.finger == 1 ? 1 : 2;
+        const double share[] = {shares.cell, shares.finger, shares.gap};
         const materials::Local local{Vec3(0), materials::kSunAlpha2};
-        const Vec3 want = materials::f64::radiance(parts[part], to_sun, Vec3(0, 0, 1),
-                                                   Vec3(0, 0, 1), Vec3(1), Vec3(1), local);
-        worst = std::max(worst, glm::length(pixel(image, x, y) - want) / glm::length(want));
+        Vec3 want(0);
+        for (std::size_t k = 0; k < 3; ++k)
+          want += share[k] * materials::f64::radiance(parts[k], to_sun, Vec3(0, 0, 1),
+                                                      Vec3(0, 0, 1), Vec3(1), Vec3(1), local);
+        double& error = mixture ? worst_mixture : worst;
+        error = std::max(error, glm::length(pixel(image, x, y) - want) / glm::length(want));
       }
-    // measured 2.4e-6
-    std::printf("%d pixels, %.1e\n", alone, worst);
+    // measured 2.4e-6, and 2e-3: diffuse light goes back and forth between the glass and each part by
+    // itself, what facets reflect as between it and their mean
+    std::printf("%.1e, %d mixtures %.1e\n", worst, mixtures, worst_mixture);
     EXPECT_LE(worst, 5e-6) << angle;
-    EXPECT_GT(alone, 1000) << angle;
+    EXPECT_LE(worst_mixture, 3e-3) << angle;
+    EXPECT_GT(mixtures, 1000) << angle;
   }
 }
 

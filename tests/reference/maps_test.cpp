@@ -51,5 +51,50 @@ TEST(ReferenceMaps, NormalMapsTilt) {
   }
 }
 
+// Cells of a plate of 1 m: gaps of 19 %, grid lines on an eighth of what is left.
+materials::Material solar_cells() {
+  materials::Material material = lambert(0.4);
+  material.cells = materials::Cells{.count = {4, 4},
+                                    .gap = {0.1, 0.1},
+                                    .fingers = 8,
+                                    .finger_width = 0.125,
+                                    .gap_color = Vec3(0.2),
+                                    .finger_color = Vec3(0.8)};
+  return material;
+}
+
+TEST(ReferenceMaps, GapsDoNotEmit) {
+  materials::Material material = solar_cells();
+  material.weights = {0, 0, 1};
+  material.emissive = Vec3(0.5);
+  material.cells->gap_color = Vec3(0);
+  material.cells->finger_color = Vec3(0);
+  const ReferenceImage result =
+      traced(model_of(single(plate(1, 1), material)), above(kSide, 1), direct_light(256));
+  EXPECT_NEAR(result.flux.x * kPi, 0.5 * 0.81, 5e-4);  // measured 2.2e-4
+}
+
+// A decal covers cells and grid lines, and leaves gaps; beside it everything is as it was.
+TEST(ReferenceMaps, DecalsLieOverCellsOnly) {
+  Pictured contents(single(plate(1, 1), solar_cells()));
+  const double plain = 0.81 * (0.875 * 0.4 + 0.125 * 0.8) + 0.19 * 0.2;
+  const auto flux = [&] {
+    return traced(model_of(contents), above(kSide, 1), direct_light(256)).flux.x * kPi;
+  };
+  EXPECT_NEAR(flux(), plain, 5e-4);  // measured 2.2e-4
+  pan::DecalContent decal;
+  decal.name = "decal";
+  decal.width = 2;
+  decal.height = 2;
+  decal.depth = 0.1;
+  decal.texture =
+      contents.add(2, 2, true, [](std::uint32_t, std::uint32_t) { return grey(255, 0); });
+  contents.decals = {decal};
+  EXPECT_NEAR(flux(), plain, 5e-4);  // one that shows nothing
+  contents.decals[0].texture =
+      contents.add(2, 2, true, [](std::uint32_t, std::uint32_t) { return grey(0, 255); });
+  EXPECT_NEAR(flux(), 0.19 * 0.2, 5e-4);  // measured 9e-5
+}
+
 }  // namespace
 }  // namespace panwright::preview

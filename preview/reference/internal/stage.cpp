@@ -60,9 +60,26 @@ Stage::Stage(const pan::Model& model) : model_(model), items_(draw_list(model)) 
     if (item.decals.empty()) continue;
     item.diffuse_in_tint = true;
     materials::Material white = materials_[items_[&item - placed_.data()].material];
-    white.diffuse = Vec3(1);
-    item.scatter = static_cast<std::uint32_t>(scatters_.size());
-    scatters_.emplace_back(white);
+    const auto part = static_cast<std::uint32_t>(scatters_.size());
+    if (item.cell_parts == 0) {
+      white.diffuse = Vec3(1);
+      item.scatter = part;
+      scatters_.emplace_back(white);
+      continue;
+    }
+    // a decal has the weight of a grid line, on cells too
+    const std::array parts = materials::cell_parts(white);
+    item.cell_parts = part;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      white = parts[i];
+      if (i < 2) {
+        item.part_diffuse[i] = white.weights.x * white.diffuse;
+        white.weights.x = 1;
+        white.diffuse = Vec3(1);
+        materials::fit(white);
+      }
+      scatters_.emplace_back(white);
+    }
   }
 }
 
@@ -155,13 +172,11 @@ Vec2 Stage::map_texcoord(const DrawItem& draw, const Item& item, const Place& pl
   return plain_texcoord(item, place) * draw.repeat;
 }
 
-// The laws of a place: its material's, or those of the part of a solar cell.
-const Scatter& Stage::scatter_at(const DrawItem& draw, const Item& item, const Place& place) const {
-  if (item.cell_parts == 0 || item.diffuse_in_tint) return scatters_[item.scatter];
+std::uint32_t Stage::part_at(const DrawItem& draw, const Item& item, const Place& place) const {
+  if (item.cell_parts == 0) return 0;
   const materials::CellShares shares =
       materials::cells_at(*materials_[draw.material].cells, plain_texcoord(item, place), Vec2(0));
-  const std::uint32_t part = shares.cell >= 0.5 ? 0 : shares.finger > shares.gap ? 1 : 2;
-  return scatters_[item.cell_parts + part];
+  return shares.cell >= 0.5 ? 0 : shares.finger > shares.gap ? 1 : 2;
 }
 
 bool Stage::is_there(const geometry::InstanceHit& hit) const {
@@ -292,16 +307,23 @@ Point Stage::point(const geometry::InstanceHit& hit, bool flat) const {
     result.tangent = unit_or(t - result.normal * glm::dot(result.normal, t), Vec3(0));
   }
 
-  Vec3 tint = colour(draw, item, where, at);
-  if (item.diffuse_in_tint)
-    tint = decorated(item, position, smooth, draw.closed || hit.front, item.diffuse * tint);
+  const std::uint32_t part = part_at(draw, item, where);
+  // grid lines and gaps have their own colours, and decals lie over the cells
+  Vec3 tint = part == 0 ? colour(draw, item, where, at) : Vec3(1);
+  if (item.diffuse_in_tint && part < 2) {
+    if (item.cell_parts > 0)
+      tint *= item.part_diffuse[part];
+    else
+      tint *= item.diffuse;
+    tint = decorated(item, position, smooth, draw.closed || hit.front, tint);
+  }
   result.tint = tint * length;
-  result.scatter = &scatter_at(draw, item, where);
+  result.scatter = &scatters_[item.cell_parts > 0 ? item.cell_parts + part : item.scatter];
   if (item.roughness >= 0) {
     const double factor = repeated_texel(pictures_[static_cast<std::size_t>(item.roughness)], at).x;
     result.own.emplace(result.scatter->roughened(factor));
   }
-  result.emitted = item.emitted;
+  if (part < 2) result.emitted = item.emitted;
   return result;
 }
 

@@ -66,6 +66,7 @@ class Stage {
     std::uint32_t scatter = 0;
     std::uint32_t cell_parts = 0;  // of scatters_: cell, grid line, gap; 0: no solar cells
     bool diffuse_in_tint = false;  // the tint is the whole diffuse colour, decals over it
+    std::array<Vec3, 2> part_diffuse{};  // then of cells and grid lines; weights included
     std::int32_t texture = -1, albedo = -1, normal = -1, roughness = -1, cutout = -1;  // pictures
     std::vector<std::uint32_t> decals;  // from the lowest
     std::vector<std::uint32_t> decal_pictures;
@@ -81,7 +82,8 @@ class Stage {
   Item make_item(const DrawItem& item);
   void add_meshes();
   Place place(const Item& item, const geometry::InstanceHit& hit) const;
-  const Scatter& scatter_at(const DrawItem& draw, const Item& item, const Place& place) const;
+  // of a solar cell: 0, a cell or no cells at all, 1 a grid line, 2 a gap
+  std::uint32_t part_at(const DrawItem& draw, const Item& item, const Place& place) const;
   Vec2 plain_texcoord(const Item& item, const Place& place) const;
   Vec2 map_texcoord(const DrawItem& draw, const Item& item, const Place& place) const;
   bool is_there(const geometry::InstanceHit& hit) const;
