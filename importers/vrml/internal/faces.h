@@ -34,7 +34,7 @@ enum class List : std::uint8_t {
 
 // What is wrong with a list, once for each kind of problem: the message says how often.
 struct ListProblem {
-  Code code;  // E6002, E6113, W6114
+  Code code;  // E6002, E6107, E6113, W6114
   List list = List::none;
   std::size_t item =
       0;                // of the list: the first that is wrong; texcoords, points: of whole vectors
@@ -76,7 +76,7 @@ struct FaceSet {
 //            name what is not there are left out; lists of normals, colours or texcoords that do
 //            are dropped as a whole. No triangles: nothing can be seen, or E6002.
 //
-// Reports E6002, E6113, W6114. Cost: O(corners), and that of the polygons and normals.
+// Reports E6002, E6107, E6113, W6114. Cost: O(corners), and that of the polygons and normals.
 geometry::Mesh mesh_of(const FaceSet& faces, const FaceOptions& options, ListProblems& problems);
 
 // Heights over the plane y = 0. Quadrilaterals look up (+y) where ccw is true.
@@ -113,7 +113,7 @@ struct Extrusion {
 };
 
 // As for face sets: two triangles for each of (S − 1)(P − 1) quadrilaterals, then the begin cap,
-// then the end cap.
+// then the end cap; a spine that comes back to its first section has none.
 geometry::Mesh mesh_of(const Extrusion& extrusion, const FaceOptions& options,
                        ListProblems& problems);
 
