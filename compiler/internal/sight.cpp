@@ -1,0 +1,446 @@
+#include "compiler/internal/sight.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "geometry/instances.h"
+
+namespace panwright::compiler::internal {
+
+namespace {
+
+using geometry::InstanceHit;
+
+constexpr std::size_t kChunk = 2048;  // lines that a thread takes at once
+// of the model's radius: surfaces closer than that fight for the same depth in a picture
+constexpr double kSlack = 1e-5;
+// sine of the angle between surfaces that do so over more than a line
+constexpr double kParallel = 1e-3;
+// of the radius: a line passes an edge on the side where double says it does
+constexpr double kDoubt = 1e-12;
+constexpr std::size_t kSteps = 8;             // parts of the lines from outside
+constexpr std::uint64_t kProbes = 1'000'000;  // for all triangles together, at least
+constexpr std::uint32_t kMostProbes = 16384;  // for one
+constexpr int kExplorations = 64;             // rounds
+constexpr int kConfirmations = 3;
+
+struct Line {
+  Vec3 origin;
+  Vec3 direction;  // unit, inwards
+};
+
+// A triangle that a line of this round was the first to meet.
+struct Find {
+  std::uint32_t triangle;
+  std::uint32_t line;
+  auto operator<=>(const Find&) const = default;
+};
+
+Vec3 on_sphere(double a, double b) {
+  const double z = 2 * a - 1;
+  const double across = std::sqrt(std::max(0.0, 1 - z * z));
+  const auto turn = det::sincos(2 * kPi * b);
+  return {across * turn.cos, across * turn.sin, z};
+}
+
+// Two directions across a unit vector.
+std::array<Vec3, 2> across(const Vec3& d) {
+  const Vec3 other = std::fabs(d.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+  const Vec3 right = glm::normalize(glm::cross(d, other));
+  return {right, glm::cross(d, right)};
+}
+
+double part(double x) { return x - std::floor(x); }
+
+class Looker {
+ public:
+  Looker(World world, const SightOptions& options) : world_(std::move(world)), options_(options) {}
+
+  Sight run() {
+    const std::size_t count = world_.triangles.size();
+    seen_ = std::vector<std::atomic<std::uint16_t>>(count);
+    direction_.resize(count);
+    if (prepare()) look();
+    Sight out;
+    out.seen.resize(count);
+    for (std::size_t i = 0; i < count; ++i) out.seen[i] = seen_[i] != 0;
+    out.rays = rays_;
+    out.last_rays = last_rays_;
+    out.last_found = last_found_;
+    out.probes = probes_;
+    return out;
+  }
+
+ private:
+  // False: nothing to see.
+  bool prepare() {
+    if (world_.triangles.empty()) return false;
+    Vec3 low(HUGE_VAL);
+    Vec3 high(-HUGE_VAL);
+    for (const geometry::Triangle& t : world_.triangles)
+      for (const std::uint32_t v : t) {
+        low = glm::min(low, world_.positions[v]);
+        high = glm::max(high, world_.positions[v]);
+      }
+    centre_ = 0.5 * low + 0.5 * high;
+    radius_ = glm::length(0.5 * high - 0.5 * low);
+    if (!(radius_ > 0)) return false;
+    has_clear_ = std::find(world_.clear.begin(), world_.clear.end(), 1) != world_.clear.end();
+    caster_.add(caster_.add_mesh(world_.positions, world_.triangles), Mat4(1), true);
+    caster_.build();
+    list_neighbours();
+    return true;
+  }
+
+  void look() {
+    std::vector<Find> late;
+    for (std::size_t step = 0; step < kSteps; ++step) {
+      const std::vector<Find> found = from_outside(options_.rays_from_outside / kSteps);
+      if (step >= kSteps / 2) late.insert(late.end(), found.begin(), found.end());
+    }
+    explore(late, true);
+    probe_all();
+    for (int i = 0; i < kConfirmations; ++i) {
+      last_rays_ = options_.rays_from_outside;
+      const std::vector<Find> found = from_outside(last_rays_);
+      last_found_ = found.size();
+      if (found.empty()) break;
+      explore(found, false);
+    }
+  }
+
+  // ---- places and neighbours
+
+  // Triangles that have a corner in common, by its place.
+  void list_neighbours() {
+    const std::size_t count = world_.positions.size();
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> order(count);
+    for (std::uint32_t v = 0; v < count; ++v) {
+      std::uint64_t h = 0x9e3779b97f4a7c15ull;  // 2^64 / golden ratio
+      for (int axis = 0; axis < 3; ++axis) {
+        h ^= std::bit_cast<std::uint64_t>(world_.positions[v][axis] + 0.0);
+        h *= 0xff51afd7ed558ccdull;  // MurmurHash3's 64-bit finaliser
+        h ^= h >> 32;
+      }
+      order[v] = {h, v};
+    }
+    std::sort(order.begin(), order.end());
+    place_.resize(count);
+    std::uint32_t places = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      places += i > 0 && order[i].first != order[i - 1].first;
+      place_[order[i].second] = places;
+    }
+    start_.assign(std::size_t{places} + 3, 0);
+    for (const geometry::Triangle& t : world_.triangles)
+      for (const std::uint32_t v : t) ++start_[place_[v] + 2];
+    for (std::size_t i = 2; i < start_.size(); ++i) start_[i] += start_[i - 1];
+    around_.resize(start_.back());
+    for (std::uint32_t i = 0; i < world_.triangles.size(); ++i)
+      for (const std::uint32_t v : world_.triangles[i]) around_[start_[place_[v] + 1]++] = i;
+  }
+
+  template <class Body>
+  void for_neighbours(std::uint32_t triangle, const Body& body) const {
+    constexpr std::uint32_t kMost = 64;  // at one place
+    for (const std::uint32_t v : world_.triangles[triangle]) {
+      const std::uint32_t begin = start_[place_[v]];
+      const std::uint32_t end = std::min(start_[place_[v] + 1], begin + kMost);
+      for (std::uint32_t i = begin; i < end; ++i)
+        if (around_[i] != triangle) body(around_[i]);
+    }
+  }
+
+  bool undecided(std::uint32_t triangle) const {
+    return world_.wanted[triangle] && seen_[triangle].load(std::memory_order_relaxed) == 0;
+  }
+
+  // ---- one line
+
+  struct Hits {
+    static constexpr std::size_t kMost = 64;
+    std::array<InstanceHit, kMost> list;
+    std::size_t count = 0;
+    const World* world = nullptr;
+    bool opaque_count = false;
+  };
+
+  // Remembers what a ray passes; what hides nothing lets it through.
+  static bool remember(const void* data, const InstanceHit& hit) {
+    auto& hits = *static_cast<Hits*>(const_cast<void*>(data));
+    if (hits.count < Hits::kMost) hits.list[hits.count++] = hit;
+    return hits.opaque_count && !hits.world->clear[hit.triangle];
+  }
+
+  std::array<Vec3, 3> corners(std::uint32_t triangle) const {
+    const geometry::Triangle& t = world_.triangles[triangle];
+    return {world_.positions[t[0]], world_.positions[t[1]], world_.positions[t[2]]};
+  }
+
+  // Whether a line goes through a triangle beyond what rounding could have made of it.
+  bool goes_through(const Line& line, const InstanceHit& hit) const {
+    const auto& [u, v] = std::pair{hit.barycentric.x, hit.barycentric.y};
+    constexpr double kClear = 1e-3;
+    if (u > kClear && v > kClear && 1 - u - v > kClear) return true;
+    const Vec3 at = line.origin + hit.distance * line.direction;
+    const auto [a, b, c] = corners(hit.triangle);
+    double sign = 0;
+    for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}}) {
+      const Vec3 edge = to - from;
+      const double side = glm::dot(line.direction, glm::cross(from - at, edge));
+      if (!(std::fabs(side) > kDoubt * radius_ * glm::length(edge))) return false;
+      if (side * sign < 0) return false;
+      sign = side;
+    }
+    return true;
+  }
+
+  void mark(std::uint32_t triangle, std::uint32_t line, std::vector<Find>& found) {
+    std::atomic<std::uint16_t>& seen = seen_[triangle];
+    const std::uint16_t before = seen.load(std::memory_order_relaxed);
+    if (before != 0 && before != round_) return;
+    seen.store(round_, std::memory_order_relaxed);
+    found.push_back({triangle, line});
+  }
+
+  Vec3 normal(std::uint32_t triangle) const {
+    const auto [a, b, c] = corners(triangle);
+    const Vec3 cross = glm::cross(b - a, c - a);
+    const double length = glm::length(cross);
+    return length > 0 ? cross / length : Vec3(0);
+  }
+
+  // Marks what a line from outside meets first, and what lies in the same surface.
+  void follow(const Line& line, std::uint32_t index, std::vector<Find>& found) {
+    Hits hits;
+    hits.world = &world_;
+    hits.opaque_count = true;
+    geometry::Ray ray{line.origin, line.direction};
+    const auto first = has_clear_ ? caster_.closest(ray, {remember, &hits}) : caster_.closest(ray);
+    const double end = first ? first->distance : HUGE_VAL;
+    // what it sees through
+    for (std::size_t i = 0; i < hits.count; ++i)
+      if (world_.clear[hits.list[i].triangle] && hits.list[i].distance <= end + kSlack * radius_ &&
+          goes_through(line, hits.list[i]))
+        mark(hits.list[i].triangle, index, found);
+    // past an edge, a line that only seems to meet a triangle proves nothing
+    if (!first || !goes_through(line, *first)) return;
+    mark(first->triangle, index, found);
+    hits.count = 0;
+    hits.opaque_count = false;
+    ray.min_distance = end;
+    ray.max_distance = end + kSlack * radius_;
+    (void)caster_.closest(ray, {remember, &hits});
+    if (hits.count < 2) return;
+    const Vec3 front = normal(first->triangle);
+    for (std::size_t i = 0; i < hits.count; ++i) {
+      const InstanceHit& hit = hits.list[i];
+      if (hit.triangle != first->triangle && goes_through(line, hit) &&
+          glm::length(glm::cross(front, normal(hit.triangle))) < kParallel)
+        mark(hit.triangle, index, found);
+    }
+  }
+
+  // ---- many lines
+
+  // Follows lines make(i), where it makes one; what they were the first to meet, each triangle
+  // once, in order of triangles. Their directions are remembered.
+  template <class Make>
+  std::vector<Find> cast(std::uint64_t count, const Make& make) {
+    if (round_ < 0xffff) ++round_;
+    const auto chunks = static_cast<std::size_t>((count + kChunk - 1) / kChunk);
+    std::vector<std::vector<Find>> parts(chunks);
+    parallel_for(chunks, [&](std::size_t c) {
+      const std::uint64_t end = std::min<std::uint64_t>(count, (c + 1) * kChunk);
+      for (std::uint64_t i = c * kChunk; i < end; ++i)
+        if (const std::optional<Line> line = make(i))
+          follow(*line, static_cast<std::uint32_t>(i), parts[c]);
+    });
+    rays_ += count;
+    std::vector<Find> found;
+    for (const auto& one : parts) found.insert(found.end(), one.begin(), one.end());
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end(),
+                            [](const Find& a, const Find& b) { return a.triangle == b.triangle; }),
+                found.end());
+    for (const Find& find : found) direction_[find.triangle] = make(find.line)->direction;
+    return found;
+  }
+
+  Line through(const Vec3& point, const Vec3& inwards) const {
+    const double back = glm::dot(point - centre_, inwards) + 2 * radius_;
+    return {point - back * inwards, inwards};
+  }
+
+  // Even in direction and place: multiples of powers of the root of x⁵ = x + 1 (Roberts, "The
+  // unreasonable effectiveness of quasirandom sequences", 2018).
+  std::vector<Find> from_outside(std::uint64_t count) {
+    const std::uint64_t base = outside_;
+    outside_ += count;
+    return cast(count, [&](std::uint64_t i) -> std::optional<Line> {
+      const auto n = static_cast<double>(base + i) + 0.5;
+      const Vec3 d = on_sphere(part(n * 0.8566748838545029), part(n * 0.733891856627126));
+      const double r = radius_ * std::sqrt(part(n * 0.6287067210378087));
+      const auto turn = det::sincos(2 * kPi * part(n * 0.5385972572236101));
+      const auto [right, up] = across(d);
+      return through(centre_ + r * turn.cos * right + r * turn.sin * up, d);
+    });
+  }
+
+  // Corners, edges and insides in turn.
+  Vec3 point_of(std::uint32_t triangle, std::uint32_t number,
+                const std::array<std::uint32_t, 4>& random) const {
+    constexpr double kInset = 1e-3;
+    double u = in_unit(random[0]);
+    double v = in_unit(random[1]);
+    if (number % 4 == 0) {  // a corner
+      u = v = kInset;
+    } else if (number % 4 == 1) {  // an edge
+      v = kInset;
+    } else if (u + v > 1) {
+      u = 1 - u;
+      v = 1 - v;
+    }
+    const auto c = corners(triangle);
+    const std::uint32_t k = number / 4 % 3;
+    return c[k] + u * (c[(k + 1) % 3] - c[k]) + v * (c[(k + 2) % 3] - c[k]);
+  }
+
+  // Lines through what was not met, in rounds; what they find is explored.
+  void probe_all() {
+    std::uint32_t each = 4;
+    while (true) {
+      std::vector<std::uint32_t> left;
+      for (std::uint32_t i = 0; i < world_.triangles.size(); ++i)
+        if (undecided(i)) left.push_back(i);
+      if (left.empty()) return;
+      const auto wanted = static_cast<std::uint32_t>(
+          std::clamp<std::uint64_t>(kProbes / left.size(), options_.rays_per_triangle,
+                                    std::max(options_.rays_per_triangle, kMostProbes)));
+      if (probes_ >= wanted) return;
+      const std::uint32_t number = std::min(each, static_cast<std::uint32_t>(wanted - probes_));
+      explore(probe(left, number), false);
+      probes_ += number;
+      each *= 2;
+    }
+  }
+
+  std::vector<Find> probe(const std::vector<std::uint32_t>& triangles, std::uint32_t number) {
+    const auto make = [&](std::uint64_t i) -> std::optional<Line> {
+      const std::uint32_t triangle = triangles[static_cast<std::size_t>(i / number)];
+      const auto sample = static_cast<std::uint32_t>(probes_ + i % number);
+      const auto random = philox({triangle, sample, 0, 0}, {0x51947, 1});
+      const Vec3 point = point_of(triangle, sample, random);
+      const Vec3 outwards = on_sphere(in_unit(random[2]), in_unit(random[3]));
+      // most are hidden by what is near
+      geometry::Ray ray{point, outwards, kSlack * radius_};
+      if (!has_clear_ && caster_.any(ray)) return std::nullopt;
+      return through(point, -outwards);
+    };
+    return cast(triangles.size() * std::uint64_t{number}, make);
+  }
+
+  Vec3 turned(const Vec3& d, double angle, std::uint32_t a, std::uint32_t b) const {
+    const auto [right, up] = across(d);
+    const double r = angle * std::sqrt(in_unit(a));
+    const auto turn = det::sincos(2 * kPi * in_unit(b));
+    return glm::normalize(d + r * turn.cos * right + r * turn.sin * up);
+  }
+
+  // What was found where little is seen tells where more may be: lines close by, and lines through
+  // the neighbours.
+  void explore(std::vector<Find> found, bool everywhere) {
+    for (int i = 0; i < kExplorations && (!found.empty() || everywhere); ++i) {
+      std::vector<Find> next = beside(found);
+      const std::vector<Find> more = through_neighbours(found, everywhere);
+      next.insert(next.end(), more.begin(), more.end());
+      found = std::move(next);
+      everywhere = false;
+    }
+  }
+
+  // Lines a little aside of those that found something.
+  std::vector<Find> beside(const std::vector<Find>& found) {
+    constexpr std::uint64_t kLines = 8;
+    return cast(found.size() * kLines, [&](std::uint64_t i) -> std::optional<Line> {
+      const std::uint32_t triangle = found[static_cast<std::size_t>(i / kLines)].triangle;
+      const auto k = static_cast<std::uint32_t>(i % kLines);
+      const auto random = philox({triangle, k, 1, 0}, {0x51947, 2});
+      const auto more = philox({triangle, k, 2, 0}, {0x51947, 2});
+      const double width = 0.1 * (k % 4 == 0 ? 1 : k % 4 == 1 ? 0.1 : k % 4 == 2 ? 0.01 : 0.001);
+      const Vec3 d = turned(direction_[triangle], width, random[0], random[1]);
+      const auto [right, up] = across(d);
+      const double reach = k < 4 ? 0 : width * radius_;
+      const Vec3 point = point_of(triangle, 2, more) +
+                         reach * (2 * in_unit(random[2]) - 1) * right +
+                         reach * (2 * in_unit(random[3]) - 1) * up;
+      return through(point, d);
+    });
+  }
+
+  // Lines through undecided triangles next to such that are seen, from where those are.
+  std::vector<Find> through_neighbours(const std::vector<Find>& found, bool everywhere) {
+    constexpr std::uint64_t kLines = 8;
+    constexpr std::size_t kMostPairs = 3;                        // for each triangle
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  // undecided, seen
+    if (everywhere) {
+      for (std::uint32_t i = 0; i < world_.triangles.size(); ++i) {
+        if (!undecided(i)) continue;
+        std::size_t taken = 0;
+        for_neighbours(i, [&](std::uint32_t other) {
+          if (seen_[other] != 0 && taken < kMostPairs) pairs.push_back({i, other}), ++taken;
+        });
+      }
+    } else {
+      for (const Find& find : found)
+        for_neighbours(find.triangle, [&](std::uint32_t other) {
+          if (undecided(other)) pairs.push_back({other, find.triangle});
+        });
+    }
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    return cast(pairs.size() * kLines, [&](std::uint64_t i) -> std::optional<Line> {
+      const auto [triangle, seen] = pairs[static_cast<std::size_t>(i / kLines)];
+      const auto k = static_cast<std::uint32_t>(i % kLines);
+      const auto random = philox({triangle, seen, k, 0}, {0x51947, 3});
+      const auto more = philox({triangle, seen, k, 1}, {0x51947, 3});
+      const double angle = k < 3 ? 0.01 : k < 6 ? 0.1 : 0.5;
+      return through(point_of(triangle, k, random),
+                     turned(direction_[seen], angle, more[0], more[1]));
+    });
+  }
+
+  World world_;
+  SightOptions options_;
+  geometry::InstanceCaster caster_;
+  Vec3 centre_{0};
+  double radius_ = 0;
+  bool has_clear_ = false;
+  std::vector<std::atomic<std::uint16_t>> seen_;  // T: the round that met it first; 0: none
+  std::vector<Vec3> direction_;                   // T: of a line that met it
+  std::vector<std::uint32_t> place_;              // V
+  std::vector<std::uint32_t> start_;              // of the lists in around_, by place
+  std::vector<std::uint32_t> around_;
+  std::uint16_t round_ = 0;
+  std::uint64_t outside_ = 0;  // lines from outside so far
+  std::uint64_t rays_ = 0;
+  std::uint64_t last_rays_ = 0;
+  std::uint64_t last_found_ = 0;
+  std::uint64_t probes_ = 0;
+};
+
+}  // namespace
+
+Sight sight_of(World world, const SightOptions& options) {
+  return Looker(std::move(world), options).run();
+}
+
+}  // namespace panwright::compiler::internal

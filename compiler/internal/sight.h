@@ -1,0 +1,35 @@
+// Which triangles lines from outside a model reach.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/mesh.h"
+
+namespace panwright::compiler::internal {
+
+// A model in the world.
+struct World {
+  std::vector<Vec3> positions;                // V
+  std::vector<geometry::Triangle> triangles;  // T
+  std::vector<char> clear;                    // T: hides nothing
+  std::vector<char> wanted;                   // T: whether it matters that it is hidden
+};
+
+struct SightOptions {
+  std::uint64_t rays_from_outside = 0;
+  std::uint32_t rays_per_triangle = 0;
+};
+
+struct Sight {
+  std::vector<char> seen;        // T
+  std::uint64_t rays = 0;        // in all
+  std::uint64_t last_rays = 0;   // from outside, laid evenly, after all else
+  std::uint64_t last_found = 0;  // of them, that met something not seen before
+  std::uint64_t probes = 0;      // through each triangle that was not seen
+};
+
+// See prune_hidden().
+Sight sight_of(World world, const SightOptions& options);
+
+}  // namespace panwright::compiler::internal
