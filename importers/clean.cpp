@@ -1,0 +1,318 @@
+#include "importers/clean.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "base/parallel.h"
+#include "base/text.h"
+#include "geometry/tessellate.h"
+
+namespace panwright::importers {
+
+namespace {
+
+using geometry::CleanReport;
+using geometry::Mesh;
+using geometry::MeshShape;
+using geometry::SpotKind;
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+// what a spacecraft and its parts measure, metres
+constexpr double kSmallest = 0.05;
+constexpr double kLargest = 500;
+// what a whole spacecraft measures, mostly
+constexpr double kLikelySmallest = 0.3;
+constexpr double kLikelyLargest = 150;
+
+struct Unit {
+  std::string_view name;
+  double metres;
+};
+constexpr Unit kUnits[] = {{"um", 1e-6}, {"mm", 1e-3},   {"cm", 1e-2},   {"dm", 0.1},   {"m", 1},
+                           {"km", 1e3},  {"in", 0.0254}, {"ft", 0.3048}, {"yd", 0.9144}};
+// what CAD programs write, the usual first
+constexpr std::string_view kUsual[] = {"mm", "cm", "in", "ft", "um", "km"};
+
+std::string path_of(const scene::Scene& scene, std::int32_t node) {
+  std::string path;
+  for (; node > 0; node = scene.nodes[static_cast<std::size_t>(node)].parent)
+    path = scene.nodes[static_cast<std::size_t>(node)].name + (path.empty() ? "" : "/") + path;
+  return path.empty() && !scene.nodes.empty() ? scene.nodes[0].name : path;
+}
+
+void add(const CleanReport& from, CleanReport& to) {
+  for (const auto member :
+       {&CleanReport::vertices_before, &CleanReport::vertices_after, &CleanReport::triangles_before,
+        &CleanReport::triangles_after, &CleanReport::welded, &CleanReport::degenerate,
+        &CleanReport::duplicates, &CleanReport::flipped, &CleanReport::flipped_files,
+        &CleanReport::pieces, &CleanReport::closed_pieces, &CleanReport::one_sided,
+        &CleanReport::non_manifold_edges, &CleanReport::border_edges, &CleanReport::rims,
+        &CleanReport::holes, &CleanReport::filled, &CleanReport::t_junctions})
+    to.*member += from.*member;
+  to.largest_move = std::max(to.largest_move, from.largest_move);
+  to.hole_length += from.hole_length;
+}
+
+class SceneCleaner {
+ public:
+  SceneCleaner(scene::Scene& scene, const geometry::CleanOptions& options)
+      : scene_(scene), options_(options) {}
+
+  Hygiene run() {
+    list_meshes();
+    parallel_for(out_.meshes.size(), [&](std::size_t i) {
+      geometry::Shape& shape = scene_.shapes[out_.meshes[i].shape];
+      Mesh mesh = *std::get<MeshShape>(shape);
+      out_.meshes[i].report = geometry::clean(mesh, options_);
+      shape = std::make_shared<const Mesh>(std::move(mesh));
+    });
+    const std::vector<Mat4> world = scene::world_from_nodes(scene_);
+    for (std::uint32_t i = 0; i < out_.meshes.size(); ++i) collect(i, world);
+    std::stable_sort(out_.spots.begin(), out_.spots.end(),
+                     [](const WorldSpot& a, const WorldSpot& b) {
+                       return a.kind != b.kind ? a.kind < b.kind : a.length > b.length;
+                     });
+    drop_empty();
+    return std::move(out_);
+  }
+
+ private:
+  void list_meshes() {
+    std::vector<std::uint32_t> at(scene_.shapes.size(), kNone);
+    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
+      const auto shape = static_cast<std::uint32_t>(scene_.instances[i].shape);
+      if (!std::holds_alternative<MeshShape>(scene_.shapes[shape])) continue;
+      if (at[shape] == kNone) {
+        at[shape] = static_cast<std::uint32_t>(out_.meshes.size());
+        out_.meshes.push_back({shape, i, 0, path_of(scene_, scene_.instances[i].node), {}});
+      }
+      ++out_.meshes[at[shape]].instances;
+    }
+    std::sort(out_.meshes.begin(), out_.meshes.end(),
+              [](const MeshHygiene& a, const MeshHygiene& b) { return a.shape < b.shape; });
+  }
+
+  void collect(std::uint32_t i, const std::vector<Mat4>& world) {
+    const MeshHygiene& mesh = out_.meshes[i];
+    add(mesh.report, out_.total);
+    const auto node = static_cast<std::size_t>(scene_.instances[mesh.instance].node);
+    const double stretch = stretch_of(world[node]).largest;
+    for (const geometry::Spot& spot : mesh.report.spots)
+      out_.spots.push_back(
+          {spot.kind, Vec3(world[node] * Vec4(spot.at, 1)), spot.length * stretch, spot.size, i});
+  }
+
+  // Instances of meshes that have no triangles left go, with the decals on them.
+  void drop_empty() {
+    std::vector<std::int32_t> moved(scene_.instances.size(), scene::kNone);
+    std::vector<scene::Instance> kept;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      const auto& shape = scene_.shapes[static_cast<std::size_t>(scene_.instances[i].shape)];
+      const auto* mesh = std::get_if<MeshShape>(&shape);
+      if (mesh && (*mesh)->triangles.empty()) continue;
+      moved[i] = static_cast<std::int32_t>(kept.size());
+      kept.push_back(std::move(scene_.instances[i]));
+    }
+    for (MeshHygiene& mesh : out_.meshes)
+      mesh.instance = static_cast<std::uint32_t>(std::max(0, moved[mesh.instance]));
+    scene_.instances = std::move(kept);
+    std::erase_if(scene_.decals, [&](scene::Decal& decal) {
+      decal.instance = moved[static_cast<std::size_t>(decal.instance)];
+      return decal.instance == scene::kNone;
+    });
+  }
+
+  scene::Scene& scene_;
+  const geometry::CleanOptions& options_;
+  Hygiene out_;
+};
+
+// Where there is most of something, for a hint.
+std::string worst(const Hygiene& hygiene, std::uint64_t CleanReport::*member) {
+  const MeshHygiene* most = nullptr;
+  for (const MeshHygiene& mesh : hygiene.meshes)
+    if (!most || mesh.report.*member > most->report.*member) most = &mesh;
+  return most ? fmt::format("most of them, {}, in {}", most->report.*member, in_quotes(most->path))
+              : std::string();
+}
+
+std::string plural(std::uint64_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+void report(const Hygiene& hygiene, DiagnosticLog& log) {
+  const CleanReport& total = hygiene.total;
+  std::string done;
+  const auto tell = [&](std::uint64_t count, const char* one, const char* many) {
+    if (count > 0) done += (done.empty() ? "" : ", ") + plural(count, one, many);
+  };
+  tell(total.welded, "vertex welded", "vertices welded");
+  tell(total.degenerate, "triangle without area dropped", "triangles without area dropped");
+  tell(total.duplicates, "duplicate triangle dropped", "duplicate triangles dropped");
+  tell(total.flipped, "triangle turned to face outwards", "triangles turned to face outwards");
+  tell(total.flipped_files, "of them with its normals", "of them with their normals");
+  tell(total.filled, "hole filled", "holes filled");
+  if (!done.empty()) log.report_file(Code::N6301, {}, done);
+  if (total.non_manifold_edges > 0)
+    log.report_file(
+        Code::W6302, {},
+        fmt::format("{} by more than two triangles",
+                    plural(total.non_manifold_edges, "edge is shared", "edges are shared")),
+        worst(hygiene, &CleanReport::non_manifold_edges));
+  if (total.holes > total.filled)
+    log.report_file(
+        Code::W6303, {},
+        fmt::format("{}, with rims of {:.4g} m in all",
+                    plural(total.holes - total.filled, "hole", "holes"), total.hole_length),
+        worst(hygiene, &CleanReport::holes));
+  if (total.t_junctions > 0)
+    log.report_file(
+        Code::W6305, {},
+        fmt::format("{} of other triangles", plural(total.t_junctions, "vertex stands on the edge",
+                                                    "vertices stand on edges")),
+        worst(hygiene, &CleanReport::t_junctions));
+}
+
+// An exact shape as it roughly is.
+std::optional<Mesh> rough(const geometry::Shape& shape) {
+  DiagnosticLog ignored;
+  geometry::TessellationOptions options;
+  options.max_error = 1e30;
+  auto coarse = geometry::tessellated(shape, options, {}, ignored);
+  if (!coarse || coarse->positions.empty()) return std::nullopt;
+  Vec3 low(HUGE_VAL);
+  Vec3 high(-HUGE_VAL);
+  for (const Vec3& p : coarse->positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  options.max_error = 0.005 * glm::length(high - low);
+  if (!(options.max_error > 0) || geometry::planned_triangles(shape, options) > 1e6)
+    return std::move(*coarse);
+  auto fine = geometry::tessellated(shape, options, {}, ignored);
+  return fine ? std::move(*fine) : std::move(*coarse);
+}
+
+// A node between the root and all else.
+void insert_model_node(scene::Scene& scene, const scene::Transform& transform) {
+  scene::Node model;
+  model.name = "model";
+  model.parent = 0;
+  model.parent_from_node = transform;
+  model.source = scene.nodes[0].source;
+  for (scene::Node& node : scene.nodes)
+    if (node.parent >= 0) ++node.parent;
+  scene.nodes.insert(scene.nodes.begin() + 1, std::move(model));
+  // what stood at the root, too
+  for (scene::Instance& one : scene.instances) ++one.node;
+  for (scene::Frame& one : scene.frames) ++one.node;
+  for (scene::Keypoint& one : scene.keypoints) ++one.node;
+  for (scene::Joint& one : scene.joints) ++one.node;
+}
+
+}  // namespace
+
+Hygiene clean_up(scene::Scene& scene, const geometry::CleanOptions& options, DiagnosticLog& log) {
+  Hygiene hygiene = SceneCleaner(scene, options).run();
+  report(hygiene, log);
+  return hygiene;
+}
+
+double Bounds::largest_extent() const {
+  return any ? std::max({high.x - low.x, high.y - low.y, high.z - low.z}) : 0;
+}
+
+Bounds bounds_of(const scene::Scene& scene) {
+  std::vector<MeshShape> meshes(scene.shapes.size());
+  parallel_for(meshes.size(), [&](std::size_t i) {
+    if (const auto* mesh = std::get_if<MeshShape>(&scene.shapes[i]))
+      meshes[i] = *mesh;
+    else if (auto made = rough(scene.shapes[i]))
+      meshes[i] = std::make_shared<const Mesh>(std::move(*made));
+  });
+  const std::vector<Mat4> world = scene::world_from_nodes(scene);
+  Bounds bounds;
+  for (const scene::Instance& instance : scene.instances) {
+    const MeshShape& mesh = meshes[static_cast<std::size_t>(instance.shape)];
+    if (!mesh) continue;
+    const Mat4& matrix = world[static_cast<std::size_t>(instance.node)];
+    std::vector<char> used(mesh->positions.size(), 0);
+    for (const geometry::Triangle& t : mesh->triangles)
+      for (const std::uint32_t v : t) used[v] = 1;
+    for (std::size_t v = 0; v < used.size(); ++v) {
+      if (!used[v]) continue;
+      const Vec3 p(matrix * Vec4(mesh->positions[v], 1));
+      if (!is_finite(p)) continue;
+      bounds.low = bounds.any ? glm::min(bounds.low, p) : p;
+      bounds.high = bounds.any ? glm::max(bounds.high, p) : p;
+      bounds.any = true;
+    }
+  }
+  return bounds;
+}
+
+std::optional<double> unit_of(std::string_view name) {
+  for (const Unit& unit : kUnits)
+    if (unit.name == name) return unit.metres;
+  return std::nullopt;
+}
+
+UnitGuess guessed_unit(double largest_extent) {
+  UnitGuess guess;
+  if (largest_extent >= kSmallest && largest_extent <= kLargest) return guess;
+  const std::array<std::pair<double, double>, 2> ranges = {
+      std::pair{kLikelySmallest, kLikelyLargest}, std::pair{kSmallest, kLargest}};
+  for (const auto& [low, high] : ranges) {
+    for (const std::string_view name : kUsual) {
+      const double unit = *unit_of(name);
+      const double size = largest_extent * unit;
+      // larger numbers than metres make are of a smaller unit, and the other way round
+      if ((unit < 1) == (largest_extent > kLargest) && size >= low && size <= high)
+        return {unit, name, true};
+    }
+  }
+  guess.plausible = largest_extent == 0;
+  return guess;
+}
+
+Vec3 place(Imported& model, std::optional<double> unit, std::optional<UpAxis> up, bool recentre,
+           DiagnosticLog& log) {
+  scene::Scene& scene = model.scene;
+  if (scene.nodes.empty()) return Vec3(0);
+  Bounds bounds;
+  if (!unit || recentre) bounds = bounds_of(scene);
+  scene::Transform transform;
+  if (!unit) {
+    const double size = bounds.largest_extent();
+    const UnitGuess guess = guessed_unit(size);
+    if (!guess.plausible)
+      log.report_file(Code::N6006, {},
+                      fmt::format("a model that is {:.4g} m large as written is no spacecraft in "
+                                  "any unit; it stays so",
+                                  size),
+                      "--units says what it was written in");
+    else if (guess.unit != 1)
+      log.report_file(Code::N6006, {},
+                      fmt::format("a model of {:.4g} m is taken to be written in {}: {:.4g} m",
+                                  size, guess.name, size * guess.unit),
+                      "--units m keeps it as written");
+    unit = guess.unit;
+  }
+  transform.scale = Vec3(*unit);
+  if (up.value_or(UpAxis::y) == UpAxis::y)
+    transform.rotation = Quat(std::sqrt(0.5), std::sqrt(0.5), 0, 0);  // a quarter turn about x
+  Vec3 moved(0);
+  if (recentre && bounds.any) {
+    const Vec3 middle = 0.5 * bounds.low + 0.5 * bounds.high;
+    moved = Vec3(0) - Vec3(transform.matrix() * Vec4(middle, 1));
+    transform.translation = moved;
+  }
+  if (transform != scene::Transform{}) insert_model_node(scene, transform);
+  return moved;
+}
+
+}  // namespace panwright::importers
