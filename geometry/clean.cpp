@@ -295,9 +295,9 @@ class Cleaner {
   }
 
   void find_holes() {
-    const std::vector<Rim> rims = rims_of(mesh_, place_, edges_);
+    const std::vector<BorderLoop> rims = rims_of(mesh_, place_, edges_);
     report_.rims = rims.size();
-    for (const Rim& rim : rims) {
+    for (const BorderLoop& rim : rims) {
       if (!(rim.length * rim.length < pieces_[piece_of_[rim.triangle]].area)) continue;
       ++report_.holes;
       report_.hole_length += rim.length;

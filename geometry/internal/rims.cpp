@@ -39,12 +39,12 @@ class RimFinder {
   RimFinder(const Mesh& mesh, std::span<const std::uint32_t> place, const Edges& edges)
       : mesh_(mesh), place_(place), edges_(edges) {}
 
-  std::vector<Rim> run() {
+  std::vector<BorderLoop> run() {
     if (edges_.border.empty()) return {};
     be_quiet();
     add_faces();
     mark_borders();
-    std::vector<Rim> rims;
+    std::vector<BorderLoop> rims;
     for (const std::uint32_t side : edges_.border) walk(side, rims);
     return rims;
   }
@@ -102,10 +102,10 @@ class RimFinder {
     return static_cast<std::size_t>(half_edge.idx());
   }
 
-  void walk(std::uint32_t side, std::vector<Rim>& rims) {
+  void walk(std::uint32_t side, std::vector<BorderLoop>& rims) {
     const HalfEdges::HalfedgeHandle begin = outside(side);
     if (!begin.is_valid() || !unused_[index(begin)]) return;
-    Rim rim;
+    BorderLoop rim;
     rim.triangle = side / 3;
     HalfEdges::HalfedgeHandle at = begin;
     do {
@@ -177,12 +177,12 @@ void add_mean(std::vector<T>& list, const std::vector<std::uint32_t>& rim) {
 
 }  // namespace
 
-std::vector<Rim> rims_of(const Mesh& mesh, std::span<const std::uint32_t> place,
-                         const Edges& edges) {
+std::vector<BorderLoop> rims_of(const Mesh& mesh, std::span<const std::uint32_t> place,
+                                const Edges& edges) {
   return RimFinder(mesh, place, edges).run();
 }
 
-void fill(Mesh& mesh, const Rim& rim) {
+void fill(Mesh& mesh, const BorderLoop& rim) {
   const std::vector<std::uint32_t>& at = rim.places;
   if (at.size() < 3) return;
   if (at.size() <= kExactFill) return fill_exactly(mesh, at);

@@ -10,7 +10,7 @@
 
 namespace panwright::geometry {
 
-struct Rim {
+struct BorderLoop {
   std::vector<std::uint32_t> places;  // in the direction in which faces that fill it run its edges
   std::uint32_t triangle = 0;         // one that it bounds
   double length = 0;                  // metres
@@ -23,11 +23,11 @@ struct Rim {
 // Expects: neighbours across edges wound alike. Cost: O(T). Half-edges: OpenMesh (Botsch,
 // Steinberg, Bischoff, Kobbelt, "OpenMesh: a generic and efficient polygon mesh data structure",
 // 2002).
-std::vector<Rim> rims_of(const Mesh& mesh, std::span<const std::uint32_t> place,
-                         const Edges& edges);
+std::vector<BorderLoop> rims_of(const Mesh& mesh, std::span<const std::uint32_t> place,
+                                const Edges& edges);
 
 // Triangles that close a rim: those of least area together for up to 64 vertices, else a fan about
 // the middle, which becomes the mesh's last vertex. New triangles use the first vertex at a place.
-void fill(Mesh& mesh, const Rim& rim);
+void fill(Mesh& mesh, const BorderLoop& rim);
 
 }  // namespace panwright::geometry
