@@ -13,6 +13,7 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "geometry/tessellate.h"
+#include "pxn/internal/graft.h"
 #include "pxn/internal/grammar.h"
 
 namespace panwright::pxn {
@@ -203,6 +204,9 @@ class Assembler {
         return;
       case ItemKind::decal:
         use.decals.push_back(index);
+        return;
+      case ItemKind::import:
+        import(use, item, inner);
         return;
       case ItemKind::include:
       case ItemKind::use:
@@ -459,6 +463,55 @@ class Assembler {
     items_of(inner, context);
   }
 
+  // ---- CAD files
+
+  void import(Use& use, const Item& item, Context& context) {
+    const PartImport& place = use.part->imports[item.data];
+    const ImportedModel& model = loader_.model(place.model);
+    const scene::Scene& from = model.imported.scene;
+    if (!enter(use, item, name_of(use, item), transform_of(use, item), context)) return;
+    if (scene_.nodes.size() + from.nodes.size() > options_.limits.nodes + 1) {
+      report(Code::E1008, use, item, [&] {
+        return Reporter::Text(fmt::format("with the import's {} the model has more than {}",
+                                          counted(from.nodes.size(), "node"),
+                                          options_.limits.nodes));
+      });
+      stopped_ = true;
+      return;
+    }
+    std::vector<std::int32_t> materials(place.materials.size(), -1);
+    for (std::size_t i = 0; i < materials.size(); ++i) {
+      if (place.removed[i]) continue;
+      materials[i] = place.materials[i] < 0
+                         ? cad_material(place.model, model, from.instances[i].material)
+                         : named_material(place.materials[i]);
+    }
+    graft(model, place, materials, context.node, scene_);
+  }
+
+  std::int32_t named_material(std::int32_t index) {
+    const NamedMaterial& named = loader_.material(index);
+    Context context;
+    context.fields = named.fields;
+    context.material_name = named.name;
+    context.appearance = named.place;
+    return material(context);
+  }
+
+  // A material of a CAD file, once for each file.
+  std::int32_t cad_material(std::uint32_t model_index, const ImportedModel& model,
+                            std::int32_t index) {
+    const auto [known, added] = cad_materials_.emplace(std::pair(model_index, index), 0);
+    if (!added) return known->second;
+    known->second = static_cast<std::int32_t>(scene_.materials.size());
+    materials::Material copy = model.imported.scene.materials[static_cast<std::size_t>(index)];
+    for (std::int32_t* map :
+         {&copy.maps.albedo, &copy.maps.normal, &copy.maps.roughness, &copy.maps.cutout})
+      if (*map >= 0) *map = model.textures[static_cast<std::size_t>(*map)];
+    scene_.materials.push_back(std::move(copy));
+    return known->second;
+  }
+
   // ---- materials
 
   std::int32_t material(const Context& context) {
@@ -525,6 +578,7 @@ class Assembler {
   std::set<std::string> made_;                               // by named()
   std::map<const Part*, std::set<std::string>> written_;     // by written_in()
   std::set<std::uint32_t> used_;
+  std::map<std::pair<std::uint32_t, std::int32_t>, std::int32_t> cad_materials_;
   std::uint64_t includes_ = 0;
   bool stopped_ = false;
 };

@@ -61,6 +61,7 @@ bool makes_item(ElementId id) {
     case ElementId::include:
     case ElementId::include_1:
     case ElementId::use:
+    case ElementId::import:
     case ElementId::frame_s:
     case ElementId::frame:
     case ElementId::keypoint:
@@ -256,6 +257,9 @@ void Loader::walk(Work& work, std::uint32_t element, std::uint32_t depth) {
       break;
     case ElementId::use:
       read_use(work, element, depth + 1);
+      break;
+    case ElementId::import:
+      read_import(work, element);
       break;
     case ElementId::frame_s:
       read_frame_s(work, element);

@@ -38,6 +38,7 @@ class Loader {
     return materials_[static_cast<std::size_t>(index)];
   }
   const std::vector<NamedMaterial>& materials() const { return materials_; }
+  const ImportedModel& model(std::uint32_t index) const { return models_[index]; }
 
  private:
   // One part at work.
@@ -110,6 +111,15 @@ class Loader {
   void read_shape(Work& work, std::uint32_t element);
   std::uint32_t known_shape(geometry::Shape shape);
 
+  // ---- import_reader.cpp: CAD files
+  void read_import(Work& work, std::uint32_t element);
+  std::optional<std::uint32_t> imported_model(Work& work, std::uint32_t element,
+                                              const FoundFile& found);
+  void take_over(ImportedModel& model, const FoundFile& found);
+  void read_import_rule(Work& work, std::uint32_t rule, PartImport& import);
+  std::vector<char> chosen_instances(Work& work, std::uint32_t rule, std::size_t nodes,
+                                     std::size_t materials, const ImportedModel& model);
+
   // ---- pictures.cpp
   std::optional<std::uint32_t> read_sphere_texture(Work& work, std::uint32_t element);
   void read_decal(Work& work, std::uint32_t element);
@@ -128,6 +138,8 @@ class Loader {
   std::deque<File> loaded_files_;
   std::deque<Part> parts_;
   std::vector<NamedMaterial> materials_;
+  std::deque<ImportedModel> models_;
+  std::map<std::string, std::optional<std::uint32_t>> known_models_;  // by file and options
   std::map<std::string, std::optional<std::uint32_t>> known_files_;  // by key: their parts
   std::map<std::pair<std::string, Picture>, std::optional<std::uint32_t>> known_pictures_;
   std::map<Hash128, std::uint32_t> known_shapes_;

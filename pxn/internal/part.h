@@ -14,6 +14,7 @@
 
 #include "materials/material.h"
 #include "pxn/internal/files.h"
+#include "pxn/internal/imported_model.h"
 #include "pxn/internal/scope.h"
 #include "pxn/internal/values.h"
 #include "pxn/internal/xml.h"
@@ -32,6 +33,7 @@ enum class ItemKind : std::uint8_t {
   decal,       // data: index into decals
   include,     // data: index of the included file's part
   use,         // data: index of the used part
+  import,      // data: index into imports
 };
 
 inline constexpr std::uint32_t kNoDetails = 0xffffffffu;
@@ -128,6 +130,7 @@ struct Part {
   std::vector<PartFrame> frames;
   std::vector<PartKeypoint> keypoints;
   std::vector<PartDecal> decals;
+  std::vector<PartImport> imports;
   std::vector<Run> runs;             // of those repeats that hold decals
   std::uint32_t height = 0;          // elements on the longest path, through includes and uses
   std::uint32_t include_height = 0;  // files on the longest path of includes below this one

@@ -1,0 +1,29 @@
+// CAD files in a model.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "importers/import.h"
+
+namespace panwright::pxn {
+
+// A CAD file, read once for each way it is imported; its shapes and pictures stand in the scene.
+struct ImportedModel {
+  importers::Imported imported;
+  std::vector<std::int32_t> shapes;    // in the scene, of each of the file's
+  std::vector<std::int32_t> textures;  // in the scene, of each of the file's
+};
+
+// One place where it is imported, and what the rules there make of it.
+struct PartImport {
+  std::uint32_t model = 0;    // index into Loader::models
+  std::vector<char> removed;  // of each of the file's instances
+  std::vector<std::int32_t>
+      materials;                    // of each instance, index into Loader::materials; −1: its own
+  std::vector<char> keeps_picture;  // of each instance
+  bool keep_hidden = false;
+};
+
+}  // namespace panwright::pxn

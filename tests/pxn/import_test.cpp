@@ -1,0 +1,257 @@
+// CAD files in a model: what stands where, in what, and what is left out.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "pxn/internal/pattern.h"
+#include "pxn/materials.h"
+#include "pxn/pxn.h"
+#include "pxn/skeleton.h"
+
+namespace panwright::pxn {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::UnorderedElementsAre;
+
+constexpr const char* kBoxes = R"(#VRML V2.0 utf8
+DEF bus Transform { translation 0 2 0 children [
+  Shape { appearance Appearance { material DEF Gold_Foil Material { diffuseColor 0.8 0.5 0.1 } }
+          geometry DEF Plate IndexedFaceSet {
+            coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0, 0 1 0 ] } coordIndex [ 0 1 2 3 ] } }
+  DEF wing1 Transform { translation 3 0 0 children
+    Shape { appearance Appearance { material DEF Blue_Cells Material { diffuseColor 0 0 0.2 } }
+            geometry USE Plate } }
+  DEF wing2 Transform { translation -3 0 0 children
+    Shape { appearance Appearance { material USE Blue_Cells } geometry USE Plate } }
+] }
+)";
+
+struct Reading {
+  scene::Scene scene;
+  DiagnosticLog log;
+};
+
+Reading reading(const std::string& body, const std::string& cad = kBoxes) {
+  Reading out;
+  const MemoryFile files[] = {
+      {"model/top.pxn", "<pangu_model ver=\"1\">" + body + "</pangu_model>"},
+      {"model/cad/sat.wrl", cad}};
+  auto scene = read_memory(files, {}, out.log);
+  if (scene) out.scene = std::move(*scene);
+  EXPECT_EQ(scene::check(out.scene), "");
+  return out;
+}
+
+// Instances by the names of their nodes' parents and of their materials.
+std::multimap<std::string, std::string> dressed(const scene::Scene& scene) {
+  std::multimap<std::string, std::string> out;
+  for (const scene::Instance& instance : scene.instances) {
+    std::int32_t node = instance.node;
+    const auto named = [&](std::int32_t n) {
+      const std::string& name = scene.nodes[static_cast<std::size_t>(n)].name;
+      return name.starts_with("wing") || name == "bus";
+    };
+    while (node >= 0 && !named(node)) node = scene.nodes[static_cast<std::size_t>(node)].parent;
+    out.emplace(node < 0 ? "?" : scene.nodes[static_cast<std::size_t>(node)].name,
+                scene.materials[static_cast<std::size_t>(instance.material)].name);
+  }
+  return out;
+}
+
+using Pairs = std::pair<const std::string, std::string>;
+
+TEST(Pattern, stars_and_question_marks) {
+  EXPECT_TRUE(matches("", ""));
+  EXPECT_TRUE(matches("*", ""));
+  EXPECT_TRUE(matches("a*c", "abbbc"));
+  EXPECT_TRUE(matches("a*b*c", "a-b-b-c"));
+  EXPECT_TRUE(matches("p?nel*", "panel12"));
+  EXPECT_TRUE(matches("**x", "aax"));
+  EXPECT_FALSE(matches("a*c", "abb"));
+  EXPECT_FALSE(matches("?", ""));
+  EXPECT_FALSE(matches("panel", "Panel"));
+  // one that would take for ever by trying
+  EXPECT_FALSE(matches(std::string(40, '*') + "b", std::string(20000, 'a')));
+}
+
+TEST(Import, stands_where_it_is_put_with_its_own_materials) {
+  const Reading r = reading("<import file=\"cad/sat.wrl\" name=\"sat\" translate=\"0 0 10\"/>");
+  EXPECT_EQ(r.log.errors(), 0u) << to_text(r.log);
+  EXPECT_THAT(dressed(r.scene),
+              UnorderedElementsAre(Pairs("bus", "Gold_Foil"), Pairs("wing1", "Blue_Cells"),
+                                   Pairs("wing2", "Blue_Cells")));
+  // y is up in the file, z here: (3, 2, 0) goes to (3, 0, 2), and the import to 10
+  const auto world = scene::world_from_nodes(r.scene);
+  bool found = false;
+  for (const scene::Instance& instance : r.scene.instances) {
+    const Vec3 at(world[static_cast<std::size_t>(instance.node)][3]);
+    found = found || glm::length(at - Vec3(3, 0, 12)) < 1e-12;
+    EXPECT_TRUE(instance.prunable);
+  }
+  EXPECT_TRUE(found);
+  // one mesh, however often it stands there
+  EXPECT_EQ(r.scene.shapes.size(), 1u);
+  EXPECT_THAT(r.scene.inputs.back().path, "cad/sat.wrl");
+}
+
+TEST(Import, rules_apply_in_their_order) {
+  const Reading r = reading(R"(
+    <material name="metal" preset="aluminium_bare"/> <material name="cells" preset="cells_gaas"/>
+    <import file="cad/sat.wrl"> <assign material="metal"/> <assign materials="*Cells" material="cells"/>
+      <assign nodes="wing2" material="metal"/> </import>)");
+  EXPECT_EQ(r.log.errors() + r.log.warnings(), 0u) << to_text(r.log);
+  EXPECT_THAT(dressed(r.scene), UnorderedElementsAre(Pairs("bus", "metal"), Pairs("wing1", "cells"),
+                                                     Pairs("wing2", "metal")));
+}
+
+TEST(Import, a_rule_for_a_node_holds_for_all_below) {
+  const Reading all = reading(R"(<material name="metal" preset="aluminium_bare"/>
+    <import file="cad/sat.wrl"> <assign nodes="bus" material="metal"/> </import>)");
+  EXPECT_THAT(dressed(all.scene),
+              UnorderedElementsAre(Pairs("bus", "metal"), Pairs("wing1", "metal"),
+                                   Pairs("wing2", "metal")));
+  const Reading one = reading(R"(<material name="metal" preset="aluminium_bare"/>
+    <import file="cad/sat.wrl"> <assign nodes="*bus/wing?" material="metal"/> </import>)");
+  EXPECT_THAT(dressed(one.scene),
+              UnorderedElementsAre(Pairs("bus", "Gold_Foil"), Pairs("wing1", "metal"),
+                                   Pairs("wing2", "metal")));
+}
+
+TEST(Import, what_is_removed_is_gone_with_its_nodes) {
+  const Reading r =
+      reading(R"(<import file="cad/sat.wrl" hidden="keep"> <remove nodes="wing2"/> </import>)");
+  EXPECT_THAT(dressed(r.scene),
+              UnorderedElementsAre(Pairs("bus", "Gold_Foil"), Pairs("wing1", "Blue_Cells")));
+  for (const scene::Node& node : r.scene.nodes) EXPECT_NE(node.name, "wing2");
+  for (const scene::Instance& instance : r.scene.instances) EXPECT_FALSE(instance.prunable);
+}
+
+TEST(Import, a_pattern_that_fits_nothing_names_what_is_near) {
+  const Reading r = reading(R"(<material name="metal" preset="aluminium_bare"/>
+    <import file="cad/sat.wrl"> <assign materials="Gold_Foyl*" material="metal"/>
+      <remove nodes="antenna"/> </import>)");
+  EXPECT_TRUE(r.log.contains(Code::W1501));
+  const std::string text = to_text(r.log);
+  EXPECT_THAT(text, HasSubstr("did you mean 'Gold_Foil'?"));
+  EXPECT_THAT(text, HasSubstr("'wing1'"));
+  EXPECT_EQ(r.scene.instances.size(), 3u);
+}
+
+TEST(Import, the_same_file_twice_is_stored_once) {
+  const Reading r =
+      reading(R"(<repeat count="3"> <import file="cad/sat.wrl" translate="{10*i} 0 0"/>
+    </repeat> <import file="cad/sat.wrl" units="mm"/>)");
+  EXPECT_EQ(r.log.errors(), 0u) << to_text(r.log);
+  EXPECT_EQ(r.scene.instances.size(), 12u);
+  EXPECT_EQ(r.scene.shapes.size(), 2u);  // the second way of taking it has its own
+  std::size_t times = 0;
+  for (const scene::Input& input : r.scene.inputs) times += input.path == "cad/sat.wrl";
+  EXPECT_EQ(times, 1u);
+}
+
+TEST(Import, problems_of_the_file_say_who_imported_it) {
+  const Reading r =
+      reading("<import file=\"cad/sat.wrl\"/>", "#VRML V2.0 utf8\nShape { apperance NULL }\n");
+  const std::string text = to_text(r.log);
+  EXPECT_THAT(text, HasSubstr("cad/sat.wrl:2:9: error:"));
+  EXPECT_THAT(text, HasSubstr("did you mean 'appearance'?"));
+  EXPECT_THAT(text, HasSubstr("top.pxn:1:"));
+}
+
+TEST(Import, files_outside_and_missing_ones_are_refused) {
+  EXPECT_TRUE(reading("<import file=\"cad/sta.wrl\"/>").log.contains(Code::E1301));
+  EXPECT_TRUE(reading("<import file=\"../sat.wrl\"/>").log.contains(Code::E1303));
+}
+
+TEST(Import, its_nodes_count_towards_the_limit) {
+  Options options;
+  options.limits.nodes = 6;
+  const MemoryFile files[] = {
+      {"top.pxn", "<pangu_model ver=\"1\"><import file=\"sat.wrl\"/></pangu_model>"},
+      {"sat.wrl", kBoxes}};
+  DiagnosticLog log;
+  (void)read_memory(files, options, log);
+  EXPECT_TRUE(log.contains(Code::E1008) || log.contains(Code::E6002)) << to_text(log);
+}
+
+// ---- skeletons
+
+TEST(Skeleton, reads_back_with_every_material_of_the_file_assigned) {
+  const importers::MemoryFile files[] = {{"sat.wrl", kBoxes}};
+  DiagnosticLog log;
+  const auto imported = importers::import_memory(files, {}, log);
+  ASSERT_TRUE(imported) << to_text(log);
+  const std::string text = skeleton(*imported, "sat.wrl", " units=\"m\"");
+  const MemoryFile model[] = {{"top.pxn", text}, {"sat.wrl", kBoxes}};
+  const auto scene = read_memory(model, {}, log);
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(log.errors() + log.warnings(), 0u) << text << to_text(log);
+  EXPECT_THAT(dressed(*scene),
+              UnorderedElementsAre(Pairs("bus", "gold_foil"), Pairs("wing1", "blue_cells"),
+                                   Pairs("wing2", "blue_cells")));
+  EXPECT_THAT(text, HasSubstr("preset=\"mli_gold_kapton\""));
+  EXPECT_THAT(text, HasSubstr("preset=\"cells_silicon\""));
+}
+
+TEST(Skeleton, names_that_xml_and_patterns_cannot_hold) {
+  importers::Imported imported;
+  imported.scene.nodes.push_back({"root", scene::kNone, {}, {}});
+  const char* const names[] = {"a<b>&\"c\"", "50% {grey}", " --x-- ",
+                               "\xff\x01",   "3",          "a<b>&\"d\""};
+  for (const char* name : names) {
+    scene::Instance instance;
+    instance.material = static_cast<std::int32_t>(imported.scene.materials.size());
+    imported.scene.instances.push_back(instance);
+    imported.scene.materials.emplace_back();
+    imported.materials.push_back({});
+    imported.materials.back().name = name;
+  }
+  const std::string text = skeleton(imported, "sat.wrl", "");
+  const MemoryFile model[] = {{"top.pxn", text}, {"sat.wrl", kBoxes}};
+  DiagnosticLog log;
+  ASSERT_TRUE(read_memory(model, {}, log));
+  EXPECT_EQ(log.errors(), 0u) << text << to_text(log);
+}
+
+TEST(Guess, words_before_colours) {
+  const auto preset = [](const char* name, Vec3 colour, double metallic = 0) {
+    importers::CadMaterial material;
+    material.name = name;
+    material.base_colour = colour;
+    material.metallic = metallic;
+    return guessed_preset(material).preset;
+  };
+  EXPECT_EQ(preset("Foil_Gold", {0.5, 0.3, 0.05}), "mli_gold_kapton");
+  EXPECT_EQ(preset("mli", {0.6, 0.6, 0.6}), "mli_silver");
+  EXPECT_EQ(preset("black_foil", {0.01, 0.01, 0.01}), "mli_black");
+  EXPECT_EQ(preset("SolarPanelFront", {0.5, 0.5, 0.5}), "cells_silicon");
+  EXPECT_EQ(preset("mat_7", {0.01, 0.02, 0.1}), "cells_silicon");
+  EXPECT_EQ(preset("mat_8", {0.8, 0.8, 0.8}), "white_silicone");
+  EXPECT_EQ(preset("mat_9", {0.8, 0.8, 0.8}, 1), "aluminium_bare");
+  EXPECT_EQ(preset("mat_10", {0.01, 0.01, 0.01}), "black_polyurethane");
+}
+
+TEST(Guess, every_guess_is_in_the_library) {
+  const auto names = preset_names();
+  const std::set<std::string_view> known(names.begin(), names.end());
+  for (const char* name :
+       {"beta",   "retro",          "osr",      "radiator", "gaas",       "solar",  "black kapton",
+        "kapton", "anodized black", "anodised", "brushed",  "polished",   "mirror", "gold plated",
+        "teflon", "copper",         "titanium", "cfrp",     "regolith",   "glass",  "aluminium",
+        "foil",   "gold",           "black",    "white",    "silver_mli", ""})
+    for (const Vec3& colour :
+         {Vec3(0), Vec3(1), Vec3(0.5, 0.3, 0), Vec3(0, 0, 0.1), Vec3(1, 0, 0)}) {
+      importers::CadMaterial material;
+      material.name = name;
+      material.base_colour = colour;
+      EXPECT_TRUE(known.contains(guessed_preset(material).preset)) << name;
+    }
+}
+
+}  // namespace
+}  // namespace panwright::pxn
