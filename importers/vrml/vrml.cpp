@@ -1,10 +1,31 @@
 #include "importers/vrml/vrml.h"
 
+#include <fmt/format.h>
+
+#include "base/text.h"
+#include "importers/vrml/internal/builder.h"
+
 namespace panwright::importers::vrml {
 
-Result<Imported> read(Files&, const InputFile& file, const Options&, DiagnosticLog& log) {
-  log.report_file(Code::E6001, file.name, "not yet");
-  return failed;
+Result<Imported> read(Files& files, const InputFile& file, const Options& options,
+                      DiagnosticLog& log) {
+  Session session(files, options, log);
+  try {
+    Document* document = session.open(file);
+    if (document == nullptr) return failed;
+    Builder builder(session);
+    builder.enter(*document, {});
+    build(builder, *document, 0);
+    return builder.finished(document->format);
+  } catch (const OverLimit& over) {
+    const std::string message =
+        fmt::format("the model needs more {} than the limit allows", over.what);
+    if (over.where.file == kNoFile)
+      log.report_file(Code::E6002, file.name, message);
+    else
+      log.report(Code::E6002, over.where, message);
+    return failed;
+  }
 }
 
 }  // namespace panwright::importers::vrml

@@ -3,17 +3,30 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "importers/vrml/internal/session.h"
 
 namespace panwright::importers::vrml {
 
+// The numbers of a Material of either version, linear as written.
+struct Phong {
+  Vec3 diffuse{0.8};
+  Vec3 specular{0};
+  Vec3 emissive{0};
+  double shininess = 0.2;
+  double transparency = 0;
+};
+
+struct Cache97;
+
 class Builder {
  public:
-  explicit Builder(Session& session);
+  explicit Builder(Session& of);
 
   Session& session;
 
@@ -23,13 +36,19 @@ class Builder {
   std::int32_t add_node(std::int32_t parent, const Mat4& parent_from_node, std::string_view name,
                         std::string_view kind, SourceSpan where);
 
-  // Equal ones are stored once.
+  // Equal ones are stored once. Throws OverLimit for more triangles than the limit.
   std::int32_t add_shape(geometry::Shape shape, SourceSpan where);
   std::int32_t add_material(const materials::Material& material, const CadMaterial& cad);
+  // Blinn-Phong with exponent 128·shininess; numbers are clamped to 0…1. Transparency is counted
+  // as lost.
+  std::int32_t add_phong(const Phong& phong, std::string_view name, bool textured);
 
-  // The picture that some URLs name, or kNone: as Session::bytes_of. *components: 1 to 4.
+  // The picture that some URLs name, or kNone: as Session::bytes_of.
   std::int32_t add_picture(std::span<const std::string_view> urls, SourceSpan where);
+  // The picture of an SFImage, bottom row first in the file; kNone: none, or past the limit.
+  std::int32_t add_image(std::span<const std::int32_t> image, SourceSpan where);
   std::int32_t add_texture(scene::Texture texture);
+  bool is_grey(std::int32_t texture) const;  // VRML 97: multiplies the diffuse colour then
 
   // texture: scene::kNone for none
   void add_instance(std::int32_t node, std::int32_t shape, std::int32_t material,
@@ -41,8 +60,8 @@ class Builder {
   void lost(std::string_view property);
 
   // Nodes on the way from the top, for cycles and depth. enter() reports E6109 and returns false
-  // when the node stands in itself; throws OverLimit past limits.depth. Each true enter() needs a
-  // leave().
+  // when the node stands in itself; throws OverLimit past limits.depth, and for more visits than
+  // limits.nodes. Each true enter() needs a leave().
   bool enter(const Node& node);
   void leave(const Node& node);
   // The same for files.
@@ -53,11 +72,27 @@ class Builder {
 
   scene::Scene& scene() { return out_.scene; }
 
+  std::shared_ptr<Cache97> cache97;  // of what scene97.cpp has made so far
+
   // Puts the notes into the log and gives the result.
   Imported finished(Format format);
 
  private:
+  std::int32_t kept_texture(scene::Texture texture, SourceSpan where);
+
   Imported out_;
+  std::unordered_map<std::string, std::uint32_t> kinds_;  // numbers given to nodes without a name
+  std::map<Hash128, std::int32_t> shapes_;
+  std::unordered_multimap<std::uint64_t, std::int32_t> materials_;
+  std::map<std::string, std::int32_t> pictures_;  // by path
+  std::vector<bool> grey_;
+  std::map<std::string, std::uint64_t, std::less<>> skipped_;
+  std::map<std::string, std::uint64_t, std::less<>> lost_;
+  std::vector<const Node*> open_nodes_;
+  std::vector<const Document*> open_documents_;
+  std::uint64_t visits_ = 0;
+  std::uint64_t triangles_ = 0;
+  std::uint64_t texture_bytes_ = 0;
 };
 
 // Makes scene nodes of a document's below `parent`, by its version. scene97.cpp and scene10.cpp

@@ -44,10 +44,11 @@ class Arena {
     return new (allocate(sizeof(T), alignof(T))) T();
   }
   template <class T>
-  std::span<T> copied(std::span<const T> items) {
-    static_assert(std::is_trivially_copyable_v<T>);
+  std::span<std::remove_const_t<T>> copied(std::span<T> items) {
+    using Item = std::remove_const_t<T>;
+    static_assert(std::is_trivially_copyable_v<Item>);
     if (items.empty()) return {};
-    T* out = static_cast<T*>(allocate(items.size_bytes(), alignof(T)));
+    Item* out = static_cast<Item*>(allocate(items.size_bytes(), alignof(Item)));
     std::uninitialized_copy(items.begin(), items.end(), out);
     return {out, items.size()};
   }
@@ -145,7 +146,20 @@ struct Field {
   std::int32_t is = -1;  // in the body of a prototype: field of its interface; else −1
 };
 
-struct Prototype;
+struct Node;
+
+// A PROTO or EXTERNPROTO.
+struct Prototype {
+  std::string_view name;
+  SourceSpan where;             // its name
+  std::span<FieldSpec> fields;  // the interface; of an EXTERNPROTO without defaults
+  std::span<Node*> body;        // the first is what instances are; the values have `is`
+  bool external = false;        // EXTERNPROTO
+  Value urls;                   // where an external one stands
+  SourceSpan urls_where;
+  Prototype* target = nullptr;  // what an external one is, once looked for
+  bool looked_for = false;
+};
 
 struct Node {
   std::string_view type;           // as written
@@ -155,7 +169,9 @@ struct Node {
   std::span<Field> fields;         // those written, in order; of instances the interface, whole
   std::span<Node*> children;       // VRML 1.0, and nodes inside those that are not known
   Prototype* prototype = nullptr;  // an instance of this
-  std::uint32_t id = 0;            // of the reading, in order of making; shared nodes have one
+  Node* owner = nullptr;           // the instance in whose body this is a copy
+  Node* body = nullptr;            // of an instance: see Session::actual
+  bool expanded = false;           // whether body has been looked for
   bool has_is = false;             // it or what stands below it takes values of an interface
 
   // The last writing of a field; nullptr: not written.
@@ -181,7 +197,7 @@ struct Node {
   Node* node(std::string_view field) const;  // nullptr: NULL
 };
 
-// One file. Prototypes stand beside the nodes; instances point to them.
+// One file.
 struct Document {
   std::string path;  // as Files knows it
   FileId file = kNoFile;
@@ -189,7 +205,7 @@ struct Document {
   std::shared_ptr<const std::string> text;
   std::vector<Node*> nodes;  // top level
   std::unique_ptr<Arena> arena;
-  std::vector<std::unique_ptr<Prototype>> prototypes;  // in order of definition, nested ones too
+  std::vector<Prototype*> prototypes;  // of the top level, in order of definition
 };
 
 // Where item `index` of a list of numbers or strings stands, for messages: found by reading the

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "importers/import.h"
@@ -17,14 +18,16 @@ namespace panwright::importers::vrml {
 
 class Session {
  public:
-  Session(Files& files, const Options& options, DiagnosticLog& log)
-      : files(files), options(options), log(log) {}
+  Session(Files& all_files, const Options& all_options, DiagnosticLog& to_log)
+      : files(all_files),
+        options(all_options),
+        log(to_log),
+        arena_(memory_used, options.limits.memory) {}
 
   Files& files;
   const Options& options;
   DiagnosticLog& log;
   std::uint64_t memory_used = 0;             // by documents, bytes
-  std::uint32_t next_id = 0;                 // of nodes
   std::vector<scene::Input> further_inputs;  // in order of first use, without the model itself
 
   // Reads the model. Reports E6101 and returns nullptr when it is no VRML.
@@ -52,9 +55,19 @@ class Session {
     std::unique_ptr<Document> document;  // null: not readable
   };
   Document* load(const InputFile& file, bool top);
+  std::shared_ptr<const std::string> read(std::string_view url, SourceSpan where, std::string& path,
+                                          std::string& problem, Code& code);
+  Document* document_at(std::string_view url, SourceSpan where, std::string& problem, Code& code);
+  Prototype* target_of(Prototype& prototype);
+  void expand(Node& instance);
+  Node* copied(Node* node, Node& instance, const Prototype& prototype,
+               std::unordered_map<const Node*, Node*>& done);
+
+  Arena arena_;  // of the bodies of instances
   std::map<std::string, Loaded> documents_;
   std::map<FileId, std::string> paths_;
   std::uint32_t files_read_ = 1;
+  std::uint64_t copies_ = 0;
 };
 
 }  // namespace panwright::importers::vrml

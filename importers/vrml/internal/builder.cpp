@@ -1,0 +1,291 @@
+#include "importers/vrml/internal/builder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/file.h"
+#include "base/text.h"
+#include "importers/image.h"
+
+namespace panwright::importers::vrml {
+
+namespace {
+
+bool same(const CadMaterial& a, const CadMaterial& b) {
+  return a.name == b.name && a.base_colour == b.base_colour && a.metallic == b.metallic &&
+         a.roughness == b.roughness && a.opacity == b.opacity && a.textured == b.textured &&
+         a.lost == b.lost;
+}
+
+Vec3 clamped(const Vec3& v) { return glm::clamp(v, Vec3(0), Vec3(1)); }
+
+// "Fog (2), Viewpoint"
+std::string listed(const std::map<std::string, std::uint64_t, std::less<>>& counts) {
+  std::string out;
+  for (const auto& [what, count] : counts) {
+    if (!out.empty()) out += ", ";
+    out += count == 1 ? what : fmt::format("{} ({})", what, count);
+  }
+  return out;
+}
+
+}  // namespace
+
+Builder::Builder(Session& of) : session(of) {
+  scene::Node root;
+  root.name = "root";
+  out_.scene.nodes.push_back(root);
+}
+
+scene::Source Builder::source_of(SourceSpan where) const {
+  if (where.file == kNoFile) return {};
+  const Position position = session.log.sources().position(where.file, where.begin);
+  return {session.path_of(where.file), position.line, position.column};
+}
+
+std::int32_t Builder::add_node(std::int32_t parent, const Mat4& parent_from_node,
+                               std::string_view name, std::string_view kind, SourceSpan where) {
+  std::optional<scene::Decomposed> parts = scene::Decomposed{};
+  if (parent_from_node != Mat4(1)) parts = scene::decomposed(parent_from_node);
+  if (!parts) {
+    session.log.report(Code::W6009, where, "its transform leaves nothing of what it holds");
+    return scene::kNone;
+  }
+  auto& nodes = out_.scene.nodes;
+  if (nodes.size() + 1 >= session.options.limits.nodes) throw OverLimit{"nodes", where};
+  scene::Node node;
+  node.name = name;
+  std::replace(node.name.begin(), node.name.end(), '/', '_');
+  if (node.name.empty()) node.name = fmt::format("{}{}", kind, ++kinds_[std::string(kind)]);
+  node.parent = parent;
+  node.parent_from_node = parts->outer;
+  node.source = source_of(where);
+  nodes.push_back(node);
+  if (parts->sheared) {
+    node.parent = static_cast<std::int32_t>(nodes.size() - 1);
+    node.parent_from_node = parts->inner;
+    node.name += "_shear";
+    nodes.push_back(node);
+  }
+  return static_cast<std::int32_t>(nodes.size() - 1);
+}
+
+std::int32_t Builder::add_shape(geometry::Shape shape, SourceSpan where) {
+  if (const auto* mesh = std::get_if<geometry::MeshShape>(&shape)) {
+    const std::uint64_t count = (*mesh)->triangles.size();
+    if (count > session.options.limits.triangles - triangles_) throw OverLimit{"triangles", where};
+  }
+  const auto [place, added] = shapes_.try_emplace(geometry::hash_of(shape), 0);
+  if (!added) return place->second;
+  if (const auto* mesh = std::get_if<geometry::MeshShape>(&shape))
+    triangles_ += (*mesh)->triangles.size();
+  place->second = static_cast<std::int32_t>(out_.scene.shapes.size());
+  out_.scene.shapes.push_back(std::move(shape));
+  return place->second;
+}
+
+std::int32_t Builder::add_material(const materials::Material& material, const CadMaterial& cad) {
+  const std::array<double, 12> key = {
+      material.diffuse.x,  material.diffuse.y,  material.diffuse.z,  material.specular.x,
+      material.specular.y, material.specular.z, material.emissive.x, material.emissive.y,
+      material.emissive.z, material.shine,      cad.opacity,         cad.textured ? 1.0 : 0.0};
+  const std::uint64_t hash =
+      hash64(std::as_bytes(std::span(key))) ^ std::hash<std::string>()(cad.name);
+  const auto [first, last] = materials_.equal_range(hash);
+  for (auto it = first; it != last; ++it) {
+    const auto i = static_cast<std::size_t>(it->second);
+    if (out_.scene.materials[i] == material && same(out_.materials[i], cad)) return it->second;
+  }
+  const auto index = static_cast<std::int32_t>(out_.scene.materials.size());
+  out_.scene.materials.push_back(material);
+  out_.materials.push_back(cad);
+  materials_.emplace(hash, index);
+  return index;
+}
+
+std::int32_t Builder::add_phong(const Phong& phong, std::string_view name, bool textured) {
+  materials::Material material;
+  material.name = name;
+  material.diffuse = clamped(phong.diffuse);
+  const Vec3 specular = clamped(phong.specular);
+  const double shininess = std::clamp(phong.shininess, 0.0, 1.0);
+  CadMaterial cad;
+  if (specular != Vec3(0)) {
+    constexpr double kMostShine = 128;  // ISO/IEC 14772-1, 4.14.4: the exponent is 128·shininess
+    material.specular_law = materials::SpecularLaw::blinn_phong;
+    material.specular = specular;
+    material.shine = kMostShine * shininess;
+    material.weights.y = 1;
+    // α² = 2/(n + 2), and α is the square of the perceptual roughness
+    cad.roughness = std::sqrt(std::sqrt(2 / (material.shine + 2)));
+  }
+  material.emissive = clamped(phong.emissive);
+  if (material.emissive != Vec3(0)) material.weights.z = 1;
+  materials::fit(material);
+  cad.name = name;
+  cad.base_colour = material.diffuse;
+  cad.opacity = 1 - std::clamp(phong.transparency, 0.0, 1.0);
+  cad.textured = textured;
+  if (cad.opacity < 1) {
+    cad.lost.emplace_back("transparency");
+    lost("transparency");
+  }
+  return add_material(material, cad);
+}
+
+std::int32_t Builder::add_texture(scene::Texture texture) {
+  bool grey = true;
+  for (std::size_t i = 0; i + 3 < texture.rgba.size() && grey; i += 4)
+    grey = texture.rgba[i] == texture.rgba[i + 1] && texture.rgba[i] == texture.rgba[i + 2];
+  grey_.push_back(grey);
+  out_.scene.textures.push_back(std::move(texture));
+  return static_cast<std::int32_t>(out_.scene.textures.size() - 1);
+}
+
+bool Builder::is_grey(std::int32_t texture) const {
+  return texture >= 0 && grey_[static_cast<std::size_t>(texture)];
+}
+
+std::int32_t Builder::kept_texture(scene::Texture texture, SourceSpan where) {
+  if (texture.rgba.size() > session.options.limits.texture_bytes - texture_bytes_) {
+    session.log.report(Code::W6004, where, "the pictures are larger than the limit");
+    return scene::kNone;
+  }
+  texture_bytes_ += texture.rgba.size();
+  return add_texture(std::move(texture));
+}
+
+std::int32_t Builder::add_picture(std::span<const std::string_view> urls, SourceSpan where) {
+  if (!session.options.textures || urls.empty()) return scene::kNone;
+  std::string path;
+  for (const std::string_view url : urls) {
+    const auto target = resolved(session.path_of(where.file), url, true);
+    const auto known = target ? pictures_.find(*target) : pictures_.end();
+    if (known != pictures_.end()) return known->second;
+  }
+  const auto bytes = session.bytes_of(urls, where, &path);
+  for (const std::string_view url : urls)
+    if (const auto target = resolved(session.path_of(where.file), url, true))
+      pictures_[*target] = scene::kNone;
+  if (!bytes) return scene::kNone;
+  DecodedImage image;
+  const ImageProblem problem =
+      decode_image(as_bytes(*bytes), session.options.limits.texture_bytes - texture_bytes_, image);
+  if (problem.code) {
+    session.log.report(
+        Code::W6004, where,
+        fmt::format("{}: {}", in_quotes(session.files.display_name(path)), problem.message));
+    return scene::kNone;
+  }
+  scene::Texture texture{path, image.width, image.height, std::move(image.rgba)};
+  const std::int32_t index = kept_texture(std::move(texture), where);
+  pictures_[path] = index;
+  return index;
+}
+
+std::int32_t Builder::add_image(std::span<const std::int32_t> image, SourceSpan where) {
+  if (!session.options.textures || image.size() < 4) return scene::kNone;
+  const auto width = static_cast<std::uint32_t>(image[0]);
+  const auto height = static_cast<std::uint32_t>(image[1]);
+  const std::int32_t components = image[2];
+  if (width > kMaxTextureSide || height > kMaxTextureSide || components == 0) {
+    session.log.report(Code::W6004, where, "a picture of a size that is not used");
+    return scene::kNone;
+  }
+  scene::Texture texture{"SFImage", width, height, {}};
+  texture.rgba.resize(std::size_t{4} * width * height);
+  for (std::uint32_t row = 0; row < height; ++row) {
+    for (std::uint32_t column = 0; column < width; ++column) {
+      const std::size_t from = std::size_t{height - 1 - row} * width + column;
+      const auto bits = static_cast<std::uint32_t>(image[3 + from]);
+      const auto byte = [&](int n) { return static_cast<std::uint8_t>(bits >> (8 * n)); };
+      std::uint8_t* to = texture.rgba.data() + 4 * (std::size_t{row} * width + column);
+      const bool grey = components <= 2;
+      const bool alpha = components == 2 || components == 4;
+      const int low = alpha ? 1 : 0;
+      to[0] = byte(grey ? low : low + 2);
+      to[1] = byte(grey ? low : low + 1);
+      to[2] = byte(low);
+      to[3] = alpha ? byte(0) : 255;
+    }
+  }
+  return kept_texture(std::move(texture), where);
+}
+
+void Builder::add_instance(std::int32_t node, std::int32_t shape, std::int32_t material,
+                           std::int32_t texture, SourceSpan where) {
+  auto& instances = out_.scene.instances;
+  if (instances.size() >= session.options.limits.nodes) throw OverLimit{"nodes", where};
+  scene::Instance instance;
+  instance.node = node;
+  instance.shape = shape;
+  instance.material = material;
+  instance.texture = texture;
+  instance.source = source_of(where);
+  instances.push_back(instance);
+}
+
+void Builder::skipped(std::string_view type) {
+  const auto place = skipped_.find(type);
+  if (place != skipped_.end())
+    ++place->second;
+  else
+    skipped_.emplace(type, 1);
+}
+
+void Builder::lost(std::string_view property) {
+  const auto place = lost_.find(property);
+  if (place != lost_.end())
+    ++place->second;
+  else
+    lost_.emplace(property, 1);
+}
+
+bool Builder::enter(const Node& node) {
+  if (std::find(open_nodes_.begin(), open_nodes_.end(), &node) != open_nodes_.end()) {
+    session.log.report(Code::E6109, node.where,
+                       fmt::format("this {} contains itself", in_quotes(node.type)));
+    return false;
+  }
+  if (open_nodes_.size() >= session.options.limits.depth) throw OverLimit{"depth", node.where};
+  if (++visits_ > session.options.limits.nodes) throw OverLimit{"nodes", node.where};
+  open_nodes_.push_back(&node);
+  return true;
+}
+
+void Builder::leave(const Node&) { open_nodes_.pop_back(); }
+
+bool Builder::enter(const Document& document, SourceSpan where) {
+  if (std::find(open_documents_.begin(), open_documents_.end(), &document) !=
+      open_documents_.end()) {
+    session.log.report(
+        Code::E6109, where,
+        fmt::format("{} contains itself", in_quotes(session.files.display_name(document.path))));
+    return false;
+  }
+  open_documents_.push_back(&document);
+  return true;
+}
+
+void Builder::leave(const Document&) { open_documents_.pop_back(); }
+
+Imported Builder::finished(Format format) {
+  out_.format = format;
+  out_.scene.inputs = session.further_inputs;
+  if (!skipped_.empty())
+    session.log.report(Code::N6007, {}, fmt::format("skipped: {}", listed(skipped_)));
+  if (!lost_.empty()) session.log.report(Code::N6008, {}, fmt::format("lost: {}", listed(lost_)));
+  return std::move(out_);
+}
+
+void build(Builder& builder, Document& document, std::int32_t parent) {
+  if (document.format == Format::vrml1)
+    build10(builder, document, parent);
+  else
+    build97(builder, document, parent);
+}
+
+}  // namespace panwright::importers::vrml

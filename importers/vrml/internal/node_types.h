@@ -1,0 +1,14 @@
+// Names of field types in texts.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "importers/vrml/internal/document.h"
+
+namespace panwright::importers::vrml {
+
+// "SFVec3f", and names of VRML 1.0 and later standards that mean the same.
+std::optional<FieldType> field_type(std::string_view name);
+
+}  // namespace panwright::importers::vrml

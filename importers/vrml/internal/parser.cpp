@@ -1,0 +1,516 @@
+#include "importers/vrml/internal/parser.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/text.h"
+#include "importers/vrml/internal/characters.h"
+#include "importers/vrml/internal/node_types.h"
+
+namespace panwright::importers::vrml {
+
+namespace {
+
+bool same_but_for_case(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](char x, char y) { return (x | 0x20) == (y | 0x20); });
+}
+
+}  // namespace
+
+Parser::Parser(Session& session, Document& document)
+    : session_(session),
+      document_(document),
+      limits_(session.options.limits),
+      arena_(*document.arena),
+      begin_(document.text->data()),
+      end_(document.text->data() + document.text->size()),
+      p_(begin_),
+      vrml97_(document.format == Format::vrml97) {}
+
+void Parser::run() {
+  const std::size_t bad = first_not_utf8(*document_.text);
+  if (bad != std::string::npos) {
+    latin1_ = true;
+    session_.log.sources().set_encoding(document_.file, Encoding::latin1);
+    report(Code::W6116, span(begin_ + bad, begin_ + bad + 1),
+           "the text is not UTF-8 from here on, and is read as Latin-1");
+  }
+  if (document_.text->starts_with("\xef\xbb\xbf")) p_ += 3;
+  Scope scope;
+  scope_ = &scope;
+  for (skip_blanks(); !at_end(); skip_blanks()) statement(document_.nodes);
+  scope_ = nullptr;
+}
+
+// ---- tokens
+
+void Parser::skip_blanks() {
+  for (;;) {
+    while (is_blank(*p_)) ++p_;
+    if (*p_ != '#') return;
+    while (p_ < end_ && *p_ != '\n' && *p_ != '\r') ++p_;
+  }
+}
+
+bool Parser::at_number() const {
+  const char* p = p_;
+  if (*p == '+' || *p == '-') ++p;
+  if (*p == '.') ++p;
+  return *p >= '0' && *p <= '9';
+}
+
+bool Parser::at_word() const { return is_word(*p_) && !at_number(); }
+
+std::string_view Parser::peek_word() {
+  const char* p = p_;
+  while (is_word(*p)) ++p;
+  return {p_, static_cast<std::size_t>(p - p_)};
+}
+
+std::string_view Parser::word() {
+  const std::string_view out = peek_word();
+  p_ += out.size();
+  return out;
+}
+
+std::string_view Parser::name() {
+  const std::string_view text = word();
+  if (!latin1_ || first_not_utf8(text) == text.npos) return text;
+  return arena_.copied(std::string_view(to_utf8(text, Encoding::latin1)));
+}
+
+bool Parser::accept(char c) {
+  skip_blanks();
+  if (*p_ != c || at_end()) return false;
+  ++p_;
+  return true;
+}
+
+bool Parser::accept_word(std::string_view text) {
+  skip_blanks();
+  if (peek_word() != text) return false;
+  p_ += text.size();
+  return true;
+}
+
+bool Parser::brace_follows() {
+  const char* const at = p_;
+  word();
+  skip_blanks();
+  const bool out = *p_ == '{';
+  p_ = at;
+  return out;
+}
+
+std::string_view Parser::token_here() {
+  if (at_end()) return {};
+  std::string_view out = peek_word();
+  if (out.empty()) out = std::string_view(p_, 1);
+  return out;
+}
+
+SourceSpan Parser::span(const char* begin, const char* end) const {
+  return {document_.file, static_cast<std::uint32_t>(begin - begin_),
+          static_cast<std::uint32_t>(end - begin_)};
+}
+
+SourceSpan Parser::here() {
+  const std::string_view token = token_here();
+  return span(p_, p_ + token.size());
+}
+
+// ---- messages
+
+bool Parser::terse() {
+  constexpr std::uint32_t kMany = 1000;
+  return problems_ > kMany;
+}
+
+void Parser::report(Code code, SourceSpan where, std::string message, std::string hint) {
+  ++problems_;
+  session_.log.report(code, where, std::move(message), std::move(hint));
+}
+
+// ---- nodes
+
+void Parser::statement(std::vector<Node*>& out) {
+  if (at_word()) {
+    if (vrml97_ && declaration()) return;
+    bool there = false;
+    Node* node = node_value(&there);
+    if (node != nullptr) out.push_back(node);
+    if (there) return;
+  }
+  skip_stray('\0');
+}
+
+bool Parser::declaration() {
+  const std::string_view keyword = peek_word();
+  if (keyword == "PROTO") {
+    prototype();
+  } else if (keyword == "EXTERNPROTO") {
+    external_prototype();
+  } else if (keyword == "ROUTE") {
+    route();
+  } else {
+    return false;
+  }
+  return true;
+}
+
+Node* Parser::node_value(bool* there) {
+  skip_blanks();
+  *there = at_word();
+  if (!*there) return nullptr;
+  if (accept_word("NULL")) return nullptr;
+  if (accept_word("USE")) return use();
+  if (!accept_word("DEF")) return typed_node({});
+  skip_blanks();
+  if (!is_word(*p_)) {
+    report(Code::E6103, here(), "a name is missing after DEF");
+    return typed_node({});
+  }
+  const std::string_view def = name();
+  return typed_node(def);
+}
+
+Node* Parser::use() {
+  skip_blanks();
+  if (!is_word(*p_)) {
+    report(Code::E6103, here(), "a name is missing after USE");
+    return nullptr;
+  }
+  const char* const at = p_;
+  const std::string_view text = name();
+  const auto it = scope_->nodes.find(text);
+  if (it != scope_->nodes.end()) return it->second;
+  std::string hint;
+  if (!terse()) {
+    std::vector<std::string_view> names;
+    for (const auto& [other, node] : scope_->nodes) names.push_back(other);
+    if (const auto near = nearest_name(text, names))
+      hint = fmt::format("did you mean {}?", in_quotes(*near));
+  }
+  report(Code::E6108, span(at, p_), fmt::format("nothing before it is called {}", in_quotes(text)),
+         std::move(hint));
+  return nullptr;
+}
+
+Node* Parser::typed_node(std::string_view def) {
+  skip_blanks();
+  if (!at_word()) {
+    report(Code::E6103, here(), "the type of a node is missing");
+    if (*p_ == '{') skip_braces();
+    return nullptr;
+  }
+  const char* const at = p_;
+  std::string_view type = word();
+  const SourceSpan where = span(at, p_);
+  skip_blanks();
+  if (*p_ != '{') {
+    report(Code::E6103, where, fmt::format("{} is no node: '{{' does not follow", in_quotes(type)));
+    return nullptr;
+  }
+  Node* node = arena_.make<Node>();
+  node->where = where;
+  node->name = def;
+  Body body{node, {}, true};
+  node->prototype = vrml97_ ? prototype_named(type) : nullptr;
+  if (node->prototype != nullptr) {
+    body.specs = node->prototype->fields;
+  } else {
+    node->spec = spec_named(type, where);
+    body.known = node->spec != nullptr;
+    if (body.known) body.specs = node->spec->fields;
+    body.script = vrml97_ && type == "Script";
+  }
+  node->type = type;
+  if (!def.empty()) scope_->nodes[def] = node;
+  if (++depth_ > limits_.depth) throw OverLimit{"depth", where};
+  ++p_;
+  fill(*node, body);
+  --depth_;
+  return node;
+}
+
+const NodeSpec* Parser::spec_named(std::string_view& name, SourceSpan where) {
+  const NodeSpec* spec = vrml97_ ? spec97(name) : spec10(name);
+  if (spec != nullptr) return spec;
+  std::vector<std::string_view> names;
+  for (const NodeSpec& other : vrml97_ ? specs97() : specs10()) names.push_back(other.name);
+  for (const Scope* scope = scope_; scope != nullptr; scope = scope->around)
+    for (const auto& [other, prototype] : scope->prototypes) names.push_back(other);
+  std::string hint;
+  const auto near = terse() ? std::nullopt : nearest_name(name, names);
+  spec = near ? (vrml97_ ? spec97(*near) : spec10(*near)) : nullptr;
+  if (spec != nullptr && same_but_for_case(name, *near)) {
+    report(Code::W6118, where,
+           fmt::format("{} is read as '{}': case matters", in_quotes(name), *near));
+    name = *near;
+    return spec;
+  }
+  if (near)
+    hint = fmt::format("did you mean {}?", in_quotes(*near));
+  else if (vrml97_ ? spec10(name) != nullptr : spec97(name) != nullptr)
+    hint = vrml97_ ? "it is a node of VRML 1.0" : "it is a node of VRML 97";
+  report(Code::W6105, where, fmt::format("there is no node {}; it is skipped", in_quotes(name)),
+         std::move(hint));
+  return nullptr;
+}
+
+void Parser::fill(Node& node, Body& body) {
+  const std::size_t first_node = node_stack_.size();
+  const std::size_t first_field = field_stack_.size();
+  for (;;) {
+    skip_blanks();
+    if (at_end()) {
+      report(Code::E6112, node.where,
+             fmt::format("the text ends inside this {}", in_quotes(node.type)));
+      break;
+    }
+    if (*p_ == '}') {
+      ++p_;
+      break;
+    }
+    if (!at_word()) {
+      if (!body.known && *p_ == '"')
+        skip_string();
+      else if (!body.known && *p_ == '{')
+        skip_braces();
+      else if (!body.known && *p_ != '\0')
+        p_ += token_here().size();
+      else
+        skip_stray('}');
+    } else if (!(vrml97_ ? field_of_97(body) : item_of_10(body))) {
+      unknown_item();
+    }
+  }
+  if (node.prototype != nullptr) {
+    node.fields = interface_values(*node.prototype, first_field);
+  } else {
+    node.fields = arena_.copied(std::span<const Field>(field_stack_).subspan(first_field));
+  }
+  node.children = arena_.copied(std::span<Node* const>(node_stack_).subspan(first_node));
+  for (const Node* child : node.children) node.has_is |= child->has_is;
+  node_stack_.resize(first_node);
+  field_stack_.resize(first_field);
+  if (body.script) {
+    NodeSpec* spec = arena_.make<NodeSpec>();
+    *spec = *node.spec;
+    body.declared.insert(body.declared.end(), body.specs.begin(), body.specs.end());
+    spec->fields = arena_.copied(std::span<const FieldSpec>(body.declared));
+    node.spec = spec;
+  }
+}
+
+// What an instance has: every field of the interface that has a value, as written or by default.
+std::span<Field> Parser::interface_values(const Prototype& prototype, std::size_t first) {
+  const std::size_t end = field_stack_.size();
+  std::vector<Field> out;
+  for (const FieldSpec& spec : prototype.fields) {
+    Field field{spec.name, spec.initial, prototype.where};
+    bool written = false;
+    for (std::size_t i = first; i < end; ++i) {
+      if (field_stack_[i].name != spec.name) continue;
+      field = field_stack_[i];
+      written = true;
+    }
+    using Access = FieldSpec::Access;
+    const bool has_value = spec.access == Access::field || spec.access == Access::exposed_field;
+    if (written || (has_value && !prototype.external)) out.push_back(field);
+  }
+  return arena_.copied(std::span<const Field>(out));
+}
+
+const FieldSpec* Parser::spec_of(const Body& body, std::string_view field) const {
+  for (const FieldSpec& spec : body.specs)
+    if (spec.name == field) return &spec;
+  for (const FieldSpec& spec : body.declared)
+    if (spec.name == field) return &spec;
+  return nullptr;
+}
+
+bool Parser::field_of_97(Body& body) {
+  if (declaration()) return true;
+  const std::string_view text = peek_word();
+  if (body.script &&
+      (text == "eventIn" || text == "eventOut" || text == "field" || text == "exposedField")) {
+    script_field(body);
+    return true;
+  }
+  const FieldSpec* spec = spec_of(body, text);
+  if (spec != nullptr) {
+    p_ += text.size();
+    known_field(body, *spec);
+    return true;
+  }
+  if (!body.known) return false;
+  if (text == "DEF" || text == "USE" || brace_follows()) {
+    misplaced_node(body);
+    return true;
+  }
+  const SourceSpan where = here();
+  p_ += text.size();
+  unknown_field(body, text, where);
+  return true;
+}
+
+bool Parser::item_of_10(Body& body) {
+  const std::string_view text = peek_word();
+  if (text == "fields" || text == "isA") {
+    const char* const at = p_;
+    p_ += text.size();
+    skip_blanks();
+    if (*p_ == '[') {
+      p_ = at;
+      fields_of_10(body);
+      return true;
+    }
+    p_ = at;
+  }
+  const bool is_node = text == "DEF" || text == "USE" || brace_follows();
+  const FieldSpec* spec = is_node ? nullptr : spec_of(body, text);
+  if (spec != nullptr) {
+    p_ += text.size();
+    known_field(body, *spec);
+    return true;
+  }
+  if (!body.known) return false;
+  if (is_node) {
+    bool there = false;
+    Node* child = node_value(&there);
+    if (child != nullptr) node_stack_.push_back(child);
+    return true;
+  }
+  const SourceSpan where = here();
+  p_ += text.size();
+  unknown_field(body, text, where);
+  return true;
+}
+
+// Inside a node that is not known: nodes are read for their names, the rest is skipped.
+void Parser::unknown_item() {
+  const std::string_view text = peek_word();
+  if (text != "DEF" && text != "USE" && !brace_follows()) {
+    p_ += text.size();
+    return;
+  }
+  bool there = false;
+  Node* child = node_value(&there);
+  if (child != nullptr) node_stack_.push_back(child);
+}
+
+void Parser::known_field(Body& body, const FieldSpec& spec) {
+  using Access = FieldSpec::Access;
+  Field field;
+  field.name = spec.name;
+  const char* const name_end = p_;
+  skip_blanks();
+  if (vrml97_ && accept_word("IS")) {
+    if (is_value(spec, field)) {
+      body.node->has_is = true;
+      add_field(field, body);
+    }
+    return;
+  }
+  if (spec.access == Access::event_in || spec.access == Access::event_out) {
+    report(Code::E6104, span(name_end - spec.name.size(), name_end),
+           fmt::format("{} is an event, which has no value", in_quotes(spec.name)));
+    skip_value();
+    return;
+  }
+  const Body* const outer = std::exchange(field_names_, &body);
+  if (value(spec.type, field)) add_field(field, body);
+  field_names_ = outer;
+}
+
+void Parser::add_field(const Field& field, Body& body) {
+  if (field.value.type == FieldType::sf_node || field.value.type == FieldType::mf_node)
+    for (const Node* node : field.value.nodes()) body.node->has_is |= node->has_is;
+  field_stack_.push_back(field);
+}
+
+void Parser::unknown_field(Body& body, std::string_view text, SourceSpan where) {
+  std::string hint;
+  if (!terse()) {
+    std::vector<std::string_view> names;
+    for (const FieldSpec& spec : body.specs) {
+      using Access = FieldSpec::Access;
+      const bool has_value = spec.access == Access::field || spec.access == Access::exposed_field;
+      if (has_value) names.push_back(spec.name);
+    }
+    if (const auto near = nearest_name(text, names)) {
+      if (same_but_for_case(text, *near)) {
+        report(Code::W6118, where,
+               fmt::format("{} is read as '{}': case matters", in_quotes(text), *near));
+        known_field(body, *spec_of(body, *near));
+        return;
+      }
+      hint = fmt::format("did you mean {}?", in_quotes(*near));
+    }
+    for (const FieldSpec& spec : body.specs)
+      if (text == fmt::format("set_{}", spec.name) || text == fmt::format("{}_changed", spec.name))
+        hint = fmt::format("events have no value; the field is '{}'", spec.name);
+  }
+  report(Code::E6104, where,
+         fmt::format("{} has no field {}", in_quotes(body.node->type), in_quotes(text)),
+         std::move(hint));
+  skip_value();
+}
+
+void Parser::misplaced_node(Body& body) {
+  const SourceSpan where = here();
+  bool there = false;
+  report(Code::E6103, where,
+         fmt::format("a node stands where the name of a field of {} is expected",
+                     in_quotes(body.node->type)));
+  Node* child = node_value(&there);
+  if (child != nullptr) node_stack_.push_back(child);
+}
+
+// VRML 1.0: `fields [ SFString name, … ]` and `isA [ "Type" ]` of nodes that it does not have.
+void Parser::fields_of_10(Body& body) {
+  const std::string_view keyword = word();
+  accept('[');
+  while (!at_end()) {
+    skip_blanks();
+    if (accept(']')) return;
+    if (*p_ == '"') {
+      std::string_view base;
+      if (!string(base)) return;
+      const NodeSpec* spec = spec10(base);
+      if (keyword == "isA" && spec != nullptr && body.node->spec == nullptr) {
+        body.node->spec = spec;
+        body.specs = spec->fields;
+        body.known = true;
+      }
+      continue;
+    }
+    if (!at_word()) {
+      if (*p_ == '}') return;
+      p_ += std::max<std::size_t>(1, token_here().size());
+      continue;
+    }
+    const std::string_view type_word = word();
+    skip_blanks();
+    if (!at_word()) continue;
+    FieldSpec spec;
+    spec.name = word();
+    if (const auto type = field_type(type_word)) {
+      spec.type = *type;
+      body.declared.push_back(spec);
+    }
+  }
+}
+
+Prototype* Parser::prototype_named(std::string_view text) const {
+  for (const Scope* scope = scope_; scope != nullptr; scope = scope->around) {
+    const auto it = scope->prototypes.find(text);
+    if (it != scope->prototypes.end()) return it->second;
+  }
+  return nullptr;
+}
+
+}  // namespace panwright::importers::vrml

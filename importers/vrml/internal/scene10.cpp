@@ -1,0 +1,390 @@
+#include "importers/vrml/internal/scene10.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/text.h"
+
+namespace panwright::importers::vrml {
+
+namespace {
+
+// Shapes stand on z here and on y there; a picture's seam at the back (−z).
+const Mat4 kUpright(Vec4(0, 0, -1, 0), Vec4(-1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1));
+
+Mat4 translated(const Vec3& by) {
+  Mat4 m(1);
+  m[3] = Vec4(by, 1);
+  return m;
+}
+
+Mat4 scaled(const Vec3& by) {
+  Mat4 m(1);
+  for (int i = 0; i < 3; ++i) m[i][i] = by[i];
+  return m;
+}
+
+// Of an axis of any length and an angle.
+Mat4 rotated(std::span<const double> axis_angle) {
+  const Vec3 axis(axis_angle[0], axis_angle[1], axis_angle[2]);
+  const double length = glm::length(axis);
+  if (!(length > 0)) return Mat4(1);
+  const det::SinCos half = det::sincos(axis_angle[3] / 2);
+  return glm::mat4_cast(Quat(half.cos, axis * (half.sin / length)));
+}
+
+std::string_view word(const Node& node, std::string_view field) {
+  const auto words = node.strings(field);
+  return words.empty() ? std::string_view() : words[0];
+}
+
+bool has_part(const Node& node, std::string_view part) {
+  return std::ranges::any_of(node.strings("parts"),
+                             [&](std::string_view word) { return word == part || word == "ALL"; });
+}
+
+}  // namespace
+
+// ---- groups
+
+const std::map<std::string_view, Scene10::Visitor>& Scene10::visitors() {
+  static const std::map<std::string_view, Visitor> table = {
+      {"AsciiText", &Scene10::skipped},
+      {"Cone", &Scene10::cone},
+      {"Coordinate3", &Scene10::coordinates},
+      {"Cube", &Scene10::cube},
+      {"Cylinder", &Scene10::cylinder},
+      {"DirectionalLight", &Scene10::skipped},
+      {"FontStyle", &Scene10::nothing},
+      {"Group", &Scene10::group},
+      {"IndexedFaceSet", &Scene10::face_set},
+      {"IndexedLineSet", &Scene10::skipped},
+      {"Info", &Scene10::nothing},
+      {"LOD", &Scene10::lod},
+      {"Material", &Scene10::material},
+      {"MaterialBinding", &Scene10::material_binding},
+      {"MatrixTransform", &Scene10::matrix_transform},
+      {"Normal", &Scene10::normals},
+      {"NormalBinding", &Scene10::normal_binding},
+      {"OrthographicCamera", &Scene10::skipped},
+      {"PerspectiveCamera", &Scene10::skipped},
+      {"PointLight", &Scene10::skipped},
+      {"PointSet", &Scene10::skipped},
+      {"Rotation", &Scene10::rotation},
+      {"Scale", &Scene10::scaling},
+      {"Separator", &Scene10::separator},
+      {"ShapeHints", &Scene10::hints},
+      {"Sphere", &Scene10::sphere},
+      {"SpotLight", &Scene10::skipped},
+      {"Switch", &Scene10::switch_node},
+      {"Texture2", &Scene10::texture},
+      {"Texture2Transform", &Scene10::texture_transform},
+      {"TextureCoordinate2", &Scene10::texcoords},
+      {"Transform", &Scene10::transform},
+      {"TransformSeparator", &Scene10::transform_separator},
+      {"Translation", &Scene10::translation},
+      {"WWWAnchor", &Scene10::separator},
+      {"WWWInline", &Scene10::inlined},
+  };
+  return table;
+}
+
+void Scene10::visit(Node& node) {
+  if (!builder_.enter(node)) return;
+  const auto found = node.spec == nullptr ? visitors().end() : visitors().find(node.spec->name);
+  if (found != visitors().end())
+    (this->*found->second)(node);
+  else
+    group(node);
+  builder_.leave(node);
+}
+
+void Scene10::children(Node& node) {
+  for (Node* child : node.children) visit(*child);
+}
+
+// Passes its state on to what follows.
+void Scene10::group(Node& node) {
+  if (node.name.empty() || node.children.empty() || state_.anchor == scene::kNone)
+    return children(node);
+  settle();
+  const std::int32_t anchor = state_.anchor;
+  const Mat4 before = state_.anchor_from_here;
+  if (anchor != scene::kNone)
+    state_.anchor = builder_.add_node(anchor, before, node.name, "Group", node.where);
+  state_.anchor_from_here = Mat4(1);
+  children(node);
+  state_.anchor = anchor;
+  state_.anchor_from_here = before * state_.anchor_from_here;
+}
+
+void Scene10::separator(Node& node) {
+  settle();
+  const State10 before = state_;
+  const Frame frame = std::exchange(frame_, {node.name, "Separator", node.where, false});
+  children(node);
+  if (!node.name.empty()) settle();
+  frame_ = frame;
+  state_ = before;
+}
+
+void Scene10::transform_separator(Node& node) {
+  settle();
+  const std::int32_t anchor = state_.anchor;
+  const Mat4 before = state_.anchor_from_here;
+  const Frame frame = std::exchange(frame_, {node.name, "TransformSeparator", node.where, false});
+  children(node);
+  frame_ = frame;
+  state_.anchor = anchor;
+  state_.anchor_from_here = before;
+}
+
+void Scene10::switch_node(Node& node) {
+  constexpr std::int32_t kAll = -3;
+  const std::int32_t which = node.integer("whichChild");
+  if (which == kAll) return group(node);
+  if (which >= 0 && static_cast<std::size_t>(which) < node.children.size())
+    visit(*node.children[static_cast<std::size_t>(which)]);
+}
+
+void Scene10::lod(Node& node) {
+  if (!node.children.empty()) visit(*node.children[0]);
+}
+
+void Scene10::inlined(Node& node) {
+  const Field* name = node.find("name");
+  if (name != nullptr) {
+    Document* document = builder_.session.inlined(name->value.strings(), name->where);
+    settle();
+    if (document != nullptr && state_.anchor != scene::kNone &&
+        builder_.enter(*document, name->where)) {
+      const std::int32_t place = builder_.add_node(state_.anchor, state_.anchor_from_here,
+                                                   node.name, "WWWInline", node.where);
+      if (place != scene::kNone) build(builder_, *document, place);
+      builder_.leave(*document);
+    }
+  }
+  if (!node.children.empty()) separator(node);
+}
+
+// ---- properties
+
+Binding Scene10::binding(Node& node) {
+  static const std::map<std::string_view, Binding> words = {
+      {"DEFAULT", Binding::standard},  {"OVERALL", Binding::overall},
+      {"PER_PART", Binding::face},     {"PER_PART_INDEXED", Binding::face_indexed},
+      {"PER_FACE", Binding::face},     {"PER_FACE_INDEXED", Binding::face_indexed},
+      {"PER_VERTEX", Binding::vertex}, {"PER_VERTEX_INDEXED", Binding::vertex_indexed},
+  };
+  const std::string_view text = word(node, "value");
+  const auto found = words.find(text);
+  if (found != words.end()) return found->second;
+  const Field* field = node.find("value");
+  builder_.session.log.report(Code::E6107, field != nullptr ? field->where : node.where,
+                              fmt::format("{} is no binding", in_quotes(text)));
+  return Binding::standard;
+}
+
+// About the centre: scale, then turn; then move. Transforms add up, the later the nearer to the
+// coordinates.
+void Scene10::texture_transform(Node& node) {
+  const Vec2 centre = node.vec2("center");
+  const Vec2 scale = node.vec2("scaleFactor");
+  const Vec2 move = node.vec2("translation");
+  const det::SinCos turn = det::sincos(node.number("rotation"));
+  const Mat3 about(Vec3(scale.x * turn.cos, scale.x * turn.sin, 0),
+                   Vec3(-scale.y * turn.sin, scale.y * turn.cos, 0), Vec3(0, 0, 1));
+  Mat3 to(1), from(1);
+  to[2] = Vec3(-centre, 1);
+  from[2] = Vec3(centre + move, 1);
+  state_.texture_transform = state_.texture_transform * from * about * to;
+}
+
+// note: the file multiplies rows by it, so that its rows are our columns
+void Scene10::matrix_transform(Node& node) {
+  const auto numbers = node.numbers("matrix");
+  Mat4 m;
+  for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = numbers[static_cast<std::size_t>(i)];
+  if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) {
+    builder_.session.log.report(Code::W6118, node.find("matrix")->where,
+                                "the last column of a matrix is 0 0 0 1; it is taken for that");
+    for (int i = 0; i < 4; ++i) m[i][3] = i == 3 ? 1 : 0;
+  }
+  state_.anchor_from_here = state_.anchor_from_here * m;
+}
+
+void Scene10::transform(Node& node) {
+  const Vec3 centre = node.vec3("center");
+  const auto axes = node.numbers("scaleOrientation");
+  const Mat4 turned = rotated(axes);
+  Mat4 m = translated(node.vec3("translation") + centre) * rotated(node.numbers("rotation"));
+  const Vec3 factor = node.vec3("scaleFactor");
+  if (factor != Vec3(1)) m = m * turned * scaled(factor) * glm::transpose(turned);
+  state_.anchor_from_here = state_.anchor_from_here * m * translated(-centre);
+}
+
+void Scene10::rotation(Node& node) {
+  state_.anchor_from_here = state_.anchor_from_here * rotated(node.numbers("rotation"));
+}
+void Scene10::scaling(Node& node) {
+  state_.anchor_from_here = state_.anchor_from_here * scaled(node.vec3("scaleFactor"));
+}
+void Scene10::translation(Node& node) {
+  state_.anchor_from_here = state_.anchor_from_here * translated(node.vec3("translation"));
+}
+
+void Scene10::skipped(Node& node) { builder_.skipped(node.spec->name); }
+
+// ---- places
+
+void Scene10::settle() {
+  if (frame_.made) return;
+  frame_.made = true;
+  if (state_.anchor == scene::kNone) return;
+  state_.anchor = builder_.add_node(state_.anchor, state_.anchor_from_here, frame_.name,
+                                    frame_.kind, frame_.where);
+  state_.anchor_from_here = Mat4(1);
+}
+
+std::int32_t Scene10::place_of(const Node& node, const Mat4& here_from_shape) {
+  settle();
+  if (state_.anchor == scene::kNone) return scene::kNone;
+  const Mat4 matrix = state_.anchor_from_here * here_from_shape;
+  if (!node.name.empty())
+    return builder_.add_node(state_.anchor, matrix, node.name, node.type, node.where);
+  if (matrix == Mat4(1)) return state_.anchor;
+  if (last_anchor_ != state_.anchor || last_matrix_ != matrix) {
+    last_anchor_ = state_.anchor;
+    last_matrix_ = matrix;
+    last_place_ = builder_.add_node(state_.anchor, matrix, {}, node.type, node.where);
+  }
+  return last_place_;
+}
+
+// ---- shapes
+
+void Scene10::cube(Node& node) {
+  const Vec3 size(node.number("width"), node.number("height"), node.number("depth"));
+  const Materials10 materials(state_.material);
+  const bool plain =
+      state_.material_binding == Binding::standard || state_.material_binding == Binding::overall;
+  if (plain || materials.size() == 1) {
+    // as a Box with its own z up
+    const Mat4 up(Vec4(1, 0, 0, 0), Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1));
+    const geometry::Box box{Vec3(size.x, size.z, size.y)};
+    if (const auto problem = geometry::problem_of(geometry::Shape(box))) {
+      builder_.session.log.report(Code::W6009, node.where, problem->message);
+      return;
+    }
+    const std::int32_t place = place_of(node, up);
+    if (place == scene::kNone) return;
+    const std::int32_t texture = texture_index();
+    builder_.add_instance(
+        place, builder_.add_shape(box, node.where),
+        builder_.add_phong(materials.at(0), materials.name(), texture != scene::kNone), texture,
+        node.where);
+    return;
+  }
+  std::array<double, 24> points;
+  for (std::size_t i = 0; i < 8; ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      points[3 * i + k] = size[static_cast<int>(k)] * ((i >> k) % 2 == 1 ? 0.5 : -0.5);
+  // front, back, left, right, top, bottom: each from its picture's bottom left
+  constexpr std::array<std::int32_t, 30> kFaces = {4, 5, 7, 6, -1, 1, 0, 2, 3, -1, 0, 4, 6, 2, -1,
+                                                   5, 1, 3, 7, -1, 6, 7, 3, 2, -1, 0, 1, 5, 4, -1};
+  constexpr std::array<double, 8> kSquare = {0, 0, 1, 0, 1, 1, 0, 1};
+  constexpr std::array<std::int32_t, 30> kCorners = {0, 1, 2, 3, -1, 0, 1, 2, 3, -1,
+                                                     0, 1, 2, 3, -1, 0, 1, 2, 3, -1,
+                                                     0, 1, 2, 3, -1, 0, 1, 2, 3, -1};
+  Faces10 faces;
+  faces.points = points;
+  faces.coord_index = kFaces;
+  faces.texcoords = kSquare;
+  faces.texcoord_index = kCorners;
+  add_faces(node, faces);
+}
+
+void Scene10::sphere(Node& node) {
+  geometry::Sphere sphere{node.number("radius")};
+  if (const std::uint32_t n = builder_.session.options.primitives; n > 0)
+    sphere.counts = geometry::SphereCounts{std::max(2u, n / 2), std::max(3u, n)};
+  add_round(node, sphere, 0, false, 0);
+}
+
+void Scene10::cylinder(Node& node) {
+  const double radius = node.number("radius");
+  const double height = node.number("height");
+  const bool sides = has_part(node, "SIDES");
+  const bool top = has_part(node, "TOP");
+  const bool bottom = has_part(node, "BOTTOM");
+  const std::uint32_t n = builder_.session.options.primitives;
+  const geometry::Counts counts{n == 0 ? 0 : std::max(3u, n), 0};
+  const bool parted =
+      state_.material_binding == Binding::face || state_.material_binding == Binding::face_indexed;
+  using geometry::Caps;
+  if (sides) {
+    const Caps caps = parted || (!top && !bottom) ? Caps::none
+                      : top && bottom             ? Caps::both
+                      : top                       ? Caps::top
+                                                  : Caps::bottom;
+    add_round(node, geometry::Cylinder{radius, height, caps, {}, counts}, 0, false, 0);
+  }
+  if (sides && !parted) return;
+  const geometry::Disc disc{radius, 0, {}, counts};
+  if (top) add_round(node, disc, height / 2, false, 1);
+  if (bottom) add_round(node, disc, -height / 2, true, 2);
+}
+
+void Scene10::cone(Node& node) {
+  const double radius = node.number("bottomRadius");
+  const double height = node.number("height");
+  const bool sides = has_part(node, "SIDES");
+  const bool bottom = has_part(node, "BOTTOM");
+  const std::uint32_t n = builder_.session.options.primitives;
+  const geometry::Counts counts{n == 0 ? 0 : std::max(3u, n), 0};
+  const bool parted =
+      state_.material_binding == Binding::face || state_.material_binding == Binding::face_indexed;
+  using geometry::Caps;
+  if (sides) {
+    const Caps caps = bottom && !parted ? Caps::bottom : Caps::none;
+    add_round(node, geometry::Cone{radius, 0, height, caps, {}, counts}, 0, false, 0);
+  }
+  if (bottom && (!sides || parted))
+    add_round(node, geometry::Disc{radius, 0, {}, counts}, -height / 2, true, 1);
+}
+
+// A shape about y, moved along it, with the material of one of the node's parts.
+void Scene10::add_round(Node& node, const geometry::Shape& shape, double lift, bool upside_down,
+                        std::size_t part) {
+  if (const auto problem = geometry::problem_of(shape)) {
+    builder_.session.log.report(Code::W6009, node.where,
+                                fmt::format("{}; it is left out", problem->message));
+    return;
+  }
+  Mat4 here_from_shape = kUpright;
+  if (upside_down) {
+    here_from_shape[1] = -here_from_shape[1];
+    here_from_shape[2] = -here_from_shape[2];
+  }
+  here_from_shape[3] = Vec4(0, lift, 0, 1);
+  const std::int32_t place = place_of(node, here_from_shape);
+  if (place == scene::kNone) return;
+  const Materials10 materials(state_.material);
+  const bool parted =
+      state_.material_binding == Binding::face || state_.material_binding == Binding::face_indexed;
+  const std::int32_t texture = texture_index();
+  builder_.add_instance(place, builder_.add_shape(shape, node.where),
+                        builder_.add_phong(materials.at(parted ? part : 0), materials.name(),
+                                           texture != scene::kNone),
+                        texture, node.where);
+}
+
+void build10(Builder& builder, Document& document, std::int32_t parent) {
+  Scene10 scene(builder, parent);
+  for (Node* node : document.nodes) scene.visit(*node);
+}
+
+}  // namespace panwright::importers::vrml

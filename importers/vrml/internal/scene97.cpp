@@ -1,0 +1,173 @@
+#include "importers/vrml/internal/scene97.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+
+namespace panwright::importers::vrml {
+
+namespace {
+
+bool is_one_of(std::string_view name, std::initializer_list<std::string_view> names) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
+Quat rotation_of(std::span<const double> axis_angle) {
+  if (axis_angle.size() < 4) return {1, 0, 0, 0};
+  // scaled first: squares of tiny or huge numbers are not
+  Vec3 axis(axis_angle[0], axis_angle[1], axis_angle[2]);
+  const double largest = std::max({std::fabs(axis.x), std::fabs(axis.y), std::fabs(axis.z)});
+  if (!(largest > 0)) return {1, 0, 0, 0};
+  axis /= largest;
+  axis /= glm::length(axis);
+  const det::SinCos half = det::sincos(axis_angle[3] / 2);
+  return {half.cos, half.sin * axis.x, half.sin * axis.y, half.sin * axis.z};
+}
+
+Mat4 pivot_of(const TransformFields& f) {
+  const Mat4 place = matrix_from_trs(f.translation + f.centre, rotation_of(f.rotation), Vec3(1));
+  const Quat along = rotation_of(f.scale_orientation);
+  const bool turned = f.scale.x != f.scale.y || f.scale.y != f.scale.z;
+  if (!turned || along == Quat(1, 0, 0, 0))
+    return place * matrix_from_trs(Vec3(0), {1, 0, 0, 0}, f.scale);
+  return place * matrix_from_trs(Vec3(0), along, f.scale) *
+         matrix_from_trs(Vec3(0), glm::conjugate(along), Vec3(1));
+}
+
+Mat4 matrix_of(const TransformFields& f) {
+  const Mat4 pivot = pivot_of(f);
+  if (f.centre == Vec3(0)) return pivot;
+  return pivot * matrix_from_trs(-f.centre, {1, 0, 0, 0}, Vec3(1));
+}
+
+std::int32_t Scene97::add(Node* node, std::int32_t parent) {
+  if (node == nullptr || parent == scene::kNone) return scene::kNone;
+  if (!builder_.enter(*node)) return scene::kNone;
+  std::int32_t made = scene::kNone;
+  if (node->prototype == nullptr) {
+    made = add_actual(*node, node->name, parent, false);
+  } else if (Node* const body = session_.actual(node)) {
+    const bool joint = is_joint(*node);
+    const std::string_view name = node->name.empty() ? body->name : node->name;
+    if (builder_.enter(*body)) {
+      made = add_actual(*body, name, parent, joint);
+      builder_.leave(*body);
+    }
+    if (joint && made != scene::kNone) add_joint(*node, made);
+  }
+  builder_.leave(*node);
+  return made;
+}
+
+void Scene97::add_all(std::span<Node* const> nodes, std::int32_t parent) {
+  for (Node* node : nodes) add(node, parent);
+}
+
+std::int32_t Scene97::add_actual(const Node& node, std::string_view name, std::int32_t parent,
+                                 bool pivots) {
+  if (node.spec == nullptr) return scene::kNone;
+  const std::string_view type = node.spec->name;
+  if (type == "Shape") return add_shape(node, name, parent);
+  if (type == "Transform") return add_transform(node, name, parent, pivots);
+  if (is_one_of(type, {"Group", "Anchor", "Billboard", "Collision"}))
+    return add_group(node, name, parent);
+  if (type == "Switch") return add_switch(node, name, parent);
+  if (type == "LOD") return add_lod(node, name, parent);
+  if (type == "Inline") return add_inline(node, name, parent);
+  if (is_one_of(type, {"Box",
+                       "Cone",
+                       "Cylinder",
+                       "Sphere",
+                       "IndexedFaceSet",
+                       "ElevationGrid",
+                       "Extrusion",
+                       "IndexedLineSet",
+                       "PointSet",
+                       "Text",
+                       "Appearance",
+                       "Material",
+                       "ImageTexture",
+                       "PixelTexture",
+                       "MovieTexture",
+                       "TextureTransform",
+                       "Coordinate",
+                       "Color",
+                       "Normal",
+                       "TextureCoordinate",
+                       "FontStyle"})) {
+    session_.log.report(Code::W6115, node.where,
+                        fmt::format("{} stands outside of a Shape", in_quotes(node.type)));
+    return scene::kNone;
+  }
+  builder_.skipped(type);
+  return scene::kNone;
+}
+
+std::int32_t Scene97::add_group(const Node& node, std::string_view name, std::int32_t parent) {
+  const std::int32_t made = builder_.add_node(parent, Mat4(1), name, node.spec->name, node.where);
+  add_all(node.nodes("children"), made);
+  add_all(node.children, made);
+  return made;
+}
+
+std::int32_t Scene97::add_transform(const Node& node, std::string_view name, std::int32_t parent,
+                                    bool pivots) {
+  TransformFields fields;
+  fields.translation = node.vec3("translation");
+  fields.centre = node.vec3("center");
+  fields.rotation = node.numbers("rotation");
+  fields.scale = node.vec3("scale");
+  fields.scale_orientation = node.numbers("scaleOrientation");
+  const bool apart = pivots && fields.centre != Vec3(0);
+  const std::int32_t made = builder_.add_node(parent, apart ? pivot_of(fields) : matrix_of(fields),
+                                              name, node.spec->name, node.where);
+  if (made == scene::kNone) return made;
+  // what turns about a centre has a node there
+  const std::int32_t inside =
+      apart ? builder_.add_node(made, matrix_from_trs(-fields.centre, {1, 0, 0, 0}, Vec3(1)), {},
+                                "Centre", node.where)
+            : made;
+  add_all(node.nodes("children"), inside);
+  add_all(node.children, inside);
+  return made;
+}
+
+std::int32_t Scene97::add_switch(const Node& node, std::string_view name, std::int32_t parent) {
+  const std::int32_t choice = node.integer("whichChoice");
+  const auto choices = node.nodes("choice");
+  const std::int32_t made = builder_.add_node(parent, Mat4(1), name, node.spec->name, node.where);
+  if (choice >= 0 && static_cast<std::size_t>(choice) < choices.size())
+    add(choices[static_cast<std::size_t>(choice)], made);
+  return made;
+}
+
+std::int32_t Scene97::add_lod(const Node& node, std::string_view name, std::int32_t parent) {
+  const auto levels = node.nodes("level");
+  const std::int32_t made = builder_.add_node(parent, Mat4(1), name, node.spec->name, node.where);
+  if (!levels.empty()) add(levels[0], made);
+  return made;
+}
+
+std::int32_t Scene97::add_inline(const Node& node, std::string_view name, std::int32_t parent) {
+  const std::int32_t made = builder_.add_node(parent, Mat4(1), name, node.spec->name, node.where);
+  const Field* urls = node.find("url");
+  if (urls == nullptr || urls->value.strings().empty()) return made;
+  Document* document = session_.inlined(urls->value.strings(), urls->where);
+  if (document == nullptr || !builder_.enter(*document, urls->where)) return made;
+  build(builder_, *document, made);
+  builder_.leave(*document);
+  return made;
+}
+
+void build97(Builder& builder, Document& document, std::int32_t parent) {
+  if (!builder.cache97) builder.cache97 = std::make_shared<Cache97>();
+  Scene97 scene(builder, *builder.cache97);
+  for (Node* node : document.nodes) scene.add(node, parent);
+}
+
+}  // namespace panwright::importers::vrml

@@ -1,0 +1,100 @@
+// VRML 97 → scene. Private to scene97*.cpp.
+#pragma once
+
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "importers/vrml/internal/builder.h"
+#include "importers/vrml/internal/faces.h"
+
+namespace panwright::importers::vrml {
+
+// The matrix of a Transform: p' = T·C·R·SR·S·−SR·−C·p (ISO/IEC 14772-1, 6.52). Of either version:
+// rotation and orientation as axis and angle, as written.
+struct TransformFields {
+  Vec3 translation{0};
+  Vec3 centre{0};
+  std::span<const double> rotation;
+  Vec3 scale{1};
+  std::span<const double> scale_orientation;
+};
+// Without the last step (−C): maps the origin to the centre.
+Mat4 pivot_of(const TransformFields& fields);
+Mat4 matrix_of(const TransformFields& fields);
+
+// An axis and an angle; the identity for an axis without direction.
+Quat rotation_of(std::span<const double> axis_angle);
+
+// What has been made of nodes, which may stand in several places.
+struct Cache97 {
+  struct Meshed {
+    std::int32_t shape = scene::kNone;
+    bool coloured = false;
+  };
+  // by geometry, texture transform, whether it has a picture, and that one is in colour
+  std::map<std::tuple<const Node*, const Node*, bool, bool>, Meshed> meshes;
+  std::map<const Node*, std::int32_t> pixels;  // by PixelTexture
+  // by appearance, whether it has a picture, and its diffuse colour is replaced
+  std::map<std::tuple<const Node*, bool, bool>, std::int32_t> materials;
+};
+
+class Scene97 {
+ public:
+  Scene97(Builder& builder, Cache97& cache)
+      : builder_(builder), session_(builder.session), cache_(cache) {}
+
+  // Returns the node of the scene that stands for it, or scene::kNone.
+  std::int32_t add(Node* node, std::int32_t parent);
+
+ private:
+  // What a shape looks like.
+  struct Look {
+    const Node* appearance = nullptr;
+    const Node* material = nullptr;
+    const Node* transform = nullptr;  // of texture coordinates
+    std::string_view name;
+    std::int32_t texture = scene::kNone;
+    bool grey = false;
+  };
+
+  std::int32_t add_actual(const Node& node, std::string_view name, std::int32_t parent,
+                          bool pivots);
+  void add_all(std::span<Node* const> nodes, std::int32_t parent);
+  std::int32_t add_group(const Node& node, std::string_view name, std::int32_t parent);
+  std::int32_t add_transform(const Node& node, std::string_view name, std::int32_t parent,
+                             bool pivots);
+  std::int32_t add_switch(const Node& node, std::string_view name, std::int32_t parent);
+  std::int32_t add_lod(const Node& node, std::string_view name, std::int32_t parent);
+  std::int32_t add_inline(const Node& node, std::string_view name, std::int32_t parent);
+
+  // scene97_shapes.cpp
+  std::int32_t add_shape(const Node& node, std::string_view name, std::int32_t parent);
+  bool add_primitive(const Node& geometry, const Look& look, std::int32_t parent,
+                     std::string_view name, std::int32_t* made);
+  bool add_round(const Node& geometry, const Look& look, std::int32_t parent, std::string_view name,
+                 std::int32_t* made);
+  std::int32_t place(const geometry::Shape& shape, const Mat4& matrix, const Look& look,
+                     std::int32_t parent, std::string_view name, const Node& geometry);
+  bool sound(const geometry::Shape& shape, const Node& geometry);
+  std::int32_t mesh_shape(const Node& geometry, const Look& look, bool* coloured);
+  geometry::Mesh face_set(const Node& node, const Look& look, ListProblems& problems);
+  geometry::Mesh elevation_grid(const Node& node, const Look& look, ListProblems& problems);
+  geometry::Mesh extrusion(const Node& node, const Look& look, ListProblems& problems);
+  void report(const ListProblems& problems, const Node& node);
+  std::span<const double> list_of(const Node& node, std::string_view member,
+                                  std::string_view field);
+  Look look_of(const Node& shape);
+  std::int32_t material_of(const Look& look, bool coloured);
+
+  // scene97_joints.cpp
+  static bool is_joint(const Node& instance);
+  void add_joint(const Node& instance, std::int32_t node);
+  void add_masses(const Node& instance, scene::Joint& joint);
+
+  Builder& builder_;
+  Session& session_;
+  Cache97& cache_;
+};
+
+}  // namespace panwright::importers::vrml

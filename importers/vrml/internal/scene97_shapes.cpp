@@ -1,0 +1,345 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+#include "geometry/shape.h"
+#include "importers/vrml/internal/scene97.h"
+
+namespace panwright::importers::vrml {
+
+namespace {
+
+// Our shapes stand on z, those of VRML on y. Round ones also begin their texture at −z
+// (6.13, 6.41): x → −z, y → −x, z → y. Boxes: x → x, y → −z, z → y.
+const Mat4 kRound{Vec4(0, 0, -1, 0), Vec4(-1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1)};
+const Mat4 kUpright{Vec4(1, 0, 0, 0), Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1)};
+
+Mat4 moved(double y) { return matrix_from_trs(Vec3(0, y, 0), {1, 0, 0, 0}, Vec3(1)); }
+
+// Discs face +z: up or down, with the outline of the round shape.
+Mat4 disc_at(double y, bool up) {
+  if (up) return moved(y) * kRound;
+  const Mat4 down{Vec4(0, 0, -1, 0), Vec4(1, 0, 0, 0), Vec4(0, -1, 0, 0), Vec4(0, 0, 0, 1)};
+  return moved(y) * down;
+}
+
+// TextureTransform: Tc' = −C·S·R·C·T·Tc (6.49).
+void transform_texcoords(const Node& node, geometry::Mesh& mesh) {
+  const Vec2 centre = node.vec2("center");
+  const Vec2 scale = node.vec2("scale");
+  const Vec2 translation = node.vec2("translation");
+  const det::SinCos turn = det::sincos(node.number("rotation"));
+  for (Vec2& tc : mesh.texcoords) {
+    const Vec2 at = tc + translation + centre;
+    const Vec2 turned(turn.cos * at.x - turn.sin * at.y, turn.sin * at.x + turn.cos * at.y);
+    const Vec2 out = scale * turned - centre;
+    if (std::isfinite(out.x) && std::isfinite(out.y)) tc = out;
+  }
+}
+
+struct Place {
+  List list;
+  std::string_view member;  // node of a node; empty: the node itself
+  std::string_view field;
+};
+
+constexpr Place kPlaces[] = {
+    {List::points, "coord", "point"},
+    {List::coord_index, "", "coordIndex"},
+    {List::normals, "normal", "vector"},
+    {List::normal_index, "", "normalIndex"},
+    {List::colours, "color", "color"},
+    {List::color_index, "", "colorIndex"},
+    {List::texcoords, "texCoord", "point"},
+    {List::texcoord_index, "", "texCoordIndex"},
+    {List::heights, "", "height"},
+    {List::spine, "", "spine"},
+    {List::cross_section, "", "crossSection"},
+    {List::scales, "", "scale"},
+    {List::orientations, "", "orientation"},
+};
+
+std::optional<double> crease_of(const Node& node) {
+  if (node.find("creaseAngle") == nullptr) return std::nullopt;
+  return node.number("creaseAngle");
+}
+
+}  // namespace
+
+// ---- shapes
+
+std::int32_t Scene97::add_shape(const Node& node, std::string_view name, std::int32_t parent) {
+  add_all(node.children, parent);
+  const Node* geometry = session_.actual(node.node("geometry"));
+  if (geometry == nullptr || geometry->spec == nullptr) return scene::kNone;
+  const std::string_view type = geometry->spec->name;
+  if (type == "IndexedLineSet" || type == "PointSet" || type == "Text") {
+    builder_.skipped(type);
+    return scene::kNone;
+  }
+  const Look look = look_of(node);
+  std::int32_t made = scene::kNone;
+  if (add_primitive(*geometry, look, parent, name, &made)) return made;
+  if (type != "IndexedFaceSet" && type != "ElevationGrid" && type != "Extrusion") {
+    session_.log.report(Code::W6115, geometry->where,
+                        fmt::format("{} is no geometry", in_quotes(geometry->type)));
+    return scene::kNone;
+  }
+  bool coloured = false;
+  const std::int32_t shape = mesh_shape(*geometry, look, &coloured);
+  if (shape == scene::kNone) return scene::kNone;
+  made = builder_.add_node(parent, Mat4(1), name, "Shape", node.where);
+  builder_.add_instance(made, shape, material_of(look, coloured), look.texture, node.where);
+  return made;
+}
+
+bool Scene97::sound(const geometry::Shape& shape, const Node& geometry) {
+  const auto problem = geometry::problem_of(shape);
+  if (!problem) return true;
+  session_.log.report(Code::W6009, geometry.where,
+                      fmt::format("the {} is left out: {}", geometry.type, problem->message));
+  return false;
+}
+
+std::int32_t Scene97::place(const geometry::Shape& shape, const Mat4& matrix, const Look& look,
+                            std::int32_t parent, std::string_view name, const Node& geometry) {
+  if (!sound(shape, geometry)) return scene::kNone;
+  const std::int32_t made = builder_.add_node(parent, matrix, name, "Shape", geometry.where);
+  if (look.transform != nullptr && look.texture != scene::kNone)
+    builder_.lost("texture transforms on primitives");
+  builder_.add_instance(made, builder_.add_shape(shape, geometry.where), material_of(look, false),
+                        look.texture, geometry.where);
+  return made;
+}
+
+// Whether the geometry is a primitive: it is added then, unless there is nothing of it.
+bool Scene97::add_primitive(const Node& geometry, const Look& look, std::int32_t parent,
+                            std::string_view name, std::int32_t* made) {
+  const std::string_view type = geometry.spec->name;
+  const std::uint32_t segments = session_.options.primitives;
+  if (type == "Box") {
+    const Vec3 size = geometry.vec3("size");
+    const bool textured = look.texture != scene::kNone;
+    geometry::Box box;
+    box.size = textured ? Vec3(size.x, size.z, size.y) : size;
+    *made = place(box, textured ? kUpright : Mat4(1), look, parent, name, geometry);
+    return true;
+  }
+  if (type == "Sphere") {
+    geometry::Sphere sphere;
+    sphere.radius = geometry.number("radius");
+    if (segments > 0)
+      sphere.counts = geometry::SphereCounts{std::max(2u, segments / 2), std::max(3u, segments)};
+    *made = place(sphere, kRound, look, parent, name, geometry);
+    return true;
+  }
+  return add_round(geometry, look, parent, name, made);
+}
+
+// Cylinders and cones, whose parts can be switched off.
+bool Scene97::add_round(const Node& geometry, const Look& look, std::int32_t parent,
+                        std::string_view name, std::int32_t* made) {
+  const std::string_view type = geometry.spec->name;
+  const bool cone = type == "Cone";
+  if (!cone && type != "Cylinder") return false;
+  const double radius = geometry.number(cone ? "bottomRadius" : "radius");
+  const double height = geometry.number("height");
+  const bool side = geometry.flag("side");
+  const bool bottom = geometry.flag("bottom");
+  const bool top = !cone && geometry.flag("top");
+  const std::uint32_t segments = session_.options.primitives;
+  const geometry::Counts counts{segments > 0 ? std::max(3u, segments) : 0, 0};
+  if (side) {
+    const geometry::Caps caps = bottom && (top || cone) ? geometry::Caps::both
+                                : bottom                ? geometry::Caps::bottom
+                                : top                   ? geometry::Caps::top
+                                                        : geometry::Caps::none;
+    if (cone) {
+      geometry::Cone shape{radius, 0, height, caps};
+      shape.counts = counts;
+      *made = place(shape, kRound, look, parent, name, geometry);
+    } else {
+      geometry::Cylinder shape{radius, height, caps};
+      shape.counts = counts;
+      *made = place(shape, kRound, look, parent, name, geometry);
+    }
+    return true;
+  }
+  geometry::Disc disc;
+  disc.radius = radius;
+  disc.counts = counts;
+  if (top) *made = place(disc, disc_at(height / 2, true), look, parent, name, geometry);
+  if (bottom) *made = place(disc, disc_at(-height / 2, false), look, parent, name, geometry);
+  return true;
+}
+
+// ---- meshes
+
+std::span<const double> Scene97::list_of(const Node& node, std::string_view member,
+                                         std::string_view field) {
+  const Node* list = session_.actual(node.node(member));
+  if (list == nullptr || list->spec == nullptr || list->spec->find(field) == nullptr) return {};
+  return list->numbers(field);
+}
+
+geometry::Mesh Scene97::face_set(const Node& node, const Look& look, ListProblems& problems) {
+  FaceSet faces;
+  faces.points = list_of(node, "coord", "point");
+  faces.coord_index = node.integers("coordIndex");
+  faces.normals = list_of(node, "normal", "vector");
+  faces.normal_index = node.integers("normalIndex");
+  faces.normal_per_vertex = node.flag("normalPerVertex");
+  const bool replaced = look.texture != scene::kNone && !look.grey;
+  if (!replaced) faces.colours = list_of(node, "color", "color");
+  faces.color_index = node.integers("colorIndex");
+  faces.color_per_vertex = node.flag("colorPerVertex");
+  faces.texcoords = list_of(node, "texCoord", "point");
+  faces.texcoord_index = node.integers("texCoordIndex");
+  faces.ccw = node.flag("ccw");
+  faces.convex = node.flag("convex");
+  faces.crease_angle = crease_of(node);
+  const FaceOptions options{session_.options.crease_angle, session_.options.limits.triangles,
+                            look.texture != scene::kNone};
+  return mesh_of(faces, options, problems);
+}
+
+geometry::Mesh Scene97::elevation_grid(const Node& node, const Look& look, ListProblems& problems) {
+  ElevationGrid grid;
+  grid.x_dimension = node.integer("xDimension");
+  grid.z_dimension = node.integer("zDimension");
+  grid.x_spacing = node.number("xSpacing");
+  grid.z_spacing = node.number("zSpacing");
+  grid.heights = node.numbers("height");
+  grid.normals = list_of(node, "normal", "vector");
+  grid.normal_per_vertex = node.flag("normalPerVertex");
+  const bool replaced = look.texture != scene::kNone && !look.grey;
+  if (!replaced) grid.colours = list_of(node, "color", "color");
+  grid.color_per_vertex = node.flag("colorPerVertex");
+  grid.texcoords = list_of(node, "texCoord", "point");
+  grid.ccw = node.flag("ccw");
+  grid.crease_angle = crease_of(node);
+  const FaceOptions options{session_.options.crease_angle, session_.options.limits.triangles,
+                            look.texture != scene::kNone};
+  return mesh_of(grid, options, problems);
+}
+
+geometry::Mesh Scene97::extrusion(const Node& node, const Look& look, ListProblems& problems) {
+  Extrusion shape;
+  shape.cross_section = node.numbers("crossSection");
+  shape.spine = node.numbers("spine");
+  shape.scales = node.numbers("scale");
+  shape.orientations = node.numbers("orientation");
+  shape.begin_cap = node.flag("beginCap");
+  shape.end_cap = node.flag("endCap");
+  shape.ccw = node.flag("ccw");
+  shape.convex = node.flag("convex");
+  shape.crease_angle = crease_of(node);
+  const FaceOptions options{session_.options.crease_angle, session_.options.limits.triangles,
+                            look.texture != scene::kNone};
+  return mesh_of(shape, options, problems);
+}
+
+void Scene97::report(const ListProblems& problems, const Node& node) {
+  for (const ListProblem& problem : problems) {
+    SourceSpan where = node.where;
+    for (const Place& place : kPlaces) {
+      if (place.list != problem.list) continue;
+      const Node* holder = place.member.empty() ? &node : session_.actual(node.node(place.member));
+      const Field* field = holder != nullptr ? holder->find(place.field) : nullptr;
+      if (field != nullptr) where = place_of_item(session_.log.sources(), *field, problem.item);
+    }
+    session_.log.report(problem.code, where, problem.message);
+  }
+}
+
+std::int32_t Scene97::mesh_shape(const Node& geometry, const Look& look, bool* coloured) {
+  const bool textured = look.texture != scene::kNone;
+  const auto [it, added] = cache_.meshes.try_emplace(
+      {&geometry, textured ? look.transform : nullptr, textured, textured && !look.grey});
+  Cache97::Meshed& meshed = it->second;
+  if (added) {
+    ListProblems problems;
+    const std::string_view type = geometry.spec->name;
+    geometry::Mesh mesh = type == "IndexedFaceSet"  ? face_set(geometry, look, problems)
+                          : type == "ElevationGrid" ? elevation_grid(geometry, look, problems)
+                                                    : extrusion(geometry, look, problems);
+    report(problems, geometry);
+    for (const ListProblem& problem : problems)
+      if (problem.code == Code::E6002) throw OverLimit{"triangles", geometry.where};
+    if (mesh.triangles.empty()) {
+      session_.log.report(Code::W6009, geometry.where,
+                          fmt::format("this {} has no faces", geometry.type));
+    } else {
+      if (look.transform != nullptr && textured) transform_texcoords(*look.transform, mesh);
+      meshed.coloured = !mesh.colours.empty();
+      meshed.shape = builder_.add_shape(std::make_shared<const geometry::Mesh>(std::move(mesh)),
+                                        geometry.where);
+    }
+  }
+  *coloured = meshed.coloured;
+  return meshed.shape;
+}
+
+// ---- looks
+
+Scene97::Look Scene97::look_of(const Node& shape) {
+  Look look;
+  const Node* written = shape.node("appearance");
+  look.appearance = session_.actual(shape.node("appearance"));
+  if (look.appearance == nullptr || look.appearance->spec == nullptr ||
+      look.appearance->spec->name != "Appearance") {
+    look.appearance = nullptr;
+    return look;
+  }
+  const Node* material = look.appearance->node("material");
+  look.material = session_.actual(look.appearance->node("material"));
+  if (look.material != nullptr &&
+      (look.material->spec == nullptr || look.material->spec->name != "Material"))
+    look.material = nullptr;
+  for (const Node* named : {material, look.material, written, look.appearance})
+    if (named != nullptr && look.name.empty()) look.name = named->name;
+  const Node* transform = session_.actual(look.appearance->node("textureTransform"));
+  if (transform != nullptr && transform->spec != nullptr &&
+      transform->spec->name == "TextureTransform")
+    look.transform = transform;
+  const Node* texture = session_.actual(look.appearance->node("texture"));
+  if (texture == nullptr || texture->spec == nullptr) return look;
+  const std::string_view type = texture->spec->name;
+  if (type == "ImageTexture") {
+    if (const Field* urls = texture->find("url"))
+      look.texture = builder_.add_picture(urls->value.strings(), urls->where);
+  } else if (type == "PixelTexture") {
+    if (const Field* image = texture->find("image")) {
+      const auto [it, added] = cache_.pixels.try_emplace(texture, scene::kNone);
+      if (added) it->second = builder_.add_image(image->value.integers(), image->where);
+      look.texture = it->second;
+    }
+  } else if (type == "MovieTexture") {
+    builder_.skipped(type);
+  }
+  look.grey = builder_.is_grey(look.texture);
+  return look;
+}
+
+std::int32_t Scene97::material_of(const Look& look, bool coloured) {
+  const bool textured = look.texture != scene::kNone;
+  const bool replaced = coloured || (textured && !look.grey);
+  const auto [it, added] = cache_.materials.try_emplace({look.appearance, textured, replaced}, 0);
+  if (!added) return it->second;
+  Phong phong;
+  if (const Node* material = look.material) {
+    phong.diffuse = material->vec3("diffuseColor");
+    phong.specular = material->vec3("specularColor");
+    phong.emissive = material->vec3("emissiveColor");
+    phong.shininess = material->number("shininess");
+    phong.transparency = material->number("transparency");
+  }
+  // a picture in colour and colours of the mesh replace the diffuse colour (4.14.4)
+  if (replaced) phong.diffuse = Vec3(1);
+  it->second = builder_.add_phong(phong, look.name, textured);
+  return it->second;
+}
+
+}  // namespace panwright::importers::vrml

@@ -1,0 +1,187 @@
+#include "importers/vrml/internal/session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/file.h"
+#include "base/text.h"
+#include "importers/internal/gzip.h"
+#include "importers/vrml/internal/parser.h"
+
+namespace panwright::importers::vrml {
+
+namespace {
+
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+
+std::string_view first_line(std::string_view text) {
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  return text.substr(0, std::min(text.find_first_of("\r\n"), text.size()));
+}
+
+// What a header says, and whether it is one of the two that the standards know.
+struct Header {
+  std::optional<Format> format;
+  bool standard = false;
+};
+
+Header header_of(std::string_view line) {
+  if (line.starts_with("#VRML V2.0 utf8")) return {Format::vrml97, true};
+  if (line.starts_with("#VRML V1.0 ascii")) return {Format::vrml1, true};
+  // words of the line: extra blanks, "#VRML Draft #2 V2.0 utf8", "#VRML V1.0 utf8"
+  std::vector<std::string_view> words;
+  for (std::size_t i = 0; (i = line.find_first_not_of(" \t", i)) != line.npos;) {
+    const std::size_t end = std::min(line.find_first_of(" \t", i), line.size());
+    words.push_back(line.substr(i, end - i));
+    i = end;
+  }
+  if (words.size() < 2 || words[0] != "#VRML") return {};
+  for (std::size_t i = 1; i < words.size() && i < 4; ++i) {
+    if (words[i] == "V2.0") return {Format::vrml97};
+    if (words[i] == "V1.0") return {Format::vrml1};
+  }
+  return {};
+}
+
+}  // namespace
+
+Document* Session::open(const InputFile& file) { return load(file, true); }
+
+const std::string& Session::path_of(FileId file) const { return paths_.at(file); }
+
+Document* Session::load(const InputFile& file, bool top) {
+  Loaded& loaded = documents_[file.path];
+  const std::string_view text = *file.bytes;
+  SourceFile source;
+  source.name = file.name;
+  source.bytes = file.bytes;
+  source.included_at = file.included_at;
+  const FileId id = log.sources().add(source);
+  paths_[id] = file.path;
+  const std::string_view line = first_line(text);
+  const auto line_begin = static_cast<std::uint32_t>(line.data() - text.data());
+  const SourceSpan where{id, line_begin, line_begin + static_cast<std::uint32_t>(line.size())};
+  Header header = header_of(line);
+  if (!header.format) {
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+      log.sources().set_encoding(id, Encoding::binary);
+      log.report_file(top ? Code::E6101 : Code::W6004, file.name,
+                      "the text is UTF-16; VRML is UTF-8", "convert it, as with iconv");
+      return nullptr;
+    }
+    if (top) header.format = options.assume;
+    if (!top && !line.starts_with("glTF") && !line.starts_with("{")) header.format = Format::vrml97;
+    if (header.format == Format::gltf) header.format.reset();
+    if (!header.format) {
+      log.report(top ? Code::E6101 : Code::W6004, where,
+                 text.empty()
+                     ? "the file is empty"
+                     : fmt::format("the first line is {}, and no header of VRML", in_quotes(line)),
+                 "'#VRML V2.0 utf8' or '#VRML V1.0 ascii'; --assume=vrml97 reads it as if it were "
+                 "there");
+      return nullptr;
+    }
+  }
+  if (!header.standard)
+    log.report(Code::W6102, where,
+               fmt::format("the header is {}; the file is read as {}", in_quotes(line),
+                           *header.format == Format::vrml97 ? "VRML 97" : "VRML 1.0"));
+  auto document = std::make_unique<Document>();
+  document->path = file.path;
+  document->file = id;
+  document->format = *header.format;
+  document->text = file.bytes;
+  document->arena = std::make_unique<Arena>(memory_used, options.limits.memory);
+  Parser(*this, *document).run();
+  loaded.document = std::move(document);
+  return loaded.document.get();
+}
+
+std::shared_ptr<const std::string> Session::read(std::string_view url, SourceSpan where,
+                                                 std::string& path, std::string& problem,
+                                                 Code& code) {
+  code = Code::W6004;
+  const std::string_view plain = url.substr(0, std::min(url.find('#'), url.size()));
+  if (plain.empty()) {
+    problem = "an empty name";
+    return nullptr;
+  }
+  const auto target = resolved(path_of(where.file), plain, true);
+  if (!target) {
+    const bool remote = plain.find("://") != plain.npos || plain.starts_with("urn:");
+    if (!remote) code = Code::W6005;
+    problem = fmt::format("{} {}", in_quotes(plain),
+                          remote ? "is not a file of the model" : "leads out of its folder");
+    return nullptr;
+  }
+  path = *target;
+  if (++files_read_ > options.limits.files) throw OverLimit{"files", where};
+  std::shared_ptr<const std::string> bytes;
+  switch (files.read(path, bytes)) {
+    case Files::Outcome::found:
+      break;
+    case Files::Outcome::missing:
+      problem = fmt::format("{} is not there", in_quotes(files.display_name(path)));
+      return nullptr;
+    case Files::Outcome::outside:
+      code = Code::W6005;
+      problem = fmt::format("{} leads out of the model's folder", in_quotes(plain));
+      return nullptr;
+    case Files::Outcome::too_large:
+      throw OverLimit{"bytes", where};
+    case Files::Outcome::unreadable:
+      problem = fmt::format("{} cannot be read", in_quotes(files.display_name(path)));
+      return nullptr;
+  }
+  const bool known = std::any_of(further_inputs.begin(), further_inputs.end(),
+                                 [&](const scene::Input& input) { return input.path == path; });
+  if (!known) further_inputs.push_back({path, hash128(as_bytes(*bytes)), bytes->size()});
+  return bytes;
+}
+
+std::shared_ptr<const std::string> Session::bytes_of(std::span<const std::string_view> urls,
+                                                     SourceSpan where, std::string* path) {
+  std::string problem = "no file is named";
+  Code code = Code::W6004;
+  for (const std::string_view url : urls)
+    if (auto bytes = read(url, where, *path, problem, code)) return bytes;
+  log.report(code, where, problem);
+  return nullptr;
+}
+
+Document* Session::document_at(std::string_view url, SourceSpan where, std::string& problem,
+                               Code& code) {
+  // read once, whatever the outcome
+  const std::string_view plain = url.substr(0, std::min(url.find('#'), url.size()));
+  if (!plain.empty()) {
+    if (const auto target = resolved(path_of(where.file), plain, true)) {
+      const auto known = documents_.find(*target);
+      if (known != documents_.end()) {
+        problem = fmt::format("{} cannot be used", in_quotes(plain));
+        return known->second.document.get();
+      }
+    }
+  }
+  std::string path;
+  const auto bytes = read(url, where, path, problem, code);
+  if (!bytes) return nullptr;
+  const internal::Unpacked unpacked = internal::unpacked(bytes, options.limits.bytes);
+  const std::string name = files.display_name(path);
+  if (!unpacked.problem.empty()) log.report(Code::E6003, where, unpacked.problem);
+  documents_[path];
+  problem = fmt::format("{} is no VRML", in_quotes(name));
+  if (!unpacked.bytes) return nullptr;
+  return load({path, name, unpacked.bytes, where}, false);
+}
+
+Document* Session::inlined(std::span<const std::string_view> urls, SourceSpan where) {
+  std::string problem = "no file is named";
+  Code code = Code::W6004;
+  for (const std::string_view url : urls)
+    if (Document* document = document_at(url, where, problem, code)) return document;
+  log.report(code, where, problem);
+  return nullptr;
+}
+
+}  // namespace panwright::importers::vrml
