@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "importers/vrml/internal/scene97.h"
 
 namespace panwright::importers::vrml {
 
@@ -14,27 +15,6 @@ namespace {
 
 // Shapes stand on z here and on y there; a picture's seam at the back (−z).
 const Mat4 kUpright(Vec4(0, 0, -1, 0), Vec4(-1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1));
-
-Mat4 translated(const Vec3& by) {
-  Mat4 m(1);
-  m[3] = Vec4(by, 1);
-  return m;
-}
-
-Mat4 scaled(const Vec3& by) {
-  Mat4 m(1);
-  for (int i = 0; i < 3; ++i) m[i][i] = by[i];
-  return m;
-}
-
-// Of an axis of any length and an angle.
-Mat4 rotated(std::span<const double> axis_angle) {
-  const Vec3 axis(axis_angle[0], axis_angle[1], axis_angle[2]);
-  const double length = glm::length(axis);
-  if (!(length > 0)) return Mat4(1);
-  const det::SinCos half = det::sincos(axis_angle[3] / 2);
-  return glm::mat4_cast(Quat(half.cos, axis * (half.sin / length)));
-}
 
 std::string_view word(const Node& node, std::string_view field) {
   const auto words = node.strings(field);
@@ -217,23 +197,28 @@ void Scene10::matrix_transform(Node& node) {
 }
 
 void Scene10::transform(Node& node) {
-  const Vec3 centre = node.vec3("center");
-  const auto axes = node.numbers("scaleOrientation");
-  const Mat4 turned = rotated(axes);
-  Mat4 m = translated(node.vec3("translation") + centre) * rotated(node.numbers("rotation"));
-  const Vec3 factor = node.vec3("scaleFactor");
-  if (factor != Vec3(1)) m = m * turned * scaled(factor) * glm::transpose(turned);
-  state_.anchor_from_here = state_.anchor_from_here * m * translated(-centre);
+  TransformFields fields;
+  fields.translation = node.vec3("translation");
+  fields.centre = node.vec3("center");
+  fields.rotation = node.numbers("rotation");
+  fields.scale = node.vec3("scaleFactor");
+  fields.scale_orientation = node.numbers("scaleOrientation");
+  state_.anchor_from_here = state_.anchor_from_here * matrix_of(fields);
 }
 
 void Scene10::rotation(Node& node) {
-  state_.anchor_from_here = state_.anchor_from_here * rotated(node.numbers("rotation"));
+  const Quat turn = rotation_of(node.numbers("rotation"));
+  state_.anchor_from_here = state_.anchor_from_here * matrix_from_trs(Vec3(0), turn, Vec3(1));
 }
 void Scene10::scaling(Node& node) {
-  state_.anchor_from_here = state_.anchor_from_here * scaled(node.vec3("scaleFactor"));
+  const Vec3 factor = node.vec3("scaleFactor");
+  state_.anchor_from_here =
+      state_.anchor_from_here * matrix_from_trs(Vec3(0), Quat(1, 0, 0, 0), factor);
 }
 void Scene10::translation(Node& node) {
-  state_.anchor_from_here = state_.anchor_from_here * translated(node.vec3("translation"));
+  const Vec3 by = node.vec3("translation");
+  state_.anchor_from_here =
+      state_.anchor_from_here * matrix_from_trs(by, Quat(1, 0, 0, 0), Vec3(1));
 }
 
 void Scene10::skipped(Node& node) { builder_.skipped(node.spec->name); }
@@ -308,7 +293,8 @@ void Scene10::cube(Node& node) {
 }
 
 void Scene10::sphere(Node& node) {
-  geometry::Sphere sphere{node.number("radius")};
+  geometry::Sphere sphere;
+  sphere.radius = node.number("radius");
   if (const std::uint32_t n = builder_.session.options.primitives; n > 0)
     sphere.counts = geometry::SphereCounts{std::max(2u, n / 2), std::max(3u, n)};
   add_round(node, sphere, 0, false, 0);
