@@ -1,10 +1,190 @@
 #include "importers/gltf/gltf.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include "base/text.h"
+#include "importers/gltf/build.h"
+#include "importers/gltf/container.h"
+#include "importers/gltf/document.h"
+#include "importers/gltf/primitives.h"
+#include "importers/gltf/structs.h"
+
 namespace panwright::importers::gltf {
 
-Result<Imported> read(Files&, const InputFile& file, const Options&, DiagnosticLog& log) {
-  log.report_file(Code::E6001, file.name, "not yet");
-  return failed;
+namespace {
+
+constexpr std::uint32_t kJsonDepth = 128;
+// bytes of memory that a value of the JSON takes, with its struct
+constexpr std::uint64_t kValueBytes = 256;
+
+// Extensions that a file may require: those that are read, and those that change no surface.
+constexpr std::array kRead = {"KHR_draco_mesh_compression", "EXT_meshopt_compression",
+                              "KHR_meshopt_compression",    "KHR_mesh_quantization",
+                              "EXT_mesh_gpu_instancing",    "KHR_texture_transform",
+                              "EXT_texture_webp",           "AGI_articulations"};
+constexpr std::array kHarmless = {"KHR_texture_basisu",    "KHR_lights_punctual",
+                                  "KHR_animation_pointer", "KHR_xmp",
+                                  "KHR_xmp_json_ld",       "KHR_techniques_webgl",
+                                  "EXT_texture_avif",      "EXT_lights_image_based",
+                                  "EXT_lights_ies",        "MSFT_texture_dds",
+                                  "AGI_stk_metadata",      "CESIUM_primitive_outline",
+                                  "GOOGLE_texture_basis"};
+
+bool reads(const std::string& extension) {
+  return std::find(kRead.begin(), kRead.end(), extension) != kRead.end();
+}
+bool is_harmless(const std::string& extension) {
+  return extension.starts_with("KHR_materials_") ||
+         std::find(kHarmless.begin(), kHarmless.end(), extension) != kHarmless.end();
+}
+
+class Reader {
+ public:
+  Reader(Files& files, const InputFile& file, const Options& options, DiagnosticLog& log)
+      : d_(files, file, options, log) {}
+
+  Result<Imported> read() {
+    std::string_view json;
+    if (!find_json(json) || !parse(json) || !accept_version()) return failed;
+    collect_extensions();
+    check_schema(d_);
+    if (!accept_extensions()) return failed;
+    load_buffers(d_);
+    check_accessors(d_);
+    check_nodes(d_);
+    check_meshes(d_);
+    tinygltf::Model model;
+    std::string problem;
+    if (!structs_of(d_, model, problem)) {
+      d_.report(Code::E6204, nullptr, "", fmt::format("it cannot be read: {}", problem));
+      return failed;
+    }
+    auto imported = scene_of(d_, model);
+    assert(!imported || scene::check(imported->scene).empty());
+    return imported;
+  }
+
+ private:
+  bool find_json(std::string_view& json) {
+    const std::string_view bytes = *d_.file.bytes;
+    d_.text = !is_glb(bytes);
+    d_.source =
+        d_.log.sources().add({d_.file.name, d_.text ? d_.file.bytes : nullptr,
+                              d_.text ? Encoding::utf8 : Encoding::binary, d_.file.included_at});
+    if (d_.text) {
+      json = bytes;
+      if (json.starts_with("\xef\xbb\xbf")) {
+        d_.report(Code::W6215, nullptr, "", "a byte order mark before the JSON");
+        json.remove_prefix(3);
+        d_.json_begin = 3;
+      }
+      return true;
+    }
+    if (bytes.size() >= 8 && bytes.substr(4, 4) == std::string_view("\1\0\0\0", 4)) {
+      d_.report(Code::E6202, nullptr, "", "binary glTF 1.0; glTF 2.x is read",
+                "convert it to glTF 2.0 first");
+      return false;
+    }
+    const Container container = chunks_of(bytes);
+    for (const std::string& problem : container.problems)
+      d_.report(Code::E6201, nullptr, "", problem);
+    json = container.json;
+    if (container.binary) {
+      d_.binary = *container.binary;
+      d_.has_binary = true;
+    }
+    if (json.empty() && container.problems.empty())
+      d_.report(Code::E6201, nullptr, "", "there is no JSON chunk");
+    return !json.empty();
+  }
+
+  bool parse(std::string_view json) {
+    const std::uint64_t values = std::max<std::uint64_t>(d_.options.limits.memory / kValueBytes, 1);
+    ParsedJson parsed = parsed_json(json, kJsonDepth, values);
+    if (parsed.problem) {
+      d_.report(Code::E6203, static_cast<std::uint32_t>(parsed.problem->offset), "",
+                fmt::format("byte {}: {}", d_.json_begin + parsed.problem->offset,
+                            parsed.problem->message));
+      return false;
+    }
+    d_.root = std::move(parsed.root);
+    for (const JsonProblem& repeated : parsed.repeated)
+      d_.report(Code::W6215, static_cast<std::uint32_t>(repeated.offset), "", repeated.message);
+    if (!d_.root.is(Json::Kind::object)) {
+      d_.report(Code::E6204, &d_.root, "", "the file is not one object");
+      return false;
+    }
+    return true;
+  }
+
+  bool refuse_version(const Json* at, const std::string& version) {
+    d_.report(Code::E6202, at, "/asset/version",
+              fmt::format("version {} of glTF; 2.x is read", in_quotes(version)),
+              "convert it to glTF 2.0 first");
+    return false;
+  }
+
+  bool accept_version() {
+    const Json* asset = d_.root.find("asset");
+    const Json* version = asset ? asset->find("version") : nullptr;
+    // lists of glTF 2 are objects of names in glTF 1
+    const Json* meshes = d_.root.find("meshes");
+    if (!version && meshes && meshes->is(Json::Kind::object)) return refuse_version(meshes, "1.0");
+    if (!version) return true;
+    if (!version->is(Json::Kind::string)) return true;
+    const std::string& text = version->text;
+    const std::size_t point = text.find('.');
+    const bool digits = point != text.npos && point > 0 && point + 1 < text.size() &&
+                        text.find_first_not_of("0123456789.") == text.npos &&
+                        text.find('.', point + 1) == text.npos;
+    if (!digits || text.substr(0, point) != "2") return refuse_version(version, text);
+    const Json* least = asset->find("minVersion");
+    if (least && least->is(Json::Kind::string) && least->text != "2.0" && least->text != "2.1")
+      return refuse_version(least, least->text);
+    return true;
+  }
+
+  void collect_extensions() {
+    for (const auto& [key, set] :
+         {std::pair("extensionsUsed", &d_.used), std::pair("extensionsRequired", &d_.required)})
+      for (const Json& name : d_.root.list(key))
+        if (name.is(Json::Kind::string)) set->insert(name.text);
+  }
+
+  bool accept_extensions() {
+    bool accepted = true;
+    for (const std::string& name : d_.required) {
+      if (!d_.used.contains(name))
+        d_.report(Code::W6215, nullptr, "/extensionsRequired",
+                  fmt::format("{} is required and not listed as used", in_quotes(name)));
+      if (reads(name) || is_harmless(name)) continue;
+      d_.report(Code::E6209, d_.root.find("extensionsRequired"), "/extensionsRequired",
+                fmt::format("the file requires {}, which is not read", in_quotes(name)));
+      accepted = false;
+    }
+    for (const std::string& name : d_.used) {
+      if (name == "KHR_mesh_quantization" && !d_.required.contains(name))
+        d_.report(Code::W6215, d_.root.find("extensionsUsed"), "/extensionsUsed",
+                  "KHR_mesh_quantization is used and not required");
+      if (reads(name) || is_harmless(name) || d_.required.contains(name)) continue;
+      d_.report(Code::N6213, d_.root.find("extensionsUsed"), "/extensionsUsed",
+                fmt::format("the extension {} is left out", in_quotes(name)));
+    }
+    return accepted;
+  }
+
+  Document d_;
+};
+
+}  // namespace
+
+Result<Imported> read(Files& files, const InputFile& file, const Options& options,
+                      DiagnosticLog& log) {
+  return Reader(files, file, options, log).read();
 }
 
 }  // namespace panwright::importers::gltf

@@ -1,0 +1,61 @@
+#include "importers/gltf/base64.h"
+
+#include <array>
+#include <cstdint>
+
+namespace panwright::importers::gltf {
+
+namespace {
+
+constexpr std::uint8_t kBad = 255;
+
+constexpr std::array<std::uint8_t, 256> make_digits() {
+  std::array<std::uint8_t, 256> digits{};
+  for (auto& digit : digits) digit = kBad;
+  constexpr std::string_view kAlphabet =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (std::size_t i = 0; i < kAlphabet.size(); ++i)
+    digits[static_cast<unsigned char>(kAlphabet[i])] = static_cast<std::uint8_t>(i);
+  digits['-'] = 62;  // the alphabet for URLs
+  digits['_'] = 63;
+  return digits;
+}
+
+constexpr std::array<std::uint8_t, 256> kDigits = make_digits();
+
+std::optional<std::string> from_base64(std::string_view text) {
+  while (!text.empty() && text.back() == '=') text.remove_suffix(1);
+  if (text.size() % 4 == 1) return std::nullopt;
+  std::string out;
+  out.reserve(text.size() / 4 * 3 + 3);
+  std::uint32_t bits = 0;
+  int held = 0;
+  for (const char c : text) {
+    const std::uint8_t digit = kDigits[static_cast<unsigned char>(c)];
+    if (digit == kBad) return std::nullopt;
+    bits = bits << 6 | digit;
+    held += 6;
+    if (held < 8) continue;
+    held -= 8;
+    out += static_cast<char>(bits >> held & 255);
+  }
+  return out;
+}
+
+}  // namespace
+
+bool is_data_uri(std::string_view uri) { return uri.starts_with("data:"); }
+
+std::optional<DataUri> data_of(std::string_view uri) {
+  uri.remove_prefix(5);
+  const std::size_t comma = uri.find(',');
+  if (comma == uri.npos) return std::nullopt;
+  std::string_view head = uri.substr(0, comma);
+  if (!head.ends_with(";base64")) return std::nullopt;
+  head.remove_suffix(7);
+  auto bytes = from_base64(uri.substr(comma + 1));
+  if (!bytes) return std::nullopt;
+  return DataUri{std::string(head.substr(0, head.find(';'))), *std::move(bytes)};
+}
+
+}  // namespace panwright::importers::gltf

@@ -1,0 +1,48 @@
+#include "importers/gltf/document.h"
+
+#include <fmt/format.h>
+
+namespace panwright::importers::gltf {
+
+std::size_t component_bytes(int component) {
+  switch (component) {
+    case 5120:
+    case 5121:
+      return 1;
+    case 5122:
+    case 5123:
+      return 2;
+    case 5125:
+    case 5126:
+      return 4;
+    default:
+      return 0;
+  }
+}
+
+std::string pointer(std::string_view collection, std::size_t index) {
+  return fmt::format("/{}/{}", collection, index);
+}
+
+void Document::report(Code code, std::uint32_t offset, const std::string& object,
+                      std::string message, std::string hint) {
+  SourceSpan where{source, 0, 0};
+  if (text) {
+    where.begin = json_begin + offset;
+    where.end = where.begin + 1;
+  }
+  log.report(code, where, std::move(message), std::move(hint), object);
+}
+
+bool Document::charge(std::uint64_t bytes, const std::string& object) {
+  if (bytes <= options.limits.memory && memory <= options.limits.memory - bytes) {
+    memory += bytes;
+    return true;
+  }
+  report(Code::E6002, nullptr, object,
+         fmt::format("{} bytes more are over the limit of {} bytes of memory", bytes,
+                     options.limits.memory));
+  return false;
+}
+
+}  // namespace panwright::importers::gltf

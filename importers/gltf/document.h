@@ -1,0 +1,122 @@
+// A glTF file while it is read: its JSON, buffers, views and accessors. Private to importers/gltf.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "importers/gltf/json.h"
+#include "importers/import.h"
+#include "importers/internal/input_file.h"
+
+namespace panwright::importers::gltf {
+
+struct Buffer {
+  std::shared_ptr<const std::string> owner;
+  std::span<const std::byte> bytes;  // may be fewer than declared
+  std::uint64_t declared = 0;
+};
+
+// A run of a buffer. Compressed ones hold what was decoded.
+struct View {
+  std::span<const std::byte> bytes;
+  std::shared_ptr<std::vector<std::byte>> decoded;
+  std::uint32_t stride = 0;  // 0: not given
+  std::uint64_t offset = 0;  // in the buffer
+  bool sound = false;
+  bool compressed = false;
+};
+
+struct Sparse {
+  std::uint64_t count = 0;
+  int index_component = 0;
+  std::size_t index_view = 0;
+  std::uint64_t index_offset = 0;
+  std::size_t value_view = 0;
+  std::uint64_t value_offset = 0;
+};
+
+// Numbers of a view, all of them within it when sound.
+struct Accessor {
+  int component = 5126;  // GL's number: 5120 byte … 5126 float
+  int width = 1;         // numbers of an element
+  bool matrix = false;
+  bool normalised = false;
+  bool sound = false;
+  std::uint64_t count = 0;
+  std::ptrdiff_t view = -1;  // −1: all 0 but for sparse values, or Draco's
+  std::uint64_t offset = 0;  // in the view
+  std::uint64_t stride = 0;
+  std::uint64_t element = 0;  // bytes of one
+  bool is_sparse = false;
+  Sparse sparse;
+  const Json* json = nullptr;
+  bool is_float() const { return component == 5126; }
+};
+
+std::size_t component_bytes(int component);  // 0: there is no such type
+
+struct Document {
+  Document(Files& store, const InputFile& input, const Options& wishes, DiagnosticLog& diagnostics)
+      : files(store), file(input), options(wishes), log(diagnostics) {}
+
+  Files& files;
+  const InputFile& file;
+  const Options& options;
+  DiagnosticLog& log;
+  FileId source = kNoFile;
+  std::uint32_t json_begin = 0;  // of the JSON in the file
+  bool text = false;             // places have lines and columns
+
+  Json root;
+  std::set<std::string> used;      // extensionsUsed
+  std::set<std::string> required;  // extensionsRequired
+  std::string_view binary;
+  bool has_binary = false;
+  std::vector<Buffer> buffers;
+  std::vector<View> views;
+  std::vector<Accessor> accessors;
+  std::vector<scene::Input> inputs;
+  std::uint64_t memory = 0;      // of decoded and zero-filled arrays
+  std::uint64_t file_bytes = 0;  // of all files together
+
+  bool uses(const std::string& extension) const { return used.contains(extension); }
+
+  // object: a JSON pointer, as "/accessors/3".
+  void report(Code code, std::uint32_t offset, const std::string& object, std::string message,
+              std::string hint = {});
+  void report(Code code, const Json* at, const std::string& object, std::string message,
+              std::string hint = {}) {
+    report(code, at ? at->offset : 0, object, std::move(message), std::move(hint));
+  }
+
+  // Counts bytes that are about to be allocated. False, once reported as E6002: over the limit.
+  bool charge(std::uint64_t bytes, const std::string& object);
+};
+
+// "/meshes/3".
+std::string pointer(std::string_view collection, std::size_t index);
+
+// ---- the passes, in this order
+
+// Schema of glTF 2.0 and of the extensions that are read: types, ranges, references. What does not
+// hold is reported and taken out of the tree, or marked as broken, so that the rest can be read.
+// Reports E6204, E6205, W6215.
+void check_schema(Document& document);
+
+// Loads buffers and finds views. Reports E6206, E6210, W6005, W6215, E6002.
+void load_buffers(Document& document);
+
+// Reports E6206, W6215, E6002.
+void check_accessors(Document& document);
+
+// Cycles, parents, scenes, skins, cameras. Reports E6208, E6204, W6215.
+void check_nodes(Document& document);
+
+}  // namespace panwright::importers::gltf

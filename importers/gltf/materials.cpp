@@ -1,0 +1,370 @@
+#include "importers/gltf/materials.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace panwright::importers::gltf {
+
+namespace {
+
+using tinygltf::Value;
+
+// slopes below it are smoother than the Sun's disc lets anyone see
+constexpr double kSmoothest = 1e-4;
+// reflectances above it are taken for a perfect mirror's
+constexpr double kMirror = 0.985;
+
+Vec3 colour_from(const std::vector<double>& numbers, Vec3 otherwise) {
+  return numbers.size() >= 3 ? Vec3(numbers[0], numbers[1], numbers[2]) : otherwise;
+}
+
+// One extension of a material; what it does not give has its default.
+class Extension {
+ public:
+  Extension(const tinygltf::Material& material, const std::string& name) {
+    const auto found = material.extensions.find(name);
+    if (found != material.extensions.end()) value_ = &found->second;
+  }
+  explicit operator bool() const { return value_ != nullptr; }
+
+  double number(const std::string& key, double otherwise) const {
+    return value_ && value_->Has(key) ? value_->Get(key).GetNumberAsDouble() : otherwise;
+  }
+  Vec3 colour(const std::string& key, Vec3 otherwise) const {
+    if (!value_ || !value_->Has(key)) return otherwise;
+    const Value& list = value_->Get(key);
+    for (int k = 0; k < 3; ++k) otherwise[k] = list.Get(k).GetNumberAsDouble();
+    return otherwise;
+  }
+  double fourth(const std::string& key, double otherwise) const {
+    return value_ && value_->Has(key) && value_->Get(key).ArrayLen() > 3
+               ? value_->Get(key).Get(3).GetNumberAsDouble()
+               : otherwise;
+  }
+  bool has(const std::string& key) const { return value_ && value_->Has(key); }
+  tinygltf::TextureInfo texture(const std::string& key) const {
+    tinygltf::TextureInfo info;
+    if (!has(key)) return info;
+    const Value& value = value_->Get(key);
+    info.index = value.Get("index").GetNumberAsInt();
+    if (value.Has("texCoord")) info.texCoord = value.Get("texCoord").GetNumberAsInt();
+    if (value.Has("extensions"))
+      for (const std::string& name : value.Get("extensions").Keys())
+        info.extensions[name] = value.Get("extensions").Get(name);
+    return info;
+  }
+
+ private:
+  const Value* value_ = nullptr;
+};
+
+template <class Info>
+TexcoordChoice choice_of(const Info& info) {
+  TexcoordChoice choice;
+  choice.set = info.texCoord;
+  const auto found = info.extensions.find("KHR_texture_transform");
+  if (found == info.extensions.end()) return choice;
+  const Value& transform = found->second;
+  const auto pair = [&](const char* key, Vec2 otherwise) {
+    if (!transform.Has(key)) return otherwise;
+    return Vec2(transform.Get(key).Get(0).GetNumberAsDouble(),
+                transform.Get(key).Get(1).GetNumberAsDouble());
+  };
+  choice.offset = pair("offset", Vec2(0));
+  choice.scale = pair("scale", Vec2(1));
+  if (transform.Has("rotation")) choice.rotation = transform.Get("rotation").GetNumberAsDouble();
+  if (transform.Has("texCoord")) choice.set = transform.Get("texCoord").GetNumberAsInt();
+  return choice;
+}
+
+double schlick(double f0, double cosine) {
+  const double x = 1 - cosine, x2 = x * x;
+  return f0 + (1 - f0) * x2 * x2 * x;
+}
+
+// Unpolarised reflectance of a conductor, exact. R. Cook, K. Torrance 1982.
+double reflectance(double cosine, double n, double k) {
+  const double sin2 = (1 - cosine) * (1 + cosine), d = n * n - k * k - sin2, nk = 2 * n * k;
+  const double size = std::sqrt(d * d + nk * nk);
+  const double a = std::sqrt(std::max(0.5 * (size + d), 1e-30)), b = 0.5 * nk / a;
+  const double rs = ((cosine - a) * (cosine - a) + b * b) / ((cosine + a) * (cosine + a) + b * b);
+  const double t = sin2 / std::max(cosine, 1e-10);
+  return 0.5 * rs * (1 + ((a - t) * (a - t) + b * b) / ((a + t) * (a + t) + b * b));
+}
+
+double index_of_reflectance(double f0) {
+  const double root = std::sqrt(std::min(f0, 0.98));
+  return (1 + root) / (1 - root);
+}
+
+// ---- the parts of a material
+
+struct Look {
+  Vec3 base{1};
+  double metallic = 1;
+  double roughness = 1;
+  double index = 1.5;
+  double specular = 1;      // KHR_materials_specular
+  Vec3 specular_colour{1};  // the same
+  std::optional<Vec3> f0;   // KHR_materials_pbrSpecularGlossiness gives it as it is
+};
+
+class MaterialBuilder {
+ public:
+  MaterialBuilder(const tinygltf::Material& from, std::string name, bool with_pictures,
+                  Pictures& pictures)
+      : from_(from), pictures_(pictures), with_pictures_(with_pictures) {
+    out_.cad.name = from.name;
+    out_.material.name = std::move(name);
+  }
+
+  BuiltMaterial build() {
+    Look look = read_look();
+    read_maps(look);
+    set_laws(look);
+    set_emission();
+    set_coat();
+    set_opacity();
+    list_lost();
+    out_.cad.base_colour = look.base;
+    out_.cad.metallic = look.metallic;
+    out_.cad.roughness = look.roughness;
+    materials::fit(out_.material);
+    return out_;
+  }
+
+ private:
+  void lose(std::string what) { out_.cad.lost.push_back(std::move(what)); }
+
+  Look read_look() {
+    Look look;
+    const Extension glossy(from_, "KHR_materials_pbrSpecularGlossiness");
+    if (glossy) {
+      look.base = glossy.colour("diffuseFactor", Vec3(1));
+      alpha_ = glossy.fourth("diffuseFactor", 1);
+      look.metallic = 0;
+      look.roughness = 1 - glossy.number("glossinessFactor", 1);
+      look.f0 = glossy.colour("specularFactor", Vec3(1));
+      base_texture_ = glossy.texture("diffuseTexture");
+      if (glossy.has("specularGlossinessTexture")) lose("specular-glossiness texture");
+      return look;
+    }
+    const tinygltf::PbrMetallicRoughness& pbr = from_.pbrMetallicRoughness;
+    look.base = colour_from(pbr.baseColorFactor, Vec3(1));
+    if (pbr.baseColorFactor.size() == 4) alpha_ = pbr.baseColorFactor[3];
+    look.metallic = pbr.metallicFactor;
+    look.roughness = pbr.roughnessFactor;
+    base_texture_ = pbr.baseColorTexture;
+    rough_texture_ = pbr.metallicRoughnessTexture;
+    look.index = Extension(from_, "KHR_materials_ior").number("ior", 1.5);
+    const Extension specular(from_, "KHR_materials_specular");
+    look.specular = specular.number("specularFactor", 1);
+    look.specular_colour = specular.colour("specularColorFactor", Vec3(1));
+    if (specular.has("specularTexture") || specular.has("specularColorTexture"))
+      lose("specular textures");
+    return look;
+  }
+
+  // Pictures that lie over the coordinates that the surface gets; others are lost.
+  template <class Info>
+  std::int32_t map(const Info& info, PictureUse use, const char* name) {
+    if (info.index < 0 || !with_pictures_) return scene::kNone;
+    const TexcoordChoice choice = choice_of(info);
+    if (out_.texcoords.set < 0) out_.texcoords = choice;
+    if (choice == out_.texcoords) return pictures_.texture(info.index, use);
+    lose(fmt::format("{} texture, over other coordinates than the first", name));
+    return scene::kNone;
+  }
+
+  void read_maps(Look& look) {
+    materials::Maps& maps = out_.material.maps;
+    out_.cad.textured = base_texture_.index >= 0;
+    maps.albedo = map(base_texture_, PictureUse::colour, "base colour");
+    maps.normal = map(from_.normalTexture, PictureUse::normal, "normal");
+    if (maps.normal >= 0 && from_.normalTexture.scale != 1) lose("scale of the normal texture");
+    if (rough_texture_.index >= 0) {
+      maps.roughness = map(rough_texture_, PictureUse::roughness, "roughness");
+      // one number for the whole surface: metal or not is seldom a matter of degree
+      const double blue = pictures_.mean(rough_texture_.index, false).z;
+      if (look.metallic > 0 && blue < 1) lose("metallic texture; its mean is used");
+      look.metallic *= blue;
+    }
+    if (from_.alphaMode == "MASK" && maps.albedo >= 0) {
+      maps.cutout = maps.albedo;
+      maps.threshold = std::clamp(from_.alphaCutoff / std::max(alpha_, 1e-6), 0.0, 1.0);
+    }
+    if (look.metallic > 0 && base_texture_.index >= 0) {
+      metal_colour_ = Vec3(pictures_.mean(base_texture_.index, true));
+      if (with_pictures_) lose("base colour texture on metal; its mean is used");
+    }
+  }
+
+  // glTF 2.0 specification, appendix B: a dielectric and a metal, mixed. Facets are the same as
+  // there; Schlick's curve becomes the reflectance of a refractive index.
+  void set_laws(const Look& look) {
+    materials::Material& m = out_.material;
+    const double root = (look.index - 1) / (look.index + 1);
+    const Vec3 dielectric =
+        look.f0
+            ? *look.f0
+            : look.specular *
+                  glm::min((look.index > 0 ? root * root : 1.0) * look.specular_colour, Vec3(1));
+    const double largest = std::max({dielectric.x, dielectric.y, dielectric.z});
+    m.diffuse = look.base * (1 - look.metallic) * (look.f0 ? 1 - largest : 1.0);
+    if (!look.f0) m.diffuse *= Vec3(1) - dielectric;
+    const double alpha = std::max(look.roughness * look.roughness, kSmoothest);
+    m.cook = {1, alpha, 1, 1};
+    m.alpha_y = alpha;
+    m.compensation = materials::Compensation::off;
+    if (look.metallic <= 0 && largest <= 0) return;
+    m.specular_law = materials::SpecularLaw::ggx;
+    m.weights.y = 1;
+    m.specular = Vec3(1);
+    if (look.metallic <= 0 && !look.f0) {
+      m.specular = Vec3(look.specular);
+      Vec3 n(look.index);
+      if (look.specular_colour != Vec3(1) || look.index <= 0)
+        for (int k = 0; k < 3; ++k)
+          n[k] = index_of_reflectance(dielectric[k] / std::max(look.specular, 1e-12));
+      m.refract = n;
+      return;
+    }
+    const Vec3 f0 = glm::mix(dielectric, look.base * metal_colour_, look.metallic);
+    set_reflectance(f0);
+  }
+
+  void set_reflectance(const Vec3& f0) {
+    materials::Material& m = out_.material;
+    if (std::min({f0.x, f0.y, f0.z}) >= kMirror) {
+      m.specular = f0;  // F = 1
+      return;
+    }
+    Vec3 n(1);
+    for (int k = 0; k < 3; ++k) {
+      const ComplexIndex index = index_like_schlick(f0[k]);
+      n[k] = index.n;
+      m.extinction[k] = index.k;
+    }
+    m.refract = n;
+  }
+
+  void set_emission() {
+    Vec3 emissive = colour_from(from_.emissiveFactor, Vec3(0));
+    emissive *= Extension(from_, "KHR_materials_emissive_strength").number("emissiveStrength", 1);
+    if (emissive == Vec3(0)) return;
+    if (from_.emissiveTexture.index >= 0) {
+      emissive *= Vec3(pictures_.mean(from_.emissiveTexture.index, true));
+      lose("emissive texture; its mean is used");
+    }
+    out_.material.emissive = glm::min(emissive, Vec3(1e6));
+    out_.material.weights.z = 1;
+  }
+
+  void set_coat() {
+    const Extension coat(from_, "KHR_materials_clearcoat");
+    const double factor = coat.number("clearcoatFactor", 0);
+    if (!(factor > 0)) return;
+    if (coat.has("clearcoatTexture") || coat.has("clearcoatRoughnessTexture") ||
+        coat.has("clearcoatNormalTexture"))
+      lose("clearcoat textures");
+    if (factor < 1) lose(fmt::format("clearcoat of {:.3g}; ours is there or not", factor));
+    if (factor < 0.5) return;
+    const double roughness = coat.number("clearcoatRoughnessFactor", 0);
+    materials::Coat ours;
+    ours.alpha = roughness * roughness;
+    out_.material.coat = ours;
+  }
+
+  void set_opacity() {
+    const double passed =
+        Extension(from_, "KHR_materials_transmission").number("transmissionFactor", 0);
+    double opacity = 1 - passed;
+    if (passed > 0) lose("transmission");
+    if (from_.alphaMode == "BLEND") {
+      opacity *= alpha_;
+      if (alpha_ < 1 || base_texture_.index >= 0) lose("opacity");
+    }
+    out_.cad.opacity = opacity;
+  }
+
+  void list_lost() {
+    if (from_.occlusionTexture.index >= 0) lose("occlusion texture");
+    const std::pair<const char*, const char*> names[] = {
+        {"KHR_materials_unlit", "unlit"},
+        {"KHR_materials_sheen", "sheen"},
+        {"KHR_materials_volume", "volume"},
+        {"KHR_materials_anisotropy", "anisotropy"},
+        {"KHR_materials_iridescence", "iridescence"},
+        {"KHR_materials_dispersion", "dispersion"},
+        {"KHR_materials_diffuse_transmission", "diffuse transmission"},
+        {"KHR_techniques_webgl", "shaders"}};
+    for (const auto& [extension, what] : names)
+      if (from_.extensions.contains(extension)) lose(what);
+  }
+
+  const tinygltf::Material& from_;
+  Pictures& pictures_;
+  bool with_pictures_;
+  BuiltMaterial out_;
+  double alpha_ = 1;
+  Vec3 metal_colour_{1};
+  tinygltf::TextureInfo base_texture_;
+  tinygltf::TextureInfo rough_texture_;
+};
+
+}  // namespace
+
+ComplexIndex index_like_schlick(double f0) {
+  const double r = std::clamp(f0, 0.0, kMirror);
+  if (!(r > 0)) return {};
+  // all n and k of this reflectance lie between these two; which of them bends like Schlick's
+  // curve?
+  const double least = (1 - r) / (1 + r), most = index_of_reflectance(r);
+  constexpr int kSteps = 100, kAngles = 45;
+  ComplexIndex best;
+  double smallest = 2;
+  for (int step = 0; step <= kSteps; ++step) {
+    const double n = most + (least - most) * step / kSteps;
+    const double k =
+        std::sqrt(std::max(0.0, (r * (n + 1) * (n + 1) - (n - 1) * (n - 1)) / (1 - r)));
+    double worst = 0;
+    for (int i = 1; i <= kAngles && worst < smallest; ++i) {
+      const double cosine = static_cast<double>(i) / kAngles;
+      worst = std::max(worst, std::fabs(reflectance(cosine, n, k) - schlick(r, cosine)));
+    }
+    if (worst >= smallest) continue;
+    smallest = worst;
+    best = {n, k};
+  }
+  return best;
+}
+
+TexcoordChoice texcoords_of(const tinygltf::Model& model, int index) {
+  if (index < 0) return {};
+  const tinygltf::Material& material = model.materials[static_cast<std::size_t>(index)];
+  const tinygltf::TextureInfo glossy =
+      Extension(material, "KHR_materials_pbrSpecularGlossiness").texture("diffuseTexture");
+  if (glossy.index >= 0) return choice_of(glossy);
+  const tinygltf::PbrMetallicRoughness& pbr = material.pbrMetallicRoughness;
+  if (pbr.baseColorTexture.index >= 0) return choice_of(pbr.baseColorTexture);
+  if (material.normalTexture.index >= 0) return choice_of(material.normalTexture);
+  if (pbr.metallicRoughnessTexture.index >= 0) return choice_of(pbr.metallicRoughnessTexture);
+  return {};
+}
+
+BuiltMaterial material_of(const tinygltf::Model& model, int index, bool with_pictures,
+                          Pictures& pictures) {
+  if (index < 0) {
+    BuiltMaterial none;
+    none.material.name = "none";
+    materials::fit(none.material);
+    return none;
+  }
+  const tinygltf::Material& from = model.materials[static_cast<std::size_t>(index)];
+  const std::string name = from.name.empty() ? fmt::format("material{}", index) : from.name;
+  return MaterialBuilder(from, name, with_pictures, pictures).build();
+}
+
+}  // namespace panwright::importers::gltf

@@ -1,0 +1,30 @@
+// Materials of glTF → ours. Private to importers/gltf.
+#pragma once
+
+#include "importers/gltf/pictures.h"
+#include "importers/gltf/primitives.h"
+
+namespace panwright::importers::gltf {
+
+struct BuiltMaterial {
+  materials::Material material;
+  CadMaterial cad;
+  TexcoordChoice texcoords;  // what its pictures lie over
+};
+
+// The material of that index; −1: what a surface without one gets. Pictures only where asked for.
+BuiltMaterial material_of(const tinygltf::Model& model, int index, bool with_pictures,
+                          Pictures& pictures);
+
+// Which texture coordinates a material needs.
+TexcoordChoice texcoords_of(const tinygltf::Model& model, int index);
+
+// Complex refractive index whose exact reflectance is nearest to Schlick's curve from f0 at normal
+// incidence to 1 at grazing: within 0.041 of it for any f0.
+struct ComplexIndex {
+  double n = 1;
+  double k = 0;
+};
+ComplexIndex index_like_schlick(double f0);
+
+}  // namespace panwright::importers::gltf

@@ -1,0 +1,164 @@
+#include "importers/gltf/pictures.h"
+
+#include <fmt/format.h>
+#include <webp/decode.h>
+
+#include <cmath>
+
+#include "base/file.h"
+#include "base/text.h"
+#include "importers/gltf/base64.h"
+
+namespace panwright::importers::gltf {
+
+namespace {
+
+bool is_webp(std::span<const std::byte> bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return text.size() >= 12 && text.starts_with("RIFF") && text.substr(8, 4) == "WEBP";
+}
+
+std::string decode_webp(std::span<const std::byte> bytes, std::uint64_t max_bytes,
+                        DecodedImage& out) {
+  const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  int width = 0, height = 0;
+  if (!WebPGetInfo(data, bytes.size(), &width, &height) || width <= 0 || height <= 0)
+    return "the head of the WebP picture is damaged";
+  out.width = static_cast<std::uint32_t>(width);
+  out.height = static_cast<std::uint32_t>(height);
+  const std::uint64_t size = std::uint64_t{4} * out.width * out.height;
+  if (out.width > kMaxTextureSide || out.height > kMaxTextureSide || size > max_bytes)
+    return fmt::format("{} x {} pixels are over the limit", width, height);
+  out.rgba.resize(size);
+  if (!WebPDecodeRGBAInto(data, bytes.size(), out.rgba.data(), out.rgba.size(), width * 4))
+    return "the WebP picture is damaged";
+  return {};
+}
+
+double linear_of(double srgb) {
+  return srgb <= 0.04045 ? srgb / 12.92 : det::pow((srgb + 0.055) / 1.055, 2.4);
+}
+
+}  // namespace
+
+bool Pictures::bytes_of(std::size_t image, const Json& json, std::string& name,
+                        std::shared_ptr<const std::string>& owner,
+                        std::span<const std::byte>& bytes) {
+  const std::string at = pointer("images", image);
+  const auto lost = [&](Code code, std::string message) {
+    document_.report(code, &json, at, std::move(message));
+    return false;
+  };
+  const Json* label = json.find("name");
+  name = label && !label->text.empty() ? label->text : fmt::format("image{}", image);
+  if (const Json* view = json.find("bufferView")) {
+    const View& data = document_.views[static_cast<std::size_t>(view->number)];
+    if (!data.sound) return lost(Code::W6004, "the picture lies in a view that cannot be read");
+    bytes = data.bytes;
+    return true;
+  }
+  const Json* uri = json.find("uri");
+  if (!uri) return lost(Code::W6004, "the picture has neither 'uri' nor 'bufferView'");
+  if (is_data_uri(uri->text)) {
+    auto data = data_of(uri->text);
+    if (!data) return lost(Code::W6004, "the data URI of the picture is damaged");
+    owner = std::make_shared<const std::string>(std::move(data->bytes));
+  } else {
+    const auto path = resolved(document_.file.path, uri->text, true);
+    if (!path)
+      return lost(Code::W6005,
+                  fmt::format("{} is no file in the folder of the model", in_quotes(uri->text)));
+    if (images_.size() + document_.inputs.size() > document_.options.limits.files)
+      return lost(Code::W6004, "the model names too many files");
+    if (document_.files.read(*path, owner) != Files::Outcome::found)
+      return lost(Code::W6004, fmt::format("the picture {} cannot be read",
+                                           in_quotes(document_.files.display_name(*path))));
+    document_.inputs.push_back({*path, hash128(as_bytes(*owner)), owner->size()});
+    name = uri->text;
+  }
+  bytes = as_bytes(*owner);
+  return true;
+}
+
+std::optional<DecodedImage> Pictures::load(std::size_t image) {
+  const Json& json = document_.root.list("images")[image];
+  std::shared_ptr<const std::string> owner;
+  std::span<const std::byte> bytes;
+  if (!json.is(Json::Kind::object) || !bytes_of(image, json, names_[image], owner, bytes))
+    return std::nullopt;
+  DecodedImage decoded;
+  const std::uint64_t left = document_.options.limits.texture_bytes - decoded_;
+  std::string problem;
+  if (is_webp(bytes)) {
+    problem = decode_webp(bytes, left, decoded);
+  } else {
+    const ImageProblem found = decode_image(bytes, left, decoded);
+    if (found.code) problem = found.message;
+  }
+  if (!problem.empty()) {
+    document_.report(Code::W6004, &json, pointer("images", image),
+                     fmt::format("the picture cannot be used: {}", problem));
+    return std::nullopt;
+  }
+  decoded_ += decoded.rgba.size();
+  return decoded;
+}
+
+const DecodedImage* Pictures::picture(int index, std::size_t& image) {
+  if (index < 0 || !document_.options.textures) return nullptr;
+  const tinygltf::Texture& texture = model_.textures[static_cast<std::size_t>(index)];
+  int source = texture.source;
+  const auto webp = texture.extensions.find("EXT_texture_webp");
+  if (webp != texture.extensions.end() && webp->second.Has("source"))
+    source = webp->second.Get("source").GetNumberAsInt();
+  if (source < 0) {
+    const auto basis = texture.extensions.find("KHR_texture_basisu");
+    if (basis == texture.extensions.end() || !basis->second.Has("source")) return nullptr;
+    source = basis->second.Get("source").GetNumberAsInt();
+  }
+  image = static_cast<std::size_t>(source);
+  const auto known = images_.find(image);
+  if (known == images_.end()) images_[image] = load(image);
+  const std::optional<DecodedImage>& found = images_[image];
+  return found ? &*found : nullptr;
+}
+
+std::int32_t Pictures::texture(int index, PictureUse use) {
+  std::size_t image = 0;
+  const DecodedImage* found = picture(index, image);
+  if (!found) return scene::kNone;
+  const auto [place, is_new] =
+      textures_.try_emplace({image, use}, static_cast<std::int32_t>(scene_.textures.size()));
+  if (!is_new) return place->second;
+  scene::Texture texture{names_[image], found->width, found->height, found->rgba,
+                         use != PictureUse::colour};
+  if (use == PictureUse::roughness) {
+    // green is a perceptual roughness: its square is the slope; ours stands in red
+    for (std::size_t i = 0; i < texture.rgba.size(); i += 4) {
+      const unsigned green = texture.rgba[i + 1];
+      texture.rgba[i] = static_cast<std::uint8_t>((green * green + 127) / 255);
+    }
+    texture.name += ".roughness";
+  }
+  scene_.textures.push_back(std::move(texture));
+  return place->second;
+}
+
+Vec4 Pictures::mean(int index, bool srgb) {
+  std::size_t image = 0;
+  const DecodedImage* found = picture(index, image);
+  if (!found || found->rgba.empty()) return Vec4(1);
+  // 256 levels: exact counts, and one decoding for each
+  std::array<std::array<std::uint64_t, 256>, 4> counts{};
+  for (std::size_t i = 0; i < found->rgba.size(); ++i) ++counts[i % 4][found->rgba[i]];
+  Vec4 sum(0);
+  for (int k = 0; k < 4; ++k)
+    for (std::size_t level = 0; level < 256; ++level) {
+      const double value = static_cast<double>(level) / 255;
+      sum[k] += static_cast<double>(counts[static_cast<std::size_t>(k)][level]) *
+                (srgb && k < 3 ? linear_of(value) : value);
+    }
+  return sum / static_cast<double>(found->rgba.size() / 4);
+}
+
+}  // namespace panwright::importers::gltf

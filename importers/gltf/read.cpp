@@ -1,0 +1,204 @@
+#include "importers/gltf/read.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+
+#include "base/math.h"
+#include "base/parallel.h"
+
+namespace panwright::importers::gltf {
+
+namespace {
+
+constexpr std::size_t kBlock = 1 << 15;  // elements of one piece of parallel work
+
+template <class T>
+T load(const std::byte* from) {
+  T value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
+}
+
+// numbers of one element that are read: components of `from` into the first of `to`
+template <class T>
+void convert(const std::byte* from, std::size_t numbers, double scale, bool clamp, double* to) {
+  for (std::size_t k = 0; k < numbers; ++k) {
+    const double x = static_cast<double>(load<T>(from + k * sizeof(T))) * scale;
+    to[k] = clamp ? std::max(x, -1.0) : x;
+  }
+}
+
+struct Plan {
+  int component;
+  std::size_t numbers;  // of an element
+  double scale;
+  bool clamp;
+};
+
+void convert_element(const Plan& plan, const std::byte* from, double* to) {
+  switch (plan.component) {
+    case 5120:
+      return convert<std::int8_t>(from, plan.numbers, plan.scale, plan.clamp, to);
+    case 5121:
+      return convert<std::uint8_t>(from, plan.numbers, plan.scale, false, to);
+    case 5122:
+      return convert<std::int16_t>(from, plan.numbers, plan.scale, plan.clamp, to);
+    case 5123:
+      return convert<std::uint16_t>(from, plan.numbers, plan.scale, false, to);
+    case 5125:
+      return convert<std::uint32_t>(from, plan.numbers, 1, false, to);
+    default:
+      return convert<float>(from, plan.numbers, 1, false, to);
+  }
+}
+
+template <class Body>
+void in_blocks(std::size_t count, const Body& body) {
+  const std::size_t blocks = (count + kBlock - 1) / kBlock;
+  parallel_for(blocks, [&](std::size_t b) { body(b * kBlock, std::min(count, (b + 1) * kBlock)); });
+}
+
+// Numbers that are not finite become 0. Returns how many elements had one.
+std::size_t mend(double* numbers, std::size_t count, std::size_t width) {
+  std::size_t bad = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    bool finite = true;
+    for (std::size_t k = 0; k < width; ++k)
+      finite = finite && numbers[i * width + k] - numbers[i * width + k] == 0;
+    if (finite) continue;
+    ++bad;
+    for (std::size_t k = 0; k < width; ++k)
+      if (!(numbers[i * width + k] - numbers[i * width + k] == 0)) numbers[i * width + k] = 0;
+  }
+  return bad;
+}
+
+std::uint32_t index_at(const std::byte* from, int component) {
+  if (component == 5121) return load<std::uint8_t>(from);
+  if (component == 5123) return load<std::uint16_t>(from);
+  return load<std::uint32_t>(from);
+}
+
+// The places that sparse values go to; reports those that are not in order or too large.
+std::vector<std::uint32_t> sparse_places(Document& document, const Accessor& a,
+                                         const std::string& object) {
+  const std::byte* from = document.views[a.sparse.index_view].bytes.data() + a.sparse.index_offset;
+  const std::size_t size = component_bytes(a.sparse.index_component);
+  std::vector<std::uint32_t> places(a.sparse.count);
+  bool in_order = true, in_range = true;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    places[i] = index_at(from + i * size, a.sparse.index_component);
+    in_order = in_order && (i == 0 || places[i] > places[i - 1]);
+    in_range = in_range && places[i] < a.count;
+  }
+  if (!in_order)
+    document.report(Code::E6207, a.json, object, "the indices of sparse values do not increase");
+  if (!in_range)
+    document.report(Code::E6207, a.json, object,
+                    "a sparse value is for an element that is not there");
+  return places;
+}
+
+}  // namespace
+
+double scale_of(int component, bool normalised) {
+  if (!normalised) return 1;
+  switch (component) {
+    case 5120:
+      return 1.0 / 127;
+    case 5121:
+      return 1.0 / 255;
+    case 5122:
+      return 1.0 / 32767;
+    case 5123:
+      return 1.0 / 65535;
+    default:
+      return 1;
+  }
+}
+
+bool may_invent(Document& document, std::uint64_t bytes, const std::string& object) {
+  constexpr std::uint64_t kFree = 1 << 20;
+  if (bytes > kFree && bytes / 64 > document.file_bytes) {
+    document.report(Code::E6002, nullptr, object,
+                    fmt::format("{} bytes of zeros are more than a file of {} bytes may ask for",
+                                bytes, document.file_bytes));
+    return false;
+  }
+  return document.charge(bytes, object);
+}
+
+template <class Vector>
+std::vector<Vector> read_vectors(Document& document, std::size_t accessor,
+                                 const std::string& object) {
+  constexpr std::size_t kWidth = sizeof(Vector) / sizeof(double);
+  const Accessor& a = document.accessors[accessor];
+  if (!a.sound) return {};
+  if (a.view < 0 && !may_invent(document, a.count * sizeof(Vector), object)) return {};
+  std::vector<Vector> out(a.count, Vector(0));
+  double* numbers = reinterpret_cast<double*>(out.data());
+  const Plan plan{a.component, std::min<std::size_t>(kWidth, static_cast<std::size_t>(a.width)),
+                  scale_of(a.component, a.normalised), a.normalised};
+  std::atomic<std::size_t> bad = 0;
+  if (a.view >= 0) {
+    const std::byte* from =
+        document.views[static_cast<std::size_t>(a.view)].bytes.data() + a.offset;
+    in_blocks(a.count, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        convert_element(plan, from + i * a.stride, numbers + i * kWidth);
+      if (a.is_float()) bad += mend(numbers + begin * kWidth, end - begin, kWidth);
+    });
+  }
+  if (a.is_sparse) {
+    const std::byte* from =
+        document.views[a.sparse.value_view].bytes.data() + a.sparse.value_offset;
+    const std::vector<std::uint32_t> places = sparse_places(document, a, object);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (places[i] >= a.count) continue;
+      convert_element(plan, from + i * a.element, numbers + places[i] * kWidth);
+      bad += mend(numbers + places[i] * kWidth, 1, kWidth);
+    }
+  }
+  if (bad > 0)
+    document.report(
+        Code::E6207, a.json, object,
+        fmt::format("{} of {} elements hold numbers that are not finite", bad.load(), a.count));
+  return out;
+}
+
+template std::vector<Vec2> read_vectors(Document&, std::size_t, const std::string&);
+template std::vector<Vec3> read_vectors(Document&, std::size_t, const std::string&);
+template std::vector<Vec4> read_vectors(Document&, std::size_t, const std::string&);
+template std::vector<Mat4> read_vectors(Document&, std::size_t, const std::string&);
+
+std::vector<std::uint32_t> read_indices(Document& document, std::size_t accessor,
+                                        const std::string& object) {
+  const Accessor& a = document.accessors[accessor];
+  if (!a.sound) return {};
+  if (a.view < 0 && !may_invent(document, a.count * 4, object)) return {};
+  std::vector<std::uint32_t> out(a.count);
+  if (a.view >= 0) {
+    const std::byte* from =
+        document.views[static_cast<std::size_t>(a.view)].bytes.data() + a.offset;
+    in_blocks(a.count, [&](std::size_t begin, std::size_t end) {
+      if (a.component == 5125 && a.stride == 4) {
+        std::memcpy(&out[begin], from + begin * 4, (end - begin) * 4);
+        return;
+      }
+      for (std::size_t i = begin; i < end; ++i) out[i] = index_at(from + i * a.stride, a.component);
+    });
+  }
+  if (a.is_sparse) {
+    const std::byte* from =
+        document.views[a.sparse.value_view].bytes.data() + a.sparse.value_offset;
+    const std::vector<std::uint32_t> places = sparse_places(document, a, object);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (places[i] < a.count) out[places[i]] = index_at(from + i * a.element, a.component);
+  }
+  return out;
+}
+
+}  // namespace panwright::importers::gltf
