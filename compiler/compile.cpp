@@ -152,10 +152,16 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
 void certify(const scene::Scene& scene, DiagnosticLog& log) {
   // what quadrature and fits may be off by
   constexpr double kTolerance = 1e-3;
-  for (const materials::Material& material : scene.materials) {
-    if (!materials::may_gain(material)) continue;
-    const materials::Gain gain = materials::energy_gain(material);
-    if (gain.albedo <= 1 + kTolerance + material.fits.error) continue;
+  std::vector<std::optional<materials::Gain>> gains(scene.materials.size());
+  parallel_for(gains.size(), [&](std::size_t i) {
+    const materials::Material& material = scene.materials[i];
+    if (materials::may_gain(material))
+      gains[i] = materials::gain_above(material, kTolerance + material.fits.error);
+  });
+  for (std::size_t i = 0; i < gains.size(); ++i) {
+    if (!gains[i]) continue;
+    const materials::Material& material = scene.materials[i];
+    const materials::Gain& gain = *gains[i];
     log.report(Code::W1408, {},
                fmt::format("the material {} reflects {:.4f} times the light that comes from {:.1f} "
                            "degrees off its normal",

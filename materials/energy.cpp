@@ -44,6 +44,7 @@ const std::array<Node, kOrder>& gauss() {
 }
 
 std::span<const Node> gauss(int order) {
+  if (order <= 8) return gauss<8>();
   if (order <= 16) return gauss<16>();
   if (order <= 32) return gauss<32>();
   if (order <= 64) return gauss<64>();
@@ -251,10 +252,11 @@ Vec3 albedo(const Material& material, const Vec3& v, int order) {
     if (all.laws.compensated) f += smooth.coated_many(s, l, v, kUp);
     return f;
   });
-  const Scattering scattering(material);
-  const Mirrors mirrors = scattering.mirrors(v, kUp, kTangent);
-  for (int i = 0; i < mirrors.count; ++i)
-    sum += mirrors.all[static_cast<std::size_t>(i)].reflectance;
+  if (all.laws.coated || all.laws.specular == SpecularLaw::mirror) {
+    const Mirrors mirrors = Scattering(material).mirrors(v, kUp, kTangent);
+    for (int i = 0; i < mirrors.count; ++i)
+      sum += mirrors.all[static_cast<std::size_t>(i)].reflectance;
+  }
   const bool peak = all.laws.coated && s.coat_alpha > 0;
   if (peak) sum += coat_peak_albedo(*material.coat, v, order);
   const bool blurred = peak && s.coat_index > 1;
@@ -277,6 +279,20 @@ bool same_all_around(const Material& material) {
 }
 
 constexpr std::array kAzimuths{0.0, 0.25 * kPi, 0.5 * kPi, 0.75 * kPi};
+
+double most(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
+
+// The largest directional albedo at some cosines, of any azimuth.
+Gain largest_albedo(const Material& material, std::span<const double> mus, int order) {
+  const std::size_t azimuths = same_all_around(material) ? 1 : kAzimuths.size();
+  Gain gain;
+  for (const double mu : mus)
+    for (std::size_t i = 0; i < azimuths; ++i) {
+      const double found = most(albedo(material, direction(mu, kAzimuths[i]), order));
+      if (found > gain.albedo) gain = {found, mu};
+    }
+  return gain;
+}
 
 }  // namespace
 
@@ -382,14 +398,15 @@ Vec3 hemispherical_albedo(const Material& material) {
 }
 
 Gain energy_gain(const Material& material) {
-  const std::size_t azimuths = same_all_around(material) ? 1 : kAzimuths.size();
-  Gain gain;
-  for (const double mu : {0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.85, 0.95, 1.0})
-    for (std::size_t i = 0; i < azimuths; ++i) {
-      const Vec3 e = albedo(material, direction(mu, kAzimuths[i]), 64);
-      const double most = std::max({e.x, e.y, e.z});
-      if (most > gain.albedo) gain = {most, mu};
-    }
+  constexpr double kMus[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.85, 0.95, 1.0};
+  return largest_albedo(material, kMus, 64);
+}
+
+std::optional<Gain> gain_above(const Material& material, double tolerance) {
+  constexpr double kFewMus[] = {0.01, 0.1, 0.5, 1.0};
+  if (largest_albedo(material, kFewMus, 8).albedo < 0.8) return std::nullopt;
+  const Gain gain = energy_gain(material);
+  if (!(gain.albedo > 1 + tolerance)) return std::nullopt;
   return gain;
 }
 

@@ -1,6 +1,8 @@
 // How much light materials send back: albedos by quadrature, in double, the same bits everywhere.
 #pragma once
 
+#include <optional>
+
 #include "base/math.h"
 #include "materials/material.h"
 
@@ -45,6 +47,11 @@ struct Gain {
   double mu = 1;
 };
 [[nodiscard]] Gain energy_gain(const Material& material);
+
+// The same, none where it is not more than 1 + tolerance. A material that a few nodes find below 0.8
+// is looked at no closer.
+// Cost: 0.1 ms, or that of energy_gain() beyond 0.8.
+[[nodiscard]] std::optional<Gain> gain_above(const Material& material, double tolerance);
 
 // The largest |f(l, v) − f(v, l)|/f over pairs at 1e-4 to 1 above the horizon.
 [[nodiscard]] double reciprocity_residual(const Material& material);

@@ -10,8 +10,10 @@
 namespace panwright::materials {
 namespace {
 
-constexpr const char* kGlue = "#define Real float\n#define Vec3 vec3\n#define FORMULA\n";
-constexpr const char* kUnglue = "#undef Real\n#undef Vec3\n#undef FORMULA\n";
+constexpr const char* kGlue =
+    "#define Real float\n#define Vec3 vec3\n#define FORMULA\n#define PANWRIGHT_H "
+    "hapke_h_function\n";
+constexpr const char* kUnglue = "#undef Real\n#undef Vec3\n#undef FORMULA\n#undef PANWRIGHT_H\n";
 
 constexpr const char* kDiffuse[] = {"lambert_law", "oren_nayar_law", "hapke_law", "eon_law",
                                     "lommel_seeliger_law"};

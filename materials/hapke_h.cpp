@@ -25,25 +25,41 @@ double defect(double t) {
   return q * sum;
 }
 
+// Nodes t = exp(u) and 1 − atan(t)/t there: the same for every albedo.
+struct Nodes {
+  std::vector<double> t;
+  std::vector<double> defects;
+
+  Nodes() {
+    const double last = kTail - det::log(kLeastX);
+    for (double u = -kTail; u <= last; u += kStep) {
+      t.push_back(det::exp(u));
+      defects.push_back(defect(t.back()));
+    }
+  }
+};
+
+const Nodes& nodes() {
+  static const Nodes made;
+  return made;
+}
+
 }  // namespace
 
 HapkeH::HapkeH(double w) {
   if (!(w > 0)) return;
   w = std::min(w, 1.0);
-  const double last = kTail - det::log(kLeastX);
-  for (double u = -kTail; u <= last; u += kStep) {
-    t_.push_back(det::exp(u));
-    logs_.push_back(det::log((1 - w) + w * defect(t_.back())));
-  }
+  for (const double defect : nodes().defects) logs_.push_back(det::log((1 - w) + w * defect));
 }
 
 double HapkeH::operator()(double x) const {
   if (!(x > kLeastX)) return 1;
   x = std::min(x, 1.0);
   // ln H = −(x/π) ∫ ln(1 − w·atan(t)/t)/(1 + x²t²) dt, dt = t du
+  const std::vector<double>& t = nodes().t;
   double sum = 0;
-  for (std::size_t i = 0; i < t_.size(); ++i) {
-    const double xt = x * t_[i];
+  for (std::size_t i = 0; i < logs_.size(); ++i) {
+    const double xt = x * t[i];
     sum += logs_[i] * (xt / (1 + xt * xt));
   }
   return det::exp(-sum * kStep / kPi);

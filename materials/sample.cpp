@@ -99,10 +99,14 @@ struct Scattering::Parts {
   f64::SurfaceFields surface;
   f64::Composition composition;
   double lost = 0;  // see mean_loss()
+  std::shared_ptr<const HapkeHCorrection> exact_h;
 
   explicit Parts(const Material& material)
       : surface(f64::surface_of(material)), composition(f64::composition_of(material)) {
     if (composition.laws.compensated) lost = mean_loss(material);
+    if (composition.laws.diffuse != DiffuseLaw::hapke) return;
+    exact_h = std::make_shared<const HapkeHCorrection>(material.hapke[0], material.fits.hapke_h);
+    surface.exact_h = exact_h.get();
   }
 
   f64::SurfaceFields at(const Vec3& tangent, const Vec3& tint) const {

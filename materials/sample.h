@@ -31,7 +31,8 @@ struct Mirrors {
 };
 
 // The authored laws of one material in double, for a point Sun: mirrors and smooth coats are
-// directions, which brdf() leaves out.
+// directions, which brdf() leaves out. H of Hapke's law is exact here, where f64::brdf() of
+// materials/brdf.h has the fit that shaders use.
 //
 // Directions are unit vectors that point away from the surface; tangent: unit, square to the
 // normal, or 0 where facets are the same all around; tint multiplies diffuse. A viewer below the

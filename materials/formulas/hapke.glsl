@@ -6,7 +6,7 @@
 
 // H(x): light scattered more than once, x <= 1. Chandrasekhar's equation gives its reciprocal the form
 // 1 - x (polynomial + ln(1 + 1/x) polynomial); the coefficients are fitted for the albedo at hand
-// (materials/fit_hapke.cpp).
+// (materials/fit_hapke.cpp). PANWRIGHT_H names it, or what a reader puts in its place.
 FORMULA Real hapke_h_function(Surface s, Real x) {
   Real plain = s.hapke_h0 + x * (s.hapke_h1 + x * (s.hapke_h2 + x * s.hapke_h3));
   Real curved = s.hapke_h4 + x * (s.hapke_h5 + x * (s.hapke_h6 + x * s.hapke_h7));
@@ -101,7 +101,7 @@ FORMULA Real hapke(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Real shadow = hapke_shadow_hiding(s.hapke_b0, s.hapke_h, minus, plus);
   Real surge = hapke_coherent(s.hapke_bc0, s.hapke_hc, minus, plus);
   Real dense = max(s.hapke_k, Real(1));
-  Real many = hapke_h_function(s, chi * mu_s / dense) * hapke_h_function(s, chi * mu_g / dense);
+  Real many = PANWRIGHT_H(s, chi * mu_s / dense) * PANWRIGHT_H(s, chi * mu_g / dense);
   Real bracket = (Real(1) + shadow) * hapke_phase(s.hapke_b, s.hapke_c, minus2, plus2) +
                  max(many - Real(1), Real(0));
   Real albedo = min(max(s.hapke_w, Real(0)), Real(1));

@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "base/math.h"
+#include "materials/hapke_h.h"
 #include "materials/material.h"
 
 #if defined(__GNUC__)

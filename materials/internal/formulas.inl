@@ -16,10 +16,20 @@ inline Real ldexp(Real a, int k) {
 
 #define FORMULA inline
 // laws take their parameters by value in GLSL, by reference here
-#define Surface SurfaceFields
+#define Surface SurfaceParameters
 #include "materials/formulas/parameters.glsl"
 #undef Surface
+struct SurfaceFields : SurfaceParameters {
+  const HapkeHCorrection* exact_h = nullptr;  // none: H as fitted
+};
 using Surface = const SurfaceFields&;
+inline Real hapke_h_function(Surface s, Real x);
+inline Real hapke_h_of(Surface s, Real x) {
+  const Real fitted = hapke_h_function(s, x);
+  if (!s.exact_h) return fitted;
+  return fitted * static_cast<Real>((*s.exact_h)(static_cast<double>(x)));
+}
+#define PANWRIGHT_H hapke_h_of
 #include "materials/formulas/common.glsl"
 //
 #include "materials/formulas/fresnel.glsl"
@@ -38,6 +48,7 @@ using Surface = const SurfaceFields&;
 #include "materials/formulas/cells.glsl"
 #include "materials/formulas/coat.glsl"
 #undef FORMULA
+#undef PANWRIGHT_H
 
 // surface_brdf and surface_radiance of any laws.
 struct Composition {

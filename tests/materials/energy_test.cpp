@@ -354,6 +354,34 @@ TEST(Energy, FacetsLookRougherThroughACoat) {
   EXPECT_NEAR(at(2 * 0.015) / at(0), std::exp(-1.0), 1e-3);
 }
 
+// The quick look agrees with the long one.
+TEST(Energy, GainsAreFoundByAFewNodes) {
+  Material m;
+  m.diffuse = Vec3(1);
+  m.diffuse_law = DiffuseLaw::hapke;
+  int gains = 0;
+  for (const double w : {0.3, 0.6, 0.8, 0.95, 1.0})
+    for (const double b0 : {0.0, 1.0})
+      for (const double b : {0.0, 0.6, 0.9})
+        for (const double rough : {0.0, 0.5}) {
+          m.hapke = {w, 0.05, b0, rough};
+          m.grains = {.b = b, .c = 0.5};
+          fit(m);
+          const Gain slow = energy_gain(m);
+          const auto quick = gain_above(m, 1e-3);
+          ASSERT_EQ(quick.has_value(), slow.albedo > 1 + 1e-3) << w << ' ' << b0 << ' ' << b;
+          if (!quick) continue;
+          ++gains;
+          EXPECT_EQ(quick->albedo, slow.albedo);
+          EXPECT_EQ(quick->mu, slow.mu);
+        }
+  EXPECT_GT(gains, 5);
+  m = mirror_facets(SpecularLaw::blinn_phong, 0.5, 0.5);
+  m.specular = Vec3(1.2);
+  m.shine = 500;
+  EXPECT_NEAR(gain_above(m, 1e-3)->albedo, 1.2, 1e-6);
+}
+
 TEST(Energy, Deterministic) {
   Material m = mirror_facets(SpecularLaw::beckmann, 0.35, 0.2);
   fit(m);
