@@ -332,6 +332,27 @@ const FieldSpec* Parser::spec_of(const Body& body, std::string_view field) const
   return nullptr;
 }
 
+// set_x and x_changed of an exposed field x, which a body may connect by IS.
+std::optional<FieldSpec> Parser::event_of(const Body& body, std::string_view event) {
+  using Access = FieldSpec::Access;
+  for (const FieldSpec& spec : body.specs) {
+    if (spec.access != Access::exposed_field) continue;
+    const bool in = event.starts_with("set_") && event.substr(4) == spec.name;
+    const bool out = event.ends_with("_changed") && event.substr(0, event.size() - 8) == spec.name;
+    if (!in && !out) continue;
+    const char* const at = p_;
+    p_ += event.size();
+    const bool is = accept_word("IS");
+    p_ = at;
+    if (!is) return std::nullopt;
+    FieldSpec found = spec;
+    found.name = event;
+    found.access = in ? Access::event_in : Access::event_out;
+    return found;
+  }
+  return std::nullopt;
+}
+
 bool Parser::field_of_97(Body& body) {
   if (declaration()) return true;
   const std::string_view text = peek_word();
@@ -344,6 +365,11 @@ bool Parser::field_of_97(Body& body) {
   if (spec != nullptr) {
     p_ += text.size();
     known_field(body, *spec);
+    return true;
+  }
+  if (const auto event = event_of(body, text)) {
+    p_ += text.size();
+    known_field(body, *event);
     return true;
   }
   if (!body.known) return false;

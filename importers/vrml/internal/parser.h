@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -118,6 +119,7 @@ class Parser {
   void script_field(Body& body);
   void fields_of_10(Body& body);
   const FieldSpec* spec_of(const Body& body, std::string_view name) const;
+  std::optional<FieldSpec> event_of(const Body& body, std::string_view event);
   void add_field(const Field& field, Body& body);
   std::span<Field> interface_values(const Prototype& prototype, std::size_t first);
   Prototype* prototype_named(std::string_view name) const;
@@ -137,6 +139,8 @@ class Parser {
   bool one_number(std::int32_t& out);
   double odd_number(bool whole);
   bool in_list(const char* open, bool* zero);
+  void not_finite();
+  void report_not_finite();
   template <class T>
   void read_list(Growing<T>& out, const char* open);
   template <class T>
@@ -174,6 +178,8 @@ class Parser {
   std::uint32_t depth_ = 0;
   std::uint32_t problems_ = 0;
   bool whole_reported_ = false;
+  std::size_t nonfinite_ = 0;  // in the list that is read; the first is
+  SourceSpan nonfinite_at_;
   const Body* field_names_ = nullptr;  // of the node whose value is read
   Growing<double> doubles_;
   Growing<std::int32_t> integers_;

@@ -323,6 +323,7 @@ const FieldSpec* Parser::route_end(std::string_view text, SourceSpan where, bool
     return nullptr;
   const auto fields = node.prototype != nullptr ? std::span<const FieldSpec>(node.prototype->fields)
                                                 : node.spec->fields;
+  const FieldSpec* other_way = nullptr;
   const std::string_view prefix = "set_";
   const std::string_view suffix = "_changed";
   for (const FieldSpec& spec : fields) {
@@ -337,6 +338,13 @@ const FieldSpec* Parser::route_end(std::string_view text, SourceSpan where, bool
     if (spec.access == Access::exposed_field ||
         spec.access == (source ? Access::event_out : Access::event_in))
       return &spec;
+    other_way = &spec;
+  }
+  if (other_way != nullptr) {
+    report(Code::W6118, where,
+           fmt::format("{} of {} is no event that can be routed {}", in_quotes(event),
+                       in_quotes(node.type), source ? "from" : "to"));
+    return other_way;
   }
   report(Code::E6117, where,
          fmt::format("{} has no event {} that can be routed {}", in_quotes(node.type),

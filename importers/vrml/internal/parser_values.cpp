@@ -87,8 +87,7 @@ bool Parser::in_list(const char* open, bool* zero) {
   if (c == ']' || may_begin_number(c)) return true;
   const std::string_view text = token_here();
   if (is_nonfinite_word(text)) {
-    report(Code::E6107, here(), fmt::format("{} is no finite number", in_quotes(text)));
-    p_ += text.size();
+    not_finite();
     *zero = true;
     return true;
   }
@@ -108,6 +107,23 @@ bool Parser::in_list(const char* open, bool* zero) {
   else
     p_ += text.size();
   return true;
+}
+
+// "nan" and the like are counted, and reported once for a value.
+void Parser::not_finite() {
+  if (nonfinite_++ == 0) nonfinite_at_ = here();
+  p_ += token_here().size();
+}
+
+void Parser::report_not_finite() {
+  const std::size_t count = std::exchange(nonfinite_, 0);
+  if (count == 0) return;
+  const std::string_view text(begin_ + nonfinite_at_.begin,
+                              nonfinite_at_.end - nonfinite_at_.begin);
+  report(Code::E6107, nonfinite_at_,
+         count == 1 ? fmt::format("{} is no finite number; 0 takes its place", in_quotes(text))
+                    : fmt::format("{} is no finite number; 0 takes its place, and that of {} more",
+                                  in_quotes(text), count - 1));
 }
 
 // Reads what begins like a number and is not a plain one. The value to go on with.
@@ -151,8 +167,7 @@ bool Parser::one_number(double& out) {
   if (read_number(p_, out) == NumberKind::good && ends_number(*p_)) return true;
   p_ = at;
   if (is_nonfinite_word(token_here())) {
-    report(Code::E6107, here(), fmt::format("{} is no finite number", in_quotes(token_here())));
-    p_ += token_here().size();
+    not_finite();
     out = 0;
     return true;
   }
@@ -166,8 +181,7 @@ bool Parser::one_number(std::int32_t& out) {
   if (read_integer(p_, out) == NumberKind::good && ends_number(*p_)) return true;
   p_ = at;
   if (is_nonfinite_word(token_here())) {
-    report(Code::E6107, here(), fmt::format("{} is no finite number", in_quotes(token_here())));
-    p_ += token_here().size();
+    not_finite();
     out = 0;
     return true;
   }
@@ -230,6 +244,7 @@ bool Parser::read_numbers(FieldType type, Growing<T>& out) {
     if (!list && out.size() == width) {
       report(Code::W6118, span(at, at + 1),
              fmt::format("{} stands without brackets", type_name(type)));
+      report_not_finite();
       return true;
     }
   } else {
@@ -239,6 +254,7 @@ bool Parser::read_numbers(FieldType type, Growing<T>& out) {
     if (list && out.size() > width)
       report(Code::W6118, span(at, at + 1), "a list of more than one item stands in brackets");
   }
+  report_not_finite();
   const char* end = p_;
   while (end > at && is_blank(end[-1])) --end;
   const std::size_t count = out.size();
@@ -286,6 +302,7 @@ bool Parser::image(Value& value) {
   const char* const at = p_;
   integers_.resize_down(0);
   read_some(integers_, ~std::size_t{0});
+  report_not_finite();
   if (integers_.size() < 3) {
     report(Code::E6106, span(at, std::max(p_, at + 1)),
            fmt::format("SFImage needs width, height and components, got {}",

@@ -84,9 +84,12 @@ Document* Session::load(const InputFile& file, bool top) {
     }
   }
   if (!header.standard)
-    log.report(Code::W6102, where,
-               fmt::format("the header is {}; the file is read as {}", in_quotes(line),
-                           *header.format == Format::vrml97 ? "VRML 97" : "VRML 1.0"));
+    log.report(
+        Code::W6102, where,
+        fmt::format("{}; the file is read as {}",
+                    line.starts_with("#VRML") ? fmt::format("the header is {}", in_quotes(line))
+                                              : std::string("there is no header of VRML"),
+                    *header.format == Format::vrml97 ? "VRML 97" : "VRML 1.0"));
   auto document = std::make_unique<Document>();
   document->path = file.path;
   document->file = id;
