@@ -15,7 +15,7 @@ struct HiddenOptions {
   // one for each instance: whether it may lose faces; empty: all may. All of them hide others.
   std::vector<char> may_lose;
   Options compile;                              // as the model will be compiled with
-  std::uint64_t rays_from_outside = 2'000'000;  // at least
+  std::uint64_t rays_from_outside = 1'000'000;  // at least
   std::uint32_t rays_per_triangle = 64;         // each removed triangle was not seen along so many
   std::uint64_t max_triangles = 40'000'000;     // instances counted; a larger model is left alone
 };

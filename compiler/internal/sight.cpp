@@ -26,10 +26,20 @@ constexpr double kSlack = 1e-5;
 constexpr double kParallel = 1e-3;
 // of the radius: a line passes an edge on the side where double says it does
 constexpr double kDoubt = 1e-12;
+// of the radius: farther than what a search in single precision may be wrong by (2e-6)
+constexpr double kAside = 3e-6;
+const Vec2 kThirds[] = {{0.8, 0.6},
+                        {-0.9196152422706632, 0.39282032302755},
+                        {0.1196152422706632, -0.99282032302755}};  // of a turn apart
+// of the lines from outside, every so many-th looks for surfaces in the same place
+constexpr std::uint32_t kShare = 8;
 constexpr std::size_t kSteps = 8;             // parts of the lines from outside
 constexpr std::uint64_t kProbes = 1'000'000;  // for all triangles together, at least
 constexpr std::uint32_t kMostProbes = 16384;  // for one
-constexpr int kExplorations = 64;             // rounds
+constexpr int kFrontierRounds = 8;
+constexpr std::uint64_t kFrontierLines = 400'000;   // of a round
+constexpr std::uint64_t kMostFrontierLines = 2048;  // through one triangle
+constexpr int kExplorations = 64;                   // rounds
 constexpr int kConfirmations = 3;
 
 struct Line {
@@ -108,12 +118,33 @@ class Looker {
     }
     explore(late, true);
     probe_all();
+    search_frontier();
     for (int i = 0; i < kConfirmations; ++i) {
       last_rays_ = options_.rays_from_outside;
       const std::vector<Find> found = from_outside(last_rays_);
       last_found_ = found.size();
       if (found.empty()) break;
       explore(found, false);
+    }
+  }
+
+  // Triangles next to such that are seen: what shows of them may be a sliver, seen edge on.
+  void search_frontier() {
+    std::vector<char> searched(world_.triangles.size(), 0);
+    for (int i = 0; i < kFrontierRounds; ++i) {
+      std::vector<Neighbours> frontier;
+      for (std::uint32_t t = 0; t < searched.size(); ++t) {
+        if (searched[t] || !undecided(t)) continue;
+        Neighbours one{t, 0, {}};
+        for_neighbours(t, [&](std::uint32_t other) {
+          if (seen_[other] != 0 && one.count < one.seen.size()) one.seen[one.count++] = other;
+        });
+        if (one.count == 0) continue;
+        searched[t] = 1;
+        frontier.push_back(one);
+      }
+      if (frontier.empty()) return;
+      explore(through_frontier(frontier), false);
     }
   }
 
@@ -163,6 +194,13 @@ class Looker {
     return world_.wanted[triangle] && seen_[triangle].load(std::memory_order_relaxed) == 0;
   }
 
+  // An undecided triangle and those next to it that are seen.
+  struct Neighbours {
+    std::uint32_t triangle;
+    std::size_t count;
+    std::array<std::uint32_t, 8> seen;
+  };
+
   // ---- one line
 
   struct Hits {
@@ -203,12 +241,34 @@ class Looker {
     return true;
   }
 
-  void mark(std::uint32_t triangle, std::uint32_t line, std::vector<Find>& found) {
-    std::atomic<std::uint16_t>& seen = seen_[triangle];
+  // A line that rounding let through a seam is alone: those beside it are stopped.
+  bool is_open(const Line& line, const InstanceHit& hit) const {
+    const Vec3 front = normal(hit.triangle);
+    const double slope = glm::dot(front, line.direction);
+    if (slope == 0) return false;
+    const auto [right, up] = across(line.direction);
+    int open = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 aside = kAside * radius_ * (kThirds[k].x * right + kThirds[k].y * up);
+      const double end = hit.distance - glm::dot(front, aside) / slope;
+      if (std::fabs(end - hit.distance) > radius_) continue;
+      Hits hits;
+      hits.world = &world_;
+      hits.opaque_count = true;
+      const geometry::Ray ray{line.origin + aside, line.direction, 0, end - kSlack * radius_};
+      open += !(has_clear_ ? caster_.any(ray, {remember, &hits}) : caster_.any(ray));
+    }
+    return open >= 2;
+  }
+
+  void mark(const Line& line, const InstanceHit& hit, std::uint32_t index,
+            std::vector<Find>& found) {
+    std::atomic<std::uint16_t>& seen = seen_[hit.triangle];
     const std::uint16_t before = seen.load(std::memory_order_relaxed);
     if (before != 0 && before != round_) return;
+    if (!is_open(line, hit)) return;
     seen.store(round_, std::memory_order_relaxed);
-    found.push_back({triangle, line});
+    found.push_back({hit.triangle, index});
   }
 
   Vec3 normal(std::uint32_t triangle) const {
@@ -219,7 +279,8 @@ class Looker {
   }
 
   // Marks what a line from outside meets first, and what lies in the same surface.
-  void follow(const Line& line, std::uint32_t index, std::vector<Find>& found) {
+  // thorough: also where it has been met before
+  void follow(const Line& line, std::uint32_t index, bool thorough, std::vector<Find>& found) {
     Hits hits;
     hits.world = &world_;
     hits.opaque_count = true;
@@ -230,10 +291,11 @@ class Looker {
     for (std::size_t i = 0; i < hits.count; ++i)
       if (world_.clear[hits.list[i].triangle] && hits.list[i].distance <= end + kSlack * radius_ &&
           goes_through(line, hits.list[i]))
-        mark(hits.list[i].triangle, index, found);
+        mark(line, hits.list[i], index, found);
     // past an edge, a line that only seems to meet a triangle proves nothing
     if (!first || !goes_through(line, *first)) return;
-    mark(first->triangle, index, found);
+    mark(line, *first, index, found);
+    if (!thorough && index % kShare != 0) return;
     hits.count = 0;
     hits.opaque_count = false;
     ray.min_distance = end;
@@ -245,7 +307,7 @@ class Looker {
       const InstanceHit& hit = hits.list[i];
       if (hit.triangle != first->triangle && goes_through(line, hit) &&
           glm::length(glm::cross(front, normal(hit.triangle))) < kParallel)
-        mark(hit.triangle, index, found);
+        mark(line, hit, index, found);
     }
   }
 
@@ -254,7 +316,7 @@ class Looker {
   // Follows lines make(i), where it makes one; what they were the first to meet, each triangle
   // once, in order of triangles. Their directions are remembered.
   template <class Make>
-  std::vector<Find> cast(std::uint64_t count, const Make& make) {
+  std::vector<Find> cast(std::uint64_t count, const Make& make, bool thorough = true) {
     if (round_ < 0xffff) ++round_;
     const auto chunks = static_cast<std::size_t>((count + kChunk - 1) / kChunk);
     std::vector<std::vector<Find>> parts(chunks);
@@ -262,7 +324,7 @@ class Looker {
       const std::uint64_t end = std::min<std::uint64_t>(count, (c + 1) * kChunk);
       for (std::uint64_t i = c * kChunk; i < end; ++i)
         if (const std::optional<Line> line = make(i))
-          follow(*line, static_cast<std::uint32_t>(i), parts[c]);
+          follow(*line, static_cast<std::uint32_t>(i), thorough, parts[c]);
     });
     rays_ += count;
     std::vector<Find> found;
@@ -285,14 +347,17 @@ class Looker {
   std::vector<Find> from_outside(std::uint64_t count) {
     const std::uint64_t base = outside_;
     outside_ += count;
-    return cast(count, [&](std::uint64_t i) -> std::optional<Line> {
-      const auto n = static_cast<double>(base + i) + 0.5;
-      const Vec3 d = on_sphere(part(n * 0.8566748838545029), part(n * 0.733891856627126));
-      const double r = radius_ * std::sqrt(part(n * 0.6287067210378087));
-      const auto turn = det::sincos(2 * kPi * part(n * 0.5385972572236101));
-      const auto [right, up] = across(d);
-      return through(centre_ + r * turn.cos * right + r * turn.sin * up, d);
-    });
+    return cast(
+        count,
+        [&](std::uint64_t i) -> std::optional<Line> {
+          const auto n = static_cast<double>(base + i) + 0.5;
+          const Vec3 d = on_sphere(part(n * 0.8566748838545029), part(n * 0.733891856627126));
+          const double r = radius_ * std::sqrt(part(n * 0.6287067210378087));
+          const auto turn = det::sincos(2 * kPi * part(n * 0.5385972572236101));
+          const auto [right, up] = across(d);
+          return through(centre_ + r * turn.cos * right + r * turn.sin * up, d);
+        },
+        false);
   }
 
   // Corners, edges and insides in turn.
@@ -415,6 +480,21 @@ class Looker {
       const double angle = k < 3 ? 0.01 : k < 6 ? 0.1 : 0.5;
       return through(point_of(triangle, k, random),
                      turned(direction_[seen], angle, more[0], more[1]));
+    });
+  }
+
+  std::vector<Find> through_frontier(const std::vector<Neighbours>& frontier) {
+    const std::uint64_t lines =
+        std::clamp<std::uint64_t>(kFrontierLines / frontier.size(), 16, kMostFrontierLines);
+    return cast(frontier.size() * lines, [&](std::uint64_t i) -> std::optional<Line> {
+      const Neighbours& one = frontier[static_cast<std::size_t>(i / lines)];
+      const auto k = static_cast<std::uint32_t>(i % lines);
+      const auto random = philox({one.triangle, k, 3, 0}, {0x51947, 4});
+      const auto more = philox({one.triangle, k, 4, 0}, {0x51947, 4});
+      const double spread = in_unit(more[2]);
+      return through(
+          point_of(one.triangle, k, random),
+          turned(direction_[one.seen[k % one.count]], 0.5 * spread * spread, more[0], more[1]));
     });
   }
 

@@ -1,0 +1,277 @@
+#include "compiler/hidden.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <map>
+#include <set>
+
+#include "../geometry/shapes.h"
+#include "assemblies.h"
+#include "base/parallel.h"
+#include "geometry/ray.h"
+
+namespace panwright::compiler {
+namespace {
+
+using assemblies::Assembly;
+
+const geometry::Mesh& mesh_of(const scene::Scene& scene, const scene::Instance& instance) {
+  return *std::get<geometry::MeshShape>(scene.shapes[static_cast<std::size_t>(instance.shape)]);
+}
+
+using Corners = std::array<double, 9>;
+Corners corners(const geometry::Mesh& mesh, const geometry::Triangle& t) {
+  Corners out;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (int axis = 0; axis < 3; ++axis)
+      out[3 * k + static_cast<std::size_t>(axis)] = mesh.positions[t[k]][axis];
+  return out;
+}
+
+struct Outcome {
+  std::uint64_t hidden = 0;   // by construction
+  std::uint64_t left = 0;     // of them, that are still there
+  std::uint64_t visible = 0;  // by construction
+  std::uint64_t lost = 0;     // of them, that are gone
+  std::uint64_t slivers_left = 0;
+  std::uint64_t slivers_gone = 0;
+};
+
+Outcome compare(const Assembly& assembly, const scene::Scene& pruned) {
+  std::map<std::int32_t, std::set<Corners>> kept;  // by node
+  for (const scene::Instance& instance : pruned.instances)
+    for (const geometry::Triangle& t : mesh_of(pruned, instance).triangles)
+      kept[instance.node].insert(corners(mesh_of(pruned, instance), t));
+  Outcome out;
+  for (std::size_t i = 0; i < assembly.scene.instances.size(); ++i) {
+    const scene::Instance& instance = assembly.scene.instances[i];
+    const geometry::Mesh& mesh = mesh_of(assembly.scene, instance);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const bool there = kept[instance.node].count(corners(mesh, mesh.triangles[t])) > 0;
+      if (assembly.visible[i][t] == assemblies::kEither) {
+        ++(there ? out.slivers_left : out.slivers_gone);
+        continue;
+      }
+      const bool seen = assembly.visible[i][t] != 0;
+      (seen ? out.visible : out.hidden) += 1;
+      out.left += !seen && there;
+      out.lost += seen && !there;
+    }
+  }
+  return out;
+}
+
+geometry::RayCaster caster_of(const scene::Scene& scene) {
+  geometry::RayCaster caster;
+  const std::vector<Mat4> world = scene::world_from_nodes(scene);
+  for (const scene::Instance& instance : scene.instances)
+    caster.add(mesh_of(scene, instance), world[static_cast<std::size_t>(instance.node)]);
+  caster.build();
+  return caster;
+}
+
+// How many of so many random lines from outside to places in a ball meet something else than
+// before.
+std::uint64_t changed_rays(const scene::Scene& before, const scene::Scene& after,
+                           std::uint64_t count, double aim, const Vec3& centre) {
+  const geometry::RayCaster a = caster_of(before);
+  const geometry::RayCaster b = caster_of(after);
+  std::vector<std::uint64_t> changed(64, 0);
+  parallel_for(changed.size(), [&](std::size_t task) {
+    geometry::shapes::Random random(9001 + task);
+    for (std::uint64_t i = 0; i < count / changed.size(); ++i) {
+      const Vec3 from = 3.0 * random.direction();
+      const Vec3 to = centre + aim * random() * random.direction();
+      const geometry::Ray ray{from, to - from};
+      const auto first = a.closest(ray);
+      const auto second = b.closest(ray);
+      const bool same = first.has_value() == second.has_value() &&
+                        (!first || std::fabs(first->distance - second->distance) < 1e-5);
+      changed[task] += !same;
+    }
+  });
+  std::uint64_t sum = 0;
+  for (const std::uint64_t one : changed) sum += one;
+  return sum;
+}
+
+class Assemblies : public testing::TestWithParam<int> {
+ protected:
+  static Assembly make() {
+    switch (GetParam()) {
+      case 0:
+        return assemblies::nested_boxes(5, 8);
+      case 1:
+        return assemblies::tank_in_a_bus(40, 0.05);
+      default:
+        return assemblies::bolts_in_holes(4, 16, 3);
+    }
+  }
+};
+
+TEST_P(Assemblies, LoseWhatIsHiddenAndNothingElse) {
+  const Assembly assembly = make();
+  scene::Scene scene = assembly.scene;
+  DiagnosticLog log;
+  const HiddenReport report = prune_hidden(scene, {}, log);
+  EXPECT_EQ(scene::check(scene), "");
+  EXPECT_TRUE(log.contains(Code::N6304));
+  const Outcome outcome = compare(assembly, scene);
+  EXPECT_EQ(outcome.lost, 0u);
+  EXPECT_LE(outcome.left, outcome.hidden / 50);
+  EXPECT_EQ(changed_rays(assembly.scene, scene, 1'000'000, 0.9, Vec3(0)), 0u);
+  // where the hole of the bus is
+  EXPECT_EQ(changed_rays(assembly.scene, scene, 1'000'000, 0.05, Vec3(0, 0, 0.5)), 0u);
+  const std::uint64_t slivers = outcome.slivers_left + outcome.slivers_gone;
+  EXPECT_EQ(report.triangles_before, outcome.hidden + outcome.visible + slivers);
+  EXPECT_EQ(report.triangles_after,
+            outcome.visible - outcome.lost + outcome.left + outcome.slivers_left);
+  EXPECT_EQ(report.instances_after, scene.instances.size());
+  EXPECT_LT(report.open_share_each, 0.05);
+}
+
+TEST_P(Assemblies, TheSameWhateverTheThreads) {
+  const Assembly assembly = make();
+  HiddenOptions options;
+  options.rays_from_outside = 100'000;
+  std::vector<scene::Scene> results;
+  for (const std::size_t threads : {1u, 2u, 5u}) {
+    set_thread_count(threads);
+    results.push_back(assembly.scene);
+    DiagnosticLog log;
+    prune_hidden(results.back(), options, log);
+  }
+  set_thread_count(0);
+  for (const scene::Scene& other : results) {
+    ASSERT_EQ(other.instances.size(), results[0].instances.size());
+    for (std::size_t i = 0; i < other.instances.size(); ++i) {
+      EXPECT_EQ(mesh_of(other, other.instances[i]).positions,
+                mesh_of(results[0], results[0].instances[i]).positions);
+      EXPECT_EQ(mesh_of(other, other.instances[i]).triangles,
+                mesh_of(results[0], results[0].instances[i]).triangles);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Hidden, Assemblies, testing::Values(0, 1, 2));
+
+// A box in a box.
+Assembly two_boxes() { return assemblies::nested_boxes(2, 2); }
+
+HiddenReport prune(scene::Scene& scene, HiddenOptions options = {}) {
+  options.rays_from_outside = 50'000;
+  DiagnosticLog log;
+  return prune_hidden(scene, options, log);
+}
+
+TEST(Hidden, CutOutMaterialsHideNothing) {
+  Assembly assembly = two_boxes();
+  scene::Scene& scene = assembly.scene;
+  scene.materials.push_back(scene.materials[0]);
+  scene.materials[1].maps.cutout = 0;
+  scene.instances[0].material = 1;
+  EXPECT_EQ(prune(scene).triangles_after, 96u);
+  // and are themselves seen through each other
+  scene.instances[1].material = 1;
+  EXPECT_EQ(prune(scene).triangles_after, 96u);
+}
+
+TEST(Hidden, WhatMayNotLoseKeepsAll) {
+  Assembly assembly = two_boxes();
+  HiddenOptions options;
+  options.may_lose = {1, 0};
+  EXPECT_EQ(prune(assembly.scene, options).triangles_after, 96u);
+}
+
+TEST(Hidden, WhatCarriesDecalsStaysWhole) {
+  Assembly assembly = two_boxes();
+  scene::Decal decal;
+  decal.instance = 1;
+  assembly.scene.textures.push_back({"a.png", 1, 1, {0, 0, 0, 0}, false});
+  assembly.scene.decals.push_back(decal);
+  EXPECT_EQ(prune(assembly.scene).triangles_after, 96u);
+}
+
+TEST(Hidden, SharedShapesLoseWhatAllOfThemHide) {
+  Assembly assembly = two_boxes();
+  scene::Scene& scene = assembly.scene;
+  // the inner box once more, outside, half sunk into nothing
+  scene::Instance copy = scene.instances[1];
+  scene::Node node = scene.nodes[0];
+  node.name = "away";
+  node.parent = 0;
+  node.parent_from_node.translation = {10, 0, 0};
+  scene.nodes.push_back(node);
+  copy.node = static_cast<std::int32_t>(scene.nodes.size()) - 1;
+  scene.instances.push_back(copy);
+  const HiddenReport report = prune(scene);
+  // the instance within goes, the shape stays whole for the one outside
+  EXPECT_EQ(report.instances_after, 2u);
+  EXPECT_EQ(report.triangles_after, 96u);
+  EXPECT_EQ(report.unique_after, 96u);
+  EXPECT_EQ(scene::check(scene), "");
+}
+
+TEST(Hidden, ExactShapesGoAsAWhole) {
+  Assembly assembly = two_boxes();
+  scene::Scene& scene = assembly.scene;
+  scene.shapes[1] = geometry::Shape(geometry::Cylinder{});
+  scene.nodes[2].parent_from_node.scale = Vec3(0.1);
+  EXPECT_EQ(prune(scene).instances_after, 1u);
+  // one that hides
+  Assembly other = two_boxes();
+  geometry::Sphere shell;
+  shell.radius = 3;
+  other.scene.shapes[0] = geometry::Shape(shell);
+  EXPECT_EQ(prune(other.scene).instances_after, 1u);
+  EXPECT_TRUE(std::holds_alternative<geometry::Sphere>(other.scene.shapes[0]));
+}
+
+TEST(Hidden, OpenSheetsAreSeenFromBothSides) {
+  assemblies::Builder builder("sheet");
+  geometry::Mesh sheet;
+  assemblies::add_quad(sheet, {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0});
+  builder.add(builder.add_mesh(sheet), Vec3(0), true);
+  builder.add(builder.add_mesh(assemblies::block({4, 4, 1}, 1)), Vec3(0.5, 0.5, 1), true);
+  Assembly assembly = builder.done();
+  // its front lies towards the block, 0.5 m away
+  EXPECT_EQ(prune(assembly.scene).triangles_after, 14u);
+}
+
+TEST(Hidden, SurfacesInOneAnotherBothStay) {
+  Assembly assembly = assemblies::nested_boxes(1, 2);
+  scene::Scene& scene = assembly.scene;
+  scene.instances.push_back(scene.instances[0]);
+  EXPECT_EQ(prune(scene).triangles_after, 96u);
+}
+
+TEST(Hidden, EmptyAndFlatModels) {
+  scene::Scene empty;
+  empty.nodes.emplace_back();
+  empty.nodes[0].name = "root";
+  EXPECT_EQ(prune(empty).triangles_after, 0u);
+  assemblies::Builder builder("point");
+  geometry::Mesh point;
+  point.positions.assign(3, Vec3(1));
+  point.triangles = {{0, 1, 2}};
+  builder.add(builder.add_mesh(point), Vec3(0), true);
+  scene::Scene scene = builder.done().scene;
+  EXPECT_EQ(scene::check(scene), "");
+  prune(scene);
+  EXPECT_EQ(scene::check(scene), "");
+}
+
+TEST(Hidden, FarAwayAndTinyModels) {
+  for (const double size : {1e-6, 1e6}) {
+    Assembly assembly = two_boxes();
+    for (std::size_t i = 1; i < assembly.scene.nodes.size(); ++i) {
+      assembly.scene.nodes[i].parent_from_node.scale = Vec3(size);
+      assembly.scene.nodes[i].parent_from_node.translation = Vec3(1e4 * size, 0, 0);
+    }
+    EXPECT_EQ(prune(assembly.scene).triangles_after, 48u) << size;
+  }
+}
+
+}  // namespace
+}  // namespace panwright::compiler
