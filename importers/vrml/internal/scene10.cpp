@@ -124,10 +124,15 @@ void Scene10::transform_separator(Node& node) {
 
 void Scene10::switch_node(Node& node) {
   constexpr std::int32_t kAll = -3;
-  const std::int32_t which = node.integer("whichChild");
-  if (which == kAll) return group(node);
-  if (which >= 0 && static_cast<std::size_t>(which) < node.children.size())
+  constexpr std::int32_t kInherited = -2;  // of Inventor: as the switch around it
+  const std::int32_t written = node.integer("whichChild");
+  const std::int32_t which = written == kInherited ? which_child_ : written;
+  const std::int32_t before = std::exchange(which_child_, which);
+  if (which == kAll)
+    group(node);
+  else if (which >= 0 && static_cast<std::size_t>(which) < node.children.size())
     visit(*node.children[static_cast<std::size_t>(which)]);
+  which_child_ = before;
 }
 
 void Scene10::lod(Node& node) {

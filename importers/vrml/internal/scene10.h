@@ -149,6 +149,7 @@ class Scene10 {
   Builder& builder_;
   State10 state_;
   Frame frame_;
+  std::int32_t which_child_ = -1;  // of the innermost Switch
   std::map<Use, std::vector<Part>> parts_;
   std::map<const Node*, std::int32_t> images_;  // textures of Texture2 nodes
   // the last node that was made for a shape without a name

@@ -252,6 +252,16 @@ std::vector<Scene10::Part> Scene10::parts_of(Node& node, const Faces10& faces) {
   if (state_.normals != nullptr) set.normals = state_.normals->numbers("vector");
   set.normal_index = normals.index;
   set.normal_per_vertex = normals.per_vertex;
+  const auto needed =
+      normals.owned.empty() ? 0 : 1 + static_cast<std::size_t>(std::ranges::max(normals.owned));
+  if (!set.normals.empty() && set.normals.size() < 3 * needed) {
+    const auto has = set.normals.size() / 3;
+    report(node, {{Code::W6114, List::normals, has - 1,
+                   fmt::format("the list has {} items where the NormalBinding needs {}, and is not "
+                               "used",
+                               has, needed)}});
+    set.normals = {};
+  }
   set.texcoords = faces.texcoords;
   set.texcoord_index = faces.texcoord_index;
   if (state_.hints != nullptr) {
