@@ -190,7 +190,7 @@ std::optional<Mesh> rough(const geometry::Shape& shape) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  options.max_error = 0.005 * glm::length(high - low);
+  options.max_error = 0.001 * glm::length(high - low);
   if (!(options.max_error > 0) || geometry::planned_triangles(shape, options) > 1e6)
     return std::move(*coarse);
   auto fine = geometry::tessellated(shape, options, {}, ignored);
