@@ -262,16 +262,19 @@ void Scene10::cube(Node& node) {
   const bool plain =
       state_.material_binding == Binding::standard || state_.material_binding == Binding::overall;
   if (plain || materials.size() == 1) {
-    // as a Box with its own z up
+    const std::int32_t texture = texture_index();
+    // pictures are upright along a Box's own z
+    const bool turned = texture != scene::kNone;
     const Mat4 up(Vec4(1, 0, 0, 0), Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1));
-    const geometry::Box box{Vec3(size.x, size.z, size.y)};
+    geometry::Box box;
+    box.size = turned ? Vec3(size.x, size.z, size.y) : size;
     if (const auto problem = geometry::problem_of(geometry::Shape(box))) {
-      builder_.session.log.report(Code::W6009, node.where, problem->message);
+      builder_.session.log.report(Code::W6009, node.where,
+                                  fmt::format("{}; it is left out", problem->message));
       return;
     }
-    const std::int32_t place = place_of(node, up);
+    const std::int32_t place = place_of(node, turned ? up : Mat4(1));
     if (place == scene::kNone) return;
-    const std::int32_t texture = texture_index();
     builder_.add_instance(
         place, builder_.add_shape(box, node.where),
         builder_.add_phong(materials.at(0), materials.name(), texture != scene::kNone), texture,
