@@ -370,9 +370,11 @@ std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
     fields = given->fields;
     provenance = given->provenance;
   }
-  fields = fields.overridden_by(read_material(document, element, *file.values, reporter_));
-  // note: maps are read on the file's main part, which is there by now
+  // note: files are read on the file's main part, which is there by now
   Work work{file, parts_[*known_files_.at(file.found.key)], &file.scope};
+  materials::Fields own = read_material(document, element, *file.values, reporter_);
+  read_spectra(work, element, own);
+  fields = fields.overridden_by(own);
   const materials::Maps maps = read_maps(work, element, fields.maps.value_or(materials::Maps{}));
   if (maps.any()) fields.maps = maps;
   file.values->set_scope(around);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "materials/spectra.h"
 #include "pxn/internal/files.h"
 #include "pxn/internal/part.h"
 #include "pxn/internal/reporter.h"
@@ -120,6 +121,13 @@ class Loader {
   std::vector<char> chosen_instances(Work& work, std::uint32_t rule, std::size_t nodes,
                                      std::size_t materials, const ImportedModel& model);
 
+  // ---- spectra_files.cpp
+  // n and k of the table that an attribute names, or nothing: reported.
+  std::optional<materials::Conductor> spectrum(Work& work, std::uint32_t element,
+                                               std::size_t attribute);
+  // Those of a named material's conductor and coat.
+  void read_spectra(Work& work, std::uint32_t element, materials::Fields& fields);
+
   // ---- pictures.cpp
   std::optional<std::uint32_t> read_sphere_texture(Work& work, std::uint32_t element);
   void read_decal(Work& work, std::uint32_t element);
@@ -142,6 +150,7 @@ class Loader {
   std::map<std::string, std::optional<std::uint32_t>> known_models_;  // by file and options
   std::map<std::string, std::optional<std::uint32_t>> known_files_;  // by key: their parts
   std::map<std::pair<std::string, Picture>, std::optional<std::uint32_t>> known_pictures_;
+  std::map<std::string, std::optional<materials::Conductor>> known_spectra_;
   std::map<Hash128, std::uint32_t> known_shapes_;
   std::map<std::pair<const File*, std::uint32_t>, std::uint32_t> known_meshes_;  // in repeats
   std::set<std::string> parameters_;                                             // of all files

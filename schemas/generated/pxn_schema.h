@@ -231,13 +231,15 @@ inline constexpr std::size_t cutout_threshold = 1;
 inline constexpr std::size_t beckmann_energy = 0;
 inline constexpr std::size_t ggx_energy = 0;
 inline constexpr std::size_t conductor_metal = 0;
-inline constexpr std::size_t conductor_n = 1;
-inline constexpr std::size_t conductor_k = 2;
+inline constexpr std::size_t conductor_file = 1;
+inline constexpr std::size_t conductor_n = 2;
+inline constexpr std::size_t conductor_k = 3;
 inline constexpr std::size_t coat_film = 0;
-inline constexpr std::size_t coat_n = 1;
-inline constexpr std::size_t coat_slope = 2;
-inline constexpr std::size_t coat_absorption = 3;
-inline constexpr std::size_t coat_thickness = 4;
+inline constexpr std::size_t coat_file = 1;
+inline constexpr std::size_t coat_n = 2;
+inline constexpr std::size_t coat_slope = 3;
+inline constexpr std::size_t coat_absorption = 4;
+inline constexpr std::size_t coat_thickness = 5;
 inline constexpr std::size_t cells_columns = 0;
 inline constexpr std::size_t cells_rows = 1;
 inline constexpr std::size_t cells_gap = 2;
@@ -1032,20 +1034,27 @@ inline constexpr Number kNumbers_conductor_k[] = {
 };
 inline constexpr std::string_view kMembers_conductor_0[] = {
     "@metal",
+    "@file",
     "@n",
 };
 inline constexpr std::string_view kMembers_conductor_1[] = {
     "@metal",
     "@k",
 };
+inline constexpr std::string_view kMembers_conductor_2[] = {
+    "@file",
+    "@k",
+};
 inline constexpr Attribute kAttributes_conductor[] = {
     {"metal", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"file", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"n", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_n, {}, Dimension::none, false, true, 1, 0}},
     {"k", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_k, {}, Dimension::none, false, true, 1, 0}},
 };
 inline constexpr Rule kRules_conductor[] = {
     {RuleKind::one_of, kMembers_conductor_0},
     {RuleKind::exclusive, kMembers_conductor_1},
+    {RuleKind::exclusive, kMembers_conductor_2},
 };
 inline constexpr Number kNumbers_coat_n[] = {
     {"n", 1, 4, false, false},
@@ -1070,15 +1079,22 @@ inline constexpr std::string_view kMembers_coat_1[] = {
     "@thickness",
 };
 inline constexpr std::string_view kMembers_coat_2[] = {
-    "@film",
-    "@n",
+    "@file",
+    "@thickness",
 };
 inline constexpr std::string_view kMembers_coat_3[] = {
     "@film",
+    "@file",
+    "@n",
+};
+inline constexpr std::string_view kMembers_coat_4[] = {
+    "@film",
+    "@file",
     "@absorption",
 };
 inline constexpr Attribute kAttributes_coat[] = {
     {"film", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"file", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"n", 1, true, false, {ValueKind::real, 1, kNumbers_coat_n, {}, Dimension::none, false, false, 1, 0}},
     {"slope", 1, true, false, {ValueKind::real, 1, kNumbers_coat_slope, {}, Dimension::none, false, false, 1, 0}},
     {"absorption", 1, true, false, {ValueKind::real, 3, kNumbers_coat_absorption, {}, Dimension::none, false, true, 1, 0}},
@@ -1087,8 +1103,9 @@ inline constexpr Attribute kAttributes_coat[] = {
 inline constexpr Rule kRules_coat[] = {
     {RuleKind::requires_others, kMembers_coat_0},
     {RuleKind::requires_others, kMembers_coat_1},
-    {RuleKind::exclusive, kMembers_coat_2},
+    {RuleKind::requires_others, kMembers_coat_2},
     {RuleKind::exclusive, kMembers_coat_3},
+    {RuleKind::exclusive, kMembers_coat_4},
 };
 inline constexpr Number kNumbers_cells_columns[] = {
     {"columns", 0.001, 1000000.0, false, false},

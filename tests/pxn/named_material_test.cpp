@@ -171,5 +171,36 @@ TEST(DescribedMaterials, OfAFile) {
   EXPECT_GT(all->size(), 5u);
 }
 
+// n and k of users' own tables.
+TEST(NamedMaterial, SpectraFromFiles) {
+  const auto with = [](const std::string& fields, const std::string& table) {
+    return read_files(
+        {{"m.pxn", "<pangu_model ver=\"1\">\n<material name=\"m\">\n" + fields +
+                       "\n</material><sphere material=\"m\"/></pangu_model>"},
+         {"t.csv", table}});
+  };
+  const std::string table = "um,n,k\n0.4,1.5,0\n0.6,1.9,0.002\n0.7,1.9,0.002\n";
+  const Reading metal = with("<mirror/><conductor file=\"t.csv\"/>", table);
+  EXPECT_EQ(metal.summary(), "");
+  EXPECT_NEAR(glm::length(*worn(metal).refract - Vec3(1.9, 1.8, 1.6)), 0, 1e-12);
+  EXPECT_NEAR(glm::length(worn(metal).extinction - Vec3(0.002, 0.0015, 0.0005)), 0, 1e-12);
+  EXPECT_EQ(metal.scene->inputs.size(), 2u) << "the table is an input";
+
+  const Reading film =
+      with("<mirror/><conductor metal=\"Al\"/><coat file=\"t.csv\" thickness=\"10um\"/>", table);
+  EXPECT_EQ(film.summary(), "");
+  EXPECT_NEAR(worn(film).coat->index, 1.8, 1e-12);
+  // 4π k d/λ
+  EXPECT_NEAR(worn(film).coat->depth.y, 4 * kPi * 0.0015 * 10e-6 / 0.55e-6, 1e-12);
+
+  EXPECT_EQ(with("<mirror/><conductor file=\"t.csv\"/>", "0.4 1 1\n0.3 1 1\n").summary(),
+            "3:27 E1409 optical constants 't.csv', line 2: wavelengths rise from row to row\n");
+  EXPECT_EQ(with("<mirror/><conductor file=\"none.csv\"/>", table).summary(), "3:27 E1301 there is no file 'none.csv' in this file's folder\n");
+  EXPECT_EQ(with("<mirror/><conductor file=\"t.csv\" metal=\"Al\"/>", table).summary(), "3:11 E1108 <conductor> needs exactly one of @metal, @file or @n, not @metal and @file\n");
+  EXPECT_EQ(with("<mirror/><coat file=\"t.csv\"/>", table).summary(), "3:11 E1108 <coat> has @file, which needs @thickness\n");
+  EXPECT_EQ(with("<mirror/><coat file=\"t.csv\" thickness=\"1um\"/>", "0.4 5\n0.7 5\n").summary(),
+            "3:22 E1409 a coat has an index of 1 to 4, and this one 5 at 550 nm\n");
+}
+
 }  // namespace
 }  // namespace panwright::pxn

@@ -1,0 +1,36 @@
+// Optical constants of users' own tables.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "materials/spectra.h"
+
+namespace panwright::materials {
+
+// Wavelengths that stand for the channels, µm.
+inline constexpr std::array<double, 3> kBands_um{0.65, 0.55, 0.45};
+
+// Why a table is not used.
+struct TableProblem {
+  std::size_t line = 0;  // from 1; 0: the whole
+  std::string message;
+};
+
+// n and k at the bands, interpolated linearly between rows, from the text of
+//   a file of refractiveindex.info (YAML): `tabulated nk`, `tabulated n`, `tabulated k`, `formula
+//   1`
+//     and `formula 2` (both of Sellmeier);
+//   lines of two or three numbers parted by commas, semicolons or blanks: wavelength in µm, n and
+//   k.
+//     Lines that begin with #, a quotation mark or a letter are not read.
+// Without k it is 0. Wavelengths rise and reach from 0.45 to 0.65 µm; 0 < n ≤ 100, 0 ≤ k ≤ 100; at
+// most 100,000 rows. A byte-order mark is skipped.
+//
+//   returns  none, with `problem` filled in, for anything else
+std::optional<Conductor> read_optical_table(std::string_view text, TableProblem& problem);
+
+}  // namespace panwright::materials
