@@ -69,7 +69,7 @@ void make_job(const scene::Scene& scene, const Plan& plan, std::size_t index,
   const Job& job = plan.jobs[index];
   const geometry::TessellationOptions tessellation = internal::tessellation_of(job, options);
   const auto* authored = std::get_if<geometry::MeshShape>(job.shape);
-  if (authored && !job.projected()) {  // nothing to change, so nothing to copy
+  if (authored && !job.projected() && !job.boxed) {  // nothing to change, so nothing to copy
     if (!geometry::within_limits(**authored, tessellation, {}, log)) return;
     out.meshes[index] = pan::packed(**authored, mesh_name(job, index));
     place_decals(scene, job, **authored, out);
@@ -77,6 +77,7 @@ void make_job(const scene::Scene& scene, const Plan& plan, std::size_t index,
     auto mesh = geometry::tessellated(*job.shape, tessellation, {}, log);
     if (!mesh) return;
     if (job.projected()) geometry::apply_sphere_mapping(*mesh, job.texture_from_shape);
+    if (job.boxed) geometry::apply_box_mapping(*mesh);
     out.meshes[index] = packed_shape(*job.shape, *mesh, mesh_name(job, index));
     place_decals(scene, job, *mesh, out);
   }

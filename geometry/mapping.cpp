@@ -1,6 +1,7 @@
 #include "geometry/mapping.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace panwright::geometry {
@@ -131,6 +132,55 @@ class Mapper {
 
 void apply_sphere_mapping(Mesh& mesh, const Mat4& texture_from_mesh) {
   Mapper(mesh).run(texture_from_mesh);
+}
+
+void apply_box_mapping(Mesh& mesh) {
+  const std::size_t originals = mesh.positions.size();
+  mesh.texcoords.assign(originals, Vec2(0));
+  if (originals == 0) return;
+  Vec3 low = mesh.positions[0], high = low;
+  for (const Vec3& p : mesh.positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const Vec3 size = high - low;
+  const auto across = [&](const Vec3& p, int axis, bool turned) {
+    const double x = size[axis] > 0 ? (p[axis] - low[axis]) / size[axis] : 0;
+    return turned ? 1 - x : x;
+  };
+  // for each vertex and face: the vertex that stands for it
+  std::vector<std::array<std::uint32_t, 6>> copies(originals,
+                                                   {kNone, kNone, kNone, kNone, kNone, kNone});
+  std::vector<char> used(originals);
+  for (Triangle& t : mesh.triangles) {
+    const Vec3 n = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]],
+                              mesh.positions[t[2]] - mesh.positions[t[0]]);
+    int axis = 0;
+    for (int k = 1; k < 3; ++k)
+      if (std::fabs(n[k]) > std::fabs(n[axis])) axis = k;
+    const bool back = n[axis] < 0;
+    const auto face = static_cast<std::size_t>(2 * axis + (back ? 1 : 0));
+    for (std::uint32_t& v : t) {
+      std::uint32_t& copy = copies[v][face];
+      if (copy == kNone) {
+        const Vec3 p = mesh.positions[v];
+        // to the right, seen from outside: +x faces +y, +y faces −x, +z faces +x
+        const int right = axis == 0 ? 1 : 0, up = axis == 2 ? 1 : 2;
+        const Vec2 uv(across(p, right, back != (axis == 1)), across(p, up, false));
+        copy = v;
+        if (used[v]) {
+          copy = static_cast<std::uint32_t>(mesh.positions.size());
+          mesh.positions.push_back(p);
+          if (!mesh.normals.empty()) mesh.normals.push_back(Vec3(mesh.normals[v]));
+          if (!mesh.colours.empty()) mesh.colours.push_back(Vec3(mesh.colours[v]));
+          mesh.texcoords.emplace_back();
+        }
+        used[v] = 1;
+        mesh.texcoords[copy] = uv;
+      }
+      v = copy;
+    }
+  }
 }
 
 }  // namespace panwright::geometry

@@ -18,4 +18,14 @@ namespace panwright::geometry {
 // Cost: O(V + T).
 void apply_sphere_mapping(Mesh& mesh, const Mat4& texture_from_mesh);
 
+// Gives a mesh texture coordinates as a Box has them, over the bounds of the mesh: each triangle takes
+// the face that it looks at most (of equals x, then y, then z), seen upright from outside: for ±x
+// and ±y with +z up, for ±z with +y up; 0 to 1 across the bounds.
+//
+//   mesh  texcoords are replaced; vertices are added, never moved or renumbered
+//
+// Added vertices stand behind the others in order of first use. Expects: indices in range.
+// Cost: O(V + T).
+void apply_box_mapping(Mesh& mesh);
+
 }  // namespace panwright::geometry

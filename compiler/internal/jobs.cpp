@@ -17,14 +17,14 @@ namespace {
 constexpr double kLeastError = 1e-60;
 constexpr double kMostError = 1e30;
 
-using JobKey = std::tuple<Hash128, bool, bool, std::array<double, 16>>;
+using JobKey = std::tuple<Hash128, bool, bool, bool, std::array<double, 16>>;
 
 JobKey key_of(const Job& job, const Hash128& shape) {
   std::array<double, 16> matrix{};
   if (job.projected())
     for (int i = 0; i < 16; ++i)
       matrix[static_cast<std::size_t>(i)] = job.texture_from_shape[i / 4][i % 4];
-  return {shape, job.textured, job.projected(), matrix};
+  return {shape, job.textured, job.projected(), job.boxed, matrix};
 }
 
 bool needs_texcoords(const scene::Scene& scene, const scene::Instance& instance) {
@@ -63,6 +63,9 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
     job.textured = needs_texcoords(scene, instance);
     job.mapping = instance.mapping;
     job.texture_from_shape = instance.texture_from_shape;
+    // a picture of the file's own lies where the file says: nowhere
+    if (const auto* mesh = std::get_if<geometry::MeshShape>(job.shape))
+      job.boxed = job.textured && instance.texture == scene::kNone && (*mesh)->texcoords.empty();
     job.user = &instance;
     const auto [place, added] =
         known.emplace(key_of(job, hashes[shape]), static_cast<std::uint32_t>(plan.jobs.size()));

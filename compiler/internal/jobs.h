@@ -17,6 +17,7 @@ struct Job {
   bool textured = false;
   scene::Mapping mapping = scene::Mapping::texcoords;
   Mat4 texture_from_shape{1};
+  bool boxed = false;  // a mesh without texture coordinates that gets those of its bounds
   const scene::Instance* user = nullptr;  // the first one
   double max_error = 0;                   // metres in the shape's frame, > 0: the smallest asked
   pan::layout::NeedReason reason = pan::layout::NeedReason::tolerance;

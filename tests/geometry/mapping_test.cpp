@@ -98,5 +98,45 @@ TEST(SphereMapping, HardPlaces) {
   }
 }
 
+// A box's own coordinates, thrown away and found again from its bounds.
+TEST(BoxMapping, equals_that_of_a_box) {
+  DiagnosticLog log;
+  TessellationOptions options;
+  options.texcoords = true;
+  const auto box = tessellated(Box{{1, 2, 3}, 0, false}, options, {}, log);
+  ASSERT_TRUE(box);
+  Mesh welded;  // eight corners, as a CAD file has them
+  for (const Triangle& t : box->triangles) {
+    Triangle out;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3& p = box->positions[t[k]];
+      const auto found = std::find(welded.positions.begin(), welded.positions.end(), p);
+      out[k] = static_cast<std::uint32_t>(found - welded.positions.begin());
+      if (found == welded.positions.end()) welded.positions.push_back(p);
+    }
+    welded.triangles.push_back(out);
+  }
+  ASSERT_EQ(welded.positions.size(), 8u);
+  apply_box_mapping(welded);
+  EXPECT_EQ(welded.positions.size(), 24u);
+  ASSERT_EQ(welded.texcoords.size(), 24u);
+  for (std::size_t i = 0; i < welded.triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(welded.positions[welded.triangles[i][k]], box->positions[box->triangles[i][k]]);
+      EXPECT_EQ(welded.texcoords[welded.triangles[i][k]], box->texcoords[box->triangles[i][k]])
+          << i << " " << k;
+    }
+}
+
+TEST(BoxMapping, flat_meshes_and_those_without_area_have_finite_coordinates) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 5}, {2, 0, 5}, {0, 4, 5}, {1, 1, 5}};
+  mesh.triangles = {{0, 1, 2}, {0, 0, 3}};
+  apply_box_mapping(mesh);
+  EXPECT_EQ(mesh.texcoords[1], Vec2(1, 0));
+  EXPECT_EQ(mesh.texcoords[2], Vec2(0, 1));
+  for (const Vec2& uv : mesh.texcoords) EXPECT_TRUE(std::isfinite(uv.x) && std::isfinite(uv.y));
+}
+
 }  // namespace
 }  // namespace panwright::geometry
