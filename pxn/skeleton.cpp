@@ -101,6 +101,8 @@ std::string escaped(std::string_view text) {
 
 // In a comment: no two hyphens in a row.
 std::string in_comment(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20) c = '?';
   for (std::size_t i = 1; i < text.size(); ++i)
     if (text[i] == '-' && text[i - 1] == '-') text[i] = '~';
   if (!text.empty() && text.back() == '-') text.back() = '~';
@@ -156,7 +158,8 @@ std::string joint_lines(const importers::Imported& imported) {
   std::string out;
   for (const scene::Joint& joint : imported.scene.joints) {
     const std::string& node = imported.scene.nodes[static_cast<std::size_t>(joint.node)].name;
-    out += in_comment(fmt::format("\n      {} of node '{}', {} about {:.6g} {:.6g} {:.6g}",
+    out += "\n      ";
+    out += in_comment(fmt::format("{} of node '{}', {} about {:.6g} {:.6g} {:.6g}",
                                   joint.name.empty() ? "(no name)" : joint.name, node,
                                   kind_of(joint.kind), joint.axis.x, joint.axis.y, joint.axis.z));
     if (joint.lower.size() == 1)
@@ -224,9 +227,7 @@ std::string skeleton(const importers::Imported& imported, std::string_view file,
   }
   std::string out = "<pangu_model ver=\"1\">\n";
   if (!materials.empty())
-    out +=
-        "  <!-- guesses: hold each against what the surface is made of "
-        "(panwright material --list) -->\n";
+    out += "  <!-- guesses: hold each against what the surface is made of -->\n";
   out += materials;
   if (nameless > 0)
     out += fmt::format("  <!-- {} of the file without a name as well: assign by nodes= -->\n",

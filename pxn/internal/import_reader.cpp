@@ -112,6 +112,11 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
   index = static_cast<std::uint32_t>(models_.size());
   ImportedModel& model = models_.emplace_back();
   model.imported = std::move(*imported);
+  // patterns are UTF-8, whatever the names of the file are
+  for (scene::Node& node : model.imported.scene.nodes)
+    node.name = to_utf8(node.name, Encoding::utf8);
+  for (importers::CadMaterial& material : model.imported.materials)
+    material.name = to_utf8(material.name, Encoding::utf8);
   take_over(model, found);
   return index;
 }
