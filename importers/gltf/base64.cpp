@@ -42,6 +42,29 @@ std::optional<std::string> from_base64(std::string_view text) {
   return out;
 }
 
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+std::optional<std::string> from_percent(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      out += text[i];
+      continue;
+    }
+    const int high = i + 2 < text.size() ? hex_digit(text[i + 1]) : -1;
+    const int low = i + 2 < text.size() ? hex_digit(text[i + 2]) : -1;
+    if (high < 0 || low < 0) return std::nullopt;
+    out += static_cast<char>(high * 16 + low);
+    i += 2;
+  }
+  return out;
+}
+
 }  // namespace
 
 bool is_data_uri(std::string_view uri) { return uri.starts_with("data:"); }
@@ -51,9 +74,11 @@ std::optional<DataUri> data_of(std::string_view uri) {
   const std::size_t comma = uri.find(',');
   if (comma == uri.npos) return std::nullopt;
   std::string_view head = uri.substr(0, comma);
-  if (!head.ends_with(";base64")) return std::nullopt;
-  head.remove_suffix(7);
-  auto bytes = from_base64(uri.substr(comma + 1));
+  const bool base64 = head.ends_with(";base64");
+  if (base64) head.remove_suffix(7);
+  if (head.ends_with(';') || head.find(";;") != head.npos) return std::nullopt;
+  const std::string_view body = uri.substr(comma + 1);
+  auto bytes = base64 ? from_base64(body) : from_percent(body);
   if (!bytes) return std::nullopt;
   return DataUri{std::string(head.substr(0, head.find(';'))), *std::move(bytes)};
 }

@@ -342,7 +342,7 @@ class SceneBuilder {
     if (const Json* all = d_.root.find("extensions"))
       if (const Json* lights = all->find("KHR_lights_punctual"))
         count(lights->list("lights").size(), "light");
-    count(flat_, "set of points or lines");
+    if (flat_ > 0) skipped.push_back(counted(flat_, "primitive") + " of points or lines");
     count(other_scenes_, "other scene");
     if (!skipped.empty())
       d_.report(Code::N6007, nullptr, "", fmt::format("{} left out", fmt::join(skipped, ", ")));

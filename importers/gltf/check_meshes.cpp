@@ -172,7 +172,7 @@ class MeshCheck {
     const std::string below = (target ? "/" : "/attributes/") + name;
     if (semantic.custom) {
       if (a.component == kUnsignedInt)
-        wrong(&item, below, "32-bit integers are not allowed in vertices", Code::W6215);
+        wrong(&item, below, "32-bit integers are not allowed in vertices");
       return true;
     }
     const bool width = has_width(semantic, a.width, target) && !a.matrix;

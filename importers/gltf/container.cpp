@@ -30,8 +30,11 @@ class Chunks {
     if (version != 2) complain(4, fmt::format("the container has version {}, not 2", version));
     if (length <= kHeader) {
       complain(8, fmt::format("a length of {} bytes is too small", length));
-    } else if (length != bytes_.size()) {
+    } else if (length > bytes_.size()) {
       complain(8, fmt::format("the file has {} bytes, its header says {}", bytes_.size(), length));
+    } else {
+      out_.extra = bytes_.size() - length;
+      bytes_ = bytes_.substr(0, length);
     }
     std::size_t at = kHeader;
     for (std::uint32_t index = 0; at < bytes_.size(); ++index)

@@ -13,6 +13,7 @@ struct Container {
   std::string_view json;
   std::optional<std::string_view> binary;  // the BIN chunk
   std::vector<std::string> problems;       // of the container; empty: it is sound
+  std::size_t extra = 0;                   // bytes behind the end that the header gives
 };
 
 bool is_glb(std::string_view bytes);

@@ -77,11 +77,7 @@ class Reader {
                               d_.text ? Encoding::utf8 : Encoding::binary, d_.file.included_at});
     if (d_.text) {
       json = bytes;
-      if (json.starts_with("\xef\xbb\xbf")) {
-        d_.report(Code::W6215, nullptr, "", "a byte order mark before the JSON");
-        json.remove_prefix(3);
-        d_.json_begin = 3;
-      }
+      drop_mark(json);
       return true;
     }
     if (bytes.size() >= 8 && bytes.substr(4, 4) == std::string_view("\1\0\0\0", 4)) {
@@ -92,6 +88,10 @@ class Reader {
     const Container container = chunks_of(bytes);
     for (const std::string& problem : container.problems)
       d_.report(Code::E6201, nullptr, "", problem);
+    if (container.extra > 0)
+      d_.report(
+          Code::W6215, nullptr, "",
+          fmt::format("{} behind the end of the container", counted(container.extra, "byte")));
     json = container.json;
     if (container.binary) {
       d_.binary = *container.binary;
@@ -99,7 +99,16 @@ class Reader {
     }
     if (json.empty() && container.problems.empty())
       d_.report(Code::E6201, nullptr, "", "there is no JSON chunk");
+    drop_mark(json);
     return !json.empty();
+  }
+
+  // Read on after it: nothing is lost.
+  void drop_mark(std::string_view& json) {
+    if (!json.starts_with("\xef\xbb\xbf")) return;
+    d_.report(Code::E6203, nullptr, "", "a byte order mark before the JSON");
+    json.remove_prefix(3);
+    if (d_.text) d_.json_begin = 3;
   }
 
   bool parse(std::string_view json) {

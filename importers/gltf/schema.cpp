@@ -251,8 +251,8 @@ class SchemaPass {
       const Path at{&path, value.keys[i]};
       Rule whole;
       whole.low = 0;
-      const bool good = rule.kind == "map" ? index(rule, value.items[i], at)
-                                           : number(whole, value.items[i], at, true);
+      const bool good = rule.kind == "ints" ? number(whole, value.items[i], at, true)
+                                            : index(rule, value.items[i], at);
       if (!good) wrong.push_back(value.keys[i]);
     }
     if (value.items.empty())
@@ -377,6 +377,12 @@ class SchemaPass {
     report(Code::E6204, value, path, fmt::format("exactly one of '{}' and '{}' is needed", a, b));
   }
 
+  std::size_t light_count() const {
+    const Json* all = document_.root.find("extensions");
+    const Json* lights = all ? all->find("KHR_lights_punctual") : nullptr;
+    return lights ? lights->list("lights").size() : 0;
+  }
+
   // What the table cannot say.
   void extra_rules(std::string_view type, Json& value, const Path& path) {
     if (type == "accessor") depends(value, path, "byteOffset", "bufferView");
@@ -388,6 +394,17 @@ class SchemaPass {
       one_of(value, path, "uri", "bufferView");
       depends(value, path, "bufferView", "mimeType");
     }
+    if (type == "animation") {
+      const std::size_t samplers = value.list("samplers").size();
+      const std::vector<Json>& channels = value.list("channels");
+      for (std::size_t i = 0; i < channels.size(); ++i) {
+        const Json* sampler = channels[i].find("sampler");
+        if (!sampler || sampler->number < static_cast<double>(samplers)) continue;
+        report(Code::E6205, *sampler, Path{&path, "channels"},
+               fmt::format("channel {} has sampler {} of {}", i, format_double(sampler->number),
+                           samplers));
+      }
+    }
     if (type == "camera") one_of(value, path, "orthographic", "perspective");
     if (type == "bufferView") {
       const Json* stride = value.find("byteStride");
@@ -396,6 +413,14 @@ class SchemaPass {
                fmt::format("{} is not a multiple of 4", format_double(stride->number)));
         value.broken = true;
       }
+    }
+    if (type == "@KHR_lights_punctual") {
+      const Json* light = value.find("light");
+      const std::size_t lights = light_count();
+      if (light && light->number >= static_cast<double>(lights))
+        report(Code::E6205, *light, Path{&path, "light"},
+               fmt::format("there is no light {}; the file has {}", format_double(light->number),
+                           lights));
     }
     if (type == "@KHR_materials_ior") {
       const Json* ior = value.find("ior");

@@ -196,6 +196,7 @@ class SurfaceReader {
     const int position = source_.accessor("POSITION");
     if (primitive_.mode < 4) {
       out.skipped = true;
+      if (position >= 0) check_lines(static_cast<std::size_t>(position));
       return out;
     }
     if (position < 0 || !within_limits(static_cast<std::size_t>(position)) || !source_.open())
@@ -220,6 +221,20 @@ class SurfaceReader {
  private:
   void wrong(Code code, std::string_view below, std::string message) {
     d_.report(code, nullptr, object_ + std::string(below), std::move(message));
+  }
+
+  // Points and lines are left out, and what is wrong with their indices is said.
+  void check_lines(std::size_t position) {
+    if (primitive_.indices < 0) return;
+    const auto index = static_cast<std::size_t>(primitive_.indices);
+    const std::uint32_t restart = restart_value(d_.accessors[index].component);
+    const std::uint64_t vertices = d_.accessors[position].count;
+    std::uint64_t bad = 0;
+    for (const std::uint32_t i : read_indices(d_, index, object_ + "/indices"))
+      if (i == restart || i >= vertices) ++bad;
+    if (bad > 0)
+      wrong(Code::E6207, "/indices",
+            fmt::format("{} of points or lines are no vertices", counted(bad, "index value")));
   }
 
   bool within_limits(std::size_t position) {

@@ -1,0 +1,19 @@
+// Our materials as glTF's. Private to importers/gltf.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <set>
+#include <string>
+
+#include "materials/material.h"
+
+namespace panwright::importers::gltf {
+
+// What glTF's material keeps of ours, without pictures.
+//
+//   lost        gets what it does not keep
+//   extensions  gets the names of those that are used
+nlohmann::ordered_json exported(const materials::Material& material, std::set<std::string>& lost,
+                                std::set<std::string>& extensions);
+
+}  // namespace panwright::importers::gltf
