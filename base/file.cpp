@@ -90,11 +90,14 @@ Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t m
     return failed;
   }
   std::string text;
-  if (S_ISREG(status.st_mode)) text.reserve(static_cast<std::size_t>(status.st_size));
   constexpr std::size_t kPiece = 1u << 20;
+  constexpr std::size_t kLeastRoom = 4096;
+  // note: with room for the reading that finds the end, so that the text need not move for it
+  if (S_ISREG(status.st_mode))
+    text.reserve(static_cast<std::size_t>(status.st_size) + kLeastRoom);
   for (;;) {
     const std::size_t before = text.size();
-    const std::size_t room = std::max(text.capacity() - before, std::size_t{4096});
+    const std::size_t room = std::max(text.capacity() - before, kLeastRoom);
     text.resize(before + std::min(room, kPiece));
     const ssize_t got = ::read(fd.get(), text.data() + before, text.size() - before);
     if (got < 0 && errno == EINTR) {
