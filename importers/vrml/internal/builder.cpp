@@ -40,10 +40,12 @@ Builder::Builder(Session& of) : session(of) {
   out_.scene.nodes.push_back(root);
 }
 
-scene::Source Builder::source_of(SourceSpan where) const {
+scene::Source Builder::source_of(SourceSpan where) {
   if (where.file == kNoFile) return {};
-  const Position position = session.log.sources().position(where.file, where.begin);
-  return {session.path_of(where.file), position.line, position.column};
+  // note: nodes that are shared ask for the same places again and again
+  const auto [it, added] = positions_.try_emplace({where.file, where.begin});
+  if (added) it->second = session.log.sources().position(where.file, where.begin);
+  return {session.path_of(where.file), it->second.line, it->second.column};
 }
 
 std::int32_t Builder::add_node(std::int32_t parent, const Mat4& parent_from_node,

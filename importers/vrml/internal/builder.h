@@ -68,7 +68,7 @@ class Builder {
   bool enter(const Document& document, SourceSpan where);
   void leave(const Document& document);
 
-  scene::Source source_of(SourceSpan where) const;
+  scene::Source source_of(SourceSpan where);
 
   scene::Scene& scene() { return out_.scene; }
 
@@ -88,6 +88,7 @@ class Builder {
   std::vector<bool> grey_;
   std::map<std::string, std::uint64_t, std::less<>> skipped_;
   std::map<std::string, std::uint64_t, std::less<>> lost_;
+  std::map<std::pair<FileId, std::uint32_t>, Position> positions_;
   std::vector<const Node*> open_nodes_;
   std::vector<const Document*> open_documents_;
   std::uint64_t visits_ = 0;

@@ -12,6 +12,8 @@ namespace panwright::importers::vrml {
 
 namespace {
 
+constexpr std::size_t kMostCandidates = 5000;  // for a suggestion
+
 bool same_but_for_case(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](char x, char y) { return (x | 0x20) == (y | 0x20); });
@@ -124,7 +126,7 @@ SourceSpan Parser::here() {
 // ---- messages
 
 bool Parser::terse() {
-  constexpr std::uint32_t kMany = 1000;
+  constexpr std::uint32_t kMany = 200;
   return problems_ > kMany;
 }
 
@@ -187,7 +189,7 @@ Node* Parser::use() {
   const auto it = scope_->nodes.find(text);
   if (it != scope_->nodes.end()) return it->second;
   std::string hint;
-  if (!terse()) {
+  if (!terse() && scope_->nodes.size() < kMostCandidates) {
     std::vector<std::string_view> names;
     for (const auto& [other, node] : scope_->nodes) names.push_back(other);
     if (const auto near = nearest_name(text, names))
@@ -210,6 +212,7 @@ Node* Parser::typed_node(std::string_view def) {
   const SourceSpan where = span(at, p_);
   skip_blanks();
   if (*p_ != '{') {
+    if (vrml97_ && (type == "ROUTE" || type == "PROTO" || type == "EXTERNPROTO")) p_ = at;
     report(Code::E6103, where, fmt::format("{} is no node: '{{' does not follow", in_quotes(type)));
     return nullptr;
   }
@@ -230,7 +233,10 @@ Node* Parser::typed_node(std::string_view def) {
   if (!def.empty()) scope_->nodes[def] = node;
   if (++depth_ > limits_.depth) throw OverLimit{"depth", where};
   ++p_;
+  const std::uint32_t unknown = body.known ? 0 : 1;
+  unknown_depth_ += unknown;
   fill(*node, body);
+  unknown_depth_ -= unknown;
   --depth_;
   return node;
 }
@@ -238,12 +244,14 @@ Node* Parser::typed_node(std::string_view def) {
 const NodeSpec* Parser::spec_named(std::string_view& name, SourceSpan where) {
   const NodeSpec* spec = vrml97_ ? spec97(name) : spec10(name);
   if (spec != nullptr) return spec;
+  if (unknown_depth_ > 0) return nullptr;  // what is around it is skipped, and has been reported
   std::vector<std::string_view> names;
   for (const NodeSpec& other : vrml97_ ? specs97() : specs10()) names.push_back(other.name);
   for (const Scope* scope = scope_; scope != nullptr; scope = scope->around)
     for (const auto& [other, prototype] : scope->prototypes) names.push_back(other);
   std::string hint;
-  const auto near = terse() ? std::nullopt : nearest_name(name, names);
+  const auto near =
+      terse() || names.size() > kMostCandidates ? std::nullopt : nearest_name(name, names);
   spec = near ? (vrml97_ ? spec97(*near) : spec10(*near)) : nullptr;
   if (spec != nullptr && same_but_for_case(name, *near)) {
     report(Code::W6118, where,

@@ -176,6 +176,7 @@ class Parser {
   bool latin1_ = false;
   Scope* scope_ = nullptr;
   std::uint32_t depth_ = 0;
+  std::uint32_t unknown_depth_ = 0;  // of nodes that are not known
   std::uint32_t problems_ = 0;
   bool whole_reported_ = false;
   std::size_t nonfinite_ = 0;  // in the list that is read; the first is

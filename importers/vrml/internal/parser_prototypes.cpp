@@ -141,6 +141,8 @@ void Parser::add_declared(const FieldSpec& spec, SourceSpan where, std::vector<F
                                                  in_quotes(spec.name), in_quotes(other.name)));
     return;
   }
+  constexpr std::size_t kMostFields = 4000;  // an interface is searched from end to end
+  if (specs.size() >= kMostFields) throw OverLimit{"fields of a prototype", where};
   specs.push_back(spec);
 }
 
