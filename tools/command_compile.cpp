@@ -73,11 +73,12 @@ int compile(const CompileOptions& options) {
     log.report(Code::E0201, {}, "--depfile names the input: it would be overwritten");
     return session.finish();
   }
-  const auto scene = read_scene(options.input, options.read, session);
+  auto scene = read_scene(options.input, options.read, session);
   // what could be read is written only where the user said where to
   if (!scene || (log.has_errors() && options.output.empty())) return session.finish();
   if (!options.depfile.empty()) write_depfile(options, output, *scene, log);
 
+  prune(*scene, options.read, session);
   compiler::Options compile;
   compile.max_error = options.read.max_error;
   compile.max_triangles = options.read.max_triangles;

@@ -33,6 +33,8 @@ constexpr int kInternal = 70;
 
 struct AllOptions {
   CompileOptions compile;
+  ImportOptions import;
+  ExportOptions export_;
   CheckOptions check;
   InfoOptions info;
   MaterialOptions material;
@@ -80,6 +82,80 @@ void add_read(CLI::App* app, ReadOptions& read) {
   app->add_option("--max-triangles", read.max_triangles, "Most triangles in the file")
       ->check(CLI::Range(1.0, 1e12))
       ->type_name("N");
+}
+
+void add_cad(CLI::App* app, CadOptions& cad) {
+  const auto option = [&](const char* name, auto& value, const char* type, const char* help) {
+    return app->add_option(name, value, help)->type_name(type)->group("CAD files");
+  };
+  option("--units", cad.units, "UNIT",
+         "What a number of the file measures: auto (default), m, mm, cm, dm, km, um, in or ft")
+      ->check(CLI::IsMember({"auto", "m", "mm", "cm", "dm", "km", "um", "in", "ft"}));
+  // not "--up", which is the camera's
+  option("--up-axis", cad.up, "AXIS", "The file's axis that points up: y (default) or z")
+      ->check(CLI::IsMember({"y", "z"}));
+  app->add_flag("--keep-hidden", cad.keep_hidden, "Keep faces that nobody outside can see")
+      ->group("CAD files");
+  auto* no_weld = app->add_flag("--no-weld", cad.no_weld, "Leave meshes as they are")
+                      ->group("CAD files");
+  option("--weld", cad.weld, "METRES",
+         "Vertices this far apart in the file become one (default 0: at one place)")
+      ->check(kNumber)
+      ->check(CLI::NonNegativeNumber)
+      ->excludes(no_weld);
+  option("--crease", cad.crease_deg, "DEG",
+         "Faces without normals look smooth where they meet at no more (default 30)")
+      ->check(kNumber)
+      ->check(CLI::Range(0.0, 180.0));
+  option("--scene", cad.scene, "NAME|N", "glTF: the scene (default: the file's own)");
+  option("--primitives", cad.primitives, "N",
+         "VRML: segments around spheres, cylinders and cones (default 0: exact shapes)")
+      ->check(CLI::Range(0u, 100000u));
+  option("--assume", cad.assume, "KIND", "What a file without a header is: vrml97 or vrml1")
+      ->check(CLI::IsMember({"vrml97", "vrml1"}));
+  app->add_flag("--recentre", cad.recentre, "Put the middle of the model at the origin")
+      ->group("CAD files");
+}
+
+void add_import(CLI::App* app, ImportOptions& options) {
+  app->add_option("input", options.input, "VRML 97, VRML 1.0, glTF 2.0 or GLB, packed or not")
+      ->required()
+      ->type_name("FILE");
+  app->add_option("-o,--output", options.output,
+                  "The compiled model (.pan), or a pxn text that imports and dresses it (.pxn)")
+      ->type_name("OUT");
+  app->add_option("--report", options.report,
+                  "Write what cleaning found: .txt, .json, or .html with pictures")
+      ->type_name("FILE");
+  app->add_option("--root", options.read.cad.root,
+                  "Folder that files named by the model must lie in (default: the model's)")
+      ->type_name("DIR");
+  app->add_option("--max-error", options.read.max_error,
+                  "Metres that a mesh may lie from an exact shape (default 0.001)")
+      ->check(kNumber)
+      ->check(CLI::PositiveNumber)
+      ->type_name("METRES");
+  app->add_option("--max-triangles", options.read.max_triangles, "Most triangles in the file")
+      ->check(CLI::Range(1.0, 1e12))
+      ->type_name("N");
+  add_cad(app, options.read.cad);
+  // the camera has no say here, so that the short name is free
+  app->get_option("--up-axis")->group("CAD files");
+  app->add_option("--up", options.read.cad.up, "The same as --up-axis")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->type_name("AXIS")
+      ->group("CAD files");
+  add_common(app, options.common);
+}
+
+void add_export(CLI::App* app, ExportOptions& options) {
+  app->add_option("input", options.input, "A .pan, .pxn or CAD file")
+      ->required()
+      ->type_name("FILE");
+  app->add_option("-o,--output", options.output, "The glTF file")->required()->type_name("FILE.glb");
+  add_read(app, options.read);
+  add_cad(app, options.read.cad);
+  add_common(app, options.common);
 }
 
 void add_compile(CLI::App* app, CompileOptions& options) {
@@ -161,7 +237,8 @@ void add_reference(CLI::App* app, RenderOptions& options) {
 }
 
 void add_render(CLI::App* app, RenderOptions& options) {
-  app->add_option("input", options.input, "A .pan file, or a .pxn file to compile on the way")
+  app->add_option("input", options.input,
+                  "A .pan file, or a .pxn or CAD file to compile on the way")
       ->required()
       ->type_name("FILE");
   app->add_option("-o,--output", options.view.output,
@@ -192,6 +269,7 @@ void add_render(CLI::App* app, RenderOptions& options) {
       ->check(CLI::IsMember({"auto", "egl", "osmesa"}))
       ->type_name("KIND");
   add_read(app, options.read);
+  add_cad(app, options.read.cad);
   add_common(app, options.common);
 }
 
@@ -315,6 +393,19 @@ int parse_and_run(CLI::App& app, std::vector<std::string> words, const std::func
   return go();
 }
 
+int run_importer(const std::string& name, std::vector<std::string> words) {
+  ImportOptions options;
+  CLI::App app(
+      fmt::format("{}: makes a pan file of a CAD file; the same as 'panwright import'", name), name);
+  add_import(&app, options);
+  return parse_and_run(app, std::move(words), [&] {
+    set_thread_count(options.common.threads);
+    if (options.output.empty())
+      options.output = std::filesystem::path(options.input).replace_extension(".pan").string();
+    return import_cad(options);
+  });
+}
+
 int run_converter(const std::string& name, std::vector<std::string> words) {
   CompileOptions options;
   CLI::App app(
@@ -334,6 +425,10 @@ void add_subcommands(CLI::App& app, AllOptions& all) {
   auto* compile_app = app.add_subcommand("compile", "Compile a pxn model into a pan file");
   add_compile(compile_app, all.compile);
 
+  add_import(app.add_subcommand("import", "Read a CAD file: VRML or glTF, into a pan or pxn file"),
+             all.import);
+  add_export(app.add_subcommand("export", "Write a model as a glTF file"), all.export_);
+
   auto* check_app =
       app.add_subcommand("check", "Say everything that is wrong with pxn and pan files");
   check_app->add_option("inputs", all.check.inputs, "Files to check")
@@ -343,11 +438,12 @@ void add_subcommands(CLI::App& app, AllOptions& all) {
   add_common(check_app, all.check.common);
 
   auto* info_app = app.add_subcommand("info", "Show what is in a model");
-  info_app->add_option("input", all.info.input, "A .pan or .pxn file")
+  info_app->add_option("input", all.info.input, "A .pan, .pxn or CAD file")
       ->required()
       ->type_name("FILE");
   info_app->add_flag("--meshes", all.info.meshes, "List all meshes, not the heaviest only");
   add_read(info_app, all.info.read);
+  add_cad(info_app, all.info.read.cad);
   add_common(info_app, all.info.common);
 
   auto* render_app = app.add_subcommand("render", "Render a model as a camera sees it");
@@ -400,12 +496,14 @@ std::vector<CommandWords> command_words(const CLI::App& app) {
 int run_panwright(std::vector<std::string> words) {
   AllOptions all;
   CLI::App app(
-      "panwright: spacecraft models from pxn text to checked pan files and radiometric pictures",
+      "panwright: spacecraft models from pxn text and CAD files to checked pan files and radiometric "
+      "pictures",
       "panwright");
   app.footer(
       "Examples:\n"
       "  panwright compile examples/paper/figure8.pxn -o f.pan\n"
       "  panwright render f.pan -o f.png --camera \"0 -5 1\" --sun \"1 -1 1\"\n"
+      "  panwright import iss.glb -o iss.pxn\n"
       "  panwright explain E1101\n"
       "Exit codes: 0 ok, 1 errors in a model, 2 usage, 3 I/O, 4 damaged pan file, 70 internal.\n"
       "The language: docs/pxn-reference.md. Conventions of cameras, axes and units: "
@@ -420,6 +518,10 @@ int run_panwright(std::vector<std::string> words) {
     const auto with_threads = [](const CommonOptions& common) { set_thread_count(common.threads); };
     if (app.got_subcommand("compile"))
       return with_threads(all.compile.common), compile(all.compile);
+    if (app.got_subcommand("import"))
+      return with_threads(all.import.common), import_cad(all.import);
+    if (app.got_subcommand("export"))
+      return with_threads(all.export_.common), export_cad(all.export_);
     if (app.got_subcommand("check")) return with_threads(all.check.common), check(all.check);
     if (app.got_subcommand("material"))
       return with_threads(all.material.common), material(all.material);
@@ -445,6 +547,7 @@ int run_unchecked(int argc, const char* const* argv) {
         argc > 0 ? std::filesystem::path(argv[0]).filename().string() : std::string("panwright");
     std::vector<std::string> words = joined_values(argc, argv);
     if (name == "pxntopan" || name == "pxn2pan") return run_converter(name, std::move(words));
+    if (name == "vrmltopan" || name == "gltftopan") return run_importer(name, std::move(words));
     return run_panwright(std::move(words));
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "panwright: out of memory\n");

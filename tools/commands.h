@@ -6,6 +6,8 @@
 namespace panwright::tools {
 
 int compile(const CompileOptions& options);
+int import_cad(const ImportOptions& options);
+int export_cad(const ExportOptions& options);
 int check(const CheckOptions& options);
 int info(const InfoOptions& options);
 int render(const RenderOptions& options);

@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "compiler/compile.h"
+#include "importers/clean.h"
 #include "pxn/pxn.h"
 
 namespace panwright::tools {
@@ -18,8 +19,69 @@ std::string extension_of(const std::string& path) {
   return extension;
 }
 
+bool is_cad(const std::string& path) {
+  std::string extension = extension_of(path);
+  if (extension == ".gz") extension = extension_of(std::filesystem::path(path).stem().string());
+  for (const char* known : {".wrl", ".wrz", ".vrml", ".glb", ".gltf"})
+    if (extension == known) return true;
+  return false;
+}
+
+Result<importers::Imported> read_cad(const std::string& path, const ReadOptions& options,
+                                     Session& session, importers::Hygiene* hygiene) {
+  const CadOptions& cad = options.cad;
+  importers::Options read;
+  read.root = cad.root;
+  read.limits.triangles = options.max_triangles;
+  read.crease_angle = cad.crease_deg * kDegree;
+  read.primitives = cad.primitives;
+  if (!cad.scene.empty()) read.scene = cad.scene;
+  if (cad.assume == "vrml97") read.assume = importers::Format::vrml97;
+  if (cad.assume == "vrml1") read.assume = importers::Format::vrml1;
+  session.step("read " + path);
+  auto imported = importers::import_file(path, read, session.log());
+  if (!imported) return failed;
+  if (!cad.no_weld) {
+    session.step("clean");
+    geometry::CleanOptions clean;
+    clean.tolerance = cad.weld;
+    clean.crease_angle = read.crease_angle;
+    importers::Hygiene found = importers::clean_up(imported->scene, clean, session.log());
+    if (hygiene != nullptr) *hygiene = std::move(found);
+  }
+  importers::place(*imported, importers::unit_of(cad.units),
+                   cad.up == "z" ? importers::UpAxis::z : importers::UpAxis::y, cad.recentre,
+                   session.log());
+  for (scene::Instance& instance : imported->scene.instances)
+    instance.prunable =
+        !cad.keep_hidden &&
+        std::holds_alternative<geometry::MeshShape>(
+            imported->scene.shapes[static_cast<std::size_t>(instance.shape)]);
+  return imported;
+}
+
+bool prune(scene::Scene& scene, const ReadOptions& options, Session& session,
+           compiler::HiddenReport* report) {
+  compiler::HiddenOptions hidden;
+  for (const scene::Instance& instance : scene.instances)
+    hidden.may_lose.push_back(static_cast<char>(instance.prunable));
+  if (std::find(hidden.may_lose.begin(), hidden.may_lose.end(), 1) == hidden.may_lose.end())
+    return false;
+  session.step("remove hidden parts");
+  hidden.compile.max_error = options.max_error;
+  hidden.compile.max_triangles = options.max_triangles;
+  const compiler::HiddenReport found = compiler::prune_hidden(scene, hidden, session.log());
+  if (report != nullptr) *report = found;
+  return true;
+}
+
 Result<scene::Scene> read_scene(const std::string& path, const ReadOptions& options,
                                 Session& session) {
+  if (is_cad(path)) {
+    auto imported = read_cad(path, options, session);
+    if (!imported) return failed;
+    return std::move(imported->scene);
+  }
   session.step("read " + path);
   pxn::Options read;
   read.root = options.root;
@@ -48,13 +110,16 @@ Result<pan::Model> load_model(const std::string& path, const ReadOptions& option
     if (!model->check(session.log())) return failed;
     return model;
   }
-  if (extension != ".pxn") {
+  if (extension != ".pxn" && !is_cad(path)) {
     session.log().report(Code::E0202, {},
-                         fmt::format("{} is neither a .pan nor a .pxn file", in_quotes(path)));
+                         fmt::format("{} is no file of a model: .pan, .pxn, .wrl, .wrz, .vrml, .glb "
+                                     "and .gltf are read",
+                                     in_quotes(path)));
     return failed;
   }
-  const auto scene = read_scene(path, options, session);
+  auto scene = read_scene(path, options, session);
   if (!scene) return failed;
+  prune(*scene, options, session);
   session.step("compile " + path);
   compiler::Options compile;
   compile.max_error = options.max_error;

@@ -21,6 +21,21 @@ struct CommonOptions {
   std::size_t threads = 0;     // 0: all cores
 };
 
+// How a CAD file is taken.
+struct CadOptions {
+  std::string units = "auto";
+  std::string up = "y";
+  std::string root;      // folder of what it names; empty: the file's
+  std::string scene;     // glTF; empty: the default one
+  std::string assume;    // "vrml97", "vrml1": for files that do not say
+  bool no_weld = false;  // meshes stay as they are
+  double weld = 0;       // metres
+  double crease_deg = 30;
+  std::uint32_t primitives = 0;  // VRML; 0: exact shapes
+  bool keep_hidden = false;
+  bool recentre = false;
+};
+
 // Options of what reads pxn.
 struct ReadOptions {
   std::string root;                        // folder that includes may not leave; empty: the file's
@@ -28,6 +43,7 @@ struct ReadOptions {
   std::vector<std::string> parameters;     // NAME=VALUE, in place of the model's own values
   std::optional<double> max_error;         // metres in the world; none: what the model needs
   std::uint64_t max_triangles = 1ull << 27;
+  CadOptions cad;  // for models that are CAD files
 };
 
 struct CompileOptions {
@@ -38,6 +54,22 @@ struct CompileOptions {
   std::string depfile;
   std::string license;  // of the original tools: accepted, ignored, noted
   bool strip_sources = false;
+};
+
+struct ImportOptions {
+  CommonOptions common;
+  ReadOptions read;
+  std::string input;
+  std::string output;  // .pan or .pxn; empty: none
+  std::string report;  // .txt, .json or .html; empty: none
+  std::string gl = "auto";
+};
+
+struct ExportOptions {
+  CommonOptions common;
+  ReadOptions read;
+  std::string input;
+  std::string output;  // .glb
 };
 
 struct CheckOptions {

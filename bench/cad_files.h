@@ -1,0 +1,36 @@
+// CAD files of known contents, as large as a case needs.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "base/math.h"
+#include "pan/model.h"
+
+namespace panwright::bench {
+
+// A band of a sphere of radius 1 about y, a net of `side` × `side` quads of two triangles, its seam
+// closed; vertices as exporters write them, with six decimals.
+class Band {
+ public:
+  explicit Band(std::uint32_t side) : side_(side) {}
+  std::uint64_t triangles() const { return 2ull * side_ * side_; }
+  std::uint64_t vertices() const { return std::uint64_t{side_} * (side_ + 1); }
+  Vec3 at(std::uint32_t around, std::uint32_t along) const;  // rounded as written
+  // How far a place lies from the vertex that it stands for.
+  double off(const Vec3& place) const;
+
+  std::string vrml() const;             // one IndexedFaceSet of VRML 97
+  std::string glb(bool normals) const;  // one mesh of float positions and 32-bit indices
+  // Of a scene that holds it in double: positions, normals and triangles.
+  double array_bytes(bool normals) const;
+
+ private:
+  std::uint32_t side_;
+};
+
+// The largest Band::off() of the vertices of a compiled model, in metres; infinite when its
+// triangles are not as many.
+double worst_place(const Band& band, const pan::Model& model);
+
+}  // namespace panwright::bench

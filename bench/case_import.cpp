@@ -1,0 +1,150 @@
+// Whole processes from CAD files to models and pictures.
+#include <fmt/format.h>
+
+#include <limits>
+#include <vector>
+
+#include "base/file.h"
+#include "bench/bench.h"
+#include "bench/cad_files.h"
+#include "bench/scenes.h"
+#include "pan/model.h"
+
+namespace panwright::bench {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+double worst_in(const Band& band, const fs::path& path) {
+  DiagnosticLog log;
+  auto model = pan::Model::load(path, log);
+  return model ? worst_place(band, *model) : std::numeric_limits<double>::infinity();
+}
+
+// A program of another project, when it is installed.
+fs::path installed(const char* name) {
+  for (const char* const folder : {"/usr/bin", "/usr/local/bin"})
+    if (fs::exists(fs::path(folder) / name)) return fs::path(folder) / name;
+  return {};
+}
+
+struct Job {
+  std::string setting;
+  fs::path program;
+  std::vector<std::string> arguments;
+  double must_seconds = 0;
+  fs::path model;  // to hold against the band; empty: none
+  bool normals = false;
+};
+
+void run_import(Context& context) {
+  const fs::path panwright = context.program("panwright");
+  if (panwright.empty()) return context.note("the program is not built: nothing to time");
+  const Band band(context.quick() ? 40 : 708);
+  const double million = static_cast<double>(band.triangles()) * 1e-6;
+  const fs::path wrl = write_scratch(context, "band.wrl", band.vrml());
+  const fs::path plain = write_scratch(context, "plain.glb", band.glb(false));
+  const fs::path lit = write_scratch(context, "lit.glb", band.glb(true));
+  const auto out = [&](const char* name) { return (context.scratch() / name).string(); };
+  const std::string keep = "--keep-hidden", as_is = "--no-weld";
+  std::vector<Job> jobs = {
+      {"vrml to pan: weld, normals, reorder",
+       panwright,
+       {"import", wrl.string(), keep, "-o", out("a.pan")},
+       1.0,
+       out("a.pan"),
+       true},
+      {"vrml to pan: as it is",
+       panwright,
+       {"import", wrl.string(), keep, as_is, "-o", out("b.pan")},
+       0,
+       out("b.pan"),
+       true},
+      {"glb to pan",
+       panwright,
+       {"import", lit.string(), keep, as_is, "-o", out("c.pan")},
+       0.25,
+       out("c.pan"),
+       true},
+      {"glb without normals to pan",
+       panwright,
+       {"import", plain.string(), keep, as_is, "-o", out("d.pan")},
+       0,
+       out("d.pan"),
+       true},
+      {"glb to pan: weld, reorder",
+       panwright,
+       {"import", lit.string(), keep, "-o", out("e.pan")},
+       0,
+       out("e.pan"),
+       true},
+      {"glb to a picture of 1024 x 1024",
+       panwright,
+       {"render", lit.string(), keep, as_is, "--fov", "40", "-o", out("f.png")},
+       0.8,
+       {},
+       true},
+  };
+  const fs::path assimp = installed("assimp");
+  if (!assimp.empty())
+    jobs.push_back({"assimp info of the glb", assimp, {"info", lit.string()}, 0, {}, true});
+  std::vector<Variant> variants;
+  std::vector<double> peaks(jobs.size());
+  for (std::size_t i = 0; i < jobs.size(); ++i)
+    variants.push_back({jobs[i].setting, [&, i] {
+                          double peak = 0;
+                          if (run_program(jobs[i].program, jobs[i].arguments, &peak) == 0)
+                            peaks[i] = std::max(peaks[i], peak);
+                        }});
+  auto timings = interleaved(variants, context.quick() ? 1 : 7);
+  // too slow to be run in turn with the others
+  const fs::path castle = installed("tovrmlx3d");
+  if (!castle.empty()) {
+    jobs.push_back({"tovrmlx3d of the vrml", castle, {wrl.string()}, 0, {}, true});
+    peaks.push_back(0);
+    timings.push_back(timed([&] { run_program(castle, {wrl.string()}, &peaks.back()); }, 1));
+  }
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    const Job& job = jobs[i];
+    if (peaks[i] == 0) {
+      context.note(job.setting + ": the program failed");
+      continue;
+    }
+    Row row;
+    row.case_name = "import";
+    row.setting = fmt::format("{} Mtri={:.3g}", job.setting, million);
+    set_time(row, timings[i], 1);
+    row.speed_unit = "s a process";
+    row.must_is_least = false;
+    if (!context.quick()) row.must = job.must_seconds;
+    if (job.model.empty()) {
+      // what a picture is wrong by stands in other cases: here its memory
+      row.error = peaks[i] / band.array_bytes(job.normals);
+      row.error_unit = "memory over the scene's arrays";
+      row.reference = "arrays of the mesh in double";
+    } else {
+      row.error = worst_in(band, job.model);
+      row.error_unit = "m of 1 m";
+      row.reference = "the numbers written";
+      row.must_error = 1e-7;  // rounding to single precision about the middle of the mesh
+    }
+    context.add(row);
+    if (job.model.empty() || job.program != panwright) continue;
+    Row memory = row;
+    memory.setting = fmt::format("memory of: {}", row.setting);
+    memory.error = peaks[i] / band.array_bytes(job.normals);
+    memory.error_unit = "memory over the scene's arrays";
+    memory.reference = "arrays of the mesh in double";
+    memory.must = 0;
+    memory.must_error = context.quick() ? 0 : 3;
+    context.add(memory);
+  }
+}
+
+const bool kAdded =
+    add_case({"import", "CAD files to models and pictures, whole processes", run_import});
+
+}  // namespace
+
+}  // namespace panwright::bench

@@ -1,0 +1,178 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "base/text.h"
+#include "importers/clean.h"
+#include "pxn/skeleton.h"
+#include "tools/commands.h"
+#include "tools/hygiene_page.h"
+#include "tools/load.h"
+#include "tools/session.h"
+
+namespace panwright::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What the command line said of the file, as attributes of <import>.
+std::string attributes_of(const CadOptions& cad) {
+  std::string out;
+  if (cad.units != "auto") out += fmt::format(" units=\"{}\"", cad.units);
+  if (cad.up != "y") out += fmt::format(" up=\"{}\"", cad.up);
+  if (cad.no_weld) out += " clean=\"no\"";
+  if (cad.weld > 0) out += fmt::format(" weld=\"{}m\"", format_double(cad.weld));
+  if (cad.crease_deg != 30) out += fmt::format(" crease=\"{}deg\"", format_double(cad.crease_deg));
+  if (cad.keep_hidden) out += " hidden=\"keep\"";
+  if (!cad.scene.empty()) out += fmt::format(" scene=\"{}\"", cad.scene);
+  if (cad.primitives > 0) out += fmt::format(" primitives=\"{}\"", cad.primitives);
+  return out;
+}
+
+std::uint64_t triangles_of(const scene::Scene& scene) {
+  std::uint64_t count = 0;
+  for (const scene::Instance& instance : scene.instances)
+    if (const auto* mesh = std::get_if<geometry::MeshShape>(
+            &scene.shapes[static_cast<std::size_t>(instance.shape)]))
+      count += (*mesh)->triangles.size();
+  return count;
+}
+
+Json as_json(const compiler::HiddenReport& hidden) {
+  return {{"triangles_before", hidden.triangles_before},
+          {"triangles_after", hidden.triangles_after},
+          {"instances_before", hidden.instances_before},
+          {"instances_after", hidden.instances_after},
+          {"rays", hidden.rays},
+          {"open_share_95", hidden.open_share},
+          {"seconds", hidden.seconds}};
+}
+
+constexpr const char* kFormats[] = {"VRML 97", "VRML 1.0", "glTF"};
+
+void describe(const importers::Imported& imported, Session& session) {
+  const scene::Scene& scene = imported.scene;
+  const importers::Bounds bounds = importers::bounds_of(scene);
+  const Vec3 size = bounds.any ? bounds.high - bounds.low : Vec3(0);
+  Json& out = session.result();
+  out["format"] = kFormats[static_cast<std::size_t>(imported.format)];
+  out["nodes"] = scene.nodes.size();
+  out["instances"] = scene.instances.size();
+  out["mesh_triangles"] = triangles_of(scene);
+  out["textures"] = scene.textures.size();
+  out["joints"] = scene.joints.size();
+  out["size"] = {size.x, size.y, size.z};
+  Json materials = Json::array();
+  for (const importers::CadMaterial& material : imported.materials) {
+    const pxn::Guess guess = pxn::guessed_preset(material);
+    materials.push_back({{"name", to_utf8(material.name, Encoding::utf8)},
+                         {"preset", guess.preset},
+                         {"reason", guess.reason},
+                         {"lost", material.lost}});
+  }
+  out["materials"] = std::move(materials);
+  if (session.options().json) return;
+  fmt::print("{}: {}, {}, {}, {}\n", kFormats[static_cast<std::size_t>(imported.format)],
+             counted(scene.nodes.size(), "node"), counted(scene.instances.size(), "instance"),
+             counted(triangles_of(scene), "mesh triangle"), counted(scene.joints.size(), "joint"));
+  fmt::print("size: {:.6g} x {:.6g} x {:.6g} m\n", size.x, size.y, size.z);
+  for (const importers::CadMaterial& material : imported.materials) {
+    const pxn::Guess guess = pxn::guessed_preset(material);
+    fmt::print("material {}: {} ({})\n", in_quotes(material.name), guess.preset, guess.reason);
+  }
+}
+
+bool write_report(const importers::Hygiene& hygiene, const scene::Scene& scene,
+                  const ImportOptions& options, Session& session) {
+  session.step("report");
+  const std::string extension = extension_of(options.report);
+  std::string text;
+  if (extension == ".json")
+    text = importers::to_json(hygiene);
+  else if (extension == ".html")
+    text = hygiene_page(hygiene, scene, options);
+  else
+    text = importers::to_text(hygiene);
+  return write_file(options.report, as_bytes(text), session.log());
+}
+
+// The pxn text that stands around the file; the file's path as seen from the text's folder.
+void write_skeleton(const importers::Imported& imported, const ImportOptions& options,
+                    Session& session) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path folder = fs::absolute(options.output, error).parent_path();
+  fs::path file = fs::absolute(options.input, error)
+                      .lexically_normal()
+                      .lexically_relative(folder.lexically_normal());
+  if (file.empty()) file = options.input;
+  if (*file.begin() == "..")
+    session.log().report(
+        Code::E0201, {},
+        fmt::format("{} does not lie in the folder of {} or below it, where imports are found",
+                    in_quotes(options.input), in_quotes(options.output)));
+  else
+    write_file(
+        options.output,
+        as_bytes(pxn::skeleton(imported, file.generic_string(), attributes_of(options.read.cad))),
+        session.log());
+}
+
+}  // namespace
+
+int import_cad(const ImportOptions& options) {
+  Session session("import", options.common);
+  DiagnosticLog& log = session.log();
+  const std::string extension = extension_of(options.output);
+  if (!options.output.empty() && extension != ".pan" && extension != ".pxn") {
+    log.report(Code::E0202, {},
+               fmt::format("{} is neither a .pan nor a .pxn file", in_quotes(options.output)));
+    return session.finish();
+  }
+  std::error_code ignored;
+  for (const std::string& output : {options.output, options.report})
+    if (!output.empty() && std::filesystem::equivalent(options.input, output, ignored)) {
+      log.report(Code::E0201, {}, "-o or --report names the input: it would be overwritten");
+      return session.finish();
+    }
+  importers::Hygiene hygiene;
+  auto imported = read_cad(options.input, options.read, session, &hygiene);
+  if (!imported) return session.finish();
+  const std::size_t errors = log.errors();
+  if (!options.report.empty() && !write_report(hygiene, imported->scene, options, session))
+    return session.finish();
+  if (options.output.empty()) {
+    session.step({});
+    describe(*imported, session);
+    return session.finish();
+  }
+  session.result()["output"] = options.output;
+  if (extension == ".pxn") {
+    session.step("write");
+    write_skeleton(*imported, options, session);
+  } else {
+    compiler::HiddenReport hidden;
+    if (prune(imported->scene, options.read, session, &hidden))
+      session.result()["hidden"] = as_json(hidden);
+    compiler::Options compile;
+    compile.max_error = options.read.max_error;
+    compile.max_triangles = options.read.max_triangles;
+    session.step({});
+    const auto report = compiler::compile(imported->scene, compile, options.output, log);
+    if (!report) return session.finish();
+    session.add_timing("tessellate", report->seconds_tessellate);
+    session.add_timing("write", report->seconds_write);
+    session.add_timing("sync to disk", report->seconds_sync);
+    session.result()["bytes"] = report->bytes;
+    session.result()["triangles"] = report->triangles;
+    session.result()["unique_triangles"] = report->unique_triangles;
+  }
+  if (!options.common.json && errors > 0)
+    fmt::print(stderr, "panwright: wrote {} without what could not be read\n", options.output);
+  return session.finish();
+}
+
+}  // namespace panwright::tools

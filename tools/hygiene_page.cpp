@@ -1,0 +1,211 @@
+#include "tools/hygiene_page.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include "base/file.h"
+#include "base/text.h"
+#include "compiler/compile.h"
+#include "importers/clean.h"
+#include "pan/model.h"
+#include "preview/renderer.h"
+
+namespace panwright::tools {
+
+namespace {
+
+constexpr std::uint32_t kSide = 360;         // pixels of a picture
+constexpr std::size_t kPicturesOfAKind = 6;  // the worst
+constexpr double kRing = 0.16;               // of the picture: the ring's radius
+constexpr std::size_t kMeshRows = 200;
+
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : to_utf8(text, Encoding::utf8)) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k)
+      out += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return out;
+}
+
+void draw_ring(preview::Image& image) {
+  const double middle = kSide / 2.0, radius = kRing * kSide;
+  for (std::uint32_t y = 0; y < kSide; ++y)
+    for (std::uint32_t x = 0; x < kSide; ++x) {
+      const double r = std::hypot(x + 0.5 - middle, y + 0.5 - middle);
+      if (std::fabs(r - radius) > 1.5) continue;
+      const std::size_t pixel = std::size_t{y} * kSide + x;
+      image.radiance[3 * pixel] = static_cast<float>(0.8 / kPi);
+      image.radiance[3 * pixel + 1] = static_cast<float>(0.03 / kPi);
+      image.radiance[3 * pixel + 2] = static_cast<float>(0.03 / kPi);
+      image.coverage[pixel] = 1;
+    }
+}
+
+// Pictures of places on one model.
+class Camera {
+ public:
+  Camera(const scene::Scene& scene, const ImportOptions& options)
+      : bounds_(importers::bounds_of(scene)) {
+    compiler::Options compile;
+    compile.max_error = options.read.max_error;
+    const auto bytes = compiler::compiled(scene, compile, log_);
+    if (!bytes) return;
+    auto model = pan::Model::from_bytes(*bytes, "model", log_);
+    if (!model || !model->check(log_)) return;
+    model_.emplace(std::move(*model));
+    auto context = preview::Context::create(*preview::context_kind_from_name(options.gl), log_);
+    if (!context) return;
+    context_ = std::move(*context);
+    auto renderer = preview::Renderer::create(*context_, *model_, log_);
+    if (renderer) renderer_.emplace(std::move(*renderer));
+    file_ = std::filesystem::temp_directory_path() /
+            fmt::format("panwright-report-{}.png", static_cast<long>(::getpid()));
+  }
+  ~Camera() {
+    std::error_code ignored;
+    if (!file_.empty()) std::filesystem::remove(file_, ignored);
+  }
+  Camera(const Camera&) = delete;
+  Camera& operator=(const Camera&) = delete;
+
+  bool works() const { return renderer_.has_value() && bounds_.any; }
+
+  // A PNG, as base64; empty when it cannot be had.
+  std::string picture(const importers::WorldSpot& spot) {
+    const Vec3 middle = (bounds_.low + bounds_.high) / 2.0;
+    const double size = glm::length(bounds_.high - bounds_.low);
+    Vec3 outwards = spot.at - middle + Vec3(0.13, -0.29, 0.17) * (0.05 * size);
+    outwards = glm::normalize(outwards);
+    preview::View view;
+    preview::set_orthographic(view.camera, kSide, kSide,
+                              std::clamp(spot.length / kRing, 0.02 * size, size));
+    view.camera.position = spot.at + outwards * size;
+    const auto rotation = preview::looking_at(view.camera.position, spot.at, std::nullopt, log_);
+    if (!rotation) return {};
+    view.camera.world_from_camera = *rotation;
+    view.to_sun = outwards + Vec3(0.3, -0.2, 0.5);
+    preview::RenderOptions options;
+    options.samples = 2;
+    options.shadow_side = 0;
+    auto image = renderer_->render(view, options, log_);
+    if (!image) return {};
+    draw_ring(*image);
+    if (!preview::write_image(file_, *image, 0.5, log_)) return {};
+    const auto bytes = read_file(file_, 1u << 24, log_);
+    return bytes ? base64(*bytes) : std::string();
+  }
+
+ private:
+  DiagnosticLog log_;  // what the report cannot show is no error of the import
+  importers::Bounds bounds_;
+  std::optional<pan::Model> model_;
+  std::unique_ptr<preview::Context> context_;
+  std::optional<preview::Renderer> renderer_;
+  std::filesystem::path file_;
+};
+
+std::string head(const ImportOptions& options) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<title>{0}: hygiene</title>\n<style>\n"
+      "body {{ font: 15px/1.45 system-ui, sans-serif; margin: 2em auto; max-width: 72em; padding: "
+      "0 1em; "
+      "color: #1c2430; }}\n"
+      "table {{ border-collapse: collapse; margin: 1em 0; }}\n"
+      "td, th {{ padding: .25em .8em; text-align: right; border-bottom: 1px solid #dde2e8; }}\n"
+      "td:first-child, th:first-child {{ text-align: left; }}\n"
+      "figure {{ display: inline-block; margin: 0 1em 1em 0; width: {1}px; vertical-align: top; "
+      "}}\n"
+      "figcaption {{ font-size: 13px; }}\n"
+      "</style></head>\n<body>\n<h1>{0}</h1>\n",
+      escaped(std::filesystem::path(options.input).filename().string()), kSide);
+}
+
+std::string totals(const geometry::CleanReport& total) {
+  std::string out = "<table>\n";
+  const auto row = [&](const char* name, std::uint64_t count) {
+    out += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", name, count);
+  };
+  row("triangles before", total.triangles_before);
+  row("triangles after", total.triangles_after);
+  row("vertices before", total.vertices_before);
+  row("vertices after", total.vertices_after);
+  row("faces without area", total.degenerate);
+  row("faces that stood twice", total.duplicates);
+  row("faces turned round", total.flipped);
+  row("pieces", total.pieces);
+  row("closed pieces", total.closed_pieces);
+  row("edges of three faces or more", total.non_manifold_edges);
+  row("holes", total.holes);
+  row("vertices on edges of other faces", total.t_junctions);
+  return out + "</table>\n";
+}
+
+std::string mesh_rows(const importers::Hygiene& hygiene) {
+  std::string out =
+      "<h2>Meshes</h2>\n<table>\n<tr><th>first place</th><th>triangles</th><th>holes</th>"
+      "<th>non-manifold edges</th><th>T-junctions</th><th>turned</th></tr>\n";
+  std::size_t rows = 0;
+  for (const importers::MeshHygiene& mesh : hygiene.meshes) {
+    const geometry::CleanReport& r = mesh.report;
+    if (r.holes + r.non_manifold_edges + r.t_junctions + r.flipped == 0) continue;
+    if (++rows > kMeshRows) break;
+    out +=
+        fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                    escaped(mesh.path), r.triangles_after, r.holes, r.non_manifold_edges,
+                    r.t_junctions, r.flipped);
+  }
+  if (rows == 0) return "<p>Every mesh is clean.</p>\n";
+  return out + (rows > kMeshRows ? "</table>\n<p>and more.</p>\n" : "</table>\n");
+}
+
+}  // namespace
+
+std::string hygiene_page(const importers::Hygiene& hygiene, const scene::Scene& scene,
+                         const ImportOptions& options) {
+  std::string out = head(options) + totals(hygiene.total);
+  if (!hygiene.spots.empty()) {
+    Camera camera(scene, options);
+    out += "<h2>Places to look at</h2>\n";
+    if (!camera.works()) out += "<p>No pictures: there is no OpenGL here.</p>\n";
+    std::array<std::size_t, 8> shown{};
+    for (const importers::WorldSpot& spot : hygiene.spots) {
+      if (!camera.works() || shown[static_cast<std::size_t>(spot.kind)]++ >= kPicturesOfAKind)
+        continue;
+      const std::string picture = camera.picture(spot);
+      if (picture.empty()) continue;
+      out += fmt::format(
+          "<figure><img width=\"{0}\" height=\"{0}\" alt=\"{1}\" src=\"data:image/png;base64,{2}\">"
+          "<figcaption>{1} of {3:.3g} m in {4}, at {5:.4g} {6:.4g} {7:.4g}</figcaption></figure>\n",
+          kSide, importers::kind_name(spot.kind), picture, spot.length,
+          escaped(hygiene.meshes[spot.mesh].path), spot.at.x, spot.at.y, spot.at.z);
+    }
+  }
+  return out + mesh_rows(hygiene) + "</body></html>\n";
+}
+
+}  // namespace panwright::tools
