@@ -6,6 +6,8 @@
 // square roots only.
 #pragma once
 
+#include <memory>
+
 #include "base/math.h"
 #include "materials/material.h"
 
@@ -45,6 +47,24 @@ Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_vie
               const Vec3& normal, const Vec3& irradiance, const Vec3& tint = Vec3(1),
               const Local& local = {});
 
+// A material whose numbers are converted once, for many directions: brdf() spends most of its time
+// on that. May be used from several threads.
+class Prepared {
+ public:
+  explicit Prepared(const Material& material);
+  ~Prepared();
+  Prepared(Prepared&&) noexcept;
+  Prepared& operator=(Prepared&&) noexcept;
+
+  // As brdf(), the same bits.
+  Vec3 brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
+            const Vec3& tint = Vec3(1), const Local& local = {}) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<const Parts> parts_;
+};
+
 }  // namespace f64
 
 // The same in float, material and all: what a shader computes.
@@ -57,6 +77,23 @@ Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
 Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
               const Vec3& normal, const Vec3& irradiance, const Vec3& tint = Vec3(1),
               const Local& local = {});
+
+// See f64.
+class Prepared {
+ public:
+  explicit Prepared(const Material& material);
+  ~Prepared();
+  Prepared(Prepared&&) noexcept;
+  Prepared& operator=(Prepared&&) noexcept;
+
+  // As brdf(), the same bits.
+  Vec3 brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
+            const Vec3& tint = Vec3(1), const Local& local = {}) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<const Parts> parts_;
+};
 
 }  // namespace f32
 

@@ -231,6 +231,8 @@ Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, Di
     const std::size_t end = std::min(text->find('\n', begin), text->size());
     std::string_view line(text->data() + begin, end - begin);
     std::size_t skip = 0;
+    // a byte-order mark
+    if (begin == 0 && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
     while (skip < line.size() && is_gap(line[skip])) ++skip;
     const char first = skip < line.size() ? line[skip] : '#';
     const bool number =

@@ -484,8 +484,9 @@ Result<Image> Renderer::render(const View& view, const RenderOptions& options, D
   const std::uint64_t bytes = image.pixels() * (options.truth ? 44 : 16);
   if (bytes > options.max_bytes) {
     log.report_file(Code::E5003, {},
-                    fmt::format("an image of {} by {} pixels takes {} MiB; the limit is {} MiB",
-                                camera.width, camera.height, bytes >> 20, options.max_bytes >> 20));
+                    fmt::format("an image of {} by {} pixels takes {:.4g} MiB; the limit is {:.4g} MiB",
+                                camera.width, camera.height, static_cast<double>(bytes) / 0x1p20,
+                                static_cast<double>(options.max_bytes) / 0x1p20));
     return failed;
   }
   if (!impl_->context.make_current()) {

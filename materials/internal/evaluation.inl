@@ -2,14 +2,38 @@
 
 Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
           const Vec3& tint, const Local& local) {
-  SurfaceFields s = surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2));
+  SurfaceFields s =
+      surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2));
   s.diffuse = s.diffuse * tint;
   return composition_of(material).surface_brdf(s, to_light, to_viewer, normal);
 }
 
 Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
               const Vec3& normal, const Vec3& irradiance, const Vec3& tint, const Local& local) {
-  SurfaceFields s = surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2));
+  SurfaceFields s =
+      surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2));
   s.diffuse = s.diffuse * tint;
   return composition_of(material).surface_radiance(s, to_light, to_viewer, normal, irradiance);
+}
+
+struct Prepared::Parts {
+  SurfaceFields surface;
+  Composition composition;
+};
+
+Prepared::Prepared(const Material& material)
+    : parts_(std::make_unique<const Parts>(Parts{surface_of(material), composition_of(material)})) {
+}
+Prepared::~Prepared() = default;
+Prepared::Prepared(Prepared&&) noexcept = default;
+Prepared& Prepared::operator=(Prepared&&) noexcept = default;
+
+Vec3 Prepared::brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
+                    const Vec3& tint, const Local& local) const {
+  SurfaceFields s = parts_->surface;
+  s.tangent = rounded(local.tangent);
+  s.sun_alpha2 = static_cast<Real>(local.sun_alpha2);
+  s.diffuse = s.diffuse * tint;
+  Composition composition = parts_->composition;
+  return composition.surface_brdf(s, to_light, to_viewer, normal);
 }

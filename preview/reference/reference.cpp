@@ -172,8 +172,9 @@ Result<ReferenceImage> Reference::render(const View& view, const ReferenceOption
       image.pixels() * (options.truth ? 56 : 28) + cells.size() * kPixelBytes;
   if (bytes > options.max_bytes) {
     log.report_file(Code::E5003, {},
-                    fmt::format("an image of {} by {} pixels takes {} MiB; the limit is {} MiB",
-                                camera.width, camera.height, bytes >> 20, options.max_bytes >> 20));
+                    fmt::format("an image of {} by {} pixels takes {:.4g} MiB; the limit is {:.4g} MiB",
+                                camera.width, camera.height, static_cast<double>(bytes) / 0x1p20,
+                                static_cast<double>(options.max_bytes) / 0x1p20));
     return failed;
   }
   image.radiance.resize(3 * image.pixels());

@@ -462,7 +462,12 @@ std::string Values::subject(std::uint32_t element, const schemas::Value& value,
   const std::string_view name = number_at(value, index).name;
   if (value.count == 1 && &value == &schema(element).text)
     return fmt::format("<{}>", schema(element).name);
-  return fmt::format("{} of <{}>", name.substr(0, name.find(':')), schema(element).name);
+  const std::string_view number = name.substr(0, name.find(':'));
+  // one of several numbers of an attribute
+  for (const schemas::Attribute& attribute : schema(element).attributes)
+    if (&attribute.value == &value && value.count > 1 && attribute.name != number)
+      return fmt::format("{} of {} of <{}>", number, attribute.name, schema(element).name);
+  return fmt::format("{} of <{}>", number, schema(element).name);
 }
 
 std::string Values::written(const Text& text, const Token& token) const {

@@ -143,5 +143,27 @@ TEST(Brdf, HorizonOfTheViewer) {
   }
 }
 
+TEST(Brdf, PreparedIsTheSame) {
+  Material m = figure8();
+  for (int kind = 0; kind < 3; ++kind) {
+    if (kind == 1) m.coat = Coat{.index = 1.5, .alpha = 0.1, .depth = Vec3(0.1)};
+    if (kind == 2) m.specular_law = SpecularLaw::ggx;
+    fit(m);
+    const f64::Prepared prepared(m);
+    const f32::Prepared prepared32(m);
+    const Local local{Vec3(1, 0, 0), kSunAlpha2};
+    const Vec3 tint(0.5, 1, 0.25);
+    for (const double angle : {0.1, 0.7, 1.5}) {
+      const Vec3 l = from_angles(angle, 2.0);
+      EXPECT_EQ(prepared.brdf(l, kViewer, kNormal, tint, local),
+                f64::brdf(m, l, kViewer, kNormal, tint, local));
+      EXPECT_EQ(prepared32.brdf(glm::vec3(l), glm::vec3(kViewer), glm::vec3(kNormal),
+                                glm::vec3(tint), local),
+                f32::brdf(m, glm::vec3(l), glm::vec3(kViewer), glm::vec3(kNormal), glm::vec3(tint),
+                          local));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace panwright::materials

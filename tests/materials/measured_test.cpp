@@ -45,6 +45,18 @@ std::string many_lines(const std::string& line, int count) {
   return text;
 }
 
+TEST_F(Table, ByteOrderMarksAreSkipped) {
+  for (const char* const first : {"\xEF\xBB\xBF# words\n",
+                                  "\xEF\xBB\xBF"
+                                  "10 180 20 90 1e-2\n"}) {
+    DiagnosticLog log;
+    const auto readings = read_measured(write(first + many_lines("10 180 20 90 1e-2", 8)), log);
+    ASSERT_TRUE(readings);
+    EXPECT_EQ(log.entries().size(), 0u);
+    EXPECT_EQ(readings->size(), first[3] == '#' ? 8u : 9u);
+  }
+}
+
 TEST_F(Table, EveryParting) {
   DiagnosticLog log;
   const auto readings = read_measured(

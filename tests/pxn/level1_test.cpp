@@ -339,7 +339,7 @@ TEST(Level1, AnglesAreShownInDegreesAndCountsWhereTheyStand) {
             "2:26 E2017 a sector from 10 to 500 deg; it ends after it begins, at most a whole turn "
             "later\n");
   EXPECT_EQ(complaint("<disc radius=\"1\" sector=\"0 1e9\"/>"),
-            "2:28 E1202 end of <disc> is 1e9; it takes -57200deg to 57200deg\n");
+            "2:28 E1202 end of sector of <disc> is 1e9; it takes -57200deg to 57200deg\n");
   EXPECT_EQ(complaint("<torus radius=\"1\" tube_radius=\"0.1\" segments=\"8\" rings=\"2\"/>"),
             "2:57 E2018 2 segments along the profile; this one needs at least 3\n");
   EXPECT_EQ(complaint("<torus radius=\"1\" tube_radius=\"0.1\" rings=\"2\"/>"),
