@@ -36,6 +36,8 @@ constexpr Clue kClues[] = {
     {"silver_mli", "mli_silver"},
     {"kapton", "mli_gold_kapton"},
     {"kaptan", "mli_gold_kapton"},
+    {"black anodi", "aluminium_black_anodised"},
+    {"black_anodi", "aluminium_black_anodised"},
     {"anodized black", "aluminium_black_anodised"},
     {"anodi", "aluminium_anodised"},
     {"brushed", "aluminium_brushed"},
@@ -182,6 +184,8 @@ Guess guessed_preset(const importers::CadMaterial& material) {
       return {clue.preset, fmt::format("'{}' in its name", clue.word)};
   if (name.find("black") != std::string::npos) return {"black_polyurethane", "'black' in its name"};
   if (name.find("white") != std::string::npos) return {"white_silicone", "'white' in its name"};
+  if (material.textured)
+    return {"white_silicone", "no better guess: a paint with its picture", true};
   if (material.metallic > 0.5) {
     if (look.yellow && look.vivid > 0.3) return {"gold_plating", "a metal of its colour"};
     return {"aluminium_bare", "a metal"};

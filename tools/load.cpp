@@ -53,10 +53,7 @@ Result<importers::Imported> read_cad(const std::string& path, const ReadOptions&
                    cad.up == "z" ? importers::UpAxis::z : importers::UpAxis::y, cad.recentre,
                    session.log());
   for (scene::Instance& instance : imported->scene.instances)
-    instance.prunable =
-        !cad.keep_hidden &&
-        std::holds_alternative<geometry::MeshShape>(
-            imported->scene.shapes[static_cast<std::size_t>(instance.shape)]);
+    instance.prunable = !cad.keep_hidden;
   return imported;
 }
 

@@ -47,9 +47,7 @@ void graft(const ImportedModel& model, const PartImport& place,
       instance.texture = place.keeps_picture[i]
                              ? model.textures[static_cast<std::size_t>(instance.texture)]
                              : scene::kNone;
-    instance.prunable =
-        !place.keep_hidden && std::holds_alternative<geometry::MeshShape>(
-                                  scene.shapes[static_cast<std::size_t>(instance.shape)]);
+    instance.prunable = !place.keep_hidden;
     scene.instances.push_back(std::move(instance));
   }
   for (scene::Joint joint : from.joints) {
