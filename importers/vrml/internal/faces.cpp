@@ -296,7 +296,9 @@ class FaceMesher {
       if (largest > 0) n = glm::normalize(n / largest);
     }
     if (without == 0) return;
-    report(Code::W6114, List::normals, 0,
+    std::size_t first = 0;
+    while (first + 1 < normals_.size() && vec3_at(normals_.values, first) != Vec3(0)) ++first;
+    report(Code::W6114, List::normals, first,
            fmt::format("{} vertices have a normal without length, and take that of their faces",
                        without));
     take_normals_of_faces();

@@ -306,6 +306,7 @@ TEST(Faces, NormalsWithoutLengthTakeThoseOfTheirFaces) {
   EXPECT_EQ(whole.mesh.normals, made(cube()).mesh.normals);
   ASSERT_EQ(whole.problems.size(), 1u);
   EXPECT_EQ(whole.problems[0].code, Code::W6114);
+  EXPECT_EQ(whole.problems[0].item, 3u);
 
   // tiny and huge ones have a direction all the same
   for (const double scale : {1e-310, 1e-200, 1e200, 1.7e308}) {
