@@ -162,30 +162,28 @@ std::int32_t Builder::kept_texture(scene::Texture texture, SourceSpan where) {
 
 std::int32_t Builder::add_picture(std::span<const std::string_view> urls, SourceSpan where) {
   if (!session.options.textures || urls.empty()) return scene::kNone;
+  std::string key = session.path_of(where.file);
+  for (const std::string_view url : urls) key.append(1, '\0').append(url);
+  const auto [asked, first] = asked_.try_emplace(key, scene::kNone);
+  if (!first) return asked->second;
   std::string path;
-  for (const std::string_view url : urls) {
-    const auto target = resolved(session.path_of(where.file), url, true);
-    const auto known = target ? pictures_.find(*target) : pictures_.end();
-    if (known != pictures_.end()) return known->second;
-  }
   const auto bytes = session.bytes_of(urls, where, &path);
-  for (const std::string_view url : urls)
-    if (const auto target = resolved(session.path_of(where.file), url, true))
-      pictures_[*target] = scene::kNone;
   if (!bytes) return scene::kNone;
-  DecodedImage image;
-  const ImageProblem problem =
-      decode_image(as_bytes(*bytes), session.options.limits.texture_bytes - texture_bytes_, image);
-  if (problem.code) {
-    session.log.report(
-        Code::W6004, where,
-        fmt::format("{}: {}", in_quotes(session.files.display_name(path)), problem.message));
-    return scene::kNone;
+  const auto [picture, unread] = pictures_.try_emplace(path, scene::kNone);
+  if (unread) {
+    DecodedImage image;
+    const std::uint64_t left = session.options.limits.texture_bytes - texture_bytes_;
+    const ImageProblem problem = decode_image(as_bytes(*bytes), left, image);
+    if (problem.code)
+      session.log.report(
+          Code::W6004, where,
+          fmt::format("{}: {}", in_quotes(session.files.display_name(path)), problem.message));
+    else
+      picture->second =
+          kept_texture({path, image.width, image.height, std::move(image.rgba)}, where);
   }
-  scene::Texture texture{path, image.width, image.height, std::move(image.rgba)};
-  const std::int32_t index = kept_texture(std::move(texture), where);
-  pictures_[path] = index;
-  return index;
+  asked->second = picture->second;
+  return asked->second;
 }
 
 std::int32_t Builder::add_image(std::span<const std::int32_t> image, SourceSpan where) {

@@ -85,6 +85,7 @@ class Builder {
   std::map<Hash128, std::int32_t> shapes_;
   std::unordered_multimap<std::uint64_t, std::int32_t> materials_;
   std::map<std::string, std::int32_t> pictures_;  // by path
+  std::map<std::string, std::int32_t> asked_;     // by the file that asks, and all URLs
   std::vector<bool> grey_;
   std::map<std::string, std::uint64_t, std::less<>> skipped_;
   std::map<std::string, std::uint64_t, std::less<>> lost_;

@@ -135,6 +135,12 @@ void Parser::report(Code code, SourceSpan where, std::string message, std::strin
   session_.log.report(code, where, std::move(message), std::move(hint));
 }
 
+// Says once, of the innermost, what the end of the text cuts off.
+void Parser::text_ends(SourceSpan where, std::string_view what) {
+  if (!std::exchange(end_reported_, true))
+    report(Code::E6112, where, fmt::format("the text ends inside this {}", what));
+}
+
 // ---- nodes
 
 void Parser::statement(std::vector<Node*>& out) {
@@ -274,8 +280,7 @@ void Parser::fill(Node& node, Body& body) {
   for (;;) {
     skip_blanks();
     if (at_end()) {
-      report(Code::E6112, node.where,
-             fmt::format("the text ends inside this {}", in_quotes(node.type)));
+      text_ends(node.where, in_quotes(node.type));
       break;
     }
     if (*p_ == '}') {

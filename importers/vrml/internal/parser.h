@@ -100,6 +100,7 @@ class Parser {
 
   // ---- messages
   void report(Code code, SourceSpan where, std::string message, std::string hint = {});
+  void text_ends(SourceSpan where, std::string_view what);
   bool terse();  // many problems already: spare the details
 
   // ---- nodes
@@ -179,6 +180,7 @@ class Parser {
   std::uint32_t unknown_depth_ = 0;  // of nodes that are not known
   std::uint32_t problems_ = 0;
   bool whole_reported_ = false;
+  bool end_reported_ = false;
   std::size_t nonfinite_ = 0;  // in the list that is read; the first is
   SourceSpan nonfinite_at_;
   const Body* field_names_ = nullptr;  // of the node whose value is read

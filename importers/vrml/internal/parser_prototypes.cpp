@@ -57,7 +57,7 @@ void Parser::prototype() {
     for (;;) {
       skip_blanks();
       if (at_end()) {
-        report(Code::E6112, prototype->where, "the text ends inside this prototype");
+        text_ends(prototype->where, "prototype");
         break;
       }
       if (accept('}')) break;
@@ -106,7 +106,7 @@ std::span<FieldSpec> Parser::interface(bool external) {
   for (;;) {
     skip_blanks();
     if (at_end()) {
-      report(Code::E6112, span(open, open + 1), "the text ends inside this interface");
+      text_ends(span(open, open + 1), "interface");
       break;
     }
     if (accept(']')) break;

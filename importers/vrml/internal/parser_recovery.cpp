@@ -63,7 +63,7 @@ void Parser::skip_braces() {
   do {
     skip_blanks();
     if (at_end()) {
-      report(Code::E6112, span(at, at + 1), "what is opened here is not closed");
+      text_ends(span(at, at + 1), "part");
       return;
     }
     if (*p_ == '"') {

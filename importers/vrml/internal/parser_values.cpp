@@ -77,7 +77,7 @@ bool Parser::in_list(const char* open, bool* zero) {
   skip_blanks();
   const char c = *p_;
   if (at_end()) {
-    report(Code::E6112, span(open, open + 1), "the text ends inside this list");
+    text_ends(span(open, open + 1), "list");
     return false;
   }
   if (c == '}') {
@@ -441,7 +441,7 @@ bool Parser::strings(FieldType type, Value& value) {
     }
     if (!bracket) break;
     if (at_end()) {
-      report(Code::E6112, span(open, open + 1), "the text ends inside this list");
+      text_ends(span(open, open + 1), "list");
     } else {
       report(Code::E6103, here(), fmt::format("']' is missing before {}", in_quotes(token_here())));
     }
@@ -513,7 +513,7 @@ bool Parser::nodes(FieldType type, Value& value) {
     for (;;) {
       skip_blanks();
       if (at_end()) {
-        report(Code::E6112, span(open, open + 1), "the text ends inside this list");
+        text_ends(span(open, open + 1), "list");
         break;
       }
       if (*p_ == ']') {
