@@ -78,10 +78,11 @@ class Pruner {
   void prune() {
     find_allowed();
     if (std::find(allowed_.begin(), allowed_.end(), 1) == allowed_.end()) return;
-    const internal::Sight sight =
-        internal::sight_of(world(), {options_.rays_from_outside, options_.rays_per_triangle});
+    const internal::Sight sight = internal::sight_of(
+        world(), {options_.rays_from_outside, options_.rays_per_triangle, options_.max_probes});
     report_.rays = sight.rays;
     report_.reached = sight.last_found;
+    report_.doubtful = sight.doubtful;
     decide(sight);
     state_confidence(sight);
   }

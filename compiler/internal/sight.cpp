@@ -35,7 +35,9 @@ const Vec2 kThirds[] = {{0.8, 0.6},
 constexpr std::uint32_t kShare = 8;
 constexpr std::size_t kSteps = 8;             // parts of the lines from outside
 constexpr std::uint64_t kProbes = 1'000'000;  // for all triangles together, at least
-constexpr std::uint32_t kMostProbes = 16384;  // for one
+constexpr std::uint32_t kMostProbes = 4096;   // for one
+constexpr std::uint32_t kMostDeepProbes = 16384;
+constexpr std::uint32_t kDeepProbes = 2048;  // for each that faces what is seen
 constexpr int kFrontierRounds = 8;
 constexpr std::uint64_t kFrontierLines = 400'000;   // of a round
 constexpr std::uint64_t kMostFrontierLines = 2048;  // through one triangle
@@ -76,16 +78,19 @@ class Looker {
 
   Sight run() {
     const std::size_t count = world_.triangles.size();
-    seen_ = std::vector<std::atomic<std::uint16_t>>(count);
+    met_ = std::vector<std::atomic<std::uint16_t>>(2 * count);
+    exposed_ = std::vector<std::atomic<char>>(count);
     direction_.resize(count);
     if (prepare()) look();
     Sight out;
     out.seen.resize(count);
-    for (std::size_t i = 0; i < count; ++i) out.seen[i] = seen_[i] != 0;
+    for (std::uint32_t i = 0; i < count; ++i)
+      out.seen[i] = seen(i) || (keep_exposed_ && exposed_[i]);
     out.rays = rays_;
     out.last_rays = last_rays_;
     out.last_found = last_found_;
     out.probes = probes_;
+    out.doubtful = doubtful();
     return out;
   }
 
@@ -137,7 +142,7 @@ class Looker {
         if (searched[t] || !undecided(t)) continue;
         Neighbours one{t, 0, {}};
         for_neighbours(t, [&](std::uint32_t other) {
-          if (seen_[other] != 0 && one.count < one.seen.size()) one.seen[one.count++] = other;
+          if (seen(other) && one.count < one.seen.size()) one.seen[one.count++] = other;
         });
         if (one.count == 0) continue;
         searched[t] = 1;
@@ -146,6 +151,14 @@ class Looker {
       if (frontier.empty()) return;
       explore(through_frontier(frontier), false);
     }
+  }
+
+  // Triangles that stay although nothing met them.
+  std::uint64_t doubtful() const {
+    std::uint64_t count = 0;
+    for (std::uint32_t i = 0; keep_exposed_ && i < world_.triangles.size(); ++i)
+      count += undecided(i) && exposed_[i];
+    return count;
   }
 
   // ---- places and neighbours
@@ -190,8 +203,21 @@ class Looker {
     }
   }
 
+  // Between rounds.
+  bool seen(std::uint32_t triangle) const {
+    return met_[2 * std::size_t{triangle}] != 0 || met_[2 * std::size_t{triangle} + 1] != 0;
+  }
   bool undecided(std::uint32_t triangle) const {
-    return world_.wanted[triangle] && seen_[triangle].load(std::memory_order_relaxed) == 0;
+    return world_.wanted[triangle] && !seen(triangle);
+  }
+
+  // The round in which a side of a triangle was met first; 0: none.
+  std::atomic<std::uint16_t>& met(const InstanceHit& hit) {
+    return met_[2 * std::size_t{hit.triangle} + (hit.front ? 0 : 1)];
+  }
+  bool was_met_before(const InstanceHit& hit) {
+    const std::uint16_t round = met(hit).load(std::memory_order_relaxed);
+    return round != 0 && round != round_;
   }
 
   // An undecided triangle and those next to it that are seen.
@@ -263,11 +289,8 @@ class Looker {
 
   void mark(const Line& line, const InstanceHit& hit, std::uint32_t index,
             std::vector<Find>& found) {
-    std::atomic<std::uint16_t>& seen = seen_[hit.triangle];
-    const std::uint16_t before = seen.load(std::memory_order_relaxed);
-    if (before != 0 && before != round_) return;
-    if (!is_open(line, hit)) return;
-    seen.store(round_, std::memory_order_relaxed);
+    if (was_met_before(hit) || !is_open(line, hit)) return;
+    met(hit).store(round_, std::memory_order_relaxed);
     found.push_back({hit.triangle, index});
   }
 
@@ -333,6 +356,14 @@ class Looker {
     found.erase(std::unique(found.begin(), found.end(),
                             [](const Find& a, const Find& b) { return a.triangle == b.triangle; }),
                 found.end());
+    // what is known from its other side is nothing new
+    std::erase_if(found, [&](const Find& find) {
+      for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+        const std::uint16_t round = met_[2 * std::size_t{find.triangle} + side];
+        if (round != 0 && round != round_) return true;
+      }
+      return false;
+    });
     for (const Find& find : found) direction_[find.triangle] = make(find.line)->direction;
     return found;
   }
@@ -379,35 +410,57 @@ class Looker {
     return c[k] + u * (c[(k + 1) % 3] - c[k]) + v * (c[(k + 2) % 3] - c[k]);
   }
 
-  // Lines through what was not met, in rounds; what they find is explored.
+  // Lines through what was not met, in rounds; what they find is explored. Then many more through
+  // what faces a surface that is seen: that is where gaps are. Where these are too many to be sure
+  // of, they stay.
   void probe_all() {
-    std::uint32_t each = 4;
+    probe_rounds(false, kProbes, options_.rays_per_triangle, kMostProbes);
+    probes_ = done_;
+    std::uint64_t exposed = 0;
+    for (std::uint32_t i = 0; i < world_.triangles.size(); ++i)
+      exposed += undecided(i) && exposed_[i];
+    if (exposed * kDeepProbes <= options_.max_probes)
+      probe_rounds(true, options_.max_probes / 3, kDeepProbes, kMostDeepProbes);
+    else
+      keep_exposed_ = true;
+  }
+
+  // In all, at least as many as `total`, within the bounds for each triangle.
+  void probe_rounds(bool exposed, std::uint64_t total, std::uint32_t least, std::uint32_t most) {
+    std::uint32_t each = exposed ? std::max(4u, done_) : 4;
     while (true) {
       std::vector<std::uint32_t> left;
       for (std::uint32_t i = 0; i < world_.triangles.size(); ++i)
-        if (undecided(i)) left.push_back(i);
+        if (undecided(i) && (!exposed || exposed_[i])) left.push_back(i);
       if (left.empty()) return;
       const auto wanted = static_cast<std::uint32_t>(
-          std::clamp<std::uint64_t>(kProbes / left.size(), options_.rays_per_triangle,
-                                    std::max(options_.rays_per_triangle, kMostProbes)));
-      if (probes_ >= wanted) return;
-      const std::uint32_t number = std::min(each, static_cast<std::uint32_t>(wanted - probes_));
-      explore(probe(left, number), false);
-      probes_ += number;
+          std::clamp<std::uint64_t>(total / left.size(), least, std::max(least, most)));
+      if (done_ >= wanted) return;
+      const std::uint32_t number = std::min(each, wanted - done_);
+      explore(probe(left, number, !exposed), false);
+      done_ += number;
       each *= 2;
     }
   }
 
-  std::vector<Find> probe(const std::vector<std::uint32_t>& triangles, std::uint32_t number) {
+  // classify: says of triangles whether they face a side that is seen
+  std::vector<Find> probe(const std::vector<std::uint32_t>& triangles, std::uint32_t number,
+                          bool classify) {
     const auto make = [&](std::uint64_t i) -> std::optional<Line> {
       const std::uint32_t triangle = triangles[static_cast<std::size_t>(i / number)];
-      const auto sample = static_cast<std::uint32_t>(probes_ + i % number);
+      const auto sample = static_cast<std::uint32_t>(done_ + i % number);
       const auto random = philox({triangle, sample, 0, 0}, {0x51947, 1});
       const Vec3 point = point_of(triangle, sample, random);
       const Vec3 outwards = on_sphere(in_unit(random[2]), in_unit(random[3]));
       // most are hidden by what is near
-      geometry::Ray ray{point, outwards, kSlack * radius_};
-      if (!has_clear_ && caster_.any(ray)) return std::nullopt;
+      const geometry::Ray ray{point, outwards, kSlack * radius_};
+      if (classify) {
+        const auto hit = caster_.closest(ray);
+        if (hit && was_met_before(*hit)) exposed_[triangle] = 1;
+        if (hit && !has_clear_) return std::nullopt;
+      } else if (!has_clear_ && caster_.any(ray)) {
+        return std::nullopt;
+      }
       return through(point, -outwards);
     };
     return cast(triangles.size() * std::uint64_t{number}, make);
@@ -434,16 +487,17 @@ class Looker {
 
   // Lines a little aside of those that found something.
   std::vector<Find> beside(const std::vector<Find>& found) {
-    constexpr std::uint64_t kLines = 8;
+    constexpr std::uint64_t kLines = 24;
     return cast(found.size() * kLines, [&](std::uint64_t i) -> std::optional<Line> {
       const std::uint32_t triangle = found[static_cast<std::size_t>(i / kLines)].triangle;
       const auto k = static_cast<std::uint32_t>(i % kLines);
       const auto random = philox({triangle, k, 1, 0}, {0x51947, 2});
       const auto more = philox({triangle, k, 2, 0}, {0x51947, 2});
-      const double width = 0.1 * (k % 4 == 0 ? 1 : k % 4 == 1 ? 0.1 : k % 4 == 2 ? 0.01 : 0.001);
+      // from 1e-4 to 0.1, of a turn or of the radius
+      const double width = 1e-4 * det::exp(6.907755278982137 * in_unit(more[2]));
       const Vec3 d = turned(direction_[triangle], width, random[0], random[1]);
       const auto [right, up] = across(d);
-      const double reach = k < 4 ? 0 : width * radius_;
+      const double reach = k % 2 == 0 ? 0 : width * radius_;
       const Vec3 point = point_of(triangle, 2, more) +
                          reach * (2 * in_unit(random[2]) - 1) * right +
                          reach * (2 * in_unit(random[3]) - 1) * up;
@@ -461,7 +515,7 @@ class Looker {
         if (!undecided(i)) continue;
         std::size_t taken = 0;
         for_neighbours(i, [&](std::uint32_t other) {
-          if (seen_[other] != 0 && taken < kMostPairs) pairs.push_back({i, other}), ++taken;
+          if (seen(other) && taken < kMostPairs) pairs.push_back({i, other}), ++taken;
         });
       }
     } else {
@@ -504,17 +558,20 @@ class Looker {
   Vec3 centre_{0};
   double radius_ = 0;
   bool has_clear_ = false;
-  std::vector<std::atomic<std::uint16_t>> seen_;  // T: the round that met it first; 0: none
-  std::vector<Vec3> direction_;                   // T: of a line that met it
-  std::vector<std::uint32_t> place_;              // V
-  std::vector<std::uint32_t> start_;              // of the lists in around_, by place
+  bool keep_exposed_ = false;
+  std::vector<std::atomic<std::uint16_t>> met_;  // 2*T: see met()
+  std::vector<std::atomic<char>> exposed_;       // T: faces a side that is seen
+  std::vector<Vec3> direction_;                  // T: of a line that met it
+  std::vector<std::uint32_t> place_;             // V
+  std::vector<std::uint32_t> start_;             // of the lists in around_, by place
   std::vector<std::uint32_t> around_;
   std::uint16_t round_ = 0;
   std::uint64_t outside_ = 0;  // lines from outside so far
   std::uint64_t rays_ = 0;
   std::uint64_t last_rays_ = 0;
   std::uint64_t last_found_ = 0;
-  std::uint64_t probes_ = 0;
+  std::uint64_t probes_ = 0;  // through each triangle that was not seen
+  std::uint32_t done_ = 0;    // the same, or through each exposed one
 };
 
 }  // namespace

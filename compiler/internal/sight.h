@@ -19,14 +19,16 @@ struct World {
 struct SightOptions {
   std::uint64_t rays_from_outside = 0;
   std::uint32_t rays_per_triangle = 0;
+  std::uint64_t max_probes = 0;
 };
 
 struct Sight {
-  std::vector<char> seen;        // T
+  std::vector<char> seen;        // T: or to be kept in doubt
   std::uint64_t rays = 0;        // in all
   std::uint64_t last_rays = 0;   // from outside, laid evenly, after all else
   std::uint64_t last_found = 0;  // of them, that met something not seen before
   std::uint64_t probes = 0;      // through each triangle that was not seen
+  std::uint64_t doubtful = 0;    // not met, and kept
 };
 
 // See prune_hidden().
