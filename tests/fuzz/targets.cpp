@@ -6,6 +6,7 @@
 #include <string>
 
 #include "compiler/compile.h"
+#include "importers/import.h"
 #include "pan/diff.h"
 #include "pan/model.h"
 #include "pxn/pxn.h"
@@ -46,6 +47,22 @@ void touch(const panwright::pan::Model& model) {
   require(sum != ~std::uint64_t{0}, "a sum that uses every value read");
 }
 
+// Compiles a sound scene, and checks what comes of it.
+void compile(const scene::Scene& scene) {
+  compiler::Options options;
+  options.max_error = 0.05;
+  options.max_triangles = 5000;
+  DiagnosticLog log;
+  const auto bytes = compiler::compiled(scene, options, log);
+  if (!bytes) {
+    require(log.has_errors(), "no file without an error");
+    return;
+  }
+  DiagnosticLog reading;
+  auto model = panwright::pan::Model::from_bytes(*bytes, "fuzz.pan", reading);
+  require(model && model->check(reading), "what the compiler writes is sound: " + to_text(reading));
+}
+
 }  // namespace
 
 void pxn(std::span<const std::byte> input) {
@@ -63,18 +80,27 @@ void pxn(std::span<const std::byte> input) {
   (void)to_json(log);
   if (!scene) return;
   require(scene::check(*scene).empty(), scene::check(*scene));
+  compile(*scene);
+}
 
-  compiler::Options compile;
-  compile.max_error = 0.05;
-  compile.max_triangles = 5000;
-  const auto bytes = compiler::compiled(*scene, compile, log);
-  if (!bytes) {
-    require(log.has_errors(), "no file without an error");
-    return;
-  }
-  DiagnosticLog reading;
-  auto model = panwright::pan::Model::from_bytes(*bytes, "fuzz.pan", reading);
-  require(model && model->check(reading), "what the compiler writes is sound: " + to_text(reading));
+void vrml(std::span<const std::byte> input) {
+  const std::string text(reinterpret_cast<const char*>(input.data()), input.size());
+  const importers::MemoryFile files[] = {{"top.wrl", text}, {"part.wrl", text}};
+  importers::Options options;
+  options.limits.nodes = 2000;
+  options.limits.triangles = 20000;
+  options.limits.files = 20;
+  options.limits.memory = 64u << 20;
+  options.limits.texture_bytes = 1 << 20;
+  options.assume = importers::Format::vrml97;
+  DiagnosticLog log;
+  const auto imported = importers::import_memory(files, options, log);
+  require(imported.ok() || log.has_errors(), "no scene without an error");
+  (void)to_text(log);
+  if (!imported) return;
+  require(scene::check(imported->scene).empty(), scene::check(imported->scene));
+  require(imported->materials.size() == imported->scene.materials.size(), "a record for each");
+  compile(imported->scene);
 }
 
 void pan(std::span<const std::byte> input) {

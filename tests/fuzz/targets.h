@@ -13,4 +13,8 @@ void pxn(std::span<const std::byte> input);
 // Opens the bytes as a pan file, checks it, and touches everything that a checked file gives.
 void pan(std::span<const std::byte> input);
 
+// Reads the bytes as a VRML file of either version that can inline itself, checks the scene,
+// compiles it and checks the pan file that results.
+void vrml(std::span<const std::byte> input);
+
 }  // namespace panwright::fuzz
