@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <queue>
 
 #include "geometry/internal/outline.h"
 #include "geometry/internal/predicates.h"
@@ -34,6 +35,77 @@ double roundness(const Vec2& a, const Vec2& b, const Vec2& c) {
   return roundness(glm::cross(ab, bc), squared(ab) + squared(bc) + squared(ca));
 }
 
+// The corners that can lie in an ear, those that do not turn left, by squares of the plane.
+class Blockers {
+ public:
+  Blockers(const std::vector<Vec2>& plane, const std::vector<int>& turn)
+      : plane_(plane), is_one_(plane.size(), false), listed_(plane.size(), false) {
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t v = 0; v < plane.size(); ++v)
+      if (turn[v] <= 0) all.push_back(v);
+    for (const std::uint32_t v : all) is_one_[v] = listed_[v] = true;
+    low_ = plane[0];
+    Vec2 high = low_;
+    for (const Vec2& p : plane) {
+      low_ = glm::min(low_, p);
+      high = glm::max(high, p);
+    }
+    constexpr std::size_t kMostSquares = 1024;  // on a side
+    side_ = 1 + std::min(kMostSquares - 1,
+                         static_cast<std::size_t>(std::sqrt(static_cast<double>(all.size()) / 4)));
+    per_length_ = Vec2(static_cast<double>(side_)) / glm::max(high - low_, Vec2(1e-300));
+    start_.assign(side_ * side_ + 2, 0);
+    for (const std::uint32_t v : all) ++start_[square(plane[v]) + 2];
+    for (std::size_t i = 2; i < start_.size(); ++i) start_[i] += start_[i - 1];
+    list_.resize(all.size());
+    for (const std::uint32_t v : all) list_[start_[square(plane[v]) + 1]++] = v;
+  }
+
+  void set(std::uint32_t v, bool is_one) {
+    is_one_[v] = is_one;
+    if (!is_one || listed_[v]) return;
+    listed_[v] = true;
+    late_.push_back(v);
+  }
+
+  // Calls blocks(v) for those in a rectangle until one says yes. *steps grows by the work done.
+  template <class Blocks>
+  bool any(const Vec2& low, const Vec2& high, const Blocks& blocks, std::uint64_t* steps) const {
+    const auto found = [&](std::uint32_t v) {
+      const Vec2& p = plane_[v];
+      return is_one_[v] && p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y &&
+             blocks(v);
+    };
+    const std::size_t first = column(low.x, 0), last = column(high.x, 0);
+    for (std::size_t row = column(low.y, 1); row <= column(high.y, 1); ++row) {
+      const std::uint32_t begin = start_[row * side_ + first];
+      const std::uint32_t end = start_[row * side_ + last + 1];
+      *steps += 1 + end - begin;
+      for (std::uint32_t i = begin; i < end; ++i)
+        if (found(list_[i])) return true;
+    }
+    *steps += late_.size();
+    return std::ranges::any_of(late_, found);
+  }
+
+ private:
+  std::size_t column(double at, int axis) const {
+    const double i = (at - low_[axis]) * per_length_[axis];
+    return i > 0 ? std::min(side_ - 1, static_cast<std::size_t>(i)) : 0;
+  }
+  std::size_t square(const Vec2& p) const { return column(p.y, 1) * side_ + column(p.x, 0); }
+
+  const std::vector<Vec2>& plane_;
+  std::vector<bool> is_one_;
+  std::vector<bool> listed_;
+  std::size_t side_ = 1;
+  Vec2 low_{0};
+  Vec2 per_length_{0};
+  std::vector<std::uint32_t> start_;  // of the squares in list_, row by row
+  std::vector<std::uint32_t> list_;
+  std::vector<std::uint32_t> late_;  // that were none at first
+};
+
 // Cuts off corner after corner whose triangle holds nothing else of the outline. Meisters,
 // "Polygons have ears", 1975.
 class EarCutter {
@@ -42,25 +114,21 @@ class EarCutter {
       : plane_(plane),
         triangles_(triangles),
         left_(plane.size()),
-        steps_(kStepsPerCorner * plane.size()),
-        next_(plane.size()),
-        prev_(plane.size()),
-        turn_(plane.size()),
-        quality_(plane.size(), 0) {
-    for (std::uint32_t i = 0; i < left_; ++i) {
-      next_[i] = i + 1 == left_ ? 0 : i + 1;
-      prev_[i] = i == 0 ? u32(left_ - 1) : i - 1;
-    }
-  }
+        most_steps_(kStepsPerCorner * plane.size()),
+        next_(linked(plane.size(), 1)),
+        prev_(linked(plane.size(), plane.size() - 1)),
+        turn_(turns()),
+        quality_(plane.size(), 0),
+        blockers_(plane, turn_) {}
 
   void run() {
-    for (std::uint32_t v = first_, i = 0; i < left_; v = next_[v], ++i) turn_[v] = turn_at(v);
-    list_blockers();
-    bool fresh = evaluate_all(false);
-    while (left_ > 3 && steps_ > 0) {
+    evaluate_all(false);
+    bool fresh = true;
+    while (left_ > 3 && steps_ < most_steps_) {
       std::uint32_t ear = best();
       if (ear == kNone && !fresh) {
-        fresh = evaluate_all(false);
+        evaluate_all(false);
+        fresh = true;
         continue;
       }
       if (ear == kNone) ear = forced();
@@ -77,51 +145,58 @@ class EarCutter {
  private:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
+  struct Ear {
+    double quality;
+    std::uint32_t corner;
+    // the best on top, of equals the first corner
+    bool operator<(const Ear& other) const {
+      return quality != other.quality ? quality < other.quality : corner > other.corner;
+    }
+  };
+
+  static std::vector<std::uint32_t> linked(std::size_t n, std::size_t step) {
+    std::vector<std::uint32_t> out(n);
+    for (std::size_t i = 0; i < n; ++i) out[i] = u32((i + step) % n);
+    return out;
+  }
+  std::vector<int> turns() const {
+    std::vector<int> out(plane_.size());
+    for (std::uint32_t v = 0; v < out.size(); ++v) out[v] = turn_at(v);
+    return out;
+  }
+
   void emit(std::uint32_t a, std::uint32_t b, std::uint32_t c) { triangles_.push_back({a, b, c}); }
 
   int turn_at(std::uint32_t v) const {
     return internal::orientation(plane_[prev_[v]], plane_[v], plane_[next_[v]]);
   }
 
-  void unlink(std::uint32_t v) {
-    next_[prev_[v]] = next_[v];
-    prev_[next_[v]] = prev_[v];
-    if (first_ == v) first_ = next_[v];
-    --left_;
-  }
-
-  // Only corners that do not turn left can lie in an ear.
-  void list_blockers() {
-    blockers_.clear();
-    std::uint32_t v = first_;
-    for (std::size_t i = 0; i < left_; ++i, v = next_[v])
-      if (turn_[v] <= 0) blockers_.push_back(v);
-  }
-
-  bool evaluate_all(bool lenient) {
+  void evaluate_all(bool lenient) {
+    ears_ = {};
     std::uint32_t v = first_;
     for (std::size_t i = 0; i < left_; ++i, v = next_[v]) evaluate(v, lenient);
-    return true;
   }
 
   void evaluate(std::uint32_t b, bool lenient) {
+    ++steps_;
+    quality_[b] = quality(b, lenient);
+    if (quality_[b] > 0) ears_.push({quality_[b], b});
+  }
+
+  // 0: not an ear.
+  double quality(std::uint32_t b, bool lenient) {
     const std::uint32_t a = prev_[b];
     const std::uint32_t c = next_[b];
-    quality_[b] = 0;
-    if (turn_[b] == 0 && turns_back(a, b, c)) quality_[b] = kTurnsBack;
-    if (turn_[b] <= 0) return;
-    const double x_min = std::min({plane_[a].x, plane_[b].x, plane_[c].x});
-    const double x_max = std::max({plane_[a].x, plane_[b].x, plane_[c].x});
-    const double y_min = std::min({plane_[a].y, plane_[b].y, plane_[c].y});
-    const double y_max = std::max({plane_[a].y, plane_[b].y, plane_[c].y});
-    steps_ -= std::min<std::uint64_t>(steps_, 1 + blockers_.size());
-    for (const std::uint32_t p : blockers_) {
-      const Vec2& at = plane_[p];
-      if (at.x < x_min || at.x > x_max || at.y < y_min || at.y > y_max) continue;
-      if (p != a && p != b && p != c && blocks(p, a, b, c, lenient)) return;
-    }
+    if (turn_[b] == 0 && turns_back(a, b, c)) return kTurnsBack;
+    if (turn_[b] <= 0) return 0;
+    const Vec2 low = glm::min(glm::min(plane_[a], plane_[b]), plane_[c]);
+    const Vec2 high = glm::max(glm::max(plane_[a], plane_[b]), plane_[c]);
+    const auto blocks_ear = [&](std::uint32_t p) {
+      return p != a && p != b && p != c && blocks(p, a, b, c, lenient);
+    };
+    if (blockers_.any(low, high, blocks_ear, &steps_)) return 0;
     // note: never 0 for an ear
-    quality_[b] = roundness(plane_[a], plane_[b], plane_[c]) + 1e-300;
+    return roundness(plane_[a], plane_[b], plane_[c]) + 1e-300;
   }
 
   // Of three in a line: what is cut off has no area, and must go before it is taken for a wall.
@@ -152,12 +227,12 @@ class EarCutter {
   }
 
   std::uint32_t best() {
-    steps_ -= std::min<std::uint64_t>(steps_, left_);
-    std::uint32_t found = kNone;
-    std::uint32_t v = first_;
-    for (std::size_t i = 0; i < left_; ++i, v = next_[v])
-      if (quality_[v] > 0 && (found == kNone || quality_[v] > quality_[found])) found = v;
-    return found;
+    while (!ears_.empty()) {
+      const Ear ear = ears_.top();
+      if (quality_[ear.corner] == ear.quality) return ear.corner;
+      ears_.pop();
+    }
+    return kNone;
   }
 
   // A corner to cut off where there is no ear: touched by the outline, without area, else any.
@@ -177,15 +252,16 @@ class EarCutter {
     const std::uint32_t a = prev_[b];
     const std::uint32_t c = next_[b];
     emit(a, b, c);
-    unlink(b);
-    bool changed = turn_[b] <= 0;
+    next_[a] = c;
+    prev_[c] = a;
+    if (first_ == b) first_ = c;
+    --left_;
+    quality_[b] = 0;
+    blockers_.set(b, false);
     for (const std::uint32_t v : {a, c}) {
-      const int turn = turn_at(v);
-      changed = changed || (turn <= 0) != (turn_[v] <= 0);
-      turn_[v] = turn;
+      turn_[v] = turn_at(v);
+      blockers_.set(v, turn_[v] <= 0);
     }
-    if (changed) list_blockers();
-    steps_ -= std::min<std::uint64_t>(steps_, left_);
     evaluate(a, false);
     evaluate(c, false);
   }
@@ -193,13 +269,15 @@ class EarCutter {
   const std::vector<Vec2>& plane_;
   std::vector<Triangle>& triangles_;
   std::size_t left_;
-  std::uint64_t steps_;
+  std::uint64_t steps_ = 0;
+  std::uint64_t most_steps_;
   std::uint32_t first_ = 0;
   std::vector<std::uint32_t> next_;
   std::vector<std::uint32_t> prev_;
   std::vector<int> turn_;
-  std::vector<double> quality_;  // of ears; 0: not an ear
-  std::vector<std::uint32_t> blockers_;
+  std::vector<double> quality_;    // of ears; 0: not an ear
+  std::priority_queue<Ear> ears_;  // with some that are none any more
+  Blockers blockers_;
 };
 
 }  // namespace

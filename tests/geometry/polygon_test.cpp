@@ -326,14 +326,27 @@ TEST(Polygon, OutlinesThatCrossKeepTheirAreaVector) {
   expect_whole(eight, cut(eight));
 }
 
-// What an outline of a map would be: many corners, and it touches itself.
-TEST(Polygon, ManyCornersThatTouchStillComeOutWhole) {
-  Outline outline = random_star(3000, 9, {1, 0, 0}, {0, 1, 0});
-  outline[1500] = outline[500] * 1e-3;
-  outline[500] = outline[1500];
+// What an outline of a map would be: many corners, and islands joined to the border by double
+// edges.
+TEST(Polygon, ManyCornersWithManyHoles) {
+  const int rows = 60, columns = 60;
+  const double width = 3.0 * columns + 1, height = 3.0 * rows + 1;
+  Outline outline{{0, 0, 0}, {width, 0, 0}, {width, height, 0}, {0, height, 0}};
+  for (int r = rows; r-- > 0;) {
+    const double y = 1 + 3.0 * r;
+    outline.push_back({0, y, 0});
+    for (int c = 0; c < columns; ++c) {
+      const double x = 1 + 3.0 * c;
+      outline.insert(outline.end(), {{x, y, 0}, {x, y + 2, 0}, {x + 2, y + 2, 0}, {x + 2, y, 0}});
+    }
+    for (int c = columns; c-- > 0;) outline.push_back({1 + 3.0 * c, y, 0});
+    outline.push_back({0, y, 0});
+  }
   const std::vector<Triangle> triangles = cut(outline);
   ASSERT_EQ(triangles.size(), outline.size() - 2);
-  EXPECT_NEAR(sums_of(outline, triangles).area.z, area_of(outline).z, 1e-12);
+  const Sums sums = sums_of(outline, triangles);
+  EXPECT_EQ(sums.area.z, width * height - 4.0 * rows * columns);
+  EXPECT_EQ(sums.size, sums.area.z);
 }
 
 TEST(Polygon, CoordinatesWithoutEndDoNoHarm) {

@@ -47,7 +47,8 @@ class Materials10 {
   std::size_t size() const { return size_; }
   Phong at(std::size_t item) const;  // counts round
   bool only_diffuse_varies() const { return others_ <= 1; }
-  bool lit() const { return lit_; }  // false: its colours were emissive alone
+  bool lit() const { return lit_; }             // false: its colours were emissive alone
+  std::vector<double> diffuse_colours() const;  // 3*size
   std::string_view name() const;
 
  private:
@@ -69,6 +70,13 @@ struct Faces10 {
   std::span<const double> texcoords;
   std::span<const std::int32_t> texcoord_index;
   bool own_texcoords = true;  // asked for by the node, not left by one before it
+};
+
+// How a binding finds items: the index, and whether it is one for each corner.
+struct Bound10 {
+  std::vector<std::int32_t> owned;
+  std::span<const std::int32_t> index;
+  bool per_vertex = false;
 };
 
 class Scene10 {
@@ -136,6 +144,9 @@ class Scene10 {
   std::int32_t texture_index();
   void add_faces(Node& node, const Faces10& faces);
   std::vector<Part> parts_of(Node& node, const Faces10& faces);
+  FaceSet set_of(Node& node, const Faces10& faces, const Bound10& normals);
+  void add_part(Node& node, const Faces10& faces, const FaceSet& set, Phong phong,
+                std::vector<Part>& parts);
   void report(const Node& node, const ListProblems& problems);
 
   // What a face set came out as, for its further uses in the same state.

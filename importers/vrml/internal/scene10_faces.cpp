@@ -44,16 +44,9 @@ Index counted_faces(std::span<const std::int32_t> coord_index) {
   return index;
 }
 
-// How a binding finds items: the index and whether it is one for each corner.
-struct Bound {
-  Index owned;
-  std::span<const std::int32_t> index;
-  bool per_vertex = false;
-};
-
-Bound bound(Binding binding, std::span<const std::int32_t> given,
-            std::span<const std::int32_t> coord_index) {
-  Bound out;
+Bound10 bound(Binding binding, std::span<const std::int32_t> given,
+              std::span<const std::int32_t> coord_index) {
+  Bound10 out;
   switch (binding) {
     case Binding::standard:
     case Binding::vertex_indexed:
@@ -79,6 +72,18 @@ Bound bound(Binding binding, std::span<const std::int32_t> given,
   }
   out.index = out.owned;
   return out;
+}
+
+// Items as faces use them, each once.
+Index in_order_of_use(const Index& items, std::size_t count) {
+  Index used;
+  std::vector<bool> seen(count, false);
+  for (const std::int32_t i : items) {
+    if (i < 0 || seen[static_cast<std::size_t>(i)]) continue;
+    seen[static_cast<std::size_t>(i)] = true;
+    used.push_back(i);
+  }
+  return used;
 }
 
 // The faces of a list for which keep(face) holds. per_face: one item for each face.
@@ -139,6 +144,15 @@ Phong Materials10::at(std::size_t item) const {
   number(shininess_, phong.shininess);
   number(transparency_, phong.transparency);
   return phong;
+}
+
+std::vector<double> Materials10::diffuse_colours() const {
+  std::vector<double> colours;
+  for (std::size_t i = 0; i < size_; ++i) {
+    const Vec3 c = at(i).diffuse;
+    colours.insert(colours.end(), {c.x, c.y, c.z});
+  }
+  return colours;
 }
 
 std::string_view Materials10::name() const {
@@ -240,15 +254,10 @@ void Scene10::add_faces(Node& node, const Faces10& faces) {
     builder_.add_instance(place, part.shape, part.material, texture, node.where);
 }
 
-std::vector<Scene10::Part> Scene10::parts_of(Node& node, const Faces10& faces) {
-  const bool textured = texture_index() != scene::kNone;
-  const Materials10 materials(state_.material);
-  if (!materials.lit()) builder_.lost("light that is part of colours");
-
+FaceSet Scene10::set_of(Node& node, const Faces10& faces, const Bound10& normals) {
   FaceSet set;
   set.points = faces.points;
   set.coord_index = faces.coord_index;
-  const Bound normals = bound(state_.normal_binding, faces.normal_index, faces.coord_index);
   if (state_.normals != nullptr) set.normals = state_.normals->numbers("vector");
   set.normal_index = normals.index;
   set.normal_per_vertex = normals.per_vertex;
@@ -269,77 +278,78 @@ std::vector<Scene10::Part> Scene10::parts_of(Node& node, const Faces10& faces) {
     if (state_.hints->find("creaseAngle") != nullptr)
       set.crease_angle = state_.hints->number("creaseAngle");
   }
-  FaceOptions options;
-  options.crease_angle = builder_.session.options.crease_angle;
-  options.max_triangles = builder_.session.options.limits.triangles;
-  options.texcoords = textured;
+  return set;
+}
 
-  const auto part = [&](const FaceSet& of, Phong phong) {
-    std::vector<Part> out;
-    ListProblems problems;
-    geometry::Mesh mesh = mesh_of(of, options, problems);
-    // normals and texcoords that were left by nodes before, and do not fit, were not meant
-    std::erase_if(problems, [&](const ListProblem& p) {
-      return (p.list == List::normals && state_.normal_binding == Binding::standard) ||
-             (p.list == List::texcoords && !faces.own_texcoords && !textured);
-    });
-    report(node, problems);
-    if (mesh.triangles.empty()) return out;
-    if (state_.texture_transform != Mat3(1))
-      for (Vec2& at : mesh.texcoords) at = Vec2(state_.texture_transform * Vec3(at, 1));
-    // colours multiply the diffuse colour
-    if (!mesh.colours.empty()) phong.diffuse = Vec3(1);
-    const auto shape = std::make_shared<const geometry::Mesh>(std::move(mesh));
-    out.push_back({builder_.add_shape(shape, node.where),
-                   builder_.add_phong(phong, materials.name(), textured)});
-    return out;
-  };
+void Scene10::add_part(Node& node, const Faces10& faces, const FaceSet& set, Phong phong,
+                       std::vector<Part>& parts) {
+  const bool textured = texture_index() != scene::kNone;
+  const FaceOptions options{builder_.session.options.crease_angle,
+                            builder_.session.options.limits.triangles, textured};
+  ListProblems problems;
+  geometry::Mesh mesh = mesh_of(set, options, problems);
+  // normals and texcoords that were left by nodes before, and do not fit, were not meant
+  std::erase_if(problems, [&](const ListProblem& p) {
+    return (p.list == List::normals && state_.normal_binding == Binding::standard) ||
+           (p.list == List::texcoords && !faces.own_texcoords && !textured);
+  });
+  report(node, problems);
+  if (mesh.triangles.empty()) return;
+  if (state_.texture_transform != Mat3(1)) {
+    for (Vec2& at : mesh.texcoords) {
+      const Vec2 moved(state_.texture_transform * Vec3(at, 1));
+      if (is_finite(Vec3(moved, 0))) at = moved;
+    }
+  }
+  // colours multiply the diffuse colour
+  if (!mesh.colours.empty()) phong.diffuse = Vec3(1);
+  const auto shape = std::make_shared<const geometry::Mesh>(std::move(mesh));
+  const std::int32_t index = builder_.add_shape(shape, node.where);
+  parts.push_back(
+      {index, builder_.add_phong(phong, Materials10(state_.material).name(), textured)});
+}
+
+std::vector<Scene10::Part> Scene10::parts_of(Node& node, const Faces10& faces) {
+  const Materials10 materials(state_.material);
+  if (!materials.lit()) builder_.lost("light that is part of colours");
+  const Bound10 normals = bound(state_.normal_binding, faces.normal_index, faces.coord_index);
+  FaceSet set = set_of(node, faces, normals);
+  std::vector<Part> parts;
 
   const Binding binding = state_.material_binding;
-  if (binding == Binding::standard || binding == Binding::overall || materials.size() == 1)
-    return part(set, materials.at(0));
-
-  const Bound bound_to = bound(binding, faces.material_index, faces.coord_index);
+  if (binding == Binding::standard || binding == Binding::overall || materials.size() == 1) {
+    add_part(node, faces, set, materials.at(0), parts);
+    return parts;
+  }
+  const Bound10 bound_to = bound(binding, faces.material_index, faces.coord_index);
   Index items(bound_to.index.begin(), bound_to.index.end());
   if (items.empty()) items.assign(faces.coord_index.begin(), faces.coord_index.end());
   for (std::int32_t& i : items)
     if (i >= 0) i = static_cast<std::int32_t>(static_cast<std::size_t>(i) % materials.size());
 
-  std::vector<std::size_t> used;  // items, by their first face
-  if (!materials.only_diffuse_varies() && !bound_to.per_vertex) {
-    std::vector<bool> seen(materials.size(), false);
-    for (const std::int32_t i : items) {
-      if (i < 0 || seen[static_cast<std::size_t>(i)]) continue;
-      seen[static_cast<std::size_t>(i)] = true;
-      used.push_back(static_cast<std::size_t>(i));
-    }
-  }
+  Index used;
+  if (!materials.only_diffuse_varies() && !bound_to.per_vertex)
+    used = in_order_of_use(items, materials.size());
   if (used.empty() || used.size() > kMostParts) {
     if (!materials.only_diffuse_varies()) builder_.lost("materials that vary over one shape");
-    std::vector<double> colours;
-    for (std::size_t i = 0; i < materials.size(); ++i) {
-      const Vec3 c = materials.at(i).diffuse;
-      colours.insert(colours.end(), {c.x, c.y, c.z});
-    }
+    const std::vector<double> colours = materials.diffuse_colours();
     set.colours = colours;
     set.color_index = items;
     set.color_per_vertex = bound_to.per_vertex;
-    return part(set, materials.at(0));
+    add_part(node, faces, set, materials.at(0), parts);
+    return parts;
   }
-  std::vector<Part> parts;
-  for (const std::size_t item : used) {
-    const auto keep = [&](std::size_t face) {
-      return face < items.size() && items[face] == static_cast<std::int32_t>(item);
-    };
-    const Index coord_index = filtered(faces.coord_index, faces.coord_index, false, keep);
-    const Index normal_index =
-        filtered(set.normal_index, faces.coord_index, !set.normal_per_vertex, keep);
-    const Index texcoord_index = filtered(set.texcoord_index, faces.coord_index, false, keep);
+  for (const std::int32_t item : used) {
+    const auto keep = [&](std::size_t face) { return face < items.size() && items[face] == item; };
+    const auto& corners = faces.coord_index;
+    const Index coord_index = filtered(corners, corners, false, keep);
+    const Index normal_index = filtered(set.normal_index, corners, !set.normal_per_vertex, keep);
+    const Index texcoord_index = filtered(set.texcoord_index, corners, false, keep);
     FaceSet some = set;
     some.coord_index = coord_index;
     some.normal_index = normal_index;
     some.texcoord_index = texcoord_index;
-    for (const Part& made : part(some, materials.at(item))) parts.push_back(made);
+    add_part(node, faces, some, materials.at(static_cast<std::size_t>(item)), parts);
   }
   return parts;
 }
