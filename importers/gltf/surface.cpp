@@ -205,6 +205,7 @@ class SurfaceReader {
     mesh.positions = source_.read<Vec3>("POSITION");
     if (mesh.positions.empty()) return out;
     vertices_ = mesh.positions.size();
+    if (!source_.packed()) compare_bounds(static_cast<std::size_t>(position), mesh.positions);
     mesh.normals = source_.read<Vec3>("NORMAL");
     keep_if_fitting(mesh.normals, "NORMAL");
     mesh.colours = source_.read<Vec3>("COLOR_0");
@@ -251,6 +252,37 @@ class SurfaceReader {
     }
     if (primitive_.extensions.contains("KHR_draco_mesh_compression")) return true;
     return d_.charge(vertices * kVertexBytes + triangles * kTriangleBytes, object_);
+  }
+
+  // The bounds that the file gives are those of its positions, as single precision holds them.
+  void compare_bounds(std::size_t accessor, const std::vector<Vec3>& positions) {
+    const Accessor& a = d_.accessors[accessor];
+    if (a.view < 0 && !a.is_sparse) return;  // all 0, whatever the file says
+    const Json* least = a.json->find("min");
+    const Json* most = a.json->find("max");
+    if (!least || !most || least->items.size() != 3 || most->items.size() != 3) return;
+    Vec3 low = positions[0], high = positions[0];
+    for (const Vec3& p : positions) {
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+    const double scale = scale_of(a.component, a.normalised);
+    for (int k = 0; k < 3; ++k) {
+      const auto place = static_cast<std::size_t>(k);
+      const auto same = [&](double given, double found) {
+        // note: −128 and −127 are both −1 once normalised
+        return static_cast<float>(std::max(given * scale, a.normalised ? -1.0 : given)) ==
+               static_cast<float>(found);
+      };
+      if (same(least->items[place].number, low[k]) && same(most->items[place].number, high[k]))
+        continue;
+      wrong(Code::W6212, "/attributes/POSITION",
+            fmt::format("positions lie between {} and {} along axis {}, the file says {} and {}",
+                        format_double(low[k]), format_double(high[k]), k,
+                        format_double(least->items[place].number),
+                        format_double(most->items[place].number)));
+      return;
+    }
   }
 
   template <class Vector>

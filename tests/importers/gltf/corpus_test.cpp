@@ -104,6 +104,12 @@ const std::map<std::string, const char*> kOtherVerdict = {
      "the same, with extensions of its own"},
 };
 
+// Files whose data differ from what the validator saw of them.
+const std::map<std::string, const char*> kOtherBounds = {
+    {"malformed/gltf-validator/ext/KHR_materials_clearcoat/data/material/valid_with_tangent.gltf",
+     "normals without a view are 0, not unit"},
+};
+
 bool needs_error(const Expected& expected) {
   if (expected.refused) return true;
   for (const std::string& code : expected.codes)
@@ -140,6 +146,9 @@ TEST(GltfCorpus, VerdictsAreThoseOfTheValidator) {
     // a file without errors has none here; one with errors that matter has some
     if (expected.errors == 0 && log.has_errors())
       ADD_FAILURE() << expected.path << " is valid\n" << to_text(log);
+    // bounds that the file gives are those of its positions
+    if (expected.errors == 0 && log.contains(Code::W6212) && !kOtherBounds.contains(expected.path))
+      ADD_FAILURE() << expected.path << " has other bounds\n" << to_text(log);
     if (needs_error(expected) && !log.has_errors())
       ADD_FAILURE() << expected.path
                     << " has errors: " << (expected.codes.empty() ? "" : *expected.codes.begin())
