@@ -100,6 +100,7 @@ class Scene10 {
   struct Part {
     std::int32_t shape;
     std::int32_t material;
+    bool coloured;  // the mesh has colours of its own
   };
 
   // groups
@@ -162,6 +163,7 @@ class Scene10 {
   Frame frame_;
   std::int32_t which_child_ = -1;  // of the innermost Switch
   std::map<Use, std::vector<Part>> parts_;
+  std::uint64_t triangles_made_ = 0;
   std::map<const Node*, std::int32_t> images_;  // textures of Texture2 nodes
   // the last node that was made for a shape without a name
   std::int32_t last_anchor_ = scene::kNone;

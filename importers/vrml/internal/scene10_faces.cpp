@@ -243,15 +243,24 @@ void Scene10::add_faces(Node& node, const Faces10& faces) {
   const std::int32_t place = place_of(node, Mat4(1));
   if (place == scene::kNone) return;
   const std::int32_t texture = texture_index();
+  const bool textured = texture != scene::kNone;
+  const Materials10 materials(state_.material);
+  const bool one = state_.material_binding == Binding::standard ||
+                   state_.material_binding == Binding::overall || materials.size() == 1;
   const Mat3& t = state_.texture_transform;
-  const Use use{{&node, state_.coordinates, state_.normals, state_.texcoords, state_.material,
-                 texture == scene::kNone ? nullptr : state_.texture, state_.hints},
-                {state_.material_binding, state_.normal_binding},
-                {t[0][0], t[0][1], t[1][0], t[1][1], t[2][0], t[2][1]}};
+  const Use use{
+      {&node, state_.coordinates, state_.normals, state_.texcoords, one ? nullptr : state_.material,
+       textured ? state_.texture : nullptr, state_.hints},
+      {one ? Binding::overall : state_.material_binding, state_.normal_binding},
+      {t[0][0], t[0][1], t[1][0], t[1][1], t[2][0], t[2][1]}};
   auto known = parts_.find(use);
   if (known == parts_.end()) known = parts_.emplace(use, parts_of(node, faces)).first;
-  for (const Part& part : known->second)
-    builder_.add_instance(place, part.shape, part.material, texture, node.where);
+  for (const Part& part : known->second) {
+    const std::int32_t material =
+        one && !part.coloured ? builder_.add_phong(materials.at(0), materials.name(), textured)
+                              : part.material;
+    builder_.add_instance(place, part.shape, material, texture, node.where);
+  }
 }
 
 FaceSet Scene10::set_of(Node& node, const Faces10& faces, const Bound10& normals) {
@@ -295,6 +304,9 @@ void Scene10::add_part(Node& node, const Faces10& faces, const FaceSet& set, Pho
   });
   report(node, problems);
   if (mesh.triangles.empty()) return;
+  // note: also of shapes that turn out to be equal, which costs time
+  triangles_made_ += mesh.triangles.size();
+  if (triangles_made_ > options.max_triangles) throw OverLimit{"triangles", node.where};
   if (state_.texture_transform != Mat3(1)) {
     for (Vec2& at : mesh.texcoords) {
       const Vec2 moved(state_.texture_transform * Vec3(at, 1));
@@ -302,11 +314,12 @@ void Scene10::add_part(Node& node, const Faces10& faces, const FaceSet& set, Pho
     }
   }
   // colours multiply the diffuse colour
-  if (!mesh.colours.empty()) phong.diffuse = Vec3(1);
+  const bool coloured = !mesh.colours.empty();
+  if (coloured) phong.diffuse = Vec3(1);
   const auto shape = std::make_shared<const geometry::Mesh>(std::move(mesh));
   const std::int32_t index = builder_.add_shape(shape, node.where);
   parts.push_back(
-      {index, builder_.add_phong(phong, Materials10(state_.material).name(), textured)});
+      {index, builder_.add_phong(phong, Materials10(state_.material).name(), textured), coloured});
 }
 
 std::vector<Scene10::Part> Scene10::parts_of(Node& node, const Faces10& faces) {

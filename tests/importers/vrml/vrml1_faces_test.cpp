@@ -244,6 +244,28 @@ TEST(Vrml1, UsesThatDoubleAreBounded) {
   EXPECT_EQ(reading->count(Code::E6002), 1u);
 }
 
+TEST(Vrml1, AShapeInManyStatesIsBounded) {
+  std::string index;
+  for (int i = 0; i < 10'000; ++i) index += "0 1 2 -1 ";
+  std::string text =
+      "Coordinate3 { point [ 0 0 0, 1 0 0, 0 1 0 ] }\nDEF F IndexedFaceSet { "
+      "coordIndex [ " +
+      index + "] }\n";
+  std::string materials = text, normals = text;
+  for (int i = 0; i < 1000; ++i) {
+    materials += "Material { diffuseColor " + std::to_string(i / 1000.0) + " 0 0 } USE F\n";
+    normals += "Normal { vector [ 0 0 1 ] } USE F\n";
+  }
+  Options options;
+  options.limits.triangles = 100'000;
+  const auto one_shape = read10(materials, options);
+  ASSERT_EQ(one_shape->scene().instances.size(), 1001u);
+  EXPECT_EQ(one_shape->scene().shapes.size(), 1u);
+  EXPECT_EQ(material(*one_shape, 501).diffuse, Vec3(0.5, 0, 0));
+  const auto over = read10(normals, options);
+  EXPECT_EQ(over->count(Code::E6002), 1u);
+}
+
 TEST(Vrml1, DeepNestingIsBounded) {
   std::string text;
   for (int i = 0; i < 100'000; ++i) text += "Separator { ";
