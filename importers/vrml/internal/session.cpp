@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "importers/internal/gzip.h"
+#include "importers/vrml/internal/characters.h"
 #include "importers/vrml/internal/parser.h"
 
 namespace panwright::importers::vrml {
@@ -44,6 +45,25 @@ Header header_of(std::string_view line) {
   return {};
 }
 
+// What a text without a header is, by its first word.
+std::optional<Format> guessed(std::string_view text) {
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  std::size_t at = 0;
+  for (; at < text.size() && !is_word(text[at]); ++at) {
+    if (text[at] == '#')
+      at = std::min(text.find_first_of("\r\n", at), text.size());
+    else if (!is_blank(text[at]))
+      return std::nullopt;
+  }
+  std::size_t end = at;
+  while (end < text.size() && is_word(text[end])) ++end;
+  const std::string_view word = text.substr(at, end - at);
+  if (word == "DEF" || word == "PROTO" || word == "EXTERNPROTO" || spec97(word) != nullptr)
+    return Format::vrml97;
+  if (spec10(word) != nullptr) return Format::vrml1;
+  return std::nullopt;
+}
+
 }  // namespace
 
 Document* Session::open(const InputFile& file) { return load(file, true); }
@@ -71,7 +91,7 @@ Document* Session::load(const InputFile& file, bool top) {
       return nullptr;
     }
     if (top) header.format = options.assume;
-    if (!top && !line.starts_with("glTF") && !line.starts_with("{")) header.format = Format::vrml97;
+    if (!top) header.format = guessed(text);
     if (header.format == Format::gltf) header.format.reset();
     if (!header.format) {
       log.report(top ? Code::E6101 : Code::W6004, where,

@@ -134,6 +134,17 @@ TEST(VrmlInline, WithoutHeaderOrNotThere) {
   EXPECT_EQ(reading->scene().instances.size(), 1u);
 }
 
+TEST(VrmlInline, WhatIsNoVrmlIsNotReadAsSuch) {
+  const auto reading = read_files(
+      {{"top.wrl", kHeader97 + "Inline { url \"a.jpg\" }\nInline { url [ \"b.txt\" \"c.wrl\" ] }"},
+       {"a.jpg", std::string("\xff\xd8\xff\xe0\0\0JFIF { } ] [", 18)},
+       {"b.txt", "some words"},
+       {"c.wrl", "Separator { Cube { } }"}});
+  EXPECT_EQ(reading->log.errors(), 0u) << to_text(reading->log);
+  EXPECT_EQ(reading->count(Code::W6004), 3u);
+  EXPECT_EQ(reading->scene().instances.size(), 1u);
+}
+
 TEST(VrmlInline, Cycles) {
   const auto reading =
       read_files({{"a.wrl", kHeader97 + "Inline { url \"b.wrl\" }\nShape { geometry Box {} }"},
