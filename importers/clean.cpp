@@ -63,14 +63,22 @@ class SceneCleaner {
       : scene_(scene), options_(options) {}
 
   Hygiene run() {
-    list_meshes();
+    const std::vector<Mat4> world = scene::world_from_nodes(scene_);
+    list_meshes(world);
     parallel_for(out_.meshes.size(), [&](std::size_t i) {
       geometry::Shape& shape = scene_.shapes[out_.meshes[i].shape];
       Mesh mesh = *std::get<MeshShape>(shape);
-      out_.meshes[i].report = geometry::clean(mesh, options_);
+      geometry::CleanOptions options = options_;
+      // what is small in the world is small in each place of the mesh
+      const double stretch = stretch_[out_.meshes[i].shape];
+      if (stretch > 0) options.tolerance /= stretch;
+      if (stretch > 0) options.junction /= stretch;
+      CleanReport& report = out_.meshes[i].report;
+      report = geometry::clean(mesh, options);
+      report.largest_move *= stretch;
+      report.hole_length *= stretch;
       shape = std::make_shared<const Mesh>(std::move(mesh));
     });
-    const std::vector<Mat4> world = scene::world_from_nodes(scene_);
     for (std::uint32_t i = 0; i < out_.meshes.size(); ++i) collect(i, world);
     std::stable_sort(out_.spots.begin(), out_.spots.end(),
                      [](const WorldSpot& a, const WorldSpot& b) {
@@ -81,8 +89,9 @@ class SceneCleaner {
   }
 
  private:
-  void list_meshes() {
+  void list_meshes(const std::vector<Mat4>& world) {
     std::vector<std::uint32_t> at(scene_.shapes.size(), kNone);
+    stretch_.assign(scene_.shapes.size(), 0);
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
       const auto shape = static_cast<std::uint32_t>(scene_.instances[i].shape);
       if (!std::holds_alternative<MeshShape>(scene_.shapes[shape])) continue;
@@ -91,6 +100,8 @@ class SceneCleaner {
         out_.meshes.push_back({shape, i, 0, path_of(scene_, scene_.instances[i].node), {}});
       }
       ++out_.meshes[at[shape]].instances;
+      const Mat4& matrix = world[static_cast<std::size_t>(scene_.instances[i].node)];
+      stretch_[shape] = std::max(stretch_[shape], stretch_of(matrix).largest);
     }
     std::sort(out_.meshes.begin(), out_.meshes.end(),
               [](const MeshHygiene& a, const MeshHygiene& b) { return a.shape < b.shape; });
@@ -128,6 +139,7 @@ class SceneCleaner {
 
   scene::Scene& scene_;
   const geometry::CleanOptions& options_;
+  std::vector<double> stretch_;  // of shapes into the world: the largest of their instances
   Hygiene out_;
 };
 

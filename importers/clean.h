@@ -14,6 +14,9 @@ namespace panwright::importers {
 // Cleans every mesh of a scene once, however many instances share it. Exact shapes stay as they
 // are. Meshes that end without triangles are left out with their instances and decals.
 //
+//   scene    in its place (see place()): lengths and spots are told in its world
+//   options  lengths in the world; a mesh takes the smallest that its instances ask for
+//
 // Reports: N6301, W6302, W6303, W6305, once each for the scene.
 Hygiene clean_up(scene::Scene& scene, const geometry::CleanOptions& options, DiagnosticLog& log);
 

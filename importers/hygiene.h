@@ -11,11 +11,11 @@ namespace panwright::importers {
 
 // One mesh of the scene.
 struct MeshHygiene {
-  std::uint32_t shape = 0;      // in scene.shapes
-  std::uint32_t instance = 0;   // the first that uses it
-  std::uint32_t instances = 0;  // how many use it
-  std::string path;             // of that instance's node: "body/panel[2]"
-  geometry::CleanReport report;
+  std::uint32_t shape = 0;       // in scene.shapes
+  std::uint32_t instance = 0;    // the first that uses it
+  std::uint32_t instances = 0;   // how many use it
+  std::string path;              // of that instance's node: "body/panel[2]"
+  geometry::CleanReport report;  // lengths in the world, of the largest instance; spots in the mesh
 };
 
 // A place to look at, in the world.

@@ -118,6 +118,22 @@ TEST(CleanScene, HolesAndJunctionsAreWarnedOf) {
   EXPECT_TRUE(log.contains(Code::W6303));
 }
 
+// A tolerance of the world, for a mesh that is drawn smaller than it is written.
+TEST(CleanScene, TolerancesAreMetresInTheWorld) {
+  for (const double tolerance : {0.9e-6, 1.1e-6}) {
+    Imported model = sample(1e-3);
+    Mesh mesh = first_mesh(model.scene);
+    for (std::size_t v = 0; v < mesh.positions.size(); v += 2) mesh.positions[v].x += 1e-3;
+    model.scene.shapes[0] = std::make_shared<const Mesh>(mesh);
+    DiagnosticLog log;
+    geometry::CleanOptions options;
+    options.tolerance = tolerance;
+    const Hygiene hygiene = clean_up(model.scene, options, log);
+    EXPECT_EQ(hygiene.total.largest_move > 0, tolerance > 1e-6);
+    EXPECT_LE(hygiene.total.largest_move, tolerance);
+  }
+}
+
 TEST(CleanScene, MeshesWithoutTrianglesGoWithTheirDecals) {
   Imported model = sample();
   Mesh mesh;
