@@ -210,10 +210,18 @@ class SceneBuilder {
       }
       if (loaded.shape < 0) {
         loaded.shape = static_cast<std::int32_t>(out_.scene.shapes.size());
-        out_.scene.shapes.emplace_back(loaded.mesh);
+        out_.scene.shapes.emplace_back(with_normals(loaded.mesh));
       }
       for (const std::int32_t place : places) add_instance(place, loaded.shape, material);
     }
+  }
+
+  // A mesh that has joints waits for them without normals, and may stand somewhere without them.
+  geometry::MeshShape with_normals(const geometry::MeshShape& mesh) const {
+    if (!mesh->normals.empty()) return mesh;
+    auto copy = std::make_shared<geometry::Mesh>(*mesh);
+    geometry::compute_normals(*copy, d_.options.crease_angle);
+    return copy;
   }
 
   void add_instance(std::int32_t node, std::int32_t shape, std::int32_t material) {
@@ -349,7 +357,7 @@ class SceneBuilder {
     if (skinned_ + morphed_ > 0)
       d_.report(Code::N6214, nullptr, "",
                 fmt::format("{} and {} stand at rest", counted(skinned_, "skinned surface"),
-                            counted(morphed_, "morphed mesh")));
+                            counted(morphed_, "morphed shape")));
     std::vector<std::string> lost;
     for (const auto& [what, times] : lost_)
       lost.push_back(times > 1 ? fmt::format("{} ({} materials)", what, times) : what);

@@ -226,6 +226,24 @@ TEST(GltfReader, MorphedAndSkinnedMeshesStandAtRest) {
   EXPECT_EQ(corners_of(*out.imported), (std::vector<Vec3>{{3, 0, 0}, {1, 5, 0}, {1.5, 3.5, 0}}));
 }
 
+TEST(GltfReader, AMeshWithJointsHasNormalsWhereNoSkinMovesIt) {
+  Sample sample = triangle();
+  const int joints = sample.numbers(std::vector<std::uint8_t>(12, 0), kUnsignedByte, "VEC4", 4);
+  const int weights =
+      sample.numbers(std::vector<float>{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, kFloat, "VEC4", 4);
+  json& attributes = sample.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes["JOINTS_0"] = joints;
+  attributes["WEIGHTS_0"] = weights;
+  sample.json["nodes"][0]["skin"] = 0;
+  sample.json["nodes"].push_back({{"mesh", 0}});
+  sample.json["scenes"][0]["nodes"].push_back(1);
+  sample.json["skins"] = {{{"joints", {0}}}};
+  const Loaded out = load(sample.glb());
+  ASSERT_TRUE(out.imported && !out.log.has_errors()) << out.text();
+  ASSERT_EQ(out.imported->scene.instances.size(), 2u);
+  for (const std::size_t i : {0, 1}) EXPECT_EQ(mesh_of(*out.imported, i).normals.size(), 3u);
+}
+
 TEST(GltfReader, ScenesByNameAndNumber) {
   Sample sample = triangle();
   sample.json["nodes"].push_back({{"mesh", 0}, {"translation", {5, 0, 0}}});

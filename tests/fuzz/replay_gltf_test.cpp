@@ -1,0 +1,31 @@
+// Runs the fuzz targets of glTF over their corpus, in every build.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "base/file.h"
+#include "tests/fuzz/targets_gltf.h"
+
+namespace panwright {
+namespace {
+
+void replay(const std::filesystem::path& folder, void (*target)(std::span<const std::byte>)) {
+  int files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    SCOPED_TRACE(entry.path().string());
+    DiagnosticLog log;
+    const auto bytes = read_file(entry.path(), 1 << 26, log);
+    ASSERT_TRUE(bytes) << to_text(log);
+    target(as_bytes(*bytes));
+    ++files;
+  }
+  EXPECT_GT(files, 0) << folder;
+}
+
+TEST(Replay, GltfCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/gltf", fuzz::gltf); }
+TEST(Replay, DracoCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/draco", fuzz::draco); }
+
+}  // namespace
+}  // namespace panwright
