@@ -43,7 +43,7 @@ Builder::Builder(Session& of) : session(of) {
 scene::Source Builder::source_of(SourceSpan where) {
   if (where.file == kNoFile) return {};
   // note: nodes that are shared ask for the same places again and again
-  const auto [it, added] = positions_.try_emplace({where.file, where.begin});
+  const auto [it, added] = positions_.try_emplace(std::uint64_t{where.file} << 32 | where.begin);
   if (added) it->second = session.log.sources().position(where.file, where.begin);
   return {session.path_of(where.file), it->second.line, it->second.column};
 }

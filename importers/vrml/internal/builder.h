@@ -82,14 +82,17 @@ class Builder {
 
   Imported out_;
   std::unordered_map<std::string, std::uint32_t> kinds_;  // numbers given to nodes without a name
-  std::map<Hash128, std::int32_t> shapes_;
+  struct ByLow {
+    std::size_t operator()(const Hash128& hash) const { return hash.low; }
+  };
+  std::unordered_map<Hash128, std::int32_t, ByLow> shapes_;
   std::unordered_multimap<std::uint64_t, std::int32_t> materials_;
   std::map<std::string, std::int32_t> pictures_;  // by path
   std::map<std::string, std::int32_t> asked_;     // by the file that asks, and all URLs
   std::vector<bool> grey_;
   std::map<std::string, std::uint64_t, std::less<>> skipped_;
   std::map<std::string, std::uint64_t, std::less<>> lost_;
-  std::map<std::pair<FileId, std::uint32_t>, Position> positions_;
+  std::unordered_map<std::uint64_t, Position> positions_;  // by file and byte
   std::vector<const Node*> open_nodes_;
   std::vector<const Document*> open_documents_;
   std::uint64_t visits_ = 0;

@@ -1,9 +1,7 @@
 // VRML 97 → scene. Private to scene97*.cpp.
 #pragma once
 
-#include <map>
-#include <tuple>
-#include <utility>
+#include <unordered_map>
 
 #include "importers/vrml/internal/builder.h"
 #include "importers/vrml/internal/faces.h"
@@ -28,15 +26,28 @@ Quat rotation_of(std::span<const double> axis_angle);
 
 // What has been made of nodes, which may stand in several places.
 struct Cache97 {
+  struct Key {
+    const Node* node = nullptr;
+    const Node* other = nullptr;
+    int flags = 0;
+    bool operator==(const Key&) const = default;
+  };
+  struct KeyHash {
+    std::size_t operator()(const Key& key) const {
+      const auto a = reinterpret_cast<std::uintptr_t>(key.node);
+      const auto b = reinterpret_cast<std::uintptr_t>(key.other);
+      return (a >> 4) + (b >> 4) * 31 + static_cast<std::size_t>(key.flags);
+    }
+  };
   struct Meshed {
     std::int32_t shape = scene::kNone;
     bool coloured = false;
   };
   // by geometry, texture transform, whether it has a picture, and that one is in colour
-  std::map<std::tuple<const Node*, const Node*, bool, bool>, Meshed> meshes;
-  std::map<const Node*, std::int32_t> pixels;  // by PixelTexture
+  std::unordered_map<Key, Meshed, KeyHash> meshes;
+  std::unordered_map<const Node*, std::int32_t> pixels;  // by PixelTexture
   // by appearance, whether it has a picture, and its diffuse colour is replaced
-  std::map<std::tuple<const Node*, bool, bool>, std::int32_t> materials;
+  std::unordered_map<Key, std::int32_t, KeyHash> materials;
 };
 
 class Scene97 {

@@ -256,8 +256,9 @@ void Scene97::report(const ListProblems& problems, const Node& node) {
 
 std::int32_t Scene97::mesh_shape(const Node& geometry, const Look& look, bool* coloured) {
   const bool textured = look.texture != scene::kNone;
-  const auto [it, added] = cache_.meshes.try_emplace(
-      {&geometry, textured ? look.transform : nullptr, textured, textured && !look.grey});
+  const auto [it, added] =
+      cache_.meshes.try_emplace({&geometry, textured ? look.transform : nullptr,
+                                 (textured ? 1 : 0) + (textured && !look.grey ? 2 : 0)});
   Cache97::Meshed& meshed = it->second;
   if (added) {
     ListProblems problems;
@@ -326,7 +327,8 @@ Scene97::Look Scene97::look_of(const Node& shape) {
 std::int32_t Scene97::material_of(const Look& look, bool coloured) {
   const bool textured = look.texture != scene::kNone;
   const bool replaced = coloured || (textured && !look.grey);
-  const auto [it, added] = cache_.materials.try_emplace({look.appearance, textured, replaced}, 0);
+  const auto [it, added] = cache_.materials.try_emplace(
+      {look.appearance, nullptr, (textured ? 1 : 0) + (replaced ? 2 : 0)}, 0);
   if (!added) return it->second;
   Phong phong;
   if (const Node* material = look.material) {
