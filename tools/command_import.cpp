@@ -26,6 +26,7 @@ std::string attributes_of(const CadOptions& cad) {
   if (cad.no_weld) out += " clean=\"no\"";
   if (cad.weld > 0) out += fmt::format(" weld=\"{}m\"", format_double(cad.weld));
   if (cad.crease_deg != 30) out += fmt::format(" crease=\"{}deg\"", format_double(cad.crease_deg));
+  if (cad.crease_normals) out += " normals=\"crease\"";
   if (cad.keep_hidden) out += " hidden=\"keep\"";
   if (!cad.scene.empty()) out += fmt::format(" scene=\"{}\"", cad.scene);
   if (cad.primitives > 0) out += fmt::format(" primitives=\"{}\"", cad.primitives);

@@ -107,6 +107,10 @@ void add_cad(CLI::App* app, CadOptions& cad) {
          "Faces without normals look smooth where they meet at no more (default 30)")
       ->check(kNumber)
       ->check(CLI::Range(0.0, 180.0));
+  app->add_flag("--crease-normals", cad.crease_normals,
+                "Compute all normals anew with the crease angle, not only those that are missing")
+      ->excludes(no_weld)
+      ->group("CAD files");
   option("--scene", cad.scene, "NAME|N", "glTF: the scene (default: the file's own)");
   option("--primitives", cad.primitives, "N",
          "VRML: segments around spheres, cylinders and cones (default 0: exact shapes)")

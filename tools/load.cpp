@@ -41,17 +41,19 @@ Result<importers::Imported> read_cad(const std::string& path, const ReadOptions&
   session.step("read " + path);
   auto imported = importers::import_file(path, read, session.log());
   if (!imported) return failed;
+  // first, as lengths of cleaning are metres of the world
+  importers::place(*imported, importers::unit_of(cad.units),
+                   cad.up == "z" ? importers::UpAxis::z : importers::UpAxis::y, cad.recentre,
+                   session.log());
   if (!cad.no_weld) {
     session.step("clean");
     geometry::CleanOptions clean;
     clean.tolerance = cad.weld;
+    clean.keep_normals = !cad.crease_normals;
     clean.crease_angle = read.crease_angle;
     importers::Hygiene found = importers::clean_up(imported->scene, clean, session.log());
     if (hygiene != nullptr) *hygiene = std::move(found);
   }
-  importers::place(*imported, importers::unit_of(cad.units),
-                   cad.up == "z" ? importers::UpAxis::z : importers::UpAxis::y, cad.recentre,
-                   session.log());
   for (scene::Instance& instance : imported->scene.instances)
     instance.prunable = !cad.keep_hidden;
   return imported;

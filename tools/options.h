@@ -32,6 +32,7 @@ struct CadOptions {
   double weld = 0;       // metres
   double crease_deg = 30;
   std::uint32_t primitives = 0;  // VRML; 0: exact shapes
+  bool crease_normals = false;  // those of the file are computed anew
   bool keep_hidden = false;
   bool recentre = false;
 };

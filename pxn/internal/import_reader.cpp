@@ -83,6 +83,7 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
   const std::string up = word(attribute::import_up);
   const bool cleaned = word(attribute::import_clean) != "no";
   const std::string scene = word(attribute::import_scene);
+  clean.keep_normals = word(attribute::import_normals) != "crease";
   clean.tolerance = values.real(element, attribute::import_weld).value_or(0);
   options.crease_angle =
       values.real(element, attribute::import_crease).value_or(options.crease_angle);
@@ -94,7 +95,7 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
   options.limits.texture_bytes = options_.limits.texture_bytes - texture_bytes_;
 
   const std::string key =
-      fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", found.key, units, up, cleaned, clean.tolerance,
+      fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", found.key, units, up, cleaned, clean.keep_normals, clean.tolerance,
                   options.crease_angle, scene, options.primitives);
   const auto known = known_models_.find(key);
   if (known != known_models_.end()) return known->second;
@@ -105,10 +106,11 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
       files, std::filesystem::path(found.path).filename().generic_string(), options,
       reporter_.log(), values.value_place(element, attribute::import_file));
   if (!imported) return std::nullopt;
-  if (cleaned) importers::clean_up(imported->scene, clean, reporter_.log());
+  // first, as lengths of cleaning are metres of the world
   importers::place(*imported, importers::unit_of(units),
                    up == "z" ? importers::UpAxis::z : importers::UpAxis::y, false,
                    reporter_.log());
+  if (cleaned) importers::clean_up(imported->scene, clean, reporter_.log());
   index = static_cast<std::uint32_t>(models_.size());
   ImportedModel& model = models_.emplace_back();
   model.imported = std::move(*imported);

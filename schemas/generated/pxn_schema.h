@@ -297,14 +297,15 @@ inline constexpr std::size_t import_up = 2;
 inline constexpr std::size_t import_clean = 3;
 inline constexpr std::size_t import_weld = 4;
 inline constexpr std::size_t import_crease = 5;
-inline constexpr std::size_t import_hidden = 6;
-inline constexpr std::size_t import_scene = 7;
-inline constexpr std::size_t import_primitives = 8;
-inline constexpr std::size_t import_name = 9;
-inline constexpr std::size_t import_translate = 10;
-inline constexpr std::size_t import_rotate = 11;
-inline constexpr std::size_t import_quat = 12;
-inline constexpr std::size_t import_scale = 13;
+inline constexpr std::size_t import_normals = 6;
+inline constexpr std::size_t import_hidden = 7;
+inline constexpr std::size_t import_scene = 8;
+inline constexpr std::size_t import_primitives = 9;
+inline constexpr std::size_t import_name = 10;
+inline constexpr std::size_t import_translate = 11;
+inline constexpr std::size_t import_rotate = 12;
+inline constexpr std::size_t import_quat = 13;
+inline constexpr std::size_t import_scale = 14;
 inline constexpr std::size_t assign_nodes = 0;
 inline constexpr std::size_t assign_materials = 1;
 inline constexpr std::size_t assign_material = 2;
@@ -1275,6 +1276,10 @@ inline constexpr Number kNumbers_import_weld[] = {
 inline constexpr Number kNumbers_import_crease[] = {
     {"crease", 0, 3.141592653589793, false, false},
 };
+inline constexpr std::string_view kWords_import_normals[] = {
+    "file",
+    "crease",
+};
 inline constexpr std::string_view kWords_import_hidden[] = {
     "remove",
     "keep",
@@ -1293,6 +1298,7 @@ inline constexpr Attribute kAttributes_import[] = {
     {"clean", 1, true, false, {ValueKind::word, 1, {}, kWords_import_clean, Dimension::none, false, false, 1, 0}},
     {"weld", 1, true, false, {ValueKind::real, 1, kNumbers_import_weld, {}, Dimension::length, false, false, 1, 0}},
     {"crease", 1, true, false, {ValueKind::real, 1, kNumbers_import_crease, {}, Dimension::angle, false, false, 1, 0}},
+    {"normals", 1, true, false, {ValueKind::word, 1, {}, kWords_import_normals, Dimension::none, false, false, 1, 0}},
     {"hidden", 1, true, false, {ValueKind::word, 1, {}, kWords_import_hidden, Dimension::none, false, false, 1, 0}},
     {"scene", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"primitives", 1, true, false, {ValueKind::integer, 1, kNumbers_import_primitives, {}, Dimension::none, false, false, 1, 0}},

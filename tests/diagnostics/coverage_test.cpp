@@ -24,6 +24,7 @@ using support::TemporaryFolder;
 
 const std::string kFigure8 = PANWRIGHT_SOURCE_DIR "/examples/paper/figure8.pxn";
 const fs::path kBad = PANWRIGHT_SOURCE_DIR "/tests/pxn/data/bad";
+const fs::path kBadCad = PANWRIGHT_SOURCE_DIR "/tests/importers/data/bad";
 
 // The codes that a run of the program reports; its exit code must agree with them.
 std::set<std::string> codes_of(std::vector<std::string> words,
@@ -85,6 +86,11 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       folder.write("chalk.pxn",
                    "<pangu_model ver=\"1\"><material name=\"chalk\"><diffuse>1 1 1</diffuse>"
                    "<oren>0.3rad</oren></material><sphere material=\"chalk\"/></pangu_model>");
+  const std::string nested = [] {
+    std::string text = "#VRML V2.0 utf8\n";
+    for (int i = 0; i < 2000; ++i) text += "Group { children [ ";
+    return text;
+  }();
   std::vector<Trigger> triggers = {
       {"E0101", {"check", folder / "none.pxn"}, {}},
       {"E0102", {"check", folder / "unreadable.pxn"}, {}},
@@ -99,6 +105,12 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"E1409", {"material", "--fit", folder.write("short.csv", "1 2 3\n")}, {}},
       {"W1408", {"compile", chalk, "-o", folder / "chalk.pan"}, {}},
       {"W2020", {"compile", inwards, "-o", folder / "inwards.pan"}, {}},
+      {"E6002", {"import", folder.write("deep.wrl", nested)}, {}},
+      {"E6003", {"import", folder.write("cut.wrl", std::string("\x1f\x8b\x08\0\0\0", 6))}, {}},
+      {"N6304",
+       {"import", PANWRIGHT_SOURCE_DIR "/examples/cad/relay.wrl", "-o", folder / "relay.pan"},
+       {}},
+      {"W6402", {"export", kFigure8, "-o", folder / "f.glb"}, {}},
       {"N1318", {"upgrade", whole, part}, {}},
       {"E5005", {"render", pan, "-o", png, "--camera-frame", "camera"}, {}},
       {"N5004", {"render", pan, "-o", png, "--camera", "0 0 9"}, {}},
@@ -140,6 +152,13 @@ TEST(Coverage, EveryCodeIsProducedByAnInput) {
     EXPECT_TRUE(codes.contains(code)) << entry.path() << " does not produce the code of its name";
     for (const std::string& each : codes) produced.emplace(each, entry.path().filename().string());
   }
+  for (const auto& entry : fs::directory_iterator(kBadCad)) {
+    const std::string code = code_in(entry.path());
+    ASSERT_TRUE(code_from_name(code)) << entry.path();
+    const auto codes = codes_of({"import", entry.path().string()});
+    EXPECT_TRUE(codes.contains(code)) << entry.path() << " does not produce the code of its name";
+    for (const std::string& each : codes) produced.emplace(each, entry.path().filename().string());
+  }
   const TemporaryFolder folder;
   for (const auto& [code, bytes] : support::damaged_examples()) {
     const std::string name(code_info(code).name);
@@ -173,7 +192,7 @@ TEST(Coverage, EveryCodeIsProducedByAnInput) {
 // The explanations name no option or file that does not exist.
 TEST(Coverage, ExplanationsNameRealOptions) {
   std::string help;
-  for (const char* command : {"compile", "check", "info", "render"})
+  for (const char* command : {"compile", "check", "info", "render", "import"})
     help += support::run({PANWRIGHT_BIN_DIR "/panwright", command, "--help"}).out;
   for (const CodeInfo& info : all_codes()) {
     const std::string_view text = info.explanation;

@@ -53,9 +53,10 @@ TEST(Diagnostics, GoodFilesDeserveNone) {
       EXPECT_TRUE(r.scene);
       EXPECT_FALSE(r.log.has_errors()) << entry.path() << r.summary();
       // the meaning of hapke is our reading, which is said each time
-      if (entry.path().filename() != "figure6b.pxn") {
-        EXPECT_EQ(r.summary(), "") << entry.path();
-      }
+      if (entry.path().filename() == "figure6b.pxn") continue;
+      // what is left out of CAD files and what cleaning does to them is said each time
+      if (entry.path().parent_path().filename() == "cad") continue;
+      EXPECT_EQ(r.summary(), "") << entry.path();
     }
 }
 

@@ -123,7 +123,7 @@ TEST(Grammar, TheTablesOfPxnHoldTogether) {
   EXPECT_EQ(reached.size(), pxn.elements.size()) << "an element stands nowhere";
   const std::set<std::string_view> planned = {"mli",    "width",  "height",   "xgrid",
                                               "random", "smooth", "constant", "taper",
-                                              "import", "subdiv", "joint"};
+                                              "subdiv", "joint"};
   for (const schemas::Element& element : pxn.elements) {
     EXPECT_EQ(element.supported,
               !planned.contains(element.name) && !element.name.starts_with("mli_"))

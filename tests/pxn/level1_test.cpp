@@ -327,7 +327,7 @@ TEST(Level1, AProblemThatRepeatsIsSaidOnce) {
             std::multiset<std::string>{"E1202"});
   const Reading element = read_model("<spere radius=\"1\"/>");
   EXPECT_THAT(element.summary(), HasSubstr("frame_s, appearance, texture, sphere, mesh, node, use, "
-                                           "repeat, frame, keypoint, decal, ellipsoid, box"));
+                                           "repeat, import, frame, keypoint, decal, ellipsoid, box"));
 }
 
 TEST(Level1, AnglesAreShownInDegreesAndCountsWhereTheyStand) {
