@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <meshoptimizer.h>
 
+#include <filesystem>
+
 #include "tests/importers/gltf/sample.h"
 
 namespace panwright::importers {
@@ -128,6 +130,22 @@ TEST(GltfBad, OffsetsCountsAndStrides) {
   expect_code({{"asset", nullptr}}, Code::E6204);
   expect_code({{"extensionsRequired", {"VENDOR_shapes"}}}, Code::E6209);
   expect_code({{"nodes", 5}}, Code::E6204);
+}
+
+// Files named after what is wrong with them, for people and for the test of all codes.
+TEST(GltfBad, FilesNamedAfterTheirCode) {
+  int files = 0;
+  const std::filesystem::path folder = PANWRIGHT_SOURCE_DIR "/tests/importers/gltf/data/bad";
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    DiagnosticLog log;
+    const auto imported = import_file(entry.path(), {}, log);
+    const auto code = code_from_name(entry.path().stem().string());
+    ASSERT_TRUE(code) << entry.path();
+    EXPECT_TRUE(log.contains(*code)) << entry.path() << "\n" << to_text(log);
+    EXPECT_EQ(log.has_errors(), code_info(*code).severity == Severity::error) << to_text(log);
+    ++files;
+  }
+  EXPECT_EQ(files, 15);
 }
 
 TEST(GltfBad, ContainersAndText) {
