@@ -20,7 +20,7 @@ struct HiddenOptions {
   // Spent on triangles that nothing met but that face a surface which is seen, 2048 for each. Where
   // it is not enough for all of them, they stay.
   std::uint64_t max_probes = 12'000'000;
-  std::uint64_t max_triangles = 40'000'000;  // instances counted; a larger model is left alone
+  std::uint64_t max_triangles = 8'000'000;  // instances counted; a larger model is left alone
 };
 
 struct HiddenReport {

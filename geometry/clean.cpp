@@ -109,7 +109,7 @@ class Cleaner {
     };
     auto first = first_equal(place_.size(), hash, equal);
     if (first) return std::move(*first);
-    // hashes that someone chose: what has the same place next to each other in order, then
+    // hashes that someone chose: each vertex stays itself
     std::vector<std::uint32_t> none(place_.size());
     std::iota(none.begin(), none.end(), 0u);
     return none;
@@ -160,7 +160,8 @@ class Cleaner {
     if (dropped > 0) edges_ = edges_of(mesh_, place_);
   }
 
-  // 0: another triangle; 1: the same; 2: back to back and looking the same.
+  // Whether one of two triangles with the same corners can go: they are wound alike, or back to
+  // back and look the same.
   bool repeats(std::uint32_t first, std::uint32_t again) const {
     const Triangle& a = mesh_.triangles[first];
     const Triangle& b = mesh_.triangles[again];

@@ -26,6 +26,16 @@ std::uint64_t mixed(const Key& key) {
   return hash_end(h);
 }
 
+// of the largest coordinate: less is nothing beside its rounding, and makes cells without number
+constexpr double kLeastTolerance = 1e-17;
+
+double largest_coordinate(std::span<const Vec3> positions) {
+  double largest = 0;
+  for (const Vec3& p : positions)
+    largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  return largest;
+}
+
 // Points that stayed, by the cell of a grid they lie in.
 class Representatives {
  public:
@@ -98,7 +108,7 @@ std::vector<std::uint32_t> welded(std::span<const Vec3> positions) {
 
 std::vector<std::uint32_t> welded_within(std::span<const Vec3> positions, double tolerance) {
   std::vector<std::uint32_t> first = welded(positions);
-  if (!(tolerance > 0)) return first;
+  if (!(tolerance > kLeastTolerance * largest_coordinate(positions))) return first;
   Representatives representatives(positions, tolerance);
   for (std::uint32_t i = 0; i < first.size(); ++i) {
     if (first[i] != i) {

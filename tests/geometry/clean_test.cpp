@@ -126,6 +126,12 @@ TEST(Clean, WeldingKeepsToItsTolerance) {
   }
 }
 
+TEST(Clean, WeldingWithToleranceBelowRoundingStaysFast) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 200'000; ++i) points.push_back({1e30 + 1e16 * i, 1e30, 0});
+  EXPECT_EQ(welded_within(points, 1e-300), welded(points));
+}
+
 TEST(Clean, WeldingWithinATolerance) {
   const Mesh whole = shapes::sphere(12, 16);
   Mesh mesh = bare(soup(whole));
