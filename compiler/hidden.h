@@ -16,7 +16,7 @@ struct HiddenOptions {
   std::vector<char> may_lose;
   Options compile;                              // as the model will be compiled with
   std::uint64_t rays_from_outside = 1'000'000;  // at least
-  std::uint32_t rays_per_triangle = 64;         // each removed triangle was not seen along so many
+  std::uint32_t rays_per_triangle = 256;        // each removed triangle was not seen along so many
   // Spent on triangles that nothing met but that face a surface which is seen, 2048 for each. Where
   // it is not enough for all of them, they stay.
   std::uint64_t max_probes = 12'000'000;

@@ -33,7 +33,8 @@ const Vec2 kThirds[] = {{0.8, 0.6},
                         {0.1196152422706632, -0.99282032302755}};  // of a turn apart
 // of the lines from outside, every so many-th looks for surfaces in the same place
 constexpr std::uint32_t kShare = 8;
-constexpr std::size_t kSteps = 8;             // parts of the lines from outside
+constexpr std::size_t kSteps = 8;  // parts of the lines from outside
+constexpr std::uint32_t kFirstProbes = 32;
 constexpr std::uint64_t kProbes = 1'000'000;  // for all triangles together, at least
 constexpr std::uint32_t kMostProbes = 4096;   // for one
 constexpr std::uint32_t kMostDeepProbes = 16384;
@@ -410,34 +411,43 @@ class Looker {
     return c[k] + u * (c[(k + 1) % 3] - c[k]) + v * (c[(k + 2) % 3] - c[k]);
   }
 
-  // Lines through what was not met, in rounds; what they find is explored. Then many more through
-  // what faces a surface that is seen: that is where gaps are. Where these are too many to be sure
-  // of, they stay.
+  // Lines through what was not met, in rounds; what they find is explored. First a few through all,
+  // which tell what faces a surface that is seen: that is where gaps are, and many more go there.
+  // Where such triangles are too many to be sure of, they stay.
   void probe_all() {
-    probe_rounds(false, kProbes, options_.rays_per_triangle, kMostProbes);
+    const std::uint32_t first = std::min(kFirstProbes, options_.rays_per_triangle);
+    probe_rounds(Which::all, 0, first, first);
+    probe_rounds(Which::enclosed, kProbes, options_.rays_per_triangle, kMostProbes);
     probes_ = done_;
-    std::uint64_t exposed = 0;
-    for (std::uint32_t i = 0; i < world_.triangles.size(); ++i)
-      exposed += undecided(i) && exposed_[i];
+    done_ = first;
+    const std::uint64_t exposed = left(Which::exposed).size();
     if (exposed * kDeepProbes <= options_.max_probes)
-      probe_rounds(true, options_.max_probes / 3, kDeepProbes, kMostDeepProbes);
+      probe_rounds(Which::exposed, options_.max_probes / 3, kDeepProbes, kMostDeepProbes);
     else
       keep_exposed_ = true;
   }
 
+  enum class Which { all, enclosed, exposed };
+
+  std::vector<std::uint32_t> left(Which which) const {
+    std::vector<std::uint32_t> out;
+    for (std::uint32_t i = 0; i < world_.triangles.size(); ++i)
+      if (undecided(i) && (which == Which::all || (which == Which::exposed) == (exposed_[i] != 0)))
+        out.push_back(i);
+    return out;
+  }
+
   // In all, at least as many as `total`, within the bounds for each triangle.
-  void probe_rounds(bool exposed, std::uint64_t total, std::uint32_t least, std::uint32_t most) {
-    std::uint32_t each = exposed ? std::max(4u, done_) : 4;
+  void probe_rounds(Which which, std::uint64_t total, std::uint32_t least, std::uint32_t most) {
+    std::uint32_t each = std::max(4u, done_);
     while (true) {
-      std::vector<std::uint32_t> left;
-      for (std::uint32_t i = 0; i < world_.triangles.size(); ++i)
-        if (undecided(i) && (!exposed || exposed_[i])) left.push_back(i);
-      if (left.empty()) return;
+      const std::vector<std::uint32_t> triangles = left(which);
+      if (triangles.empty()) return;
       const auto wanted = static_cast<std::uint32_t>(
-          std::clamp<std::uint64_t>(total / left.size(), least, std::max(least, most)));
+          std::clamp<std::uint64_t>(total / triangles.size(), least, std::max(least, most)));
       if (done_ >= wanted) return;
       const std::uint32_t number = std::min(each, wanted - done_);
-      explore(probe(left, number, !exposed), false);
+      explore(probe(triangles, number, which != Which::exposed), false);
       done_ += number;
       each *= 2;
     }
