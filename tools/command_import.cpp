@@ -157,7 +157,7 @@ int import_cad(const ImportOptions& options) {
   } else {
     compiler::HiddenReport hidden;
     if (prune(imported->scene, options.read, session, &hidden))
-      session.result()["hidden"] = as_json(hidden);
+      session.result()["removed"] = as_json(hidden);
     compiler::Options compile;
     compile.max_error = options.read.max_error;
     compile.max_triangles = options.read.max_triangles;

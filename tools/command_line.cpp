@@ -28,6 +28,13 @@ const CLI::Validator kNumber(
     },
     "");
 
+// note: CLI11 reads "-1" as the largest unsigned number
+const CLI::Validator kNotNegative(
+    [](std::string& text) {
+      return text.starts_with('-') ? text + " is negative" : std::string();
+    },
+    "");
+
 constexpr int kUsage = 2;
 constexpr int kInternal = 70;
 
@@ -227,6 +234,7 @@ void add_reference(CLI::App* app, RenderOptions& options) {
       ->check(CLI::Range(0u, 1000u))
       ->type_name("N");
   app->add_option("--seed", options.seed, "Reference: which random numbers (default 0)")
+      ->check(kNotNegative)
       ->type_name("N");
   app->add_option("--filter", options.filter,
                   "Reference: box, a pixel is the mean over its square (default), or "

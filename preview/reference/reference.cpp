@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/progress.h"
 #include "preview/reference/internal/rounds.h"
 
 namespace panwright::preview {
@@ -66,6 +67,10 @@ double relative_error(const Rounds& rounds) {
 void refine(Rounds& rounds, const Shot& shot, const ReferenceOptions& options, DiagnosticLog& log) {
   const std::uint64_t most =
       std::max<std::uint64_t>(rounds.rounds(), options.max_samples / shot.round_samples());
+  constexpr std::uint32_t kSlices = 16;  // of what is added at once, for a terminal to show
+  constexpr double kParts = 1000;
+  Progress progress("tracing", static_cast<std::size_t>(kParts));
+  double shown = 0;
   for (;;) {
     const double error = relative_error(rounds);
     if (!(error > options.until_error)) return;
@@ -80,8 +85,19 @@ void refine(Rounds& rounds, const Shot& shot, const ReferenceOptions& options, D
     const double ratio = error / options.until_error;
     const double wanted = rounds.rounds() * (1.1 * ratio * ratio - 1) + 1;
     const double step = std::clamp(wanted, 4.0, 3.0 * rounds.rounds());
-    rounds.add(static_cast<std::uint32_t>(
-        std::min<double>(step, static_cast<double>(most - rounds.rounds()))));
+    auto left = static_cast<std::uint32_t>(
+        std::min<double>(step, static_cast<double>(most - rounds.rounds())));
+    // errors fall with the square root of the rounds
+    const double all = rounds.rounds() * ratio * ratio;
+    const std::uint32_t slice = std::max(1u, left / kSlices);
+    while (left > 0) {
+      const std::uint32_t some = std::min(left, slice);
+      rounds.add(some);
+      left -= some;
+      const double done = std::floor(std::min(1.0, rounds.rounds() / all) * kParts);
+      progress.advance(static_cast<std::size_t>(std::max(0.0, done - shown)));
+      shown = std::max(shown, done);
+    }
   }
 }
 

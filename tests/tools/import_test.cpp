@@ -1,0 +1,151 @@
+// CAD files through the program.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+
+namespace panwright {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using support::TemporaryFolder;
+using testing::HasSubstr;
+
+const std::string kRelay = PANWRIGHT_SOURCE_DIR "/examples/cad/relay.wrl";
+
+support::Outcome panwright(std::vector<std::string> words, const char* name = "panwright") {
+  words.insert(words.begin(), std::string(PANWRIGHT_BIN_DIR "/") + name);
+  return support::run(words);
+}
+
+json result_of(std::vector<std::string> words) {
+  words.push_back("--json");
+  const support::Outcome outcome = panwright(words);
+  const json out = json::parse(outcome.out, nullptr, false);
+  EXPECT_FALSE(out.is_discarded()) << outcome.out << outcome.err;
+  return out;
+}
+
+TEST(Import, what_it_says_without_an_output) {
+  const json r = result_of({"import", kRelay, "--units", "mm"});
+  EXPECT_EQ(r["errors"], 0);
+  EXPECT_EQ(r["format"], "VRML 97");
+  EXPECT_EQ(r["instances"], 11);
+  // 4600 mm across the wings, by the coordinates in the file
+  EXPECT_NEAR(r["size"][0].get<double>(), 4.6, 1e-12);
+  EXPECT_EQ(r["materials"].size(), 7u);
+}
+
+TEST(Import, the_same_model_straight_and_through_the_language) {
+  const TemporaryFolder folder;
+  fs::copy_file(kRelay, folder / "relay.wrl");
+  const json straight = result_of(
+      {"import", folder / "relay.wrl", "--units", "mm", "--keep-hidden", "-o", folder / "a.pan"});
+  folder.write("b.pxn",
+               "<pangu_model ver=\"1\"><import file=\"relay.wrl\" units=\"mm\" "
+               "hidden=\"keep\"/></pangu_model>");
+  const json through = result_of({"compile", folder / "b.pxn", "-o", folder / "b.pan"});
+  EXPECT_EQ(straight["triangles"], through["triangles"]);
+  EXPECT_EQ(straight["unique_triangles"], through["unique_triangles"]);
+  const json a = result_of({"info", folder / "a.pan"});
+  const json b = result_of({"info", folder / "b.pan"});
+  EXPECT_EQ(a["bounds"], b["bounds"]);
+}
+
+TEST(Import, hidden_parts_go_unless_they_are_kept) {
+  const TemporaryFolder folder;
+  const json kept =
+      result_of({"import", kRelay, "--units", "mm", "--keep-hidden", "-o", folder / "a.pan"});
+  const json gone = result_of({"import", kRelay, "--units", "mm", "-o", folder / "b.pan"});
+  // the tank and the box of electronics
+  EXPECT_EQ(gone["removed"]["instances_before"].get<int>(),
+            gone["removed"]["instances_after"].get<int>() + 2);
+  EXPECT_LT(gone["triangles"], kept["triangles"]);
+  EXPECT_FALSE(kept.contains("removed"));
+}
+
+TEST(Import, a_text_around_a_file_compiles) {
+  const TemporaryFolder folder;
+  fs::copy_file(kRelay, folder / "relay.wrl");
+  EXPECT_EQ(panwright({"import", folder / "relay.wrl", "--units", "mm", "--crease", "20", "-o",
+                       folder / "relay.pxn"})
+                .code,
+            0);
+  const std::string text = support::contents(folder / "relay.pxn");
+  EXPECT_THAT(text, HasSubstr("file=\"relay.wrl\" units=\"mm\" crease=\"20deg\""));
+  EXPECT_EQ(panwright({"fmt", "--check", folder / "relay.pxn"}).code, 0) << text;
+  const json compiled = result_of({"compile", folder / "relay.pxn"});
+  EXPECT_EQ(compiled["errors"], 0);
+  // elsewhere the text could not name the file
+  fs::create_directory(folder / "below");
+  EXPECT_EQ(panwright({"import", folder / "relay.wrl", "-o", folder / "below/relay.pxn"}).code, 2);
+}
+
+TEST(Import, reports_in_three_kinds) {
+  const TemporaryFolder folder;
+  const std::string bad = PANWRIGHT_SOURCE_DIR "/tests/importers/data/bad/W6302.wrl";
+  for (const char* name : {"r.txt", "r.json", "r.html"})
+    EXPECT_EQ(panwright({"import", bad, "--report", folder / name}).code, 0);
+  EXPECT_THAT(support::contents(folder / "r.txt"), HasSubstr("edge"));
+  const json report = json::parse(support::contents(folder / "r.json"));
+  EXPECT_EQ(report["total"]["non_manifold_edges"], 1);
+  const std::string page = support::contents(folder / "r.html");
+  EXPECT_THAT(page, HasSubstr("edges of three faces or more</td><td>1"));
+#ifdef PANWRIGHT_GL
+  EXPECT_THAT(page, HasSubstr("data:image/png;base64,"));
+#endif
+}
+
+TEST(Import, what_could_be_read_of_a_bad_file_is_written_and_the_exit_code_is_1) {
+  const TemporaryFolder folder;
+  const std::string bad = PANWRIGHT_SOURCE_DIR "/tests/importers/data/bad/E6113.wrl";
+  const support::Outcome outcome = panwright({"import", bad, "-o", folder / "a.pan"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("[E6113]"));
+  EXPECT_EQ(result_of({"check", folder / "a.pan"})["errors"], 0);
+}
+
+TEST(Import, converters_by_name) {
+  const TemporaryFolder folder;
+  fs::copy_file(kRelay, folder / "relay.wrl");
+  EXPECT_EQ(panwright({folder / "relay.wrl", "--keep-hidden"}, "vrmltopan").code, 0);
+  EXPECT_TRUE(fs::exists(folder / "relay.pan"));
+  EXPECT_EQ(panwright({"export", folder / "relay.pan", "-o", folder / "out.glb"}).code, 0);
+  EXPECT_EQ(panwright({folder / "out.glb", "--keep-hidden"}, "gltftopan").code, 0);
+  EXPECT_TRUE(fs::exists(folder / "out.pan"));
+}
+
+TEST(Import, inputs_are_not_overwritten_and_other_kinds_are_refused) {
+  const TemporaryFolder folder;
+  fs::copy_file(kRelay, folder / "relay.pan");
+  EXPECT_EQ(panwright({"import", folder / "relay.pan", "-o", folder / "relay.pan"}).code, 2);
+  EXPECT_EQ(panwright({"import", kRelay, "-o", folder / "a.obj"}).code, 2);
+  EXPECT_EQ(panwright({"import", folder / "none.wrl"}).code, 3);
+  EXPECT_EQ(panwright({"import", kRelay, "--weld", "nan"}).code, 2);
+  EXPECT_EQ(panwright({"import", kRelay, "--units", "furlong"}).code, 2);
+}
+
+TEST(Export, comes_back_as_it_went) {
+  const TemporaryFolder folder;
+  const std::string model = PANWRIGHT_SOURCE_DIR "/examples/cubesat/cubesat.pxn";
+  const json before = result_of({"compile", model, "-o", folder / "a.pan"});
+  EXPECT_EQ(result_of({"export", folder / "a.pan", "-o", folder / "a.glb"})["errors"], 0);
+  const json after = result_of({"import", folder / "a.glb", "--units", "m", "--keep-hidden",
+                                "--no-weld", "-o", folder / "b.pan"});
+  EXPECT_EQ(before["triangles"], after["triangles"]);
+  EXPECT_EQ(before["unique_triangles"], after["unique_triangles"]);
+  const json a = result_of({"info", folder / "a.pan"})["bounds"];
+  const json b = result_of({"info", folder / "b.pan"})["bounds"];
+  // two turns by 90 degrees leave a rounding
+  for (const char* end : {"min", "max"})
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_NEAR(a[end][k].get<double>(), b[end][k].get<double>(), 1e-9);
+}
+
+}  // namespace
+}  // namespace panwright
