@@ -98,6 +98,15 @@ TEST(VrmlScene, GroupsOfEveryKind) {
   EXPECT_EQ(count("LOD { level [ " + box + " Group { children [ " + box + box + " ] } ] }"), 1u);
 }
 
+TEST(VrmlScene, ANodeInsideItselfIsLeftOut) {
+  const auto reading =
+      read97("DEF A Group { children [ Group { children USE A } Shape { geometry Box {} } ] }");
+  EXPECT_THAT(reading->places(), ElementsAre("2:7 E6109"));
+  EXPECT_EQ(reading->scene().instances.size(), 1u);
+  // a Script may hold itself
+  EXPECT_THAT(read97("DEF S Script { field SFNode me USE S }")->places(), IsEmpty());
+}
+
 TEST(VrmlScene, WhatMakesNoSurfaceIsOneNote) {
   const auto reading = read97(
       "PointLight {} PointLight {} Viewpoint {} Shape { geometry PointSet {} } Script {}\n"
