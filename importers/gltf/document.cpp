@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+
 namespace panwright::importers::gltf {
 
 std::size_t component_bytes(int component) {
@@ -32,6 +34,24 @@ void Document::report(Code code, std::uint32_t offset, const std::string& object
     where.end = where.begin + 1;
   }
   log.report(code, where, std::move(message), std::move(hint), object);
+}
+
+const Json& Document::nearest(std::string_view object) const {
+  const Json* at = &root;
+  while (object.starts_with('/')) {
+    object.remove_prefix(1);
+    const std::string_view part = object.substr(0, object.find('/'));
+    object.remove_prefix(part.size());
+    const Json* next = at->find(part);
+    std::size_t index = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
+    if (!next && at->is(Json::Kind::array) && error == std::errc() &&
+        end == part.data() + part.size() && index < at->items.size())
+      next = &at->items[index];
+    if (!next) break;
+    at = next;
+  }
+  return *at;
 }
 
 bool Document::charge(std::uint64_t bytes, const std::string& object) {

@@ -93,8 +93,12 @@ struct Document {
               std::string hint = {});
   void report(Code code, const Json* at, const std::string& object, std::string message,
               std::string hint = {}) {
-    report(code, at ? at->offset : 0, object, std::move(message), std::move(hint));
+    if (!at) at = &nearest(object);
+    report(code, at->offset, object, std::move(message), std::move(hint));
   }
+
+  // The value that a JSON pointer names, or the last one on the way that is still there.
+  const Json& nearest(std::string_view object) const;
 
   // Counts bytes that are about to be allocated. False, once reported as E6002: over the limit.
   bool charge(std::uint64_t bytes, const std::string& object);
