@@ -36,6 +36,7 @@ class SpinePlanes {
     for (std::size_t i = 0; i < spine.size() / 3; ++i) spine_.push_back(vec3_at(spine, i));
     closed_ = spine_.size() > 2 && spine_.front() == spine_.back();
     thin_out();
+    wraps_ = closed_ && kept_.size() > 2;
     find_y();
     find_z();
     for (std::size_t i = 0; i < kept_.size(); ++i) {
@@ -58,10 +59,10 @@ class SpinePlanes {
   }
 
   Vec3 before(std::size_t i) const {
-    return i > 0 ? kept_[i - 1] : closed_ ? kept_[kept_.size() - 2] : kept_[i];
+    return i > 0 ? kept_[i - 1] : wraps_ ? kept_[kept_.size() - 2] : kept_[i];
   }
   Vec3 after(std::size_t i) const {
-    return i + 1 < kept_.size() ? kept_[i + 1] : closed_ ? kept_[1] : kept_[i];
+    return i + 1 < kept_.size() ? kept_[i + 1] : wraps_ ? kept_[1] : kept_[i];
   }
 
   void find_y() {
@@ -81,8 +82,7 @@ class SpinePlanes {
     const std::size_t n = kept_.size();
     z_.assign(n, Vec3(0));
     for (std::size_t i = 0; i < n; ++i)
-      if (closed_ || (i > 0 && i + 1 < n))
-        z_[i] = across(after(i) - kept_[i], before(i) - kept_[i]);
+      if (wraps_ || (i > 0 && i + 1 < n)) z_[i] = across(after(i) - kept_[i], before(i) - kept_[i]);
     fill_gaps(z_);
     if (n == 0 || z_[0] == Vec3(0)) return turn_from_y();
     for (std::size_t i = 1; i < n; ++i)
@@ -149,6 +149,7 @@ class SpinePlanes {
   std::vector<Vec3> kept_;         // without neighbours at one place
   std::vector<std::size_t> slot_;  // of each spine point
   bool closed_ = false;
+  bool wraps_ = false;  // the last point kept is the first again
   std::vector<Vec3> y_;
   std::vector<Vec3> z_;
   std::vector<Mat3> planes_;
