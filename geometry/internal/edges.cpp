@@ -75,6 +75,7 @@ Edges edges_of(const Mesh& mesh, std::span<const std::uint32_t> place) {
   });
   const std::size_t vertices = mesh.positions.size();
   const Lists lists = lists_by(low, vertices);
+  low = std::vector<std::uint32_t>();
 
   Edges edges;
   edges.twin.assign(sides, Edges::kMany);

@@ -90,6 +90,7 @@ std::optional<std::vector<std::uint32_t>> first_equal(std::size_t count, const H
       items[at[bucket_of(hashes[i])]++] = {static_cast<std::uint32_t>(i),
                                            static_cast<std::uint32_t>(hashes[i])};
   });
+  hashes = std::vector<std::uint64_t>();
   std::atomic<bool> sound = true;
   if (count > 0)
     parallel_for(buckets, [&](std::size_t b) {

@@ -78,6 +78,20 @@ class Representatives {
   std::vector<std::uint32_t> next_;
 };
 
+// of positions: comparing all costs less than setting up a table
+constexpr std::size_t kFew = 16;
+
+std::vector<std::uint32_t> welded_by_comparing(std::span<const Vec3> positions) {
+  std::array<Key, kFew> keys;
+  std::vector<std::uint32_t> first(positions.size());
+  for (std::uint32_t i = 0; i < positions.size(); ++i) {
+    keys[i] = key_of(positions[i]);
+    first[i] = 0;
+    while (keys[first[i]] != keys[i]) ++first[i];
+  }
+  return first;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> welded_by_sorting(std::span<const Vec3> positions) {
@@ -97,6 +111,7 @@ std::vector<std::uint32_t> welded_by_sorting(std::span<const Vec3> positions) {
 }
 
 std::vector<std::uint32_t> welded(std::span<const Vec3> positions) {
+  if (positions.size() <= kFew) return welded_by_comparing(positions);
   auto first = first_equal(
       positions.size(), [&](std::uint32_t i) { return mixed(key_of(positions[i])); },
       [&](std::uint32_t a, std::uint32_t b) {
