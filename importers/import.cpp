@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <vector>
+
 #include "base/file.h"
 #include "base/text.h"
 #include "importers/gltf/gltf.h"
@@ -34,6 +36,28 @@ void report(Code code, const std::string& name, const std::string& message, Sour
     log.report_file(code, name, message, std::move(hint));
   else
     log.report(code, where, message, std::move(hint));
+}
+
+// Large texts of this reading (files from `first` on) that no diagnostic points into go with it.
+void drop_texts(FileId first, DiagnosticLog& log) {
+  constexpr std::size_t kLarge = std::size_t{1} << 20;  // bytes
+  SourceMap& sources = log.sources();
+  std::vector<bool> needed(sources.size(), false);
+  for (const Diagnostic& entry : log.entries())
+    for (SourceSpan at = entry.where; at.file != kNoFile && !needed[at.file];
+         at = sources.file(at.file).included_at)
+      needed[at.file] = true;
+  bool any = false;
+  SourceMap kept;
+  for (FileId id = 0; id < needed.size(); ++id) {
+    SourceFile file = sources.file(id);
+    if (id >= first && !needed[id] && file.bytes && file.bytes->size() >= kLarge) {
+      file.bytes = nullptr;
+      any = true;
+    }
+    kept.add(std::move(file));
+  }
+  if (any) sources = std::move(kept);
 }
 
 }  // namespace
@@ -69,9 +93,11 @@ Result<Imported> import_from(Files& files, const std::string& path, const Option
            "convert it to one of these first");
     return failed;
   }
+  const auto first = static_cast<FileId>(log.sources().size());
   const InputFile file{path, name, unpacked.bytes, included_at};
   auto imported = looks_like_gltf(text) ? gltf::read(files, file, options, log)
                                         : vrml::read(files, file, options, log);
+  drop_texts(first, log);
   if (imported) imported->scene.inputs.insert(imported->scene.inputs.begin(), {path, hash, size});
   return imported;
 }

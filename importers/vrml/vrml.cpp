@@ -15,6 +15,7 @@ Result<Imported> read(Files& files, const InputFile& file, const Options& option
     if (document == nullptr) return failed;
     Builder builder(session);
     builder.enter(*document, {});
+    builder.once = document->format == Format::vrml97;
     build(builder, *document, 0);
     return builder.finished(document->format);
   } catch (const OverLimit& over) {

@@ -42,6 +42,10 @@ Builder::Builder(Session& of) : session(of) {
 
 scene::Source Builder::source_of(SourceSpan where) {
   if (where.file == kNoFile) return {};
+  if (once) {
+    const Position at = session.log.sources().position(where.file, where.begin);
+    return {session.path_of(where.file), at.line, at.column};
+  }
   // note: nodes that are shared ask for the same places again and again
   const auto [it, added] = positions_.try_emplace(std::uint64_t{where.file} << 32 | where.begin);
   if (added) it->second = session.log.sources().position(where.file, where.begin);
@@ -65,12 +69,13 @@ std::int32_t Builder::add_node(std::int32_t parent, const Mat4& parent_from_node
   node.parent = parent;
   node.parent_from_node = parts->outer;
   node.source = source_of(where);
-  nodes.push_back(node);
+  nodes.push_back(std::move(node));
   if (parts->sheared) {
-    node.parent = static_cast<std::int32_t>(nodes.size() - 1);
-    node.parent_from_node = parts->inner;
-    node.name += "_shear";
-    nodes.push_back(node);
+    scene::Node inner = nodes.back();
+    inner.parent = static_cast<std::int32_t>(nodes.size() - 1);
+    inner.parent_from_node = parts->inner;
+    inner.name += "_shear";
+    nodes.push_back(std::move(inner));
   }
   return static_cast<std::int32_t>(nodes.size() - 1);
 }
@@ -225,7 +230,7 @@ void Builder::add_instance(std::int32_t node, std::int32_t shape, std::int32_t m
   instance.material = material;
   instance.texture = texture;
   instance.source = source_of(where);
-  instances.push_back(instance);
+  instances.push_back(std::move(instance));
 }
 
 void Builder::skipped(std::string_view type) {

@@ -29,6 +29,8 @@ class Builder {
   explicit Builder(Session& of);
 
   Session& session;
+  // What is added now is met this once: nothing of it need be remembered.
+  bool once = false;
 
   // A node of the scene. Its name: `name` with "/" as "_", or if empty `kind` and a number. A shear
   // needs two nodes; the inner one is returned. Reports W6009 at `where` and returns scene::kNone

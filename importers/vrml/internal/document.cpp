@@ -63,6 +63,15 @@ void Arena::adopt(void* block, std::size_t bytes) {
   count(bytes);
 }
 
+bool Arena::release(const void* block, std::size_t bytes) {
+  const auto it = std::find(blocks_.rbegin(), blocks_.rend(), block);
+  if (it == blocks_.rend()) return false;
+  std::free(*it);
+  blocks_.erase(std::next(it).base());
+  used_ -= bytes;
+  return true;
+}
+
 std::string_view Arena::copied(std::string_view text) {
   if (text.empty()) return {};
   char* out = static_cast<char*>(allocate(text.size(), 1));

@@ -38,6 +38,8 @@ class Arena {
   // Takes over a block that std::malloc made.
   void adopt(void* block, std::size_t bytes);
   void count(std::size_t bytes);
+  // Frees a block that was adopted; false: it is none of them.
+  bool release(const void* block, std::size_t bytes);
 
   template <class T>
   T* make() {
@@ -172,6 +174,7 @@ struct Node {
   Node* owner = nullptr;           // the instance in whose body this is a copy
   Node* body = nullptr;            // of an instance: see Session::actual
   bool expanded = false;           // whether body has been looked for
+  bool again = false;              // a USE names it
   bool has_is = false;             // it or what stands below it takes values of an interface
 
   // The last writing of a field; nullptr: not written.

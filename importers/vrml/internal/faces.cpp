@@ -282,7 +282,11 @@ class FaceMesher {
   }
 
   void finish_normals() {
+    // what the mesh was made from makes room for the lists that its normals need
+    first_ = std::vector<std::uint32_t>();
+    keys_ = std::vector<Keyed>();
     if (!normals_.is_there()) {
+      if (options_.read) options_.read();
       geometry::compute_normals(out_, in_.crease_angle.value_or(options_.crease_angle));
       for (Vec3& n : out_.normals)
         if (!is_finite(n)) n = Vec3(0, 0, 1);

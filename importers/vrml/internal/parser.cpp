@@ -193,7 +193,10 @@ Node* Parser::use() {
   const char* const at = p_;
   const std::string_view text = name();
   const auto it = scope_->nodes.find(text);
-  if (it != scope_->nodes.end()) return it->second;
+  if (it != scope_->nodes.end()) {
+    it->second->again = true;
+    return it->second;
+  }
   std::string hint;
   if (!terse() && scope_->nodes.size() < kMostCandidates) {
     std::vector<std::string_view> names;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/text.h"
 
@@ -48,6 +49,8 @@ Mat4 matrix_of(const TransformFields& f) {
 std::int32_t Scene97::add(Node* node, std::int32_t parent) {
   if (node == nullptr || parent == scene::kNone) return scene::kNone;
   if (!builder_.enter(*node)) return scene::kNone;
+  const bool once = builder_.once;
+  builder_.once = once && !node->again && node->prototype == nullptr;
   std::int32_t made = scene::kNone;
   if (node->prototype == nullptr) {
     made = add_actual(*node, node->name, parent, false);
@@ -60,6 +63,7 @@ std::int32_t Scene97::add(Node* node, std::int32_t parent) {
     }
     if (joint && made != scene::kNone) add_joint(*node, made);
   }
+  builder_.once = once;
   builder_.leave(*node);
   return made;
 }
@@ -159,7 +163,9 @@ std::int32_t Scene97::add_inline(const Node& node, std::string_view name, std::i
   if (urls == nullptr || urls->value.strings().empty()) return made;
   Document* document = session_.inlined(urls->value.strings(), urls->where);
   if (document == nullptr || !builder_.enter(*document, urls->where)) return made;
+  const bool once = std::exchange(builder_.once, false);
   build(builder_, *document, made);
+  builder_.once = once;
   builder_.leave(*document);
   return made;
 }

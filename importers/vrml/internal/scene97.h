@@ -2,6 +2,7 @@
 #pragma once
 
 #include <unordered_map>
+#include <unordered_set>
 
 #include "importers/vrml/internal/builder.h"
 #include "importers/vrml/internal/faces.h"
@@ -45,6 +46,8 @@ struct Cache97 {
   };
   // by geometry, texture transform, whether it has a picture, and that one is in colour
   std::unordered_map<Key, Meshed, KeyHash> meshes;
+  std::unordered_set<const Node*> pictured;  // of them, geometries made for a picture
+  std::uint64_t made_again = 0;              // triangles of the meshes after the first for each
   std::unordered_map<const Node*, std::int32_t> pixels;  // by PixelTexture
   // by appearance, whether it has a picture, and its diffuse colour is replaced
   std::unordered_map<Key, std::int32_t, KeyHash> materials;
@@ -67,6 +70,8 @@ class Scene97 {
     std::string_view name;
     std::int32_t texture = scene::kNone;
     bool grey = false;
+    bool once = false;  // no other Shape has the same geometry
+    bool own = false;   // nor the same appearance
   };
 
   std::int32_t add_actual(const Node& node, std::string_view name, std::int32_t parent,
@@ -88,15 +93,19 @@ class Scene97 {
   std::int32_t place(const geometry::Shape& shape, const Mat4& matrix, const Look& look,
                      std::int32_t parent, std::string_view name, const Node& geometry);
   bool sound(const geometry::Shape& shape, const Node& geometry);
-  std::int32_t mesh_shape(const Node& geometry, const Look& look, bool* coloured);
-  geometry::Mesh face_set(const Node& node, const Look& look, ListProblems& problems);
+  std::int32_t mesh_shape(Node& geometry, const Look& look, bool* coloured);
+  Cache97::Meshed make_mesh(Node& geometry, const Look& look);
+  geometry::Mesh face_set(Node& node, const Look& look, ListProblems& problems);
+  void release(Node& geometry);
   geometry::Mesh elevation_grid(const Node& node, const Look& look, ListProblems& problems);
   geometry::Mesh extrusion(const Node& node, const Look& look, ListProblems& problems);
+  void count_made(const Node& geometry, std::uint64_t triangles);
   void report(const ListProblems& problems, const Node& node);
   std::span<const double> list_of(const Node& node, std::string_view member,
                                   std::string_view field);
   Look look_of(const Node& shape);
   std::int32_t material_of(const Look& look, bool coloured);
+  std::int32_t make_material(const Look& look, bool textured, bool replaced);
 
   // scene97_joints.cpp
   static bool is_joint(const Node& instance);

@@ -72,14 +72,19 @@ std::optional<double> crease_of(const Node& node) {
 
 std::int32_t Scene97::add_shape(const Node& node, std::string_view name, std::int32_t parent) {
   add_all(node.children, parent);
-  const Node* geometry = session_.actual(node.node("geometry"));
+  Node* geometry = session_.actual(node.node("geometry"));
   if (geometry == nullptr || geometry->spec == nullptr) return scene::kNone;
   const std::string_view type = geometry->spec->name;
   if (type == "IndexedLineSet" || type == "PointSet" || type == "Text") {
     builder_.skipped(type);
     return scene::kNone;
   }
-  const Look look = look_of(node);
+  Look look = look_of(node);
+  look.once = node.owner == nullptr && node.node("geometry") == geometry && !geometry->again &&
+              geometry->owner == nullptr;
+  look.own = node.owner == nullptr && node.node("appearance") == look.appearance &&
+             (look.appearance == nullptr ||
+              (!look.appearance->again && look.appearance->owner == nullptr));
   std::int32_t made = scene::kNone;
   if (add_primitive(*geometry, look, parent, name, &made)) return made;
   if (type != "IndexedFaceSet" && type != "ElevationGrid" && type != "Extrusion") {
@@ -184,7 +189,7 @@ std::span<const double> Scene97::list_of(const Node& node, std::string_view memb
   return list->numbers(field);
 }
 
-geometry::Mesh Scene97::face_set(const Node& node, const Look& look, ListProblems& problems) {
+geometry::Mesh Scene97::face_set(Node& node, const Look& look, ListProblems& problems) {
   FaceSet faces;
   faces.points = list_of(node, "coord", "point");
   faces.coord_index = node.integers("coordIndex");
@@ -200,9 +205,18 @@ geometry::Mesh Scene97::face_set(const Node& node, const Look& look, ListProblem
   faces.ccw = node.flag("ccw");
   faces.convex = node.flag("convex");
   faces.crease_angle = crease_of(node);
-  const FaceOptions options{session_.options.crease_angle, session_.options.limits.triangles,
-                            look.texture != scene::kNone};
+  FaceOptions options{session_.options.crease_angle, session_.options.limits.triangles,
+                      look.texture != scene::kNone};
+  if (look.once) options.read = [&] { release(node); };
   return mesh_of(faces, options, problems);
+}
+
+// Points and faces of a face set that is not asked for again.
+void Scene97::release(Node& geometry) {
+  session_.release(geometry, "coordIndex");
+  Node* coord = geometry.node("coord");
+  const bool own = coord != nullptr && !coord->again && coord->owner == nullptr;
+  if (own && coord->prototype == nullptr) session_.release(*coord, "point");
 }
 
 geometry::Mesh Scene97::elevation_grid(const Node& node, const Look& look, ListProblems& problems) {
@@ -254,33 +268,53 @@ void Scene97::report(const ListProblems& problems, const Node& node) {
   }
 }
 
-std::int32_t Scene97::mesh_shape(const Node& geometry, const Look& look, bool* coloured) {
-  const bool textured = look.texture != scene::kNone;
-  const auto [it, added] =
-      cache_.meshes.try_emplace({&geometry, textured ? look.transform : nullptr,
-                                 (textured ? 1 : 0) + (textured && !look.grey ? 2 : 0)});
-  Cache97::Meshed& meshed = it->second;
-  if (added) {
-    ListProblems problems;
-    const std::string_view type = geometry.spec->name;
-    geometry::Mesh mesh = type == "IndexedFaceSet"  ? face_set(geometry, look, problems)
-                          : type == "ElevationGrid" ? elevation_grid(geometry, look, problems)
-                                                    : extrusion(geometry, look, problems);
-    report(problems, geometry);
-    for (const ListProblem& problem : problems)
-      if (problem.code == Code::E6002) throw OverLimit{"triangles", geometry.where};
-    if (mesh.triangles.empty()) {
-      session_.log.report(Code::W6009, geometry.where,
-                          fmt::format("this {} has no faces", geometry.type));
-    } else {
-      if (look.transform != nullptr && textured) transform_texcoords(*look.transform, mesh);
-      meshed.coloured = !mesh.colours.empty();
-      meshed.shape = builder_.add_shape(std::make_shared<const geometry::Mesh>(std::move(mesh)),
-                                        geometry.where);
-    }
+std::int32_t Scene97::mesh_shape(Node& geometry, const Look& look, bool* coloured) {
+  Cache97::Meshed meshed;
+  if (builder_.once && look.once) {
+    meshed = make_mesh(geometry, look);
+  } else {
+    const bool textured = look.texture != scene::kNone;
+    const auto [it, added] =
+        cache_.meshes.try_emplace({&geometry, textured ? look.transform : nullptr,
+                                   (textured ? 1 : 0) + (textured && !look.grey ? 2 : 0)});
+    if (added) it->second = make_mesh(geometry, look);
+    meshed = it->second;
   }
   *coloured = meshed.coloured;
   return meshed.shape;
+}
+
+Cache97::Meshed Scene97::make_mesh(Node& geometry, const Look& look) {
+  Cache97::Meshed meshed;
+  ListProblems problems;
+  const std::string_view type = geometry.spec->name;
+  geometry::Mesh mesh = type == "IndexedFaceSet"  ? face_set(geometry, look, problems)
+                        : type == "ElevationGrid" ? elevation_grid(geometry, look, problems)
+                                                  : extrusion(geometry, look, problems);
+  report(problems, geometry);
+  for (const ListProblem& problem : problems)
+    if (problem.code == Code::E6002) throw OverLimit{"triangles", geometry.where};
+  if (mesh.triangles.empty()) {
+    session_.log.report(Code::W6009, geometry.where,
+                        fmt::format("this {} has no faces", geometry.type));
+    return meshed;
+  }
+  if (look.texture != scene::kNone) {
+    if (!builder_.once || !look.once) count_made(geometry, mesh.triangles.size());
+    if (look.transform != nullptr) transform_texcoords(*look.transform, mesh);
+  }
+  meshed.coloured = !mesh.colours.empty();
+  meshed.shape =
+      builder_.add_shape(std::make_shared<const geometry::Mesh>(std::move(mesh)), geometry.where);
+  return meshed;
+}
+
+// Equal meshes are one in the scene, but making them again and again takes time, too.
+void Scene97::count_made(const Node& geometry, std::uint64_t triangles) {
+  if (cache_.pictured.insert(&geometry).second) return;
+  cache_.made_again += triangles;
+  if (cache_.made_again > session_.options.limits.triangles)
+    throw OverLimit{"triangles", geometry.where};
 }
 
 // ---- looks
@@ -327,9 +361,15 @@ Scene97::Look Scene97::look_of(const Node& shape) {
 std::int32_t Scene97::material_of(const Look& look, bool coloured) {
   const bool textured = look.texture != scene::kNone;
   const bool replaced = coloured || (textured && !look.grey);
+  if (builder_.once && look.own && look.appearance != nullptr)
+    return make_material(look, textured, replaced);
   const auto [it, added] = cache_.materials.try_emplace(
       {look.appearance, nullptr, (textured ? 1 : 0) + (replaced ? 2 : 0)}, 0);
-  if (!added) return it->second;
+  if (added) it->second = make_material(look, textured, replaced);
+  return it->second;
+}
+
+std::int32_t Scene97::make_material(const Look& look, bool textured, bool replaced) {
   Phong phong;
   if (const Node* material = look.material) {
     phong.diffuse = material->vec3("diffuseColor");
@@ -340,8 +380,7 @@ std::int32_t Scene97::material_of(const Look& look, bool coloured) {
   }
   // a picture in colour and colours of the mesh replace the diffuse colour (4.14.4)
   if (replaced) phong.diffuse = Vec3(1);
-  it->second = builder_.add_phong(phong, look.name, textured);
-  return it->second;
+  return builder_.add_phong(phong, look.name, textured);
 }
 
 }  // namespace panwright::importers::vrml

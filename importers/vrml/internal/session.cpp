@@ -70,6 +70,23 @@ Document* Session::open(const InputFile& file) { return load(file, true); }
 
 const std::string& Session::path_of(FileId file) const { return paths_.at(file); }
 
+void Session::release(Node& node, std::string_view name) {
+  constexpr std::size_t kLarge = std::size_t{1} << 20;  // bytes
+  for (Field& field : node.fields) {
+    Value& value = field.value;
+    if (field.name != name || width_of(value.type) == 0) continue;
+    const bool whole = value.type == FieldType::mf_int32;
+    const std::size_t bytes = value.size * (whole ? sizeof(std::int32_t) : sizeof(double));
+    if (bytes < kLarge) continue;
+    for (const auto& [path, loaded] : documents_) {
+      if (!loaded.document || !loaded.document->arena->release(value.data, bytes)) continue;
+      value.data = nullptr;
+      value.size = 0;
+      break;
+    }
+  }
+}
+
 Document* Session::load(const InputFile& file, bool top) {
   Loaded& loaded = documents_[file.path];
   const std::string_view text = *file.bytes;

@@ -48,6 +48,11 @@ class Session {
   // are followed. Any other node is returned as it is; nullptr stays.
   Node* actual(Node* node);
 
+  // Frees a large list that is read no more, and leaves the field empty. Small ones stay.
+  //
+  //   Expects: no other field holds the same list, as those of instances and their bodies may.
+  void release(Node& node, std::string_view field);
+
   const std::string& path_of(FileId file) const;
 
  private:
