@@ -50,7 +50,7 @@ class Cleaner {
   CleanReport run() {
     report_.vertices_before = mesh_.positions.size();
     report_.triangles_before = mesh_.triangles.size();
-    if (!options_.keep_normals) mesh_.normals.clear();
+    if (!options_.keep_normals) mesh_.normals = std::vector<Vec3>();
     weld();
     if (options_.drop_degenerate) drop_collapsed();
     if (options_.drop_duplicates) drop_duplicates();
@@ -61,7 +61,11 @@ class Cleaner {
     mesh_.closed = !mesh_.triangles.empty() && edges_.border.empty() && edges_.many.empty() &&
                    edges_.misoriented == 0 && has_edges();
     mesh_.error += report_.largest_move;
+    // what comes now needs the room
+    edges_ = {};
+    piece_of_ = std::vector<std::uint32_t>();
     if (mesh_.normals.empty()) compute_normals(mesh_, options_.crease_angle, place_);
+    place_ = std::vector<std::uint32_t>();
     if (options_.reorder) reorder_triangles(mesh_);
     compact_vertices(mesh_, !options_.reorder);
     report_.vertices_after = mesh_.positions.size();
@@ -212,6 +216,7 @@ class Cleaner {
     }
     if (!options_.orient || report_.flipped == 0) return;
     flip(orientation.flip);
+    edges_ = {};
     edges_ = edges_of(mesh_, place_);
   }
 

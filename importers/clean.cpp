@@ -68,6 +68,7 @@ class SceneCleaner {
     parallel_for(out_.meshes.size(), [&](std::size_t i) {
       geometry::Shape& shape = scene_.shapes[out_.meshes[i].shape];
       Mesh mesh = *std::get<MeshShape>(shape);
+      std::get<MeshShape>(shape).reset();  // cleaning needs the room
       geometry::CleanOptions options = options_;
       // what is small in the world is small in each place of the mesh
       const double stretch = stretch_[out_.meshes[i].shape];
