@@ -201,6 +201,24 @@ void copy_tables(const scene::Scene& scene, pan::Contents& out) {
         {text(point.name), static_cast<std::uint32_t>(point.node), point.position});
 }
 
+// Says where texture coordinates were made up.
+void report_boxed(const scene::Scene& scene, const Plan& plan, DiagnosticLog& log) {
+  std::size_t count = 0;
+  const Job* first = nullptr;
+  for (const Job& job : plan.jobs) {
+    if (!job.boxed) continue;
+    ++count;
+    if (first == nullptr) first = &job;
+  }
+  if (first == nullptr) return;
+  const auto material = static_cast<std::size_t>(first->user->material);
+  log.report(Code::N2021, {},
+             fmt::format("{} without texture coordinates {} them from {} bounds, the first in {}",
+                         count == 1 ? "1 mesh" : fmt::format("{} meshes", count),
+                         count == 1 ? "gets" : "get", count == 1 ? "its" : "their",
+                         in_quotes(scene.materials[material].name)));
+}
+
 // The need as the file stores it: what was asked for, and the smallest tolerance that came of it.
 pan::layout::Need need_record(const scene::Need& need, const Options& options, double smallest) {
   pan::layout::Need record{};
@@ -250,6 +268,7 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
                           DiagnosticLog& log) {
   const auto start = Clock::now();
   const Plan plan = internal::plan_of(scene, scene::world_from_nodes(scene), options);
+  report_boxed(scene, plan, log);
   Product product = make_all(scene, plan, options, log);
 
   pan::Contents out;

@@ -57,6 +57,7 @@ class Cleaner {
     edges_ = edges_of(mesh_, place_);
     if (options_.drop_degenerate) drop_slivers();
     turn();
+    if (options_.orient && !mesh_.normals.empty()) turn_normals();
     examine();
     mesh_.closed = !mesh_.triangles.empty() && edges_.border.empty() && edges_.many.empty() &&
                    edges_.misoriented == 0 && has_edges();
@@ -220,16 +221,29 @@ class Cleaner {
     edges_ = edges_of(mesh_, place_);
   }
 
-  // Turns triangles, with their normals: vertices that others share are doubled.
   void flip(const std::vector<char>& marked) {
     for (std::size_t i = 0; i < marked.size(); ++i)
       if (marked[i]) std::swap(mesh_.triangles[i][1], mesh_.triangles[i][2]);
-    if (mesh_.normals.empty()) return;
-    report_.flipped_files = report_.flipped;
+  }
+
+  // Normals that point away from the outside of their triangle would light its back, whichever of
+  // the two the file has wrong. Vertices that others share are doubled.
+  void turn_normals() {
+    std::vector<char> marked(mesh_.triangles.size());
+    for_chunks(marked.size(), [&](std::size_t i) {
+      const Triangle& t = mesh_.triangles[i];
+      const Vec3 outwards = glm::cross(mesh_.positions[t[1]] - mesh_.positions[t[0]],
+                                       mesh_.positions[t[2]] - mesh_.positions[t[0]]);
+      const Vec3 mean = mesh_.normals[t[0]] + mesh_.normals[t[1]] + mesh_.normals[t[2]];
+      marked[i] = glm::dot(outwards, mean) < 0;
+    });
     std::vector<char> stays(mesh_.positions.size(), 0);
-    for (std::size_t i = 0; i < marked.size(); ++i)
+    for (std::size_t i = 0; i < marked.size(); ++i) {
+      report_.normals_turned += marked[i];
       if (!marked[i])
         for (const std::uint32_t v : mesh_.triangles[i]) stays[v] = 1;
+    }
+    if (report_.normals_turned == 0) return;
     std::vector<std::uint32_t> turned(mesh_.positions.size(), kNone);
     for (std::size_t i = 0; i < marked.size(); ++i) {
       if (!marked[i]) continue;

@@ -48,7 +48,7 @@ struct CleanReport {
   std::uint64_t degenerate = 0;
   std::uint64_t duplicates = 0;
   std::uint64_t flipped = 0;        // triangles
-  std::uint64_t flipped_files = 0;  // of them with normals that the file gave
+  std::uint64_t normals_turned = 0;  // triangles whose normals pointed away from their outside
   std::uint64_t pieces = 0;         // connected by edges that two triangles share
   std::uint64_t closed_pieces = 0;
   std::uint64_t one_sided = 0;           // pieces without two sides, as Möbius' strip: left alone
@@ -69,7 +69,8 @@ struct CleanReport {
 // same place. Orientation: neighbours across an edge that two triangles share are wound alike.
 // Closed pieces then enclose a positive volume. An open piece is turned where it seems inside out
 // by the cones from its centroid and most rays from outside that meet it see its back; else
-// as most of its area was written. Normals that the mesh had are turned with their triangles.
+// as most of its area was written. Normals that the mesh had are turned
+// where they then point away from the outside of their triangle, on the mean of its corners.
 // Equal meshes give equal bytes, whatever the number of threads.
 //
 //   mesh  closed is set anew; error grows by the largest move

@@ -48,7 +48,7 @@ void add(const CleanReport& from, CleanReport& to) {
   for (const auto member :
        {&CleanReport::vertices_before, &CleanReport::vertices_after, &CleanReport::triangles_before,
         &CleanReport::triangles_after, &CleanReport::welded, &CleanReport::degenerate,
-        &CleanReport::duplicates, &CleanReport::flipped, &CleanReport::flipped_files,
+        &CleanReport::duplicates, &CleanReport::flipped, &CleanReport::normals_turned,
         &CleanReport::pieces, &CleanReport::closed_pieces, &CleanReport::one_sided,
         &CleanReport::non_manifold_edges, &CleanReport::border_edges, &CleanReport::rims,
         &CleanReport::holes, &CleanReport::filled, &CleanReport::t_junctions})
@@ -167,7 +167,8 @@ void report(const Hygiene& hygiene, DiagnosticLog& log) {
   tell(total.degenerate, "triangle without area dropped", "triangles without area dropped");
   tell(total.duplicates, "duplicate triangle dropped", "duplicate triangles dropped");
   tell(total.flipped, "triangle turned to face outwards", "triangles turned to face outwards");
-  tell(total.flipped_files, "of them with its normals", "of them with their normals");
+  tell(total.normals_turned, "triangle's normals turned to its outside",
+       "triangles' normals turned to their outside");
   tell(total.filled, "hole filled", "holes filled");
   if (!done.empty()) log.report_file(Code::N6301, {}, done);
   if (total.non_manifold_edges > 0)

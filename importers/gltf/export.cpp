@@ -328,7 +328,7 @@ class Exporter {
     text.resize((text.size() + 3) / 4 * 4, ' ');
     const std::uint64_t size = 12 + 8 + text.size() + (binary_.empty() ? 0 : 8 + binary_.size());
     if (size > 0xffffffffu) {
-      log_.report_file(Code::E6401, model_.name(),
+      log_.report_file(Code::E6002, model_.name(),
                        fmt::format("{} bytes are more than a GLB file can hold", size));
       return failed;
     }

@@ -17,7 +17,7 @@ namespace panwright::importers {
 // y up.
 //
 // Expects: model.checked().
-// Fails: E6401 for more than 4 GiB. Reports W6402 for what is lost.
+// Fails: E6002 for more than 4 GiB. Reports W6402 for what is lost.
 // Same model, same bytes. Cost: O(bytes) and the packing of pictures.
 [[nodiscard]] Result<std::vector<std::byte>> glb_from(const pan::Model& model, DiagnosticLog& log);
 

@@ -259,19 +259,35 @@ TEST(Clean, FlatSheetsStayAsWrittenAndNeighboursAgree) {
   }
 }
 
-TEST(Clean, NormalsOfTheFileTurnWithTheirTriangles) {
+TEST(Clean, NormalsEndOnTheOutsideWhicheverWayTheFileHadThem) {
+  for (const bool winding : {false, true})
+    for (const bool normals : {false, true}) {
+      Mesh mesh = bare(shapes::sphere(20, 30));
+      mesh.normals.clear();
+      for (const Vec3& p : mesh.positions) mesh.normals.push_back(glm::normalize(normals ? -p : p));
+      if (winding)
+        for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+      const CleanReport report = clean(mesh, {});
+      EXPECT_EQ(report.flipped, winding ? mesh.triangles.size() : 0u);
+      EXPECT_EQ(report.normals_turned, normals ? mesh.triangles.size() : 0u);
+      EXPECT_EQ(report.vertices_after, report.vertices_before - report.welded);
+      for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+        EXPECT_GT(glm::dot(mesh.normals[v], glm::normalize(mesh.positions[v])), 0.999);
+    }
+}
+
+TEST(Clean, NormalsOfASheetFollowItsFaces) {
   Mesh mesh = sheet(2);
   mesh.normals.assign(mesh.positions.size(), Vec3(0, 0, 1));
   std::swap(mesh.triangles[0][0], mesh.triangles[0][1]);
-  const CleanReport report = clean(mesh, {});
-  EXPECT_EQ(report.flipped_files, 1u);
-  std::size_t down = 0;
-  for (const Vec3& n : mesh.normals) {
-    EXPECT_EQ(std::fabs(n.z), 1.0);
-    down += n.z < 0;
-  }
-  EXPECT_EQ(down, 3u);  // copies of the corners of the one that was turned
-  EXPECT_EQ(check(mesh).misoriented_edges, 0u);
+  EXPECT_EQ(clean(mesh, {}).normals_turned, 0u);
+  for (const Vec3& n : mesh.normals) EXPECT_EQ(n.z, 1.0);
+  // a normal that two faces want differently stands there twice
+  Mesh half = sheet(1);
+  half.normals.assign(half.positions.size(), Vec3(0, 0, -1));
+  half.normals[half.triangles[0][0]] = half.normals[half.triangles[0][1]] = Vec3(0, 0, 1);
+  const CleanReport report = clean(half, {});
+  EXPECT_EQ(report.normals_turned, 1u);
 }
 
 TEST(Clean, MoebiusStripsAreLeftAlone) {
