@@ -178,6 +178,32 @@ TEST(VrmlHostile, FilesThatNameFiles) {
   EXPECT_TRUE(reading->log.contains(Code::E6002));
 }
 
+// One face set under many texture transforms is meshed for each of them: all of them count, also
+// when the meshes are equal.
+TEST(VrmlHostile, MeshesMadeAgain) {
+  const auto model = [](int shapes, bool equal) {
+    std::string text = "DEF P PixelTexture { image 1 1 3 0x102030 } ";
+    for (int i = 0; i < shapes; ++i)
+      text +=
+          "Shape { appearance Appearance { texture USE P textureTransform TextureTransform { "
+          "translation " +
+          std::to_string(equal ? 0 : i) + " 0 } } geometry " +
+          (i > 0 ? "USE F }\n"
+                 : "DEF F IndexedFaceSet { coord Coordinate { point [ 0 0 0 1 0 0 1 1 0 ] } "
+                   "coordIndex [ " +
+                       repeated("0 1 2 -1 ", 500) + "] } }\n");
+    return text;
+  };
+  Options options = small();
+  for (const bool equal : {false, true}) {
+    const auto fits = read97(model(200, equal), options);  // 100,000 triangles
+    ASSERT_TRUE(fits->out) << to_text(fits->log);
+    EXPECT_EQ(fits->scene().instances.size(), 200u);
+    EXPECT_EQ(fits->scene().shapes.size(), equal ? 1u : 200u);
+    expect_refused(model(210, equal), options);
+  }
+}
+
 TEST(VrmlHostile, MemoryIsLimited) {
   Options options;
   options.limits.memory = 1 << 20;

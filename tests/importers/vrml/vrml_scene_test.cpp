@@ -34,6 +34,57 @@ Vec3 in_world(const Reading& reading, std::string_view name, const Vec3& p) {
   return Vec3(scene::world_from_nodes(reading.scene())[reading.index(name)] * Vec4(p, 1));
 }
 
+// Lists of a megabyte and more go when they have served, and not before.
+TEST(VrmlScene, LargeListsServeAsOftenAsTheyAreAsked) {
+  constexpr int kTriangles = 100'000;
+  std::string points;
+  std::string index;
+  for (int i = 0; i < kTriangles; ++i) {
+    points += std::to_string(i) + " 0 0 ";
+    index += std::to_string(i) + " " + std::to_string((i + 1) % kTriangles) + " " +
+             std::to_string((i + 2) % kTriangles) + " -1 ";
+  }
+  const std::string coordinate = "Coordinate { point [ " + points + "] }";
+  const std::string faces = "coordIndex [ " + index + "]";
+  const std::string picture =
+      "appearance Appearance { texture PixelTexture { image 1 1 3 0x102030 } } ";
+  const std::string proto =
+      "PROTO P [ field SFNode g NULL ] { Group { children [ Shape { geometry IS g } Shape { " +
+      picture + "geometry IS g } ] } } ";
+  const std::vector<std::pair<std::string, std::size_t>> models = {
+      // text, shapes
+      {"Shape { geometry IndexedFaceSet { coord " + coordinate + faces + " } }", 1},
+      {"DEF S Shape { geometry IndexedFaceSet { coord " + coordinate + faces + " } } USE S", 2},
+      {"Shape { geometry DEF G IndexedFaceSet { coord " + coordinate + faces + " } } Shape { " +
+           picture + "geometry USE G }",
+       2},
+      {"Shape { geometry IndexedFaceSet { coord DEF C " + coordinate + faces +
+           " } } Shape { geometry IndexedFaceSet { ccw FALSE coord USE C " + faces + " } }",
+       2},
+      {proto + "P { g IndexedFaceSet { coord " + coordinate + faces + " } }", 2},
+  };
+  for (const auto& [text, shapes] : models) {
+    const auto reading = read97(text);
+    ASSERT_TRUE(reading->out) << text.substr(0, 80);
+    EXPECT_EQ(reading->log.errors() + reading->log.warnings(), 0u) << to_text(reading->log);
+    ASSERT_EQ(reading->scene().instances.size(), shapes) << text.substr(0, 80);
+    for (const scene::Instance& instance : reading->scene().instances) {
+      const auto& mesh = *std::get<geometry::MeshShape>(
+          reading->scene().shapes[static_cast<std::size_t>(instance.shape)]);
+      ASSERT_EQ(mesh.triangles.size(), std::size_t{kTriangles});
+      ASSERT_EQ(mesh.positions.size(), std::size_t{kTriangles});
+      for (int i = 0; i < kTriangles; i += 997)
+        ASSERT_EQ(mesh.positions[static_cast<std::size_t>(i)], Vec3(i, 0, 0));
+    }
+    // nothing points into the text
+    EXPECT_EQ(reading->log.sources().file(0).bytes, nullptr);
+  }
+  const auto warned = read97(models[0].first + "\nTransform { scale 0 0 0 }");
+  ASSERT_TRUE(warned->out);
+  EXPECT_THAT(warned->places(), ElementsAre("3:1 W6009"));
+  EXPECT_THAT(to_text(warned->log), HasSubstr("Transform { scale 0 0 0 }"));
+}
+
 TEST(VrmlScene, TransformsStepByStep) {
   // p' = T·C·R·SR·S·−SR·−C·p
   const auto reading = read97(
