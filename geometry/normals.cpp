@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -23,6 +24,7 @@ constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr double kAngleSlack = 1e-9;
 constexpr int kChainLimit = 16;
 constexpr std::size_t kChunk = 1u << 13;   // triangles or vertices that a thread takes at once
+constexpr std::size_t kParts = 8;          // of the vertices
 constexpr std::size_t kRecent = 1u << 12;  // facets that a thread keeps
 
 // What a corner adds to the normal of its vertex.
@@ -90,11 +92,10 @@ class Facets {
 template <class Number>
 class Fans {
  public:
-  Fans(const Mesh& mesh, std::span<const std::uint32_t> place, const Lists& corners, double crease,
+  Fans(const Mesh& mesh, std::span<const std::uint32_t> place, double crease,
        std::vector<Number>& number_of)
       : mesh_(mesh),
         place_(place),
-        corners_(corners),
         facets_(mesh),
         crease_(crease),
         cos_crease_(det::cos(std::min(kPi, crease + kAngleSlack))),
@@ -103,8 +104,7 @@ class Fans {
   std::vector<Vec3> normals;  // one for each group
 
   // Facets that share an edge at this vertex are joined across it where it is smooth.
-  void group_vertex(std::uint32_t v) {
-    const std::span<const std::uint32_t> corners = corners_[v];
+  void group_vertex(std::uint32_t v, std::span<const std::uint32_t> corners) {
     const auto count = static_cast<std::uint32_t>(corners.size());
     if (count == 0) return;
     here_.clear();
@@ -208,7 +208,6 @@ class Fans {
 
   const Mesh& mesh_;
   std::span<const std::uint32_t> place_;
-  const Lists& corners_;
   Facets facets_;
   double crease_;
   double cos_crease_;
@@ -235,20 +234,6 @@ void for_chunks(std::size_t count, const Body& body) {
   });
 }
 
-// Of each place the corners of facets with area that stand there: 3·triangle + number.
-Lists corners_by_place(const Mesh& mesh, std::span<const std::uint32_t> place) {
-  std::vector<std::uint32_t> keys(3 * mesh.triangles.size());
-  for_chunks(mesh.triangles.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Triangle& t = mesh.triangles[i];
-      const bool has_area =
-          !measure(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]).degenerate();
-      for (std::size_t k = 0; k < 3; ++k) keys[3 * i + k] = has_area ? place[t[k]] : kNoKey;
-    }
-  });
-  return lists_by(keys, mesh.positions.size());
-}
-
 // note: lists go as soon as they have served, as they are larger than the mesh.
 template <class Number>
 class NormalBuilder {
@@ -256,45 +241,132 @@ class NormalBuilder {
   NormalBuilder(Mesh& mesh, double crease, std::span<const std::uint32_t> place)
       : mesh_(mesh), crease_(crease), place_(place) {}
 
-  void run(Lists corners) {
-    group(std::move(corners));
+  // False, and nothing is done: there are more facets at a place than numbers.
+  bool run() {
+    find_areas();
+    if (!group()) return false;
     emit();
     write_normals();
+    return true;
   }
 
  private:
   static constexpr Number kNoNumber = std::numeric_limits<Number>::max();
 
-  // Groups are numbered in order of their vertices, whichever thread finds them.
-  void group(Lists corners) {
-    number_of_.assign(3 * mesh_.triangles.size(), kNoNumber);
-    const std::size_t count = mesh_.positions.size();
-    first_group_.assign(count, kNone);
-    std::vector<std::vector<Vec3>> parts((count + kChunk - 1) / kChunk);
+  // The places at which a chunk of triangles has corners.
+  struct Reach {
+    std::uint32_t low = kNone;
+    std::uint32_t high = 0;
+  };
+
+  // Marks the corners of facets that have area.
+  void find_areas() {
+    const std::size_t count = mesh_.triangles.size();
+    number_of_.assign(3 * count, kNoNumber);
+    reach_.resize((count + kChunk - 1) / kChunk);
     for_chunks(count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-      Fans<Number> fans(mesh_, place_, corners, crease_, number_of_);
-      fans.normals.reserve(end - begin);
-      for (std::size_t v = begin; v < end; ++v) {
-        if (!corners[v].empty()) first_group_[v] = static_cast<std::uint32_t>(fans.normals.size());
-        fans.group_vertex(static_cast<std::uint32_t>(v));
+      Reach reach;
+      for (std::size_t i = begin; i < end; ++i) {
+        const Triangle& t = mesh_.triangles[i];
+        const std::vector<Vec3>& p = mesh_.positions;
+        if (measure(p[t[0]], p[t[1]], p[t[2]]).degenerate()) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+          number_of_[3 * i + k] = 0;
+          reach.low = std::min(reach.low, place_[t[k]]);
+          reach.high = std::max(reach.high, place_[t[k]]);
+        }
       }
-      parts[chunk] = std::move(fans.normals);
+      reach_[chunk] = reach;
     });
-    corners = {};
-    if (parts.size() == 1) {
-      group_normals_ = std::move(parts[0]);
-      return;
+  }
+
+  // Calls body(place, corner) for those that stand at places [begin, end), in ascending order.
+  template <class Body>
+  void for_corners(std::uint32_t begin, std::uint32_t end, const Body& body) const {
+    for (std::size_t chunk = 0; chunk < reach_.size(); ++chunk) {
+      // mostly, neighbours in the list of triangles are neighbours in that of vertices
+      if (reach_[chunk].high < begin || reach_[chunk].low >= end) continue;
+      const std::size_t last = std::min(mesh_.triangles.size(), (chunk + 1) * kChunk);
+      for (std::size_t i = chunk * kChunk; i < last; ++i) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t place = place_[mesh_.triangles[i][k]];
+          if (place - begin < end - begin && number_of_[3 * i + k] != kNoNumber)
+            body(place, static_cast<std::uint32_t>(3 * i + k));
+        }
+      }
     }
-    std::vector<std::size_t> base(parts.size() + 1, 0);
-    for (std::size_t i = 0; i < parts.size(); ++i) base[i + 1] = base[i] + parts[i].size();
-    group_normals_.resize(base.back());
-    for_chunks(count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-      std::copy(parts[chunk].begin(), parts[chunk].end(),
-                group_normals_.begin() + static_cast<std::ptrdiff_t>(base[chunk]));
-      free_list(parts[chunk]);
-      for (std::size_t v = begin; v < end; ++v)
-        if (first_group_[v] != kNone) first_group_[v] += static_cast<std::uint32_t>(base[chunk]);
+  }
+
+  Lists corners_at(std::uint32_t begin, std::uint32_t end) const {
+    Lists lists;
+    std::vector<std::uint32_t>& start = lists.start;
+    start.assign(end - begin + 2, 0);
+    for_corners(begin, end,
+                [&](std::uint32_t place, std::uint32_t) { ++start[place - begin + 2]; });
+    for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
+    lists.items.resize(start.back());
+    for_corners(begin, end, [&](std::uint32_t place, std::uint32_t corner) {
+      lists.items[start[place - begin + 1]++] = corner;
     });
+    start.pop_back();
+    return lists;
+  }
+
+  // Groups are numbered in order of their vertices, whichever thread finds them. A part of the
+  // vertices after the other, so that there is no list of all corners.
+  bool group() {
+    const std::size_t tasks = mesh_.triangles.size() < kChunk ? 1 : kParts;
+    first_group_.assign(mesh_.positions.size(), kNone);
+    group_normals_.resize(mesh_.positions.size());
+    std::vector<std::size_t> base(tasks + 1, 0);  // of each part, the groups before it
+    std::vector<std::vector<Vec3>> parts(tasks);  // those of more groups than places
+    std::atomic<bool> fits = true;
+    parallel_for(tasks, [&](std::size_t i) {
+      const std::uint32_t begin = bound(i, tasks);
+      const std::uint32_t end = bound(i + 1, tasks);
+      const Lists corners = corners_at(begin, end);
+      for (std::uint32_t v = begin; v < end; ++v)
+        if (corners[v - begin].size() > kNoNumber) fits = false;
+      if (!fits) return;
+      Fans<Number> fans(mesh_, place_, crease_, number_of_);
+      fans.normals.reserve(end - begin);
+      for (std::uint32_t v = begin; v < end; ++v) {
+        if (corners[v - begin].empty()) continue;
+        first_group_[v] = static_cast<std::uint32_t>(fans.normals.size());
+        fans.group_vertex(v, corners[v - begin]);
+      }
+      base[i + 1] = fans.normals.size();
+      if (fans.normals.size() > end - begin)
+        parts[i] = std::move(fans.normals);
+      else
+        std::copy(fans.normals.begin(), fans.normals.end(), group_normals_.begin() + begin);
+    });
+    if (!fits) return false;
+    for (std::size_t i = 0; i < tasks; ++i) base[i + 1] += base[i];
+    join(base, parts);
+    return true;
+  }
+
+  // The first vertex of a part.
+  std::uint32_t bound(std::size_t i, std::size_t tasks) const {
+    return static_cast<std::uint32_t>(mesh_.positions.size() * i / tasks);
+  }
+
+  // Puts the groups of all parts behind one another.
+  void join(const std::vector<std::size_t>& base, std::vector<std::vector<Vec3>>& parts) {
+    const bool more = std::ranges::any_of(parts, [](const auto& part) { return !part.empty(); });
+    std::vector<Vec3> joined(more ? base.back() : 0);
+    Vec3* const to = more ? joined.data() : group_normals_.data();
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const std::uint32_t begin = bound(i, parts.size());
+      const Vec3* const from = parts[i].empty() ? group_normals_.data() + begin : parts[i].data();
+      if (from != to + base[i]) std::copy(from, from + (base[i + 1] - base[i]), to + base[i]);
+      free_list(parts[i]);
+      for (std::uint32_t v = begin; v < bound(i + 1, parts.size()); ++v)
+        if (first_group_[v] != kNone) first_group_[v] += static_cast<std::uint32_t>(base[i]);
+    }
+    if (more) group_normals_ = std::move(joined);
+    group_normals_.resize(base.back());
   }
 
   // Corners of triangles without area take the first group at their place.
@@ -376,6 +448,7 @@ class NormalBuilder {
   double crease_;
   std::span<const std::uint32_t> place_;    // V
   std::vector<Number> number_of_;           // 3*T, of the groups at a place; kNoNumber: no area
+  std::vector<Reach> reach_;                // of each chunk of triangles
   std::vector<std::uint32_t> first_group_;  // of each place, kNone: no facet with area
   std::vector<Vec3> group_normals_;         // one for each group
   std::vector<char> used_;                  // of each vertex that was there
@@ -394,14 +467,8 @@ void compute_normals(Mesh& mesh, double crease_angle, std::span<const std::uint3
   assert(mesh.positions.size() + 3 * mesh.triangles.size() < 0xffffffffull);
   free_list(mesh.normals);
   const double crease = std::clamp(crease_angle, 0.0, kPi);
-  Lists corners = corners_by_place(mesh, place);
-  std::uint32_t most = 0;
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-    most = std::max(most, corners.start[v + 1] - corners.start[v]);
-  if (most <= std::numeric_limits<std::uint8_t>::max())
-    NormalBuilder<std::uint8_t>(mesh, crease, place).run(std::move(corners));
-  else
-    NormalBuilder<std::uint32_t>(mesh, crease, place).run(std::move(corners));
+  if (!NormalBuilder<std::uint8_t>(mesh, crease, place).run())
+    NormalBuilder<std::uint32_t>(mesh, crease, place).run();
 }
 
 }  // namespace panwright::geometry

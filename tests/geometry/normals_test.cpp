@@ -229,6 +229,52 @@ TEST(Normals, TinyAndHugeMeshes) {
   }
 }
 
+// Sharp facets at one vertex, as many as a byte numbers and more: each keeps its own normal.
+TEST(Normals, SharpFacetsAtOneVertex) {
+  for (const std::uint32_t n : {128u, 254u, 256u, 258u, 600u}) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 1}};
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const double a = 2 * M_PI * i / n;
+      mesh.positions.push_back({std::cos(a), std::sin(a), i % 2 == 0 ? 0.0 : 0.5});
+      mesh.triangles.push_back({0, 1 + i, 1 + (i + 1) % n});
+    }
+    compute_normals(mesh, 1e-3);
+    ASSERT_EQ(mesh.positions.size(), 3 * n);
+    double worst = 0;
+    for (const Triangle& t : mesh.triangles) {
+      const std::vector<Vec3>& p = mesh.positions;
+      const Vec3 facet = glm::normalize(glm::cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]));
+      for (const std::uint32_t v : t) worst = std::max(worst, glm::length(mesh.normals[v] - facet));
+    }
+    EXPECT_LT(worst, 8e-16) << n;  // 4.0e-16 measured
+  }
+}
+
+// Many triangles in no order, against sums over all of them.
+TEST(Normals, TheOrderOfTrianglesIsNothing) {
+  Mesh mesh = shapes::sphere(150, 200);
+  const std::size_t count = mesh.triangles.size();
+  ASSERT_GT(count, 50'000u);
+  Mesh shuffled = mesh;
+  for (std::size_t i = 0; i < count; ++i) shuffled.triangles[i] = mesh.triangles[i * 7919 % count];
+  std::vector<Vec3> sums(mesh.positions.size(), Vec3(0));
+  for (const Triangle& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 a = mesh.positions[t[(k + 1) % 3]] - mesh.positions[t[k]];
+      const Vec3 b = mesh.positions[t[(k + 2) % 3]] - mesh.positions[t[k]];
+      const Vec3 cross = glm::cross(a, b);
+      sums[t[k]] += std::atan2(glm::length(cross), glm::dot(a, b)) * glm::normalize(cross);
+    }
+  }
+  compute_normals(shuffled, 1);
+  ASSERT_EQ(shuffled.positions, mesh.positions);
+  double worst = 0;
+  for (std::size_t v = 0; v < sums.size(); ++v)
+    worst = std::max(worst, glm::length(shuffled.normals[v] - glm::normalize(sums[v])));
+  EXPECT_LT(worst, 8e-16);  // 4.0e-16 measured
+}
+
 // 200,000 sharp facets on one vertex and on one edge: a pairwise method would need minutes.
 TEST(Normals, ManyFacetsAtOnePlaceStayFast) {
   const std::uint32_t n = 200000;

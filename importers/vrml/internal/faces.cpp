@@ -19,6 +19,7 @@ using geometry::Triangle;
 constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr int kLongestSearch =
     32;  // vertices of one point that are compared before one more is made
+constexpr std::size_t kManyNumbers = 100'000;  // are worth a pass over the faces to free
 
 Vec3 vec3_at(std::span<const double> values, std::size_t i) {
   return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
@@ -81,7 +82,6 @@ class FaceMesher {
                          List::color_index);
     texcoords_ = attribute(in_.texcoords, 2, in_.texcoord_index, true, List::texcoords,
                            List::texcoord_index);
-    out_.triangles.reserve(triangles_);
     if (normals_.splits_points() || colours_.splits_points() || texcoords_.splits_points())
       make_faces<true>();
     else
@@ -210,6 +210,15 @@ class FaceMesher {
     if (normals_.is_there()) out_.normals.reserve(guess);
     if (colours_.is_there()) out_.colours.reserve(guess);
     if (texcoords_.is_there()) out_.texcoords.reserve(guess);
+    const bool many = in_.points.size() >= kManyNumbers && options_.served;
+    if (!kSplit && many && all_finite_ && all_whole_) {
+      // all vertices first: then the points make room for the triangles
+      for_each_face(in_.coord_index, [&](std::size_t face, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end && end - begin >= 3; ++i) vertex<kSplit>(i, face);
+      });
+      options_.served(List::points);
+    }
+    out_.triangles.reserve(triangles_);
     std::vector<std::uint32_t> corners;
     for_each_face(in_.coord_index, [&](std::size_t face, std::size_t begin, std::size_t end) {
       if (end - begin < 3) return;
@@ -286,7 +295,8 @@ class FaceMesher {
     first_ = std::vector<std::uint32_t>();
     keys_ = std::vector<Keyed>();
     if (!normals_.is_there()) {
-      if (options_.read) options_.read();
+      if (options_.served) options_.served(List::points);
+      if (options_.served) options_.served(List::coord_index);
       geometry::compute_normals(out_, in_.crease_angle.value_or(options_.crease_angle));
       for (Vec3& n : out_.normals)
         if (!is_finite(n)) n = Vec3(0, 0, 1);

@@ -48,7 +48,8 @@ struct FaceOptions {
   double crease_angle = 0;                   // radians, where the node states none
   std::uint64_t max_triangles = 1ull << 27;  // of the mesh
   bool texcoords = false;                    // are made where the node has none
-  std::function<void()> read = {};           // called when points and coord_index have served
+  std::function<void(List)> served = {};     // called for points and coord_index of a face set
+                                             // that are read no more
 };
 
 // An IndexedFaceSet of either version of VRML. Lists are as in the file; an empty index list means

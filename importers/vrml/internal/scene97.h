@@ -96,7 +96,7 @@ class Scene97 {
   std::int32_t mesh_shape(Node& geometry, const Look& look, bool* coloured);
   Cache97::Meshed make_mesh(Node& geometry, const Look& look);
   geometry::Mesh face_set(Node& node, const Look& look, ListProblems& problems);
-  void release(Node& geometry);
+  void release(Node& geometry, List list);
   geometry::Mesh elevation_grid(const Node& node, const Look& look, ListProblems& problems);
   geometry::Mesh extrusion(const Node& node, const Look& look, ListProblems& problems);
   void count_made(const Node& geometry, std::uint64_t triangles);

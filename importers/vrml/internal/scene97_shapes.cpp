@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/text.h"
 #include "geometry/shape.h"
@@ -60,6 +61,17 @@ constexpr Place kPlaces[] = {
     {List::scales, "", "scale"},
     {List::orientations, "", "orientation"},
 };
+
+constexpr std::pair<std::string_view, std::span<const std::int32_t> FaceSet::*> kIndices[] = {
+    {"coordIndex", &FaceSet::coord_index},
+    {"normalIndex", &FaceSet::normal_index},
+    {"colorIndex", &FaceSet::color_index},
+    {"texCoordIndex", &FaceSet::texcoord_index}};
+constexpr std::pair<std::string_view, bool FaceSet::*> kFlags[] = {
+    {"normalPerVertex", &FaceSet::normal_per_vertex},
+    {"colorPerVertex", &FaceSet::color_per_vertex},
+    {"ccw", &FaceSet::ccw},
+    {"convex", &FaceSet::convex}};
 
 std::optional<double> crease_of(const Node& node) {
   if (node.find("creaseAngle") == nullptr) return std::nullopt;
@@ -184,7 +196,9 @@ bool Scene97::add_round(const Node& geometry, const Look& look, std::int32_t par
 
 std::span<const double> Scene97::list_of(const Node& node, std::string_view member,
                                          std::string_view field) {
-  const Node* list = session_.actual(node.node(member));
+  const Field* const written = node.find(member);
+  if (written == nullptr || written->value.nodes().empty()) return {};
+  const Node* list = session_.actual(written->value.nodes()[0]);
   if (list == nullptr || list->spec == nullptr || list->spec->find(field) == nullptr) return {};
   return list->numbers(field);
 }
@@ -192,28 +206,27 @@ std::span<const double> Scene97::list_of(const Node& node, std::string_view memb
 geometry::Mesh Scene97::face_set(Node& node, const Look& look, ListProblems& problems) {
   FaceSet faces;
   faces.points = list_of(node, "coord", "point");
-  faces.coord_index = node.integers("coordIndex");
   faces.normals = list_of(node, "normal", "vector");
-  faces.normal_index = node.integers("normalIndex");
-  faces.normal_per_vertex = node.flag("normalPerVertex");
   const bool replaced = look.texture != scene::kNone && !look.grey;
   if (!replaced) faces.colours = list_of(node, "color", "color");
-  faces.color_index = node.integers("colorIndex");
-  faces.color_per_vertex = node.flag("colorPerVertex");
   faces.texcoords = list_of(node, "texCoord", "point");
-  faces.texcoord_index = node.integers("texCoordIndex");
-  faces.ccw = node.flag("ccw");
-  faces.convex = node.flag("convex");
+  // what is not written is as FaceSet has it: small parts are many, and mostly write two fields
+  for (const Field& field : node.fields) {
+    for (const auto& [name, list] : kIndices)
+      if (field.name == name) faces.*list = field.value.integers();
+    for (const auto& [name, flag] : kFlags)
+      if (field.name == name) faces.*flag = field.value.integers()[0] != 0;
+  }
   faces.crease_angle = crease_of(node);
   FaceOptions options{session_.options.crease_angle, session_.options.limits.triangles,
                       look.texture != scene::kNone};
-  if (look.once) options.read = [&] { release(node); };
+  if (look.once) options.served = [&](List list) { release(node, list); };
   return mesh_of(faces, options, problems);
 }
 
-// Points and faces of a face set that is not asked for again.
-void Scene97::release(Node& geometry) {
-  session_.release(geometry, "coordIndex");
+// A list of a face set that is not asked for again.
+void Scene97::release(Node& geometry, List list) {
+  if (list == List::coord_index) return session_.release(geometry, "coordIndex");
   Node* coord = geometry.node("coord");
   const bool own = coord != nullptr && !coord->again && coord->owner == nullptr;
   if (own && coord->prototype == nullptr) session_.release(*coord, "point");
