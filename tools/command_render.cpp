@@ -239,7 +239,10 @@ int render(const RenderOptions& typed) {
                            options.reference ? "reference" : "gl"));
     return session.finish();
   }
-  const auto model = load_model(options.input, options.read, session);
+  // what nobody outside sees costs a picture less than its removal
+  ReadOptions read = options.read;
+  read.prune = false;
+  const auto model = load_model(options.input, read, session);
   if (!model) return session.finish();
   const auto jobs = make_jobs(options, *model, log);
   if (!jobs) return session.finish();

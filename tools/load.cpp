@@ -118,7 +118,7 @@ Result<pan::Model> load_model(const std::string& path, const ReadOptions& option
   }
   auto scene = read_scene(path, options, session);
   if (!scene) return failed;
-  prune(*scene, options, session);
+  if (options.prune) prune(*scene, options, session);
   session.step("compile " + path);
   compiler::Options compile;
   compile.max_error = options.max_error;

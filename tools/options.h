@@ -44,7 +44,8 @@ struct ReadOptions {
   std::vector<std::string> parameters;     // NAME=VALUE, in place of the model's own values
   std::optional<double> max_error;         // metres in the world; none: what the model needs
   std::uint64_t max_triangles = 1ull << 27;
-  CadOptions cad;  // for models that are CAD files
+  CadOptions cad;     // for models that are CAD files
+  bool prune = true;  // hidden parts of imports go, which no picture from outside shows
 };
 
 struct CompileOptions {
