@@ -42,13 +42,19 @@ const SourceFile& SourceMap::file(FileId id) const {
 const std::vector<std::uint32_t>& SourceMap::line_starts(FileId id) const {
   auto& starts = line_starts_[id];
   if (!starts.empty()) return starts;
+  if (!files_[id].bytes) {
+    starts.push_back(0);
+    return starts;
+  }
+  // at once: a list that grows would take twice the room, beside a text that may be large
+  const std::string& text = *files_[id].bytes;
+  const auto feeds = std::count(text.begin(), text.end(), '\n');
+  const auto returns = std::count(text.begin(), text.end(), '\r');
+  starts.reserve(static_cast<std::size_t>(feeds + returns) + 1);
   starts.push_back(0);
-  if (files_[id].bytes) {
-    const std::string& text = *files_[id].bytes;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      if (text[i] == '\r' && i + 1 < text.size() && text[i + 1] == '\n') continue;
-      if (text[i] == '\n' || text[i] == '\r') starts.push_back(static_cast<std::uint32_t>(i + 1));
-    }
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\r' && i + 1 < text.size() && text[i + 1] == '\n') continue;
+    if (text[i] == '\n' || text[i] == '\r') starts.push_back(static_cast<std::uint32_t>(i + 1));
   }
   return starts;
 }
