@@ -173,9 +173,9 @@ void certify(const scene::Scene& scene, DiagnosticLog& log) {
 }
 
 std::string describe(const Options& options) {
-  return fmt::format("max_error={} max_triangles={} strip_sources={}",
+  return fmt::format("max_error={} max_triangles={} strip_sources={}{}",
                      options.max_error ? format_double(*options.max_error) : "need",
-                     options.max_triangles, options.strip_sources ? 1 : 0);
+                     options.max_triangles, options.strip_sources ? 1 : 0, options.origin);
 }
 
 // Names come from files and folders, which may hold any bytes; a pan file holds UTF-8.

@@ -251,7 +251,7 @@ HiddenReport prune_hidden(scene::Scene& scene, const HiddenOptions& options, Dia
             gone, report.triangles_before,
             100.0 * static_cast<double>(gone) / static_cast<double>(report.triangles_before),
             report.rays),
-        "--keep-hidden keeps them");
+        "--keep-hidden, or hidden=\"keep\" in a text, keeps them");
   return report;
 }
 

@@ -277,19 +277,18 @@ std::optional<double> unit_of(std::string_view name) {
 
 UnitGuess guessed_unit(double largest_extent) {
   UnitGuess guess;
-  if (largest_extent >= kSmallest && largest_extent <= kLargest) return guess;
+  // small things are parts of something
+  if (largest_extent <= kLargest) return guess;
   const std::array<std::pair<double, double>, 2> ranges = {
       std::pair{kLikelySmallest, kLikelyLargest}, std::pair{kSmallest, kLargest}};
   for (const auto& [low, high] : ranges) {
     for (const std::string_view name : kUsual) {
       const double unit = *unit_of(name);
       const double size = largest_extent * unit;
-      // larger numbers than metres make are of a smaller unit, and the other way round
-      if ((unit < 1) == (largest_extent > kLargest) && size >= low && size <= high)
-        return {unit, name, true};
+      if (unit < 1 && size >= low && size <= high) return {unit, name, true};
     }
   }
-  guess.plausible = largest_extent == 0;
+  guess.plausible = false;
   return guess;
 }
 

@@ -88,6 +88,15 @@ Result<Imported> import_from(Files& files, const std::string& path, const Option
     if (!unpacked.bytes) return failed;
   }
   const std::string_view text = *unpacked.bytes;
+  if (text.substr(0, 4096).find("<pangu_model") != text.npos || text.starts_with("\x89"
+                                                                                 "PAN")) {
+    report(Code::E6001, name, "this is no CAD file but one of our own", included_at, log,
+           text.starts_with("\x89"
+                            "PAN")
+               ? "a .pan is compiled already: render and info take it"
+               : "<include> takes a .pxn");
+    return failed;
+  }
   if (starts_with_any(text, {"#X3D", "<?xml", "<X3D", "#Inventor", "solid", "ply", "ISO-10303"})) {
     report(Code::E6001, name, "only VRML, glTF and GLB files are read", included_at, log,
            "convert it to one of these first");

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
+#include <utility>
+#include <vector>
 
 namespace panwright::preview {
 namespace {
@@ -23,7 +26,24 @@ GLenum format_of(TextureRole role, bool whole) {
   }
 }
 
-GlTexture made(const GladGLContext& gl, const std::vector<TextureLevel>& levels, GLenum format) {
+// Which textures coordinates leave at the top or the bottom. Others end there: a picture around a
+// sphere must not mix its poles.
+std::vector<char> repeated_upwards(const pan::Model& model) {
+  constexpr float kRounding = 1e-5f;
+  std::vector<char> repeated(model.textures().size());
+  std::set<std::pair<std::uint32_t, std::uint32_t>> known;
+  for (const layout::Instance& instance : model.instances()) {
+    if (instance.texture < 0) continue;
+    const auto texture = static_cast<std::uint32_t>(instance.texture);
+    if (repeated[texture] || !known.emplace(texture, instance.mesh).second) continue;
+    for (const layout::Float2& uv : model.mesh(instance.mesh).texcoords)
+      if (uv.y < -kRounding || uv.y > 1 + kRounding) repeated[texture] = 1;
+  }
+  return repeated;
+}
+
+GlTexture made(const GladGLContext& gl, const std::vector<TextureLevel>& levels, GLenum format,
+               bool repeated) {
   GlTexture object = make_texture_2d(gl, static_cast<GLsizei>(levels.size()), format,
                                      static_cast<GLsizei>(levels[0].width),
                                      static_cast<GLsizei>(levels[0].height));
@@ -34,7 +54,7 @@ GlTexture made(const GladGLContext& gl, const std::vector<TextureLevel>& levels,
   gl.TextureParameteri(object.id(), GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   gl.TextureParameteri(object.id(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   gl.TextureParameteri(object.id(), GL_TEXTURE_WRAP_S, GL_REPEAT);
-  gl.TextureParameteri(object.id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  gl.TextureParameteri(object.id(), GL_TEXTURE_WRAP_T, repeated ? GL_REPEAT : GL_CLAMP_TO_EDGE);
   return object;
 }
 
@@ -48,6 +68,7 @@ std::uint32_t GpuTextures::number(const TextureUse& use) {
 
 bool GpuTextures::upload(const Context& context, const pan::Model& model, DiagnosticLog& log) {
   const GladGLContext& gl = context.gl();
+  const std::vector<char> repeated = repeated_upwards(model);
   std::uint64_t bytes = 0;
   for (const TextureUse& use : uses_)
     bytes += channels(use.role) * model.textures()[static_cast<std::size_t>(use.texture)].bytes;
@@ -64,7 +85,8 @@ bool GpuTextures::upload(const Context& context, const pan::Model& model, Diagno
     const std::vector<TextureLevel> levels =
         map_levels(model.texels(i), texture.width, texture.height,
                    (texture.flags & layout::kTextureLinear) != 0, use.role, use.threshold);
-    textures_.push_back(made(gl, levels, format_of(use.role, bytes <= kFloatTextureBytes)));
+    textures_.push_back(
+        made(gl, levels, format_of(use.role, bytes <= kFloatTextureBytes), repeated[i] != 0));
     if (!fits(gl, "textures", log)) return false;
   }
   return true;

@@ -81,7 +81,10 @@ Look look_of(const Vec3& c) {
           c.x >= c.y && c.y > 1.3 * c.z, c.z >= c.y && c.z > 1.3 * c.x};
 }
 
-std::string_view foil(const Look& look) {
+std::string_view foil(const std::string& name, const Look& look) {
+  if (name.find("silver") != std::string::npos) return "mli_silver";
+  if (name.find("black") != std::string::npos) return "mli_black";
+  if (name.find("gold") != std::string::npos) return "mli_gold_kapton";
   if (look.bright < 0.04) return "mli_black";
   return look.yellow && look.vivid > 0.25 ? "mli_gold_kapton" : "mli_silver";
 }
@@ -177,7 +180,7 @@ Guess guessed_preset(const importers::CadMaterial& material) {
   const Look look = look_of(material.base_colour);
   for (const std::string_view word : {"mli", "foil", "blanket", "gold"})
     if (name.find(word) != std::string::npos)
-      return {word == "gold" ? "mli_gold_kapton" : foil(look),
+      return {word == "gold" ? "mli_gold_kapton" : foil(name, look),
               fmt::format("'{}' in its name", word)};
   for (const Clue& clue : kClues)
     if (name.find(clue.word) != std::string::npos)

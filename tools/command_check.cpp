@@ -15,11 +15,14 @@ void check_one(const std::string& path, const ReadOptions& options, Session& ses
   DiagnosticLog& log = session.log();
   const std::string extension = extension_of(path);
   const std::size_t errors = log.errors(), warnings = log.warnings();
-  if (extension == ".pan" || extension == ".pxn") {
-    (void)load_model(path, options, session);  // a pxn file is compiled too, to find it all
+  if (extension == ".pan" || extension == ".pxn" || is_cad(path)) {
+    ReadOptions read = options;
+    read.prune = false;
+    (void)load_model(path, read, session);  // a text is compiled too, to find it all
   } else {
     log.report(Code::E0202, {},
-               fmt::format("{} is neither a .pan nor a .pxn file", in_quotes(path)));
+               fmt::format("{} is no file of a model: .pan, .pxn and CAD files are checked",
+                           in_quotes(path)));
   }
   const std::size_t found = log.errors() - errors;
   session.result()["files"].push_back({{"file", path},

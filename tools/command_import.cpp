@@ -33,6 +33,12 @@ std::string attributes_of(const CadOptions& cad) {
   return out;
 }
 
+// The same where everything that decides the model must stand, in one line.
+std::string origin_of(const CadOptions& cad) {
+  std::string out = attributes_of(cad) + (cad.recentre ? " recentre" : "") + " assume=" + cad.assume;
+  return out;
+}
+
 std::uint64_t triangles_of(const scene::Scene& scene) {
   std::uint64_t count = 0;
   for (const scene::Instance& instance : scene.instances)
@@ -155,12 +161,17 @@ int import_cad(const ImportOptions& options) {
     session.step("write");
     write_skeleton(*imported, options, session);
   } else {
+    if (!imported->scene.joints.empty())
+      log.report_file(Code::N6007, options.input,
+                      fmt::format("{} left out: a .pan does not hold them yet",
+                                  counted(imported->scene.joints.size(), "joint")));
     compiler::HiddenReport hidden;
     if (prune(imported->scene, options.read, session, &hidden))
       session.result()["removed"] = as_json(hidden);
     compiler::Options compile;
     compile.max_error = options.read.max_error;
     compile.max_triangles = options.read.max_triangles;
+    compile.origin = origin_of(options.read.cad);
     session.step({});
     const auto report = compiler::compile(imported->scene, compile, options.output, log);
     if (!report) return session.finish();

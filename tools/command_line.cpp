@@ -442,11 +442,12 @@ void add_subcommands(CLI::App& app, AllOptions& all) {
   add_export(app.add_subcommand("export", "Write a model as a glTF file"), all.export_);
 
   auto* check_app =
-      app.add_subcommand("check", "Say everything that is wrong with pxn and pan files");
+      app.add_subcommand("check", "Say everything that is wrong with pxn, pan and CAD files");
   check_app->add_option("inputs", all.check.inputs, "Files to check")
       ->required()
       ->type_name("FILE…");
   add_read(check_app, all.check.read);
+  add_cad(check_app, all.check.read.cad);
   add_common(check_app, all.check.common);
 
   auto* info_app = app.add_subcommand("info", "Show what is in a model");

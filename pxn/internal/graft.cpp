@@ -43,6 +43,13 @@ void graft(const ImportedModel& model, const PartImport& place,
     instance.node = node_of[static_cast<std::size_t>(instance.node)];
     instance.shape = model.shapes[static_cast<std::size_t>(instance.shape)];
     instance.material = materials[i];
+    // a picture may stand in the material that goes
+    const materials::Maps& maps =
+        model.imported.scene.materials[static_cast<std::size_t>(from.instances[i].material)].maps;
+    if (instance.texture == scene::kNone && place.materials[i] >= 0 && maps.albedo >= 0) {
+      instance.texture = maps.albedo;
+      instance.mapping = scene::Mapping::texcoords;
+    }
     if (instance.texture != scene::kNone)
       instance.texture = place.keeps_picture[i]
                              ? model.textures[static_cast<std::size_t>(instance.texture)]

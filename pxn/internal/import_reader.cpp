@@ -107,6 +107,7 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
       reporter_.log(), values.value_place(element, attribute::import_file));
   if (!imported) return std::nullopt;
   // first, as lengths of cleaning are metres of the world
+  const std::size_t nodes = imported->scene.nodes.size();
   importers::place(*imported, importers::unit_of(units),
                    up == "z" ? importers::UpAxis::z : importers::UpAxis::y, false,
                    reporter_.log());
@@ -114,6 +115,7 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
   index = static_cast<std::uint32_t>(models_.size());
   ImportedModel& model = models_.emplace_back();
   model.imported = std::move(*imported);
+  model.top = model.imported.scene.nodes.size() > nodes ? 1 : 0;
   // patterns are UTF-8, whatever the names of the file are
   for (scene::Node& node : model.imported.scene.nodes)
     node.name = to_utf8(node.name, Encoding::utf8);
@@ -203,7 +205,7 @@ std::vector<char> Loader::chosen_instances(Work& work, std::uint32_t rule, std::
   narrow(
       nodes, "node",
       [&](const std::string& pattern) {
-        return [named = matching_nodes(scene, pattern)](const scene::Instance& instance) {
+        return [named = matching_nodes(scene, model.top, pattern)](const scene::Instance& instance) {
           return named[static_cast<std::size_t>(instance.node)] != 0;
         };
       },

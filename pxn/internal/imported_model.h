@@ -11,6 +11,9 @@ namespace panwright::pxn {
 
 // A CAD file, read once for each way it is imported; its shapes and pictures stand in the scene.
 struct ImportedModel {
+  // the node that names and paths are counted from: the file's root, or the one that holds its unit
+  // and axes
+  std::uint32_t top = 0;
   importers::Imported imported;
   std::vector<std::int32_t> shapes;    // in the scene, of each of the file's
   std::vector<std::int32_t> textures;  // in the scene, of each of the file's

@@ -24,14 +24,15 @@ bool matches(std::string_view pattern, std::string_view text) {
   return p == pattern.size();
 }
 
-std::vector<char> matching_nodes(const scene::Scene& scene, std::string_view pattern) {
+std::vector<char> matching_nodes(const scene::Scene& scene, std::uint32_t top,
+                                 std::string_view pattern) {
   std::vector<char> out(scene.nodes.size());
   const bool by_path = pattern.find('/') != std::string_view::npos;
   std::vector<std::string> paths(by_path ? scene.nodes.size() : 0);
-  for (std::size_t i = 1; i < scene.nodes.size(); ++i) {
+  for (std::size_t i = top + 1; i < scene.nodes.size(); ++i) {
     const scene::Node& node = scene.nodes[i];
     const auto parent = static_cast<std::size_t>(node.parent);
-    if (by_path) paths[i] = parent == 0 ? node.name : paths[parent] + "/" + node.name;
+    if (by_path) paths[i] = parent <= top ? node.name : paths[parent] + "/" + node.name;
     out[i] = static_cast<char>(out[parent] || matches(pattern, by_path ? paths[i] : node.name));
   }
   return out;

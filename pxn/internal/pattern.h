@@ -13,7 +13,8 @@ namespace panwright::pxn {
 bool matches(std::string_view pattern, std::string_view text);
 
 // For each node of a scene whether a pattern, or one above it, names it. A pattern with '/' is held
-// against the path below the root, one without against the node's own name.
-std::vector<char> matching_nodes(const scene::Scene& scene, std::string_view pattern);
+// against the path below the node `top`, one without against the node's own name.
+std::vector<char> matching_nodes(const scene::Scene& scene, std::uint32_t top,
+                                 std::string_view pattern);
 
 }  // namespace panwright::pxn

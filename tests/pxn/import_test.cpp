@@ -122,6 +122,20 @@ TEST(Import, a_rule_for_a_node_holds_for_all_below) {
                                    Pairs("wing2", "metal")));
 }
 
+TEST(Import, paths_do_not_depend_on_units_and_axes) {
+  for (const char* way : {"", " up=\"z\" units=\"m\"", " units=\"mm\""}) {
+    const Reading r = reading(std::string("<material name=\"metal\" preset=\"aluminium_bare\"/>") +
+                              "<import file=\"cad/sat.wrl\"" + way +
+                              "> <assign nodes=\"bus/wing1\" material=\"metal\"/> </import>");
+    EXPECT_EQ(r.log.warnings(), 0u) << way << to_text(r.log);
+  }
+}
+
+TEST(Import, our_own_files_are_no_cad_files) {
+  const Reading r = reading("<import file=\"cad/sat.wrl\"/>", "<pangu_model ver=\"0\"/>");
+  EXPECT_THAT(to_text(r.log), HasSubstr("<include> takes a .pxn"));
+}
+
 TEST(Import, what_is_removed_is_gone_with_its_nodes) {
   const Reading r =
       reading(R"(<import file="cad/sat.wrl" hidden="keep"> <remove nodes="wing2"/> </import>)");

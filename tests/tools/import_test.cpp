@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "tests/support/process.h"
 
@@ -84,6 +85,27 @@ TEST(Import, a_text_around_a_file_compiles) {
   // elsewhere the text could not name the file
   fs::create_directory(folder / "below");
   EXPECT_EQ(panwright({"import", folder / "relay.wrl", "-o", folder / "below/relay.pxn"}).code, 2);
+}
+
+// docs/pan-format.md: equal identities mean equal models.
+TEST(Import, what_decides_a_model_is_in_its_identity) {
+  const TemporaryFolder folder;
+  std::set<std::string> identities;
+  const std::vector<std::vector<std::string>> ways = {{},
+                                                      {"--units", "mm"},
+                                                      {"--keep-hidden"},
+                                                      {"--no-weld"},
+                                                      {"--up", "z"},
+                                                      {"--recentre"},
+                                                      {"--crease-normals"},
+                                                      {"--primitives", "9"}};
+  for (const auto& way : ways) {
+    std::vector<std::string> words = {"import", kRelay, "-o", folder / "a.pan"};
+    words.insert(words.end(), way.begin(), way.end());
+    EXPECT_EQ(panwright(words).code, 0);
+    identities.insert(result_of({"info", folder / "a.pan"})["build_id"].get<std::string>());
+  }
+  EXPECT_EQ(identities.size(), ways.size());
 }
 
 TEST(Import, reports_in_three_kinds) {
