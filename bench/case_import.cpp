@@ -1,5 +1,7 @@
 // Whole processes from CAD files to models and pictures.
 #include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <limits>
 #include <vector>
@@ -43,9 +45,20 @@ void run_import(Context& context) {
   if (panwright.empty()) return context.note("the program is not built: nothing to time");
   const Band band(context.quick() ? 40 : 708);
   const double million = static_cast<double>(band.triangles()) * 1e-6;
-  const fs::path wrl = write_scratch(context, "band.wrl", band.vrml());
-  const fs::path plain = write_scratch(context, "plain.glb", band.glb(false));
-  const fs::path lit = write_scratch(context, "lit.glb", band.glb(true));
+  const fs::path wrl = context.scratch() / "band.wrl";
+  const fs::path plain = context.scratch() / "plain.glb";
+  const fs::path lit = context.scratch() / "lit.glb";
+  // note: the largest size that this process ever had counts towards the peaks of those it starts
+  const pid_t writer = ::fork();
+  if (writer == 0) {
+    const bool done = !write_scratch(context, "band.wrl", band.vrml()).empty() &&
+                      !write_scratch(context, "plain.glb", band.glb(false)).empty() &&
+                      !write_scratch(context, "lit.glb", band.glb(true)).empty();
+    ::_exit(done ? 0 : 1);
+  }
+  int status = 1;
+  if (writer < 0 || ::waitpid(writer, &status, 0) != writer || status != 0)
+    return context.note("the files cannot be written");
   const auto out = [&](const char* name) { return (context.scratch() / name).string(); };
   const std::string keep = "--keep-hidden", as_is = "--no-weld";
   std::vector<Job> jobs = {
