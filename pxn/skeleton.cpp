@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/text.h"
+#include "pxn/internal/reference.h"
 
 namespace panwright::pxn {
 
@@ -89,21 +90,6 @@ std::string_view foil(const std::string& name, const Look& look) {
   return look.yellow && look.vivid > 0.25 ? "mli_gold_kapton" : "mli_silver";
 }
 
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
-
 // In a comment: no two hyphens in a row.
 std::string in_comment(std::string text) {
   for (char& c : text)
@@ -121,7 +107,7 @@ std::string pattern_of(std::string_view name) {
     if (static_cast<unsigned char>(c) < 0x20 || c == '{' || c == '}') c = '?';
   if (out.front() == ' ') out.front() = '?';
   if (out.back() == ' ') out.back() = '?';
-  return escaped(out);
+  return xml::escaped(out);
 }
 
 // A name of our own, of letters, digits and underscores.
@@ -241,7 +227,7 @@ std::string skeleton(const importers::Imported& imported, std::string_view file,
                        counted(nameless, "material"));
   if (!scene.joints.empty())
     out += "  <!-- joints of the file:" + joint_lines(imported) + "\n  -->\n";
-  out += fmt::format("  <import file=\"{}\"{}", escaped(file), attributes);
+  out += fmt::format("  <import file=\"{}\"{}", xml::escaped(file), attributes);
   out += assigns.empty() ? "/>\n" : ">\n" + assigns + "  </import>\n";
   return out + "</pangu_model>\n";
 }

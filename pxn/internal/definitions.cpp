@@ -9,6 +9,7 @@
 #include "pxn/internal/loader.h"
 #include "pxn/internal/material_reader.h"
 #include "pxn/internal/presets.h"
+#include "pxn/internal/reference.h"
 #include "pxn/internal/shapes.h"
 
 namespace panwright::pxn {
@@ -29,21 +30,6 @@ double metres_of(std::string_view unit) {
   if (unit == "in") return 0.0254;
   if (unit == "ft") return 0.3048;
   return 1;
-}
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
 }
 
 }  // namespace
@@ -144,7 +130,7 @@ void Loader::read_parameter(File& file, std::uint32_t element) {
 std::optional<Quantity> Loader::overriding_value(const std::string& name,
                                                  const std::string& value) {
   auto bytes = std::make_shared<const std::string>(
-      fmt::format("<param name=\"{}\" value=\"{}\"/>", escaped(name), escaped(value)));
+      fmt::format("<param name=\"{}\" value=\"{}\"/>", xml::escaped(name), xml::escaped(value)));
   const FileId id =
       reporter_.log().sources().add({"-D " + name, std::move(bytes), Encoding::utf8, {}});
   xml::Document document = xml::scan(id, {16, 16}, reporter_.log());

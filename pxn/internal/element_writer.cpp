@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "pxn/internal/reference.h"
+
 namespace panwright::pxn {
 
 namespace {
@@ -195,21 +197,7 @@ void ElementWriter::attribute(std::string_view name, std::string_view value) {
   out_.push_back(' ');
   out_ += name;
   out_ += "=\"";
-  for (const char c : value) {
-    switch (c) {
-      case '&':
-        out_ += "&amp;";
-        break;
-      case '<':
-        out_ += "&lt;";
-        break;
-      case '"':
-        out_ += "&quot;";
-        break;
-      default:
-        out_.push_back(c);
-    }
-  }
+  out_ += xml::escaped(value);
   out_.push_back('"');
 }
 

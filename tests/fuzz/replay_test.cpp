@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "tests/fuzz/targets.h"
+#include "tests/fuzz/targets_gltf.h"
 
 namespace panwright {
 namespace {
@@ -29,6 +30,8 @@ TEST(Replay, PxnTestFiles) { replay(PANWRIGHT_SOURCE_DIR "/tests/pxn/data", fuzz
 TEST(Replay, Examples) { replay(PANWRIGHT_SOURCE_DIR "/examples", fuzz::pxn); }
 TEST(Replay, PanCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/pan", fuzz::pan); }
 TEST(Replay, VrmlCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/vrml", fuzz::vrml); }
+TEST(Replay, GltfCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/gltf", fuzz::gltf); }
+TEST(Replay, DracoCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/draco", fuzz::draco); }
 
 }  // namespace
 }  // namespace panwright

@@ -308,16 +308,24 @@ void Scene10::sphere(Node& node) {
   add_round(node, sphere, 0, false, 0);
 }
 
+geometry::Counts Scene10::round_counts() const {
+  const std::uint32_t n = builder_.session.options.primitives;
+  return {n == 0 ? 0 : std::max(3u, n), 0};
+}
+
+bool Scene10::has_parts_of_their_own() const {
+  return state_.material_binding == Binding::face ||
+         state_.material_binding == Binding::face_indexed;
+}
+
 void Scene10::cylinder(Node& node) {
   const double radius = node.number("radius");
   const double height = node.number("height");
   const bool sides = has_part(node, "SIDES");
   const bool top = has_part(node, "TOP");
   const bool bottom = has_part(node, "BOTTOM");
-  const std::uint32_t n = builder_.session.options.primitives;
-  const geometry::Counts counts{n == 0 ? 0 : std::max(3u, n), 0};
-  const bool parted =
-      state_.material_binding == Binding::face || state_.material_binding == Binding::face_indexed;
+  const geometry::Counts counts = round_counts();
+  const bool parted = has_parts_of_their_own();
   using geometry::Caps;
   if (sides) {
     const Caps caps = parted || (!top && !bottom) ? Caps::none
@@ -337,10 +345,8 @@ void Scene10::cone(Node& node) {
   const double height = node.number("height");
   const bool sides = has_part(node, "SIDES");
   const bool bottom = has_part(node, "BOTTOM");
-  const std::uint32_t n = builder_.session.options.primitives;
-  const geometry::Counts counts{n == 0 ? 0 : std::max(3u, n), 0};
-  const bool parted =
-      state_.material_binding == Binding::face || state_.material_binding == Binding::face_indexed;
+  const geometry::Counts counts = round_counts();
+  const bool parted = has_parts_of_their_own();
   using geometry::Caps;
   if (sides) {
     const Caps caps = bottom && !parted ? Caps::bottom : Caps::none;

@@ -140,6 +140,8 @@ class Scene10 {
   Binding binding(Node& node);
   void settle();  // makes the node of the frame
   std::int32_t place_of(const Node& node, const Mat4& here_from_shape);
+  geometry::Counts round_counts() const;
+  bool has_parts_of_their_own() const;  // side, top and bottom may differ in material
   void add_round(Node& node, const geometry::Shape& shape, double lift, bool upside_down,
                  std::size_t part);
   std::int32_t texture_index();
