@@ -275,6 +275,12 @@ std::optional<double> unit_of(std::string_view name) {
   return std::nullopt;
 }
 
+std::optional<UpAxis> up_of(std::string_view name) {
+  if (name == "y") return UpAxis::y;
+  if (name == "z") return UpAxis::z;
+  return std::nullopt;
+}
+
 UnitGuess guessed_unit(double largest_extent) {
   UnitGuess guess;
   // small things are parts of something
@@ -297,6 +303,7 @@ Vec3 place(Imported& model, std::optional<double> unit, std::optional<UpAxis> up
   scene::Scene& scene = model.scene;
   if (scene.nodes.empty()) return Vec3(0);
   Bounds bounds;
+  if (!unit && model.in_metres) unit = 1;
   if (!unit || recentre) bounds = bounds_of(scene);
   scene::Transform transform;
   if (!unit) {
@@ -316,7 +323,7 @@ Vec3 place(Imported& model, std::optional<double> unit, std::optional<UpAxis> up
     unit = guess.unit;
   }
   transform.scale = Vec3(*unit);
-  if (up.value_or(UpAxis::y) == UpAxis::y)
+  if (up.value_or(usual_up(model.format)) == UpAxis::y)
     transform.rotation = Quat(std::sqrt(0.5), std::sqrt(0.5), 0, 0);  // a quarter turn about x
   Vec3 moved(0);
   if (recentre && bounds.any) {

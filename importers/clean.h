@@ -41,11 +41,15 @@ UnitGuess guessed_unit(double largest_extent);
 // A unit by its name: um, mm, cm, dm, m, km, in, ft, yd. Nothing for another name.
 std::optional<double> unit_of(std::string_view name);
 
+// An axis by its name: y, z. Nothing for another name.
+std::optional<UpAxis> up_of(std::string_view name);
+
 // Gives a scene its unit, its axes and its place by a node "model" between the root and what stands
 // at the top, which is there only where something changes.
 //
-//   unit      metres; none: as guessed from the size, N6006 where that is not metres
-//   up        none: y
+//   unit      metres; none: what the file says, else guessed from the size, N6006 where that is not
+//             metres
+//   up        none: usual_up()
 //   recentre  whether the middle of the bounds comes to the origin
 //   returns   how far the model was moved, in metres of the scene
 Vec3 place(Imported& model, std::optional<double> unit, std::optional<UpAxis> up, bool recentre,

@@ -8,7 +8,11 @@
 #include "base/text.h"
 #include "importers/gltf/gltf.h"
 #include "importers/internal/gzip.h"
+#include "importers/meshes/meshes.h"
 #include "importers/vrml/vrml.h"
+#ifdef PANWRIGHT_STEP
+#include "importers/step/step.h"
+#endif
 
 namespace panwright::importers {
 
@@ -22,12 +26,38 @@ bool starts_with_any(std::string_view text, std::initializer_list<std::string_vi
   return false;
 }
 
-// glTF is JSON or a GLB; everything else is left to the reader of VRML, which says what is wrong.
-bool looks_like_gltf(std::string_view bytes) {
-  if (bytes.starts_with("glTF")) return true;
+// The extension in lower case, that below ".gz" where there is one.
+std::string extension_of(std::string_view path) {
+  fs::path file = fs::path(path).filename();
+  std::string out;
+  for (int k = 0; k < 2 && (out.empty() || out == ".gz"); ++k) {
+    out = file.extension().string();
+    for (char& c : out)
+      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    file = file.stem();
+  }
+  return out;
+}
+
+// By first bytes; by its name where a format has no mark, or one that others have too. What is
+// nothing else is left to the reader of VRML, which says what is wrong.
+Format format_of(std::string_view bytes, std::string_view path, std::optional<Format> assume) {
+  if (bytes.starts_with("glTF")) return Format::gltf;
+  if (bytes.starts_with("#VRML")) return Format::vrml97;
   if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
+  const std::string extension = extension_of(path);
   const std::size_t first = bytes.find_first_not_of(" \t\r\n");
-  return first != bytes.npos && bytes[first] == '{';
+  const std::string_view text = first == bytes.npos ? std::string_view() : bytes.substr(first);
+  if (text.starts_with("ISO-10303-21")) return Format::step;
+  if (starts_with_any(bytes, {"ply\n", "ply\r", "ply "})) return Format::ply;
+  if (assume) return *assume;
+  if (extension == ".obj") return Format::obj;
+  if (extension == ".stl") return Format::stl;
+  if (extension == ".ply") return Format::ply;
+  if (extension == ".stp" || extension == ".step") return Format::step;
+  if (starts_with_any(text, {"solid ", "solid\n", "solid\r"})) return Format::stl;
+  if (text.starts_with('{')) return Format::gltf;
+  return Format::vrml97;
 }
 
 void report(Code code, const std::string& name, const std::string& message, SourceSpan where,
@@ -60,7 +90,36 @@ void drop_texts(FileId first, DiagnosticLog& log) {
   if (any) sources = std::move(kept);
 }
 
+Result<Imported> read_as(Format format, Files& files, const InputFile& file,
+                         const Options& options, DiagnosticLog& log) {
+  switch (format) {
+    case Format::vrml97:
+    case Format::vrml1:
+      return vrml::read(files, file, options, log);
+    case Format::gltf:
+      return gltf::read(files, file, options, log);
+    case Format::obj:
+    case Format::stl:
+    case Format::ply:
+      return meshes::read(files, file, format, options, log);
+    case Format::step:
+      break;
+  }
+#ifdef PANWRIGHT_STEP
+  return step::read(file, options, log);
+#else
+  report(Code::E6001, file.name, "this build of panwright does not read STEP", file.included_at,
+         log, "build it with PANWRIGHT_STEP, or convert the file");
+  return failed;
+#endif
+}
+
 }  // namespace
+
+UpAxis usual_up(Format format) {
+  const bool z = format == Format::stl || format == Format::ply || format == Format::step;
+  return z ? UpAxis::z : UpAxis::y;
+}
 
 Result<Imported> import_from(Files& files, const std::string& path, const Options& options,
                              DiagnosticLog& log, SourceSpan included_at) {
@@ -97,15 +156,14 @@ Result<Imported> import_from(Files& files, const std::string& path, const Option
                : "<include> takes a .pxn");
     return failed;
   }
-  if (starts_with_any(text, {"#X3D", "<?xml", "<X3D", "#Inventor", "solid", "ply", "ISO-10303"})) {
-    report(Code::E6001, name, "only VRML, glTF and GLB files are read", included_at, log,
-           "convert it to one of these first");
+  if (starts_with_any(text, {"#X3D", "<?xml", "<X3D", "#Inventor"})) {
+    report(Code::E6001, name, "only VRML, glTF, GLB, OBJ, STL and PLY files are read", included_at,
+           log, "convert it to one of these first");
     return failed;
   }
   const auto first = static_cast<FileId>(log.sources().size());
   const InputFile file{path, name, unpacked.bytes, included_at};
-  auto imported = looks_like_gltf(text) ? gltf::read(files, file, options, log)
-                                        : vrml::read(files, file, options, log);
+  auto imported = read_as(format_of(text, path, options.assume), files, file, options, log);
   drop_texts(first, log);
   if (imported) imported->scene.inputs.insert(imported->scene.inputs.begin(), {path, hash, size});
   return imported;

@@ -1,4 +1,4 @@
-// CAD files → scene: VRML 97, VRML 1.0, glTF 2.0 and GLB.
+// CAD files → scene: VRML 97, VRML 1.0, glTF 2.0 and GLB, OBJ, STL, PLY, STEP.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace panwright::importers {
 
-enum class Format : std::uint8_t { vrml97, vrml1, gltf };
+enum class Format : std::uint8_t { vrml97, vrml1, gltf, obj, stl, ply, step };
 
 // What a reading may cost. A file that asks for more gets E6002.
 struct Limits {
@@ -31,6 +31,9 @@ struct Limits {
 // The axis of the file that becomes the scene's +z. y: (x, y, z) → (x, −z, y).
 enum class UpAxis : std::uint8_t { y, z };
 
+// The axis that points up in most files of a format: z in STL, PLY and STEP, y in the others.
+UpAxis usual_up(Format format);
+
 struct Options {
   Limits limits;
   std::filesystem::path
@@ -39,7 +42,8 @@ struct Options {
   std::uint32_t primitives = 0;      // VRML: segments around round shapes; 0: exact shapes
   double crease_angle =
       30 * kDegree;              // radians, for meshes whose file gives neither normals nor one
-  bool textures = true;          // pictures are read
+  double deflection = 0;  // STEP: metres of triangles from their surfaces; 0: 1e-4 of the size
+  bool textures = true;   // pictures are read
   std::optional<Format> assume;  // of a file whose header does not say
 };
 
@@ -60,16 +64,18 @@ struct CadMaterial {
 // is called "root"; it has the identity as transform.
 struct Imported {
   Format format = Format::gltf;
+  bool in_metres = false;  // the file says its unit, and lengths are metres by it
   scene::Scene scene;
   std::vector<CadMaterial> materials;  // one for each of scene.materials
 };
 
-// Reads a CAD file and all that it names. The kind is told by its first bytes; gzip is unpacked
-// whatever the file is called.
+// Reads a CAD file and all that it names. The kind is told by its first bytes, of OBJ and binary STL,
+// which have no mark, by the name's extension; gzip is unpacked whatever the file is called.
 //
 //   returns  what could be read, sound by scene::check; the log says whether that is all of it.
 //
-// Fails: E01…, E6001, E6002, E6003, E6101, E6201 to E6203. Reports E6…, W6…, N6….
+// Fails: E01…, E6001, E6002, E6003, E6101, E6201 to E6205, E6209, E6501, E6601. Reports E6…, W6…,
+// N6….
 // Cost: O(bytes); memory about 3 times the scene's arrays.
 [[nodiscard]] Result<Imported> import_file(const std::filesystem::path& path,
                                            const Options& options, DiagnosticLog& log);

@@ -18,10 +18,13 @@ struct Maps {
   std::int32_t albedo = -1;  // multiplies the diffuse colour
   std::int32_t normal = -1;  // linear; RGB·2 − 1 is the normal: +x along u, +y along v, +z outwards
   std::int32_t roughness = -1;  // linear, red: multiplies the slope m of cook and the σ of oren
+  // sRGB: reflectance R of the mirror facets at normal incidence, in place of F0 of their indices.
+  // F becomes R + (F − F0)(1 − R)/(1 − F0), R where F0 = 1: exact for Schlick's curve
+  std::int32_t reflectance = -1;
   std::int32_t cutout = -1;     // alpha: the surface is there where it reaches the threshold
   double threshold = 0.5;       // 0..1
   Vec2 repeat{1};               // texture coordinates are multiplied by it
-  bool any() const { return albedo >= 0 || normal >= 0 || roughness >= 0 || cutout >= 0; }
+  bool any() const { return albedo >= 0 || normal >= 0 || roughness >= 0 || reflectance >= 0 || cutout >= 0; }
   bool operator==(const Maps&) const = default;
 };
 
@@ -113,6 +116,7 @@ struct Fits {
   std::array<double, 8> hapke_h{};  // of H(x); see hapke.glsl
   // share of diffuse light from below that the coat sends back, times the albedo below over diffuse
   Vec3 coat_return{0};
+  Vec3 reflectance{0};  // of the facets at normal incidence, F0, under the coat if there is one
   double error = 0;  // largest error of loss at any azimuth, or relative one of H
   bool operator==(const Fits&) const = default;
 };

@@ -500,8 +500,10 @@ materials::Material material_from(const layout::Material& record, std::string_vi
   for (int k = 0; k < 4; ++k) material.cook[k] = record.cook[k];
   for (int k = 0; k < 4; ++k) material.hapke[k] = record.hapke[k];
   material.oren = record.oren;
-  material.maps = {record.albedo_map, record.normal_map,       record.roughness_map,
-                   record.cutout_map, record.cutout_threshold, vec2(record.map_repeat)};
+  material.fits.reflectance = vec3(record.reflectance);
+  material.maps = {record.albedo_map,      record.normal_map, record.roughness_map,
+                   record.reflectance_map, record.cutout_map, record.cutout_threshold,
+                   vec2(record.map_repeat)};
   return material;
 }
 
@@ -554,6 +556,8 @@ layout::Material record_from(const materials::Material& material, std::uint32_t 
   record.albedo_map = material.maps.albedo;
   record.normal_map = material.maps.normal;
   record.roughness_map = material.maps.roughness;
+  record.reflectance_map = material.maps.reflectance;
+  store(record.reflectance, material.fits.reflectance);
   record.cutout_map = material.maps.cutout;
   record.cutout_threshold = static_cast<float>(material.maps.threshold);
   store(record.map_repeat, material.maps.repeat);

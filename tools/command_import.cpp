@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 std::string attributes_of(const CadOptions& cad) {
   std::string out;
   if (cad.units != "auto") out += fmt::format(" units=\"{}\"", cad.units);
-  if (cad.up != "y") out += fmt::format(" up=\"{}\"", cad.up);
+  if (cad.up != "auto") out += fmt::format(" up=\"{}\"", cad.up);
   if (cad.no_weld) out += " clean=\"no\"";
   if (cad.weld > 0) out += fmt::format(" weld=\"{}m\"", format_double(cad.weld));
   if (cad.crease_deg != 30) out += fmt::format(" crease=\"{}deg\"", format_double(cad.crease_deg));
@@ -30,6 +30,8 @@ std::string attributes_of(const CadOptions& cad) {
   if (cad.keep_hidden) out += " hidden=\"keep\"";
   if (!cad.scene.empty()) out += fmt::format(" scene=\"{}\"", cad.scene);
   if (cad.primitives > 0) out += fmt::format(" primitives=\"{}\"", cad.primitives);
+  if (cad.deflection > 0)
+    out += fmt::format(" deflection=\"{}m\"", format_double(cad.deflection));
   return out;
 }
 
@@ -58,7 +60,7 @@ Json as_json(const compiler::HiddenReport& hidden) {
           {"seconds", hidden.seconds}};
 }
 
-constexpr const char* kFormats[] = {"VRML 97", "VRML 1.0", "glTF"};
+constexpr const char* kFormats[] = {"VRML 97", "VRML 1.0", "glTF", "OBJ", "STL", "PLY", "STEP"};
 
 void describe(const importers::Imported& imported, Session& session) {
   const scene::Scene& scene = imported.scene;

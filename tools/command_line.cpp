@@ -99,8 +99,8 @@ void add_cad(CLI::App* app, CadOptions& cad) {
          "What a number of the file measures: auto (default), m, mm, cm, dm, km, um, in or ft")
       ->check(CLI::IsMember({"auto", "m", "mm", "cm", "dm", "km", "um", "in", "ft"}));
   // not "--up", which is the camera's
-  option("--up-axis", cad.up, "AXIS", "The file's axis that points up: y (default) or z")
-      ->check(CLI::IsMember({"y", "z"}));
+  option("--up-axis", cad.up, "AXIS", "The file's axis that points up: y or z (default auto: z in STL, PLY and STEP, else y)")
+      ->check(CLI::IsMember({"auto", "y", "z"}));
   app->add_flag("--keep-hidden", cad.keep_hidden, "Keep faces that nobody outside can see")
       ->group("CAD files");
   auto* no_weld = app->add_flag("--no-weld", cad.no_weld, "Leave meshes as they are")
@@ -122,14 +122,18 @@ void add_cad(CLI::App* app, CadOptions& cad) {
   option("--primitives", cad.primitives, "N",
          "VRML: segments around spheres, cylinders and cones (default 0: exact shapes)")
       ->check(CLI::Range(0u, 100000u));
-  option("--assume", cad.assume, "KIND", "What a file without a header is: vrml97 or vrml1")
-      ->check(CLI::IsMember({"vrml97", "vrml1"}));
+  option("--deflection", cad.deflection, "METRES",
+         "STEP: triangles lie this close to their surfaces (default 0: 1e-4 of the model's size)")
+      ->check(kNumber)
+      ->check(CLI::NonNegativeNumber);
+  option("--assume", cad.assume, "KIND", "What a file is that does not say: vrml97, vrml1, gltf, obj, stl, ply or step")
+      ->check(CLI::IsMember({"vrml97", "vrml1", "gltf", "obj", "stl", "ply", "step"}));
   app->add_flag("--recentre", cad.recentre, "Put the middle of the model at the origin")
       ->group("CAD files");
 }
 
 void add_import(CLI::App* app, ImportOptions& options) {
-  app->add_option("input", options.input, "VRML 97, VRML 1.0, glTF 2.0 or GLB, packed or not")
+  app->add_option("input", options.input, "VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY (STEP where built in), packed or not")
       ->required()
       ->type_name("FILE");
   app->add_option("-o,--output", options.output,
@@ -153,7 +157,7 @@ void add_import(CLI::App* app, ImportOptions& options) {
   // the camera has no say here, so that the short name is free
   app->get_option("--up-axis")->group("CAD files");
   app->add_option("--up", options.read.cad.up, "The same as --up-axis")
-      ->check(CLI::IsMember({"y", "z"}))
+      ->check(CLI::IsMember({"auto", "y", "z"}))
       ->type_name("AXIS")
       ->group("CAD files");
   add_common(app, options.common);

@@ -22,7 +22,7 @@ std::string extension_of(const std::string& path) {
 bool is_cad(const std::string& path) {
   std::string extension = extension_of(path);
   if (extension == ".gz") extension = extension_of(std::filesystem::path(path).stem().string());
-  for (const char* known : {".wrl", ".wrz", ".vrml", ".glb", ".gltf"})
+  for (const char* known : {".wrl", ".wrz", ".vrml", ".glb", ".gltf", ".obj", ".stl", ".ply", ".stp", ".step"})
     if (extension == known) return true;
   return false;
 }
@@ -35,16 +35,21 @@ Result<importers::Imported> read_cad(const std::string& path, const ReadOptions&
   read.limits.triangles = options.max_triangles;
   read.crease_angle = cad.crease_deg * kDegree;
   read.primitives = cad.primitives;
+  read.deflection = cad.deflection;
   if (!cad.scene.empty()) read.scene = cad.scene;
-  if (cad.assume == "vrml97") read.assume = importers::Format::vrml97;
-  if (cad.assume == "vrml1") read.assume = importers::Format::vrml1;
+  constexpr std::pair<std::string_view, importers::Format> kFormats[] = {
+      {"vrml97", importers::Format::vrml97}, {"vrml1", importers::Format::vrml1},
+      {"gltf", importers::Format::gltf},     {"obj", importers::Format::obj},
+      {"stl", importers::Format::stl},       {"ply", importers::Format::ply},
+      {"step", importers::Format::step}};
+  for (const auto& [name, format] : kFormats)
+    if (cad.assume == name) read.assume = format;
   session.step("read " + path);
   auto imported = importers::import_file(path, read, session.log());
   if (!imported) return failed;
   // first, as lengths of cleaning are metres of the world
-  importers::place(*imported, importers::unit_of(cad.units),
-                   cad.up == "z" ? importers::UpAxis::z : importers::UpAxis::y, cad.recentre,
-                   session.log());
+  importers::place(*imported, importers::unit_of(cad.units), importers::up_of(cad.up),
+                   cad.recentre, session.log());
   if (!cad.no_weld) {
     session.step("clean");
     geometry::CleanOptions clean;
@@ -111,8 +116,8 @@ Result<pan::Model> load_model(const std::string& path, const ReadOptions& option
   }
   if (extension != ".pxn" && !is_cad(path)) {
     session.log().report(Code::E0202, {},
-                         fmt::format("{} is no file of a model: .pan, .pxn, .wrl, .wrz, .vrml, .glb "
-                                     "and .gltf are read",
+                         fmt::format("{} is no file of a model: .pan, .pxn, .wrl, .wrz, .vrml, .glb, "
+                                     ".gltf, .obj, .stl, .ply and .step are read",
                                      in_quotes(path)));
     return failed;
   }

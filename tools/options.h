@@ -24,14 +24,15 @@ struct CommonOptions {
 // How a CAD file is taken.
 struct CadOptions {
   std::string units = "auto";
-  std::string up = "y";
+  std::string up = "auto";
   std::string root;      // folder of what it names; empty: the file's
   std::string scene;     // glTF; empty: the default one
-  std::string assume;    // "vrml97", "vrml1": for files that do not say
+  std::string assume;    // a format: for files that do not say
   bool no_weld = false;  // meshes stay as they are
   double weld = 0;       // metres
   double crease_deg = 30;
   std::uint32_t primitives = 0;  // VRML; 0: exact shapes
+  double deflection = 0;         // STEP; metres, 0: by the model's size
   bool crease_normals = false;  // those of the file are computed anew
   bool keep_hidden = false;
   bool recentre = false;

@@ -91,12 +91,13 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
   if (!scene.empty()) options.scene = scene;
   options.primitives = static_cast<std::uint32_t>(
       values.integer(element, attribute::import_primitives).value_or(0));
+  options.deflection = values.real(element, attribute::import_deflection).value_or(0);
   options.limits.nodes = options_.limits.nodes;
   options.limits.texture_bytes = options_.limits.texture_bytes - texture_bytes_;
 
   const std::string key =
-      fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", found.key, units, up, cleaned, clean.keep_normals, clean.tolerance,
-                  options.crease_angle, scene, options.primitives);
+      fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", found.key, units, up, cleaned, clean.keep_normals, clean.tolerance,
+                  options.crease_angle, scene, options.primitives, options.deflection);
   const auto known = known_models_.find(key);
   if (known != known_models_.end()) return known->second;
   auto& index = known_models_[key];
@@ -108,8 +109,7 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
   if (!imported) return std::nullopt;
   // first, as lengths of cleaning are metres of the world
   const std::size_t nodes = imported->scene.nodes.size();
-  importers::place(*imported, importers::unit_of(units),
-                   up == "z" ? importers::UpAxis::z : importers::UpAxis::y, false,
+  importers::place(*imported, importers::unit_of(units), importers::up_of(up), false,
                    reporter_.log());
   if (cleaned) importers::clean_up(imported->scene, clean, reporter_.log());
   index = static_cast<std::uint32_t>(models_.size());

@@ -270,7 +270,14 @@ struct Material {
   float gap_color[3];  // diffuse, linear RGB
   std::uint32_t reserved_a;  // 0
   float finger_color[3];  // diffuse, linear RGB
-  std::uint32_t reserved_b[5];  // 0
+  // sRGB: reflectance R of the mirror facets at normal incidence, in place of reflectance; -1:
+  // none
+  std::int32_t reflectance_map;
+  // of the facets at normal incidence, F0, by refract and extinction, under the coat if there is
+  // one; at most 1. Under a reflectance map the Fresnel term F is R + (F - F0) (1 - R)/(1 - F0),
+  // and R where F0 = 1
+  float reflectance[3];
+  std::uint32_t reserved_b;  // 0
 };
 static_assert(sizeof(Material) == 384);
 static_assert(offsetof(Material, diffuse) == 0);
@@ -318,7 +325,9 @@ static_assert(offsetof(Material, finger_width) == 332);
 static_assert(offsetof(Material, gap_color) == 336);
 static_assert(offsetof(Material, reserved_a) == 348);
 static_assert(offsetof(Material, finger_color) == 352);
-static_assert(offsetof(Material, reserved_b) == 364);
+static_assert(offsetof(Material, reflectance_map) == 364);
+static_assert(offsetof(Material, reflectance) == 368);
+static_assert(offsetof(Material, reserved_b) == 380);
 
 // A picture of RGBA8 texels, row 0 the top row. Texcoord (0, 0) is the bottom left corner of the
 // picture, (1, 1) the top right.
@@ -684,7 +693,11 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::zero, SectionKind::build, 0, 0},
     {SectionKind::materials, "finger_color", 352, FieldType::f32, 3,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::materials, "reserved_b", 364, FieldType::u32, 5,
+    {SectionKind::materials, "reflectance_map", 364, FieldType::i32, 1,
+     FieldRuleKind::reference_or_none, SectionKind::textures, 0, 0},
+    {SectionKind::materials, "reflectance", 368, FieldType::f32, 3,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::materials, "reserved_b", 380, FieldType::u32, 1,
      FieldRuleKind::zero, SectionKind::build, 0, 0},
     {SectionKind::textures, "width", 0, FieldType::u32, 1,
      FieldRuleKind::range, SectionKind::build, 1u, 16384u},

@@ -225,7 +225,8 @@ inline constexpr std::size_t named_material_sides = 3;
 inline constexpr std::size_t named_material_albedo_map = 4;
 inline constexpr std::size_t named_material_normal_map = 5;
 inline constexpr std::size_t named_material_roughness_map = 6;
-inline constexpr std::size_t named_material_map_repeat = 7;
+inline constexpr std::size_t named_material_reflectance_map = 7;
+inline constexpr std::size_t named_material_map_repeat = 8;
 inline constexpr std::size_t cutout_image = 0;
 inline constexpr std::size_t cutout_threshold = 1;
 inline constexpr std::size_t beckmann_energy = 0;
@@ -301,11 +302,12 @@ inline constexpr std::size_t import_normals = 6;
 inline constexpr std::size_t import_hidden = 7;
 inline constexpr std::size_t import_scene = 8;
 inline constexpr std::size_t import_primitives = 9;
-inline constexpr std::size_t import_name = 10;
-inline constexpr std::size_t import_translate = 11;
-inline constexpr std::size_t import_rotate = 12;
-inline constexpr std::size_t import_quat = 13;
-inline constexpr std::size_t import_scale = 14;
+inline constexpr std::size_t import_deflection = 10;
+inline constexpr std::size_t import_name = 11;
+inline constexpr std::size_t import_translate = 12;
+inline constexpr std::size_t import_rotate = 13;
+inline constexpr std::size_t import_quat = 14;
+inline constexpr std::size_t import_scale = 15;
 inline constexpr std::size_t assign_nodes = 0;
 inline constexpr std::size_t assign_materials = 1;
 inline constexpr std::size_t assign_material = 2;
@@ -969,6 +971,7 @@ inline constexpr Attribute kAttributes_named_material[] = {
     {"albedo_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"normal_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"roughness_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"reflectance_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"map_repeat", 1, true, false, {ValueKind::real, 2, kNumbers_named_material_map_repeat, {}, Dimension::none, false, true, 1, 0}},
 };
 inline constexpr Slot kSlots_named_material[] = {
@@ -1263,6 +1266,7 @@ inline constexpr std::string_view kWords_import_units[] = {
     "ft",
 };
 inline constexpr std::string_view kWords_import_up[] = {
+    "auto",
     "y",
     "z",
 };
@@ -1287,6 +1291,9 @@ inline constexpr std::string_view kWords_import_hidden[] = {
 inline constexpr Number kNumbers_import_primitives[] = {
     {"primitives", 0, 100000, false, false},
 };
+inline constexpr Number kNumbers_import_deflection[] = {
+    {"deflection", 0, 1e+30, false, false},
+};
 inline constexpr ElementId kChoice_import_0[] = {
     ElementId::assign,
     ElementId::remove,
@@ -1302,6 +1309,7 @@ inline constexpr Attribute kAttributes_import[] = {
     {"hidden", 1, true, false, {ValueKind::word, 1, {}, kWords_import_hidden, Dimension::none, false, false, 1, 0}},
     {"scene", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"primitives", 1, true, false, {ValueKind::integer, 1, kNumbers_import_primitives, {}, Dimension::none, false, false, 1, 0}},
+    {"deflection", 1, true, false, {ValueKind::real, 1, kNumbers_import_deflection, {}, Dimension::length, false, false, 1, 0}},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},

@@ -109,7 +109,8 @@ Document* Session::load(const InputFile& file, bool top) {
     }
     if (top) header.format = options.assume;
     if (!top) header.format = guessed(text);
-    if (header.format == Format::gltf) header.format.reset();
+    if (header.format && *header.format != Format::vrml97 && *header.format != Format::vrml1)
+      header.format.reset();
     if (!header.format) {
       log.report(top ? Code::E6101 : Code::W6004, where,
                  text.empty()

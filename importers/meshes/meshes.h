@@ -1,0 +1,18 @@
+// OBJ, STL and PLY → scene. Private to importers.
+#pragma once
+
+#include "importers/import.h"
+#include "importers/internal/input_file.h"
+
+namespace panwright::importers::meshes {
+
+// Reads a file with the material libraries and pictures that it names.
+//
+//   format  obj, stl or ply
+//
+// Fails: E6501 where nothing can be read. Reports E6002, E6501, W6502, W6004, W6005, N6007, N6008,
+// W6009.
+Result<Imported> read(Files& files, const InputFile& file, Format format, const Options& options,
+                      DiagnosticLog& log);
+
+}  // namespace panwright::importers::meshes
