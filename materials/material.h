@@ -19,12 +19,14 @@ struct Maps {
   std::int32_t normal = -1;  // linear; RGB·2 − 1 is the normal: +x along u, +y along v, +z outwards
   std::int32_t roughness = -1;  // linear, red: multiplies the slope m of cook and the σ of oren
   // sRGB: reflectance R of the mirror facets at normal incidence, in place of F0 of their indices.
-  // F becomes R + (F − F0)(1 − R)/(1 − F0), R where F0 = 1: exact for Schlick's curve
+  // F becomes R + (F − F0)(1 − R)/(1 − F0): exact for Schlick's curve; R F/F0 where F dips below F0
   std::int32_t reflectance = -1;
-  std::int32_t cutout = -1;     // alpha: the surface is there where it reaches the threshold
-  double threshold = 0.5;       // 0..1
-  Vec2 repeat{1};               // texture coordinates are multiplied by it
-  bool any() const { return albedo >= 0 || normal >= 0 || roughness >= 0 || reflectance >= 0 || cutout >= 0; }
+  std::int32_t cutout = -1;  // alpha: the surface is there where it reaches the threshold
+  double threshold = 0.5;    // 0..1
+  Vec2 repeat{1};            // texture coordinates are multiplied by it
+  bool any() const {
+    return albedo >= 0 || normal >= 0 || roughness >= 0 || reflectance >= 0 || cutout >= 0;
+  }
   bool operator==(const Maps&) const = default;
 };
 
@@ -55,8 +57,8 @@ struct Coat {
 };
 
 // Solar cells over the shape's texture coordinates: between the cells gaps, over each cell fingers.
-// The material is that of a cell. Fingers are Lambert's, under its coat; gaps are Lambert's, without
-// coat and emission; the weights of the cell are not theirs.
+// The material is that of a cell. Fingers are Lambert's, under its coat; gaps are Lambert's,
+// without coat and emission; the weights of the cell are not theirs.
 struct Cells {
   Vec2 count{1};            // cells along u and v of one unit of texture coordinates, > 0
   Vec2 gap{0};              // between them, parts of a cell's pitch, 0 to 0.9
@@ -105,19 +107,20 @@ struct Laws {
   FresnelLaw fresnel = FresnelLaw::none;
   bool compensated = false;  // light scattered by facets more than once
   bool coated = false;
+  bool mapped = false;  // facets whose reflectance comes from a map
   auto operator<=>(const Laws&) const = default;
 };
 
 // Numbers that follow from a material's fields, computed once in double; what a shader needs in
 // the place of integrals. All 0 where the laws do not use them.
 struct Fits {
-  std::array<double, 8> loss{};  // 1 − E(cos): seven coefficients and a bend; see facets.glsl
-  Vec3 many_scale{0};            // factor of loss(l)·loss(v), 1/sr
+  std::array<double, 8> loss{};     // 1 − E(cos): seven coefficients and a bend; see facets.glsl
+  Vec3 many_scale{0};               // factor of loss(l)·loss(v), 1/sr
   std::array<double, 8> hapke_h{};  // of H(x); see hapke.glsl
   // share of diffuse light from below that the coat sends back, times the albedo below over diffuse
   Vec3 coat_return{0};
   Vec3 reflectance{0};  // of the facets at normal incidence, F0, under the coat if there is one
-  double error = 0;  // largest error of loss at any azimuth, or relative one of H
+  double error = 0;     // largest error of loss at any azimuth, or relative one of H
   bool operator==(const Fits&) const = default;
 };
 
