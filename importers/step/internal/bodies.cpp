@@ -1,0 +1,291 @@
+#include "importers/step/internal/bodies.h"
+
+#include <BRepAdaptor_Surface.hxx>
+#include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Tool.hxx>
+#include <GeomLProp_SLProps.hxx>
+#include <GeomLib.hxx>
+#include <NCollection_DataMap.hxx>
+#include <Poly_PolygonOnTriangulation.hxx>
+#include <Poly_Triangulation.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_ShapeMapHasher.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_map>
+
+namespace panwright::importers::step {
+
+namespace {
+
+constexpr double kAngle = 0.35;  // radians between neighbouring chords: 18 about a circle
+// directions of a surface that are this close to parallel give no normal
+constexpr double kSingular = 1e-9;
+// normals of two faces at one point that differ by less (radians) are one
+constexpr double kSameNormal = 1e-6;
+constexpr std::uint32_t kNoPoint = 0xffffffff;
+
+Vec3 vec(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
+
+// Points on edges and at vertices of a body, each once.
+class SharedPoints {
+ public:
+  std::uint32_t add(const Vec3& position) {
+    positions_.push_back(position);
+    return static_cast<std::uint32_t>(positions_.size() - 1);
+  }
+  const Vec3& operator[](std::uint32_t point) const { return positions_[point]; }
+
+  std::uint32_t of_vertex(const TopoDS_Vertex& vertex, const Vec3& position) {
+    if (const std::uint32_t* known = vertices_.Seek(vertex)) return *known;
+    const std::uint32_t point = add(position);
+    vertices_.Bind(vertex, point);
+    return point;
+  }
+
+  // One for each node of the edge's polygon, in its own direction; made at the first call.
+  template <typename PositionOf>
+  const std::vector<std::uint32_t>& of_edge(const TopoDS_Edge& edge, int nodes,
+                                            PositionOf position_of) {
+    if (const auto* known = edges_.Seek(edge))
+      if (known->size() == static_cast<std::size_t>(nodes)) return *known;
+    std::vector<std::uint32_t> points;
+    const TopoDS_Edge forward = TopoDS::Edge(edge.Oriented(TopAbs_FORWARD));
+    const TopoDS_Vertex first = TopExp::FirstVertex(forward);
+    const TopoDS_Vertex last = TopExp::LastVertex(forward);
+    for (int i = 1; i <= nodes; ++i) {
+      if (i == 1 && !first.IsNull())
+        points.push_back(of_vertex(first, position_of(i)));
+      else if (i == nodes && !last.IsNull())
+        points.push_back(of_vertex(last, position_of(i)));
+      else
+        points.push_back(add(position_of(i)));
+    }
+    edges_.Bind(edge, points);
+    return edges_.Find(edge);
+  }
+
+ private:
+  std::vector<Vec3> positions_;
+  NCollection_DataMap<TopoDS_Shape, std::uint32_t, TopTools_ShapeMapHasher> vertices_;
+  NCollection_DataMap<TopoDS_Shape, std::vector<std::uint32_t>, TopTools_ShapeMapHasher> edges_;
+};
+
+// Appends faces to one mesh.
+class PatchBuilder {
+ public:
+  PatchBuilder() : mesh_(std::make_shared<geometry::Mesh>()) {}
+
+  // shared: the body's point, or kNoPoint inside a face
+  std::uint32_t vertex(std::uint32_t shared, const Vec3& position, const Vec3& normal) {
+    std::vector<std::uint32_t>* here = nullptr;
+    if (shared != kNoPoint) {
+      here = &at_[shared];
+      for (const std::uint32_t known : *here)
+        if (glm::length(mesh_->normals[known] - normal) < kSameNormal) return known;
+    }
+    const auto index = static_cast<std::uint32_t>(mesh_->positions.size());
+    mesh_->positions.push_back(position);
+    mesh_->normals.push_back(normal);
+    if (here != nullptr) here->push_back(index);
+    return index;
+  }
+
+  void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    mesh_->triangles.push_back({a, b, c});
+  }
+
+  const std::shared_ptr<geometry::Mesh>& mesh() const { return mesh_; }
+
+ private:
+  std::shared_ptr<geometry::Mesh> mesh_;
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> at_;
+};
+
+// The outward normals of a face; nothing where its surface has none.
+class FaceNormals {
+ public:
+  // turned: outside is where the surface's own normal does not point
+  FaceNormals(const TopoDS_Face& face, bool turned)
+      : surface_(face, Standard_False), geometry_(BRep_Tool::Surface(face)), turned_(turned) {}
+
+  std::optional<Vec3> at(const gp_Pnt2d& uv) const {
+    gp_Pnt point;
+    gp_Vec du;
+    gp_Vec dv;
+    surface_.D1(uv.X(), uv.Y(), point, du, dv);
+    const Vec3 u = vec(du.XYZ());
+    const Vec3 v = vec(dv.XYZ());
+    const Vec3 across = glm::cross(u, v);
+    const double length = glm::length(across);
+    if (!(length > kSingular * glm::length(u) * glm::length(v)) ||
+        !(glm::length(u) > kSingular * glm::length(v)) ||
+        !(glm::length(v) > kSingular * glm::length(u)))
+      return std::nullopt;
+    return (turned_ ? -1.0 : 1.0) * across / length;
+  }
+
+  // At a pole or a tip, seen from a triangle there.
+  std::optional<Vec3> near(const gp_Pnt2d& uv, const gp_Pnt2d& inside) const {
+    constexpr double kStep = 1e-3;
+    const auto beside = at(gp_Pnt2d(uv.XY() + kStep * (inside.XY() - uv.XY())));
+    gp_Dir limit;
+    if (!beside || geometry_.IsNull() || GeomLib::NormEstim(geometry_, uv, 1e-7, limit) > 1)
+      return beside;
+    const Vec3 n = (turned_ ? -1.0 : 1.0) * vec(limit.XYZ());
+    // the limit has to be close to what is beside it; at the tip of a cone there is none
+    return glm::dot(n, *beside) > 0.99 ? n : *beside;
+  }
+
+ private:
+  BRepAdaptor_Surface surface_;
+  Handle(Geom_Surface) geometry_;
+  bool turned_;
+};
+
+// The shared point of each node of a face's triangulation.
+std::vector<std::uint32_t> shared_nodes(const TopoDS_Face& face,
+                                        const Handle(Poly_Triangulation) & triangulation,
+                                        const TopLoc_Location& location,
+                                        const std::vector<Vec3>& positions, SharedPoints& points) {
+  std::vector<std::uint32_t> out(positions.size(), kNoPoint);
+  for (TopExp_Explorer edges(face, TopAbs_EDGE); edges.More(); edges.Next()) {
+    const TopoDS_Edge& edge = TopoDS::Edge(edges.Current());
+    const Handle(Poly_PolygonOnTriangulation)& polygon =
+        BRep_Tool::PolygonOnTriangulation(edge, triangulation, location);
+    if (polygon.IsNull()) continue;
+    const int count = polygon->NbNodes();
+    const auto node = [&](int i) { return static_cast<std::size_t>(polygon->Node(i) - 1); };
+    if (BRep_Tool::Degenerated(edge)) {
+      const TopoDS_Vertex vertex = TopExp::FirstVertex(edge);
+      if (vertex.IsNull() || count == 0) continue;
+      const std::uint32_t point = points.of_vertex(vertex, positions[node(1)]);
+      for (int i = 1; i <= count; ++i) out[node(i)] = point;
+      continue;
+    }
+    const auto& on_edge = points.of_edge(edge, count, [&](int i) { return positions[node(i)]; });
+    for (int i = 1; i <= count; ++i) out[node(i)] = on_edge[static_cast<std::size_t>(i - 1)];
+  }
+  return out;
+}
+
+// False: nothing of the face could be meshed.
+bool add_face(const TopoDS_Face& face, SharedPoints& points, PatchBuilder& patch) {
+  TopLoc_Location location;
+  const Handle(Poly_Triangulation)& triangulation = BRep_Tool::Triangulation(face, location);
+  if (triangulation.IsNull() || triangulation->NbTriangles() == 0) return false;
+  const gp_Trsf transform = location.Transformation();
+  const bool mirrored = transform.VectorialPart().Determinant() < 0;
+  const bool turned = (face.Orientation() == TopAbs_REVERSED) != mirrored;
+  const int count = triangulation->NbNodes();
+  std::vector<Vec3> positions(static_cast<std::size_t>(count));
+  for (int i = 1; i <= count; ++i)
+    positions[static_cast<std::size_t>(i - 1)] =
+        vec(triangulation->Node(i).Transformed(transform).XYZ()) / kMetre;
+  const auto shared = shared_nodes(face, triangulation, location, positions, points);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (shared[i] != kNoPoint) positions[i] = points[shared[i]];
+    if (!panwright::is_finite(positions[i])) return false;
+  }
+
+  const bool has_uv = triangulation->HasUVNodes();
+  const FaceNormals normals(face, turned);
+  std::vector<std::uint32_t> vertices(positions.size(), kNoPoint);
+  std::vector<bool> singular(positions.size(), !has_uv);
+  for (int t = 1; t <= triangulation->NbTriangles(); ++t) {
+    int node[3];
+    triangulation->Triangle(t).Get(node[0], node[1], node[2]);
+    if (turned) std::swap(node[1], node[2]);
+    std::size_t corner[3];
+    for (int k = 0; k < 3; ++k) corner[k] = static_cast<std::size_t>(node[k] - 1);
+    const Vec3 across = glm::cross(positions[corner[1]] - positions[corner[0]],
+                                   positions[corner[2]] - positions[corner[0]]);
+    if (positions[corner[0]] == positions[corner[1]] ||
+        positions[corner[1]] == positions[corner[2]] ||
+        positions[corner[2]] == positions[corner[0]])
+      continue;
+    const double area = glm::length(across);
+    const Vec3 flat = area > 0 ? across / area : Vec3(0, 0, 1);
+    std::uint32_t out[3];
+    for (int k = 0; k < 3; ++k) {
+      const std::size_t i = corner[k];
+      if (vertices[i] == kNoPoint && !singular[i]) {
+        const auto normal = normals.at(triangulation->UVNode(node[k]));
+        if (normal)
+          vertices[i] = patch.vertex(shared[i], positions[i], *normal);
+        else
+          singular[i] = true;
+      }
+      out[k] = vertices[i];
+      if (!singular[i]) continue;
+      std::optional<Vec3> normal;
+      if (has_uv) {
+        gp_XY middle(0, 0);
+        for (const int n : node) middle += triangulation->UVNode(n).XY() / 3;
+        normal = normals.near(triangulation->UVNode(node[k]), gp_Pnt2d(middle));
+      }
+      out[k] = patch.vertex(shared[i], positions[i], normal.value_or(flat));
+    }
+    patch.triangle(out[0], out[1], out[2]);
+  }
+  return true;
+}
+
+}  // namespace
+
+Meshed meshed(const TopoDS_Shape& body, std::span<const std::int32_t> colours, double deflection) {
+  IMeshTools_Parameters parameters;
+  parameters.Deflection = deflection * kMetre;
+  parameters.Angle = kAngle;
+  parameters.InParallel = Standard_False;  // one order, whatever the machine
+  BRepMesh_IncrementalMesh mesher(body, parameters);
+  Meshed out;
+  SharedPoints points;
+  std::map<std::int32_t, PatchBuilder> patches;
+  std::size_t number = 0;
+  for (TopExp_Explorer faces(body, TopAbs_FACE); faces.More(); faces.Next(), ++number) {
+    const TopoDS_Face& face = TopoDS::Face(faces.Current());
+    const std::int32_t colour = number < colours.size() ? colours[number] : 0;
+    if (!add_face(face, points, patches[colour])) out.lost.push_back(face);
+  }
+  for (const auto& [colour, builder] : patches)
+    if (!builder.mesh()->triangles.empty()) out.patches.push_back({colour, builder.mesh()});
+  return out;
+}
+
+double expected_triangles(const TopoDS_Shape& body, double deflection) {
+  constexpr int kSamples = 5;  // along u and v
+  double sum = 0;
+  for (TopExp_Explorer faces(body, TopAbs_FACE); faces.More(); faces.Next()) {
+    const TopoDS_Face& face = TopoDS::Face(faces.Current());
+    const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+    double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
+    BRepTools::UVBounds(face, u0, u1, v0, v1);
+    sum += 2;
+    if (surface.IsNull() || !(std::abs(u1 - u0) < 1e10) || !(std::abs(v1 - v0) < 1e10)) continue;
+    const double step = (u1 - u0) * (v1 - v0) / (kSamples * kSamples);
+    for (int i = 0; i < kSamples; ++i) {
+      for (int k = 0; k < kSamples; ++k) {
+        GeomLProp_SLProps at(surface, u0 + (u1 - u0) * (i + 0.5) / kSamples,
+                             v0 + (v1 - v0) * (k + 0.5) / kSamples, 2, 1e-9);
+        const double area = std::abs(step) * at.D1U().Crossed(at.D1V()).Magnitude();
+        if (!at.IsCurvatureDefined() || !std::isfinite(area)) continue;
+        // edges of triangles: chords of the deflection along each principal direction
+        const auto per_length = [&](double curvature) {
+          return std::max(std::sqrt(std::abs(curvature) / (8 * deflection * kMetre)),
+                          std::abs(curvature) / kAngle);
+        };
+        sum += 2 * area * per_length(at.MaxCurvature()) * per_length(at.MinCurvature());
+      }
+    }
+  }
+  return sum;
+}
+
+}  // namespace panwright::importers::step

@@ -1,0 +1,54 @@
+// Bodies of OpenCASCADE → meshes and exact shapes.
+#pragma once
+
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Shape.hxx>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/shape.h"
+
+namespace panwright::importers::step {
+
+inline constexpr double kMetre = 1000;  // of the reader's unit, which is the millimetre
+
+// Faces of a body that look alike.
+struct Patch {
+  std::int32_t colour = 0;  // as given for each face
+  std::shared_ptr<geometry::Mesh> mesh;
+};
+
+struct Meshed {
+  std::vector<Patch> patches;     // by colour, ascending
+  std::vector<TopoDS_Face> lost;  // that could not be meshed
+};
+
+// Triangulates the faces of a body. Faces that share an edge share its points, bit for bit, across
+// patches too; normals are those of the surfaces, so that edges are creased where surfaces are.
+//
+//   body        its location counts
+//   colours     one for each face, in the order of TopExp_Explorer; any numbers
+//   deflection  metres, > 0
+//   returns     metres; triangles are counter-clockwise seen from outside
+//
+// Throws what OpenCASCADE throws.
+Meshed meshed(const TopoDS_Shape& body, std::span<const std::int32_t> colours, double deflection);
+
+// About how many triangles meshed() makes, from curvatures at a few points of each face: to refuse
+// what no memory holds.
+double expected_triangles(const TopoDS_Shape& body, double deflection);
+
+// A shape that a body is, exactly, and its place.
+struct Exact {
+  geometry::Shape shape;    // metres
+  Mat4 body_from_shape{1};  // rigid
+};
+
+// A solid that is one sphere, torus, cylinder, cone, frustum, block or straight pipe: all faces lie
+// on its surfaces, and area and volume are what they must be. Nothing for what is none of them.
+std::optional<Exact> exact_of(const TopoDS_Shape& body);
+
+}  // namespace panwright::importers::step
