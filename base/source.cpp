@@ -1,11 +1,16 @@
 #include "base/source.h"
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cassert>
 
 namespace panwright {
 
 namespace {
+
+constexpr std::size_t kPiece = std::size_t{4} << 20;  // bytes of a mapping in memory at a time
 
 // Length of the well-formed UTF-8 sequence at text[i], or 0.
 std::size_t utf8_length(std::string_view text, std::size_t i) {
@@ -27,6 +32,15 @@ std::size_t utf8_length(std::string_view text, std::size_t i) {
 
 }  // namespace
 
+void SharedText::forget(std::size_t begin, std::size_t end) const {
+  if (!mapped_) return;
+  // whole pages; clean ones of a file, so that nothing is lost
+  static const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  begin -= begin % page;
+  end -= end % page;
+  if (begin < end) madvise(const_cast<char*>(view_.data()) + begin, end - begin, MADV_DONTNEED);
+}
+
 FileId SourceMap::add(SourceFile file) {
   files_.push_back(std::move(file));
   line_starts_.emplace_back();
@@ -46,16 +60,30 @@ const std::vector<std::uint32_t>& SourceMap::line_starts(FileId id) const {
     starts.push_back(0);
     return starts;
   }
+  const SharedText& bytes = files_[id].bytes;
+  const std::string_view text = *bytes;
+  const auto in_pieces = [&](const auto& body) {
+    for (std::size_t begin = 0; begin < text.size(); begin += kPiece) {
+      const std::size_t end = std::min(begin + kPiece, text.size());
+      body(begin, end);
+      bytes.forget(begin, end);
+    }
+  };
   // at once: a list that grows would take twice the room, beside a text that may be large
-  const std::string& text = *files_[id].bytes;
-  const auto feeds = std::count(text.begin(), text.end(), '\n');
-  const auto returns = std::count(text.begin(), text.end(), '\r');
-  starts.reserve(static_cast<std::size_t>(feeds + returns) + 1);
+  std::size_t ends = 0;
+  in_pieces([&](std::size_t begin, std::size_t end) {
+    const std::string_view piece = text.substr(begin, end - begin);
+    ends += static_cast<std::size_t>(std::count(piece.begin(), piece.end(), '\n') +
+                                     std::count(piece.begin(), piece.end(), '\r'));
+  });
+  starts.reserve(ends + 1);
   starts.push_back(0);
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '\r' && i + 1 < text.size() && text[i + 1] == '\n') continue;
-    if (text[i] == '\n' || text[i] == '\r') starts.push_back(static_cast<std::uint32_t>(i + 1));
-  }
+  in_pieces([&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (text[i] == '\r' && i + 1 < text.size() && text[i + 1] == '\n') continue;
+      if (text[i] == '\n' || text[i] == '\r') starts.push_back(static_cast<std::uint32_t>(i + 1));
+    }
+  });
   return starts;
 }
 

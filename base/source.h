@@ -1,10 +1,12 @@
 // Source files and places in them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace panwright {
@@ -27,11 +29,38 @@ struct Position {
   std::uint32_t column = 1;  // 1-based, in characters of the file's encoding
 };
 
+// Bytes of a file, kept alive by whoever holds this: a string, or a mapping. A NUL stands behind
+// the last one. It is used like a pointer to them.
+class SharedText {
+ public:
+  SharedText() = default;
+  SharedText(std::nullptr_t) {}
+  SharedText(std::shared_ptr<const std::string> text)
+      : view_(text ? std::string_view(*text) : std::string_view()), owner_(std::move(text)) {}
+  // view: of a file that `mapping` maps
+  SharedText(std::shared_ptr<const void> mapping, std::string_view view)
+      : view_(view), owner_(std::move(mapping)), mapped_(true) {}
+
+  const std::string_view& operator*() const { return view_; }
+  const std::string_view* operator->() const { return &view_; }
+  bool operator==(std::nullptr_t) const { return view_.data() == nullptr; }
+  explicit operator bool() const { return view_.data() != nullptr; }
+
+  // Gives back the memory of bytes [begin, end) of a mapping. They stay readable: the file is asked
+  // for them again. Nothing happens to a string.
+  void forget(std::size_t begin, std::size_t end) const;
+
+ private:
+  std::string_view view_;
+  std::shared_ptr<const void> owner_;
+  bool mapped_ = false;
+};
+
 // One reading of one file. A file that is included twice has two entries, so that each of them
 // knows who included it; a part that is used has one of its own.
 struct SourceFile {
-  std::string name;                          // as the user would type it
-  std::shared_ptr<const std::string> bytes;  // null: not text, or not readable
+  std::string name;  // as the user would type it
+  SharedText bytes;  // null: not text, or not readable
   Encoding encoding = Encoding::utf8;
   SourceSpan included_at;
   bool used = false;  // included_at is where a part of it is used

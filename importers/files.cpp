@@ -1,5 +1,7 @@
 #include "importers/files.h"
 
+#include <unistd.h>
+
 #include <map>
 #include <system_error>
 
@@ -11,6 +13,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::uint64_t kMappedFrom = std::uint64_t{1} << 20;  // bytes
+
+// note: behind the last byte of a mapping stand zeros to the end of its page; a file that fills its
+// last page has no such NUL, and is read
+std::uint64_t page_size() {
+  static const auto size = static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  return size;
+}
+
 class FolderFiles : public Files {
  public:
   FolderFiles(const fs::path& folder, std::uint64_t max_bytes) : typed_(folder), left_(max_bytes) {
@@ -19,7 +30,7 @@ class FolderFiles : public Files {
         fs::weakly_canonical(fs::absolute(folder.empty() ? fs::path(".") : folder, error), error);
   }
 
-  Outcome read(const std::string& path, std::shared_ptr<const std::string>& bytes) override {
+  Outcome read(const std::string& path, SharedText& bytes) override {
     std::error_code error;
     const fs::path real = fs::canonical(real_ / path, error);
     if (error) return Outcome::missing;
@@ -29,6 +40,18 @@ class FolderFiles : public Files {
     const std::uint64_t size = fs::file_size(real, error);
     if (error) return Outcome::unreadable;
     if (size > left_) return Outcome::too_large;
+    if (size > kMappedFrom && size % page_size() != 0) {
+      DiagnosticLog ignored;
+      if (auto mapped = MappedFile::open(real, ignored)) {
+        const auto mapping = std::make_shared<const MappedFile>(std::move(*mapped));
+        const std::span<const std::byte> whole = mapping->bytes();
+        if (whole.size() == size) {
+          left_ -= size;
+          bytes = SharedText(mapping, {reinterpret_cast<const char*>(whole.data()), whole.size()});
+          return Outcome::found;
+        }
+      }
+    }
     DiagnosticLog log;  // the caller says it in its own words
     auto text = read_file(real, left_, log);
     if (!text) return log.contains(Code::E0104) ? Outcome::too_large : Outcome::unreadable;
@@ -54,7 +77,7 @@ class MemoryFiles : public Files {
       files_.emplace(fs::path(file.path).lexically_normal().generic_string(), &file.bytes);
   }
 
-  Outcome read(const std::string& path, std::shared_ptr<const std::string>& bytes) override {
+  Outcome read(const std::string& path, SharedText& bytes) override {
     const auto found = files_.find(path);
     if (found == files_.end()) return Outcome::missing;
     if (found->second->size() > left_) return Outcome::too_large;

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "base/diagnostic.h"
+#include "base/source.h"
 
 namespace panwright::importers {
 
@@ -32,12 +33,15 @@ class Files {
   virtual ~Files() = default;
 
   // Reads a file. Each reading counts towards the limit of bytes.
-  virtual Outcome read(const std::string& path, std::shared_ptr<const std::string>& bytes) = 0;
+  virtual Outcome read(const std::string& path, SharedText& bytes) = 0;
 
   // As the user would type it.
   virtual std::string display_name(const std::string& path) const = 0;
 };
 
+// Files over 1 MB are mapped, so that what was read of them need not stay in memory.
+// note: a file that another program cuts short while it is mapped ends the process with SIGBUS, as
+// for any mapping; one that is replaced by rename stays whole.
 std::unique_ptr<Files> files_in_folder(const std::filesystem::path& folder,
                                        std::uint64_t max_bytes);
 

@@ -123,7 +123,7 @@ UpAxis usual_up(Format format) {
 
 Result<Imported> import_from(Files& files, const std::string& path, const Options& options,
                              DiagnosticLog& log, SourceSpan included_at) {
-  std::shared_ptr<const std::string> bytes;
+  SharedText bytes;
   const std::string name = files.display_name(path);
   switch (files.read(path, bytes)) {
     case Files::Outcome::found:
@@ -141,6 +141,7 @@ Result<Imported> import_from(Files& files, const std::string& path, const Option
   }
   const Hash128 hash = hash128(as_bytes(*bytes));
   const std::uint64_t size = bytes->size();
+  bytes.forget(0, size);
   const internal::Unpacked unpacked = internal::unpacked(bytes, options.limits.bytes);
   if (!unpacked.problem.empty()) {
     report(Code::E6003, name, unpacked.problem, included_at, log);

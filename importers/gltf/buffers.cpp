@@ -233,7 +233,7 @@ class BufferLoader {
 
   Document& d_;
   std::uint32_t files_ = 0;
-  std::map<std::string, std::shared_ptr<const std::string>> loaded_;
+  std::map<std::string, SharedText> loaded_;
   std::vector<Packed> packed_;
 };
 

@@ -18,7 +18,7 @@
 namespace panwright::importers::gltf {
 
 struct Buffer {
-  std::shared_ptr<const std::string> owner;
+  SharedText owner;
   std::span<const std::byte> bytes;  // may be fewer than declared
   std::uint64_t declared = 0;
 };

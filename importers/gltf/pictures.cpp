@@ -41,8 +41,7 @@ double linear_of(double srgb) {
 
 }  // namespace
 
-bool Pictures::bytes_of(std::size_t image, const Json& json, std::string& name,
-                        std::shared_ptr<const std::string>& owner,
+bool Pictures::bytes_of(std::size_t image, const Json& json, std::string& name, SharedText& owner,
                         std::span<const std::byte>& bytes) {
   const std::string at = pointer("images", image);
   const auto lost = [&](Code code, std::string message) {
@@ -82,7 +81,7 @@ bool Pictures::bytes_of(std::size_t image, const Json& json, std::string& name,
 
 std::optional<DecodedImage> Pictures::load(std::size_t image) {
   const Json& json = document_.root.list("images")[image];
-  std::shared_ptr<const std::string> owner;
+  SharedText owner;
   std::span<const std::byte> bytes;
   if (!json.is(Json::Kind::object) || !bytes_of(image, json, names_[image], owner, bytes))
     return std::nullopt;

@@ -30,8 +30,8 @@ class Pictures {
  private:
   const DecodedImage* picture(int index, std::size_t& image);
   std::optional<DecodedImage> load(std::size_t image);
-  bool bytes_of(std::size_t image, const Json& json, std::string& name,
-                std::shared_ptr<const std::string>& owner, std::span<const std::byte>& bytes);
+  bool bytes_of(std::size_t image, const Json& json, std::string& name, SharedText& owner,
+                std::span<const std::byte>& bytes);
 
   Document& document_;
   const tinygltf::Model& model_;

@@ -22,7 +22,7 @@ class Inflater {
   Inflater(const Inflater&) = delete;
   Inflater& operator=(const Inflater&) = delete;
 
-  std::string run(const std::string& in, std::uint64_t max_bytes, std::string& out) {
+  std::string run(std::string_view in, std::uint64_t max_bytes, std::string& out) {
     if (!ready_) return "no memory to unpack it";
     std::size_t consumed = 0;
     for (;;) {
@@ -39,7 +39,7 @@ class Inflater {
       if (out.size() > max_bytes) return fmt::format("it unpacks to more than {} bytes", max_bytes);
       if (status == Z_STREAM_END) {
         // members may follow each other; zeros and other padding may follow the last
-        if (std::string_view(in).substr(consumed).starts_with(kMark)) {
+        if (in.substr(consumed).starts_with(kMark)) {
           inflateReset(&stream_);
           continue;
         }
@@ -60,7 +60,7 @@ class Inflater {
 
 }  // namespace
 
-Unpacked unpacked(std::shared_ptr<const std::string> bytes, std::uint64_t max_bytes) {
+Unpacked unpacked(SharedText bytes, std::uint64_t max_bytes) {
   if (!bytes->starts_with(kMark)) return {std::move(bytes), {}};
   std::string out;
   std::string problem = Inflater().run(*bytes, max_bytes, out);

@@ -2,18 +2,19 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
+
+#include "base/source.h"
 
 namespace panwright::importers::internal {
 
 struct Unpacked {
-  std::shared_ptr<const std::string> bytes;  // what could be unpacked; null: nothing
-  std::string problem;                       // empty: all went well
+  SharedText bytes;     // what could be unpacked; null: nothing
+  std::string problem;  // empty: all went well
 };
 
 // The contents of a gzip file, all its members, checksums and lengths verified; other bytes as
 // they are. A file cut short gives what could be read, and a problem that names the byte.
-Unpacked unpacked(std::shared_ptr<const std::string> bytes, std::uint64_t max_bytes);
+Unpacked unpacked(SharedText bytes, std::uint64_t max_bytes);
 
 }  // namespace panwright::importers::internal

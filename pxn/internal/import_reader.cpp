@@ -26,7 +26,7 @@ class ImportFiles : public importers::Files {
  public:
   ImportFiles(pxn::Files& files, const FoundFile& model) : files_(files), model_(model) {}
 
-  Outcome read(const std::string& path, std::shared_ptr<const std::string>& bytes) override {
+  Outcome read(const std::string& path, SharedText& bytes) override {
     FoundFile found;
     switch (files_.find(path, model_, true, found)) {
       case pxn::Files::Outcome::missing:

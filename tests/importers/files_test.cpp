@@ -41,7 +41,7 @@ TEST(Files, links_out_of_the_folder_are_not_followed) {
   std::ofstream(folder / "in/part") << "part";
   fs::create_symlink(folder / "secret", folder / "in/link");
   const auto files = files_in_folder(folder / "in", 6);
-  std::shared_ptr<const std::string> bytes;
+  SharedText bytes;
   EXPECT_EQ(files->read("link", bytes), Files::Outcome::outside);
   EXPECT_EQ(files->read("none", bytes), Files::Outcome::missing);
   EXPECT_EQ(files->read("part", bytes), Files::Outcome::found);

@@ -205,7 +205,7 @@ struct Document {
   std::string path;  // as Files knows it
   FileId file = kNoFile;
   Format format = Format::vrml97;
-  std::shared_ptr<const std::string> text;
+  SharedText text;
   std::vector<Node*> nodes;  // top level
   std::unique_ptr<Arena> arena;
   std::vector<Prototype*> prototypes;  // of the top level, in order of definition

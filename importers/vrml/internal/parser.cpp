@@ -12,7 +12,8 @@ namespace panwright::importers::vrml {
 
 namespace {
 
-constexpr std::size_t kMostCandidates = 5000;  // for a suggestion
+constexpr std::ptrdiff_t kPiece = std::ptrdiff_t{4} << 20;  // bytes of a mapped text in memory
+constexpr std::size_t kMostCandidates = 5000;               // for a suggestion
 
 bool same_but_for_case(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -29,10 +30,13 @@ Parser::Parser(Session& session, Document& document)
       begin_(document.text->data()),
       end_(document.text->data() + document.text->size()),
       p_(begin_),
+      forgotten_(begin_),
+      forget_at_(begin_ + std::min(kPiece, end_ - begin_)),
       vrml97_(document.format == Format::vrml97) {}
 
 void Parser::run() {
   const std::size_t bad = first_not_utf8(*document_.text);
+  document_.text.forget(0, document_.text->size());
   if (bad != std::string::npos) {
     latin1_ = true;
     session_.log.sources().set_encoding(document_.file, Encoding::latin1);
@@ -43,6 +47,7 @@ void Parser::run() {
   Scope scope;
   scope_ = &scope;
   for (skip_blanks(); !at_end(); skip_blanks()) statement(document_.nodes);
+  document_.text.forget(0, document_.text->size());
   scope_ = nullptr;
 }
 
@@ -121,6 +126,13 @@ SourceSpan Parser::span(const char* begin, const char* end) const {
 SourceSpan Parser::here() {
   const std::string_view token = token_here();
   return span(p_, p_ + token.size());
+}
+
+void Parser::forget() {
+  document_.text.forget(static_cast<std::size_t>(forgotten_ - begin_),
+                        static_cast<std::size_t>(p_ - begin_));
+  forgotten_ = p_;
+  forget_at_ = p_ + std::min(kPiece, end_ - p_);
 }
 
 // ---- messages
@@ -282,6 +294,7 @@ void Parser::fill(Node& node, Body& body) {
   const std::size_t first_field = field_stack_.size();
   for (;;) {
     skip_blanks();
+    if (p_ >= forget_at_) forget();
     if (at_end()) {
       text_ends(node.where, in_quotes(node.type));
       break;

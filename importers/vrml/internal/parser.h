@@ -126,6 +126,8 @@ class Parser {
   Prototype* prototype_named(std::string_view name) const;
   const NodeSpec* spec_named(std::string_view& name, SourceSpan where);
 
+  void forget();  // the text so far need not stay in memory
+
   // ---- values
   bool value(FieldType type, Field& field);
   bool numbers(FieldType type, Value& value);
@@ -173,6 +175,8 @@ class Parser {
   const char* begin_;
   const char* end_;
   const char* p_;
+  const char* forgotten_;  // up to here
+  const char* forget_at_;  // it is worth it from here on
   bool vrml97_;
   bool latin1_ = false;
   Scope* scope_ = nullptr;

@@ -199,6 +199,7 @@ template <class T>
 void Parser::read_list(Growing<T>& out, const char* open) {
   for (;;) {
     while (is_blank(*p_)) ++p_;
+    if (p_ >= forget_at_) forget();
     const char c = *p_;
     if (may_begin_number(c)) {
       T number{};

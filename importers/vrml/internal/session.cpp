@@ -139,9 +139,8 @@ Document* Session::load(const InputFile& file, bool top) {
   return loaded.document.get();
 }
 
-std::shared_ptr<const std::string> Session::read(std::string_view url, SourceSpan where,
-                                                 std::string& path, std::string& problem,
-                                                 Code& code) {
+SharedText Session::read(std::string_view url, SourceSpan where, std::string& path,
+                         std::string& problem, Code& code) {
   code = Code::W6004;
   const std::string_view plain = url.substr(0, std::min(url.find('#'), url.size()));
   if (plain.empty()) {
@@ -158,7 +157,7 @@ std::shared_ptr<const std::string> Session::read(std::string_view url, SourceSpa
   }
   path = *target;
   if (++files_read_ > options.limits.files) throw OverLimit{"files", where};
-  std::shared_ptr<const std::string> bytes;
+  SharedText bytes;
   switch (files.read(path, bytes)) {
     case Files::Outcome::found:
       break;
@@ -181,8 +180,8 @@ std::shared_ptr<const std::string> Session::read(std::string_view url, SourceSpa
   return bytes;
 }
 
-std::shared_ptr<const std::string> Session::bytes_of(std::span<const std::string_view> urls,
-                                                     SourceSpan where, std::string* path) {
+SharedText Session::bytes_of(std::span<const std::string_view> urls, SourceSpan where,
+                             std::string* path) {
   std::string problem = "no file is named";
   Code code = Code::W6004;
   for (const std::string_view url : urls)

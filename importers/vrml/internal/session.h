@@ -40,8 +40,7 @@ class Session {
   Document* inlined(std::span<const std::string_view> urls, SourceSpan where);
 
   // The bytes of a file named so, as inlined(). Its path is stored in *path.
-  std::shared_ptr<const std::string> bytes_of(std::span<const std::string_view> urls,
-                                              SourceSpan where, std::string* path);
+  SharedText bytes_of(std::span<const std::string_view> urls, SourceSpan where, std::string* path);
 
   // The first node of the body of an instance of a prototype, made at the first call; nullptr: no
   // body, or one that contains itself (reported). Not an instance itself: instances in instances
@@ -60,8 +59,8 @@ class Session {
     std::unique_ptr<Document> document;  // null: not readable
   };
   Document* load(const InputFile& file, bool top);
-  std::shared_ptr<const std::string> read(std::string_view url, SourceSpan where, std::string& path,
-                                          std::string& problem, Code& code);
+  SharedText read(std::string_view url, SourceSpan where, std::string& path, std::string& problem,
+                  Code& code);
   Document* document_at(std::string_view url, SourceSpan where, std::string& problem, Code& code);
   Prototype* target_of(Prototype& prototype);
   void expand(Node& instance);
