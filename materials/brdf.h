@@ -7,6 +7,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "base/math.h"
 #include "materials/material.h"
@@ -21,6 +22,8 @@ inline constexpr double kSunAlpha2 = 2.7033e-6;
 struct Local {
   panwright::Vec3 tangent{0};  // unit, square to the normal; 0 where facets are the same all around
   double sun_alpha2 = 0;       // kSunAlpha2 over the square of the distance in AU; 0: a point Sun
+  // of a material with a reflectance map, what it holds; none: F0 of the indices
+  std::optional<panwright::Vec3> reflectance = std::nullopt;
 };
 
 namespace f64 {

@@ -35,7 +35,10 @@ void compare_precisions(const Material& material, Certificate& out) {
   constexpr double kLights_deg[] = {0, 0.1, 10, 45, 90, 135, 170, 179, 179.9, 180};
   const Vec3 normal(0, 0, 1);
   const Vec3 tangent(1, 0, 0);
-  const Local local{tangent, kSunAlpha2};
+  // all that a reflectance map may say
+  std::vector<Local> locals{{tangent, kSunAlpha2, {}}};
+  if (laws_of(material).mapped)
+    for (const double r : {0.0, 0.5, 1.0}) locals.push_back({tangent, kSunAlpha2, Vec3(r)});
   struct Pair {
     Vec3 exact;
     Vec3 single;
@@ -43,14 +46,15 @@ void compare_precisions(const Material& material, Certificate& out) {
   std::vector<Pair> pairs;
   double peak = 0;
   for (const Vec3& viewer : directions(kViewers_deg))
-    for (const Vec3& light : directions(kLights_deg)) {
-      Pair pair;
-      pair.exact = f64::brdf(material, light, viewer, normal, Vec3(1), local);
-      pair.single = Vec3(f32::brdf(material, glm::vec3(light), glm::vec3(viewer), glm::vec3(normal),
-                                   glm::vec3(1), local));
-      peak = std::max(peak, largest(pair.exact));
-      pairs.push_back(pair);
-    }
+    for (const Vec3& light : directions(kLights_deg))
+      for (const Local& local : locals) {
+        Pair pair;
+        pair.exact = f64::brdf(material, light, viewer, normal, Vec3(1), local);
+        pair.single = Vec3(f32::brdf(material, glm::vec3(light), glm::vec3(viewer),
+                                     glm::vec3(normal), glm::vec3(1), local));
+        peak = std::max(peak, largest(pair.exact));
+        pairs.push_back(pair);
+      }
   double sum = 0;
   std::size_t count = 0;
   for (const Pair& pair : pairs)
@@ -90,7 +94,7 @@ bool may_gain(const Material& m) {
   // over facets that scatter more than once reflects up to 6 % of what diffuse light has passed
   constexpr double kNearlyAll = 0.9;
   const bool brushed =
-      m.cook[1] != m.alpha_y && (m.coat || !m.refract) &&
+      m.cook[1] != m.alpha_y && (m.coat || !m.refract || m.maps.reflectance >= 0) &&
       (m.specular_law == SpecularLaw::beckmann || m.specular_law == SpecularLaw::ggx);
   const bool twice = m.coat && m.coat->alpha > 0 && m.fits.many_scale != Vec3(0);
   const bool uneven = brushed || (twice && m.weights.x * largest(m.diffuse) > 0);
@@ -119,6 +123,7 @@ std::string laws_in_words(const Material& m) {
     words = kSpecular[static_cast<std::size_t>(laws.specular)];
     if (laws.fresnel == FresnelLaw::conductor) words += " of a conductor";
     if (laws.fresnel == FresnelLaw::dielectric) words += " of a dielectric";
+    if (laws.mapped) words += " of mapped reflectance";
     if (laws.compensated) words += ", all scattering";
   }
   if (m.weights.x > 0 && m.diffuse != Vec3(0)) {

@@ -239,8 +239,11 @@ Vec3 facets_part(const Material& material, const f64::SurfaceFields& s, f64::Com
   return over_lights<Vec3>(space, seen, order, seen_as, edge);
 }
 
-Vec3 albedo(const Material& material, const Vec3& v, int order) {
+// reflectance: what a map says, where there is one
+Vec3 albedo(const Material& material, const Vec3& v, int order,
+            const std::optional<Vec3>& reflectance = {}) {
   f64::SurfaceFields s = f64::surface_of(material, kTangent);
+  if (reflectance) s.reflectance = *reflectance;
   const f64::Composition all = f64::composition_of(material);
   f64::Composition smooth = all;
   smooth.laws.specular = SpecularLaw::none;
@@ -253,7 +256,8 @@ Vec3 albedo(const Material& material, const Vec3& v, int order) {
     return f;
   });
   if (all.laws.coated || all.laws.specular == SpecularLaw::mirror) {
-    const Mirrors mirrors = Scattering(material).mirrors(v, kUp, kTangent);
+    const Mirrors mirrors =
+        Scattering(material).reflecting(s.reflectance).mirrors(v, kUp, kTangent);
     for (int i = 0; i < mirrors.count; ++i)
       sum += mirrors.all[static_cast<std::size_t>(i)].reflectance;
   }
@@ -288,7 +292,7 @@ Gain largest_albedo(const Material& material, std::span<const double> mus, int o
   Gain gain;
   for (const double mu : mus)
     for (std::size_t i = 0; i < azimuths; ++i) {
-      const double found = most(albedo(material, direction(mu, kAzimuths[i]), order));
+      const double found = most(albedo(material, direction(mu, kAzimuths[i]), order, Vec3(1)));
       if (found > gain.albedo) gain = {found, mu};
     }
   return gain;
@@ -380,9 +384,10 @@ double weak_furnace(const Facets& facets, const Vec3& v, int nodes) {
   return sum;
 }
 
-Vec3 directional_albedo(const Material& material, double mu, double azimuth) {
+Vec3 directional_albedo(const Material& material, double mu, double azimuth,
+                        const std::optional<Vec3>& reflectance) {
   assert(mu > 0 && mu <= 1);
-  return albedo(material, direction(mu, azimuth), 128);
+  return albedo(material, direction(mu, azimuth), 128, reflectance);
 }
 
 Vec3 hemispherical_albedo(const Material& material) {

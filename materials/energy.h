@@ -35,22 +35,24 @@ struct Facets {
 //
 //   mu       cosine of the direction, > 0 to 1
 //   azimuth  from the tangent, radians
+//   reflectance  what a reflectance map says, where the material has one; none: F0
 //   returns  RGB, within 2e-5 where no peak is narrower than 0.01
-[[nodiscard]] Vec3 directional_albedo(const Material& material, double mu, double azimuth = 0);
+[[nodiscard]] Vec3 directional_albedo(const Material& material, double mu, double azimuth = 0,
+                                      const std::optional<Vec3>& reflectance = {});
 
 // 2∫E μ dμ, RGB.
 [[nodiscard]] Vec3 hemispherical_albedo(const Material& material);
 
-// The largest directional albedo found, of any channel, and where.
+// The largest directional albedo found, of any channel, and where. Under a reflectance map that of
+// R = 1: the laws rise with it.
 struct Gain {
   double albedo = 0;
   double mu = 1;
 };
 [[nodiscard]] Gain energy_gain(const Material& material);
 
-// The same, none where it is not more than 1 + tolerance. A material that a few nodes find below 0.8
-// is looked at no closer.
-// Cost: 0.1 ms, or that of energy_gain() beyond 0.8.
+// The same, none where it is not more than 1 + tolerance. A material that a few nodes find below
+// 0.8 is looked at no closer. Cost: 0.1 ms, or that of energy_gain() beyond 0.8.
 [[nodiscard]] std::optional<Gain> gain_above(const Material& material, double tolerance);
 
 // The largest |f(l, v) − f(v, l)|/f over pairs at 1e-4 to 1 above the horizon.

@@ -2,9 +2,20 @@
 #include <cmath>
 
 #include "materials/internal/fits.h"
+#include "materials/internal/formulas.h"
 #include "materials/material.h"
 
 namespace panwright::materials {
+namespace {
+
+Vec3 reflectance_facing(const Material& material) {
+  const SpecularLaw law = material.specular_law;
+  if (law == SpecularLaw::none || law == SpecularLaw::blinn_phong) return Vec3(0);
+  const double outer = material.coat ? material.coat->index : 1;
+  return f64::composition_of(material).own_fresnel(f64::surface_of(material), 1, outer);
+}
+
+}  // namespace
 
 double porosity_factor(double filling) {
   if (!(filling > 0)) return 1;
@@ -14,6 +25,7 @@ double porosity_factor(double filling) {
 
 void fit(Material& material) {
   material.fits = {};
+  material.fits.reflectance = reflectance_facing(material);
   fit_hapke(material);
   fit_facets(material);
   fit_coat(material);

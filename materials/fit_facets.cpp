@@ -249,7 +249,7 @@ void fit_facets(Material& material) {
   const f64::SurfaceFields s = f64::surface_of(material);
   const f64::Composition laws = f64::composition_of(material);
   const double outer = material.coat ? material.coat->index : 1;
-  const auto reflected = [&](double mu) { return s.specular * laws.fresnel(s, mu, outer); };
+  const auto reflected = [&](double mu) { return s.specular * laws.own_fresnel(s, mu, outer); };
   const bool always = material.compensation == Compensation::on;
   const double facing = largest(s.weights.y * reflected(1));
   // 1 − E_avg stays below 0.6 up to slopes of 1, and below 1 always

@@ -21,6 +21,11 @@ constexpr const char* kLobes[] = {"no_specular_lobe", "blinn_phong_lobe", "cook_
                                   "beckmann_lobe",    "ggx_lobe",         "mirror_lobe"};
 constexpr const char* kFresnel[] = {"no_fresnel", "dielectric_fresnel", "conductor_fresnel"};
 
+const char* many(const Laws& laws) {
+  if (!laws.compensated) return "no_many";
+  return laws.mapped ? "mapped_many" : "facet_many";
+}
+
 // Texts that families need, each once, in an order in which they may stand: what is called stands
 // before who calls it.
 std::string law_texts(std::span<const Laws> families) {
@@ -54,11 +59,13 @@ const char* layers(const Laws& laws) {
 }
 
 std::string surface_functions(const Laws& laws) {
+  const std::string fresnel =
+      std::string(laws.mapped ? "mapped_" : "") + kFresnel[static_cast<std::size_t>(laws.fresnel)];
   const std::pair<const char*, const char*> names[] = {
       {"DIFFUSE", kDiffuse[static_cast<std::size_t>(laws.diffuse)]},
       {"LOBE", kLobes[static_cast<std::size_t>(laws.specular)]},
-      {"FRESNEL", kFresnel[static_cast<std::size_t>(laws.fresnel)]},
-      {"MANY", laws.compensated ? "facet_many" : "no_many"},
+      {"FRESNEL", fresnel.c_str()},
+      {"MANY", many(laws)},
       {"LAYERS", layers(laws)}};
   std::string text;
   for (const auto& [name, law] : names) text += fmt::format("#define PANWRIGHT_{} {}\n", name, law);

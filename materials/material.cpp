@@ -114,6 +114,12 @@ void report_idle_fields(const Material& material, const Fields& fields, const Re
          "the emissive colour is 0");
   if (fields.refract && !has_facets(material.specular_law))
     idle("refract", "only cook, beckmann, ggx and mirror have a Fresnel term");
+  if (fields.maps && fields.maps->reflectance >= 0) {
+    if (!has_facets(material.specular_law))
+      idle("reflectance_map", "only cook, beckmann, ggx and mirror have a Fresnel term");
+    else if (dark)
+      idle("reflectance_map", "the specular colour is 0");
+  }
   if (fields.reflect) return;
   if (material.weights.y == 0 && !dark)
     idle("specular", "diffuse is given as well and there is no reflect, which is then 1 0 0");
@@ -223,6 +229,7 @@ Laws laws_of(const Material& material) {
     laws.fresnel = material.extinction == Vec3(0) ? FresnelLaw::dielectric : FresnelLaw::conductor;
   laws.compensated = material.fits.many_scale != Vec3(0);
   laws.coated = material.coat.has_value();
+  laws.mapped = has_facets(material.specular_law) && material.maps.reflectance >= 0;
   return laws;
 }
 

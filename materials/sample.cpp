@@ -9,6 +9,9 @@
 namespace panwright::materials {
 namespace {
 
+// share of the facets in choosing a direction where a reflectance map leaves less
+constexpr double kLeastMapped = 0.04;
+
 double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
 // A frame about a normal; x along the tangent where there is one.
@@ -167,7 +170,9 @@ struct Scattering::Parts {
     if (mirror_shows()) {
       c.mirror_below = largest(mirror_below(cosine));
     } else if (law != SpecularLaw::none) {
-      const Vec3 fresnel = composition.fresnel(s, inner, coated() ? s.coat_index : 1.0);
+      Vec3 fresnel = composition.fresnel(s, inner, coated() ? s.coat_index : 1.0);
+      // where a map says 0, facets still reflect towards grazing
+      if (composition.laws.mapped) fresnel = glm::max(fresnel, Vec3(kLeastMapped));
       c.facets = passing * s.weights.y * largest(s.specular * fresnel);
     }
     (smooth_coat() ? c.mirror_peak : c.peak) = first(cosine);
@@ -258,6 +263,12 @@ Scattering Scattering::scaled(double roughness) const {
   parts->surface.alpha *= roughness;
   parts->surface.alpha_y *= roughness;
   parts->surface.oren *= roughness;
+  return Scattering(std::move(parts));
+}
+
+Scattering Scattering::reflecting(const Vec3& reflectance) const {
+  auto parts = std::make_unique<Parts>(*parts_);
+  parts->surface.reflectance = reflectance;
   return Scattering(std::move(parts));
 }
 

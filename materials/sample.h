@@ -50,6 +50,9 @@ class Scattering {
 
   // The same with slopes and σ times what a roughness map says, >= 0.
   Scattering scaled(double roughness) const;
+  // The same with what a reflectance map says in the place of F0, 0 to 1; as it is where the
+  // material has no such map.
+  Scattering reflecting(const Vec3& reflectance) const;
 
   // 1/sr, without mirrors; 0 where the light is below the horizon.
   Vec3 brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal, const Vec3& tangent,

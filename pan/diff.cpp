@@ -348,9 +348,9 @@ void Comparison::materials() {
     const std::string where = material_words(a_.model, i);
     const layout::Material& a = a_.model.materials()[i];
     const layout::Material& b = b_.model.materials()[j];
-    fields(
-        SectionKind::materials, where, a, b,
-        {"flags", "name", "reserved", "albedo_map", "normal_map", "roughness_map", "cutout_map"});
+    fields(SectionKind::materials, where, a, b,
+           {"flags", "name", "reserved", "albedo_map", "normal_map", "roughness_map",
+            "reflectance_map", "cutout_map"});
     const auto map = [&](const char* name, std::int32_t in_a, std::int32_t in_b) {
       if (other_picture(in_a, in_b))
         add(where, fmt::format("{}: {} in a, {} in b", name, picture_words(a_.model, in_a),
@@ -359,6 +359,7 @@ void Comparison::materials() {
     map("albedo_map", a.albedo_map, b.albedo_map);
     map("normal_map", a.normal_map, b.normal_map);
     map("roughness_map", a.roughness_map, b.roughness_map);
+    map("reflectance_map", a.reflectance_map, b.reflectance_map);
     map("cutout_map", a.cutout_map, b.cutout_map);
   });
 }

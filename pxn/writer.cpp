@@ -257,6 +257,7 @@ class Writer {
     map("albedo_map", m.maps.albedo);
     map("normal_map", m.maps.normal);
     map("roughness_map", m.maps.roughness);
+    map("reflectance_map", m.maps.reflectance);
     if (m.maps.repeat != Vec2(1)) out_.numbers("map_repeat", std::span(&m.maps.repeat.x, 2));
     vector("diffuse", m.diffuse);
     if (m.specular != Vec3(0) || m.shine != 0) {

@@ -167,7 +167,8 @@ std::string check_need(const Scene& scene) {
 std::string check_maps(const Scene& scene) {
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const materials::Maps& maps = scene.materials[i].maps;
-    for (const std::int32_t map : {maps.albedo, maps.normal, maps.roughness, maps.cutout})
+    for (const std::int32_t map :
+         {maps.albedo, maps.normal, maps.roughness, maps.reflectance, maps.cutout})
       if (map != kNone && !in_range(map, scene.textures.size()))
         return fmt::format("material {} has a map {}", i, map);
     if (!std::isfinite(maps.repeat.x) || !std::isfinite(maps.repeat.y) ||

@@ -170,6 +170,7 @@ Json maps_json(const pan::layout::Material& material) {
   return {{"albedo", map(material.albedo_map)},
           {"normal", map(material.normal_map)},
           {"roughness", map(material.roughness_map)},
+          {"reflectance", map(material.reflectance_map)},
           {"cutout", map(material.cutout_map)}};
 }
 
@@ -370,6 +371,7 @@ void print_materials(const pan::Model& model) {
     add(material.albedo_map, "albedo");
     add(material.normal_map, "normal");
     add(material.roughness_map, "roughness");
+    add(material.reflectance_map, "reflectance");
     add(material.cutout_map, "cutout");
     fmt::print("material  {}: {} + {}{}\n", model.material_name(i),
                diffuse_word(material.diffuse_law), specular_word(material.specular_law), maps);

@@ -184,3 +184,12 @@ FORMULA Vec3 facet_many(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   return s.many_scale *
          (facet_loss(s, dot3(normal, to_light)) * facet_loss(s, dot3(normal, to_viewer)));
 }
+
+// Under a reflectance map: in proportion to what the map takes away, never more than without it, so
+// that no map gains energy.
+FORMULA Vec3 mapped_many(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  Vec3 part = Vec3(min(s.reflectance.x / max(s.facing.x, Real(1e-30)), Real(1)),
+                   min(s.reflectance.y / max(s.facing.y, Real(1e-30)), Real(1)),
+                   min(s.reflectance.z / max(s.facing.z, Real(1e-30)), Real(1)));
+  return part * facet_many(s, to_light, to_viewer, normal);
+}

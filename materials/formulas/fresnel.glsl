@@ -41,6 +41,23 @@ FORMULA Real fresnel_conductor(Real cos_i, Real n, Real k) {
   return min(Real(0.5) * (rs + rp), Real(1));
 }
 
+// F of a surface whose reflectance at normal incidence is not F0 (facing) but R: linear in R, from 0
+// to 1, F where R = F0. From F0 upwards it rises as Schlick's curve would with R; where a conductor
+// dips below F0, in proportion. C. Schlick, "An inexpensive BRDF model for physically-based
+// rendering", 1994.
+FORMULA Real fresnel_from(Real fresnel, Real facing, Real reflectance) {
+  if (fresnel < facing) return reflectance * (fresnel / facing);
+  if (!(facing < Real(0.999999))) return reflectance;
+  Real rise = (fresnel - facing) / (Real(1) - facing);
+  return reflectance + rise * (Real(1) - reflectance);
+}
+
+FORMULA Vec3 mapped_fresnel(Surface s, Vec3 fresnel) {
+  return Vec3(fresnel_from(fresnel.x, s.facing.x, s.reflectance.x),
+              fresnel_from(fresnel.y, s.facing.y, s.reflectance.y),
+              fresnel_from(fresnel.z, s.facing.z, s.reflectance.z));
+}
+
 FORMULA Vec3 no_fresnel(Surface s, Real cos_i, Real outer) { return Vec3(Real(1)); }
 
 // outer: refractive index of what lies over the facets
@@ -54,4 +71,16 @@ FORMULA Vec3 conductor_fresnel(Surface s, Real cos_i, Real outer) {
   return Vec3(fresnel_conductor(cos_i, s.indices.x / outer, s.extinction.x / outer),
               fresnel_conductor(cos_i, s.indices.y / outer, s.extinction.y / outer),
               fresnel_conductor(cos_i, s.indices.z / outer, s.extinction.z / outer));
+}
+
+// The same under a reflectance map.
+
+FORMULA Vec3 mapped_no_fresnel(Surface s, Real cos_i, Real outer) { return s.reflectance; }
+
+FORMULA Vec3 mapped_dielectric_fresnel(Surface s, Real cos_i, Real outer) {
+  return mapped_fresnel(s, dielectric_fresnel(s, cos_i, outer));
+}
+
+FORMULA Vec3 mapped_conductor_fresnel(Surface s, Real cos_i, Real outer) {
+  return mapped_fresnel(s, conductor_fresnel(s, cos_i, outer));
 }

@@ -12,6 +12,8 @@ struct Surface {
   Real alpha_y;       // and across it
   Vec3 tangent;       // unit, square to the normal; where alpha = alpha_y any
   Real sun_alpha2;    // what the Sun's disc adds to the squares of alpha; 0: the law by itself
+  Vec3 facing;        // F0, Fresnel's term of the facets at normal incidence, under the coat
+  Vec3 reflectance;   // R, which a map gives in its place; asked only where there is one
   Vec3 many_scale;    // light scattered more than once by the facets: factor of loss(l) loss(v)
   Real loss0;         // loss(cos): a polynomial of sqrt(cos)
   Real loss1;

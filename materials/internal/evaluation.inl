@@ -5,6 +5,7 @@ Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
   SurfaceFields s =
       surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2));
   s.diffuse = s.diffuse * tint;
+  if (local.reflectance) s.reflectance = rounded(*local.reflectance);
   return composition_of(material).surface_brdf(s, to_light, to_viewer, normal);
 }
 
@@ -13,6 +14,7 @@ Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_vie
   SurfaceFields s =
       surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2));
   s.diffuse = s.diffuse * tint;
+  if (local.reflectance) s.reflectance = rounded(*local.reflectance);
   return composition_of(material).surface_radiance(s, to_light, to_viewer, normal, irradiance);
 }
 
@@ -34,6 +36,7 @@ Vec3 Prepared::brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& nor
   s.tangent = rounded(local.tangent);
   s.sun_alpha2 = static_cast<Real>(local.sun_alpha2);
   s.diffuse = s.diffuse * tint;
+  if (local.reflectance) s.reflectance = rounded(*local.reflectance);
   Composition composition = parts_->composition;
   return composition.surface_brdf(s, to_light, to_viewer, normal);
 }

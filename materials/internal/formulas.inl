@@ -86,7 +86,8 @@ struct Composition {
     }
     return no_specular_lobe(s, to_light, to_viewer, normal);
   }
-  Vec3 fresnel(Surface s, Real cosine, Real outer) const {
+  // by the indices, whatever a map says
+  Vec3 own_fresnel(Surface s, Real cosine, Real outer) const {
     switch (laws.fresnel) {
       case FresnelLaw::none:
         break;
@@ -97,9 +98,15 @@ struct Composition {
     }
     return no_fresnel(s, cosine, outer);
   }
+  Vec3 fresnel(Surface s, Real cosine, Real outer) const {
+    if (!laws.mapped) return own_fresnel(s, cosine, outer);
+    if (laws.fresnel == FresnelLaw::none) return mapped_no_fresnel(s, cosine, outer);
+    return mapped_fresnel(s, own_fresnel(s, cosine, outer));
+  }
   Vec3 many(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {
-    return laws.compensated ? facet_many(s, to_light, to_viewer, normal)
-                            : no_many(s, to_light, to_viewer, normal);
+    if (!laws.compensated) return no_many(s, to_light, to_viewer, normal);
+    return laws.mapped ? mapped_many(s, to_light, to_viewer, normal)
+                       : facet_many(s, to_light, to_viewer, normal);
   }
   Vec3 layers(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
     if (!laws.coated) return bare(s, to_light, to_viewer, normal);
@@ -143,6 +150,8 @@ inline SurfaceFields surface_of(const Material& material, const Vec3& tangent = 
   s.alpha_y = real(material.alpha_y);
   s.tangent = tangent;
   s.sun_alpha2 = sun_alpha2;
+  s.facing = rounded(material.fits.reflectance);
+  s.reflectance = s.facing;
   s.many_scale = rounded(material.fits.many_scale);
   const auto& loss = material.fits.loss;
   s.loss0 = real(loss[0]);

@@ -314,7 +314,7 @@ std::optional<Problem> texture_problem(const Model& model) {
 
 bool has_maps(const layout::Material& material) {
   return material.albedo_map >= 0 || material.normal_map >= 0 || material.roughness_map >= 0 ||
-         material.cutout_map >= 0;
+         material.reflectance_map >= 0 || material.cutout_map >= 0;
 }
 
 std::optional<Problem> instance_problem(const Model& model) {

@@ -84,6 +84,7 @@ materials::Maps Loader::read_maps(Work& work, std::uint32_t element, const mater
   read(element, attribute::named_material_albedo_map, Picture::color, maps.albedo);
   read(element, attribute::named_material_normal_map, Picture::linear, maps.normal);
   read(element, attribute::named_material_roughness_map, Picture::linear, maps.roughness);
+  read(element, attribute::named_material_reflectance_map, Picture::color, maps.reflectance);
   values.numbers(element, attribute::named_material_map_repeat, std::span(&maps.repeat.x, 2));
   if (const std::uint32_t cutout = child_of(document, element, ElementId::cutout)) {
     read(cutout, attribute::cutout_image, Picture::cutout, maps.cutout);

@@ -220,9 +220,11 @@ TEST_P(FormulasGl, EveryFamily) {
   const glm::vec3 irradiance(1.5f, 1.0f, 0.5f);
   const auto compare_laws = [&](const char* name) {
     materials::fit(m);
-    const std::string statements =
-        surface_text(materials::f32::surface_of(m, glm::vec3(1, 0, 0), 2.7e-6f));
-    const materials::Local local{Vec3(1, 0, 0), 2.7e-6f};
+    const glm::vec3 reflectance(0.75f, 0.03125f, 0.5f);  // asked under a map only
+    auto surface = materials::f32::surface_of(m, glm::vec3(1, 0, 0), 2.7e-6f);
+    surface.reflectance = reflectance;
+    const std::string statements = surface_text(surface);
+    const materials::Local local{Vec3(1, 0, 0), 2.7e-6f, Vec3(reflectance)};
     const Shader shader(context_->gl(), materials::glsl_formulas(materials::laws_of(m)), statements,
                         "surface_radiance(s, l, v, n, vec3(1.5, 1.0, 0.5))");
     check(fmt::format("{} {} {} {}", name, static_cast<int>(m.diffuse_law),
@@ -245,8 +247,15 @@ TEST_P(FormulasGl, EveryFamily) {
     compare_laws("conductor");
     m.coat = materials::Coat{1.5, 0.0625, Vec3(0.125, 0.25, 0.5)};
     compare_laws("coated");
+    m.maps.reflectance = 0;
+    compare_laws("coated, mapped");
     m.coat = {};
+    compare_laws("conductor, mapped");
     m.extinction = Vec3(0);
+    compare_laws("dielectric, mapped");
+    m.refract = {};
+    compare_laws("specular, mapped");
+    m.maps.reflectance = -1;
   }
 }
 

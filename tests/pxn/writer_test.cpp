@@ -188,6 +188,7 @@ class Maker {
       f.maps->albedo = 0;
       if (below(2) == 0) f.maps->normal = 1;
       if (below(2) == 0) f.maps->repeat = {positive(), positive()};
+      if (f.cook) f.maps->reflectance = 0;
     }
     DiagnosticLog log;
     scene_.materials.push_back(materials::resolved(f, {}, log));

@@ -424,6 +424,8 @@ void maps(Collection& add) {
   map(Code::E4010, "an albedo map past the end", 1, [](Material& m) { m.albedo_map = 1; });
   map(Code::E4010, "a normal map of -2", 1, [](Material& m) { m.normal_map = -2; });
   map(Code::E4010, "a roughness map past the end", 1, [](Material& m) { m.roughness_map = 9; });
+  map(Code::E4010, "a reflectance map past the end", 1, [](Material& m) { m.reflectance_map = 1; });
+  map(Code::E4012, "a negative reflectance", 1, [](Material& m) { m.reflectance[2] = -0.1f; });
   map(Code::E4010, "a cutout map past the end", 1, [](Material& m) { m.cutout_map = 0x7fffffff; });
   map(Code::E4012, "a threshold above 1", 1, [](Material& m) { m.cutout_threshold = 1.0001f; });
   map(Code::E4012, "a repeat that is not finite", 1,
@@ -443,6 +445,8 @@ void maps(Collection& add) {
       [](Material& m) { m.normal_map = 0; });
   map(Code::E4010, "a roughness map on a mesh without texcoords", 0,
       [](Material& m) { m.roughness_map = 0; });
+  map(Code::E4010, "a reflectance map on a mesh without texcoords", 0,
+      [](Material& m) { m.reflectance_map = 0; });
   map(Code::E4010, "a cutout map on a mesh without texcoords", 0,
       [](Material& m) { m.cutout_map = 0; });
 }

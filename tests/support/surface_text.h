@@ -27,7 +27,8 @@ inline std::string surface_text(const materials::f32::SurfaceFields& s) {
 #define REAL(name) real(#name, s.name);
   VECTOR(diffuse)
   VECTOR(specular) VECTOR(emissive) VECTOR(weights) VECTOR(indices) VECTOR(extinction) REAL(shine)
-      REAL(lobe_scale) REAL(alpha) REAL(alpha_y) VECTOR(tangent) REAL(sun_alpha2) VECTOR(many_scale)
+      REAL(lobe_scale) REAL(alpha) REAL(alpha_y) VECTOR(tangent) REAL(sun_alpha2) VECTOR(facing) VECTOR(reflectance)
+      VECTOR(many_scale)
           REAL(loss0) REAL(loss1) REAL(loss2) REAL(loss3) REAL(loss4) REAL(loss5) REAL(loss6)
               REAL(loss7) REAL(oren) REAL(hapke_w) REAL(hapke_h) REAL(hapke_b0) REAL(hapke_rough)
                   REAL(hapke_b) REAL(hapke_c) REAL(hapke_hc) REAL(hapke_bc0) REAL(hapke_k)
