@@ -1,0 +1,298 @@
+#include "importers/meshes/mtl.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+#include "importers/meshes/text.h"
+
+// note: tinyobjloader's reader of MTL is not used: it turns numbers that are none into 0, tells
+// no place, does not say which numbers a file gives, and finds no names that hold blanks.
+
+namespace panwright::importers::meshes {
+
+namespace {
+
+// Blinn-Phong's exponent as our materials have it.
+constexpr double kMostShine = 128;
+
+// How many words follow an option of a picture; those of o, s and t may be fewer.
+constexpr std::pair<std::string_view, int> kPictureOptions[] = {
+    {"-blendu", 1},  {"-blendv", 1}, {"-boost", 1},  {"-mm", 2},         {"-o", 3},
+    {"-s", 3},       {"-t", 3},      {"-texres", 1}, {"-clamp", 1},      {"-bm", 1},
+    {"-imfchan", 1}, {"-type", 1},   {"-cc", 1},     {"-colorspace", 1},
+};
+
+// Maps that have no place in our materials.
+constexpr std::pair<std::string_view, std::string_view> kLostMaps[] = {
+    {"map_ka", "ambient map"},    {"map_ks", "specular map"},
+    {"map_ns", "shininess map"},  {"map_ke", "emissive map"},
+    {"map_d", "opacity map"},     {"map_tr", "opacity map"},
+    {"map_bump", "bump map"},     {"bump", "bump map"},
+    {"disp", "displacement map"}, {"decal", "decal map"},
+    {"refl", "reflection map"},   {"map_refl", "reflection map"},
+    {"map_pr", "roughness map"},  {"map_pm", "metallic map"},
+    {"map_ps", "sheen map"},      {"ps", "sheen"},
+    {"pc", "clearcoat"},          {"pcr", "clearcoat"},
+    {"aniso", "anisotropy"},      {"anisor", "anisotropy"},
+    {"map_rma", "packed map"},    {"map_orm", "packed map"},
+};
+
+// Words that say nothing of our surfaces: ambient light, filters, sharpness, antialiasing.
+constexpr std::string_view kIgnored[] = {"ka", "tf", "sharpness", "map_aat", "kt", "km"};
+
+class MtlReader {
+ public:
+  MtlReader(Session& session, std::string path, SharedText bytes, FileId source,
+            std::vector<MtlMaterial>& out)
+      : s_(session), path_(std::move(path)), bytes_(std::move(bytes)), source_(source), out_(out) {}
+
+  void read() {
+    Lines lines(*bytes_);
+    std::string_view line;
+    while (lines.next(line)) read_line(line);
+  }
+
+ private:
+  SourceSpan at(std::string_view part) const {
+    const auto begin = static_cast<std::uint32_t>(part.data() - bytes_->data());
+    return {source_, begin, begin + static_cast<std::uint32_t>(part.size())};
+  }
+
+  void read_line(std::string_view line) {
+    std::string_view rest = line;
+    const std::string_view word = next_word(rest);
+    if (word.empty() || word.starts_with('#')) return;
+    const std::string key = lower_case(word);
+    if (key == "newmtl") {
+      out_.push_back({});
+      out_.back().name = to_utf8(trimmed(rest), Encoding::utf8);
+      out_.back().library = path_;
+      return;
+    }
+    if (out_.empty() || out_.back().library != path_) {
+      s_.trouble(Code::E6501, "mtl begin", at(word), [&] {
+        return fmt::format("{} stands before the first 'newmtl', and is left out", in_quotes(word));
+      });
+      return;
+    }
+    read_property(key, word, rest);
+  }
+
+  void read_property(const std::string& key, std::string_view word, std::string_view rest) {
+    MtlMaterial& m = out_.back();
+    if (key == "kd") return read_colour(word, rest, m.diffuse);
+    if (key == "ks") return read_colour(word, rest, m.specular);
+    if (key == "ke") return read_colour(word, rest, m.emissive);
+    if (key == "ns") return read_number(word, rest, m.shine);
+    if (key == "ni") return read_number(word, rest, m.index);
+    if (key == "pr") return read_number(word, rest, m.roughness);
+    if (key == "pm") return read_number(word, rest, m.metallic);
+    if (key == "d" || key == "tr") {
+      std::string_view ahead = rest;
+      if (next_word(ahead) == "-halo") rest = ahead;
+      std::optional<double> value;
+      read_number(word, rest, value);
+      // where a file gives both, d holds
+      if (value && (key == "d" || !m.opacity))
+        m.opacity = std::clamp(key == "d" ? *value : 1 - *value, 0.0, 1.0);
+      return;
+    }
+    if (key == "illum") {
+      std::optional<double> value;
+      read_number(word, rest, value);
+      if (value) m.model = static_cast<int>(std::clamp(*value, 0.0, 100.0));
+      return;
+    }
+    if (key == "map_kd") return read_picture(rest, m.albedo);
+    if (key == "norm" || key == "map_kn") return read_picture(rest, m.normal);
+    for (const auto& [name, what] : kLostMaps)
+      if (key == name) return lose(std::string(what));
+    if (std::find(std::begin(kIgnored), std::end(kIgnored), key) == std::end(kIgnored))
+      lose(fmt::format("{}", in_quotes(word)));
+  }
+
+  void lose(std::string what) {
+    std::vector<std::string>& lost = out_.back().lost;
+    if (std::find(lost.begin(), lost.end(), what) == lost.end()) lost.push_back(std::move(what));
+  }
+
+  void bad_number(std::string_view word, std::string_view value) {
+    s_.trouble(Code::E6501, "mtl number", at(value.empty() ? word : value), [&] {
+      return fmt::format("{} is followed by {}, which is no number", in_quotes(word),
+                         in_quotes(value));
+    });
+  }
+
+  void read_number(std::string_view word, std::string_view rest, std::optional<double>& out) {
+    const std::string_view value = next_word(rest);
+    const auto number = parse_double(value);
+    if (!number) return bad_number(word, value);
+    out = number;
+  }
+
+  // One number stands for three.
+  void read_colour(std::string_view word, std::string_view rest, std::optional<Vec3>& out) {
+    Vec3 colour(0);
+    std::string_view value = next_word(rest);
+    if (value == "spectral" || value == "xyz") return lose(fmt::format("{} {}", word, value));
+    for (int k = 0; k < 3; ++k) {
+      if (k > 0) value = next_word(rest);
+      if (k == 1 && value.empty()) {
+        colour = Vec3(colour.x);
+        break;
+      }
+      const auto number = parse_double(value);
+      if (!number) return bad_number(word, value);
+      colour[k] = *number;
+    }
+    out = glm::clamp(colour, Vec3(0), Vec3(1));
+  }
+
+  void read_picture(std::string_view rest, MtlPicture& out) {
+    std::string_view ahead = rest;
+    for (std::string_view word = next_word(ahead); word.starts_with('-'); word = next_word(ahead)) {
+      const auto* option = std::find_if(std::begin(kPictureOptions), std::end(kPictureOptions),
+                                        [&](const auto& known) { return known.first == word; });
+      if (option == std::end(kPictureOptions)) break;
+      rest = ahead;
+      read_option(*option, rest, out);
+      ahead = rest;
+    }
+    const std::string_view name = trimmed(rest);
+    if (name.empty()) return;
+    out.name = name;
+    out.where = at(name);
+  }
+
+  void read_option(const std::pair<std::string_view, int>& option, std::string_view& rest,
+                   MtlPicture& out) {
+    Vec3 numbers(option.first == "-s" ? 1.0 : 0.0);
+    for (int k = 0; k < option.second; ++k) {
+      std::string_view ahead = rest;
+      const auto number = parse_double(next_word(ahead));
+      if (option.second == 3 && !number) break;
+      if (number) numbers[k] = *number;
+      rest = ahead;
+    }
+    if (option.first == "-s")
+      out.repeat = Vec2(numbers);
+    else if ((option.first == "-o" || option.first == "-t") && numbers != Vec3(0))
+      lose("offset of a picture");
+  }
+
+  Session& s_;
+  std::string path_;
+  SharedText bytes_;
+  FileId source_;
+  std::vector<MtlMaterial>& out_;
+};
+
+// The laws of VRML's materials: Lambert, and Blinn and Phong's lobe where there is a specular
+// colour and the illumination model wants one.
+void set_laws(const MtlMaterial& from, materials::Material& m, CadMaterial& cad) {
+  const bool highlights = from.model.value_or(2) >= 2;
+  const Vec3 specular = highlights ? from.specular.value_or(Vec3(0)) : Vec3(0);
+  if (specular != Vec3(0)) {
+    const double shine = std::max(from.shine.value_or(0), 0.0);
+    m.specular_law = materials::SpecularLaw::blinn_phong;
+    m.specular = specular;
+    m.shine = std::min(shine, kMostShine);
+    m.weights.y = 1;
+    if (shine > kMostShine) cad.lost.push_back("shininess over 128");
+    // α² = 2/(n + 2), and α is the square of the perceptual roughness
+    cad.roughness = std::sqrt(std::sqrt(2 / (shine + 2)));
+  }
+  m.emissive = from.emissive.value_or(Vec3(0));
+  if (m.emissive != Vec3(0)) m.weights.z = 1;
+}
+
+}  // namespace
+
+void MtlLibraries::read(std::string_view names, SourceSpan where) {
+  names = trimmed(names);
+  std::string_view rest = names;
+  const std::string_view first = next_word(rest);
+  if (first.empty() || first.size() == names.size() || s_.has_named(names, s_.file.path)) {
+    if (!names.empty()) read_library(names, where);
+    return;
+  }
+  rest = names;
+  for (std::string_view name = next_word(rest); !name.empty(); name = next_word(rest))
+    read_library(name, where);
+}
+
+void MtlLibraries::read_library(std::string_view name, SourceSpan where) {
+  if (!libraries_.try_emplace(std::string(name), true).second) return;
+  std::string path;
+  SharedText bytes;
+  if (!s_.read_named(name, s_.file.path, where, path, bytes)) {
+    any_missing_ = true;
+    return;
+  }
+  read_text(path, bytes, where);
+}
+
+void MtlLibraries::read_text(const std::string& path, const SharedText& bytes, SourceSpan where) {
+  const FileId source =
+      s_.log.sources().add({s_.files.display_name(path), bytes, Encoding::utf8, where});
+  const std::size_t begin = materials_.size();
+  MtlReader(s_, path, bytes, source, materials_).read();
+  for (std::size_t i = begin; i < materials_.size(); ++i)
+    numbers_.try_emplace(materials_[i].name, static_cast<std::int32_t>(i));
+}
+
+std::int32_t MtlLibraries::number_of(std::string_view name, SourceSpan where) {
+  const auto known = numbers_.find(name);
+  if (known != numbers_.end()) return known->second;
+  if (!any_missing_) {
+    std::vector<std::string_view> names;
+    for (const auto& [other, number] : numbers_) names.push_back(other);
+    const auto near = nearest_name(name, names);
+    s_.log.report(Code::W6502, where, fmt::format("no material library has {}", in_quotes(name)),
+                  near ? fmt::format("did you mean {}?", in_quotes(*near)) : std::string());
+  }
+  const auto number = static_cast<std::int32_t>(materials_.size());
+  materials_.push_back({});
+  materials_.back().name = to_utf8(name, Encoding::utf8);
+  numbers_.emplace(name, number);
+  return number;
+}
+
+std::int32_t MtlLibraries::scene_material(std::int32_t number, bool coloured, bool texcoords) {
+  if (number < 0) return assembly_.plain_material(coloured);
+  const MtlMaterial& from = materials_[static_cast<std::size_t>(number)];
+  const bool pictures = texcoords && (!from.albedo.name.empty() || !from.normal.name.empty());
+  const auto [place, is_new] = made_.try_emplace({number, pictures}, scene::kNone);
+  if (!is_new) return place->second;
+  materials::Material m;
+  CadMaterial cad;
+  m.name = cad.name = from.name;
+  cad.lost = from.lost;
+  cad.textured = !from.albedo.name.empty();
+  const Vec3 usual = cad.textured ? Vec3(1) : m.diffuse;
+  m.diffuse = from.diffuse.value_or(usual);
+  if (cad.textured && m.diffuse == Vec3(0)) {
+    // some programs write no colour beside a picture, and mean the picture's
+    s_.trouble(Code::W6502, "black", from.albedo.where,
+               [] { return "a picture over a black 'Kd'; its own colours are taken"; });
+    m.diffuse = Vec3(1);
+  }
+  set_laws(from, m, cad);
+  if (pictures && !from.albedo.name.empty()) {
+    m.maps.albedo = assembly_.picture(from.albedo.name, from.library, false, from.albedo.where);
+    m.maps.repeat = from.albedo.repeat;
+  }
+  if (pictures && !from.normal.name.empty())
+    m.maps.normal = assembly_.picture(from.normal.name, from.library, true, from.normal.where);
+  cad.base_colour = m.diffuse;
+  cad.metallic = std::clamp(from.metallic.value_or(0), 0.0, 1.0);
+  if (from.roughness) cad.roughness = std::clamp(*from.roughness, 0.0, 1.0);
+  cad.opacity = from.opacity.value_or(1);
+  if (cad.opacity < 1) cad.lost.push_back("opacity");
+  return place->second = assembly_.add_material(std::move(m), std::move(cad));
+}
+
+}  // namespace panwright::importers::meshes

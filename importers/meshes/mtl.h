@@ -1,0 +1,64 @@
+// Material libraries of OBJ. Private to importers/meshes.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "importers/meshes/session.h"
+
+namespace panwright::importers::meshes {
+
+// A picture that a material names.
+struct MtlPicture {
+  std::string name;  // empty: none
+  SourceSpan where;  // in the library
+  Vec2 repeat{1};    // option -s
+};
+
+struct MtlMaterial {
+  std::string name;
+  std::string library;                              // path, as Files knows it
+  std::optional<Vec3> diffuse, specular, emissive;  // Kd, Ks, Ke
+  std::optional<double> shine;                      // Ns
+  std::optional<double> opacity;                    // d, or 1 − Tr
+  std::optional<double> roughness, metallic;        // Pr, Pm
+  std::optional<double> index;                      // Ni
+  std::optional<int> model;                         // illum
+  MtlPicture albedo, normal;                        // map_Kd, norm
+  std::vector<std::string> lost;
+};
+
+// The materials that an OBJ file may use.
+class MtlLibraries {
+ public:
+  MtlLibraries(Session& session, Assembly& assembly) : s_(session), assembly_(assembly) {}
+
+  // Reads what a line "mtllib" names: one file whose name may hold blanks, or several.
+  void read(std::string_view names, SourceSpan where);
+
+  // The number of a name; one that no library has gets a material of its own, with W6502.
+  std::int32_t number_of(std::string_view name, SourceSpan where);
+
+  // The scene's material for a number; −1: for none.
+  //
+  //   coloured   the vertices have colours
+  //   texcoords  pictures can be laid on
+  std::int32_t scene_material(std::int32_t number, bool coloured, bool texcoords);
+
+ private:
+  void read_library(std::string_view name, SourceSpan where);
+  void read_text(const std::string& path, const SharedText& bytes, SourceSpan where);
+
+  Session& s_;
+  Assembly& assembly_;
+  std::vector<MtlMaterial> materials_;
+  std::map<std::string, std::int32_t, std::less<>> numbers_;
+  std::map<std::string, bool, std::less<>> libraries_;  // asked for
+  std::map<std::pair<std::int32_t, bool>, std::int32_t> made_;
+  bool any_missing_ = false;  // a library: then an unknown name is no surprise
+};
+
+}  // namespace panwright::importers::meshes

@@ -1,0 +1,496 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "base/text.h"
+#include "geometry/strip.h"
+#include "importers/meshes/ply_values.h"
+#include "importers/meshes/readers.h"
+#include "importers/meshes/session.h"
+
+// note: no reader of Debian's is used. OpenMesh's and assimp's round doubles to single precision;
+// both hang on damaged files, and assimp's crashes on some.
+
+namespace panwright::importers::meshes {
+
+namespace {
+
+using geometry::Mesh;
+using Got = PlyValues::Got;
+
+constexpr int kLongestSearch = 32;  // copies of a vertex that are compared before one more is made
+
+// What a property of a vertex is read into.
+enum Slot : std::uint8_t { kX, kY, kZ, kNx, kNy, kNz, kRed, kGreen, kBlue, kU, kV, kSlots };
+
+constexpr std::pair<std::string_view, Slot> kSlotNames[] = {
+    {"x", kX},
+    {"y", kY},
+    {"z", kZ},
+    {"nx", kNx},
+    {"ny", kNy},
+    {"nz", kNz},
+    {"red", kRed},
+    {"green", kGreen},
+    {"blue", kBlue},
+    {"r", kRed},
+    {"g", kGreen},
+    {"b", kBlue},
+    {"diffuse_red", kRed},
+    {"diffuse_green", kGreen},
+    {"diffuse_blue", kBlue},
+    {"s", kU},
+    {"t", kV},
+    {"u", kU},
+    {"v", kV},
+    {"texture_u", kU},
+    {"texture_v", kV},
+};
+
+class PlyReader {
+ public:
+  PlyReader(Session& session, PlyHeader header)
+      : s_(session),
+        assembly_(session, Format::ply),
+        header_(std::move(header)),
+        text_(header_.order == PlyOrder::text),
+        values_(header_.body, header_.order) {}
+
+  Result<Imported> read() {
+    for (const PlyElement& element : header_.elements) {
+      if (!going_ || s_.full) break;
+      if (element.name == "vertex" && mesh_.positions.empty())
+        read_vertices(element);
+      else if (element.name == "face" && find(element, "vertex_indices", "vertex_index"))
+        read_faces(element);
+      else if (element.name == "tristrips" && find(element, "vertex_indices", "vertex_index"))
+        read_strips(element);
+      else
+        skip_element(element);
+    }
+    if (!s_.full) make_faces();
+    if (mesh_.triangles.empty() && !mesh_.positions.empty() && ends_.empty() && strips_.empty())
+      s_.trouble(Code::E6501, "no faces", s_.at(header_.body.substr(0, 0)), [&] {
+        return fmt::format("{} and no face: points make no surface",
+                           counted(mesh_.positions.size(), "vertex"));
+      });
+    if (!mesh_.triangles.empty()) add_mesh();
+    return assembly_.finished();
+  }
+
+ private:
+  static const PlyProperty* find(const PlyElement& element, std::string_view name,
+                                 std::string_view other = {}) {
+    for (const PlyProperty& property : element.properties)
+      if (property.count && (property.name == name || property.name == other)) return &property;
+    return nullptr;
+  }
+
+  SourceSpan here() const { return s_.at(values_.last()); }
+  // "byte 12: " of a binary file, whose places have no lines
+  std::string byte() const { return text_ ? std::string() : byte(values_.offset()); }
+  std::string byte(std::size_t in_body) const {
+    const std::size_t header = s_.file.bytes->size() - header_.body.size();
+    return text_ ? std::string() : fmt::format("byte {}: ", header + in_body);
+  }
+
+  void cut_short(const PlyElement& element, std::uint64_t i) {
+    going_ = false;
+    s_.trouble(Code::E6501, "end", here(), [&] {
+      return fmt::format("{}the file ends in {} {} of {}", byte(), in_quotes(element.name), i,
+                         element.count);
+    });
+  }
+
+  // How many elements the rest of the file can hold.
+  std::uint64_t count_of(const PlyElement& element) {
+    const std::uint64_t least = element.least_bytes(text_);
+    if (least == 0) return 0;
+    // the last number of a text needs no blank behind it
+    const std::uint64_t most = (values_.left() + (text_ ? 1 : 0)) / least;
+    return std::min(element.count, most);
+  }
+
+  // One number. Words count as none, with a problem; false at the end of the file.
+  bool number(PlyType type, double& out) {
+    const Got got = values_.next(type, out);
+    if (got == Got::word) {
+      out = std::numeric_limits<double>::quiet_NaN();
+      s_.trouble(Code::E6501, "word", here(), [&] {
+        return fmt::format("{} is no number; what it belongs to is left out",
+                           in_quotes(values_.last()));
+      });
+    }
+    return got != Got::end;
+  }
+
+  // A list's length; −1 where there is none to go on with. false: the file cannot be read on.
+  bool length(const PlyProperty& property, std::int64_t& out) {
+    double value = 0;
+    if (!number(*property.count, value)) return false;
+    const double most = static_cast<double>((values_.left() + (text_ ? 1 : 0)) /
+                                            (text_ ? 2 : bytes_of(property.type)));
+    if (value >= 0 && value <= most && value == std::floor(value)) {
+      out = static_cast<std::int64_t>(value);
+      return true;
+    }
+    if (!std::isnan(value))
+      s_.trouble(Code::E6501, "length", here(), [&] {
+        return fmt::format("{}a list of {} numbers in a file of so many bytes", byte(),
+                           format_double(value));
+      });
+    if (!text_) going_ = false;
+    values_.skip_line();
+    out = -1;
+    return true;
+  }
+
+  bool skip_list(const PlyProperty& property) {
+    std::int64_t size = 0;
+    if (!length(property, size)) return false;
+    if (!text_)
+      return values_.skip(static_cast<std::uint64_t>(std::max<std::int64_t>(size, 0)) *
+                          bytes_of(property.type));
+    double ignored = 0;
+    for (std::int64_t k = 0; k < size; ++k)
+      if (!number(property.type, ignored)) return false;
+    return true;
+  }
+
+  bool skip_property(const PlyProperty& property) {
+    double ignored = 0;
+    return property.count ? skip_list(property) : number(property.type, ignored);
+  }
+
+  void skip_element(const PlyElement& element) {
+    if (element.count > 0) s_.skipped(element.name, element.count);
+    const std::uint64_t count = count_of(element);
+    for (std::uint64_t i = 0; i < count && going_; ++i)
+      for (const PlyProperty& property : element.properties)
+        if (going_ && !skip_property(property)) return cut_short(element, i);
+    if (count < element.count && !element.properties.empty()) cut_short(element, count);
+  }
+
+  // ---- vertices
+
+  std::vector<Slot> slots_of(const PlyElement& element) {
+    std::vector<Slot> slots;
+    std::array<bool, kSlots> taken{};
+    for (const PlyProperty& property : element.properties) {
+      Slot slot = kSlots;
+      for (const auto& [name, known] : kSlotNames)
+        if (property.name == name && !property.count && !taken[known]) slot = known;
+      if (slot == kSlots)
+        s_.lost(fmt::format("vertex property {}", in_quotes(property.name)));
+      else
+        taken[slot] = true;
+      slots.push_back(slot);
+    }
+    const auto all = [&](std::initializer_list<Slot> wanted) {
+      return std::all_of(wanted.begin(), wanted.end(), [&](Slot slot) { return taken[slot]; });
+    };
+    has_places_ = all({kX, kY, kZ});
+    has_normals_ = all({kNx, kNy, kNz});
+    has_colours_ = all({kRed, kGreen, kBlue});
+    has_texcoords_ = all({kU, kV});
+    return slots;
+  }
+
+  // Whole numbers are sRGB, parts of the largest of their type; others are linear.
+  static double colour_of(double value, PlyType type) {
+    if (is_float(type)) return std::clamp(value, 0.0, 1.0);
+    const double most = bytes_of(type) == 1 ? 255 : bytes_of(type) == 2 ? 65535 : 255;
+    return linear_of(std::clamp(value / most, 0.0, 1.0));
+  }
+
+  void read_vertices(const PlyElement& element) {
+    const std::vector<Slot> slots = slots_of(element);
+    if (!has_places_) {
+      s_.trouble(Code::E6501, "xyz", s_.at(0, 0), [] { return "vertices have no x, y and z"; });
+      return skip_element(element);
+    }
+    const std::uint64_t count = count_of(element);
+    if (count >= kNoIndex || !s_.charge(count * (3 + has_normals_ + has_colours_) * sizeof(Vec3)))
+      return;
+    mesh_.positions.reserve(count);
+    std::array<double, 256> linear;
+    for (std::size_t k = 0; k < linear.size(); ++k)
+      linear[k] = colour_of(static_cast<double>(k), PlyType::uint8);
+    std::array<double, kSlots> at{};
+    for (std::uint64_t i = 0; i < count && going_; ++i) {
+      for (std::size_t k = 0; k < slots.size() && going_; ++k) {
+        const PlyProperty& property = element.properties[k];
+        double value = 0;
+        if (slots[k] == kSlots) {
+          if (!skip_property(property)) return cut_short(element, i);
+          continue;
+        }
+        if (!number(property.type, value)) return cut_short(element, i);
+        if (slots[k] >= kRed && slots[k] <= kBlue) {
+          const bool byte = property.type == PlyType::uint8 && value >= 0 && value <= 255;
+          value = byte ? linear[static_cast<std::size_t>(value)] : colour_of(value, property.type);
+        }
+        at[slots[k]] = value;
+      }
+      add_vertex(at);
+    }
+    if (count < element.count) cut_short(element, count);
+  }
+
+  void add_vertex(const std::array<double, kSlots>& at) {
+    const auto finite = [](double value) { return std::isfinite(value) ? value : 0; };
+    mesh_.positions.push_back({at[kX], at[kY], at[kZ]});
+    if (has_normals_) mesh_.normals.push_back({at[kNx], at[kNy], at[kNz]});
+    if (has_colours_)
+      mesh_.colours.push_back({finite(at[kRed]), finite(at[kGreen]), finite(at[kBlue])});
+    if (has_texcoords_) mesh_.texcoords.push_back({finite(at[kU]), finite(at[kV])});
+  }
+
+  // ---- faces
+
+  // Appends a list to `out`; false: the file ends.
+  bool read_list(const PlyProperty& property, std::vector<double>& out, bool& whole) {
+    std::int64_t size = 0;
+    out.clear();
+    if (!length(property, size)) return false;
+    whole = size >= 0;
+    double value = 0;
+    for (std::int64_t k = 0; k < size; ++k) {
+      if (!number(property.type, value)) return false;
+      out.push_back(value);
+    }
+    return true;
+  }
+
+  static std::uint32_t index_of(double value) {
+    return value >= 0 && value < kNoIndex && value == std::floor(value)
+               ? static_cast<std::uint32_t>(value)
+               : kNoIndex;
+  }
+
+  void read_faces(const PlyElement& element) {
+    const PlyProperty* indices = find(element, "vertex_indices", "vertex_index");
+    const PlyProperty* wedges = find(element, "texcoord");
+    for (const PlyProperty& property : element.properties)
+      if (&property != indices && &property != wedges)
+        s_.lost(fmt::format("face property {}", in_quotes(property.name)));
+    const std::uint64_t count = count_of(element);
+    if (!s_.charge(count * (sizeof(Face) + 3 * sizeof(std::uint32_t)))) return;
+    ends_.reserve(ends_.size() + count);
+    std::vector<double> face, uvs;
+    for (std::uint64_t i = 0; i < count && going_ && !s_.full; ++i) {
+      bool whole = true;
+      std::size_t where = 0;
+      for (const PlyProperty& property : element.properties) {
+        if (!going_ || !whole) break;
+        const bool is_face = &property == indices;
+        if (is_face || &property == wedges) {
+          if (!read_list(property, is_face ? face : uvs, whole)) return cut_short(element, i);
+          if (is_face) where = values_.offset();
+        } else if (!skip_property(property)) {
+          return cut_short(element, i);
+        }
+      }
+      if (whole && going_) add_face(face, wedges ? &uvs : nullptr, where);
+    }
+    if (count < element.count && going_) cut_short(element, count);
+  }
+
+  void add_face(const std::vector<double>& face, const std::vector<double>* uvs,
+                std::size_t where) {
+    if (face.size() > 3 && !s_.charge((face.size() - 3) * sizeof(std::uint32_t))) return;
+    for (const double value : face) corners_.push_back(index_of(value));
+    ends_.push_back({corners_.size(), static_cast<std::uint32_t>(where)});
+    if (!uvs) return;
+    const bool fits = uvs->size() == 2 * face.size();
+    if (!fits && !uvs->empty())
+      s_.trouble(Code::W6502, "wedges", s_.at(header_.body.substr(where, 1)), [&] {
+        return fmt::format("{}{} texture coordinates for {} are not used", byte(where), uvs->size(),
+                           counted(face.size(), "corner"));
+      });
+    const auto finite = [](double value) { return std::isfinite(value) ? value : 0; };
+    for (std::size_t k = 0; k < face.size(); ++k)
+      wedges_.push_back(fits ? Vec2(finite((*uvs)[2 * k]), finite((*uvs)[2 * k + 1])) : Vec2(0));
+  }
+
+  void read_strips(const PlyElement& element) {
+    const PlyProperty* indices = find(element, "vertex_indices", "vertex_index");
+    std::vector<double> strip;
+    const std::uint64_t count = count_of(element);
+    for (std::uint64_t i = 0; i < count && going_; ++i)
+      for (const PlyProperty& property : element.properties) {
+        bool whole = true;
+        if (!going_) break;
+        if (&property != indices) {
+          if (!skip_property(property)) return cut_short(element, i);
+          continue;
+        }
+        if (!read_list(property, strip, whole)) return cut_short(element, i);
+        if (!s_.charge(strip.size() * (sizeof(std::uint32_t) + sizeof(geometry::Triangle)))) return;
+        for (const double value : strip) strips_.push_back(index_of(value));
+        strips_.push_back(kNoIndex);
+      }
+    if (count < element.count && going_) cut_short(element, count);
+  }
+
+  // ---- the mesh
+
+  bool is_vertex(std::uint32_t v) const {
+    return v < mesh_.positions.size() && is_usable(mesh_.positions[v]);
+  }
+
+  void make_faces() {
+    const std::size_t vertices = mesh_.positions.size();
+    std::uint64_t triangles = strips_.size();
+    std::uint64_t begin = 0;
+    for (const Face& face : ends_) {
+      triangles += std::max<std::uint64_t>(face.end - begin, 2) - 2;
+      begin = face.end;
+    }
+    if (!assembly_.has_room_for(triangles, s_.at(0, 0)) ||
+        !s_.charge(triangles * sizeof(geometry::Triangle)))
+      return;
+    mesh_.triangles.reserve(triangles);
+    make_strips();
+    if (!wedges_.empty()) split_by_wedges();
+    FaceCutter cutter;
+    begin = 0;
+    for (const Face& face : ends_) {
+      const std::span<const std::uint32_t> corners(corners_.data() + begin,
+                                                   static_cast<std::size_t>(face.end - begin));
+      begin = face.end;
+      if (is_sound(corners, face.where, vertices))
+        cutter.cut(corners, mesh_.positions, mesh_.triangles);
+    }
+  }
+
+  bool is_sound(std::span<const std::uint32_t> corners, std::uint32_t where, std::size_t vertices) {
+    const SourceSpan place = s_.at(header_.body.substr(where, 1));
+    if (corners.size() < 3) {
+      s_.trouble(Code::W6502, "few", place, [&] {
+        return fmt::format("{}a face of {} is left out", byte(where),
+                           counted(corners.size(), "corner"));
+      });
+      return false;
+    }
+    for (const std::uint32_t v : corners) {
+      if (is_vertex(v)) continue;
+      s_.trouble(Code::E6501, "index", place, [&] {
+        const std::string which = v == kNoIndex ? "what is no vertex" : fmt::format("vertex {}", v);
+        return fmt::format("{}the face names {} of {}, and is left out", byte(where), which,
+                           vertices);
+      });
+      return false;
+    }
+    return true;
+  }
+
+  // Vertices whose corners have different texture coordinates become several.
+  void split_by_wedges() {
+    const std::size_t points = mesh_.positions.size();
+    mesh_.texcoords.assign(points, Vec2(0));
+    std::vector<bool> used(points, false);
+    std::vector<std::uint32_t> next(points, kNoIndex);
+    for (std::size_t c = 0; c < corners_.size() && c < wedges_.size(); ++c) {
+      const std::uint32_t point = corners_[c];
+      if (point >= points) {
+        corners_[c] = kNoIndex;  // more vertices must not make one of it
+        continue;
+      }
+      std::uint32_t v = point;
+      if (!used[point]) {
+        used[point] = true;
+        mesh_.texcoords[point] = wedges_[c];
+      }
+      for (int k = 0; k < kLongestSearch && v != kNoIndex && mesh_.texcoords[v] != wedges_[c]; ++k)
+        v = next[v];
+      if (v == kNoIndex || mesh_.texcoords[v] != wedges_[c]) {
+        v = static_cast<std::uint32_t>(mesh_.positions.size());
+        mesh_.positions.push_back(mesh_.positions[point]);
+        if (has_normals_) mesh_.normals.push_back(mesh_.normals[point]);
+        if (has_colours_) mesh_.colours.push_back(mesh_.colours[point]);
+        mesh_.texcoords.push_back(wedges_[c]);
+        next.push_back(next[point]);
+        next[point] = v;
+      }
+      corners_[c] = v;
+    }
+  }
+
+  // Strips end at −1, and where they name what is not there.
+  void make_strips() {
+    std::vector<std::uint32_t> strip;
+    for (const std::uint32_t v : strips_) {
+      if (is_vertex(v)) {
+        strip.push_back(v);
+        continue;
+      }
+      if (v != kNoIndex)
+        s_.trouble(Code::E6501, "strip", s_.at(header_.body.substr(0, 0)), [&] {
+          return fmt::format("a strip names vertex {} of {}, and is cut there", v,
+                             mesh_.positions.size());
+        });
+      geometry::append_strip(strip, mesh_.triangles);
+      strip.clear();
+    }
+  }
+
+  void add_mesh() {
+    corners_ = {};
+    drop_unused(mesh_);
+    finish_normals(mesh_, s_.options.crease_angle);
+    const SourceSpan where = s_.at(0, 0);
+    const bool coloured = !mesh_.colours.empty();
+    std::int32_t material = scene::kNone;
+    if (!header_.texture.empty() && !mesh_.texcoords.empty()) {
+      materials::Material textured;
+      textured.name = header_.texture;
+      textured.diffuse = Vec3(1);
+      textured.maps.albedo = assembly_.picture(header_.texture, s_.file.path, false, where);
+      CadMaterial cad;
+      cad.name = header_.texture;
+      cad.base_colour = Vec3(1);
+      cad.textured = true;
+      if (textured.maps.albedo >= 0)
+        material = assembly_.add_material(std::move(textured), std::move(cad));
+    }
+    if (material < 0) material = assembly_.plain_material(coloured);
+    const std::int32_t node = assembly_.add_node(0, {}, "mesh", where);
+    if (node >= 0) assembly_.add_part(node, std::move(mesh_), material, where);
+  }
+
+  struct Face {
+    std::uint64_t end;    // in corners_
+    std::uint32_t where;  // byte in the body
+  };
+
+  Session& s_;
+  Assembly assembly_;
+  PlyHeader header_;
+  bool text_;
+  PlyValues values_;
+  Mesh mesh_;
+  bool going_ = true;  // the body can be read on
+  bool has_places_ = false, has_normals_ = false, has_colours_ = false, has_texcoords_ = false;
+  std::vector<std::uint32_t> corners_;  // kNoIndex: no vertex
+  std::vector<Vec2> wedges_;            // of the corners, or empty
+  std::vector<Face> ends_;
+  std::vector<std::uint32_t> strips_;  // each ends in kNoIndex
+};
+
+}  // namespace
+
+Result<Imported> read_ply(Files& files, const InputFile& file, const Options& options,
+                          DiagnosticLog& log) {
+  PlyHeader header = ply_header_of(*file.bytes);
+  const bool text = header.order == PlyOrder::text;
+  Session session(files, file, options, text, log);
+  if (header.problem.empty()) return PlyReader(session, std::move(header)).read();
+  log.report(Code::E6501, session.at(header.place), header.problem);
+  return failed;
+}
+
+}  // namespace panwright::importers::meshes
