@@ -58,12 +58,13 @@ std::vector<DrawItem> draw_list(const pan::Model& model) {
     item.variant.albedo_map = material.albedo_map >= 0;
     item.variant.normal_map = material.normal_map >= 0;
     item.variant.roughness_map = material.roughness_map >= 0;
+    item.variant.reflectance_map = material.reflectance_map >= 0 &&
+                                   materials::laws_of(pan::material_from(material, {})).mapped;
     item.variant.cutout = material.cutout_map >= 0;
     item.variant.cells = material.cell_count[0] > 0;
     item.variant.brushed = is_brushed(material);
-    item.variant.tangents =
-        item.variant.normal_map ||
-        (item.variant.brushed && !model.mesh(instance.mesh).texcoords.empty());
+    item.variant.tangents = item.variant.normal_map ||
+                            (item.variant.brushed && !model.mesh(instance.mesh).texcoords.empty());
     item.closed = (mesh.flags & layout::kMeshClosed) != 0 && !item.variant.cutout;
     item.texture = instance.texture;
     item.material = instance.material;

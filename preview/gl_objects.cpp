@@ -76,7 +76,7 @@ Target make_target(const GladGLContext& gl, std::span<const GLenum> color_format
   target.framebuffer = GlFramebuffer(gl, id);
   constexpr GLenum kAttachments[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1,
                                      GL_COLOR_ATTACHMENT2, GL_COLOR_ATTACHMENT3,
-                                     GL_COLOR_ATTACHMENT4};
+                                     GL_COLOR_ATTACHMENT4, GL_COLOR_ATTACHMENT5};
   for (std::size_t i = 0; i < color_formats.size(); ++i) {
     if (color_formats[i] == GL_NONE) continue;
     target.colors[i] = make_texture_2d(gl, 1, color_formats[i], width, height);

@@ -126,6 +126,8 @@ bool GpuModel::upload_textures(const pan::Model& model, std::span<const DrawItem
     bind(kAlbedoMapUnit, material.albedo_map, colour(material.albedo_map), 0);
     bind(kNormalMapUnit, material.normal_map, TextureRole::normal, 0);
     bind(kRoughnessMapUnit, material.roughness_map, TextureRole::roughness, 0);
+    if (item.variant.reflectance_map)
+      bind(kReflectanceMapUnit, material.reflectance_map, colour(material.reflectance_map), 0);
     bind(kCutoutMapUnit, material.cutout_map, TextureRole::cutout, material.cutout_threshold);
   }
   for (std::size_t i = 0; i < decals_.size(); ++i)

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "materials/cells.h"
 #include "materials/formula_text.h"
 #include "preview/internal/shader_text.h"
@@ -15,9 +17,9 @@ std::string defined(const char* name, bool yes) {
   return yes ? fmt::format("#define {}\n", name) : std::string();
 }
 
-std::string layer_names(unsigned layers) {
-  return defined("PAINTED", layers > kPaintLayer) + defined("ROUGH", layers > kRoughLayer) +
-         defined("BRUSHED", layers > kTangentLayer);
+std::string layer_names(LayerSet layers) {
+  return defined("PAINTED", has(layers, kPaintLayer)) + defined("ROUGH", has(layers, kRoughLayer)) +
+         defined("BRUSHED", has(layers, kTangentLayer));
 }
 
 // of a fragment shader that may leave holes
@@ -27,22 +29,23 @@ std::string cutout_text(bool cutout) {
 
 }  // namespace
 
-GLuint Programs::geometry(const Variant& v, bool flat, unsigned layers, bool shadows,
+GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool shadows,
                           std::string* problem) {
   unsigned key = layers;
   for (const bool bit : {v.textured, v.coloured, v.albedo_map, v.normal_map, v.roughness_map,
-                         v.cutout, v.cells, v.tangents, flat, shadows})
+                         v.reflectance_map, v.cutout, v.cells, v.tangents, flat, shadows})
     key = 2 * key + bit;
   GlProgram& program = geometry_[key];
   if (!program) {
-    const bool mapped = v.albedo_map || v.normal_map || v.roughness_map || v.cutout;
-    const std::string head = kVersion + defined("GEOMETRY", true) + layer_names(layers) +
-                             defined("TEXTURED", v.textured) + defined("COLOURED", v.coloured) +
-                             defined("ALBEDO_MAP", v.albedo_map) + defined("BUMPED", v.normal_map) +
-                             defined("ROUGHNESS_MAP", v.roughness_map) + defined("MAPPED", mapped) +
-                             defined("CELLS", v.cells) + defined("TANGENTS", v.tangents) +
-                             defined("FLAT", flat) +
-                             defined("SHADOWED", shadows) + draw_glsl;
+    const bool mapped =
+        v.albedo_map || v.normal_map || v.roughness_map || v.reflectance_map || v.cutout;
+    const std::string head =
+        kVersion + defined("GEOMETRY", true) + layer_names(layers) +
+        defined("TEXTURED", v.textured) + defined("COLOURED", v.coloured) +
+        defined("ALBEDO_MAP", v.albedo_map) + defined("BUMPED", v.normal_map) +
+        defined("ROUGHNESS_MAP", v.roughness_map) + defined("REFLECTANCE_MAP", v.reflectance_map) +
+        defined("MAPPED", mapped) + defined("CELLS", v.cells) + defined("TANGENTS", v.tangents) +
+        defined("FLAT", flat) + defined("SHADOWED", shadows) + draw_glsl;
     const std::string pattern = v.cells ? materials::glsl_cells() : std::string();
     const std::string place = shadows ? shadow_place_glsl : "";
     program = make_program(gl_, head + model_vert,
@@ -51,14 +54,17 @@ GLuint Programs::geometry(const Variant& v, bool flat, unsigned layers, bool sha
   return program.id();
 }
 
-GLuint Programs::shading(std::uint32_t variant, unsigned layers, bool one_material, bool shadows,
+GLuint Programs::shading(std::uint32_t variant, LayerSet layers, bool one_material, bool shadows,
                          std::string* problem) {
-  GlProgram& program =
-      shading_[((variant * kLayers + layers - 1) * 2 + one_material) * 2 + shadows];
+  GlProgram& program = shading_[(((variant << kLayers) + layers) * 2 + one_material) * 2 + shadows];
   if (!program) {
+    const std::vector<materials::Laws>& laws = families_.of_variant[variant];
+    const bool reflecting =
+        std::any_of(laws.begin(), laws.end(), [](const auto& each) { return each.mapped; });
     std::string head = fmt::format("{}#define VARIANT {}u\n", kVersion, variant);
-    head += layer_names(layers) + defined("ONE_MATERIAL", one_material);
-    head += materials::glsl_formulas(families_.of_variant[variant]);
+    head += layer_names(layers) + defined("REFLECTING", reflecting) +
+            defined("ONE_MATERIAL", one_material);
+    head += materials::glsl_formulas(laws);
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
     program = make_program(gl_, std::string(kVersion) + screen_vert, head + shading_frag, problem);
   }

@@ -75,27 +75,34 @@ ViewBlock view_block(const View& view, const Tile& tile, unsigned samples) {
 }
 
 // the layers that an instance needs
-unsigned layers_of(const Variant& variant) {
-  if (variant.brushed) return kTangentLayer + 1;
-  if (variant.normal_map || variant.roughness_map || variant.cells) return kRoughLayer + 1;
-  if (variant.textured || variant.coloured || variant.albedo_map) return kPaintLayer + 1;
-  return kSeenLayer + 1;
+LayerSet layers_of(const Variant& variant) {
+  LayerSet set = 1u << kSeenLayer;
+  if (variant.textured || variant.coloured || variant.albedo_map) set |= 1u << kPaintLayer;
+  if (variant.normal_map || variant.roughness_map || variant.cells)
+    set |= 1u << kPaintLayer | 1u << kRoughLayer;
+  if (variant.brushed) set |= 1u << kPaintLayer | 1u << kRoughLayer | 1u << kTangentLayer;
+  if (variant.reflectance_map) set |= 1u << kReflectanceLayer;
+  return set;
 }
 
 constexpr GLenum kRadianceFormats[] = {GL_RGBA32F};
 
-std::array<GLenum, kLayers + 1> layer_formats(unsigned layers, bool shadows) {
-  return {GL_RGBA32F, layers > kPaintLayer ? GLenum{GL_RGBA32F} : GLenum{GL_NONE},
-          layers > kRoughLayer ? GLenum{GL_RGBA32F} : GLenum{GL_NONE},
-          layers > kTangentLayer ? GLenum{GL_RGBA32F} : GLenum{GL_NONE},
-          shadows ? GLenum{GL_RGBA32UI} : GLenum{GL_NONE}};
+std::array<GLenum, kLayers> layer_formats(LayerSet layers, bool shadows) {
+  std::array<GLenum, kLayers> formats{};
+  for (unsigned layer = 0; layer < kSunLayer; ++layer)
+    formats[layer] = has(layers, Layer{layer}) ? GL_RGBA32F : GL_NONE;
+  formats[kSunLayer] = shadows ? GL_RGBA32UI : GL_NONE;
+  return formats;
 }
 
 }  // namespace
 
 struct Renderer::Impl {
   Impl(Context& context_in, const pan::Model& model_in)
-      : context(context_in), model(model_in), gl(context_in.gl()), programs(context_in.gl(), model_in) {}
+      : context(context_in),
+        model(model_in),
+        gl(context_in.gl()),
+        programs(context_in.gl(), model_in) {}
   ~Impl() { context.make_current(); }  // the members delete their objects
 
   // What a pass over the triangles draws.
@@ -103,7 +110,7 @@ struct Renderer::Impl {
 
   // The items of one tile.
   struct TileItems {
-    std::vector<std::uint32_t> drawn;  // into the scenery, ascending
+    std::vector<std::uint32_t> drawn;     // into the scenery, ascending
     std::vector<std::uint32_t> variants;  // of shading, ascending
     bool one_material = true;
   };
@@ -132,10 +139,10 @@ struct Renderer::Impl {
   std::vector<DrawItem> list;
   GpuModel gpu;
   Programs programs;
-  unsigned layers = 1;   // of seen_target: Layer
+  LayerSet layers = 0;   // of seen_target
   bool shadows = false;  // of this view
   ShadowMap shadow_map;
-  Target seen_target;    // normals and items; colours; roughness; tangents; places before the Sun
+  Target seen_target;    // what Layer names
   Target color_target;   // radiance
   Target id_target;      // triangles
   Target bare_target;    // of seconds_of_bare_draw
@@ -164,11 +171,11 @@ Result<Renderer> Renderer::create(Context& context, const pan::Model& model, Dia
   impl->list = draw_list(model);
   for (const DrawItem& item : impl->list) {
     impl->triangles += model.meshes()[item.mesh].triangle_count;
-    impl->layers = std::max(impl->layers, layers_of(item.variant));
+    impl->layers |= layers_of(item.variant);
   }
   impl->screen = make_vertex_array(impl->gl);
   if (!impl->gpu.upload(context, model, impl->list, log)) return failed;
-  if (!impl->gpu.decals().empty()) impl->layers = std::max(impl->layers, kPaintLayer + 1u);
+  if (!impl->gpu.decals().empty()) impl->layers |= 1u << kPaintLayer;
   impl->draw_stride = block_stride(impl->gl, sizeof(DrawBlock));
   impl->view_buffer = make_stream_buffer(impl->gl);
   impl->draw_buffer = make_stream_buffer(impl->gl);
@@ -376,10 +383,12 @@ void Renderer::Impl::shade(const Scenery& scenery, const TileItems& items, const
   constexpr float kNothing[4] = {};
   gl.ClearBufferfv(GL_COLOR, 0, kNothing);
   gl.BindTextureUnit(kSeenUnit, seen_target.colors[kSeenLayer].id());
-  if (layers > kPaintLayer) gl.BindTextureUnit(kPaintUnit, seen_target.colors[kPaintLayer].id());
-  if (layers > kRoughLayer) gl.BindTextureUnit(kRoughUnit, seen_target.colors[kRoughLayer].id());
-  if (layers > kTangentLayer)
-    gl.BindTextureUnit(kTangentUnit, seen_target.colors[kTangentLayer].id());
+  constexpr std::pair<Layer, GLuint> kUnits[] = {{kPaintLayer, kPaintUnit},
+                                                 {kRoughLayer, kRoughUnit},
+                                                 {kTangentLayer, kTangentUnit},
+                                                 {kReflectanceLayer, kReflectanceUnit}};
+  for (const auto& [layer, unit] : kUnits)
+    if (has(layers, layer)) gl.BindTextureUnit(unit, seen_target.colors[layer].id());
   if (shadows) {
     gl.BindTextureUnit(kSunUnit, seen_target.colors[kSunLayer].id());
     shadow_map.bind(gl);
@@ -483,10 +492,11 @@ Result<Image> Renderer::render(const View& view, const RenderOptions& options, D
   image.unit = view.sun_irradiance ? "W/(m^2 sr)" : "1/sr";
   const std::uint64_t bytes = image.pixels() * (options.truth ? 44 : 16);
   if (bytes > options.max_bytes) {
-    log.report_file(Code::E5003, {},
-                    fmt::format("an image of {} by {} pixels takes {:.4g} MiB; the limit is {:.4g} MiB",
-                                camera.width, camera.height, static_cast<double>(bytes) / 0x1p20,
-                                static_cast<double>(options.max_bytes) / 0x1p20));
+    log.report_file(
+        Code::E5003, {},
+        fmt::format("an image of {} by {} pixels takes {:.4g} MiB; the limit is {:.4g} MiB",
+                    camera.width, camera.height, static_cast<double>(bytes) / 0x1p20,
+                    static_cast<double>(options.max_bytes) / 0x1p20));
     return failed;
   }
   if (!impl_->context.make_current()) {

@@ -30,6 +30,7 @@ struct Variant {
   bool albedo_map = false;
   bool normal_map = false;
   bool roughness_map = false;
+  bool reflectance_map = false;  // of a material with mirror facets
   bool cutout = false;
   bool cells = false;
   bool brushed = false;   // its light depends on the direction along u
@@ -50,10 +51,10 @@ struct DrawItem {
   // cofactor matrix with the sign of the determinant, largest entry 1: takes outward normals to
   // outward normals of any length
   Mat3 model_normal_from_mesh{1};
-  Vec2 repeat{1};   // of the texture coordinates, for maps
-  Vec3 diffuse{0};  // colour; of cells, times its weight
+  Vec2 repeat{1};          // of the texture coordinates, for maps
+  Vec3 diffuse{0};         // colour; of cells, times its weight
   materials::Cells cells;  // where the variant has them
-  Vec3 low{0};      // bounds in the mesh's frame
+  Vec3 low{0};             // bounds in the mesh's frame
   Vec3 high{0};
 };
 

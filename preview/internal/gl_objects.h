@@ -69,7 +69,7 @@ bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log);
 
 // A framebuffer over textures, with or without a D32F depth buffer.
 struct Target {
-  std::array<GlTexture, 5> colors;  // those behind the first may be empty
+  std::array<GlTexture, 6> colors;  // those behind the first may be empty
   GlRenderbuffer depth;
   GlFramebuffer framebuffer;
   GLsizei width = 0;  // 0: the context could not make it

@@ -33,12 +33,23 @@ inline constexpr GLuint kSunUnit = 12;
 inline constexpr GLuint kShadowDepthsUnit = 13;
 inline constexpr GLuint kShadowSlopesUnit = 14;
 inline constexpr GLuint kTangentUnit = 15;
+inline constexpr GLuint kReflectanceMapUnit = 16;
+inline constexpr GLuint kReflectanceUnit = 17;
 
-// What is kept of each sample between the two steps of a drawing: at least the first, and those
-// before the last that is needed.
-enum Layer : unsigned { kSeenLayer, kPaintLayer, kRoughLayer, kTangentLayer, kLayers };
-// Behind them, where there are shadows: the place before the Sun.
-inline constexpr unsigned kSunLayer = kLayers;
+// What is kept of each sample between the two steps of a drawing.
+enum Layer : unsigned {
+  kSeenLayer,
+  kPaintLayer,
+  kRoughLayer,
+  kTangentLayer,
+  kReflectanceLayer,
+  kSunLayer,  // the place before the Sun, where there are shadows
+  kLayers
+};
+// Those that there are, the Sun's apart, a bit for each: the first always, paint below roughness
+// and roughness below tangents.
+using LayerSet = unsigned;
+constexpr bool has(LayerSet set, Layer layer) { return (set >> layer & 1) != 0; }
 
 // Uniform blocks, in std140.
 struct alignas(16) ViewBlock {
@@ -59,8 +70,8 @@ struct alignas(16) DrawBlock {
   float finger_colour[4];            // RGB, their width
   float sun_from_mesh[12];           // rows of 4, as SunFrame says
   float sun_normal_from_mesh[12];    // columns of 3, each padded to 4
-  float lift[4];                     // x: how far a point is moved out before it is lit, mesh frame;
-                                     // others: what glass over cells sends back of diffuse light
+  float lift[4];  // x: how far a point is moved out before it is lit, mesh frame;
+                  // others: what glass over cells sends back of diffuse light
 };
 struct alignas(16) DecalBlock {
   float place[12];  // rows of 4: from positions to picture coordinates and height over depth
@@ -74,10 +85,9 @@ class Programs {
 
   // Each returns 0 when the driver refuses a shader: *problem says why.
   //
-  // layers: how many there are.
-  GLuint geometry(const Variant& variant, bool flat, unsigned layers, bool shadows,
+  GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows,
                   std::string* problem);
-  GLuint shading(std::uint32_t variant, unsigned layers, bool one_material, bool shadows,
+  GLuint shading(std::uint32_t variant, LayerSet layers, bool one_material, bool shadows,
                  std::string* problem);
   GLuint shadow(bool cutout, std::string* problem);
   GLuint ids(bool cutout, std::string* problem);
@@ -88,7 +98,7 @@ class Programs {
   const GladGLContext& gl_;
   Families families_;
   std::map<unsigned, GlProgram> geometry_;
-  std::array<GlProgram, materials::kMostVariants * kLayers * 4> shading_;
+  std::map<unsigned, GlProgram> shading_;
   std::array<GlProgram, 2> shadow_;
   std::array<GlProgram, 2> ids_;
   GlProgram decal_;

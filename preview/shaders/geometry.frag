@@ -1,7 +1,7 @@
 // What is seen at a sample: its normal, its instance, its colour. Light comes later, once for each
 // sample and not once for each of the many fragments that small triangles throw away. Defined in
 // front: version, draw.glsl, any of PAINTED ROUGH BRUSHED (the layers there are), TEXTURED COLOURED
-// FLAT, ALBEDO_MAP BUMPED ROUGHNESS_MAP (MAPPED with each of these), TANGENTS (BUMPED has them), CELLS
+// FLAT, ALBEDO_MAP BUMPED ROUGHNESS_MAP REFLECTANCE_MAP (MAPPED with each of these), TANGENTS (BUMPED has them), CELLS
 // with its formulas, CUTOUT with cutout.glsl, and SHADOWED with shadow_place.glsl.
 
 #ifdef FLAT
@@ -31,6 +31,9 @@ layout(location = 4) in vec4 mesh_tangent;
 #ifdef ROUGHNESS_MAP
 layout(binding = 9) uniform sampler2D roughness_map;
 #endif
+#ifdef REFLECTANCE_MAP
+layout(binding = 16) uniform sampler2D reflectance_map;
+#endif
 #ifdef CELLS
 layout(location = 9) in vec2 cell_place;  // in pitches
 #endif
@@ -47,6 +50,9 @@ layout(location = 2) out vec4 rough;
 #endif
 #ifdef BRUSHED
 layout(location = 3) out vec4 brush;  // world direction along the tangent, of any length
+#endif
+#ifdef REFLECTANCE_MAP
+layout(location = 4) out vec4 reflectance;  // RGB; what has no map is not asked
 #endif
 
 #ifdef CUTOUT
@@ -137,6 +143,9 @@ void main() {
 #endif
 #ifdef ROUGH
   rough = vec4(roughness, 1.0 - shares.z, shares.x / max(1.0 - shares.z, 1e-20));
+#endif
+#ifdef REFLECTANCE_MAP
+  reflectance = vec4(colour_of(texture(reflectance_map, map_texcoord)), 1.0);
 #endif
 #ifdef CUTOUT
   if (!is_there()) discard;

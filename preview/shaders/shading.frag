@@ -1,5 +1,5 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, any of PAINTED
-// ROUGH BRUSHED ONE_MATERIAL SHADOWED (with shadow.glsl), VARIANT (its number), and the formulas of its
+// ROUGH BRUSHED REFLECTING ONE_MATERIAL SHADOWED (with shadow.glsl), VARIANT (its number), and the formulas of its
 // families (materials/formulas).
 
 layout(std140, binding = 0) uniform View {
@@ -21,6 +21,10 @@ layout(binding = 6) uniform sampler2D roughs;
 #endif
 #ifdef BRUSHED
 layout(binding = 15) uniform sampler2D brushes;
+#endif
+
+#ifdef REFLECTING
+layout(binding = 17) uniform sampler2D reflectances;
 #endif
 
 #ifdef ONE_MATERIAL
@@ -49,7 +53,7 @@ Surface surface_of(int row) {
   vec4 hapke = ROW(row + 6), grains = ROW(row + 7), mixed = ROW(row + 8);
   vec4 coat_depth = ROW(row + 9), coat_return = ROW(row + 10), many_scale = ROW(row + 11);
   vec4 loss = ROW(row + 12), more_loss = ROW(row + 13);
-  vec4 h = ROW(row + 14), more_h = ROW(row + 15);
+  vec4 h = ROW(row + 14), more_h = ROW(row + 15), facing = ROW(row + 23);
   Surface s;
   s.diffuse = diffuse.rgb;
   s.specular = specular.rgb;
@@ -63,6 +67,8 @@ Surface surface_of(int row) {
   s.alpha_y = extinction.a;
   s.tangent = vec3(0.0);
   s.sun_alpha2 = view.to_sun.w;
+  s.facing = facing.rgb;
+  s.reflectance = facing.rgb;
   s.many_scale = many_scale.rgb;
   s.loss0 = loss.x;
   s.loss1 = loss.y;
@@ -155,6 +161,9 @@ void main() {
   }
 #endif
 
+#ifdef REFLECTING
+  surface.reflectance = texelFetch(reflectances, ivec2(gl_FragCoord.xy), 0).rgb;
+#endif
 #ifdef BRUSHED
   vec3 brush = unit_or_zero(texelFetch(brushes, ivec2(gl_FragCoord.xy), 0).xyz);
   vec3 facing = unit_or_zero(seen.xyz);

@@ -1,6 +1,6 @@
 // Where a sample stands before the Sun, and how its surface slopes there.
 layout(location = 7) in vec3 sun_place;
-layout(location = 4) out uvec4 sun_sample;  // x, y, z as floats; the slopes of z along x and y
+layout(location = 5) out uvec4 sun_sample;  // x, y, z as floats; the slopes of z along x and y
 
 // outwards: of the mesh without bumps, in its frame, on the side that is seen. A faceted body of
 // smooth normals is lit as what it stands for: the point is moved out past the chord error.

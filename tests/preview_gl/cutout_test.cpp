@@ -236,7 +236,7 @@ TEST(Cutout, HostilePicturesGiveNoNan) {
           const auto code = static_cast<int>(state >> 24);
           return kind == 0 ? grey(0, 0) : kind == 1 ? grey(127, 127) : grey(code, 255 - code);
         });
-        contents.materials[0].maps = {picture, picture, picture, kind == 0 ? -1 : picture,
+        contents.materials[0].maps = {picture, picture, picture, picture, kind == 0 ? -1 : picture,
                                       0.5,     repeat};
         contents.instances[0].texture = picture;
         contents.decals.push_back(

@@ -3,6 +3,7 @@
 
 #include "materials/brdf.h"
 #include "pictures.h"
+#include "tests/reference/reference_models.h"
 
 namespace panwright::preview {
 namespace {
@@ -224,6 +225,147 @@ TEST(NormalMap, MeanOfGlossyBumpsAtAnyRange) {
         // that is not widened is 73 times too bright at slopes 0.3 and m 0.05
         EXPECT_NEAR(ratio, 1, size == 128 ? 1e-6 : size == 64 ? 0.25 : 0.07);
       }
+    }
+}
+
+// ---- reflectance
+
+// An aluminium-like metal in red, one that dips below F0 in green, glass in blue.
+materials::Material metal(double slope) {
+  materials::Material material;
+  material.specular_law = materials::SpecularLaw::ggx;
+  material.diffuse = Vec3(0.3, 0.2, 0.1);
+  material.specular = Vec3(1);
+  material.weights = {0.2, 0.8, 0};
+  material.refract = Vec3(1.37, 3.5, 1.5);
+  material.extinction = Vec3(7.6, 3.3, 0);
+  material.cook = {1, slope, 1, 1};
+  material.alpha_y = slope;
+  materials::fit(material);
+  return material;
+}
+
+Vec3 reflectance_of(const Texel& texel) {
+  return Vec3(srgb_decoded(texel[0]), srgb_decoded(texel[1]), srgb_decoded(texel[2]));
+}
+
+// A constant map is the law with that R; what lies beside it without a map stays as it is.
+TEST(ReflectanceMap, ConstantIsTheLaw) {
+  double worst = 0;
+  for (const bool coated : {false, true})
+    for (const bool alone : {true, false})
+      for (const Texel& texel :
+           {Texel{0, 0, 0, 255}, Texel{60, 188, 255, 0}, Texel{255, 240, 10, 9}}) {
+        materials::Material material = metal(0.4);
+        if (coated) material.coat = materials::Coat{.index = 1.4};
+        materials::fit(material);
+        Pictured contents(single(plate(1, 1), material));
+        contents.materials[0].maps.reflectance =
+            contents.add(2, 2, false, [&](auto, auto) { return texel; });
+        if (!alone) {
+          contents.materials.push_back(material);
+          contents.nodes.push_back({"aside", 0, Vec3(2, 0, 0), Quat(1, 0, 0, 0), Vec3(1)});
+          contents.instances.push_back({1, 0, 1, -1});
+        }
+        const pan::Model model = model_of(contents);
+        const materials::Material stored = pan::material_from(model.materials()[0], "");
+        for (const double tilt : {0.1, 0.8, 1.4}) {
+          const Vec3 to_sun(std::sin(tilt), 0, std::cos(tilt));
+          const Image image = rendered(model, above(5, 5, to_sun));
+          materials::Local local{Vec3(0), materials::kSunAlpha2, reflectance_of(texel)};
+          for (const std::size_t x : {std::size_t{2}, std::size_t{4}}) {
+            if (alone && x == 4) continue;
+            if (x == 4) local.reflectance.reset();
+            const Vec3 up(0, 0, 1);
+            const Vec3 want =
+                materials::f64::radiance(stored, to_sun, up, up, Vec3(1), Vec3(1), local);
+            for (int k = 0; k < 3; ++k)
+              worst = std::max(worst, std::fabs(radiance_at(image, x, 2)[k] / want[k] - 1));
+          }
+        }
+      }
+  printf("worst %.1e\n", worst);
+  EXPECT_LE(worst, 3e-6);
+}
+
+// Where F is 1, white is no map at all, bit for bit.
+TEST(ReflectanceMap, WhiteOnAWhiteMirrorIsNone) {
+  materials::Material material = metal(0.5);
+  material.refract = {};
+  material.extinction = Vec3(0);
+  materials::fit(material);
+  ASSERT_NE(material.fits.many_scale, Vec3(0));
+  Pictured with(single(sphere(30, 40, true), material));
+  with.materials[0].maps.reflectance = with.add(4, 4, false, [](auto, auto) { return grey(255); });
+  const View view = looking_from({1, -2, 0.6}, 6, 0.4, 128, 0.5);
+  const Image a = rendered(model_of(with), view);
+  const Image b = rendered(model_of(single(sphere(30, 40, true), material)), view);
+  expect_no_nan(a);
+  EXPECT_EQ(a.radiance, b.radiance);
+}
+
+// The law is linear in R, so the mean picture is the law of the mean, whatever a texel spans.
+TEST(ReflectanceMap, MeanOfACheckerAtAnyRange) {
+  const Texel dark{10, 200, 40, 255}, light{250, 90, 255, 255};
+  Pictured contents(single(plate(1, 1), metal(0.5)));
+  contents.materials[0].compensation = materials::Compensation::off;
+  materials::fit(contents.materials[0]);
+  contents.materials[0].maps.reflectance =
+      contents.add(64, 64, false, [&](auto x, auto y) { return (x + y) % 2 ? light : dark; });
+  const pan::Model model = model_of(contents);
+  const Vec3 to_sun = glm::normalize(Vec3(0.8, 0.3, 0.5)), up(0, 0, 1);
+  const Vec3 mean = materials::f64::radiance(
+      pan::material_from(model.materials()[0], ""), to_sun, up, up, Vec3(1), Vec3(1),
+      {Vec3(0), materials::kSunAlpha2, 0.5 * (reflectance_of(dark) + reflectance_of(light))});
+  for (const std::uint32_t size : {640u, 192u, 64u, 45u, 32u, 20u, 6u, 1u}) {
+    const Sums sum = sums(rendered(model, above(size, 1, to_sun)));
+    for (int k = 0; k < 3; ++k) {
+      const double off = sum.radiance[k] / sum.coverage / mean[k] - 1;
+      if (k == 0) printf("%u px: %+.1e\n", size, off);
+      EXPECT_LE(std::fabs(off), 3e-6);
+    }
+  }
+}
+
+// The reference reads level 0 at points, OpenGL means of texels.
+TEST(ReflectanceMap, AgreesWithTheReference) {
+  for (const bool round : {false, true})
+    for (const bool roughened : {false, true}) {
+      Pictured contents(single(round ? sphere(90, 120, true) : plate(1.8, 1.8), metal(0.4)));
+      contents.materials[0].maps.reflectance = contents.add(32, 16, false, [](auto x, auto y) {
+        return Texel{static_cast<std::uint8_t>(60 + 6 * x), static_cast<std::uint8_t>(15 * y), 200,
+                     255};
+      });
+      if (roughened)
+        contents.materials[0].maps.roughness =
+            contents.add(16, 8, true, [](auto x, auto) { return grey(120 + 8 * (x % 16)); });
+      const pan::Model model = model_of(contents);
+      const View view = looking_from({0.3, -0.5, 1}, 6, 0.4, 64, 0.6);
+      RenderOptions options;
+      options.samples = 8;
+      options.shadow_side = 0;
+      const Image drawn = rendered(model, view, options);
+      const ReferenceImage exact = traced(model, view, direct_light(256));
+      double square = 0, sum = 0, flux = 0, reference = 0;
+      std::size_t count = 0;
+      for (std::size_t i = 0; i < drawn.pixels(); ++i) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          flux += drawn.radiance[3 * i + k];
+          reference += exact.image.radiance[3 * i + k];
+        }
+        if (exact.image.coverage[i] < 1 || drawn.coverage[i] < 1) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const double off = drawn.radiance[3 * i + k] - exact.image.radiance[3 * i + k];
+          square += off * off;
+          sum += exact.image.radiance[3 * i + k];
+          ++count;
+        }
+      }
+      const double residual = std::sqrt(square / count) / (sum / count);
+      printf("%s%s: flux %+.1e, pixels %.1e rms of the mean\n", round ? "sphere" : "plate",
+             roughened ? ", roughened" : "", flux / reference - 1, residual);
+      EXPECT_NEAR(flux / reference, 1, 1e-2);
+      EXPECT_LE(residual, 5e-2);
     }
 }
 

@@ -48,4 +48,8 @@ Scatter Scatter::roughened(double factor) const {
   return {scattering.scaled(limited), slope * limited};
 }
 
+Scatter Scatter::reflecting(const Vec3& reflectance) const {
+  return {scattering.reflecting(reflectance), slope};
+}
+
 }  // namespace panwright::preview::reference

@@ -20,6 +20,8 @@ struct Scatter {
   bool is_narrow() const;
   // With slopes times what a roughness map says, as preview/shaders/shading.frag.
   Scatter roughened(double factor) const;
+  // With what a reflectance map says.
+  Scatter reflecting(const Vec3& reflectance) const;
 };
 
 }  // namespace panwright::preview::reference

@@ -134,6 +134,7 @@ Stage::Item Stage::make_item(const DrawItem& draw) {
   item.albedo = colour(record.albedo_map);
   item.normal = picture(record.normal_map, TextureRole::normal, 0);
   item.roughness = picture(record.roughness_map, TextureRole::roughness, 0);
+  if (draw.variant.reflectance_map) item.reflectance = colour(record.reflectance_map);
   item.cutout = picture(record.cutout_map, TextureRole::cutout, record.cutout_threshold);
   return item;
 }
@@ -234,18 +235,20 @@ Vec3 Stage::bumped(const DrawItem& draw, const Item& item, const Vec4& tangent, 
   return unit_or(bump.x * along + bump.y * across + bump.z * normal, normal);
 }
 
+// The colour of a picture on a surface that may have holes.
+Vec3 Stage::texel_colour(const DrawItem& draw, std::int32_t picture, const Vec2& at) const {
+  const Vec4 texel = repeated_texel(pictures_[static_cast<std::size_t>(picture)], at);
+  return draw.variant.cutout && texel.w > 0 ? Vec3(texel) / texel.w : Vec3(texel);
+}
+
 // What pictures and vertices multiply the diffuse colour by.
 Vec3 Stage::colour(const DrawItem& draw, const Item& item, const Place& place,
                    const Vec2& at) const {
-  const auto of = [&](std::int32_t index, const Vec2& where) {
-    const Vec4 texel = repeated_texel(pictures_[static_cast<std::size_t>(index)], where);
-    return draw.variant.cutout && texel.w > 0 ? Vec3(texel) / texel.w : Vec3(texel);
-  };
   Vec3 result(1);
   if (item.texture >= 0 && !item.mesh.texcoords.empty()) {
-    result *= of(item.texture, plain_texcoord(item, place));
+    result *= texel_colour(draw, item.texture, plain_texcoord(item, place));
   }
-  if (item.albedo >= 0) result *= of(item.albedo, at);
+  if (item.albedo >= 0) result *= texel_colour(draw, item.albedo, at);
   if (!item.mesh.colours.empty()) {
     Vec3 sum(0);
     for (int k = 0; k < 3; ++k)
@@ -323,6 +326,9 @@ Point Stage::point(const geometry::InstanceHit& hit, bool flat) const {
     const double factor = repeated_texel(pictures_[static_cast<std::size_t>(item.roughness)], at).x;
     result.own.emplace(result.scatter->roughened(factor));
   }
+  // grid lines and gaps have no facets
+  if (item.reflectance >= 0 && part == 0)
+    result.own.emplace(result.surface().reflecting(texel_colour(draw, item.reflectance, at)));
   if (part < 2) result.emitted = item.emitted;
   return result;
 }

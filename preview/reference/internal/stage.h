@@ -26,7 +26,7 @@ struct Point {
   Vec3 tangent{0};  // along u of the texture coordinates, unit and square to the normal; 0: none
   Vec3 tint{1};     // multiplies the diffuse colour
   const Scatter* scatter = nullptr;
-  std::optional<Scatter> own;  // of a roughness map; scatter is then to be taken from here
+  std::optional<Scatter> own;  // of maps of roughness and reflectance, in the place of scatter
   Vec3 emitted{0};             // radiance for an irradiance of 1
 
   const Scatter& surface() const { return own ? *own : *scatter; }
@@ -64,10 +64,11 @@ class Stage {
     Vec3 diffuse{0};                     // colour of the material
     Vec3 emitted{0};                     // radiance for an irradiance of 1
     std::uint32_t scatter = 0;
-    std::uint32_t cell_parts = 0;  // of scatters_: cell, grid line, gap; 0: no solar cells
-    bool diffuse_in_tint = false;  // the tint is the whole diffuse colour, decals over it
+    std::uint32_t cell_parts = 0;        // of scatters_: cell, grid line, gap; 0: no solar cells
+    bool diffuse_in_tint = false;        // the tint is the whole diffuse colour, decals over it
     std::array<Vec3, 2> part_diffuse{};  // then of cells and grid lines; weights included
-    std::int32_t texture = -1, albedo = -1, normal = -1, roughness = -1, cutout = -1;  // pictures
+    std::int32_t texture = -1, albedo = -1, normal = -1, roughness = -1, reflectance = -1,
+                 cutout = -1;           // pictures
     std::vector<std::uint32_t> decals;  // from the lowest
     std::vector<std::uint32_t> decal_pictures;
   };
@@ -90,6 +91,7 @@ class Stage {
   Vec4 tangent(const Item& item, const geometry::InstanceHit& hit, const Place& place) const;
   Vec3 bumped(const DrawItem& draw, const Item& item, const Vec4& tangent, const Vec3& normal,
               const Vec2& at, double& length) const;
+  Vec3 texel_colour(const DrawItem& draw, std::int32_t picture, const Vec2& at) const;
   Vec3 colour(const DrawItem& draw, const Item& item, const Place& place, const Vec2& at) const;
   Vec3 decorated(const Item& item, const Vec3& position, const Vec3& normal, bool front,
                  Vec3 colour) const;
