@@ -70,15 +70,22 @@ const std::vector<std::uint32_t>& SourceMap::line_starts(FileId id) const {
     }
   };
   // at once: a list that grows would take twice the room, beside a text that may be large
-  std::size_t ends = 0;
+  std::size_t feeds = 0;
+  std::size_t returns = 0;
   in_pieces([&](std::size_t begin, std::size_t end) {
     const std::string_view piece = text.substr(begin, end - begin);
-    ends += static_cast<std::size_t>(std::count(piece.begin(), piece.end(), '\n') +
-                                     std::count(piece.begin(), piece.end(), '\r'));
+    feeds += static_cast<std::size_t>(std::count(piece.begin(), piece.end(), '\n'));
+    returns += static_cast<std::size_t>(std::count(piece.begin(), piece.end(), '\r'));
   });
-  starts.reserve(ends + 1);
+  starts.reserve(feeds + returns + 1);
   starts.push_back(0);
   in_pieces([&](std::size_t begin, std::size_t end) {
+    if (returns == 0) {
+      const std::string_view whole = text.substr(0, end);
+      for (std::size_t i = begin; (i = whole.find('\n', i)) != whole.npos;)
+        starts.push_back(static_cast<std::uint32_t>(++i));
+      return;
+    }
     for (std::size_t i = begin; i < end; ++i) {
       if (text[i] == '\r' && i + 1 < text.size() && text[i + 1] == '\n') continue;
       if (text[i] == '\n' || text[i] == '\r') starts.push_back(static_cast<std::uint32_t>(i + 1));

@@ -22,6 +22,12 @@ std::uint64_t page_size() {
   return size;
 }
 
+std::string in_lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
 class FolderFiles : public Files {
  public:
   FolderFiles(const fs::path& folder, std::uint64_t max_bytes) : typed_(folder), left_(max_bytes) {
@@ -60,11 +66,38 @@ class FolderFiles : public Files {
     return Outcome::found;
   }
 
+  std::optional<std::string> same_but_for_case(const std::string& path) override {
+    fs::path found;
+    for (const fs::path& part : fs::path(path)) {
+      const auto name = name_in(real_ / found, part.string());
+      if (!name) return std::nullopt;
+      found /= *name;
+    }
+    return found.generic_string();
+  }
+
   std::string display_name(const std::string& path) const override {
     return (typed_ / path).string();
   }
 
  private:
+  static std::optional<std::string> name_in(const fs::path& folder, const std::string& wanted) {
+    constexpr int kMostNames = 100'000;
+    std::error_code error;
+    if (fs::exists(folder / wanted, error)) return wanted;
+    std::optional<std::string> found;
+    int names = 0;
+    fs::directory_iterator entry(folder, error);
+    for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+      const std::string name = entry->path().filename().string();
+      if (++names > kMostNames) return std::nullopt;
+      if (in_lower_case(name) != in_lower_case(wanted)) continue;
+      if (found) return std::nullopt;
+      found = name;
+    }
+    return found;
+  }
+
   fs::path typed_;
   fs::path real_;
   std::uint64_t left_;
@@ -85,6 +118,16 @@ class MemoryFiles : public Files {
     // shares nothing and owns nothing: the caller keeps the bytes
     bytes = std::shared_ptr<const std::string>(std::shared_ptr<void>(), found->second);
     return Outcome::found;
+  }
+
+  std::optional<std::string> same_but_for_case(const std::string& path) override {
+    std::optional<std::string> found;
+    for (const auto& [name, bytes] : files_) {
+      if (in_lower_case(name) != in_lower_case(path)) continue;
+      if (found) return std::nullopt;
+      found = name;
+    }
+    return found;
   }
 
   std::string display_name(const std::string& path) const override { return path; }

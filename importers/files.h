@@ -35,6 +35,9 @@ class Files {
   // Reads a file. Each reading counts towards the limit of bytes.
   virtual Outcome read(const std::string& path, SharedText& bytes) = 0;
 
+  // The one file whose path differs from this in the case of letters alone.
+  virtual std::optional<std::string> same_but_for_case(const std::string&) { return std::nullopt; }
+
   // As the user would type it.
   virtual std::string display_name(const std::string& path) const = 0;
 };

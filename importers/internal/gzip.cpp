@@ -61,11 +61,16 @@ class Inflater {
 }  // namespace
 
 Unpacked unpacked(SharedText bytes, std::uint64_t max_bytes) {
-  if (!bytes->starts_with(kMark)) return {std::move(bytes), {}};
-  std::string out;
-  std::string problem = Inflater().run(*bytes, max_bytes, out);
-  if (out.size() > max_bytes || (out.empty() && !problem.empty())) return {nullptr, problem};
-  return {std::make_shared<const std::string>(std::move(out)), std::move(problem)};
+  // note: servers pack what is packed already
+  constexpr int kMostTimes = 3;
+  std::string problem;
+  for (int i = 0; i < kMostTimes && problem.empty() && bytes->starts_with(kMark); ++i) {
+    std::string out;
+    problem = Inflater().run(*bytes, max_bytes, out);
+    if (out.size() > max_bytes || (out.empty() && !problem.empty())) return {nullptr, problem};
+    bytes = std::make_shared<const std::string>(std::move(out));
+  }
+  return {std::move(bytes), std::move(problem)};
 }
 
 }  // namespace panwright::importers::internal

@@ -15,10 +15,11 @@ Result<Imported> read(Files& files, const InputFile& file, const Options& option
     if (document == nullptr) return failed;
     Builder builder(session);
     builder.enter(*document, {});
-    builder.once = document->format == Format::vrml97;
+    builder.once = true;
     build(builder, *document, 0);
-    return builder.finished(document->format);
+    return builder.finished(document->format, file.name);
   } catch (const OverLimit& over) {
+    if (over.what.empty()) return failed;
     const std::string message =
         fmt::format("the model needs more {} than the limit allows", over.what);
     if (over.where.file == kNoFile)

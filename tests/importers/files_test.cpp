@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "importers/import.h"
 #include "importers/internal/gzip.h"
@@ -50,6 +52,51 @@ TEST(Files, links_out_of_the_folder_are_not_followed) {
   fs::remove_all(folder);
 }
 
+TEST(Files, large_ones_are_mapped_and_stay_readable_when_forgotten) {
+  const fs::path folder = fs::temp_directory_path() / "panwright_mapped_files_test";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  std::string text;
+  while (text.size() < (3u << 20)) text += std::to_string(text.size()) + "\n";
+  // one that fills its last page, which has no room for the NUL behind it, and one that does not
+  for (const std::size_t size : {std::size_t{2} << 20, (std::size_t{2} << 20) + 77}) {
+    const std::string part = text.substr(0, size);
+    std::ofstream(folder / "large", std::ios::binary) << part;
+    const auto files = files_in_folder(folder, 1 << 30);
+    SharedText bytes;
+    ASSERT_EQ(files->read("large", bytes), Files::Outcome::found);
+    EXPECT_TRUE(*bytes == part);
+    bytes.forget(0, bytes->size());
+    const SharedText copy = std::exchange(bytes, nullptr);
+    EXPECT_TRUE(bytes == nullptr);
+    EXPECT_TRUE(*copy == part);
+    EXPECT_EQ(copy->data()[copy->size()], '\0');
+    copy.forget(4097, 4098);
+    copy.forget(part.size(), part.size());
+    // places are those of the text
+    SourceMap sources;
+    const FileId id = sources.add({"large", copy, Encoding::utf8, {}});
+    const auto lines = std::count(part.begin(), part.end(), '\n');
+    const Position last = sources.position(id, static_cast<std::uint32_t>(part.rfind('\n') + 1));
+    EXPECT_EQ(last.line, static_cast<std::uint32_t>(lines) + 1);
+    EXPECT_EQ(last.column, 1u);
+  }
+  fs::remove_all(folder);
+}
+
+TEST(Files, one_file_whose_name_differs_in_case_is_found) {
+  const fs::path folder = fs::temp_directory_path() / "panwright_case_files_test";
+  fs::remove_all(folder);
+  fs::create_directories(folder / "Maps");
+  for (const char* name : {"Maps/Gold.PNG", "two", "Two"}) std::ofstream(folder / name) << "x";
+  const auto files = files_in_folder(folder, 100);
+  EXPECT_EQ(files->same_but_for_case("maps/gold.png"), "Maps/Gold.PNG");
+  EXPECT_EQ(files->same_but_for_case("Maps/gold.png"), "Maps/Gold.PNG");
+  EXPECT_EQ(files->same_but_for_case("maps/silver.png"), std::nullopt);
+  EXPECT_EQ(files->same_but_for_case("TWO"), std::nullopt);
+  fs::remove_all(folder);
+}
+
 std::string packed(const std::string& text) {
   z_stream stream{};
   deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY);
@@ -74,6 +121,8 @@ TEST(Gzip, every_truncation_and_every_flipped_byte_is_noticed) {
   ASSERT_EQ(*read(whole).bytes, text);
   EXPECT_EQ(*read(whole + packed("more")).bytes, text + "more");
   EXPECT_TRUE(read(whole + std::string(512, '\0')).problem.empty());
+  EXPECT_EQ(*read(packed(whole)).bytes, text);
+  EXPECT_EQ(*read(packed(packed(whole))).bytes, text);
   EXPECT_FALSE(read(whole, text.size() - 1).bytes);
   for (std::size_t n = 2; n < whole.size(); n += 7)
     EXPECT_FALSE(read(whole.substr(0, n)).problem.empty()) << n;

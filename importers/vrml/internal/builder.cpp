@@ -131,6 +131,9 @@ std::int32_t Builder::add_phong(const Phong& phong, std::string_view name, bool 
   }
   material.emissive = clamped(phong.emissive);
   if (material.emissive != Vec3(0)) material.weights.z = 1;
+  if (material.diffuse != phong.diffuse || specular != phong.specular ||
+      material.emissive != phong.emissive)
+    lost("colours outside of 0 to 1");
   materials::fit(material);
   cad.name = name;
   cad.base_colour = material.diffuse;
@@ -145,8 +148,12 @@ std::int32_t Builder::add_phong(const Phong& phong, std::string_view name, bool 
 
 std::int32_t Builder::add_texture(scene::Texture texture) {
   bool grey = true;
-  for (std::size_t i = 0; i + 3 < texture.rgba.size() && grey; i += 4)
-    grey = texture.rgba[i] == texture.rgba[i + 1] && texture.rgba[i] == texture.rgba[i + 2];
+  bool opaque = true;
+  for (std::size_t i = 0; i + 3 < texture.rgba.size() && (grey || opaque); i += 4) {
+    grey = grey && texture.rgba[i] == texture.rgba[i + 1] && texture.rgba[i] == texture.rgba[i + 2];
+    opaque = opaque && texture.rgba[i + 3] == 255;
+  }
+  if (!opaque) lost("transparency of pictures");
   grey_.push_back(grey);
   out_.scene.textures.push_back(std::move(texture));
   return static_cast<std::int32_t>(out_.scene.textures.size() - 1);
@@ -277,12 +284,23 @@ bool Builder::enter(const Document& document, SourceSpan where) {
 
 void Builder::leave(const Document&) { open_documents_.pop_back(); }
 
-Imported Builder::finished(Format format) {
+void Builder::lost_clamping(std::int32_t shape, bool repeat_s, bool repeat_t) {
+  const auto* mesh =
+      std::get_if<geometry::MeshShape>(&out_.scene.shapes[static_cast<std::size_t>(shape)]);
+  if (mesh == nullptr) return;
+  const auto leaves = [](double at) { return at < 0 || at > 1; };
+  for (const Vec2& at : (*mesh)->texcoords)
+    if ((!repeat_s && leaves(at.x)) || (!repeat_t && leaves(at.y)))
+      return lost("pictures that do not repeat");
+}
+
+Imported Builder::finished(Format format, std::string_view file_name) {
   out_.format = format;
   out_.scene.inputs = session.further_inputs;
   if (!skipped_.empty())
-    session.log.report(Code::N6007, {}, fmt::format("skipped: {}", listed(skipped_)));
-  if (!lost_.empty()) session.log.report(Code::N6008, {}, fmt::format("lost: {}", listed(lost_)));
+    session.log.report_file(Code::N6007, file_name, fmt::format("skipped: {}", listed(skipped_)));
+  if (!lost_.empty())
+    session.log.report_file(Code::N6008, file_name, fmt::format("lost: {}", listed(lost_)));
   return std::move(out_);
 }
 

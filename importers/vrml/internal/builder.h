@@ -60,6 +60,8 @@ class Builder {
   void skipped(std::string_view type);
   // Counted for the one note N6008.
   void lost(std::string_view property);
+  // A picture that does not repeat, on a mesh, is lost where the coordinates leave it.
+  void lost_clamping(std::int32_t shape, bool repeat_s, bool repeat_t);
 
   // Nodes on the way from the top, for cycles and depth. enter() reports E6109 and returns false
   // when the node stands in itself; throws OverLimit past limits.depth, and for more visits than
@@ -75,9 +77,10 @@ class Builder {
   scene::Scene& scene() { return out_.scene; }
 
   std::shared_ptr<Cache97> cache97;  // of what scene97.cpp has made so far
+  std::uint64_t triangles_made = 0;  // by scene10.cpp, also of shapes that turn out to be equal
 
-  // Puts the notes into the log and gives the result.
-  Imported finished(Format format);
+  // Puts the notes into the log, as of the file called so, and gives the result.
+  Imported finished(Format format, std::string_view file_name);
 
  private:
   std::int32_t kept_texture(scene::Texture texture, SourceSpan where);

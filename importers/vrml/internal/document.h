@@ -21,7 +21,7 @@ namespace panwright::importers::vrml {
 
 // Thrown when a reading needs more than its limits allow; vrml::read() makes E6002 of it.
 struct OverLimit {
-  std::string what;  // "memory", "nodes"…
+  std::string what;  // "memory", "nodes"…; empty: it has been reported
   SourceSpan where;
 };
 

@@ -14,6 +14,9 @@ namespace {
 // before it was written with seven digits gets no axis from them.
 constexpr double kNoBend = 1e-5;
 
+// Peak while a mesh is made, with its arrays, as measured with pictures (docs/importing.md).
+constexpr double kBytesPerTriangle = 110;
+
 Vec2 vec2_at(std::span<const double> values, std::size_t i) {
   return {values[2 * i], values[2 * i + 1]};
 }
@@ -187,7 +190,12 @@ class ExtrusionMesher {
     faces.texcoord_index = texcoord_index_;
     faces.ccw = in_.ccw;
     faces.crease_angle = in_.crease_angle;
-    return mesh_of(faces, options_, problems_);
+    FaceOptions options = options_;
+    options.served = [this](List list) {
+      if (list == List::points) points_ = std::vector<double>();
+      if (list == List::coord_index) index_ = std::vector<std::int32_t>();
+    };
+    return mesh_of(faces, options, problems_);
   }
 
  private:
@@ -209,6 +217,14 @@ class ExtrusionMesher {
       report(Code::E6002, List::none, 0,
              fmt::format("about {:.0f} triangles are needed, and the limit is {}", triangles,
                          options_.max_triangles));
+      return false;
+    }
+    if (triangles * kBytesPerTriangle > static_cast<double>(options_.max_memory)) {
+      report(Code::E6002, List::none, 0,
+             fmt::format("about {:.0f} triangles are needed, which take {:.0f} MB, and the limit "
+                         "leaves {:.0f}",
+                         triangles, triangles * kBytesPerTriangle * 1e-6,
+                         static_cast<double>(options_.max_memory) * 1e-6));
       return false;
     }
     check_count(scales_, "scale", List::scales);
@@ -254,7 +270,7 @@ class ExtrusionMesher {
 
   void make_sides() {
     const auto width = static_cast<std::int32_t>(around_);
-    index_.reserve(5 * (around_ - 1) * (along_ - 1));
+    index_.reserve(5 * (around_ - 1) * (along_ - 1) + 2 * (around_ + 1));
     for (std::int32_t k = 0; k + 1 < static_cast<std::int32_t>(along_); ++k) {
       for (std::int32_t j = 0; j + 1 < width; ++j) {
         const std::int32_t at = k * width + j;
@@ -264,6 +280,7 @@ class ExtrusionMesher {
     if (!options_.texcoords) return;
     const auto u = shares(around_, [&](std::size_t i) { return vec2_at(in_.cross_section, i); });
     const auto v = shares(along_, [&](std::size_t i) { return vec3_at(in_.spine, i); });
+    texcoords_.reserve(2 * around_ * (along_ + 1));
     for (std::size_t k = 0; k < along_; ++k)
       for (std::size_t j = 0; j < around_; ++j) texcoords_.insert(texcoords_.end(), {u[j], v[k]});
     texcoord_index_ = index_;

@@ -162,6 +162,7 @@ class FaceMesher {
              "a number that is not finite; the whole list is not used");
       return {};
     }
+    if (list == List::colours) report_bright(values);
     bool sound = true;
     for_each_face(in_.coord_index, [&](std::size_t face, std::size_t begin, std::size_t end) {
       if (!sound || end - begin < 3) return;
@@ -170,6 +171,16 @@ class FaceMesher {
         if (is_usable(in_.coord_index[i])) sound = can_find(a, i, face, list, index_list);
     });
     return sound ? a : Attribute{};
+  }
+
+  void report_bright(std::span<const double> colours) {
+    const auto outside = [](double v) { return v < 0 || v > 1; };
+    const auto first = std::ranges::find_if(colours, outside);
+    if (first == colours.end()) return;
+    report(Code::W6114, List::colours, static_cast<std::size_t>(first - colours.begin()) / 3,
+           fmt::format("{} numbers of the list are no part of a colour, which are 0 to 1, and are "
+                       "clamped",
+                       std::ranges::count_if(colours, outside)));
   }
 
   bool is_coord_index(std::span<const std::int32_t> index) const {

@@ -47,6 +47,7 @@ using ListProblems = std::vector<ListProblem>;
 struct FaceOptions {
   double crease_angle = 0;                   // radians, where the node states none
   std::uint64_t max_triangles = 1ull << 27;  // of the mesh
+  std::uint64_t max_memory = 8ull << 30;     // bytes, while it is made
   bool texcoords = false;                    // are made where the node has none
   std::function<void(List)> served = {};     // called for points and coord_index of a face set
                                              // that are read no more

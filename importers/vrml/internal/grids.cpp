@@ -59,7 +59,7 @@ geometry::Mesh mesh_of(const ElevationGrid& grid, const FaceOptions& options,
       texcoords[2 * at + 1] = static_cast<double>(j) / static_cast<double>(grid.z_dimension - 1);
     }
   }
-  const std::vector<std::int32_t> index =
+  std::vector<std::int32_t> index =
       quad_index(static_cast<std::int32_t>(columns), static_cast<std::int32_t>(rows));
   FaceSet faces;
   faces.points = points;
@@ -71,7 +71,12 @@ geometry::Mesh mesh_of(const ElevationGrid& grid, const FaceOptions& options,
   faces.texcoords = grid.texcoords.empty() ? texcoords : grid.texcoords;
   faces.ccw = grid.ccw;
   faces.crease_angle = grid.crease_angle;
-  return mesh_of(faces, options, problems);
+  FaceOptions own = options;
+  own.served = [&](List list) {
+    if (list == List::points) points = std::vector<double>();
+    if (list == List::coord_index) index = std::vector<std::int32_t>();
+  };
+  return mesh_of(faces, own, problems);
 }
 
 }  // namespace panwright::importers::vrml

@@ -2,6 +2,7 @@
 // f field, x exposedField), type, name, default.
 // ISO/IEC 14772-1:1997, clause 6; "The Virtual Reality Modeling Language, Version 1.0", 1995.
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <deque>
 #include <optional>
@@ -122,14 +123,17 @@ class Table {
     }
     assert(std::is_sorted(specs_.begin(), specs_.end(),
                           [](const NodeSpec& a, const NodeSpec& b) { return a.name < b.name; }));
+    for (std::size_t i = specs_.size(); i-- > 0;)
+      first_[static_cast<unsigned char>(specs_[i].name[0])] = static_cast<std::uint8_t>(i);
   }
 
   std::span<const NodeSpec> all() const { return specs_; }
   const NodeSpec* find(std::string_view name) const {
-    const auto it =
-        std::lower_bound(specs_.begin(), specs_.end(), name,
-                         [](const NodeSpec& spec, std::string_view n) { return spec.name < n; });
-    return it != specs_.end() && it->name == name ? &*it : nullptr;
+    if (name.empty()) return nullptr;
+    for (std::size_t i = first_[static_cast<unsigned char>(name[0])];
+         i < specs_.size() && specs_[i].name[0] == name[0]; ++i)
+      if (specs_[i].name == name) return &specs_[i];
+    return nullptr;
   }
 
  private:
@@ -209,6 +213,7 @@ class Table {
   }
 
   std::vector<NodeSpec> specs_;
+  std::array<std::uint8_t, 256> first_{};  // of the names that begin with a letter
   std::deque<std::vector<FieldSpec>> fields_;
   std::deque<std::vector<std::int32_t>> integers_;
   std::deque<std::vector<double>> numbers_;

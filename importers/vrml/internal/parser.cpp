@@ -44,11 +44,24 @@ void Parser::run() {
            "the text is not UTF-8 from here on, and is read as Latin-1");
   }
   if (document_.text->starts_with("\xef\xbb\xbf")) p_ += 3;
+  drop_padding();
   Scope scope;
   scope_ = &scope;
   for (skip_blanks(); !at_end(); skip_blanks()) statement(document_.nodes);
   document_.text.forget(0, document_.text->size());
   scope_ = nullptr;
+}
+
+void Parser::drop_padding() {
+  const auto padding = [](char c) { return c == '\0' || c == '\x1a'; };  // ^Z ends texts of DOS
+  const char* first = end_;
+  for (const char* c = end_; c > p_ && (padding(c[-1]) || is_blank(c[-1])); --c)
+    if (padding(c[-1])) first = c - 1;
+  if (first == end_) return;
+  report(Code::W6118, span(first, first + 1),
+         fmt::format("{} from here to the end are no text",
+                     counted(static_cast<std::size_t>(end_ - first), "byte")));
+  end_ = first;
 }
 
 // ---- tokens
@@ -82,8 +95,32 @@ std::string_view Parser::word() {
   return out;
 }
 
-std::string_view Parser::name() {
-  const std::string_view text = word();
+std::string_view Parser::name() { return as_utf8(word()); }
+
+// note: Part[1] and "Solar Panel" are names to those who write them
+std::string_view Parser::given_name() {
+  skip_blanks();
+  const char* const at = p_;
+  if (*p_ == '"') {
+    std::string_view text;
+    if (!string(text)) return {};
+    report(Code::W6118, span(at, p_), "a name stands without quotes");
+    return text;
+  }
+  word();
+  if (p_ > at && *p_ == '[') {
+    const char* end = p_ + 1;
+    while (is_word(*end)) ++end;
+    if (*end == ']') {
+      p_ = end + 1;
+      word();
+      report(Code::W6118, span(at, p_), "a name has no brackets");
+    }
+  }
+  return as_utf8({at, static_cast<std::size_t>(p_ - at)});
+}
+
+std::string_view Parser::as_utf8(std::string_view text) {
   if (!latin1_ || first_not_utf8(text) == text.npos) return text;
   return arena_.copied(std::string_view(to_utf8(text, Encoding::latin1)));
 }
@@ -167,6 +204,7 @@ void Parser::statement(std::vector<Node*>& out) {
 }
 
 bool Parser::declaration() {
+  if (*p_ != 'P' && *p_ != 'E' && *p_ != 'R') return false;
   const std::string_view keyword = peek_word();
   if (keyword == "PROTO") {
     prototype();
@@ -184,26 +222,32 @@ Node* Parser::node_value(bool* there) {
   skip_blanks();
   *there = at_word();
   if (!*there) return nullptr;
-  if (accept_word("NULL")) return nullptr;
-  if (accept_word("USE")) return use();
-  if (!accept_word("DEF")) return typed_node({});
+  const std::string_view keyword = peek_word();
+  if (keyword == "NULL") {
+    word();
+    return nullptr;
+  }
+  if (keyword == "USE") return use();
+  if (keyword != "DEF") return typed_node({});
+  word();
   skip_blanks();
-  if (!is_word(*p_)) {
+  if (!is_word(*p_) && *p_ != '"') {
     report(Code::E6103, here(), "a name is missing after DEF");
     return typed_node({});
   }
-  const std::string_view def = name();
+  const std::string_view def = given_name();
   return typed_node(def);
 }
 
 Node* Parser::use() {
+  word();
   skip_blanks();
-  if (!is_word(*p_)) {
+  if (!is_word(*p_) && *p_ != '"') {
     report(Code::E6103, here(), "a name is missing after USE");
     return nullptr;
   }
   const char* const at = p_;
-  const std::string_view text = name();
+  const std::string_view text = given_name();
   const auto it = scope_->nodes.find(text);
   if (it != scope_->nodes.end()) {
     it->second->again = true;
@@ -488,6 +532,18 @@ void Parser::add_field(const Field& field, Body& body) {
 }
 
 void Parser::unknown_field(Body& body, std::string_view text, SourceSpan where) {
+  // names of X3D, and of those who remember them wrongly
+  constexpr std::string_view kOthers[][3] = {{"LOD", "children", "level"},
+                                             {"LOD", "levels", "level"},
+                                             {"Switch", "children", "choice"},
+                                             {"Switch", "choices", "choice"}};
+  for (const auto& [type, other, meant] : kOthers) {
+    const FieldSpec* spec =
+        vrml97_ && type == body.node->type && other == text ? spec_of(body, meant) : nullptr;
+    if (spec == nullptr) continue;
+    report(Code::W6118, where, fmt::format("{} is read as '{}'", in_quotes(text), meant));
+    return known_field(body, *spec);
+  }
   std::string hint;
   if (!terse()) {
     std::vector<std::string_view> names;

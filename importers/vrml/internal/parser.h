@@ -88,10 +88,12 @@ class Parser {
   bool at_end() const { return p_ >= end_; }
   bool at_number() const;
   bool at_word() const;
-  std::string_view peek_word();  // of this place; may be empty
-  std::string_view word();       // moves on
-  std::string_view name();       // a word as UTF-8
-  bool accept(char c);           // after blanks
+  std::string_view peek_word();   // of this place; may be empty
+  std::string_view word();        // moves on
+  std::string_view name();        // a word as UTF-8
+  std::string_view given_name();  // after DEF or USE
+  std::string_view as_utf8(std::string_view text);
+  bool accept(char c);  // after blanks
   bool accept_word(std::string_view text);
   bool brace_follows();  // after the word here stands "{"
   std::string_view token_here();
@@ -104,6 +106,7 @@ class Parser {
   bool terse();  // many problems already: spare the details
 
   // ---- nodes
+  void drop_padding();  // NUL bytes and the like at the end
   void statement(std::vector<Node*>& out);
   bool declaration();  // PROTO, EXTERNPROTO or ROUTE, if one stands here
   // A node where one is expected: DEF, USE, NULL or a type. *there: false when none stands here.

@@ -13,8 +13,11 @@ namespace panwright::importers::vrml {
 
 namespace {
 
-// Shapes stand on z here and on y there; a picture's seam at the back (−z).
-const Mat4 kUpright(Vec4(0, 0, -1, 0), Vec4(-1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1));
+// Whether it can take coordinates that stand before it.
+bool may_hold_faces(const Node& node) {
+  return node.spec == nullptr || node.spec->group || node.again ||
+         node.spec->name == "IndexedFaceSet";
+}
 
 std::string_view word(const Node& node, std::string_view field) {
   const auto words = node.strings(field);
@@ -74,16 +77,40 @@ const std::map<std::string_view, Scene10::Visitor>& Scene10::visitors() {
 
 void Scene10::visit(Node& node) {
   if (!builder_.enter(node)) return;
+  const bool once = builder_.once;
+  builder_.once = once && !node.again;
   const auto found = node.spec == nullptr ? visitors().end() : visitors().find(node.spec->name);
   if (found != visitors().end())
     (this->*found->second)(node);
+  else if (node.type == "LevelOfDetail")  // of Inventor
+    lod(node);
   else
     group(node);
+  builder_.once = once;
   builder_.leave(node);
 }
 
-void Scene10::children(Node& node) {
-  for (Node* child : node.children) visit(*child);
+void Scene10::visit_all(std::span<Node* const> nodes, bool apart) {
+  std::size_t last = nodes.size();
+  while (last > 0 && !may_hold_faces(*nodes[last - 1])) --last;
+  levels_.push_back({apart, false});
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    levels_.back().last = i + 1 >= last;
+    visit(*nodes[i]);
+  }
+  levels_.pop_back();
+}
+
+void Scene10::children(Node& node, bool apart) { visit_all(node.children, apart); }
+
+// Whether no face set that is still to come can ask for the coordinates.
+bool Scene10::coordinates_are_served() const {
+  if (!builder_.once || state_.coordinates == nullptr || state_.coordinates->again) return false;
+  for (std::size_t i = levels_.size(); i-- > 0;) {
+    if (!levels_[i].last) return false;
+    if (i < state_.coordinates_level && levels_[i].apart) return true;
+  }
+  return true;
 }
 
 // Passes its state on to what follows.
@@ -105,7 +132,7 @@ void Scene10::separator(Node& node) {
   settle();
   const State10 before = state_;
   const Frame frame = std::exchange(frame_, {node.name, "Separator", node.where, false});
-  children(node);
+  children(node, true);
   if (!node.name.empty()) settle();
   frame_ = frame;
   state_ = before;
@@ -148,7 +175,9 @@ void Scene10::inlined(Node& node) {
         builder_.enter(*document, name->where)) {
       const std::int32_t place = builder_.add_node(state_.anchor, state_.anchor_from_here,
                                                    node.name, "WWWInline", node.where);
+      const bool once = std::exchange(builder_.once, false);
       if (place != scene::kNone) build(builder_, *document, place);
+      builder_.once = once;
       builder_.leave(*document);
     }
   }
@@ -262,24 +291,7 @@ void Scene10::cube(Node& node) {
   const bool plain =
       state_.material_binding == Binding::standard || state_.material_binding == Binding::overall;
   if (plain || materials.size() == 1) {
-    const std::int32_t texture = texture_index();
-    // pictures are upright along a Box's own z
-    const bool turned = texture != scene::kNone;
-    const Mat4 up(Vec4(1, 0, 0, 0), Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1));
-    geometry::Box box;
-    box.size = turned ? Vec3(size.x, size.z, size.y) : size;
-    if (const auto problem = geometry::problem_of(geometry::Shape(box))) {
-      builder_.session.log.report(Code::W6009, node.where,
-                                  fmt::format("{}; it is left out", problem->message));
-      return;
-    }
-    const std::int32_t place = place_of(node, turned ? up : Mat4(1));
-    if (place == scene::kNone) return;
-    builder_.add_instance(
-        place, builder_.add_shape(box, node.where),
-        builder_.add_phong(materials.at(0), materials.name(), texture != scene::kNone), texture,
-        node.where);
-    return;
+    return add_primitive(node, box_of(size, texture_index() != scene::kNone), 0);
   }
   std::array<double, 24> points;
   for (std::size_t i = 0; i < 8; ++i)
@@ -301,16 +313,7 @@ void Scene10::cube(Node& node) {
 }
 
 void Scene10::sphere(Node& node) {
-  geometry::Sphere sphere;
-  sphere.radius = node.number("radius");
-  if (const std::uint32_t n = builder_.session.options.primitives; n > 0)
-    sphere.counts = geometry::SphereCounts{std::max(2u, n / 2), std::max(3u, n)};
-  add_round(node, sphere, 0, false, 0);
-}
-
-geometry::Counts Scene10::round_counts() const {
-  const std::uint32_t n = builder_.session.options.primitives;
-  return {n == 0 ? 0 : std::max(3u, n), 0};
+  add_primitive(node, sphere_of(node.number("radius"), segments()), 0);
 }
 
 bool Scene10::has_parts_of_their_own() const {
@@ -324,7 +327,6 @@ void Scene10::cylinder(Node& node) {
   const bool sides = has_part(node, "SIDES");
   const bool top = has_part(node, "TOP");
   const bool bottom = has_part(node, "BOTTOM");
-  const geometry::Counts counts = round_counts();
   const bool parted = has_parts_of_their_own();
   using geometry::Caps;
   if (sides) {
@@ -332,12 +334,11 @@ void Scene10::cylinder(Node& node) {
                       : top && bottom             ? Caps::both
                       : top                       ? Caps::top
                                                   : Caps::bottom;
-    add_round(node, geometry::Cylinder{radius, height, caps, {}, counts}, 0, false, 0);
+    add_primitive(node, cylinder_of(radius, height, caps, segments()), 0);
   }
   if (sides && !parted) return;
-  const geometry::Disc disc{radius, 0, {}, counts};
-  if (top) add_round(node, disc, height / 2, false, 1);
-  if (bottom) add_round(node, disc, -height / 2, true, 2);
+  if (top) add_primitive(node, disc_of(radius, height / 2, true, segments()), 1);
+  if (bottom) add_primitive(node, disc_of(radius, -height / 2, false, segments()), 2);
 }
 
 void Scene10::cone(Node& node) {
@@ -345,46 +346,38 @@ void Scene10::cone(Node& node) {
   const double height = node.number("height");
   const bool sides = has_part(node, "SIDES");
   const bool bottom = has_part(node, "BOTTOM");
-  const geometry::Counts counts = round_counts();
   const bool parted = has_parts_of_their_own();
   using geometry::Caps;
   if (sides) {
     const Caps caps = bottom && !parted ? Caps::bottom : Caps::none;
-    add_round(node, geometry::Cone{radius, 0, height, caps, {}, counts}, 0, false, 0);
+    add_primitive(node, cone_of(radius, height, caps, segments()), 0);
   }
   if (bottom && (!sides || parted))
-    add_round(node, geometry::Disc{radius, 0, {}, counts}, -height / 2, true, 1);
+    add_primitive(node, disc_of(radius, -height / 2, false, segments()), 1);
 }
 
-// A shape about y, moved along it, with the material of one of the node's parts.
-void Scene10::add_round(Node& node, const geometry::Shape& shape, double lift, bool upside_down,
-                        std::size_t part) {
-  if (const auto problem = geometry::problem_of(shape)) {
+// A shape with the material of one of the node's parts.
+void Scene10::add_primitive(Node& node, const Primitive& primitive, std::size_t part) {
+  if (const auto problem = geometry::problem_of(primitive.shape)) {
     builder_.session.log.report(Code::W6009, node.where,
                                 fmt::format("{}; it is left out", problem->message));
     return;
   }
-  Mat4 here_from_shape = kUpright;
-  if (upside_down) {
-    here_from_shape[1] = -here_from_shape[1];
-    here_from_shape[2] = -here_from_shape[2];
-  }
-  here_from_shape[3] = Vec4(0, lift, 0, 1);
-  const std::int32_t place = place_of(node, here_from_shape);
+  const std::int32_t place = place_of(node, primitive.theirs_from_shape);
   if (place == scene::kNone) return;
   const Materials10 materials(state_.material);
-  const bool parted =
-      state_.material_binding == Binding::face || state_.material_binding == Binding::face_indexed;
   const std::int32_t texture = texture_index();
-  builder_.add_instance(place, builder_.add_shape(shape, node.where),
-                        builder_.add_phong(materials.at(parted ? part : 0), materials.name(),
-                                           texture != scene::kNone),
+  if (texture != scene::kNone && state_.texture_transform != Mat3(1))
+    builder_.lost("texture transforms on primitives");
+  builder_.add_instance(place, builder_.add_shape(primitive.shape, node.where),
+                        builder_.add_phong(materials.at(has_parts_of_their_own() ? part : 0),
+                                           materials.name(), texture != scene::kNone),
                         texture, node.where);
 }
 
 void build10(Builder& builder, Document& document, std::int32_t parent) {
   Scene10 scene(builder, parent);
-  for (Node* node : document.nodes) scene.visit(*node);
+  scene.visit_all(document.nodes, true);
 }
 
 }  // namespace panwright::importers::vrml

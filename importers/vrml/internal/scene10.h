@@ -11,6 +11,7 @@
 
 #include "importers/vrml/internal/builder.h"
 #include "importers/vrml/internal/faces.h"
+#include "importers/vrml/internal/primitives.h"
 
 namespace panwright::importers::vrml {
 
@@ -28,7 +29,8 @@ enum class Binding : std::uint8_t {
 struct State10 {
   std::int32_t anchor = 0;  // node of the scene; scene::kNone: what comes is left out
   Mat4 anchor_from_here{1};
-  const Node* coordinates = nullptr;
+  Node* coordinates = nullptr;
+  std::size_t coordinates_level = 0;  // of levels_: those around it
   const Node* normals = nullptr;
   const Node* texcoords = nullptr;
   const Node* material = nullptr;
@@ -84,6 +86,8 @@ class Scene10 {
   Scene10(Builder& builder, std::int32_t parent) : builder_(builder) { state_.anchor = parent; }
 
   void visit(Node& node);
+  // apart: what they change ends with them
+  void visit_all(std::span<Node* const> nodes, bool apart);
 
  private:
   using Visitor = void (Scene10::*)(Node&);
@@ -104,7 +108,7 @@ class Scene10 {
   };
 
   // groups
-  void children(Node& node);
+  void children(Node& node, bool apart = false);
   void group(Node& node);
   void separator(Node& node);
   void transform_separator(Node& node);
@@ -113,7 +117,10 @@ class Scene10 {
   void inlined(Node& node);
 
   // properties
-  void coordinates(Node& node) { state_.coordinates = &node; }
+  void coordinates(Node& node) {
+    state_.coordinates = &node;
+    state_.coordinates_level = levels_.size();
+  }
   void normals(Node& node) { state_.normals = &node; }
   void texcoords(Node& node) { state_.texcoords = &node; }
   void material(Node& node) { state_.material = &node; }
@@ -140,16 +147,17 @@ class Scene10 {
   Binding binding(Node& node);
   void settle();  // makes the node of the frame
   std::int32_t place_of(const Node& node, const Mat4& here_from_shape);
-  geometry::Counts round_counts() const;
+  std::uint32_t segments() const { return builder_.session.options.primitives; }
   bool has_parts_of_their_own() const;  // side, top and bottom may differ in material
-  void add_round(Node& node, const geometry::Shape& shape, double lift, bool upside_down,
-                 std::size_t part);
+  void add_primitive(Node& node, const Primitive& primitive, std::size_t part);
   std::int32_t texture_index();
   void add_faces(Node& node, const Faces10& faces);
   std::vector<Part> parts_of(Node& node, const Faces10& faces);
   FaceSet set_of(Node& node, const Faces10& faces, const Bound10& normals);
-  void add_part(Node& node, const Faces10& faces, const FaceSet& set, Phong phong,
+  // once: the lists of the node and its coordinates are not asked for again
+  void add_part(Node& node, const Faces10& faces, const FaceSet& set, Phong phong, bool once,
                 std::vector<Part>& parts);
+  bool coordinates_are_served() const;
   void report(const Node& node, const ListProblems& problems);
 
   // What a face set came out as, for its further uses in the same state.
@@ -165,7 +173,12 @@ class Scene10 {
   Frame frame_;
   std::int32_t which_child_ = -1;  // of the innermost Switch
   std::map<Use, std::vector<Part>> parts_;
-  std::uint64_t triangles_made_ = 0;
+  // The lists of nodes around the one that is visited.
+  struct Level {
+    bool apart;  // what they change ends with them
+    bool last;   // nothing after that node can hold faces
+  };
+  std::vector<Level> levels_;
   std::map<const Node*, std::int32_t> images_;  // textures of Texture2 nodes
   // the last node that was made for a shape without a name
   std::int32_t last_anchor_ = scene::kNone;

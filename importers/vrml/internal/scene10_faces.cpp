@@ -290,11 +290,19 @@ FaceSet Scene10::set_of(Node& node, const Faces10& faces, const Bound10& normals
   return set;
 }
 
-void Scene10::add_part(Node& node, const Faces10& faces, const FaceSet& set, Phong phong,
+void Scene10::add_part(Node& node, const Faces10& faces, const FaceSet& set, Phong phong, bool once,
                        std::vector<Part>& parts) {
   const bool textured = texture_index() != scene::kNone;
-  const FaceOptions options{builder_.session.options.crease_angle,
-                            builder_.session.options.limits.triangles, textured};
+  const Limits& limits = builder_.session.options.limits;
+  FaceOptions options{builder_.session.options.crease_angle, limits.triangles, limits.memory,
+                      textured};
+  if (once && builder_.once) {
+    const bool points = coordinates_are_served();
+    options.served = [this, &node, points](List list) {
+      if (list == List::coord_index) builder_.session.release(node, "coordIndex");
+      if (list == List::points && points) builder_.session.release(*state_.coordinates, "point");
+    };
+  }
   ListProblems problems;
   geometry::Mesh mesh = mesh_of(set, options, problems);
   // normals and texcoords that were left by nodes before, and do not fit, were not meant
@@ -303,10 +311,11 @@ void Scene10::add_part(Node& node, const Faces10& faces, const FaceSet& set, Pho
            (p.list == List::texcoords && !faces.own_texcoords && !textured);
   });
   report(node, problems);
+  for (const ListProblem& problem : problems)
+    if (problem.code == Code::E6002) throw OverLimit{};
   if (mesh.triangles.empty()) return;
-  // note: also of shapes that turn out to be equal, which costs time
-  triangles_made_ += mesh.triangles.size();
-  if (triangles_made_ > options.max_triangles) throw OverLimit{"triangles", node.where};
+  builder_.triangles_made += mesh.triangles.size();
+  if (builder_.triangles_made > options.max_triangles) throw OverLimit{"triangles", node.where};
   if (state_.texture_transform != Mat3(1)) {
     for (Vec2& at : mesh.texcoords) {
       const Vec2 moved(state_.texture_transform * Vec3(at, 1));
@@ -318,6 +327,9 @@ void Scene10::add_part(Node& node, const Faces10& faces, const FaceSet& set, Pho
   if (coloured) phong.diffuse = Vec3(1);
   const auto shape = std::make_shared<const geometry::Mesh>(std::move(mesh));
   const std::int32_t index = builder_.add_shape(shape, node.where);
+  if (textured)
+    builder_.lost_clamping(index, state_.texture->strings("wrapS")[0] != "CLAMP",
+                           state_.texture->strings("wrapT")[0] != "CLAMP");
   parts.push_back(
       {index, builder_.add_phong(phong, Materials10(state_.material).name(), textured), coloured});
 }
@@ -331,7 +343,7 @@ std::vector<Scene10::Part> Scene10::parts_of(Node& node, const Faces10& faces) {
 
   const Binding binding = state_.material_binding;
   if (binding == Binding::standard || binding == Binding::overall || materials.size() == 1) {
-    add_part(node, faces, set, materials.at(0), parts);
+    add_part(node, faces, set, materials.at(0), true, parts);
     return parts;
   }
   const Bound10 bound_to = bound(binding, faces.material_index, faces.coord_index);
@@ -349,7 +361,7 @@ std::vector<Scene10::Part> Scene10::parts_of(Node& node, const Faces10& faces) {
     set.colours = colours;
     set.color_index = items;
     set.color_per_vertex = bound_to.per_vertex;
-    add_part(node, faces, set, materials.at(0), parts);
+    add_part(node, faces, set, materials.at(0), true, parts);
     return parts;
   }
   for (const std::int32_t item : used) {
@@ -362,7 +374,7 @@ std::vector<Scene10::Part> Scene10::parts_of(Node& node, const Faces10& faces) {
     some.coord_index = coord_index;
     some.normal_index = normal_index;
     some.texcoord_index = texcoord_index;
-    add_part(node, faces, some, materials.at(static_cast<std::size_t>(item)), parts);
+    add_part(node, faces, some, materials.at(static_cast<std::size_t>(item)), false, parts);
   }
   return parts;
 }

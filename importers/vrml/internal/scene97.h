@@ -6,6 +6,7 @@
 
 #include "importers/vrml/internal/builder.h"
 #include "importers/vrml/internal/faces.h"
+#include "importers/vrml/internal/primitives.h"
 
 namespace panwright::importers::vrml {
 
@@ -70,6 +71,8 @@ class Scene97 {
     std::string_view name;
     std::int32_t texture = scene::kNone;
     bool grey = false;
+    bool repeat_s = true;
+    bool repeat_t = true;
     bool once = false;  // no other Shape has the same geometry
     bool own = false;   // nor the same appearance
   };
@@ -90,11 +93,12 @@ class Scene97 {
                      std::string_view name, std::int32_t* made);
   bool add_round(const Node& geometry, const Look& look, std::int32_t parent, std::string_view name,
                  std::int32_t* made);
-  std::int32_t place(const geometry::Shape& shape, const Mat4& matrix, const Look& look,
-                     std::int32_t parent, std::string_view name, const Node& geometry);
+  std::int32_t place(const Primitive& primitive, const Look& look, std::int32_t parent,
+                     std::string_view name, const Node& geometry);
   bool sound(const geometry::Shape& shape, const Node& geometry);
   std::int32_t mesh_shape(Node& geometry, const Look& look, bool* coloured);
   Cache97::Meshed make_mesh(Node& geometry, const Look& look);
+  FaceOptions face_options(const Look& look) const;
   geometry::Mesh face_set(Node& node, const Look& look, ListProblems& problems);
   void release(Node& geometry, List list);
   geometry::Mesh elevation_grid(const Node& node, const Look& look, ListProblems& problems);

@@ -5,26 +5,11 @@
 #include <utility>
 
 #include "base/text.h"
-#include "geometry/shape.h"
 #include "importers/vrml/internal/scene97.h"
 
 namespace panwright::importers::vrml {
 
 namespace {
-
-// Our shapes stand on z, those of VRML on y. Round ones also begin their texture at −z
-// (6.13, 6.41): x → −z, y → −x, z → y. Boxes: x → x, y → −z, z → y.
-const Mat4 kRound{Vec4(0, 0, -1, 0), Vec4(-1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1)};
-const Mat4 kUpright{Vec4(1, 0, 0, 0), Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1)};
-
-Mat4 moved(double y) { return matrix_from_trs(Vec3(0, y, 0), {1, 0, 0, 0}, Vec3(1)); }
-
-// Discs face +z: up or down, with the outline of the round shape.
-Mat4 disc_at(double y, bool up) {
-  if (up) return moved(y) * kRound;
-  const Mat4 down{Vec4(0, 0, -1, 0), Vec4(1, 0, 0, 0), Vec4(0, -1, 0, 0), Vec4(0, 0, 0, 1)};
-  return moved(y) * down;
-}
 
 // TextureTransform: Tc' = −C·S·R·C·T·Tc (6.49).
 void transform_texcoords(const Node& node, geometry::Mesh& mesh) {
@@ -73,6 +58,12 @@ constexpr std::pair<std::string_view, bool FaceSet::*> kFlags[] = {
     {"ccw", &FaceSet::ccw},
     {"convex", &FaceSet::convex}};
 
+bool is_geometry(const Node& node) {
+  constexpr std::string_view kTypes[] = {"Box",           "Cone",           "Cylinder", "Extrusion",
+                                         "ElevationGrid", "IndexedFaceSet", "Sphere"};
+  return node.spec != nullptr && std::ranges::find(kTypes, node.spec->name) != std::end(kTypes);
+}
+
 std::optional<double> crease_of(const Node& node) {
   if (node.find("creaseAngle") == nullptr) return std::nullopt;
   return node.number("creaseAngle");
@@ -83,8 +74,15 @@ std::optional<double> crease_of(const Node& node) {
 // ---- shapes
 
 std::int32_t Scene97::add_shape(const Node& node, std::string_view name, std::int32_t parent) {
-  add_all(node.children, parent);
-  Node* geometry = session_.actual(node.node("geometry"));
+  Node* written = node.node("geometry");
+  for (Node* child : node.children) {
+    // reported by the parser: the word before it is missing
+    if (written == nullptr && is_geometry(*child))
+      written = child;
+    else
+      add(child, parent);
+  }
+  Node* geometry = session_.actual(written);
   if (geometry == nullptr || geometry->spec == nullptr) return scene::kNone;
   const std::string_view type = geometry->spec->name;
   if (type == "IndexedLineSet" || type == "PointSet" || type == "Text") {
@@ -92,7 +90,7 @@ std::int32_t Scene97::add_shape(const Node& node, std::string_view name, std::in
     return scene::kNone;
   }
   Look look = look_of(node);
-  look.once = node.owner == nullptr && node.node("geometry") == geometry && !geometry->again &&
+  look.once = node.owner == nullptr && written == geometry && !geometry->again &&
               geometry->owner == nullptr;
   look.own = node.owner == nullptr && node.node("appearance") == look.appearance &&
              (look.appearance == nullptr ||
@@ -107,6 +105,8 @@ std::int32_t Scene97::add_shape(const Node& node, std::string_view name, std::in
   bool coloured = false;
   const std::int32_t shape = mesh_shape(*geometry, look, &coloured);
   if (shape == scene::kNone) return scene::kNone;
+  if (look.texture != scene::kNone && !(look.repeat_s && look.repeat_t))
+    builder_.lost_clamping(shape, look.repeat_s, look.repeat_t);
   made = builder_.add_node(parent, Mat4(1), name, "Shape", node.where);
   builder_.add_instance(made, shape, material_of(look, coloured), look.texture, node.where);
   return made;
@@ -120,10 +120,12 @@ bool Scene97::sound(const geometry::Shape& shape, const Node& geometry) {
   return false;
 }
 
-std::int32_t Scene97::place(const geometry::Shape& shape, const Mat4& matrix, const Look& look,
-                            std::int32_t parent, std::string_view name, const Node& geometry) {
+std::int32_t Scene97::place(const Primitive& primitive, const Look& look, std::int32_t parent,
+                            std::string_view name, const Node& geometry) {
+  const geometry::Shape& shape = primitive.shape;
   if (!sound(shape, geometry)) return scene::kNone;
-  const std::int32_t made = builder_.add_node(parent, matrix, name, "Shape", geometry.where);
+  const std::int32_t made =
+      builder_.add_node(parent, primitive.theirs_from_shape, name, "Shape", geometry.where);
   if (look.transform != nullptr && look.texture != scene::kNone)
     builder_.lost("texture transforms on primitives");
   builder_.add_instance(made, builder_.add_shape(shape, geometry.where), material_of(look, false),
@@ -137,19 +139,12 @@ bool Scene97::add_primitive(const Node& geometry, const Look& look, std::int32_t
   const std::string_view type = geometry.spec->name;
   const std::uint32_t segments = session_.options.primitives;
   if (type == "Box") {
-    const Vec3 size = geometry.vec3("size");
-    const bool textured = look.texture != scene::kNone;
-    geometry::Box box;
-    box.size = textured ? Vec3(size.x, size.z, size.y) : size;
-    *made = place(box, textured ? kUpright : Mat4(1), look, parent, name, geometry);
+    *made = place(box_of(geometry.vec3("size"), look.texture != scene::kNone), look, parent, name,
+                  geometry);
     return true;
   }
   if (type == "Sphere") {
-    geometry::Sphere sphere;
-    sphere.radius = geometry.number("radius");
-    if (segments > 0)
-      sphere.counts = geometry::SphereCounts{std::max(2u, segments / 2), std::max(3u, segments)};
-    *made = place(sphere, kRound, look, parent, name, geometry);
+    *made = place(sphere_of(geometry.number("radius"), segments), look, parent, name, geometry);
     return true;
   }
   return add_round(geometry, look, parent, name, made);
@@ -167,28 +162,19 @@ bool Scene97::add_round(const Node& geometry, const Look& look, std::int32_t par
   const bool bottom = geometry.flag("bottom");
   const bool top = !cone && geometry.flag("top");
   const std::uint32_t segments = session_.options.primitives;
-  const geometry::Counts counts{segments > 0 ? std::max(3u, segments) : 0, 0};
   if (side) {
     const geometry::Caps caps = bottom && (top || cone) ? geometry::Caps::both
                                 : bottom                ? geometry::Caps::bottom
                                 : top                   ? geometry::Caps::top
                                                         : geometry::Caps::none;
-    if (cone) {
-      geometry::Cone shape{radius, 0, height, caps};
-      shape.counts = counts;
-      *made = place(shape, kRound, look, parent, name, geometry);
-    } else {
-      geometry::Cylinder shape{radius, height, caps};
-      shape.counts = counts;
-      *made = place(shape, kRound, look, parent, name, geometry);
-    }
+    *made = place(cone ? cone_of(radius, height, caps, segments)
+                       : cylinder_of(radius, height, caps, segments),
+                  look, parent, name, geometry);
     return true;
   }
-  geometry::Disc disc;
-  disc.radius = radius;
-  disc.counts = counts;
-  if (top) *made = place(disc, disc_at(height / 2, true), look, parent, name, geometry);
-  if (bottom) *made = place(disc, disc_at(-height / 2, false), look, parent, name, geometry);
+  if (top) *made = place(disc_of(radius, height / 2, true, segments), look, parent, name, geometry);
+  if (bottom)
+    *made = place(disc_of(radius, -height / 2, false, segments), look, parent, name, geometry);
   return true;
 }
 
@@ -201,6 +187,13 @@ std::span<const double> Scene97::list_of(const Node& node, std::string_view memb
   const Node* list = session_.actual(written->value.nodes()[0]);
   if (list == nullptr || list->spec == nullptr || list->spec->find(field) == nullptr) return {};
   return list->numbers(field);
+}
+
+FaceOptions Scene97::face_options(const Look& look) const {
+  const Limits& limits = session_.options.limits;
+  return {session_.options.crease_angle, limits.triangles,
+          limits.memory - std::min(limits.memory, session_.memory_used),
+          look.texture != scene::kNone};
 }
 
 geometry::Mesh Scene97::face_set(Node& node, const Look& look, ListProblems& problems) {
@@ -218,8 +211,7 @@ geometry::Mesh Scene97::face_set(Node& node, const Look& look, ListProblems& pro
       if (field.name == name) faces.*flag = field.value.integers()[0] != 0;
   }
   faces.crease_angle = crease_of(node);
-  FaceOptions options{session_.options.crease_angle, session_.options.limits.triangles,
-                      look.texture != scene::kNone};
+  FaceOptions options = face_options(look);
   if (look.once) options.served = [&](List list) { release(node, list); };
   return mesh_of(faces, options, problems);
 }
@@ -247,9 +239,7 @@ geometry::Mesh Scene97::elevation_grid(const Node& node, const Look& look, ListP
   grid.texcoords = list_of(node, "texCoord", "point");
   grid.ccw = node.flag("ccw");
   grid.crease_angle = crease_of(node);
-  const FaceOptions options{session_.options.crease_angle, session_.options.limits.triangles,
-                            look.texture != scene::kNone};
-  return mesh_of(grid, options, problems);
+  return mesh_of(grid, face_options(look), problems);
 }
 
 geometry::Mesh Scene97::extrusion(const Node& node, const Look& look, ListProblems& problems) {
@@ -263,9 +253,7 @@ geometry::Mesh Scene97::extrusion(const Node& node, const Look& look, ListProble
   shape.ccw = node.flag("ccw");
   shape.convex = node.flag("convex");
   shape.crease_angle = crease_of(node);
-  const FaceOptions options{session_.options.crease_angle, session_.options.limits.triangles,
-                            look.texture != scene::kNone};
-  return mesh_of(shape, options, problems);
+  return mesh_of(shape, face_options(look), problems);
 }
 
 void Scene97::report(const ListProblems& problems, const Node& node) {
@@ -306,7 +294,7 @@ Cache97::Meshed Scene97::make_mesh(Node& geometry, const Look& look) {
                                                   : extrusion(geometry, look, problems);
   report(problems, geometry);
   for (const ListProblem& problem : problems)
-    if (problem.code == Code::E6002) throw OverLimit{"triangles", geometry.where};
+    if (problem.code == Code::E6002) throw OverLimit{};
   if (mesh.triangles.empty()) {
     session_.log.report(Code::W6009, geometry.where,
                         fmt::format("this {} has no faces", geometry.type));
@@ -355,6 +343,7 @@ Scene97::Look Scene97::look_of(const Node& shape) {
   const Node* texture = session_.actual(look.appearance->node("texture"));
   if (texture == nullptr || texture->spec == nullptr) return look;
   const std::string_view type = texture->spec->name;
+  if (type != "ImageTexture" && type != "PixelTexture" && type != "MovieTexture") return look;
   if (type == "ImageTexture") {
     if (const Field* urls = texture->find("url"))
       look.texture = builder_.add_picture(urls->value.strings(), urls->where);
@@ -364,10 +353,12 @@ Scene97::Look Scene97::look_of(const Node& shape) {
       if (added) it->second = builder_.add_image(image->value.integers(), image->where);
       look.texture = it->second;
     }
-  } else if (type == "MovieTexture") {
+  } else {
     builder_.skipped(type);
   }
   look.grey = builder_.is_grey(look.texture);
+  look.repeat_s = texture->flag("repeatS");
+  look.repeat_t = texture->flag("repeatT");
   return look;
 }
 

@@ -16,9 +16,28 @@ namespace {
 
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
-std::string_view first_line(std::string_view text) {
+bool same_letters(std::string_view text, std::string_view upper) {
+  return std::ranges::equal(text, upper, [](char a, char b) {
+    return (a >= 'a' && a <= 'z' ? static_cast<char>(a - 'a' + 'A') : a) == b;
+  });
+}
+
+// The line with the header: the first one, or the first after blank lines and comments that says
+// VRML.
+std::string_view header_line(std::string_view text) {
+  constexpr std::size_t kFurthest = 4096;  // bytes
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  return text.substr(0, std::min(text.find_first_of("\r\n"), text.size()));
+  const auto line_at = [&](std::size_t at) {
+    return text.substr(at, std::min(text.find_first_of("\r\n", at), text.size()) - at);
+  };
+  const std::string_view first = line_at(0);
+  for (std::size_t at = 0; at < std::min(text.size(), kFurthest);) {
+    const std::string_view line = line_at(at);
+    if (same_letters(line.substr(0, 5), "#VRML")) return line;
+    if (line.find_first_not_of(" \t") != line.npos && line[0] != '#') return first;
+    at += line.size() + 1;
+  }
+  return first;
 }
 
 // What a header says, and whether it is one of the two that the standards know.
@@ -37,27 +56,48 @@ Header header_of(std::string_view line) {
     words.push_back(line.substr(i, end - i));
     i = end;
   }
-  if (words.size() < 2 || words[0] != "#VRML") return {};
+  if (words.size() < 2 || !same_letters(words[0], "#VRML")) return {};
   for (std::size_t i = 1; i < words.size() && i < 4; ++i) {
-    if (words[i] == "V2.0") return {Format::vrml97};
-    if (words[i] == "V1.0") return {Format::vrml1};
+    if (same_letters(words[i], "V2.0")) return {Format::vrml97};
+    if (same_letters(words[i], "V1.0")) return {Format::vrml1};
   }
   return {};
 }
 
-// What a text without a header is, by its first word.
-std::optional<Format> guessed(std::string_view text) {
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+// The first word of a text that is no comment. It is taken off.
+std::string_view first_word(std::string_view& text) {
   std::size_t at = 0;
   for (; at < text.size() && !is_word(text[at]); ++at) {
     if (text[at] == '#')
       at = std::min(text.find_first_of("\r\n", at), text.size());
     else if (!is_blank(text[at]))
-      return std::nullopt;
+      return {};
   }
+  at = std::min(at, text.size());
   std::size_t end = at;
   while (end < text.size() && is_word(text[end])) ++end;
   const std::string_view word = text.substr(at, end - at);
+  text.remove_prefix(end);
+  return word;
+}
+
+// The version that the first node is of, where it is a node of that one alone and tells it surely.
+std::optional<Format> told_by_first_node(std::string_view text) {
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  std::string_view word = first_word(text);
+  if (word == "DEF") {
+    first_word(text);
+    word = first_word(text);
+  }
+  if (word == "Shape") return Format::vrml97;
+  if (word == "Separator") return Format::vrml1;
+  return std::nullopt;
+}
+
+// What a text without a header is, by its first word.
+std::optional<Format> guessed(std::string_view text) {
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  const std::string_view word = first_word(text);
   if (word == "DEF" || word == "PROTO" || word == "EXTERNPROTO" || spec97(word) != nullptr)
     return Format::vrml97;
   if (spec10(word) != nullptr) return Format::vrml1;
@@ -96,7 +136,7 @@ Document* Session::load(const InputFile& file, bool top) {
   source.included_at = file.included_at;
   const FileId id = log.sources().add(source);
   paths_[id] = file.path;
-  const std::string_view line = first_line(text);
+  const std::string_view line = header_line(text);
   const auto line_begin = static_cast<std::uint32_t>(line.data() - text.data());
   const SourceSpan where{id, line_begin, line_begin + static_cast<std::uint32_t>(line.size())};
   Header header = header_of(line);
@@ -121,13 +161,24 @@ Document* Session::load(const InputFile& file, bool top) {
       return nullptr;
     }
   }
+  const std::size_t mark = text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
+  const auto told = told_by_first_node(text);
+  if (told && told != header.format) {
+    header.format = told;
+    log.report(Code::W6102, where,
+               fmt::format("the header is {}, and the first node is one of {} alone; the file is "
+                           "read as that",
+                           in_quotes(line), *told == Format::vrml97 ? "VRML 97" : "VRML 1.0"));
+  } else if (header.standard && line_begin > mark) {
+    log.report(Code::W6102, where, "the header is not the first line");
+  }
   if (!header.standard)
-    log.report(
-        Code::W6102, where,
-        fmt::format("{}; the file is read as {}",
-                    line.starts_with("#VRML") ? fmt::format("the header is {}", in_quotes(line))
-                                              : std::string("there is no header of VRML"),
-                    *header.format == Format::vrml97 ? "VRML 97" : "VRML 1.0"));
+    log.report(Code::W6102, where,
+               fmt::format("{}; the file is read as {}",
+                           same_letters(line.substr(0, 5), "#VRML")
+                               ? fmt::format("the header is {}", in_quotes(line))
+                               : std::string("there is no header of VRML"),
+                           *header.format == Format::vrml97 ? "VRML 97" : "VRML 1.0"));
   auto document = std::make_unique<Document>();
   document->path = file.path;
   document->file = id;
@@ -147,18 +198,38 @@ SharedText Session::read(std::string_view url, SourceSpan where, std::string& pa
     problem = "an empty name";
     return nullptr;
   }
-  const auto target = resolved(path_of(where.file), plain, true);
+  auto target = resolved(path_of(where.file), plain, true);
+  bool beside = false;
   if (!target) {
     const bool remote = plain.find("://") != plain.npos || plain.starts_with("urn:");
     if (!remote) code = Code::W6005;
     problem = fmt::format("{} {}", in_quotes(plain),
                           remote ? "is not a file of the model" : "leads out of its folder");
-    return nullptr;
+    if (remote) return nullptr;
+    // a folder of the machine that wrote it: the file may have come along without it
+    target = resolved(path_of(where.file), plain.substr(plain.find_last_of("/\\:") + 1), true);
+    if (!target) return nullptr;
+    beside = true;
   }
   path = *target;
   if (++files_read_ > options.limits.files) throw OverLimit{"files", where};
   SharedText bytes;
-  switch (files.read(path, bytes)) {
+  Files::Outcome outcome = files.read(path, bytes);
+  if (outcome == Files::Outcome::missing) {
+    if (const auto other = files.same_but_for_case(path)) {
+      log.report(
+          Code::W6118, where,
+          fmt::format("{} is read as {}: case matters", in_quotes(plain), in_quotes(*other)));
+      path = *other;
+      outcome = files.read(path, bytes);
+    }
+  }
+  if (beside && outcome != Files::Outcome::found) return nullptr;
+  if (beside)
+    log.report(Code::W6118, where,
+               fmt::format("{} leads out of the model's folder; {} is taken for it",
+                           in_quotes(plain), in_quotes(files.display_name(path))));
+  switch (outcome) {
     case Files::Outcome::found:
       break;
     case Files::Outcome::missing:

@@ -1,0 +1,27 @@
+// The round shapes and boxes of both versions, which stand on y, as ours, which stand on z.
+#pragma once
+
+#include <cstdint>
+
+#include "geometry/shape.h"
+
+namespace panwright::importers::vrml {
+
+struct Primitive {
+  geometry::Shape shape;
+  Mat4 theirs_from_shape{1};
+};
+
+// textured: pictures are upright along the z of our boxes, so that they are turned.
+Primitive box_of(const Vec3& size, bool textured);
+
+// Round shapes begin their texture at −z (ISO/IEC 14772-1, 6.13, 6.41).
+//
+//   segments  around the shape; 0: exact
+Primitive sphere_of(double radius, std::uint32_t segments);
+Primitive cylinder_of(double radius, double height, geometry::Caps caps, std::uint32_t segments);
+Primitive cone_of(double radius, double height, geometry::Caps caps, std::uint32_t segments);
+// At height y, looking up or down, with the outline of the round shapes.
+Primitive disc_of(double radius, double y, bool up, std::uint32_t segments);
+
+}  // namespace panwright::importers::vrml
