@@ -23,6 +23,9 @@ int version(bool json) {
 #else
   out["features"] = {"compile", "check", "info", "diff"};
 #endif
+#ifdef PANWRIGHT_STEP
+  out["features"].push_back("step");
+#endif
   out["reads"] = {".pxn", ".pan"};
   out["writes"] = {".pan", ".png", ".exr", ".npy", ".npz"};
   fmt::print("{}\n", out.dump(2));
