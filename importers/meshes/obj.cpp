@@ -205,18 +205,15 @@ class ObjReader {
   void begin_object(std::string_view rest, std::string_view word) {
     object_ = trimmed(rest);
     group_.clear();
-    begin_named(word);
+    object_at_ = at(word);
+    changed_ = true;
   }
 
   void begin_group(std::string_view rest, std::string_view word) {
     // several names: the face is of all these groups; here it gets one place
     group_ = trimmed(rest);
     if (group_ == "default") group_.clear();
-    begin_named(word);
-  }
-
-  void begin_named(std::string_view word) {
-    named_at_ = at(word);
+    group_at_ = at(word);
     changed_ = true;
   }
 
@@ -244,15 +241,14 @@ class ObjReader {
 
   // The node that faces stand at now; made when the first of them comes.
   std::int32_t node() {
-    std::int32_t at_object = 0;
-    if (!object_.empty()) at_object = child(0, object_);
-    if (at_object >= 0 && !group_.empty()) return child(at_object, group_);
-    return at_object;
+    if (object_.empty() && group_.empty()) return child(0, {}, at(line_));
+    const std::int32_t at_object = object_.empty() ? 0 : child(0, object_, object_at_);
+    return at_object < 0 || group_.empty() ? at_object : child(at_object, group_, group_at_);
   }
 
-  std::int32_t child(std::int32_t parent, const std::string& name) {
+  std::int32_t child(std::int32_t parent, const std::string& name, SourceSpan where) {
     const auto [place, is_new] = nodes_.try_emplace({parent, name}, scene::kNone);
-    if (is_new) place->second = assembly_.add_node(parent, name, "group", named_at_);
+    if (is_new) place->second = assembly_.add_node(parent, name, "mesh", where);
     return place->second;
   }
 
@@ -277,11 +273,6 @@ class ObjReader {
     for (Part& part : parts_) {
       geometry::Mesh mesh = mesher.mesh_of(part.ranges);
       if (mesh.triangles.empty() || part.node < 0) continue;
-      if (part.node == 0) {
-        if (loose_ < 0) loose_ = assembly_.add_node(0, {}, "mesh", part.where);
-        if (loose_ < 0) return;
-        part.node = loose_;
-      }
       const std::int32_t material =
           libraries_.scene_material(part.material, !mesh.colours.empty(), !mesh.texcoords.empty());
       assembly_.add_part(part.node, std::move(mesh), material, part.where);
@@ -303,7 +294,7 @@ class ObjReader {
   ObjLists l_;
   std::string_view line_;  // that is read now, or the first of those joined
   std::string object_, group_;
-  SourceSpan named_at_;
+  SourceSpan object_at_, group_at_;
   std::int32_t material_ = -1;
   std::int64_t smoothing_ = kByCrease;
   bool changed_ = true;  // the next face begins a run
@@ -311,7 +302,6 @@ class ObjReader {
   std::map<std::pair<std::int32_t, std::int32_t>, std::size_t> part_of_;
   std::vector<Part> parts_;
   std::size_t last_part_ = 0;
-  std::int32_t loose_ = scene::kNone;  // the node of faces without a name
   std::uint64_t triangles_ = 0;
 };
 
