@@ -2,7 +2,9 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <functional>
 
 #include "base/file.h"
 #include "base/hash.h"
@@ -10,6 +12,7 @@
 #include "base/text.h"
 #include "importers/gltf/base64.h"
 #include "importers/gltf/document.h"
+#include "importers/gltf/read.h"
 
 namespace panwright::importers::gltf {
 
@@ -143,7 +146,7 @@ class BufferLoader {
     const Json* packed = extension_of(json, "EXT_meshopt_compression", "KHR_meshopt_compression");
     if (packed) {
       view.compressed = true;
-      queue(index, *packed, at);
+      queue(index, *packed, size_of(json, "byteLength", 0), at);
       return;
     }
     const Buffer& buffer = d_.buffers[size_of(json, "buffer", 0)];
@@ -156,6 +159,7 @@ class BufferLoader {
                             buffer.declared));
       return;
     }
+    view.length = length;
     if (offset > buffer.bytes.size() || length > buffer.bytes.size() - offset) return;
     view.bytes = buffer.bytes.subspan(offset, length);
     view.sound = true;
@@ -173,7 +177,7 @@ class BufferLoader {
     return (packed.mode == 'T' ? count / 3 : count) <= bytes;
   }
 
-  void queue(std::size_t index, const Json& json, const std::string& at) {
+  void queue(std::size_t index, const Json& json, std::uint64_t view_bytes, const std::string& at) {
     const Buffer& buffer = d_.buffers[size_of(json, "buffer", 0)];
     const std::uint64_t offset = size_of(json, "byteOffset", 0);
     const std::uint64_t length = size_of(json, "byteLength", 0);
@@ -200,6 +204,10 @@ class BufferLoader {
     if (!can_hold(packed))
       return refuse(at, fmt::format("{} bytes cannot hold {} elements", length, count));
     if (!d_.charge(count * stride, at)) return;
+    d_.views[index].length = count * stride;
+    if (count * stride != view_bytes)
+      d_.report(Code::E6206, &json, at,
+                fmt::format("the view has {} bytes, its stream {}", view_bytes, count * stride));
     packed_.push_back(packed);
   }
 
@@ -287,10 +295,7 @@ class AccessorCheck {
         bad(*normalised, "only bytes and shorts can be normalised", Code::E6204);
     }
     for (const char* key : {"min", "max"})
-      if (const Json* bound = json.find(key);
-          bound && bound->items.size() != static_cast<std::size_t>(a.width))
-        bad(*bound, fmt::format("'{}' has {} numbers, not {}", key, bound->items.size(), a.width),
-            Code::E6204);
+      if (const Json* bound = json.find(key)) check_bound(a, *bound, key);
     if (a.matrix && a.offset % 4 != 0)
       sound = bad(json, fmt::format("a matrix at offset {}, not a multiple of 4", a.offset));
     if (const Json* view = json.find("bufferView")) {
@@ -306,7 +311,24 @@ class AccessorCheck {
     a.sound = sound;
   }
 
-  // Whether count elements lie in the view. A view that is not sound was reported.
+  // Bounds of integers are integers, and of their type.
+  void check_bound(const Accessor& a, const Json& bound, const char* key) {
+    if (bound.items.size() != static_cast<std::size_t>(a.width))
+      bad(bound, fmt::format("'{}' has {} numbers, not {}", key, bound.items.size(), a.width),
+          Code::E6204);
+    if (a.is_float()) return;
+    const bool with_sign = a.component == 5120 || a.component == 5122;
+    const double values = std::ldexp(1.0, 8 * static_cast<int>(component_bytes(a.component)));
+    const double least = with_sign ? -values / 2 : 0, most = least + values - 1;
+    for (const Json& x : bound.items)
+      if (!x.integral || x.number < least || x.number > most)
+        bad(x,
+            fmt::format("'{}' is {}, which type {} cannot hold", key, format_double(x.number),
+                        a.component),
+            Code::E6204);
+  }
+
+  // Whether count elements lie in the view, there or not. A view without a length was reported.
   bool fits(const Json& json, const View& view, std::uint64_t offset, std::uint64_t count,
             std::uint64_t stride, std::uint64_t element, std::size_t component) {
     if (offset % component != 0)
@@ -314,11 +336,11 @@ class AccessorCheck {
     if ((view.offset + offset) % component != 0)
       return bad(json, fmt::format("the offset {} in the buffer is not a multiple of {}",
                                    view.offset + offset, component));
-    if (!view.sound) return false;
-    const std::uint64_t size = view.bytes.size();
+    const std::uint64_t size = view.length;
+    if (size == 0) return false;
     if (offset <= size && element <= size - offset &&
         count - 1 <= (size - offset - element) / stride)
-      return true;
+      return view.sound;
     return bad(json, fmt::format("{} elements of {} bytes from {} on do not fit into the view's {}",
                                  count, element, offset, size));
   }
@@ -345,7 +367,18 @@ class AccessorCheck {
                  component_bytes(a.component)) &&
             sound;
     a.is_sparse = sound;
+    if (sound) check_places(a, json);
     return sound;
+  }
+
+  // The elements that sparse values are for.
+  void check_places(const Accessor& a, const Json& json) {
+    const std::vector<std::uint32_t> places = sparse_places(d_, a);
+    const auto increases = [](std::uint32_t p, std::uint32_t q) { return p < q; };
+    if (std::adjacent_find(places.begin(), places.end(), std::not_fn(increases)) != places.end())
+      bad(json, "the indices of sparse values do not increase", Code::E6207);
+    if (std::any_of(places.begin(), places.end(), [&](std::uint32_t p) { return p >= a.count; }))
+      bad(json, "a sparse value is for an element that is not there", Code::E6207);
   }
 
   Document& d_;

@@ -69,6 +69,7 @@ class MeshCheck {
 
   void run() {
     count_users();
+    find_uses();
     Json* meshes = d_.root.find("meshes");
     if (!meshes) return;
     for (std::size_t m = 0; m < meshes->items.size(); ++m) {
@@ -106,6 +107,41 @@ class MeshCheck {
         count(primitive.find("attributes"));
         for (const Json& target : primitive.list("targets")) count(&target);
       }
+  }
+
+  // An accessor holds vertices, indices, matrices of skins or keys of animations, one of these.
+  void find_uses() {
+    std::vector<std::string_view> uses(d_.accessors.size());
+    const auto use = [&](const Json* item, std::string_view as) {
+      if (!item) return;
+      std::string_view& known = uses[index_in(*item)];
+      if (!known.empty() && known != as)
+        d_.report(Code::E6211, item, pointer("accessors", index_in(*item)),
+                  fmt::format("the accessor holds {} and {}", known, as));
+      known = as;
+    };
+    const auto use_all = [&](const Json* attributes) {
+      if (!attributes) return;
+      for (const Json& accessor : attributes->items) use(&accessor, "vertices");
+    };
+    for (const Json& mesh : d_.root.list("meshes"))
+      for (const Json& primitive : mesh.list("primitives")) {
+        use_all(primitive.find("attributes"));
+        use(primitive.find("indices"), "indices");
+        for (const Json& target : primitive.list("targets")) use_all(&target);
+      }
+    for (const Json& skin : d_.root.list("skins"))
+      use(skin.find("inverseBindMatrices"), "matrices of a skin");
+    for (const Json& animation : d_.root.list("animations"))
+      for (const Json& sampler : animation.list("samplers")) {
+        use(sampler.find("input"), "times of an animation");
+        use(sampler.find("output"), "values of an animation");
+      }
+  }
+
+  // A number type or shape that nobody knows was taken out, as a deviation; who reads it cannot.
+  static bool has_format(const Accessor& a) {
+    return a.json->find("componentType") && a.json->find("type");
   }
 
   static bool is_packed(const Json& primitive) {
@@ -168,8 +204,10 @@ class MeshCheck {
   bool attribute(const Json& item, const std::string& name, bool packed, bool target) {
     const Semantic semantic = semantic_of(name);
     const Accessor& a = d_.accessors[index_in(item)];
-    if (!semantic.known || a.json->broken) return false;
+    if (!semantic.known) return false;
     const std::string below = (target ? "/" : "/attributes/") + name;
+    if (!has_format(a)) return wrong(&item, below, "the accessor has no type that is known");
+    if (a.json->broken) return false;
     if (semantic.custom) {
       if (a.component == kUnsignedInt)
         wrong(&item, below, "32-bit integers are not allowed in vertices");
@@ -202,6 +240,7 @@ class MeshCheck {
     const bool integers = a.component == kUnsignedByte || a.component == kUnsignedShort ||
                           a.component == kUnsignedInt;
     bool readable = !a.json->broken && (a.sound || is_packed(json));
+    if (!has_format(a)) wrong(item, "/indices", "the accessor has no type that is known");
     if (!a.json->broken && (a.width != 1 || !integers || a.normalised)) {
       wrong(item, "/indices", "indices are single unsigned integers");
       readable = false;

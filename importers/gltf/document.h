@@ -29,6 +29,7 @@ struct View {
   std::shared_ptr<std::vector<std::byte>> decoded;
   std::uint32_t stride = 0;  // 0: not given
   std::uint64_t offset = 0;  // in the buffer
+  std::uint64_t length = 0;  // as declared, or decoded; 0: not known
   bool sound = false;
   bool compressed = false;
 };

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <charconv>
+#include <optional>
 
 #include "base/text.h"
 #include "importers/gltf/build.h"
@@ -130,11 +132,25 @@ class Reader {
     return true;
   }
 
-  bool refuse_version(const Json* at, const std::string& version) {
+  bool refuse_version(const Json* at, const std::string& version, std::string_view read = "2.x") {
     d_.report(Code::E6202, at, "/asset/version",
-              fmt::format("version {} of glTF; 2.x is read", in_quotes(version)),
+              fmt::format("version {} of glTF; {} is read", in_quotes(version), read),
               "convert it to glTF 2.0 first");
     return false;
+  }
+
+  using Version = std::pair<int, int>;
+
+  // "2.0" → 2 and 0.
+  static std::optional<Version> version_of(std::string_view text) {
+    Version version;
+    const char* const end = text.data() + text.size();
+    const auto major = std::from_chars(text.data(), end, version.first);
+    if (major.ec != std::errc() || major.ptr == end || *major.ptr != '.') return std::nullopt;
+    const auto minor = std::from_chars(major.ptr + 1, end, version.second);
+    if (minor.ec != std::errc() || minor.ptr != end) return std::nullopt;
+    if (version.first < 0 || version.second < 0) return std::nullopt;
+    return version;
   }
 
   bool accept_version() {
@@ -145,15 +161,16 @@ class Reader {
     if (!version && meshes && meshes->is(Json::Kind::object)) return refuse_version(meshes, "1.0");
     if (!version) return true;
     if (!version->is(Json::Kind::string)) return true;
-    const std::string& text = version->text;
-    const std::size_t point = text.find('.');
-    const bool digits = point != text.npos && point > 0 && point + 1 < text.size() &&
-                        text.find_first_not_of("0123456789.") == text.npos &&
-                        text.find('.', point + 1) == text.npos;
-    if (!digits || text.substr(0, point) != "2") return refuse_version(version, text);
+    const std::optional<Version> written = version_of(version->text);
+    if (!written || written->first != 2) return refuse_version(version, version->text);
     const Json* least = asset->find("minVersion");
-    if (least && least->is(Json::Kind::string) && least->text != "2.0" && least->text != "2.1")
-      return refuse_version(least, least->text);
+    if (!least || !least->is(Json::Kind::string)) return true;
+    const std::optional<Version> needed = version_of(least->text);
+    if (!needed || *needed > Version{2, 1}) return refuse_version(least, least->text, "2.0 or 2.1");
+    if (*needed > *written)
+      d_.report(Code::E6204, least, "/asset/minVersion",
+                fmt::format("it needs version {} and is version {}", in_quotes(least->text),
+                            in_quotes(version->text)));
     return true;
   }
 
@@ -168,7 +185,7 @@ class Reader {
     bool accepted = true;
     for (const std::string& name : d_.required) {
       if (!d_.used.contains(name))
-        d_.report(Code::W6215, nullptr, "/extensionsRequired",
+        d_.report(Code::E6204, nullptr, "/extensionsRequired",
                   fmt::format("{} is required and not listed as used", in_quotes(name)));
       if (reads(name) || is_harmless(name)) continue;
       d_.report(Code::E6209, d_.root.find("extensionsRequired"), "/extensionsRequired",

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "base/text.h"
@@ -12,8 +13,72 @@ namespace {
 using Kind = Json::Kind;
 
 constexpr std::size_t kNobody = ~std::size_t{0};
-// what rounding to single precision and a few digits do to the length of a quaternion
-constexpr double kUnit = 5e-4;
+// what rounding to bytes does to the length of a quaternion, as the validator allows it
+constexpr double kUnit = 0.00769;
+
+// The largest sum of the magnitudes in a column.
+double norm_of(const std::array<float, 16>& m) {
+  double norm = 0;
+  for (std::size_t c = 0; c < 16; c += 4)
+    norm = std::fmax(norm, std::fabs(static_cast<double>(m[c])) +
+                               std::fabs(static_cast<double>(m[c + 1])) +
+                               std::fabs(static_cast<double>(m[c + 2])) +
+                               std::fabs(static_cast<double>(m[c + 3])));
+  return norm;
+}
+
+// Whether a matrix is a translation, rotation and scale as the validator sees it: taken apart and
+// put together in single precision it has the same norm. Shears that keep the norm go unseen.
+bool is_trs(const std::vector<Json>& numbers) {
+  std::array<float, 16> m{};
+  for (std::size_t i = 0; i < 16; ++i) m[i] = static_cast<float>(numbers[i].number);
+  Mat3 columns;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t k = 0; k < 3; ++k)
+      columns[static_cast<int>(c)][static_cast<int>(k)] = static_cast<double>(m[4 * c + k]);
+  const double determinant = glm::determinant(columns);
+  if (determinant == 0) return false;
+  double scale[3];
+  for (int c = 0; c < 3; ++c) scale[c] = glm::length(columns[c]);
+  if (determinant < 0) scale[0] = -scale[0];
+  float r[3][3];  // columns
+  for (int c = 0; c < 3; ++c)
+    for (int k = 0; k < 3; ++k) r[c][k] = static_cast<float>(columns[c][k] / scale[c]);
+  // Shoemake, "Animating rotation with quaternion curves", 1985
+  float q[4];
+  const double trace =
+      static_cast<double>(r[0][0]) + static_cast<double>(r[1][1]) + static_cast<double>(r[2][2]);
+  const auto difference = [&](int a, int b) {
+    return static_cast<double>(r[a][b]) - static_cast<double>(r[b][a]);
+  };
+  if (trace > 0) {
+    const double root = std::sqrt(trace + 1);
+    q[3] = static_cast<float>(root / 2);
+    for (int k = 0; k < 3; ++k)
+      q[k] = static_cast<float>(difference((k + 1) % 3, (k + 2) % 3) / (2 * root));
+  } else {
+    const int i = r[0][0] < r[1][1] ? (r[1][1] < r[2][2] ? 2 : 1) : (r[0][0] < r[2][2] ? 2 : 0);
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const double root = std::sqrt(2 * static_cast<double>(r[i][i]) - trace + 1);
+    q[i] = static_cast<float>(root / 2);
+    q[3] = static_cast<float>(difference(j, k) / (2 * root));
+    for (const int other : {j, k})
+      q[other] = static_cast<float>(
+          (static_cast<double>(r[i][other]) + static_cast<double>(r[other][i])) / (2 * root));
+  }
+  const double x = static_cast<double>(q[0]), y = static_cast<double>(q[1]),
+               z = static_cast<double>(q[2]), w = static_cast<double>(q[3]);
+  const double turned[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
+                               {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
+                               {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)}};
+  std::array<float, 16> again = m;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t k = 0; k < 3; ++k)
+      again[4 * c + k] = static_cast<float>(static_cast<double>(static_cast<float>(turned[c][k])) *
+                                            static_cast<double>(static_cast<float>(scale[c])));
+  constexpr double kClose = 5e-5;  // the validator's
+  return std::fabs(norm_of(again) - norm_of(m)) < kClose;
+}
 
 std::size_t index_in(const Json& json) { return static_cast<std::size_t>(json.number); }
 
@@ -107,6 +172,9 @@ class NodePass {
       if (m[3].number != 0 || m[7].number != 0 || m[11].number != 0 || m[15].number != 1) {
         d_.report(Code::E6207, matrix, at + "/matrix", "the last row of the matrix is not 0 0 0 1");
         node.erase("matrix");
+      } else if (!is_trs(m)) {
+        d_.report(Code::E6207, matrix, at + "/matrix",
+                  "the matrix is no translation, rotation and scale: it shears or flattens");
       }
     }
     if (const Json* rotation = node.find("rotation")) {

@@ -82,27 +82,16 @@ std::uint32_t index_at(const std::byte* from, int component) {
   return load<std::uint32_t>(from);
 }
 
-// The places that sparse values go to; reports those that are not in order or too large.
-std::vector<std::uint32_t> sparse_places(Document& document, const Accessor& a,
-                                         const std::string& object) {
+}  // namespace
+
+std::vector<std::uint32_t> sparse_places(const Document& document, const Accessor& a) {
   const std::byte* from = document.views[a.sparse.index_view].bytes.data() + a.sparse.index_offset;
   const std::size_t size = component_bytes(a.sparse.index_component);
   std::vector<std::uint32_t> places(a.sparse.count);
-  bool in_order = true, in_range = true;
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < places.size(); ++i)
     places[i] = index_at(from + i * size, a.sparse.index_component);
-    in_order = in_order && (i == 0 || places[i] > places[i - 1]);
-    in_range = in_range && places[i] < a.count;
-  }
-  if (!in_order)
-    document.report(Code::E6207, a.json, object, "the indices of sparse values do not increase");
-  if (!in_range)
-    document.report(Code::E6207, a.json, object,
-                    "a sparse value is for an element that is not there");
   return places;
 }
-
-}  // namespace
 
 double scale_of(int component, bool normalised) {
   if (!normalised) return 1;
@@ -155,7 +144,7 @@ std::vector<Vector> read_vectors(Document& document, std::size_t accessor,
   if (a.is_sparse) {
     const std::byte* from =
         document.views[a.sparse.value_view].bytes.data() + a.sparse.value_offset;
-    const std::vector<std::uint32_t> places = sparse_places(document, a, object);
+    const std::vector<std::uint32_t> places = sparse_places(document, a);
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (places[i] >= a.count) continue;
       convert_element(plan, from + i * a.element, numbers + places[i] * kWidth);
@@ -194,7 +183,7 @@ std::vector<std::uint32_t> read_indices(Document& document, std::size_t accessor
   if (a.is_sparse) {
     const std::byte* from =
         document.views[a.sparse.value_view].bytes.data() + a.sparse.value_offset;
-    const std::vector<std::uint32_t> places = sparse_places(document, a, object);
+    const std::vector<std::uint32_t> places = sparse_places(document, a);
     for (std::size_t i = 0; i < places.size(); ++i)
       if (places[i] < a.count) out[places[i]] = index_at(from + i * a.element, a.component);
   }

@@ -142,6 +142,11 @@ class SchemaPass {
   explicit SchemaPass(Document& document) : document_(document) {
     for (const Rule& rule : table().types.at("root").rules)
       if (rule.kind == "list") sizes_[rule.name] = document.root.list(rule.name).size();
+    const Json* all = document.root.find("extensions");
+    for (const auto& [extension, list] : {std::pair("KHR_lights_punctual", "lights"),
+                                          std::pair("KHR_materials_variants", "variants")})
+      if (const Json* found = all ? all->find(extension) : nullptr)
+        sizes_[list] = found->list(list).size();
   }
 
   void run() {
@@ -264,7 +269,7 @@ class SchemaPass {
 
   bool list(const Rule& rule, Json& value, const Path& path) {
     if (!value.is(Kind::array)) return wrong_type(value, path, "a list");
-    if (value.items.empty() && rule.length == 0) {
+    if (value.items.empty() && rule.length == 0 && rule.kind != "bounds") {
       report(Code::W6215, value, path, "an empty list; the property could be left out");
       return false;
     }
@@ -278,16 +283,27 @@ class SchemaPass {
     for (std::size_t i = 0; i < value.items.size(); ++i) {
       Json& item = value.items[i];
       const Path at{&path, {}, i, true};
-      if (rule.kind == "nums")
+      if (rule.kind == "nums" || rule.kind == "bounds")
         good = number(rule, item, at, false) && good;
       else if (rule.kind == "strs")
-        good = (item.is(Kind::string) || wrong_type(item, at, "a string")) && good;
+        good = text_of_list(value.items, i, at) && good;
       else if (rule.kind == "maps")
         element_map(rule, item, at);
       else
         element(rule, item, at);
     }
     return good;
+  }
+
+  // A name that stands twice is reported and kept.
+  bool text_of_list(const std::vector<Json>& items, std::size_t i, const Path& at) {
+    if (!items[i].is(Kind::string)) return wrong_type(items[i], at, "a string");
+    const auto end = items.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto equal = [&](const Json& item) { return item.text == items[i].text; };
+    if (std::find_if(items.begin(), end, equal) != end)
+      report(Code::E6204, items[i], at,
+             fmt::format("{} stands twice in the list", shown(items[i])));
+    return true;
   }
 
   void element_map(const Rule& rule, Json& item, const Path& at) {
@@ -353,15 +369,19 @@ class SchemaPass {
         drop.push_back(name);
       } else if (type != table().extensions.end()) {
         object(type->second, extension, here);
+        extensions("extension", extension, here);
         if (extension.broken) drop.push_back(name);
       } else if (known) {
         report(Code::W6215, extension, here, "the extension means nothing at this place");
         drop.push_back(name);
       }
     }
-    for (const std::string& name : drop) all->erase(name);
-    if (!drop.empty() && owner == "primitive") value.broken = true;
-    if (!drop.empty() && owner == "bufferView") value.broken = true;
+    for (const std::string& name : drop) {
+      all->erase(name);
+      // what was packed is lost
+      if (owner == "primitive" && name == "KHR_draco_mesh_compression") value.broken = true;
+      if (owner == "bufferView" && name.ends_with("_meshopt_compression")) value.broken = true;
+    }
   }
 
   void depends(Json& value, const Path& path, std::string_view property, std::string_view on) {
@@ -377,10 +397,23 @@ class SchemaPass {
     report(Code::E6204, value, path, fmt::format("exactly one of '{}' and '{}' is needed", a, b));
   }
 
-  std::size_t light_count() const {
-    const Json* all = document_.root.find("extensions");
-    const Json* lights = all ? all->find("KHR_lights_punctual") : nullptr;
-    return lights ? lights->list("lights").size() : 0;
+  // A camera has what its type says, and no other.
+  void camera(Json& value, const Path& path) {
+    const Json* type = value.find("type");
+    if (!type) return;
+    if (value.find("orthographic") && value.find("perspective"))
+      report(Code::E6204, value, path, "only one of 'orthographic' and 'perspective' may be given");
+    else if (!value.find(type->text))
+      report(Code::E6204, value, path, fmt::format("'{}' is missing", type->text));
+  }
+
+  void variants(const Json& value, const Path& path) {
+    std::set<double> seen;
+    for (const Json& mapping : value.list("mappings"))
+      for (const Json& variant : mapping.list("variants"))
+        if (!seen.insert(variant.number).second)
+          report(Code::E6204, variant, Path{&path, "mappings"},
+                 fmt::format("variant {} is mapped twice", format_double(variant.number)));
   }
 
   // What the table cannot say.
@@ -405,7 +438,8 @@ class SchemaPass {
                            samplers));
       }
     }
-    if (type == "camera") one_of(value, path, "orthographic", "perspective");
+    if (type == "camera") camera(value, path);
+    if (type == "@KHR_materials_variants") variants(value, path);
     if (type == "bufferView") {
       const Json* stride = value.find("byteStride");
       if (stride && std::fmod(stride->number, 4) != 0) {
@@ -413,14 +447,15 @@ class SchemaPass {
                fmt::format("{} is not a multiple of 4", format_double(stride->number)));
         value.broken = true;
       }
-    }
-    if (type == "@KHR_lights_punctual") {
-      const Json* light = value.find("light");
-      const std::size_t lights = light_count();
-      if (light && light->number >= static_cast<double>(lights))
-        report(Code::E6205, *light, Path{&path, "light"},
-               fmt::format("there is no light {}; the file has {}", format_double(light->number),
-                           lights));
+      const Json* length = value.find("byteLength");
+      if (stride && length && stride->number > length->number)
+        report(Code::E6204, *stride, Path{&path, "byteStride"},
+               fmt::format("a stride of {} in a view of {} bytes", format_double(stride->number),
+                           format_double(length->number)));
+      const Json* target = value.find("target");
+      if (stride && target && target->number == 34963)
+        report(Code::E6204, *stride, Path{&path, "byteStride"},
+               "the view of indices has a byteStride");
     }
     if (type == "@KHR_materials_ior") {
       const Json* ior = value.find("ior");

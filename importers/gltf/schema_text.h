@@ -6,7 +6,7 @@ namespace panwright::importers::gltf {
 // A line is a type of object and its properties, `name=kind`, `name!=kind` where it must be there:
 //   id.X, ids.X, map.X   an index into the array X of the root; several; several by name
 //   int(a,b) num(a,b)    within bounds, the last of which may be missing; num(>a): above a
-//   nums:N(a,b)          N numbers; nums: any number of them
+//   nums:N(a,b)          N numbers; nums: any number of them; bounds: the same, or none
 //   enum(…) word(…)      one of these; others are a deviation, not an error
 //   obj.T list.T         an object of type T; one or more of them
 //   bool str strs uri any ints
@@ -15,7 +15,7 @@ namespace panwright::importers::gltf {
 inline constexpr const char* kSchema = R"(
 root asset!=obj.asset extensionsUsed=strs extensionsRequired=strs accessors=list.accessor animations=list.animation buffers=list.buffer bufferViews=list.bufferView cameras=list.camera images=list.image materials=list.material meshes=list.mesh nodes=list.node samplers=list.sampler scene=id.scenes scenes=list.scene skins=list.skin textures=list.texture
 asset copyright=str generator=str version!=str minVersion=str
-accessor bufferView=id.bufferViews byteOffset=int(0) componentType!=enum(5120,5121,5122,5123,5125,5126) normalized=bool count!=int(1) type!=word(SCALAR,VEC2,VEC3,VEC4,MAT2,MAT3,MAT4) max=nums min=nums sparse=obj.sparse name=str
+accessor bufferView=id.bufferViews byteOffset=int(0) componentType!=enum(5120,5121,5122,5123,5125,5126) normalized=bool count!=int(1) type!=word(SCALAR,VEC2,VEC3,VEC4,MAT2,MAT3,MAT4) max=bounds min=bounds sparse=obj.sparse name=str
 sparse count!=int(1) indices!=obj.sparseIndices values!=obj.sparseValues
 sparseIndices bufferView!=id.bufferViews byteOffset=int(0) componentType!=enum(5121,5123,5125)
 sparseValues bufferView!=id.bufferViews byteOffset=int(0)
@@ -42,7 +42,9 @@ channel sampler!=int(0) target!=obj.target
 target node=id.nodes path!=word(translation,rotation,scale,weights,pointer)
 animationSampler input!=id.accessors interpolation=word(LINEAR,STEP,CUBICSPLINE) output!=id.accessors
 light color=nums:3(0,1) intensity=num(0) range=num(>0) type!=word(directional,point,spot) spot=obj.spot name=str
-spot innerConeAngle=num(0) outerConeAngle=num(>0)
+spot innerConeAngle=num(0,1.5707963267948966) outerConeAngle=num(>0,1.5707963267948966)
+variant name!=str
+variantMapping material!=id.materials variants!=ids.variants name=str
 articulation name!=str stages!=list.stage pointingVector=nums:3
 stage name!=str type!=word(xTranslate,yTranslate,zTranslate,xRotate,yRotate,zRotate,xScale,yScale,zScale,uniformScale) minimumValue=num maximumValue=num initialValue=num
 @KHR_draco_mesh_compression primitive bufferView!=id.bufferViews attributes!=ints
@@ -60,6 +62,7 @@ stage name!=str type!=word(xTranslate,yTranslate,zTranslate,xRotate,yRotate,zRot
 @KHR_materials_clearcoat material clearcoatFactor=num(0,1) clearcoatTexture=obj.textureInfo clearcoatRoughnessFactor=num(0,1) clearcoatRoughnessTexture=obj.textureInfo clearcoatNormalTexture=obj.normalTextureInfo
 @KHR_materials_emissive_strength material emissiveStrength=num(0)
 @KHR_materials_unlit material
+@KHR_materials_dispersion material dispersion=num(0)
 @KHR_materials_pbrSpecularGlossiness material diffuseFactor=nums:4(0,1) diffuseTexture=obj.textureInfo specularFactor=nums:3(0,1) glossinessFactor=num(0,1) specularGlossinessTexture=obj.textureInfo
 @KHR_materials_sheen material sheenColorFactor=nums:3(0,1) sheenColorTexture=obj.textureInfo sheenRoughnessFactor=num(0,1) sheenRoughnessTexture=obj.textureInfo
 @KHR_materials_transmission material transmissionFactor=num(0,1) transmissionTexture=obj.textureInfo
@@ -67,7 +70,10 @@ stage name!=str type!=word(xTranslate,yTranslate,zTranslate,xRotate,yRotate,zRot
 @KHR_materials_anisotropy material anisotropyStrength=num(0,1) anisotropyRotation=num anisotropyTexture=obj.textureInfo
 @KHR_materials_iridescence material iridescenceFactor=num(0,1) iridescenceTexture=obj.textureInfo iridescenceIor=num(1) iridescenceThicknessMinimum=num(0) iridescenceThicknessMaximum=num(0) iridescenceThicknessTexture=obj.textureInfo
 @KHR_lights_punctual root lights!=list.light
-@KHR_lights_punctual node light!=int(0)
+@KHR_lights_punctual node light!=id.lights
+@KHR_materials_variants root variants!=list.variant
+@KHR_materials_variants primitive mappings!=list.variantMapping
+@KHR_animation_pointer target pointer!=str
 @AGI_articulations root articulations=list.articulation
 @AGI_articulations node articulationName=str isAttachPoint=bool
 )";

@@ -1,5 +1,10 @@
 #include "importers/gltf/skins.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/text.h"
 #include "geometry/strip.h"
 #include "importers/gltf/read.h"
 
@@ -63,6 +68,7 @@ geometry::MeshShape SkinPoser::posed(int skin, const geometry::Mesh& mesh,
   const std::vector<Mat4>& joints = joints_of(skin);
   auto out = std::make_shared<geometry::Mesh>(mesh);
   const std::size_t vertices = mesh.positions.size();
+  std::size_t beyond = 0;
   for (std::size_t v = 0; v < vertices; ++v) {
     Mat4 moved(0);
     double sum = 0;
@@ -70,7 +76,9 @@ geometry::MeshShape SkinPoser::posed(int skin, const geometry::Mesh& mesh,
       for (int k = 0; k < 4; ++k) {
         const double weight = weights.weights[set * vertices + v][k];
         const double joint = weights.joints[set * vertices + v][k];
-        if (weight == 0 || !(joint >= 0 && joint < static_cast<double>(joints.size()))) continue;
+        const bool is_there = joint < static_cast<double>(joints.size());
+        if (!is_there) ++beyond;
+        if (weight == 0 || !is_there) continue;
         moved += weight * joints[static_cast<std::size_t>(joint)];
         sum += weight;
       }
@@ -81,8 +89,12 @@ geometry::MeshShape SkinPoser::posed(int skin, const geometry::Mesh& mesh,
     if (mesh.normals.empty()) continue;
     const Vec3 normal = cofactor(Mat3(moved)) * mesh.normals[v];
     const double length = glm::length(normal);
-    if (length > 1e-300 && is_finite(normal / length)) out->normals[v] = normal / length;
+    if (length > 1e-300 && std::isfinite(length)) out->normals[v] = normal / length;
   }
+  if (beyond > 0)
+    document_.report(Code::E6207, nullptr, pointer("skins", static_cast<std::size_t>(skin)),
+                     fmt::format("{} of its mesh are for joints past the last of {}; left out",
+                                 counted(beyond, "weight"), joints.size()));
   if (out->normals.empty()) geometry::compute_normals(*out, document_.options.crease_angle);
   return out;
 }

@@ -210,7 +210,7 @@ class SurfaceReader {
     keep_if_fitting(mesh.normals, "NORMAL");
     mesh.colours = source_.read<Vec3>("COLOR_0");
     keep_if_fitting(mesh.colours, "COLOR_0");
-    for (Vec3& colour : mesh.colours) colour = glm::clamp(colour, Vec3(0), Vec3(1));
+    clamp_colours(mesh.colours);
     read_texcoords(texcoords, out);
     if (!triangles(mesh)) return Surface{};
     morph(weights, mesh);
@@ -291,6 +291,18 @@ class SurfaceReader {
     wrong(Code::E6211, "/attributes/" + name,
           fmt::format("{} elements for {} vertices", list.size(), vertices_));
     list.clear();
+  }
+
+  void clamp_colours(std::vector<Vec3>& colours) {
+    std::size_t beyond = 0;
+    for (Vec3& colour : colours) {
+      const Vec3 within = glm::clamp(colour, Vec3(0), Vec3(1));
+      if (within != colour) ++beyond;
+      colour = within;
+    }
+    if (beyond > 0)
+      wrong(Code::W6212, "/attributes/COLOR_0",
+            fmt::format("{} are not within 0 to 1", counted(beyond, "colour")));
   }
 
   void read_texcoords(const TexcoordChoice& choice, Surface& out) {
