@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <vector>
 
 #include "base/file.h"
@@ -12,6 +13,9 @@
 #include "importers/vrml/vrml.h"
 #ifdef PANWRIGHT_STEP
 #include "importers/step/step.h"
+#endif
+#ifdef __GLIBC__
+#include <malloc.h>
 #endif
 
 namespace panwright::importers {
@@ -68,9 +72,17 @@ void report(Code code, const std::string& name, const std::string& message, Sour
     log.report(code, where, message, std::move(hint));
 }
 
+constexpr std::size_t kLarge = std::size_t{1} << 20;  // bytes of a text
+
+// What the lists of a file took stays with the allocator, beside a scene that is made into another.
+void give_back_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
 // Large texts of this reading (files from `first` on) that no diagnostic points into go with it.
 void drop_texts(FileId first, DiagnosticLog& log) {
-  constexpr std::size_t kLarge = std::size_t{1} << 20;  // bytes
   SourceMap& sources = log.sources();
   std::vector<bool> needed(sources.size(), false);
   for (const Diagnostic& entry : log.entries())
@@ -90,8 +102,8 @@ void drop_texts(FileId first, DiagnosticLog& log) {
   if (any) sources = std::move(kept);
 }
 
-Result<Imported> read_as(Format format, Files& files, const InputFile& file,
-                         const Options& options, DiagnosticLog& log) {
+Result<Imported> read_as(Format format, Files& files, const InputFile& file, const Options& options,
+                         DiagnosticLog& log) {
   switch (format) {
     case Format::vrml97:
     case Format::vrml1:
@@ -166,6 +178,7 @@ Result<Imported> import_from(Files& files, const std::string& path, const Option
   const InputFile file{path, name, unpacked.bytes, included_at};
   auto imported = read_as(format_of(text, path, options.assume), files, file, options, log);
   drop_texts(first, log);
+  if (text.size() >= kLarge) give_back_memory();
   if (imported) imported->scene.inputs.insert(imported->scene.inputs.begin(), {path, hash, size});
   return imported;
 }
