@@ -97,4 +97,13 @@ void draco(std::span<const std::byte> input) {
   import_and_check(files);
 }
 
+void mesh(std::span<const std::byte> input) {
+  const std::string bytes(reinterpret_cast<const char*>(input.data()), input.size());
+  const importers::MemoryFile obj[] = {{"m.obj", bytes}, {"m.mtl", bytes}};
+  import_and_check(obj);
+  if (bytes.starts_with("ply")) return;
+  const importers::MemoryFile stl[] = {{"m.stl", bytes}};
+  import_and_check(stl);
+}
+
 }  // namespace panwright::fuzz

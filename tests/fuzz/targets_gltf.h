@@ -1,4 +1,5 @@
-// What the fuzzers of glTF run on each input. They abort when something that must hold does not.
+// What the fuzzers of glTF and mesh files run on each input. They abort when something that must
+// hold does not.
 #pragma once
 
 #include <cstddef>
@@ -12,5 +13,9 @@ void gltf(std::span<const std::byte> input);
 
 // Reads the bytes as the Draco stream of an otherwise sound GLB file.
 void draco(std::span<const std::byte> input);
+
+// Reads the bytes as an OBJ file that is its own material library and as an STL file, or as PLY
+// where they begin so; checks what comes of it.
+void mesh(std::span<const std::byte> input);
 
 }  // namespace panwright::fuzz

@@ -37,6 +37,7 @@ constexpr const char* kFiles[] = {
     "spacecraft-gltf/grace-draco-webp.glb",
     "spacecraft-gltf/hubble-meshopt.glb",
     "spacecraft-gltf/ulysses-draco-webp.glb",
+    "small-bodies/bennu.obj",
 };
 
 fs::path corpus() {
