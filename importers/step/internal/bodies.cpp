@@ -17,6 +17,7 @@
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
 #include <cmath>
+#include <gp_Lin.hxx>
 #include <map>
 #include <unordered_map>
 
@@ -131,16 +132,28 @@ class FaceNormals {
     return (turned_ ? -1.0 : 1.0) * across / length;
   }
 
-  // At a pole or a tip, seen from a triangle there.
+  // At a pole or a tip, seen from a triangle there; inside: between its other corners.
   std::optional<Vec3> near(const gp_Pnt2d& uv, const gp_Pnt2d& inside) const {
     constexpr double kStep = 1e-3;
-    const auto beside = at(gp_Pnt2d(uv.XY() + kStep * (inside.XY() - uv.XY())));
+    gp_Pnt point;
+    gp_Vec du;
+    gp_Vec dv;
+    surface_.D1(uv.X(), uv.Y(), point, du, dv);
+    // the parameter that does not matter there says from which side the triangle comes
+    const bool tip_in_u = du.Magnitude() < dv.Magnitude();
+    gp_XY step = kStep * (inside.XY() - uv.XY());
+    if (tip_in_u)
+      step.SetX(inside.X() - uv.X());
+    else
+      step.SetY(inside.Y() - uv.Y());
+    const auto beside = at(gp_Pnt2d(uv.XY() + step));
     gp_Dir limit;
     if (!beside || geometry_.IsNull() || GeomLib::NormEstim(geometry_, uv, 1e-7, limit) > 1)
       return beside;
     const Vec3 n = (turned_ ? -1.0 : 1.0) * vec(limit.XYZ());
     // the limit has to be close to what is beside it; at the tip of a cone there is none
-    return glm::dot(n, *beside) > 0.99 ? n : *beside;
+    constexpr double kClose = 0.9999;
+    return glm::dot(n, *beside) > kClose ? n : *beside;
   }
 
  private:
@@ -175,8 +188,57 @@ std::vector<std::uint32_t> shared_nodes(const TopoDS_Face& face,
   return out;
 }
 
-// How far a face's triangles are from its surface, in millimetres: across the surface at the
-// middles of edges and triangles, where they are furthest off. Poles and tips are not looked at.
+// The distance of a point from a surface, in millimetres.
+//
+//   uv  of a point of the surface that is near
+double distance(const BRepAdaptor_Surface& surface, const gp_Pnt& point, gp_XY uv) {
+  switch (surface.GetType()) {
+    case GeomAbs_Plane:
+      return 0;  // by construction
+    case GeomAbs_Sphere:
+      return std::abs(point.Distance(surface.Sphere().Location()) - surface.Sphere().Radius());
+    case GeomAbs_Cylinder:
+      return std::abs(gp_Lin(surface.Cylinder().Axis()).Distance(point) -
+                      surface.Cylinder().Radius());
+    case GeomAbs_Cone: {
+      const gp_Cone cone = surface.Cone();
+      const double along = gp_Vec(cone.Location(), point).Dot(gp_Vec(cone.Axis().Direction()));
+      const double radius = cone.RefRadius() + along * std::tan(cone.SemiAngle());
+      return std::abs(gp_Lin(cone.Axis()).Distance(point) - std::abs(radius)) *
+             std::cos(cone.SemiAngle());
+    }
+    case GeomAbs_Torus: {
+      const gp_Torus torus = surface.Torus();
+      const double along = gp_Vec(torus.Location(), point).Dot(gp_Vec(torus.Axis().Direction()));
+      const double out = gp_Lin(torus.Axis()).Distance(point) - torus.MajorRadius();
+      return std::abs(std::sqrt(out * out + along * along) - torus.MinorRadius());
+    }
+    default:
+      break;
+  }
+  // the foot by two steps of Gauss and Newton
+  constexpr int kSteps = 2;
+  gp_Pnt foot;
+  gp_Vec du;
+  gp_Vec dv;
+  for (int i = 0;; ++i) {
+    surface.D1(uv.X(), uv.Y(), foot, du, dv);
+    const gp_Vec off(foot, point);
+    const double uu = du.Dot(du);
+    const double uw = du.Dot(dv);
+    const double ww = dv.Dot(dv);
+    const double determinant = uu * ww - uw * uw;
+    if (!(determinant > kSingular * uu * ww)) return off.Magnitude();
+    const double u = (ww * off.Dot(du) - uw * off.Dot(dv)) / determinant;
+    const double v = (uu * off.Dot(dv) - uw * off.Dot(du)) / determinant;
+    const gp_Vec across = du.Crossed(dv);
+    if (i == kSteps) return std::abs(off.Dot(across)) / across.Magnitude();
+    uv += gp_XY(u, v);
+  }
+}
+
+// How far a face's triangles are from its surface, in millimetres: at the middles of edges and
+// triangles, where they are furthest off.
 double deviation_of(const TopoDS_Face& face) {
   TopLoc_Location location;
   const Handle(Poly_Triangulation)& triangulation = BRep_Tool::Triangulation(face, location);
@@ -184,28 +246,21 @@ double deviation_of(const TopoDS_Face& face) {
   if (triangulation.IsNull() || !triangulation->HasUVNodes() || surface.GetType() == GeomAbs_Plane)
     return 0;
   const gp_Trsf transform = location.Transformation();
-  const FaceNormals normals(face, false);
   double worst = 0;
   for (int t = 1; t <= triangulation->NbTriangles(); ++t) {
     int node[3];
     triangulation->Triangle(t).Get(node[0], node[1], node[2]);
     gp_XYZ at[3];
     gp_XY uv[3];
-    bool regular = true;
     for (int k = 0; k < 3; ++k) {
       at[k] = triangulation->Node(node[k]).Transformed(transform).XYZ();
       uv[k] = triangulation->UVNode(node[k]).XY();
-      regular = regular && normals.at(gp_Pnt2d(uv[k]));
     }
-    if (!regular) continue;
-    const auto look = [&](const gp_XYZ& point, const gp_XY& there) {
-      const auto normal = normals.at(gp_Pnt2d(there));
-      if (!normal) return;
-      const gp_XYZ off = surface.Value(there.X(), there.Y()).XYZ() - point;
-      worst = std::max(worst, std::abs(glm::dot(vec(off), *normal)));
-    };
-    for (int k = 0; k < 3; ++k) look((at[k] + at[(k + 1) % 3]) / 2, (uv[k] + uv[(k + 1) % 3]) / 2);
-    look((at[0] + at[1] + at[2]) / 3, (uv[0] + uv[1] + uv[2]) / 3);
+    for (int k = 0; k < 3; ++k)
+      worst = std::max(worst, distance(surface, gp_Pnt((at[k] + at[(k + 1) % 3]) / 2),
+                                       (uv[k] + uv[(k + 1) % 3]) / 2));
+    worst = std::max(
+        worst, distance(surface, gp_Pnt((at[0] + at[1] + at[2]) / 3), (uv[0] + uv[1] + uv[2]) / 3));
   }
   return worst;
 }
@@ -216,6 +271,7 @@ void triangulate(const TopoDS_Shape& body, double deflection) {
   constexpr int kMostRounds = 4;
   double aim = deflection;
   for (int round = 0; round < kMostRounds; ++round) {
+    BRepTools::Clean(body);
     IMeshTools_Parameters parameters;
     parameters.Deflection = aim;
     parameters.Angle = kAngle;
@@ -237,7 +293,6 @@ void triangulate(const TopoDS_Shape& body, double deflection) {
     }
     if (!(worst > deflection) || round + 1 == kMostRounds) return;
     aim *= std::max(0.25, 0.95 * deflection / worst);
-    BRepTools::Clean(body);
   }
 }
 
@@ -292,9 +347,9 @@ bool add_face(const TopoDS_Face& face, SharedPoints& points, PatchBuilder& patch
       if (!singular[i]) continue;
       std::optional<Vec3> normal;
       if (has_uv) {
-        gp_XY middle(0, 0);
-        for (const int n : node) middle += triangulation->UVNode(n).XY() / 3;
-        normal = normals.near(triangulation->UVNode(node[k]), gp_Pnt2d(middle));
+        const gp_XY other = triangulation->UVNode(node[(k + 1) % 3]).XY();
+        const gp_XY third = triangulation->UVNode(node[(k + 2) % 3]).XY();
+        normal = normals.near(triangulation->UVNode(node[k]), gp_Pnt2d((other + third) / 2));
       }
       out[k] = patch.vertex(shared[i], positions[i], normal.value_or(flat));
     }

@@ -331,7 +331,7 @@ class Checker {
     const std::size_t failed_at = std::min(scanner_.at, bytes_.size());
     const std::size_t from = scanner_.next_entity(begin + 1);
     // behind the last entity only the end may follow
-    if (section_end_ < begin) section_end_ = bytes_.find("ENDSEC", begin);
+    if (section_end_ <= begin) section_end_ = bytes_.find("ENDSEC", begin + 1);
     const std::size_t end = std::min({from, section_end_, bytes_.size()});
     report(Code::E6601, begin, std::min(end, begin + 60),
            fmt::format("this statement cannot be read (at {}); it is left out",
