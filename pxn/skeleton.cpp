@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "base/text.h"
+#include "pxn/internal/pattern.h"
 #include "pxn/internal/reference.h"
 
 namespace panwright::pxn {
@@ -100,16 +102,6 @@ std::string in_comment(std::string text) {
   return text;
 }
 
-// A pattern that fits a name: what an attribute cannot hold as it is becomes '?'.
-std::string pattern_of(std::string_view name) {
-  std::string out(to_utf8(name, Encoding::utf8));
-  for (char& c : out)
-    if (static_cast<unsigned char>(c) < 0x20 || c == '{' || c == '}') c = '?';
-  if (out.front() == ' ') out.front() = '?';
-  if (out.back() == ' ') out.back() = '?';
-  return xml::escaped(out);
-}
-
 // A name of our own, of letters, digits and underscores.
 std::string own_name(std::string_view name, std::set<std::string>& taken) {
   std::string base;
@@ -151,7 +143,7 @@ std::string joint_lines(const importers::Imported& imported) {
     const std::string& node = imported.scene.nodes[static_cast<std::size_t>(joint.node)].name;
     out += "\n      ";
     out += in_comment(fmt::format("{} of node '{}', {} about {:.6g} {:.6g} {:.6g}",
-                                  joint.name.empty() ? "(no name)" : joint.name, node,
+                                  joint.name.empty() ? "(no name)" : pattern_of(joint.name), pattern_of(node),
                                   kind_of(joint.kind), joint.axis.x, joint.axis.y, joint.axis.z));
     if (joint.lower.size() == 1)
       out += fmt::format(", from {:.6g} to {:.6g}", joint.lower[0], joint.upper[0]);
@@ -187,44 +179,56 @@ Guess guessed_preset(const importers::CadMaterial& material) {
   return {"white_silicone", "no better guess: a paint of its colour", true};
 }
 
+std::vector<std::string> numbered_names(std::span<const importers::CadMaterial> materials) {
+  std::set<std::string, std::less<>> taken;
+  for (const importers::CadMaterial& material : materials) taken.insert(material.name);
+  std::map<std::string_view, std::size_t> count;
+  std::vector<std::string> out;
+  out.reserve(materials.size());
+  for (const importers::CadMaterial& material : materials) {
+    std::size_t& number = count[material.name];
+    std::string name = material.name;
+    if (++number > 1 || name.empty()) {
+      name = fmt::format("{}#{}", material.name, number);
+      while (!taken.insert(name).second) name = fmt::format("{}#{}", material.name, ++number);
+    }
+    out.push_back(std::move(name));
+  }
+  return out;
+}
+
 std::string skeleton(const importers::Imported& imported, std::string_view file,
                      std::string_view attributes) {
   const scene::Scene& scene = imported.scene;
   std::vector<char> worn(scene.materials.size());
   for (const scene::Instance& instance : scene.instances)
     worn[static_cast<std::size_t>(instance.material)] = 1;
+  // the names that patterns of the text are held against
+  std::vector<importers::CadMaterial> named = imported.materials;
+  for (importers::CadMaterial& cad : named) cad.name = to_utf8(cad.name, Encoding::utf8);
+  const std::vector<std::string> names = numbered_names(named);
   std::string materials, assigns;
-  std::set<std::string> taken, known;
-  std::size_t nameless = 0;
-  for (std::size_t i = 0; i < imported.materials.size(); ++i) {
-    const importers::CadMaterial& cad = imported.materials[i];
+  std::set<std::string> taken;
+  for (std::size_t i = 0; i < named.size(); ++i) {
     if (!worn[i]) continue;
-    if (cad.name.empty()) {
-      ++nameless;
-      continue;
-    }
-    if (!known.insert(cad.name).second) continue;
+    const importers::CadMaterial& cad = named[i];
     const Guess guess = guessed_preset(cad);
-    const std::string name = own_name(cad.name, taken);
+    const std::string name = own_name(names[i], taken);
     materials += fmt::format("  <!-- {}: {} -->\n  <material name=\"{}\" preset=\"{}\"",
-                             in_comment(to_utf8(cad.name, Encoding::utf8)), guess.reason, name,
-                             guess.preset);
+                             in_comment(pattern_of(names[i])), guess.reason, name, guess.preset);
     materials +=
         guess.keeps_colour
             ? fmt::format(">\n    <diffuse> {:.4g} {:.4g} {:.4g} </diffuse>\n  </material>\n",
                           cad.base_colour.x, cad.base_colour.y, cad.base_colour.z)
             : "/>\n";
-    assigns +=
-        fmt::format("    <assign materials=\"{}\" material=\"{}\"{}/>\n", pattern_of(cad.name),
-                    name, cad.textured && guess.keeps_colour ? " pictures=\"keep\"" : "");
+    assigns += fmt::format("    <assign materials=\"{}\" material=\"{}\"{}/>\n",
+                           xml::escaped(pattern_of(names[i])), name,
+                           cad.textured && guess.keeps_colour ? " pictures=\"keep\"" : "");
   }
   std::string out = "<pangu_model ver=\"1\">\n";
   if (!materials.empty())
     out += "  <!-- guesses: hold each against what the surface is made of -->\n";
   out += materials;
-  if (nameless > 0)
-    out += fmt::format("  <!-- {} of the file without a name as well: assign by nodes= -->\n",
-                       counted(nameless, "material"));
   if (!scene.joints.empty())
     out += "  <!-- joints of the file:" + joint_lines(imported) + "\n  -->\n";
   out += fmt::format("  <import file=\"{}\"{}", xml::escaped(file), attributes);

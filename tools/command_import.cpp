@@ -30,14 +30,14 @@ std::string attributes_of(const CadOptions& cad) {
   if (cad.keep_hidden) out += " hidden=\"keep\"";
   if (!cad.scene.empty()) out += fmt::format(" scene=\"{}\"", cad.scene);
   if (cad.primitives > 0) out += fmt::format(" primitives=\"{}\"", cad.primitives);
-  if (cad.deflection > 0)
-    out += fmt::format(" deflection=\"{}m\"", format_double(cad.deflection));
+  if (cad.deflection > 0) out += fmt::format(" deflection=\"{}m\"", format_double(cad.deflection));
   return out;
 }
 
 // The same where everything that decides the model must stand, in one line.
 std::string origin_of(const CadOptions& cad) {
-  std::string out = attributes_of(cad) + (cad.recentre ? " recentre" : "") + " assume=" + cad.assume;
+  std::string out =
+      attributes_of(cad) + (cad.recentre ? " recentre" : "") + " assume=" + cad.assume;
   return out;
 }
 
@@ -74,10 +74,12 @@ void describe(const importers::Imported& imported, Session& session) {
   out["textures"] = scene.textures.size();
   out["joints"] = scene.joints.size();
   out["size"] = {size.x, size.y, size.z};
+  const std::vector<std::string> names = pxn::numbered_names(imported.materials);
   Json materials = Json::array();
-  for (const importers::CadMaterial& material : imported.materials) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const importers::CadMaterial& material = imported.materials[i];
     const pxn::Guess guess = pxn::guessed_preset(material);
-    materials.push_back({{"name", to_utf8(material.name, Encoding::utf8)},
+    materials.push_back({{"name", to_utf8(names[i], Encoding::utf8)},
                          {"preset", guess.preset},
                          {"reason", guess.reason},
                          {"lost", material.lost}});
@@ -88,9 +90,9 @@ void describe(const importers::Imported& imported, Session& session) {
              counted(scene.nodes.size(), "node"), counted(scene.instances.size(), "instance"),
              counted(triangles_of(scene), "mesh triangle"), counted(scene.joints.size(), "joint"));
   fmt::print("size: {:.6g} x {:.6g} x {:.6g} m\n", size.x, size.y, size.z);
-  for (const importers::CadMaterial& material : imported.materials) {
-    const pxn::Guess guess = pxn::guessed_preset(material);
-    fmt::print("material {}: {} ({})\n", in_quotes(material.name), guess.preset, guess.reason);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const pxn::Guess guess = pxn::guessed_preset(imported.materials[i]);
+    fmt::print("material {}: {} ({})\n", in_quotes(names[i]), guess.preset, guess.reason);
   }
 }
 
@@ -150,7 +152,7 @@ int import_cad(const ImportOptions& options) {
   importers::Hygiene hygiene;
   auto imported = read_cad(options.input, options.read, session, &hygiene);
   if (!imported) return session.finish();
-  const std::size_t errors = log.errors();
+  std::size_t errors = log.errors();
   if (!options.report.empty() && !write_report(hygiene, imported->scene, options, session))
     return session.finish();
   if (options.output.empty()) {
@@ -177,6 +179,7 @@ int import_cad(const ImportOptions& options) {
     session.step({});
     const auto report = compiler::compile(imported->scene, compile, options.output, log);
     if (!report) return session.finish();
+    errors = log.errors();
     session.add_timing("tessellate", report->seconds_tessellate);
     session.add_timing("write", report->seconds_write);
     session.add_timing("sync to disk", report->seconds_sync);
@@ -185,7 +188,8 @@ int import_cad(const ImportOptions& options) {
     session.result()["unique_triangles"] = report->unique_triangles;
   }
   if (!options.common.json && errors > 0)
-    fmt::print(stderr, "panwright: wrote {} without what could not be read\n", options.output);
+    fmt::print(stderr, "panwright: wrote {} without what could not be read or made\n",
+               options.output);
   return session.finish();
 }
 

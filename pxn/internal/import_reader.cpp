@@ -10,6 +10,7 @@
 #include "importers/clean.h"
 #include "pxn/internal/loader.h"
 #include "pxn/internal/pattern.h"
+#include "pxn/skeleton.h"
 
 namespace panwright::pxn {
 
@@ -107,6 +108,7 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
       files, std::filesystem::path(found.path).filename().generic_string(), options,
       reporter_.log(), values.value_place(element, attribute::import_file));
   if (!imported) return std::nullopt;
+  note_unused(work, element, imported->format, cleaned);
   // first, as lengths of cleaning are metres of the world
   const std::size_t nodes = imported->scene.nodes.size();
   importers::place(*imported, importers::unit_of(units), importers::up_of(up), false,
@@ -121,8 +123,30 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
     node.name = to_utf8(node.name, Encoding::utf8);
   for (importers::CadMaterial& material : model.imported.materials)
     material.name = to_utf8(material.name, Encoding::utf8);
+  model.material_names = numbered_names(model.imported.materials);
   take_over(model, found);
   return index;
+}
+
+// Attributes that are for files of another format, or for cleaning that is switched off.
+void Loader::note_unused(Work& work, std::uint32_t element, importers::Format format,
+                         bool cleaned) {
+  using importers::Format;
+  Values& values = *work.file.values;
+  const auto note = [&](std::size_t which, const char* message) {
+    if (!values.has(element, which)) return;
+    reporter_.report(Code::N1405, values.value_place(element, which), work.file.document, element,
+                     [&] { return Reporter::Text(message); });
+  };
+  if (!cleaned) {
+    note(attribute::import_weld, "'weld' has no effect with clean=\"no\"");
+    note(attribute::import_normals, "'normals' has no effect with clean=\"no\"");
+  }
+  if (format != Format::gltf) note(attribute::import_scene, "'scene' is for glTF files only");
+  if (format != Format::vrml97 && format != Format::vrml1)
+    note(attribute::import_primitives, "'primitives' is for VRML files only");
+  if (format != Format::step)
+    note(attribute::import_deflection, "'deflection' is for STEP files only");
 }
 
 // Moves shapes, pictures and inputs of a CAD file into the scene.
@@ -202,10 +226,12 @@ std::vector<char> Loader::chosen_instances(Work& work, std::uint32_t rule, std::
   for (std::size_t i = 1; i < scene.nodes.size(); ++i) node_names.insert(scene.nodes[i].name);
   for (const importers::CadMaterial& material : model.imported.materials)
     material_names.insert(material.name);
+  for (const std::string& name : model.material_names) material_names.insert(name);
   narrow(
       nodes, "node",
       [&](const std::string& pattern) {
-        return [named = matching_nodes(scene, model.top, pattern)](const scene::Instance& instance) {
+        return [named = matching_nodes(scene, model.top, Pattern(pattern))](
+                   const scene::Instance& instance) {
           return named[static_cast<std::size_t>(instance.node)] != 0;
         };
       },
@@ -213,9 +239,12 @@ std::vector<char> Loader::chosen_instances(Work& work, std::uint32_t rule, std::
   narrow(
       materials, "material",
       [&](const std::string& pattern) {
-        return [&, pattern](const scene::Instance& instance) {
-          const auto material = static_cast<std::size_t>(instance.material);
-          return matches(pattern, model.imported.materials[material].name);
+        std::vector<char> named;
+        for (std::size_t i = 0; i < model.material_names.size(); ++i)
+          named.push_back(static_cast<char>(Pattern(pattern).fits(model.material_names[i]) ||
+                                            Pattern(pattern).fits(model.imported.materials[i].name)));
+        return [named = std::move(named)](const scene::Instance& instance) {
+          return named[static_cast<std::size_t>(instance.material)] != 0;
         };
       },
       material_names);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "pxn/internal/pattern.h"
@@ -65,6 +66,10 @@ std::multimap<std::string, std::string> dressed(const scene::Scene& scene) {
 
 using Pairs = std::pair<const std::string, std::string>;
 
+bool matches(std::string_view pattern, std::string_view text) {
+  return Pattern(pattern).fits(text);
+}
+
 TEST(Pattern, stars_and_question_marks) {
   EXPECT_TRUE(matches("", ""));
   EXPECT_TRUE(matches("*", ""));
@@ -77,6 +82,53 @@ TEST(Pattern, stars_and_question_marks) {
   EXPECT_FALSE(matches("panel", "Panel"));
   // one that would take for ever by trying
   EXPECT_FALSE(matches(std::string(40, '*') + "b", std::string(20000, 'a')));
+}
+
+TEST(Pattern, a_question_mark_is_a_whole_character) {
+  EXPECT_TRUE(matches("?", "\xc3\xa4"));
+  EXPECT_FALSE(matches("??", "\xc3\xa4"));
+  EXPECT_TRUE(matches("a*?z", "a\xe2\x82\xacz"));
+}
+
+TEST(Pattern, what_is_escaped_is_plain) {
+  EXPECT_TRUE(matches("a\\*", "a*"));
+  EXPECT_FALSE(matches("a\\*", "ab"));
+  EXPECT_TRUE(matches("\\?\\\\", "?\\"));
+  EXPECT_TRUE(matches("\\x7bx\\x7D", "{x}"));
+  EXPECT_TRUE(matches("a\\b", "a\\b"));
+  EXPECT_TRUE(matches("\\x7", "\\x7"));
+  EXPECT_TRUE(matches("a\\", "a\\"));
+}
+
+// Every name of up to three of these characters has a pattern that fits no other of them.
+TEST(Pattern, of_a_name_fits_it_alone) {
+  const std::string_view letters[] = {"a", "*",    "?",   "\\",       "{",           "}",
+                                      " ", "\x01", "x7b", "\xc3\xa4", "\xef\xbf\xbe"};
+  std::vector<std::string> names;
+  for (const auto a : letters) {
+    names.emplace_back(a);
+    for (const auto b : letters) {
+      names.push_back(std::string(a) + std::string(b));
+      for (const auto c : letters)
+        names.push_back(std::string(a) + std::string(b) + std::string(c));
+    }
+  }
+  for (std::size_t i = 0; i < names.size(); i += 7) {
+    const std::string text = pattern_of(names[i]);
+    const Pattern pattern(text);
+    for (const char c : text) EXPECT_TRUE(c >= ' ' || c < 0) << names[i];
+    EXPECT_EQ(text.find_first_of("{}"), text.npos) << names[i];
+    for (const std::string& name : names)
+      if (pattern.fits(name) != (name == names[i])) ADD_FAILURE() << text << " and " << name;
+  }
+}
+
+TEST(Pattern, numbers_tell_materials_of_one_name_apart) {
+  std::vector<importers::CadMaterial> materials(7);
+  const char* const names[] = {"foil", "", "foil", "foil#2", "", "foil", "#1"};
+  for (std::size_t i = 0; i < 7; ++i) materials[i].name = names[i];
+  EXPECT_THAT(numbered_names(materials),
+              ElementsAre("foil", "#2", "foil#3", "foil#2", "#3", "foil#4", "#1"));
 }
 
 TEST(Import, stands_where_it_is_put_with_its_own_materials) {
@@ -212,24 +264,56 @@ TEST(Skeleton, reads_back_with_every_material_of_the_file_assigned) {
   EXPECT_THAT(text, HasSubstr("preset=\"cells_silicon\""));
 }
 
-TEST(Skeleton, names_that_xml_and_patterns_cannot_hold) {
-  importers::Imported imported;
-  imported.scene.nodes.push_back({"root", scene::kNone, {}, {}});
-  const char* const names[] = {"a<b>&\"c\"", "50% {grey}", " --x-- ",
-                               "\xff\x01",   "3",          "a<b>&\"d\""};
-  for (const char* name : names) {
-    scene::Instance instance;
-    instance.material = static_cast<std::int32_t>(imported.scene.materials.size());
-    imported.scene.instances.push_back(instance);
-    imported.scene.materials.emplace_back();
-    imported.materials.push_back({});
-    imported.materials.back().name = name;
+// A row of triangles, each in a material with a name of its own kind.
+std::string triangles_with(const std::vector<std::string>& names) {
+  nlohmann::json out = {{"asset", {{"version", "2.0"}}}, {"scene", 0}};
+  out["buffers"] = {{{"byteLength", 36},
+                     {"uri",
+                      "data:application/octet-stream;base64,"
+                      "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}}};
+  out["bufferViews"] = {{{"buffer", 0}, {"byteLength", 36}}};
+  out["accessors"] = {{{"bufferView", 0},
+                       {"componentType", 5126},
+                       {"count", 3},
+                       {"type", "VEC3"},
+                       {"min", {0, 0, 0}},
+                       {"max", {1, 1, 0}}}};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    nlohmann::json material = {
+        {"pbrMetallicRoughness",
+         {{"baseColorFactor", {0.1 + 0.01 * static_cast<double>(i), 0.5, 0.5, 1}},
+          {"metallicFactor", 0}}}};
+    if (!names[i].empty()) material["name"] = names[i];
+    out["materials"].push_back(material);
+    out["meshes"].push_back(
+        {{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"material", i}}}}});
+    out["nodes"].push_back({{"mesh", i},
+                            {"name", "n" + std::to_string(i)},
+                            {"translation", {2 * static_cast<double>(i), 0, 0}}});
+    out["scenes"][0]["nodes"].push_back(i);
   }
-  const std::string text = skeleton(imported, "sat.wrl", "");
-  const MemoryFile model[] = {{"top.pxn", text}, {"sat.wrl", kBoxes}};
+  return out.dump();
+}
+
+TEST(Skeleton, each_material_is_assigned_its_own_whatever_its_name) {
+  const std::vector<std::string> names = {
+      "a<b>&\"c\"", "50% {grey}", " --x-- ",      "*", "3",   "a<b>&\"d\"", "foil", "",
+      "foil",       "\x01\x02",   "\xef\xbf\xbe", "?", "\\*", "",           "f*"};
+  const MemoryFile cad = {"sat.gltf", triangles_with(names)};
+  const importers::MemoryFile files[] = {{cad.path, cad.bytes}};
   DiagnosticLog log;
-  ASSERT_TRUE(read_memory(model, {}, log));
-  EXPECT_EQ(log.errors(), 0u) << text << to_text(log);
+  const auto imported = importers::import_memory(files, {}, log);
+  ASSERT_TRUE(imported) << to_text(log);
+  ASSERT_EQ(imported->materials.size(), names.size());
+  const std::string text = skeleton(*imported, "sat.gltf", "");
+  const MemoryFile model[] = {{"top.pxn", text}, cad};
+  const auto scene = read_memory(model, {}, log);
+  ASSERT_TRUE(scene) << text << to_text(log);
+  EXPECT_EQ(log.errors() + log.warnings(), 0u) << text << to_text(log);
+  // as many materials as there were, one on each node
+  std::set<std::string> worn;
+  for (const auto& [node, material] : dressed(*scene)) worn.insert(material);
+  EXPECT_EQ(worn.size(), names.size()) << text;
 }
 
 TEST(Guess, words_before_colours) {
