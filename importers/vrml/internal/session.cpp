@@ -265,18 +265,21 @@ Document* Session::document_at(std::string_view url, SourceSpan where, std::stri
                                Code& code) {
   // read once, whatever the outcome
   const std::string_view plain = url.substr(0, std::min(url.find('#'), url.size()));
-  if (!plain.empty()) {
-    if (const auto target = resolved(path_of(where.file), plain, true)) {
-      const auto known = documents_.find(*target);
-      if (known != documents_.end()) {
-        problem = fmt::format("{} cannot be used", in_quotes(plain));
+  const auto known_at = [&](const std::string& at) {
+    const auto known = documents_.find(at);
+    if (known != documents_.end()) problem = fmt::format("{} cannot be used", in_quotes(plain));
+    return known;
+  };
+  if (!plain.empty())
+    if (const auto target = resolved(path_of(where.file), plain, true))
+      if (const auto known = known_at(*target); known != documents_.end())
         return known->second.document.get();
-      }
-    }
-  }
   std::string path;
   const auto bytes = read(url, where, path, problem, code);
   if (!bytes) return nullptr;
+  // the name may have been another one of a file that is known
+  if (const auto known = known_at(path); known != documents_.end())
+    return known->second.document.get();
   const internal::Unpacked unpacked = internal::unpacked(bytes, options.limits.bytes);
   const std::string name = files.display_name(path);
   if (!unpacked.problem.empty()) log.report(Code::E6003, where, unpacked.problem);

@@ -171,6 +171,17 @@ TEST(VrmlExporters, FilesOfOtherCaseAndOfOtherFolders) {
   }
 }
 
+TEST(VrmlExporters, AFileByTwoNamesIsReadOnce) {
+  const auto reading = read_files(
+      {{"model.wrl", kHeader97 + "Inline { url \"part.wrl\" } Inline { url \"PART.wrl\" }\n" +
+                         "Inline { url \"C:\\\\part.wrl\" } Inline { url \"Model.wrl\" }"},
+       {"part.wrl", kHeader97 + kShape}});
+  EXPECT_EQ(reading->count(Code::W6118), 3u) << to_text(reading->log);
+  EXPECT_EQ(reading->count(Code::E6109), 1u) << to_text(reading->log);
+  EXPECT_EQ(reading->scene().instances.size(), 3u);
+  EXPECT_EQ(reading->scene().inputs.size(), 3u);
+}
+
 // ---- what is lost has its line
 
 std::string textured(const std::string& texture, const std::string& s) {
