@@ -585,8 +585,7 @@ void Parser::misplaced_node(Body& body) {
 void Parser::fields_of_10(Body& body) {
   const std::string_view keyword = word();
   accept('[');
-  while (!at_end()) {
-    skip_blanks();
+  for (skip_blanks(); !at_end(); skip_blanks()) {
     if (accept(']')) return;
     if (*p_ == '"') {
       std::string_view base;
