@@ -28,17 +28,15 @@ struct HitFilter {
 
 // Meshes that are stored once and placed many times.
 //
-// A ray goes into each mesh's own frame in double and is moved next to the mesh before it becomes
-// float; what the search finds is intersected again in double, and hits, distances and their order
-// are decided there. So neither the distance of a ray's origin nor that of other instances costs
-// precision: a hit lies on its triangle to some 1e-15 of the mesh's size and along the ray to the
-// rounding of the origin's coordinates. A ray that starts on one side of a triangle and leads away
-// from it never hits it. One that passes a triangle's outline within about 2e-6 of the mesh's
-// radius may be given as a hit on it, so that rays never slip between triangles. Triangles that are
-// seen edge on, or have no area, are not hit. At equal distances the lower instance, then the lower
-// triangle is given.
+// A ray goes into each mesh's own frame in double and is moved next to the mesh; there it is
+// decided as RayCaster does. So neither the distance of a ray's origin nor that of other instances
+// costs precision: a hit lies on its triangle to some 1e-15 of the mesh's size and along the ray to
+// the rounding of the origin's coordinates. A ray that starts on one side of a triangle and leads
+// away from it never hits it. No ray slips between triangles of one mesh that share an edge or a
+// corner, by their places. Triangles that are seen edge on, or have no area, are not hit. At equal
+// distances the lower instance, then the lower triangle is given.
 //
-// Cost: about 250 bytes a triangle of a mesh and 400 an instance; O(log instances + log T) a ray,
+// Cost: about 80 bytes a triangle of a mesh and 400 an instance; O(log instances + log T) a ray,
 // expected. Embree 3 within a mesh; among them a tree of boxes in double.
 class InstanceCaster {
  public:

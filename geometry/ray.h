@@ -26,13 +26,13 @@ struct RayHit {
 
 // A set of placed meshes that answers rays.
 //
-// The search is single precision about the set's centre, with watertight traversal: a ray never
-// slips between triangles that share an edge. Whatever it finds is intersected again in double,
-// and distances, ranges and the order of hits are decided there. A ray that passes a triangle's
-// outline within about 1e-6 of the set's radius may be given as a hit on it. Both sides count.
-// At equal distances the lower instance, then the lower triangle is given.
+// The search for boxes is single precision about the set's centre; triangles are decided in double,
+// and a ray never slips between triangles of a mesh that share an edge or a corner, by their
+// places: outlines count as inside, and their sides are exact (internal/ray_triangle.h). Both sides
+// of a triangle count; triangles that are seen edge on, or have no area, are not hit. At equal
+// distances the lower instance, then the lower triangle is given.
 //
-// Cost: about 200 bytes a triangle; O(log T) a ray, expected. Embree 3 (Wald et al., "Embree: a
+// Cost: about 80 bytes a triangle; O(log T) a ray, expected. Embree 3 (Wald et al., "Embree: a
 // kernel framework for efficient CPU ray tracing", 2014).
 class RayCaster {
  public:

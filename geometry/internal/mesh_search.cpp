@@ -5,95 +5,48 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <new>
 
 #include "geometry/internal/embree_device.h"
 #include "geometry/internal/hit_order.h"
+#include "geometry/internal/ray_triangle.h"
 
 namespace panwright::geometry {
 namespace {
 
-// The search runs in units of the mesh's radius. Positions there are off by at most 2^-24·√3 of it,
-// origins and directions likewise; ten times that is safe.
-constexpr double kSlack = 2e-6;
-// sine of the angle between ray and plane below which a triangle is seen edge on: what rounding of
-// the determinant is worth
-constexpr double kEdgeOn = 1e-14;
+// The search for boxes is single precision, in units of the mesh's radius. Origins, directions and
+// boxes there are off by at most 2^-24·√3 of a few units; ten times that is safe.
+constexpr float kSlack = 2e-6f;
 
 // A ray on its way through one mesh.
 struct Query {
   RTCIntersectContext context;  // first: Embree hands back a pointer to it
-  const std::vector<Vec3>* positions;
-  const std::vector<Triangle>* triangles;
+  const MeshSearch* mesh;
   SearchRay* ray;
-  Vec3 origin;       // mesh frame, moved next to the mesh
-  Vec3 direction;    // mesh frame, unit
-  double moved;      // mesh metres from the ray's origin to `origin`
-  double stretch;    // mesh metres for each world metre along the ray
-  double reach;      // kSlack in mesh metres
-  double to_search;  // 1 / radius
+  internal::ShearedRay sheared;  // mesh frame, moved next to the mesh, unit
+  double moved;                  // mesh metres from the ray's origin to the sheared one's
+  double stretch;                // mesh metres for each world metre along the ray
+  double shrink;                 // 1 / stretch
+  double first;                  // where the ray begins, mesh metres from the sheared origin
+  double to_search;              // 1 / radius
   std::uint32_t instance;
   bool asked;
 };
 
-double clamp01(double x) { return std::min(1.0, std::max(0.0, x)); }
-
-struct Crossing {
-  double along = 0;  // mesh metres from the query's origin
-  Vec2 barycentric{0};
-  bool front = true;
-};
-
-// Möller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997; just off the
-// triangle, its nearest point.
-bool cross(const Query& query, const Triangle& triangle, Crossing& crossing) {
-  const std::vector<Vec3>& positions = *query.positions;
-  const Vec3 a = positions[triangle[0]];
-  const Vec3 ab = positions[triangle[1]] - a;
-  const Vec3 ac = positions[triangle[2]] - a;
-  const Vec3 p = glm::cross(query.direction, ac);
-  const double determinant = glm::dot(ab, p);
-  if (!(determinant * determinant > kEdgeOn * kEdgeOn * glm::dot(ab, ab) * glm::dot(ac, ac)))
-    return false;
-  const double inverse = 1 / determinant;
-  const Vec3 s = query.origin - a;
-  const Vec3 q = glm::cross(s, ab);
-  const double u = glm::dot(s, p) * inverse;
-  const double v = glm::dot(query.direction, q) * inverse;
-  const double along = glm::dot(ac, q) * inverse;
-  crossing.front = determinant > 0;
-  if (u >= 0 && v >= 0 && u + v <= 1) {
-    crossing.barycentric = {u, v};
-    crossing.along = along;
-    return std::isfinite(along);
-  }
-  // the side of the plane on which the ray begins decides, also next to the triangle
-  if (!(query.moved + along >= query.ray->min_distance * query.stretch)) return false;
-  double inside_u = clamp01(u);
-  double inside_v = clamp01(v);
-  if (inside_u + inside_v > 1) {
-    const double sum = inside_u + inside_v;
-    inside_u /= sum;
-    inside_v /= sum;
-  }
-  const Vec3 nearest = inside_u * ab + inside_v * ac - s;
-  const double nearest_along = glm::dot(nearest, query.direction);
-  const Vec3 off = nearest - nearest_along * query.direction;
-  if (!(glm::dot(off, off) <= query.reach * query.reach)) return false;
-  crossing.barycentric = {inside_u, inside_v};
-  crossing.along = nearest_along;
-  return true;
-}
-
-// Decides a candidate in double and remembers the best. False: no hit, or no better.
-bool take(Query& query, const RTCHit& hit) {
+// Decides a candidate and remembers the best. False: no hit, or no better.
+bool take(Query& query, std::uint32_t triangle) {
   SearchRay& ray = *query.ray;
-  Crossing crossing;
-  if (!cross(query, (*query.triangles)[hit.primID], crossing)) return false;
+  const Triangle& t = query.mesh->triangles()[triangle];
+  const std::vector<Vec3>& positions = query.mesh->positions();
+  internal::Crossing crossing;
+  if (!cross(query.sheared, positions[t[0]], positions[t[1]], positions[t[2]], query.first,
+             crossing))
+    return false;
   InstanceHit candidate;
-  candidate.distance = (query.moved + crossing.along) / query.stretch;
+  candidate.distance = (query.moved + crossing.along) * query.shrink;
   candidate.instance = query.instance;
-  candidate.triangle = hit.primID;
+  candidate.triangle = triangle;
   candidate.barycentric = crossing.barycentric;
   candidate.front = crossing.front;
   if (!(candidate.distance >= ray.min_distance && candidate.distance <= ray.max_distance))
@@ -107,27 +60,30 @@ bool take(Query& query, const RTCHit& hit) {
   return true;
 }
 
-RTCHit hit_of(const RTCFilterFunctionNArguments* arguments) {
+void find_closest(const RTCIntersectFunctionNArguments* arguments) {
   assert(arguments->N == 1);
-  return *reinterpret_cast<const RTCHit*>(arguments->hit);
-}
-
-void filter_closest(const RTCFilterFunctionNArguments* arguments) {
   auto& query = *reinterpret_cast<Query*>(arguments->context);
-  if (!take(query, hit_of(arguments))) {
-    arguments->valid[0] = 0;
-    return;
-  }
+  bool found = false;
+  const auto [begin, end] = query.mesh->leaf(arguments->primID);
+  for (std::size_t i = begin; i < end; ++i) found |= take(query, static_cast<std::uint32_t>(i));
+  if (!found) return;
   // what lies behind the hit by no more than rounding is still to be compared
-  auto& search = *reinterpret_cast<RTCRay*>(arguments->ray);
+  auto& search = reinterpret_cast<RTCRayHit*>(arguments->rayhit)->ray;
   const double limit =
       (query.ray->best.distance * query.stretch - query.moved) * query.to_search + kSlack;
-  search.tfar = std::max(search.tnear, static_cast<float>(limit * (1 + kSlack)));
+  search.tfar =
+      std::min(search.tfar, std::max(search.tnear, static_cast<float>(limit * (1 + kSlack))));
 }
 
-void filter_any(const RTCFilterFunctionNArguments* arguments) {
+void find_any(const RTCOccludedFunctionNArguments* arguments) {
+  assert(arguments->N == 1);
   auto& query = *reinterpret_cast<Query*>(arguments->context);
-  if (!take(query, hit_of(arguments))) arguments->valid[0] = 0;
+  const auto [begin, end] = query.mesh->leaf(arguments->primID);
+  for (std::size_t i = begin; i < end; ++i) {
+    if (!take(query, static_cast<std::uint32_t>(i))) continue;
+    reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
+    return;
+  }
 }
 
 }  // namespace
@@ -146,32 +102,56 @@ MeshSearch::MeshSearch(std::vector<Vec3> positions, std::vector<Triangle> triang
     }
   centre_ = 0.5 * low_ + 0.5 * high_;
   radius_ = any ? glm::length(0.5 * high_ - 0.5 * low_) : 0;
+  to_search_ = 1 / radius_;
 }
 
 MeshSearch::~MeshSearch() {
   if (scene_ != nullptr) rtcReleaseScene(scene_);
 }
 
+// Two triangles in one leaf cost less than two leaves; most lists give neighbours one after the
+// other.
+void MeshSearch::pair_up() {
+  for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+    leaves_.push_back(i);
+    if (i + 1 == triangles_.size()) break;
+    int common = 0;
+    for (const std::uint32_t v : triangles_[i])
+      common += std::count(triangles_[i + 1].begin(), triangles_[i + 1].end(), v) > 0;
+    if (common >= 2) ++i;
+  }
+}
+
+void MeshSearch::bound(const RTCBoundsFunctionArguments* arguments) {
+  const auto& mesh = *static_cast<const MeshSearch*>(arguments->geometryUserPtr);
+  Vec3 low(std::numeric_limits<double>::infinity());
+  Vec3 high(-low);
+  const auto [begin, end] = mesh.leaf(arguments->primID);
+  for (std::size_t i = begin; i < end; ++i)
+    for (const std::uint32_t v : mesh.triangles_[i]) {
+      low = glm::min(low, mesh.positions_[v]);
+      high = glm::max(high, mesh.positions_[v]);
+    }
+  low = (low - mesh.centre_) / mesh.radius_;
+  high = (high - mesh.centre_) / mesh.radius_;
+  RTCBounds& bounds = *arguments->bounds_o;
+  bounds.lower_x = static_cast<float>(low.x) - kSlack;
+  bounds.lower_y = static_cast<float>(low.y) - kSlack;
+  bounds.lower_z = static_cast<float>(low.z) - kSlack;
+  bounds.upper_x = static_cast<float>(high.x) + kSlack;
+  bounds.upper_y = static_cast<float>(high.y) + kSlack;
+  bounds.upper_z = static_cast<float>(high.z) + kSlack;
+}
+
 void MeshSearch::build() {
   if (empty() || scene_ != nullptr) return;
-  RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* positions = static_cast<float*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                              3 * sizeof(float), positions_.size()));
-  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), triangles_.size()));
-  if (positions == nullptr || indices == nullptr) {
-    rtcReleaseGeometry(geometry);
-    throw std::bad_alloc();
-  }
-  for (const Vec3& p : positions_) {
-    // corners that no triangle has may lie anywhere
-    const Vec3 q = glm::clamp((p - centre_) / radius_, Vec3(-2), Vec3(2));
-    for (int axis = 0; axis < 3; ++axis) *positions++ = static_cast<float>(q[axis]);
-  }
-  for (const Triangle& t : triangles_) indices = std::copy(t.begin(), t.end(), indices);
-  rtcSetGeometryIntersectFilterFunction(geometry, filter_closest);
-  rtcSetGeometryOccludedFilterFunction(geometry, filter_any);
+  pair_up();
+  RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(leaves_.size()));
+  rtcSetGeometryUserData(geometry, this);
+  rtcSetGeometryBoundsFunction(geometry, bound, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, find_closest);
+  rtcSetGeometryOccludedFunction(geometry, find_any);
   rtcCommitGeometry(geometry);
   scene_ = rtcNewScene(embree_device());
   rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
@@ -185,7 +165,8 @@ void MeshSearch::search(SearchRay& ray, const Vec3& origin, const Vec3& directio
                         std::uint32_t instance, bool asked, bool any) const {
   const double stretch = glm::length(direction);
   if (empty() || !(stretch > 0) || !std::isfinite(stretch)) return;
-  const Vec3 unit = direction / stretch;
+  const double shrink = 1 / stretch;
+  const Vec3 unit = direction * shrink;
   const Vec3 to_centre = centre_ - origin;
   const double along = glm::dot(to_centre, unit);
   const Vec3 across = to_centre - along * unit;
@@ -201,15 +182,14 @@ void MeshSearch::search(SearchRay& ray, const Vec3& origin, const Vec3& directio
 
   Query query;
   rtcInitIntersectContext(&query.context);
-  query.positions = &positions_;
-  query.triangles = &triangles_;
+  query.mesh = this;
   query.ray = &ray;
-  query.origin = centre_ + start;
-  query.direction = unit;
+  query.sheared = {centre_ + start, unit};
   query.moved = begin;
   query.stretch = stretch;
-  query.reach = slack;
-  query.to_search = 1 / radius_;
+  query.shrink = shrink;
+  query.first = ray.min_distance * stretch - begin;
+  query.to_search = to_search_;
   query.instance = instance;
   query.asked = asked;
 

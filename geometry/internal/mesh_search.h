@@ -1,7 +1,9 @@
 // Rays in the frame of one mesh. Private to geometry.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "base/math.h"
@@ -9,6 +11,7 @@
 #include "geometry/mesh.h"
 
 struct RTCSceneTy;
+struct RTCBoundsFunctionArguments;
 
 namespace panwright::geometry {
 
@@ -47,13 +50,24 @@ class MeshSearch {
   void search(SearchRay& ray, const Vec3& origin, const Vec3& direction, std::uint32_t instance,
               bool asked, bool any) const;
 
+  // Triangles that one leaf of the tree holds: [first, second).
+  std::pair<std::size_t, std::size_t> leaf(std::size_t index) const {
+    return {leaves_[index], index + 1 < leaves_.size() ? leaves_[index + 1] : triangles_.size()};
+  }
+
  private:
+  static void bound(const RTCBoundsFunctionArguments* arguments);
+
+  void pair_up();
+
   std::vector<Vec3> positions_;
   std::vector<Triangle> triangles_;
+  std::vector<std::uint32_t> leaves_;  // first triangles; each holds one, or two with a common edge
   Vec3 low_{0};
   Vec3 high_{0};
   Vec3 centre_{0};
-  double radius_ = 0;  // of the ball about the bounds; 0: nothing to hit
+  double radius_ = 0;     // of the ball about the bounds; 0: nothing to hit
+  double to_search_ = 0;  // 1 / radius
   RTCSceneTy* scene_ = nullptr;
 };
 
