@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <mutex>
+#include <string_view>
+#include <vector>
 
 #include "importers/step/internal/document.h"
 
@@ -25,10 +27,26 @@ Result<Imported> read(const InputFile& file, const Options& options, DiagnosticL
   source.included_at = file.included_at;
   const FileId id = log.sources().add(source);
   try {
-    const Text text = checked(*file.bytes, id, kEntitiesPerLevel * options.limits.depth, log);
-    if (!text.usable) return failed;
-    const std::string_view bytes = text.repaired.empty() ? *file.bytes : text.repaired;
-    return read_document(text, bytes, file.path, file.name, options, log);
+    const std::uint32_t depth = kEntitiesPerLevel * options.limits.depth;
+    Text text = checked(*file.bytes, id, depth, log);
+    std::vector<std::uint64_t> without;
+    while (text.usable) {
+      const std::string_view bytes = text.repaired.empty() ? *file.bytes : text.repaired;
+      try {
+        return read_document(text, bytes, file.path, file.name, options, log);
+      } catch (const Torn& torn) {
+        // what they stand in may be torn by it in turn
+        for (const std::uint64_t number : torn.numbers)
+          log.report(
+              Code::W6602, place_of(text, number),
+              fmt::format("#{} holds something that it cannot hold; it is left out", number));
+        without.insert(without.end(), torn.numbers.begin(), torn.numbers.end());
+      }
+      DiagnosticLog said;  // at the first reading
+      text = checked(*file.bytes, id, depth, said, without);
+    }
+    if (!without.empty()) log.report_file(Code::E6601, file.name, "nothing of it is sound");
+    return failed;
   } catch (const OverLimit& over) {
     log.report_file(Code::E6002, file.name,
                     fmt::format("the model needs more {} than the limit allows", over.what),

@@ -19,6 +19,7 @@
 #include <StepBasic_ProductDefinition.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
+#include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_AsciiString.hxx>
 #include <TDF_LabelSequence.hxx>
 #include <TDF_Tool.hxx>
@@ -110,6 +111,22 @@ bool made_up(std::string_view name) {
   return std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
+// Shapes and what they are made of whose parts are missing or of another kind than they must be, by
+// number. OpenCASCADE says so when it loads them, and follows them into nothing later.
+std::vector<std::uint64_t> torn(const Handle(StepData_StepModel) & model) {
+  std::vector<std::uint64_t> out;
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const Handle(Standard_Transient)& entity = model->Value(i);
+    if (!model->IsReportEntity(i) || !entity->IsKind(STANDARD_TYPE(StepRepr_RepresentationItem)))
+      continue;
+    const Handle(Interface_Check)& check = model->Check(i, Standard_True);
+    const int number = model->IdentLabel(entity);
+    if (!check.IsNull() && check->NbFails() > 0 && number > 0)
+      out.push_back(static_cast<std::uint64_t>(number));
+  }
+  return out;
+}
+
 // A solid, a shell, or loose faces of a part.
 struct Body {
   TopoDS_Shape shape;  // at the part's origin when placed
@@ -155,7 +172,6 @@ class Reading {
   Result<Imported> run(std::string_view bytes) {
     STEPCAFControl_Controller::Init();
     Interface_Static::SetCVal("xstep.cascade.unit", "MM");
-    Interface_Static::SetIVal("read.stepcaf.subshapes.name", 1);
     STEPCAFControl_Reader reader;
     reader.SetColorMode(Standard_True);
     reader.SetNameMode(Standard_True);
@@ -169,6 +185,7 @@ class Reading {
       return refused("OpenCASCADE cannot read it");
     model_ = Handle(StepData_StepModel)::DownCast(reader.Reader().WS()->Model());
     if (model_.IsNull()) return refused("OpenCASCADE cannot read it");
+    if (auto numbers = torn(model_); !numbers.empty()) throw Torn{std::move(numbers)};
     check_assembly();
     Handle(TDocStd_Document) document = new TDocStd_Document("XmlXCAF");
     const bool done = reader.Transfer(document);
@@ -260,8 +277,7 @@ class Reading {
     const Handle(Transfer_TransientProcess)& process = transfer->TransientProcess();
     for (int i = 1; i <= process->NbMapped(); ++i) {
       const TopoDS_Shape shape = TransferBRep::ShapeResult(process->MapItem(i));
-      if (!shape.IsNull())
-        made_from_.try_emplace(shape.TShape().get(), number_of(process->Mapped(i)));
+      if (!shape.IsNull()) made_from_.try_emplace(shape.TShape().get(), process->Mapped(i));
     }
     Interface_CheckIterator checks = process->CheckList(Standard_True);
     for (checks.Start(); checks.More(); checks.Next()) {
@@ -271,10 +287,19 @@ class Reading {
     }
   }
 
-  std::uint64_t number_of(const TopoDS_Shape& shape) const {
-    if (shape.IsNull()) return 0;
+  Handle(Standard_Transient) entity_of(const TopoDS_Shape& shape) const {
+    if (shape.IsNull()) return {};
     const auto it = made_from_.find(shape.TShape().get());
-    return it == made_from_.end() ? 0 : it->second;
+    return it == made_from_.end() ? Handle(Standard_Transient)() : it->second;
+  }
+  std::uint64_t number_of(const TopoDS_Shape& shape) const { return number_of(entity_of(shape)); }
+
+  // What the file calls a solid or shell; "NONE" is what programs write for no name.
+  std::string item_name(const TopoDS_Shape& shape) const {
+    const auto item = Handle(StepRepr_RepresentationItem)::DownCast(entity_of(shape));
+    if (item.IsNull() || item->Name().IsNull()) return {};
+    const std::string name = item->Name()->ToCString();
+    return name == "NONE" ? std::string() : name;
   }
 
   scene::Source source_of(std::uint64_t number) const {
@@ -465,7 +490,7 @@ class Reading {
     if (++bodies_ > options_.limits.nodes) throw OverLimit{"nodes"};
     Body body;
     body.shape = shape;
-    if (const TDF_Label* label = marks.Seek(shape)) body.name = name_of(*label);
+    body.name = item_name(shape);
     for (TopExp_Explorer shells(shape, TopAbs_SHELL); shells.More(); shells.Next()) {
       const std::int32_t of_shell = marked(shells.Current(), marks, colour);
       for (TopExp_Explorer at(shells.Current(), TopAbs_FACE); at.More(); at.Next())
@@ -655,9 +680,9 @@ class Reading {
   std::uint64_t triangles_ = 0;
   std::uint64_t bodies_ = 0;
   bool transparent_ = false;
-  std::unordered_map<const void*, std::uint64_t> made_from_;  // shapes → numbers of entities
-  std::map<std::string, Extent> extents_;                     // by label
-  std::map<std::string, Part> parts_;                         // by label
+  std::unordered_map<const void*, Handle(Standard_Transient)> made_from_;  // shapes → entities
+  std::map<std::string, Extent> extents_;                                  // by label
+  std::map<std::string, Part> parts_;                                      // by label
   std::map<std::tuple<const void*, int, std::vector<std::int32_t>>, Made> made_;
   std::unordered_map<Hash128, std::int32_t, ByLow> shape_of_;
   std::vector<Colour> palette_;

@@ -154,8 +154,9 @@ struct References {
 
 class Checker {
  public:
-  Checker(std::string_view bytes, FileId file, std::uint32_t max_depth, DiagnosticLog& log)
-      : bytes_(bytes), scanner_(bytes), max_depth_(max_depth), log_(log) {
+  Checker(std::string_view bytes, FileId file, std::uint32_t max_depth, DiagnosticLog& log,
+          std::span<const std::uint64_t> without)
+      : bytes_(bytes), scanner_(bytes), max_depth_(max_depth), log_(log), without_(without) {
     out_.file = file;
   }
 
@@ -181,7 +182,9 @@ class Checker {
       return std::move(out_);
     }
     sort();
+    find_targets();
     out_.usable = nested();
+    if (out_.usable) leave_out_broken();
     return std::move(out_);
   }
 
@@ -387,8 +390,6 @@ class Checker {
       std::uint32_t below;
     };
     std::vector<Step> path;
-    std::uint32_t missing = 0;
-    std::uint32_t missing_in = 0;
     for (std::uint32_t start = 0; start < count; ++start) {
       if (height[start] != 0) continue;
       path.push_back({start, references_.first[from_[start]], 0});
@@ -402,11 +403,8 @@ class Checker {
           if (!path.empty()) path.back().below = std::max(path.back().below, own);
           continue;
         }
-        const std::uint32_t target = index_of(references_.numbers[step.next++]);
-        if (target == kNowhere) {
-          if (missing++ == 0) missing_in = step.entity;
-          continue;
-        }
+        const std::uint32_t target = targets_[step.next++];
+        if (target == kNowhere) continue;
         const Entity& entity = out_.entities[target];
         if (height[target] == kOpen) {
           report(Code::E6601, entity.begin, std::min(entity.end, entity.begin + 60),
@@ -435,12 +433,121 @@ class Checker {
         path.push_back({target, references_.first[from_[target]], 0});
       }
     }
+    return true;
+  }
+
+  void find_targets() {
+    targets_.resize(references_.numbers.size());
+    for (std::size_t i = 0; i < targets_.size(); ++i)
+      targets_[i] = index_of(references_.numbers[i]);
+  }
+
+  // Leaves out every entity that refers to one that is not there. OpenCASCADE follows such
+  // references into nothing.
+  void leave_out_broken() {
+    const std::size_t count = out_.entities.size();
+    std::vector<std::uint32_t> waiting;
+    dead_.assign(count, false);
+    for (const std::uint64_t number : without_)
+      if (const std::uint32_t i = index_of(number); i != kNowhere && !dead_[i]) {
+        dead_[i] = true;
+        waiting.push_back(i);
+      }
+    std::size_t missing = 0;
+    std::uint32_t missing_in = 0;
+    std::vector<std::uint32_t> torn;  // with references to nothing
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const auto [first, last] = references_of(i);
+      const auto lost = std::count(first, last, kNowhere);
+      if (lost == 0) continue;
+      if (missing == 0) missing_in = i;
+      missing += static_cast<std::size_t>(lost);
+      torn.push_back(i);
+    }
     if (missing > 0) {
       const Entity& entity = out_.entities[missing_in];
       report(Code::E6601, entity.begin, std::min(entity.end, entity.begin + 60),
              fmt::format("{} to entities that are not there, the first in #{}",
                          counted(missing, "reference"), entity.number));
     }
+    if (waiting.empty() && torn.empty()) return;
+    repair();
+    // who refers to whom
+    std::vector<std::uint64_t> first_user(count + 1, 0);
+    for (const std::uint32_t target : targets_)
+      if (target != kNowhere) ++first_user[target + 1];
+    for (std::size_t i = 0; i < count; ++i) first_user[i + 1] += first_user[i];
+    std::vector<std::uint32_t> users(first_user[count]);
+    std::vector<std::uint64_t> filled(first_user.begin(), first_user.end() - 1);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const auto [first, last] = references_of(i);
+      for (auto it = first; it != last; ++it)
+        if (*it != kNowhere) users[filled[*it]++] = i;
+    }
+    const auto look_at = [&](std::uint32_t i) {
+      if (dead_[i] || mended(i)) return;
+      dead_[i] = true;
+      waiting.push_back(i);
+    };
+    for (const std::uint32_t i : torn) look_at(i);
+    while (!waiting.empty()) {
+      const std::uint32_t i = waiting.back();
+      waiting.pop_back();
+      blank(out_.entities[i].begin, out_.entities[i].end);
+      for (std::uint64_t k = first_user[i]; k < first_user[i + 1]; ++k) look_at(users[k]);
+    }
+    std::erase_if(out_.entities,
+                  [&](const Entity& entity) { return out_.repaired[entity.begin] == ' '; });
+    out_.usable = !out_.entities.empty();
+  }
+
+  std::pair<const std::uint32_t*, const std::uint32_t*> references_of(std::uint32_t entity) const {
+    return {targets_.data() + references_.first[from_[entity]],
+            targets_.data() + references_.first[from_[entity] + 1]};
+  }
+
+  // Takes what is not there out of the lists of an entity that can be without it; false: it cannot.
+  bool mended(std::uint32_t index) {
+    const Entity& entity = out_.entities[index];
+    const std::string_view statement = bytes_.substr(entity.begin, entity.end - entity.begin);
+    Scanner scanner(statement);
+    scanner.next();  // #1
+    scanner.next();  // =
+    if (scanner.next() != Scanner::word) return false;
+    const std::string_view name = scanner.token;
+    constexpr std::string_view kCollections[] = {"SHELL", "_SET", "REPRESENTATION", "_MODEL",
+                                                 "ASSIGNMENT"};
+    if (std::none_of(std::begin(kCollections), std::end(kCollections),
+                     [&](std::string_view end) { return name.ends_with(end); }))
+      return false;
+    std::string out(statement.substr(0, scanner.at));
+    int depth = 0;
+    bool skip_comma = false;
+    while (const char kind = scanner.next()) {
+      if (kind == Scanner::bad) return false;
+      if (kind == Scanner::reference) {
+        const std::uint32_t target = index_of(scanner.referenced);
+        if (target == kNowhere || dead_[target]) {
+          if (depth < 2) return false;
+          skip_comma = true;
+          continue;
+        }
+      }
+      if (skip_comma && kind == ',') {
+        skip_comma = false;
+        continue;
+      }
+      if (skip_comma && kind == ')') {
+        if (out.back() == ',') out.pop_back();
+        if (out.back() == '(') return false;  // nothing is left
+      }
+      skip_comma = false;
+      depth += kind == '(' ? 1 : kind == ')' ? -1 : 0;
+      out += scanner.token;
+    }
+    // note: never longer than it was; what follows are blanks
+    blank(entity.begin, entity.end);
+    out_.repaired.replace(entity.begin, std::min(out.size(), statement.size()), out);
     return true;
   }
 
@@ -450,7 +557,10 @@ class Checker {
   DiagnosticLog& log_;
   Text out_;
   References references_;
-  std::vector<std::uint32_t> from_;  // entities by number → order of the file
+  std::vector<std::uint32_t> from_;     // entities by number → order of the file
+  std::vector<std::uint32_t> targets_;  // of references, as indices of entities
+  std::vector<bool> dead_;              // entities that are left out
+  std::span<const std::uint64_t> without_;
   std::vector<std::pair<std::size_t, std::size_t>> other_files_;
   std::size_t section_end_ = 0;  // the next one when it was looked for
   bool in_data_ = false;
@@ -459,8 +569,9 @@ class Checker {
 
 }  // namespace
 
-Text checked(std::string_view bytes, FileId file, std::uint32_t max_depth, DiagnosticLog& log) {
-  return Checker(bytes, file, max_depth, log).run();
+Text checked(std::string_view bytes, FileId file, std::uint32_t max_depth, DiagnosticLog& log,
+             std::span<const std::uint64_t> without) {
+  return Checker(bytes, file, max_depth, log, without).run();
 }
 
 SourceSpan place_of(const Text& text, std::uint64_t number) {
