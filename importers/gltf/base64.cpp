@@ -23,9 +23,12 @@ constexpr std::array<std::uint8_t, 256> make_digits() {
 
 constexpr std::array<std::uint8_t, 256> kDigits = make_digits();
 
+// Padding may be left out, but not in part.
 std::optional<std::string> from_base64(std::string_view text) {
+  const std::size_t whole = text.size();
   while (!text.empty() && text.back() == '=') text.remove_suffix(1);
   if (text.size() % 4 == 1) return std::nullopt;
+  if (text.size() != whole && (whole % 4 != 0 || whole - text.size() > 2)) return std::nullopt;
   std::string out;
   out.reserve(text.size() / 4 * 3 + 3);
   std::uint32_t bits = 0;
@@ -65,9 +68,30 @@ std::optional<std::string> from_percent(std::string_view text) {
   return out;
 }
 
+std::string lower_case(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return out;
+}
+
+// A type and a subtype, or nothing, and parameters with values (RFC 2397).
+bool is_media_type(std::string_view head) {
+  const std::string_view type = head.substr(0, head.find(';'));
+  if (!type.empty() && type.find('/') == type.npos) return false;
+  head.remove_prefix(type.size());
+  while (!head.empty()) {
+    head.remove_prefix(1);
+    const std::string_view parameter = head.substr(0, head.find(';'));
+    if (parameter.find('=') == parameter.npos) return false;
+    head.remove_prefix(parameter.size());
+  }
+  return true;
+}
+
 }  // namespace
 
-bool is_data_uri(std::string_view uri) { return uri.starts_with("data:"); }
+bool is_data_uri(std::string_view uri) { return lower_case(uri.substr(0, 5)) == "data:"; }
 
 std::optional<DataUri> data_of(std::string_view uri) {
   uri.remove_prefix(5);
@@ -76,11 +100,13 @@ std::optional<DataUri> data_of(std::string_view uri) {
   std::string_view head = uri.substr(0, comma);
   const bool base64 = head.ends_with(";base64");
   if (base64) head.remove_suffix(7);
-  if (head.ends_with(';') || head.find(";;") != head.npos) return std::nullopt;
+  if (!is_media_type(head)) return std::nullopt;
   const std::string_view body = uri.substr(comma + 1);
-  auto bytes = base64 ? from_base64(body) : from_percent(body);
+  const bool escaped = !base64 || body.find('%') != body.npos;
+  auto bytes = escaped ? from_percent(body) : from_base64(body);
+  if (bytes && base64 && escaped) bytes = from_base64(*bytes);
   if (!bytes) return std::nullopt;
-  return DataUri{std::string(head.substr(0, head.find(';'))), *std::move(bytes)};
+  return DataUri{lower_case(head.substr(0, head.find(';'))), *std::move(bytes)};
 }
 
 }  // namespace panwright::importers::gltf

@@ -5,6 +5,7 @@
 
 #include "base/text.h"
 #include "importers/gltf/primitives.h"
+#include "importers/gltf/read.h"
 
 namespace panwright::importers::gltf {
 
@@ -70,6 +71,7 @@ class MeshCheck {
   void run() {
     count_users();
     find_uses();
+    find_not_finite();
     Json* meshes = d_.root.find("meshes");
     if (!meshes) return;
     for (std::size_t m = 0; m < meshes->items.size(); ++m) {
@@ -137,6 +139,35 @@ class MeshCheck {
         use(sampler.find("input"), "times of an animation");
         use(sampler.find("output"), "values of an animation");
       }
+  }
+
+  // Numbers that are not read, or only in part, are looked at as well: tangents, other sets of
+  // texture coordinates and colours, custom attributes, morph targets, animations.
+  void find_not_finite() {
+    std::vector<bool> seen(d_.accessors.size());
+    const auto look = [&](const Json& item) {
+      const std::size_t i = index_in(item);
+      if (seen[i]) return;
+      seen[i] = true;
+      if (const std::size_t bad = count_not_finite(d_, d_.accessors[i]); bad > 0)
+        d_.report(Code::E6207, &item, pointer("accessors", i),
+                  fmt::format("{} not finite", counted(bad, "number")));
+    };
+    for (const Json& mesh : d_.root.list("meshes"))
+      for (const Json& primitive : mesh.list("primitives")) {
+        if (const Json* attributes = primitive.find("attributes"))
+          for (std::size_t i = 0; i < attributes->items.size(); ++i) {
+            const std::string& name = attributes->keys[i];
+            if (name != "POSITION" && name != "NORMAL" && !name.starts_with("WEIGHTS_"))
+              look(attributes->items[i]);
+          }
+        for (const Json& target : primitive.list("targets"))
+          for (const Json& item : target.items) look(item);
+      }
+    for (const Json& animation : d_.root.list("animations"))
+      for (const Json& sampler : animation.list("samplers"))
+        for (const char* key : {"input", "output"})
+          if (const Json* item = sampler.find(key)) look(*item);
   }
 
   // A number type or shape that nobody knows was taken out, as a deviation; who reads it cannot.

@@ -224,6 +224,12 @@ class NodePass {
                   "the joints have no common root");
       if (!matrices) continue;
       const Accessor& a = d_.accessors[index_in(*matrices)];
+      if (a.view >= 0 && d_.views[static_cast<std::size_t>(a.view)].stride > 0)
+        d_.report(Code::E6206, matrices, pointer("skins", i) + "/inverseBindMatrices",
+                  "the view of matrices has a byteStride");
+      if (!a.json->find("componentType") || !a.json->find("type"))
+        d_.report(Code::E6206, matrices, pointer("skins", i) + "/inverseBindMatrices",
+                  "the accessor has no type that is known");
       if (!a.json->broken && (a.width != 16 || !a.is_float()))
         d_.report(Code::E6206, matrices, pointer("skins", i) + "/inverseBindMatrices",
                   "the accessor does not hold matrices of single precision");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstring>
 
 #include "base/math.h"
@@ -120,6 +121,38 @@ bool may_invent(Document& document, std::uint64_t bytes, const std::string& obje
   return document.charge(bytes, object);
 }
 
+std::size_t count_not_finite(const Document& document, const Accessor& a) {
+  if (!a.sound || !a.is_float()) return 0;
+  const auto width = static_cast<std::size_t>(a.width);
+  const auto bad_in = [&](const std::byte* from) {
+    std::size_t bad = 0;
+    for (std::size_t k = 0; k < width; ++k)
+      if (!std::isfinite(load<float>(from + 4 * k))) ++bad;
+    return bad;
+  };
+  std::vector<std::uint32_t> places;
+  std::size_t found = 0;
+  if (a.is_sparse) {
+    places = sparse_places(document, a);
+    const std::byte* from =
+        document.views[a.sparse.value_view].bytes.data() + a.sparse.value_offset;
+    for (std::size_t i = 0; i < places.size(); ++i) found += bad_in(from + i * a.element);
+    std::sort(places.begin(), places.end());
+  }
+  if (a.view < 0) return found;
+  const std::byte* from = document.views[static_cast<std::size_t>(a.view)].bytes.data() + a.offset;
+  std::atomic<std::size_t> bad = found;
+  in_blocks(a.count, [&](std::size_t begin, std::size_t end) {
+    std::size_t here = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t one = bad_in(from + i * a.stride);
+      if (one > 0 && !std::binary_search(places.begin(), places.end(), i)) here += one;
+    }
+    bad += here;
+  });
+  return bad;
+}
+
 template <class Vector>
 std::vector<Vector> read_vectors(Document& document, std::size_t accessor,
                                  const std::string& object) {
@@ -138,7 +171,8 @@ std::vector<Vector> read_vectors(Document& document, std::size_t accessor,
     in_blocks(a.count, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         convert_element(plan, from + i * a.stride, numbers + i * kWidth);
-      if (a.is_float()) bad += mend(numbers + begin * kWidth, end - begin, kWidth);
+      // note: sparse values may stand in their place
+      if (a.is_float() && !a.is_sparse) bad += mend(numbers + begin * kWidth, end - begin, kWidth);
     });
   }
   if (a.is_sparse) {
@@ -148,8 +182,8 @@ std::vector<Vector> read_vectors(Document& document, std::size_t accessor,
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (places[i] >= a.count) continue;
       convert_element(plan, from + i * a.element, numbers + places[i] * kWidth);
-      bad += mend(numbers + places[i] * kWidth, 1, kWidth);
     }
+    bad += mend(numbers, a.count, kWidth);
   }
   if (bad > 0)
     document.report(

@@ -26,6 +26,10 @@ std::vector<std::uint32_t> read_indices(Document& document, std::size_t accessor
 // The elements that the values of a sparse accessor are for. Expects: a.is_sparse.
 std::vector<std::uint32_t> sparse_places(const Document& document, const Accessor& a);
 
+// How many numbers of an accessor are not finite, sparse values laid over. 0 where it is not sound
+// or holds integers.
+std::size_t count_not_finite(const Document& document, const Accessor& a);
+
 // Whether elements that no view holds may be allocated: what a file leaves out may be at most 64
 // times as long as the file, and 1 MiB.
 bool may_invent(Document& document, std::uint64_t bytes, const std::string& object);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/text.h"
@@ -56,6 +57,16 @@ const std::vector<Mat4>& SkinPoser::joints_of(int skin) {
     inverse = read_vectors<Mat4>(
         document_, static_cast<std::size_t>(from.inverseBindMatrices),
         pointer("skins", static_cast<std::size_t>(skin)) + "/inverseBindMatrices");
+  std::size_t projective = 0;
+  const auto matrices = static_cast<std::size_t>(std::max(from.inverseBindMatrices, 0));
+  const bool given = !inverse.empty() && document_.accessors[matrices].view >= 0;
+  for (const Mat4& m : inverse)
+    if (given && (m[0].w != 0 || m[1].w != 0 || m[2].w != 0 || m[3].w != 1)) ++projective;
+  if (projective > 0)
+    document_.report(Code::E6207, nullptr,
+                     pointer("skins", static_cast<std::size_t>(skin)) + "/inverseBindMatrices",
+                     fmt::format("{} of {} matrices have a last row other than 0 0 0 1", projective,
+                                 inverse.size()));
   for (std::size_t i = 0; i < from.joints.size(); ++i) {
     const Mat4& world = world_[static_cast<std::size_t>(from.joints[i])];
     place->second.push_back(i < inverse.size() ? world * inverse[i] : world);
@@ -68,9 +79,11 @@ geometry::MeshShape SkinPoser::posed(int skin, const geometry::Mesh& mesh,
   const std::vector<Mat4>& joints = joints_of(skin);
   auto out = std::make_shared<geometry::Mesh>(mesh);
   const std::size_t vertices = mesh.positions.size();
-  std::size_t beyond = 0;
+  std::size_t beyond = 0, negative = 0, twice = 0;
+  std::vector<double> used;  // joints of one vertex
   for (std::size_t v = 0; v < vertices; ++v) {
     Mat4 moved(0);
+    used.clear();
     double sum = 0;
     for (std::size_t set = 0; set < weights.sets; ++set)
       for (int k = 0; k < 4; ++k) {
@@ -79,6 +92,9 @@ geometry::MeshShape SkinPoser::posed(int skin, const geometry::Mesh& mesh,
         const bool is_there = joint < static_cast<double>(joints.size());
         if (!is_there) ++beyond;
         if (weight == 0 || !is_there) continue;
+        if (weight < 0) ++negative;
+        if (std::find(used.begin(), used.end(), joint) != used.end()) ++twice;
+        used.push_back(joint);
         moved += weight * joints[static_cast<std::size_t>(joint)];
         sum += weight;
       }
@@ -91,10 +107,18 @@ geometry::MeshShape SkinPoser::posed(int skin, const geometry::Mesh& mesh,
     const double length = glm::length(normal);
     if (length > 1e-300 && std::isfinite(length)) out->normals[v] = normal / length;
   }
+  const std::string object = pointer("skins", static_cast<std::size_t>(skin));
   if (beyond > 0)
-    document_.report(Code::E6207, nullptr, pointer("skins", static_cast<std::size_t>(skin)),
+    document_.report(Code::E6207, nullptr, object,
                      fmt::format("{} of its mesh are for joints past the last of {}; left out",
                                  counted(beyond, "weight"), joints.size()));
+  if (negative > 0)
+    document_.report(Code::E6207, nullptr, object,
+                     fmt::format("{} of its mesh are negative", counted(negative, "weight")));
+  if (twice > 0)
+    document_.report(Code::W6212, nullptr, object,
+                     fmt::format("{} of its mesh are for a joint that the vertex has already",
+                                 counted(twice, "weight")));
   if (out->normals.empty()) geometry::compute_normals(*out, document_.options.crease_angle);
   return out;
 }
