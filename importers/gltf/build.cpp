@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 
 #include "base/text.h"
 #include "geometry/strip.h"
@@ -202,6 +204,7 @@ class SceneBuilder {
       Loaded& loaded = load(node.mesh, p, weights);
       if (!loaded.mesh || loaded.mesh->triangles.empty()) continue;
       const std::int32_t material = material_index(primitive.material, loaded.has_texcoords);
+      note_losses(*loaded.mesh, material);
       if (node.skin >= 0 && loaded.skin.sets > 0) {
         if (skinned_place < 0)
           skinned_place = add(name_of(index) + "_skinned", 0, scene::Transform{});
@@ -214,6 +217,27 @@ class SceneBuilder {
       }
       for (const std::int32_t place : places) add_instance(place, loaded.shape, material);
     }
+  }
+
+  // What a material loses on a mesh: vertex colours multiply the diffuse colour alone, and pictures
+  // repeat.
+  void note_losses(const geometry::Mesh& mesh, std::int32_t material) {
+    const auto index = static_cast<std::size_t>(material);
+    const auto is_white = [](const Vec3& colour) { return colour == Vec3(1); };
+    if (!mesh.colours.empty() && out_.materials[index].metallic > 0 &&
+        !std::all_of(mesh.colours.begin(), mesh.colours.end(), is_white) &&
+        coloured_metals_.insert(material).second)
+      ++lost_["vertex colours on metal"];
+    const auto [u, v] = repeats_[index];
+    if (u && v) return;
+    constexpr double kRounding = 1e-5;
+    const auto leaves = [](double at) { return at < -kRounding || at > 1 + kRounding; };
+    const auto is_lost = [&](const Vec2& at) {
+      return (!u && leaves(at.x)) || (!v && leaves(at.y));
+    };
+    if (std::any_of(mesh.texcoords.begin(), mesh.texcoords.end(), is_lost) &&
+        beyond_edges_.insert(material).second)
+      ++lost_["pictures that do not repeat"];
   }
 
   // A mesh that has joints waits for them without normals, and may stand somewhere without them.
@@ -337,6 +361,7 @@ class SceneBuilder {
     for (const std::string& what : built.cad.lost) ++lost_[what];
     out_.scene.materials.push_back(std::move(built.material));
     out_.materials.push_back(std::move(built.cad));
+    repeats_.push_back(built.repeats);
     return place->second;
   }
 
@@ -375,6 +400,9 @@ class SceneBuilder {
   std::map<std::string, Loaded> loaded_;
   std::map<std::pair<int, bool>, std::int32_t> material_places_;
   std::map<std::string, std::size_t> lost_;
+  std::set<std::int32_t> coloured_metals_;
+  std::set<std::int32_t> beyond_edges_;       // of pictures that do not repeat
+  std::vector<std::array<bool, 2>> repeats_;  // BuiltMaterial's, of each material
   std::unique_ptr<SkinPoser> skins_;
   std::vector<bool> used_meshes_;
   std::uint64_t triangles_ = 0;

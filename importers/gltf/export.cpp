@@ -253,16 +253,19 @@ class Exporter {
       ordered_json& pbr = json["pbrMetallicRoughness"];
       if (texture >= 0 && maps.albedo >= 0)
         lost_.insert("a second picture over the diffuse colour");
-      if (texture >= 0)
+      const bool metal = gltf::is_coloured_metal(material);
+      if (maps.reflectance >= 0 && !metal) lost_.insert("pictures of reflectance beside a colour");
+      const std::int32_t colour = metal ? maps.reflectance : maps.albedo;
+      if (texture >= 0 && !metal)
         pbr["baseColorTexture"] = texture_info(texture, Channel::colour, Vec2(1));
-      else if (maps.albedo >= 0)
-        pbr["baseColorTexture"] = texture_info(maps.albedo, Channel::colour, maps.repeat);
+      else if (colour >= 0)
+        pbr["baseColorTexture"] = texture_info(colour, Channel::colour, maps.repeat);
       if (maps.roughness >= 0)
         pbr["metallicRoughnessTexture"] =
             texture_info(maps.roughness, Channel::roughness, maps.repeat);
       if (maps.normal >= 0)
         json["normalTexture"] = texture_info(maps.normal, Channel::normal, maps.repeat);
-      if (maps.cutout >= 0 && texture < 0 && maps.cutout == maps.albedo) {
+      if (maps.cutout >= 0 && (texture < 0 || metal) && maps.cutout == colour) {
         json["alphaMode"] = "MASK";
         json["alphaCutoff"] = maps.threshold;
       } else if (maps.cutout >= 0) {

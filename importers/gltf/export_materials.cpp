@@ -58,18 +58,29 @@ void list_lost(const materials::Material& m, std::set<std::string>& lost) {
   if (m.refract && m.extinction != Vec3(0)) lost.insert("complex refractive indices");
 }
 
+bool shines(const materials::Material& m) {
+  return m.specular_law != SpecularLaw::none && m.weights.y > 0;
+}
+
 }  // namespace
+
+bool is_coloured_metal(const materials::Material& m) {
+  return m.maps.reflectance >= 0 && materials::laws_of(m).mapped && shines(m) &&
+         m.weights.x * m.diffuse == Vec3(0) && !m.cells;
+}
 
 ordered_json exported(const materials::Material& m, std::set<std::string>& lost,
                       std::set<std::string>& extensions) {
   list_lost(m, lost);
   ordered_json json = {{"name", m.name}};
   const Vec3 diffuse = m.weights.x * m.diffuse;
-  const bool shines = m.specular_law != SpecularLaw::none && m.weights.y > 0;
-  const Vec3 facing = shines ? m.weights.y * m.specular * facing_reflectance(m) : Vec3(0);
+  const bool coloured = is_coloured_metal(m);
+  const Vec3 reflectance = coloured ? Vec3(1) : facing_reflectance(m);
+  const Vec3 facing = shines(m) ? m.weights.y * m.specular * reflectance : Vec3(0);
   // what reflects more than any clear dielectric, and more than it scatters, is a metal
   const bool metal =
-      shines && (m.extinction != Vec3(0) || (mean(facing) > 0.2 && mean(facing) > mean(diffuse)));
+      coloured || (shines(m) && (m.extinction != Vec3(0) ||
+                                 (mean(facing) > 0.2 && mean(facing) > mean(diffuse))));
   ordered_json pbr;
   ordered_json more = ordered_json::object();
   if (metal && mean(diffuse) > 0) lost.insert("the diffuse part of metals");
@@ -78,8 +89,8 @@ ordered_json exported(const materials::Material& m, std::set<std::string>& lost,
   pbr["metallicFactor"] = metal ? 1.0 : 0.0;
   pbr["roughnessFactor"] = unit(std::sqrt(slope_of(m)));
   if (!metal) {
-    const bool clear = shines && m.refract && m.extinction == Vec3(0);
-    if (!shines) {
+    const bool clear = shines(m) && m.refract && m.extinction == Vec3(0);
+    if (!shines(m)) {
       more["KHR_materials_specular"] = {{"specularFactor", 0.0}};
     } else if (clear && m.refract->x >= 1) {
       if (m.refract->x != m.refract->y || m.refract->x != m.refract->z)

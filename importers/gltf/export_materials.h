@@ -9,7 +9,11 @@
 
 namespace panwright::importers::gltf {
 
-// What glTF's material keeps of ours, without pictures.
+// Whether a material's reflectance map can stand as the colour of a metal: one that shines and does
+// nothing else.
+bool is_coloured_metal(const materials::Material& material);
+
+// What glTF's material keeps of ours, without pictures. Of a coloured metal, the factor of its map.
 //
 //   lost        gets what it does not keep
 //   extensions  gets the names of those that are used

@@ -15,6 +15,10 @@ using tinygltf::Value;
 constexpr double kSmoothest = 1e-4;
 // reflectances above it are taken for a perfect mirror's
 constexpr double kMirror = 0.985;
+// Under a reflectance map, of the material's own. Metals of other reflectances rise towards grazing
+// in other ways than Schlick's curve; of this one the rise (F − F0)/(1 − F0) is within 0.0073 of
+// it, so that what the map says follows it as closely, dark or bright.
+constexpr double kUnderMaps = 0.66;
 
 Vec3 colour_from(const std::vector<double>& numbers, Vec3 otherwise) {
   return numbers.size() >= 3 ? Vec3(numbers[0], numbers[1], numbers[2]) : otherwise;
@@ -109,6 +113,13 @@ struct Look {
   double specular = 1;      // KHR_materials_specular
   Vec3 specular_colour{1};  // the same
   std::optional<Vec3> f0;   // KHR_materials_pbrSpecularGlossiness gives it as it is
+
+  // Reflectance at normal incidence of what is no metal.
+  Vec3 dielectric() const {
+    if (f0) return *f0;
+    const double root = (index - 1) / (index + 1);
+    return specular * glm::min((index > 0 ? root * root : 1.0) * specular_colour, Vec3(1));
+  }
 };
 
 class MaterialBuilder {
@@ -148,7 +159,7 @@ class MaterialBuilder {
       look.roughness = 1 - glossy.number("glossinessFactor", 1);
       look.f0 = glossy.colour("specularFactor", Vec3(1));
       base_texture_ = glossy.texture("diffuseTexture");
-      if (glossy.has("specularGlossinessTexture")) lose("specular-glossiness texture");
+      gloss_texture_ = glossy.texture("specularGlossinessTexture");
       return look;
     }
     const tinygltf::PbrMetallicRoughness& pbr = from_.pbrMetallicRoughness;
@@ -167,61 +178,121 @@ class MaterialBuilder {
     return look;
   }
 
-  // Pictures that lie over the coordinates that the surface gets; others are lost.
+  // Whether a picture lies over the coordinates that the surface gets; others are lost.
   template <class Info>
-  std::int32_t map(const Info& info, PictureUse use, const char* name) {
-    if (info.index < 0 || !with_pictures_) return scene::kNone;
+  bool lies_right(const Info& info, const char* name) {
+    if (info.index < 0 || !with_pictures_) return false;
     const TexcoordChoice choice = choice_of(info);
     if (out_.texcoords.set < 0) out_.texcoords = choice;
-    if (choice == out_.texcoords) return pictures_.texture(info.index, use);
+    if (choice == out_.texcoords) {
+      const std::array<bool, 2> repeats = pictures_.repeats(info.index);
+      for (std::size_t k = 0; k < 2; ++k) out_.repeats[k] = out_.repeats[k] && repeats[k];
+      return true;
+    }
     lose(fmt::format("{} texture, over other coordinates than the first", name));
-    return scene::kNone;
+    return false;
   }
 
   void read_maps(Look& look) {
     materials::Maps& maps = out_.material.maps;
     out_.cad.textured = base_texture_.index >= 0;
-    maps.albedo = map(base_texture_, PictureUse::colour, "base colour");
-    maps.normal = map(from_.normalTexture, PictureUse::normal, "normal");
+    const bool has_base = lies_right(base_texture_, "base colour");
+    if (lies_right(from_.normalTexture, "normal"))
+      maps.normal = pictures_.texture(from_.normalTexture.index, PictureUse::normal);
     if (maps.normal >= 0 && from_.normalTexture.scale != 1) lose("scale of the normal texture");
-    if (rough_texture_.index >= 0) {
-      maps.roughness = map(rough_texture_, PictureUse::roughness, "roughness");
-      // one number for the whole surface: metal or not is seldom a matter of degree
-      const double blue = pictures_.mean(rough_texture_.index, false).z;
-      if (look.metallic > 0 && blue < 1) lose("metallic texture; its mean is used");
-      look.metallic *= blue;
+    const bool has_rough = lies_right(rough_texture_, "roughness");
+    if (has_rough) maps.roughness = pictures_.texture(rough_texture_.index, PictureUse::roughness);
+    const bool has_gloss = lies_right(gloss_texture_, "specular-glossiness");
+    if (has_gloss) {
+      read_gloss(look, has_base);
+    } else {
+      read_metal(look, has_base, has_rough);
     }
-    if (from_.alphaMode == "MASK" && maps.albedo >= 0) {
-      maps.cutout = maps.albedo;
+    if (!mapped_ && has_base)
+      maps.albedo = pictures_.texture(base_texture_.index, PictureUse::colour);
+    if (from_.alphaMode == "MASK" && has_base) {
+      maps.cutout = maps.albedo >= 0 ? maps.albedo
+                                     : pictures_.texture(base_texture_.index, PictureUse::colour);
       maps.threshold = std::clamp(from_.alphaCutoff / std::max(alpha_, 1e-6), 0.0, 1.0);
     }
-    if (look.metallic > 0 && base_texture_.index >= 0) {
-      metal_colour_ = Vec3(pictures_.mean(base_texture_.index, true));
-      if (with_pictures_) lose("base colour texture on metal; its mean is used");
+  }
+
+  void use(const RecipePictures& pictures) {
+    materials::Maps& maps = out_.material.maps;
+    mapped_ = true;
+    maps.albedo = pictures.albedo;
+    maps.reflectance = pictures.reflectance;
+    if (pictures.roughness >= 0) maps.roughness = pictures.roughness;
+  }
+
+  // Metals take their colour as reflectance. Without room for the pictures, or where they lie over
+  // other coordinates, means stand for them.
+  void read_metal(Look& look, bool has_base, bool has_rough) {
+    const double factor = look.metallic;
+    const Vec4 parts = pictures_.mean(rough_texture_.index, false);
+    look.metallic *= parts.z;
+    if (!(look.metallic > 0)) return;
+    const bool even = pictures_.is_even(rough_texture_.index, 2);
+    const bool one_place = (has_base || base_texture_.index < 0) && (has_rough || even);
+    if (with_pictures_ && one_place && (has_base || !even)) {
+      MetalRecipe recipe;
+      if (has_base) recipe.base = base_texture_.index;
+      if (!even) recipe.metal = rough_texture_.index;
+      recipe.factor = look.base;
+      recipe.metallic = even ? look.metallic : factor;
+      recipe.dielectric = look.dielectric();
+      if (const auto made = pictures_.metal(recipe)) {
+        use(*made);
+        metal_in_albedo_ = !even;
+        return;
+      }
     }
+    if (!even) lose("metallic texture; its mean is used");
+    if (base_texture_.index < 0) return;
+    metal_colour_ = Vec3(pictures_.mean(base_texture_.index, true));
+    if (with_pictures_) lose("base colour texture on metal; its mean is used");
+  }
+
+  void read_gloss(Look& look, bool has_base) {
+    GlossRecipe recipe;
+    if (has_base) recipe.diffuse = base_texture_.index;
+    recipe.specular = gloss_texture_.index;
+    recipe.factor = *look.f0;
+    recipe.glossiness = 1 - look.roughness;
+    if (const auto made = pictures_.gloss(recipe)) {
+      use(*made);
+      return;
+    }
+    lose("specular-glossiness texture");
   }
 
   // glTF 2.0 specification, appendix B: a dielectric and a metal, mixed. Facets are the same as
   // there; Schlick's curve becomes the reflectance of a refractive index.
   void set_laws(const Look& look) {
     materials::Material& m = out_.material;
-    const double root = (look.index - 1) / (look.index + 1);
-    const Vec3 dielectric =
-        look.f0
-            ? *look.f0
-            : look.specular *
-                  glm::min((look.index > 0 ? root * root : 1.0) * look.specular_colour, Vec3(1));
+    const Vec3 dielectric = look.dielectric();
     const double largest = std::max({dielectric.x, dielectric.y, dielectric.z});
-    m.diffuse = look.base * (1 - look.metallic) * (look.f0 ? 1 - largest : 1.0);
-    if (!look.f0) m.diffuse *= Vec3(1) - dielectric;
+    m.diffuse = look.base;
+    // what the albedo's picture says already
+    if (!metal_in_albedo_) m.diffuse *= 1 - look.metallic;
+    if (!look.f0)
+      m.diffuse *= Vec3(1) - dielectric;
+    else if (!mapped_)
+      m.diffuse *= 1 - largest;
     const double alpha = std::max(look.roughness * look.roughness, kSmoothest);
     m.cook = {1, alpha, 1, 1};
     m.alpha_y = alpha;
     m.compensation = materials::Compensation::off;
-    if (look.metallic <= 0 && largest <= 0) return;
+    if (!mapped_ && look.metallic <= 0 && largest <= 0) return;
     m.specular_law = materials::SpecularLaw::ggx;
     m.weights.y = 1;
     m.specular = Vec3(1);
+    if (mapped_) {
+      set_reflectance(Vec3(kUnderMaps));
+      // of glossiness, the picture has the slopes
+      if (look.f0) m.cook[1] = m.alpha_y = 1;
+      return;
+    }
     if (look.metallic <= 0 && !look.f0) {
       m.specular = Vec3(look.specular);
       Vec3 n(look.index);
@@ -310,7 +381,10 @@ class MaterialBuilder {
   BuiltMaterial out_;
   double alpha_ = 1;
   Vec3 metal_colour_{1};
+  bool mapped_ = false;  // has a reflectance map
+  bool metal_in_albedo_ = false;
   tinygltf::TextureInfo base_texture_;
+  tinygltf::TextureInfo gloss_texture_;
   tinygltf::TextureInfo rough_texture_;
 };
 
@@ -344,9 +418,13 @@ ComplexIndex index_like_schlick(double f0) {
 TexcoordChoice texcoords_of(const tinygltf::Model& model, int index) {
   if (index < 0) return {};
   const tinygltf::Material& material = model.materials[static_cast<std::size_t>(index)];
-  const tinygltf::TextureInfo glossy =
-      Extension(material, "KHR_materials_pbrSpecularGlossiness").texture("diffuseTexture");
-  if (glossy.index >= 0) return choice_of(glossy);
+  if (const Extension glossy(material, "KHR_materials_pbrSpecularGlossiness"); glossy) {
+    const tinygltf::TextureInfo diffuse = glossy.texture("diffuseTexture");
+    if (diffuse.index >= 0) return choice_of(diffuse);
+    if (material.normalTexture.index >= 0) return choice_of(material.normalTexture);
+    const tinygltf::TextureInfo specular = glossy.texture("specularGlossinessTexture");
+    return specular.index >= 0 ? choice_of(specular) : TexcoordChoice{};
+  }
   const tinygltf::PbrMetallicRoughness& pbr = material.pbrMetallicRoughness;
   if (pbr.baseColorTexture.index >= 0) return choice_of(pbr.baseColorTexture);
   if (material.normalTexture.index >= 0) return choice_of(material.normalTexture);

@@ -10,6 +10,8 @@ struct BuiltMaterial {
   materials::Material material;
   CadMaterial cad;
   TexcoordChoice texcoords;  // what its pictures lie over
+  // whether all of them repeat along u and v; ours do, whatever the file says
+  std::array<bool, 2> repeats{true, true};
 };
 
 // The material of that index; −1: what a surface without one gets. Pictures only where asked for.

@@ -122,6 +122,16 @@ const DecodedImage* Pictures::picture(int index, std::size_t& image) {
   return found ? &*found : nullptr;
 }
 
+const DecodedImage* Pictures::picture(int index) {
+  std::size_t image = 0;
+  return picture(index, image);
+}
+
+std::string Pictures::name_of(int index) {
+  std::size_t image = 0;
+  return picture(index, image) ? names_[image] : std::string();
+}
+
 std::int32_t Pictures::texture(int index, PictureUse use) {
   std::size_t image = 0;
   const DecodedImage* found = picture(index, image);
@@ -158,6 +168,101 @@ Vec4 Pictures::mean(int index, bool srgb) {
                 (srgb && k < 3 ? linear_of(value) : value);
     }
   return sum / static_cast<double>(found->rgba.size() / 4);
+}
+
+bool Pictures::is_even(int index, int channel) {
+  const DecodedImage* found = picture(index);
+  if (!found || found->rgba.empty()) return true;
+  const auto first = static_cast<std::size_t>(channel);
+  for (std::size_t i = first; i < found->rgba.size(); i += 4)
+    if (found->rgba[i] != found->rgba[first]) return false;
+  return true;
+}
+
+std::array<bool, 2> Pictures::repeats(int index) const {
+  const int sampler = model_.textures[static_cast<std::size_t>(index)].sampler;
+  if (sampler < 0) return {true, true};
+  const tinygltf::Sampler& found = model_.samplers[static_cast<std::size_t>(sampler)];
+  return {found.wrapS == TINYGLTF_TEXTURE_WRAP_REPEAT, found.wrapT == TINYGLTF_TEXTURE_WRAP_REPEAT};
+}
+
+bool Pictures::has_room(std::span<const BakeSource> sources, std::size_t pictures) const {
+  const std::uint64_t size =
+      std::uint64_t{4} * baked_width(sources) * baked_height(sources) * pictures;
+  return size > 0 && size <= document_.options.limits.texture_bytes - decoded_;
+}
+
+std::int32_t Pictures::add(int index, const char* what, Baked& baked, std::size_t picture,
+                           bool linear) {
+  std::vector<std::uint8_t>& rgba = baked.pictures[picture];
+  decoded_ += rgba.size();
+  scene_.textures.push_back(
+      {name_of(index) + what, baked.width, baked.height, std::move(rgba), linear});
+  return static_cast<std::int32_t>(scene_.textures.size() - 1);
+}
+
+std::optional<RecipePictures> Pictures::metal(const MetalRecipe& recipe) {
+  const int base = recipe.base, metal = recipe.metal;
+  const Vec3 factor = recipe.factor, dielectric = recipe.dielectric;
+  const double metallic = recipe.metallic;
+  const DecodedImage* colour = picture(base);
+  const DecodedImage* part = picture(metal);
+  if ((base >= 0 && !colour) || (metal >= 0 && !part)) return std::nullopt;
+  // a metal and nothing else: its colour as it is
+  if (!part && metallic == 1 && factor == Vec3(1))
+    return RecipePictures{scene::kNone, texture(base, PictureUse::colour), scene::kNone};
+  const auto [place, is_new] =
+      made_.try_emplace({0.0, static_cast<double>(base), static_cast<double>(metal), factor.x,
+                         factor.y, factor.z, metallic, dielectric.x, dielectric.y, dielectric.z});
+  if (!is_new) return place->second;
+  const BakeSource sources[] = {{colour, true}, {part, false}};
+  // where all is equally metal, the colour's own picture is the albedo
+  const bool two = part != nullptr;
+  if (!has_room(sources, two ? 2 : 1)) return std::nullopt;
+  constexpr bool kColours[] = {true, true};
+  Baked made = baked(sources, std::span(kColours, two ? 2 : 1),
+                     [&](std::span<const Vec4> from, std::span<Vec4> to) {
+                       const double share = metallic * from[1].z;
+                       to[0] = Vec4(glm::mix(dielectric, factor * Vec3(from[0]), share), from[0].w);
+                       if (two) to[1] = Vec4(Vec3(from[0]) * (1 - share), from[0].w);
+                     });
+  RecipePictures out;
+  const int named = colour ? base : metal;
+  out.reflectance = add(named, ".reflectance", made, 0, false);
+  if (two)
+    out.albedo = add(named, ".albedo", made, 1, false);
+  else if (metallic < 1)
+    out.albedo = texture(base, PictureUse::colour);
+  return place->second = out;
+}
+
+std::optional<RecipePictures> Pictures::gloss(const GlossRecipe& recipe) {
+  const int diffuse = recipe.diffuse, specular = recipe.specular;
+  const Vec3 factor = recipe.factor;
+  const double glossiness = recipe.glossiness;
+  const DecodedImage* colour = picture(diffuse);
+  const DecodedImage* shine = picture(specular);
+  if ((diffuse >= 0 && !colour) || !shine) return std::nullopt;
+  const auto [place, is_new] =
+      made_.try_emplace({1.0, static_cast<double>(diffuse), static_cast<double>(specular), factor.x,
+                         factor.y, factor.z, glossiness});
+  if (!is_new) return place->second;
+  const BakeSource sources[] = {{colour, true}, {shine, true}};
+  if (!has_room(sources, 3)) return std::nullopt;
+  constexpr bool kColours[] = {true, true, false};
+  Baked made = baked(sources, kColours, [&](std::span<const Vec4> from, std::span<Vec4> to) {
+    const Vec3 facing = factor * Vec3(from[1]);
+    const double left = 1 - std::max({facing.x, facing.y, facing.z});
+    const double rough = 1 - glossiness * from[1].w;
+    to[0] = Vec4(facing, from[0].w);
+    to[1] = Vec4(Vec3(from[0]) * left, from[0].w);
+    to[2] = Vec4(Vec3(rough * rough), 1);
+  });
+  RecipePictures out;
+  out.reflectance = add(specular, ".reflectance", made, 0, false);
+  out.albedo = add(colour ? diffuse : specular, ".albedo", made, 1, false);
+  out.roughness = add(specular, ".roughness", made, 2, true);
+  return place->second = out;
 }
 
 }  // namespace panwright::importers::gltf

@@ -1,11 +1,13 @@
 // Pictures of a glTF file. Private to importers/gltf.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
 #include <tuple>
 
+#include "importers/gltf/bake.h"
 #include "importers/gltf/structs.h"
 #include "importers/image.h"
 
@@ -13,6 +15,30 @@ namespace panwright::importers::gltf {
 
 // What a surface takes from a picture.
 enum class PictureUse : std::uint8_t { colour, normal, roughness };
+
+// A metal whose colour or metallic part comes from pictures; glTF's textures, −1: none.
+struct MetalRecipe {
+  int base = -1;   // colour
+  int metal = -1;  // metallic part, in blue
+  Vec3 factor{1};  // of the colour
+  double metallic = 1;
+  Vec3 dielectric{0.04};  // reflectance of what is no metal
+};
+
+// A surface whose specular colour comes from a picture; glTF's textures, −1: none.
+struct GlossRecipe {
+  int diffuse = -1;
+  int specular = -1;  // its colour; glossiness in alpha
+  Vec3 factor{1};     // of the specular colour
+  double glossiness = 1;
+};
+
+// The scene's textures that stand for a recipe; kNone: none is needed.
+struct RecipePictures {
+  std::int32_t albedo = scene::kNone;  // without factors of the diffuse colour
+  std::int32_t reflectance = scene::kNone;
+  std::int32_t roughness = scene::kNone;  // the slope itself
+};
 
 // Reads pictures when they are asked for, each once.
 class Pictures {
@@ -27,8 +53,23 @@ class Pictures {
   // picture.
   Vec4 mean(int index, bool srgb);
 
+  // Whether a picture says the same everywhere in one channel; true without a picture.
+  bool is_even(int index, int channel);
+
+  // Whether a texture's sampler repeats it along u and v.
+  std::array<bool, 2> repeats(int index) const;
+
+  // Computed pictures, once for equal recipes. None where pictures are missing, or together over
+  // the limit of texture bytes.
+  std::optional<RecipePictures> metal(const MetalRecipe& recipe);
+  std::optional<RecipePictures> gloss(const GlossRecipe& recipe);
+
  private:
   const DecodedImage* picture(int index, std::size_t& image);
+  const DecodedImage* picture(int index);
+  bool has_room(std::span<const BakeSource> sources, std::size_t pictures) const;
+  std::int32_t add(int index, const char* what, Baked& baked, std::size_t picture, bool linear);
+  std::string name_of(int index);
   std::optional<DecodedImage> load(std::size_t image);
   bool bytes_of(std::size_t image, const Json& json, std::string& name, SharedText& owner,
                 std::span<const std::byte>& bytes);
@@ -39,7 +80,8 @@ class Pictures {
   std::map<std::size_t, std::optional<DecodedImage>> images_;
   std::map<std::size_t, std::string> names_;
   std::map<std::pair<std::size_t, PictureUse>, std::int32_t> textures_;
-  std::uint64_t decoded_ = 0;  // bytes
+  std::map<std::vector<double>, std::optional<RecipePictures>> made_;  // by their recipes
+  std::uint64_t decoded_ = 0;  // bytes, those of computed pictures as well
 };
 
 }  // namespace panwright::importers::gltf

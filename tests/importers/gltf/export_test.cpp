@@ -154,6 +154,45 @@ TEST(GltfExport, NamesMaterialsAndPointsComeBack) {
   }
 }
 
+// A reflectance map without diffuse light is the colour of a metal; beside it, it is named.
+TEST(GltfExport, ReflectanceMapsAreTheColourOfMetals) {
+  scene::Scene scene = spacecraft();
+  scene.materials[2] = scene.materials[0];
+  scene.materials[2].name = "panel";
+  scene.materials[2].maps.reflectance = 0;
+  scene.materials[2].maps.repeat = {2, 3};
+  for (const bool diffuse : {false, true}) {
+    if (diffuse) {
+      scene.materials[2].diffuse = Vec3(0.25);
+      scene.materials[2].weights.x = 0.5;
+    }
+    materials::fit(scene.materials[2]);
+    const auto model = compiled(scene);
+    ASSERT_TRUE(model);
+    DiagnosticLog log;
+    const auto glb = glb_from(*model, log);
+    ASSERT_TRUE(glb);
+    EXPECT_EQ(to_text(log).find("pictures of reflectance beside a colour") != std::string::npos,
+              diffuse);
+    const Loaded out = load({reinterpret_cast<const char*>(glb->data()), glb->size()});
+    ASSERT_TRUE(out.imported) << out.text();
+    bool found = false;
+    for (std::size_t i = 0; i < out.imported->materials.size(); ++i) {
+      if (out.imported->materials[i].name != "panel") continue;
+      found = true;
+      const materials::Material& material = out.imported->scene.materials[i];
+      EXPECT_EQ(material.maps.reflectance >= 0, !diffuse);
+      if (diffuse) continue;
+      EXPECT_EQ(out.imported->materials[i].metallic, 1);
+      EXPECT_EQ(out.imported->materials[i].base_colour, Vec3(1));
+      const scene::Texture& picture =
+          out.imported->scene.textures[static_cast<std::size_t>(material.maps.reflectance)];
+      EXPECT_EQ(picture.rgba, (std::vector<std::uint8_t>{255, 0, 0, 255, 0, 255, 10, 255}));
+    }
+    EXPECT_TRUE(found);
+  }
+}
+
 TEST(GltfExport, SameModelSameBytes) {
   const auto model = compiled(spacecraft());
   ASSERT_TRUE(model);
