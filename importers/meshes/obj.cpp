@@ -222,7 +222,7 @@ class ObjReader {
     std::int64_t group = 0;
     const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), group);
     if (name == "off") {
-      group = kFlat;
+      group = kByCrease;
     } else if (error != std::errc() || end != name.data() + name.size() || group < 0) {
       s_.trouble(Code::W6502, "smoothing", at(name.empty() ? word : name), [&] {
         return fmt::format("{} is no smoothing group, which is a number or 'off'", in_quotes(name));
@@ -269,9 +269,10 @@ class ObjReader {
 
   void make_parts() {
     close_run();
+    s_.file.bytes.forget(0, s_.file.bytes->size());
     ObjMesher mesher(s_, l_);
     for (Part& part : parts_) {
-      geometry::Mesh mesh = mesher.mesh_of(part.ranges);
+      geometry::Mesh mesh = mesher.mesh_of(part.ranges, &part == &parts_.back());
       if (mesh.triangles.empty() || part.node < 0) continue;
       const std::int32_t material =
           libraries_.scene_material(part.material, !mesh.colours.empty(), !mesh.texcoords.empty());

@@ -14,7 +14,7 @@ namespace {
 using geometry::Mesh;
 using geometry::Triangle;
 
-constexpr std::int64_t kOwn = -2;   // the normals are the file's
+constexpr std::int64_t kOwn = -1;   // the normals are the file's
 constexpr int kLongestSearch = 32;  // vertices of one point that are compared before one more
 
 void append(Mesh& out, Mesh&& mesh) {
@@ -43,11 +43,11 @@ bool ObjMesher::Key::operator==(const Key& other) const {
          corner.normal == other.corner.normal && smoothing == other.smoothing;
 }
 
-ObjMesher::ObjMesher(Session& session, const ObjLists& lists) : s_(session), l_(lists) {
+ObjMesher::ObjMesher(Session& session, ObjLists& lists) : s_(session), l_(lists) {
   first_.assign(l_.points.size(), kNoIndex);
 }
 
-Mesh ObjMesher::mesh_of(const std::vector<Range>& ranges) {
+Mesh ObjMesher::mesh_of(const std::vector<Range>& ranges, bool last) {
   mesh_ = {};
   keys_.clear();
   next_.clear();
@@ -57,6 +57,12 @@ Mesh ObjMesher::mesh_of(const std::vector<Range>& ranges) {
     for (std::size_t face = range.begin; face < range.end; ++face)
       if (take_face(face, corners)) add_face(corners, range.smoothing);
   for (const Key& key : keys_) first_[static_cast<std::size_t>(key.corner.point)] = kNoIndex;
+  if (last) {
+    l_.corners = {};
+    l_.faces = {};
+    first_ = {};
+    next_ = {};
+  }
   return finished();
 }
 
@@ -127,29 +133,50 @@ std::uint32_t ObjMesher::vertex(const Key& key) {
   return first = v;
 }
 
-// The triangles of one smoothing, with all that their vertices have but computed normals.
-Mesh ObjMesher::with_lists(std::span<const std::uint32_t> vertices,
-                           std::span<const std::uint32_t> triangles,
-                           std::vector<std::uint32_t>& to) const {
-  Mesh out;
-  out.positions.reserve(vertices.size());
-  out.triangles.reserve(triangles.size());
-  for (const std::uint32_t v : vertices) {
-    const Key& key = keys_[v];
-    to[v] = static_cast<std::uint32_t>(out.positions.size());
-    out.positions.push_back(mesh_.positions[v]);
-    if (key.smoothing == kOwn)
-      out.normals.push_back(l_.normals[static_cast<std::size_t>(key.corner.normal)]);
+// Gives a mesh what its vertices have in the lists, and normals.
+void ObjMesher::complete(Mesh& mesh, std::span<const Key> keys) const {
+  const std::int64_t smoothing = keys.empty() ? kByCrease : keys[0].smoothing;
+  for (const Key& key : keys) {
+    if (smoothing == kOwn)
+      mesh.normals.push_back(l_.normals[static_cast<std::size_t>(key.corner.normal)]);
     if (texcoords_)
-      out.texcoords.push_back(key.corner.texcoord < 0
-                                  ? Vec2(0)
-                                  : l_.texcoords[static_cast<std::size_t>(key.corner.texcoord)]);
+      mesh.texcoords.push_back(key.corner.texcoord < 0
+                                   ? Vec2(0)
+                                   : l_.texcoords[static_cast<std::size_t>(key.corner.texcoord)]);
     if (!l_.colours.empty())
-      out.colours.push_back(l_.colours[static_cast<std::size_t>(key.corner.point)]);
+      mesh.colours.push_back(l_.colours[static_cast<std::size_t>(key.corner.point)]);
   }
-  for (const std::uint32_t i : triangles) {
-    const Triangle& t = mesh_.triangles[i];
-    out.triangles.push_back({to[t[0]], to[t[1]], to[t[2]]});
+  finish_normals(mesh, smoothing == kByCrease ? s_.options.crease_angle : kPi);
+}
+
+// One mesh for each smoothing, behind one another.
+Mesh ObjMesher::by_smoothing() {
+  const auto smoothing_of = [&](std::uint32_t v) { return keys_[v].smoothing; };
+  std::vector<std::uint32_t> vertices(keys_.size()), triangles(mesh_.triangles.size());
+  std::iota(vertices.begin(), vertices.end(), 0u);
+  std::iota(triangles.begin(), triangles.end(), 0u);
+  std::ranges::stable_sort(vertices, {}, smoothing_of);
+  std::ranges::stable_sort(triangles, {},
+                           [&](std::uint32_t i) { return smoothing_of(mesh_.triangles[i][0]); });
+  std::vector<std::uint32_t> to(keys_.size());
+  Mesh out;
+  std::vector<Key> keys;
+  for (std::size_t v = 0, t = 0; v < vertices.size();) {
+    const std::int64_t smoothing = smoothing_of(vertices[v]);
+    Mesh mesh;
+    keys.clear();
+    for (; v < vertices.size() && smoothing_of(vertices[v]) == smoothing; ++v) {
+      to[vertices[v]] = static_cast<std::uint32_t>(keys.size());
+      keys.push_back(keys_[vertices[v]]);
+      mesh.positions.push_back(mesh_.positions[vertices[v]]);
+    }
+    for (; t < triangles.size(); ++t) {
+      const Triangle& corners = mesh_.triangles[triangles[t]];
+      if (smoothing_of(corners[0]) != smoothing) break;
+      mesh.triangles.push_back({to[corners[0]], to[corners[1]], to[corners[2]]});
+    }
+    complete(mesh, keys);
+    append(out, std::move(mesh));
   }
   return out;
 }
@@ -159,35 +186,10 @@ Mesh ObjMesher::finished() {
     s_.trouble(Code::W6502, "bare", s_.at(0, 0), [] {
       return "some corners of a part have no texture coordinates; they get (0, 0)";
     });
-  // vertices and triangles of one smoothing behind one another
-  const auto smoothing_of = [&](std::uint32_t v) { return keys_[v].smoothing; };
-  std::vector<std::uint32_t> vertices(keys_.size()), triangles(mesh_.triangles.size());
-  std::iota(vertices.begin(), vertices.end(), 0u);
-  std::iota(triangles.begin(), triangles.end(), 0u);
-  std::stable_sort(vertices.begin(), vertices.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return smoothing_of(a) < smoothing_of(b);
-  });
-  std::stable_sort(triangles.begin(), triangles.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return smoothing_of(mesh_.triangles[a][0]) < smoothing_of(mesh_.triangles[b][0]);
-  });
-  std::vector<std::uint32_t> to(keys_.size());
-  Mesh out;
-  for (std::size_t v = 0, t = 0; v < vertices.size();) {
-    const std::int64_t smoothing = smoothing_of(vertices[v]);
-    std::size_t v_end = v, t_end = t;
-    while (v_end < vertices.size() && smoothing_of(vertices[v_end]) == smoothing) ++v_end;
-    while (t_end < triangles.size() &&
-           smoothing_of(mesh_.triangles[triangles[t_end]][0]) == smoothing)
-      ++t_end;
-    Mesh mesh = with_lists(std::span(vertices).subspan(v, v_end - v),
-                           std::span(triangles).subspan(t, t_end - t), to);
-    finish_normals(mesh, smoothing == kByCrease ? s_.options.crease_angle
-                         : smoothing == kFlat   ? 0
-                                                : kPi);
-    append(out, std::move(mesh));
-    v = v_end;
-    t = t_end;
-  }
+  const bool one = std::ranges::all_of(
+      keys_, [&](const Key& key) { return key.smoothing == keys_[0].smoothing; });
+  Mesh out = one ? std::move(mesh_) : by_smoothing();
+  if (one) complete(out, keys_);
   if (std::ranges::all_of(out.colours, [](const Vec3& c) { return c == Vec3(1); }))
     out.colours.clear();
   return out;

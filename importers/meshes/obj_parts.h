@@ -20,9 +20,9 @@ struct ObjFace {
   std::uint32_t where = 0;  // byte of the file
 };
 
-// Smoothing of faces whose corners have no normals.
-inline constexpr std::int64_t kByCrease = -1;  // the file does not say
-inline constexpr std::int64_t kFlat = 0;       // "s off"; else the number of a group
+// Smoothing of faces whose corners have no normals: the number of a group, or by crease angle. "s
+// off" is that as well: Blender writes it by default, and facets are rarely meant.
+inline constexpr std::int64_t kByCrease = 0;
 
 struct ObjLists {
   std::vector<Vec3> points;     // not finite: no place
@@ -36,7 +36,7 @@ struct ObjLists {
 // Makes the mesh of one part after another; keeps its lists between them.
 class ObjMesher {
  public:
-  ObjMesher(Session& session, const ObjLists& lists);
+  ObjMesher(Session& session, ObjLists& lists);
 
   struct Range {
     std::size_t begin = 0;
@@ -44,8 +44,9 @@ class ObjMesher {
     std::int64_t smoothing = kByCrease;
   };
   // Vertices are distinct (v, vt, vn, smoothing). Faces of one smoothing group share normals
-  // whatever their angle, those of different ones none. Reports E6501, W6502.
-  geometry::Mesh mesh_of(const std::vector<Range>& ranges);
+  // whatever their angle, those of different ones none. After the last part the faces go from the
+  // lists. Reports E6501, W6502.
+  geometry::Mesh mesh_of(const std::vector<Range>& ranges, bool last);
 
  private:
   struct Key {
@@ -58,12 +59,11 @@ class ObjMesher {
   std::uint32_t vertex(const Key& key);
   void add_face(const std::vector<ObjCorner>& corners, std::int64_t smoothing);
   geometry::Mesh finished();
-  geometry::Mesh with_lists(std::span<const std::uint32_t> vertices,
-                            std::span<const std::uint32_t> triangles,
-                            std::vector<std::uint32_t>& to) const;
+  geometry::Mesh by_smoothing();
+  void complete(geometry::Mesh& mesh, std::span<const Key> keys) const;
 
   Session& s_;
-  const ObjLists& l_;
+  ObjLists& l_;
   std::vector<std::uint32_t> first_;  // of each point, its newest vertex
   std::vector<Key> keys_;             // of each vertex
   std::vector<std::uint32_t> next_;   // of the same point

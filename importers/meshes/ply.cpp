@@ -71,11 +71,13 @@ class PlyReader {
       else
         skip_element(element);
     }
+    s_.file.bytes.forget(0, s_.file.bytes->size());
+    const bool faces = !ends_.empty() || !strips_.empty();
     if (!s_.full) make_faces();
-    if (mesh_.triangles.empty() && !mesh_.positions.empty() && ends_.empty() && strips_.empty())
+    if (!faces && !mesh_.positions.empty())
       s_.trouble(Code::E6501, "no faces", s_.at(header_.body.substr(0, 0)), [&] {
-        return fmt::format("{} and no face: points make no surface",
-                           counted(mesh_.positions.size(), "vertex"));
+        return fmt::format("{} and no face: they make no surface",
+                           counted(mesh_.positions.size(), "point"));
       });
     if (!mesh_.triangles.empty()) add_mesh();
     return assembly_.finished();
@@ -303,7 +305,8 @@ class PlyReader {
                 std::size_t where) {
     if (face.size() > 3 && !s_.charge((face.size() - 3) * sizeof(std::uint32_t))) return;
     for (const double value : face) corners_.push_back(index_of(value));
-    ends_.push_back({corners_.size(), static_cast<std::uint32_t>(where)});
+    ends_.push_back(
+        {static_cast<std::uint32_t>(corners_.size()), static_cast<std::uint32_t>(where)});
     if (!uvs) return;
     const bool fits = uvs->size() == 2 * face.size();
     if (!fits && !uvs->empty())
@@ -439,7 +442,9 @@ class PlyReader {
   }
 
   void add_mesh() {
-    corners_ = {};
+    corners_ = strips_ = {};
+    ends_ = {};
+    wedges_ = {};
     drop_unused(mesh_);
     finish_normals(mesh_, s_.options.crease_angle);
     const SourceSpan where = s_.at(0, 0);
@@ -463,7 +468,7 @@ class PlyReader {
   }
 
   struct Face {
-    std::uint64_t end;    // in corners_
+    std::uint32_t end;    // in corners_
     std::uint32_t where;  // byte in the body
   };
 

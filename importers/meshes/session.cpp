@@ -216,7 +216,7 @@ void Welder::grow(const std::vector<Vec3>& positions) {
 }
 
 void Welder::clear() {
-  slots_.clear();
+  slots_ = {};
   used_ = 0;
 }
 

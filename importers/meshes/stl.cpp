@@ -82,6 +82,9 @@ class BinaryReader {
       for (std::size_t k = 0; k < 3; ++k) t[k] = welder.vertex(corners[k], mesh.positions);
       mesh.triangles.push_back(t);
     }
+    welder.clear();
+    bytes_ = {};
+    s_.file.bytes.forget(0, s_.file.bytes->size());
     if (!mesh.triangles.empty()) {
       finish_normals(mesh, s_.options.crease_angle);
       const std::int32_t node = assembly.add_node(0, {}, "mesh", where);

@@ -144,7 +144,7 @@ TEST(Ply, PointsMakeNoSurface) {
   const auto out = read_meshes({{"m.ply", "ply\nformat ascii 1.0\nelement vertex 2\n" + kXyz +
                                               "\nend_header\n0 0 0\n1 1 1\n"}});
   EXPECT_FALSE(out->out);
-  EXPECT_THAT(out->text(), HasSubstr("points make no surface"));
+  EXPECT_THAT(out->text(), HasSubstr("2 points and no face: they make no surface"));
 }
 
 TEST(Ply, WrongValuesCostTheirFaceAlone) {
