@@ -71,7 +71,8 @@ void append(std::vector<double>& key, const std::optional<std::array<double, 4>>
 }
 
 void append(std::vector<double>& key, const materials::Maps& m) {
-  for (const std::int32_t map : {m.albedo, m.normal, m.roughness, m.cutout}) key.push_back(map);
+  for (const std::int32_t map : {m.albedo, m.normal, m.roughness, m.reflectance, m.cutout})
+    key.push_back(map);
   key.insert(key.end(), {m.threshold, m.repeat.x, m.repeat.y});
 }
 
@@ -486,7 +487,7 @@ class Assembler {
                          ? cad_material(place.model, model, from.instances[i].material)
                          : named_material(place.materials[i]);
     }
-    graft(model, place, materials, context.node, scene_);
+    graft(model, place, materials, context.node, plain_shapes_, scene_);
   }
 
   std::int32_t named_material(std::int32_t index) {
@@ -505,8 +506,8 @@ class Assembler {
     if (!added) return known->second;
     known->second = static_cast<std::int32_t>(scene_.materials.size());
     materials::Material copy = model.imported.scene.materials[static_cast<std::size_t>(index)];
-    for (std::int32_t* map :
-         {&copy.maps.albedo, &copy.maps.normal, &copy.maps.roughness, &copy.maps.cutout})
+    for (std::int32_t* map : {&copy.maps.albedo, &copy.maps.normal, &copy.maps.roughness,
+                              &copy.maps.reflectance, &copy.maps.cutout})
       if (*map >= 0) *map = model.textures[static_cast<std::size_t>(*map)];
     scene_.materials.push_back(std::move(copy));
     return known->second;
@@ -579,6 +580,7 @@ class Assembler {
   std::map<const Part*, std::set<std::string>> written_;     // by written_in()
   std::set<std::uint32_t> used_;
   std::map<std::pair<std::uint32_t, std::int32_t>, std::int32_t> cad_materials_;
+  PlainShapes plain_shapes_;
   std::uint64_t includes_ = 0;
   bool stopped_ = false;
 };

@@ -21,10 +21,26 @@ std::vector<char> kept_nodes(const scene::Scene& from, const PartImport& place) 
   return kept;
 }
 
+// The shape without vertex colours; itself where it has none.
+std::int32_t plain_shape(std::int32_t shape, PlainShapes& plain, scene::Scene& scene) {
+  const auto* mesh =
+      std::get_if<geometry::MeshShape>(&scene.shapes[static_cast<std::size_t>(shape)]);
+  if (!mesh || (*mesh)->colours.empty()) return shape;
+  const auto [known, is_new] =
+      plain.try_emplace(shape, static_cast<std::int32_t>(scene.shapes.size()));
+  if (is_new) {
+    auto copy = std::make_shared<geometry::Mesh>(**mesh);
+    copy->colours = {};
+    scene.shapes.emplace_back(geometry::MeshShape(std::move(copy)));
+  }
+  return known->second;
+}
+
 }  // namespace
 
 void graft(const ImportedModel& model, const PartImport& place,
-           std::span<const std::int32_t> materials, std::int32_t below, scene::Scene& scene) {
+           std::span<const std::int32_t> materials, std::int32_t below, PlainShapes& plain,
+           scene::Scene& scene) {
   const scene::Scene& from = model.imported.scene;
   const std::vector<char> kept = kept_nodes(from, place);
   std::vector<std::int32_t> node_of(from.nodes.size(), scene::kNone);
@@ -43,11 +59,14 @@ void graft(const ImportedModel& model, const PartImport& place,
     instance.node = node_of[static_cast<std::size_t>(instance.node)];
     instance.shape = model.shapes[static_cast<std::size_t>(instance.shape)];
     instance.material = materials[i];
-    // a picture may stand in the material that goes
+    if (place.materials[i] >= 0 && !place.keeps_picture[i])
+      instance.shape = plain_shape(instance.shape, plain, scene);
+    // a picture may stand in the material that goes: the colour of paint, or that of a metal
     const materials::Maps& maps =
         model.imported.scene.materials[static_cast<std::size_t>(from.instances[i].material)].maps;
-    if (instance.texture == scene::kNone && place.materials[i] >= 0 && maps.albedo >= 0) {
-      instance.texture = maps.albedo;
+    const std::int32_t picture = maps.albedo >= 0 ? maps.albedo : maps.reflectance;
+    if (instance.texture == scene::kNone && place.materials[i] >= 0 && picture >= 0) {
+      instance.texture = picture;
       instance.mapping = scene::Mapping::texcoords;
     }
     if (instance.texture != scene::kNone)

@@ -24,6 +24,26 @@ Reading wearing(const std::string& fields, const std::string& attributes = "") {
 
 const materials::Material& worn(const Reading& r) { return r.scene->materials.at(0); }
 
+TEST(NamedMaterial, ReflectanceMaps) {
+  const auto with = [](const std::string& laws) {
+    return read_files({{"m.pxn",
+                        "<pangu_model ver=\"1\">\n<material name=\"m\" "
+                        "reflectance_map=\"p.ppm\">\n" +
+                            laws + "\n</material><sphere material=\"m\"/></pangu_model>"},
+                       {"p.ppm", std::string("P6 1 1 255\n") + "\xff\x80\x40"}});
+  };
+  const Reading metal = with("<ggx>0.3</ggx><conductor metal=\"Al\"/>");
+  EXPECT_EQ(metal.summary(), "");
+  ASSERT_EQ(worn(metal).maps.reflectance, 0);
+  EXPECT_EQ(worn(metal).maps.albedo, -1);
+  EXPECT_FALSE(metal.scene->textures.at(0).linear);
+  EXPECT_TRUE(materials::laws_of(worn(metal)).mapped);
+  // nothing that it could be the reflectance of
+  const Reading paint = with("<diffuse>0.5 0.5 0.5</diffuse>");
+  EXPECT_NE(paint.summary().find("N1405 reflectance_map has no effect"), std::string::npos)
+      << paint.summary();
+}
+
 TEST(NamedMaterial, Laws) {
   const Reading eon = wearing("<diffuse>0.5 0.5 0.5</diffuse><eon>0.7</eon>");
   EXPECT_EQ(eon.summary(), "");
@@ -174,10 +194,9 @@ TEST(DescribedMaterials, OfAFile) {
 // n and k of users' own tables.
 TEST(NamedMaterial, SpectraFromFiles) {
   const auto with = [](const std::string& fields, const std::string& table) {
-    return read_files(
-        {{"m.pxn", "<pangu_model ver=\"1\">\n<material name=\"m\">\n" + fields +
-                       "\n</material><sphere material=\"m\"/></pangu_model>"},
-         {"t.csv", table}});
+    return read_files({{"m.pxn", "<pangu_model ver=\"1\">\n<material name=\"m\">\n" + fields +
+                                     "\n</material><sphere material=\"m\"/></pangu_model>"},
+                       {"t.csv", table}});
   };
   const std::string table = "um,n,k\n0.4,1.5,0\n0.6,1.9,0.002\n0.7,1.9,0.002\n";
   const Reading metal = with("<mirror/><conductor file=\"t.csv\"/>", table);
@@ -195,9 +214,13 @@ TEST(NamedMaterial, SpectraFromFiles) {
 
   EXPECT_EQ(with("<mirror/><conductor file=\"t.csv\"/>", "0.4 1 1\n0.3 1 1\n").summary(),
             "3:27 E1409 optical constants 't.csv', line 2: wavelengths rise from row to row\n");
-  EXPECT_EQ(with("<mirror/><conductor file=\"none.csv\"/>", table).summary(), "3:27 E1301 there is no file 'none.csv' in this file's folder\n");
-  EXPECT_EQ(with("<mirror/><conductor file=\"t.csv\" metal=\"Al\"/>", table).summary(), "3:11 E1108 <conductor> needs exactly one of @metal, @file or @n, not @metal and @file\n");
-  EXPECT_EQ(with("<mirror/><coat file=\"t.csv\"/>", table).summary(), "3:11 E1108 <coat> has @file, which needs @thickness\n");
+  EXPECT_EQ(with("<mirror/><conductor file=\"none.csv\"/>", table).summary(),
+            "3:27 E1301 there is no file 'none.csv' in this file's folder\n");
+  EXPECT_EQ(
+      with("<mirror/><conductor file=\"t.csv\" metal=\"Al\"/>", table).summary(),
+      "3:11 E1108 <conductor> needs exactly one of @metal, @file or @n, not @metal and @file\n");
+  EXPECT_EQ(with("<mirror/><coat file=\"t.csv\"/>", table).summary(),
+            "3:11 E1108 <coat> has @file, which needs @thickness\n");
   EXPECT_EQ(with("<mirror/><coat file=\"t.csv\" thickness=\"1um\"/>", "0.4 5\n0.7 5\n").summary(),
             "3:22 E1409 a coat has an index of 1 to 4, and this one 5 at 550 nm\n");
 }
