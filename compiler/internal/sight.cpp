@@ -24,6 +24,8 @@ constexpr std::size_t kChunk = 2048;  // lines that a thread takes at once
 constexpr double kSlack = 1e-5;
 // sine of the angle between surfaces that do so over more than a line
 constexpr double kParallel = 1e-3;
+// sine of the angle between facets of one surface
+constexpr double kSmooth = 0.2;
 // of the radius: a line passes an edge on the side where double says it does
 constexpr double kDoubt = 1e-12;
 // of the radius: farther than what a search in single precision may be wrong by (2e-6)
@@ -39,6 +41,12 @@ constexpr std::uint64_t kProbes = 1'000'000;  // for all triangles together, at 
 constexpr std::uint32_t kMostProbes = 4096;   // for one
 constexpr std::uint32_t kMostDeepProbes = 16384;
 constexpr std::uint32_t kDeepProbes = 2048;  // for each that faces what is seen
+// lines of pictures as wide as the model, of which those through what is left are followed: as many
+// as 7,600 of 256² pixels hold
+constexpr double kAreaLines = 5e8;
+// of the radius squared: such a picture covers 4 of it, and a face shows half its area
+constexpr double kBallArea = 8;
+constexpr int kAreaRounds = 4;
 constexpr int kFrontierRounds = 8;
 constexpr std::uint64_t kFrontierLines = 400'000;   // of a round
 constexpr std::uint64_t kMostFrontierLines = 2048;  // through one triangle
@@ -81,17 +89,20 @@ class Looker {
     const std::size_t count = world_.triangles.size();
     met_ = std::vector<std::atomic<std::uint16_t>>(2 * count);
     exposed_ = std::vector<std::atomic<char>>(count);
-    direction_.resize(count);
-    if (prepare()) look();
+    kept_.resize(count);
+    line_.resize(count);
+    if (prepare()) {
+      look();
+      keep_doubtful();
+    }
     Sight out;
     out.seen.resize(count);
-    for (std::uint32_t i = 0; i < count; ++i)
-      out.seen[i] = seen(i) || (keep_exposed_ && exposed_[i]);
+    for (std::uint32_t i = 0; i < count; ++i) out.seen[i] = seen(i) || kept_[i];
     out.rays = rays_;
     out.last_rays = last_rays_;
     out.last_found = last_found_;
     out.probes = probes_;
-    out.doubtful = doubtful();
+    for (std::uint32_t i = 0; i < count; ++i) out.doubtful += undecided(i) && kept_[i];
     return out;
   }
 
@@ -125,6 +136,7 @@ class Looker {
     explore(late, true);
     probe_all();
     search_frontier();
+    search_by_area();
     for (int i = 0; i < kConfirmations; ++i) {
       last_rays_ = options_.rays_from_outside;
       const std::vector<Find> found = from_outside(last_rays_);
@@ -154,12 +166,75 @@ class Looker {
     }
   }
 
-  // Triangles that stay although nothing met them.
-  std::uint64_t doubtful() const {
-    std::uint64_t count = 0;
-    for (std::uint32_t i = 0; keep_exposed_ && i < world_.triangles.size(); ++i)
-      count += undecided(i) && exposed_[i];
-    return count;
+  // Lines through what is left as those of pictures are: evenly over area and direction. What is
+  // large takes most of them, as it would take most pixels.
+  void search_by_area() {
+    const std::uint64_t most = options_.max_probes / kAreaRounds;
+    for (int round = 0; round < kAreaRounds; ++round) {
+      std::vector<std::uint32_t> triangles;
+      std::vector<double> sums;  // of areas, in squares of the radius
+      double sum = 0;
+      for (std::uint32_t i = 0; i < world_.triangles.size(); ++i) {
+        if (!undecided(i) || !exposed_[i] || keep_exposed_) continue;
+        triangles.push_back(i);
+        sums.push_back(sum += area(i) / (radius_ * radius_));
+      }
+      const auto count = static_cast<std::uint64_t>(
+          std::min(static_cast<double>(most), kAreaLines / kAreaRounds * sum / kBallArea));
+      if (count == 0) return;
+      const auto make = [&](std::uint64_t i) -> std::optional<Line> {
+        const auto index = static_cast<std::uint32_t>(i);
+        const auto random = philox({index, static_cast<std::uint32_t>(round), 0, 0}, {0x51947, 5});
+        const auto more = philox({index, static_cast<std::uint32_t>(round), 1, 0}, {0x51947, 5});
+        const double at =
+            sum * (static_cast<double>(i) + in_unit(random[0])) / static_cast<double>(count);
+        const std::size_t k = std::min<std::size_t>(
+            static_cast<std::size_t>(std::upper_bound(sums.begin(), sums.end(), at) - sums.begin()),
+            sums.size() - 1);
+        double u = in_unit(random[1]);
+        double v = in_unit(random[2]);
+        if (u + v > 1) {
+          u = 1 - u;
+          v = 1 - v;
+        }
+        const auto [a, b, c] = corners(triangles[k]);
+        const Vec3 point = a + u * (b - a) + v * (c - a);
+        // even over the area that a direction shows
+        const Vec3 front = normal(triangles[k]);
+        const Vec3 outwards = glm::normalize((random[3] & 1 ? front : -front) +
+                                             on_sphere(in_unit(more[0]), in_unit(more[1])));
+        if (!is_finite(outwards)) return std::nullopt;
+        if (!has_clear_ && caster_.any({point, outwards, kSlack * radius_})) return std::nullopt;
+        return through(point, -outwards);
+      };
+      explore(cast(count, make), false);
+    }
+  }
+
+  double area(std::uint32_t triangle) const {
+    const auto [a, b, c] = corners(triangle);
+    return 0.5 * glm::length(glm::cross(b - a, c - a));
+  }
+
+  // Says which triangles stay although nothing met them: such as face a surface that is seen, where
+  // they are too many to be sure of, and else those that go on from a seen one about as smoothly as
+  // one surface. Of a gap that shows a sliver of one, few lines may come upon the next.
+  void keep_doubtful() {
+    for (std::uint32_t i = 0; i < kept_.size(); ++i)
+      if (undecided(i) && exposed_[i]) kept_[i] = keep_exposed_ || goes_on_from_seen(i);
+  }
+
+  bool goes_on_from_seen(std::uint32_t triangle) const {
+    const Vec3 front = normal(triangle);
+    bool found = false;
+    for_neighbours(triangle, [&](std::uint32_t other) {
+      if (found || !seen(other)) return;
+      int common = 0;
+      for (const std::uint32_t a : world_.triangles[triangle])
+        for (const std::uint32_t b : world_.triangles[other]) common += place_[a] == place_[b];
+      found = common >= 2 && glm::length(glm::cross(front, normal(other))) < kSmooth;
+    });
+    return found;
   }
 
   // ---- places and neighbours
@@ -338,7 +413,7 @@ class Looker {
   // ---- many lines
 
   // Follows lines make(i), where it makes one; what they were the first to meet, each triangle
-  // once, in order of triangles. Their directions are remembered.
+  // once, in order of triangles. The lines are remembered.
   template <class Make>
   std::vector<Find> cast(std::uint64_t count, const Make& make, bool thorough = true) {
     if (round_ < 0xffff) ++round_;
@@ -365,7 +440,7 @@ class Looker {
       }
       return false;
     });
-    for (const Find& find : found) direction_[find.triangle] = make(find.line)->direction;
+    for (const Find& find : found) line_[find.triangle] = *make(find.line);
     return found;
   }
 
@@ -495,17 +570,26 @@ class Looker {
     }
   }
 
-  // Lines a little aside of those that found something.
+  // Lines a little aside of those that found something, and turned about places on their way: the
+  // gap that let them through is one of these.
   std::vector<Find> beside(const std::vector<Find>& found) {
     constexpr std::uint64_t kLines = 24;
-    return cast(found.size() * kLines, [&](std::uint64_t i) -> std::optional<Line> {
-      const std::uint32_t triangle = found[static_cast<std::size_t>(i / kLines)].triangle;
-      const auto k = static_cast<std::uint32_t>(i % kLines);
+    constexpr std::uint64_t kTurned = 72;
+    return cast(found.size() * (kLines + kTurned), [&](std::uint64_t i) -> std::optional<Line> {
+      const std::uint32_t triangle =
+          found[static_cast<std::size_t>(i / (kLines + kTurned))].triangle;
+      const auto k = static_cast<std::uint32_t>(i % (kLines + kTurned));
       const auto random = philox({triangle, k, 1, 0}, {0x51947, 2});
       const auto more = philox({triangle, k, 2, 0}, {0x51947, 2});
       // from 1e-4 to 0.1, of a turn or of the radius
       const double width = 1e-4 * det::exp(6.907755278982137 * in_unit(more[2]));
-      const Vec3 d = turned(direction_[triangle], width, random[0], random[1]);
+      const Vec3& along = line_[triangle].direction;
+      const Vec3 d = turned(along, width, random[0], random[1]);
+      if (k >= kLines) {
+        const double middle = glm::dot(centre_ - line_[triangle].origin, along);
+        const double place = middle + radius_ * (2 * in_unit(random[2]) - 1);
+        return through(line_[triangle].origin + place * along, d);
+      }
       const auto [right, up] = across(d);
       const double reach = k % 2 == 0 ? 0 : width * radius_;
       const Vec3 point = point_of(triangle, 2, more) +
@@ -543,7 +627,7 @@ class Looker {
       const auto more = philox({triangle, seen, k, 1}, {0x51947, 3});
       const double angle = k < 3 ? 0.01 : k < 6 ? 0.1 : 0.5;
       return through(point_of(triangle, k, random),
-                     turned(direction_[seen], angle, more[0], more[1]));
+                     turned(line_[seen].direction, angle, more[0], more[1]));
     });
   }
 
@@ -556,9 +640,9 @@ class Looker {
       const auto random = philox({one.triangle, k, 3, 0}, {0x51947, 4});
       const auto more = philox({one.triangle, k, 4, 0}, {0x51947, 4});
       const double spread = in_unit(more[2]);
-      return through(
-          point_of(one.triangle, k, random),
-          turned(direction_[one.seen[k % one.count]], 0.5 * spread * spread, more[0], more[1]));
+      return through(point_of(one.triangle, k, random),
+                     turned(line_[one.seen[k % one.count]].direction, 0.5 * spread * spread,
+                            more[0], more[1]));
     });
   }
 
@@ -571,7 +655,8 @@ class Looker {
   bool keep_exposed_ = false;
   std::vector<std::atomic<std::uint16_t>> met_;  // 2*T: see met()
   std::vector<std::atomic<char>> exposed_;       // T: faces a side that is seen
-  std::vector<Vec3> direction_;                  // T: of a line that met it
+  std::vector<char> kept_;                       // T: in doubt
+  std::vector<Line> line_;                       // T: that met it
   std::vector<std::uint32_t> place_;             // V
   std::vector<std::uint32_t> start_;             // of the lists in around_, by place
   std::vector<std::uint32_t> around_;
