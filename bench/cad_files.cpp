@@ -130,6 +130,57 @@ std::string Band::glb(bool normals) const {
   return out;
 }
 
+std::string Band::obj() const {
+  std::string out = "o band\n";
+  for (std::uint32_t j = 0; j <= side_; ++j)
+    for (std::uint32_t i = 0; i < side_; ++i) {
+      const Vec3 p = at(i, j);
+      out += "v";
+      for (int k = 0; k < 3; ++k) {
+        out += ' ';
+        append_number(out, p[k]);
+      }
+      out += '\n';
+    }
+  each_triangle([&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    char text[48];
+    out.append(text, static_cast<std::size_t>(
+                         std::snprintf(text, sizeof text, "f %u %u %u\n", a + 1, b + 1, c + 1)));
+  });
+  return out;
+}
+
+std::string Band::stl() const {
+  std::string out(80, ' ');
+  append(out, static_cast<std::uint32_t>(triangles()));
+  each_triangle([&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    out.append(12, '\0');
+    for (const std::uint32_t v : {a, b, c}) {
+      const Vec3 p = at(v % side_, v / side_);
+      for (int k = 0; k < 3; ++k) append(out, static_cast<float>(p[k]));
+    }
+    out.append(2, '\0');
+  });
+  return out;
+}
+
+std::string Band::ply() const {
+  std::string out =
+      "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices()) +
+      "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
+      std::to_string(triangles()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (std::uint32_t j = 0; j <= side_; ++j)
+    for (std::uint32_t i = 0; i < side_; ++i) {
+      const Vec3 p = at(i, j);
+      for (int k = 0; k < 3; ++k) append(out, p[k]);
+    }
+  each_triangle([&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    out += '\3';
+    for (const std::uint32_t v : {a, b, c}) append(out, v);
+  });
+  return out;
+}
+
 double Band::array_bytes(bool normals) const {
   return static_cast<double>(vertices()) * (normals ? 48.0 : 24.0) +
          static_cast<double>(triangles()) * 12.0;

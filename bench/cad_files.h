@@ -22,10 +22,24 @@ class Band {
 
   std::string vrml() const;             // one IndexedFaceSet of VRML 97
   std::string glb(bool normals) const;  // one mesh of float positions and 32-bit indices
+  std::string obj() const;
+  std::string stl() const;  // binary
+  std::string ply() const;  // little endian, double positions
   // Of a scene that holds it in double: positions, normals and triangles.
   double array_bytes(bool normals) const;
 
  private:
+  // Calls add(a, b, c) for each triangle: corners by around + side·along.
+  template <class Add>
+  void each_triangle(const Add& add) const {
+    for (std::uint32_t j = 0; j < side_; ++j)
+      for (std::uint32_t i = 0; i < side_; ++i) {
+        const std::uint32_t a = j * side_ + i, b = j * side_ + (i + 1) % side_;
+        add(a, a + side_, b);
+        add(b, a + side_, b + side_);
+      }
+  }
+
   std::uint32_t side_;
 };
 

@@ -53,7 +53,10 @@ void run_import(Context& context) {
   if (writer == 0) {
     const bool done = !write_scratch(context, "band.wrl", band.vrml()).empty() &&
                       !write_scratch(context, "plain.glb", band.glb(false)).empty() &&
-                      !write_scratch(context, "lit.glb", band.glb(true)).empty();
+                      !write_scratch(context, "lit.glb", band.glb(true)).empty() &&
+                      !write_scratch(context, "band.obj", band.obj()).empty() &&
+                      !write_scratch(context, "band.stl", band.stl()).empty() &&
+                      !write_scratch(context, "band.ply", band.ply()).empty();
     ::_exit(done ? 0 : 1);
   }
   int status = 1;
@@ -91,6 +94,24 @@ void run_import(Context& context) {
        {"import", lit.string(), keep, "-o", out("e.pan")},
        0,
        out("e.pan"),
+       true},
+      {"obj to pan",
+       panwright,
+       {"import", out("band.obj"), keep, as_is, "-o", out("g.pan")},
+       0,
+       out("g.pan"),
+       true},
+      {"stl to pan",
+       panwright,
+       {"import", out("band.stl"), "--up", "y", keep, as_is, "-o", out("h.pan")},
+       0,
+       out("h.pan"),
+       true},
+      {"ply to pan",
+       panwright,
+       {"import", out("band.ply"), "--up", "y", keep, as_is, "-o", out("i.pan")},
+       0,
+       out("i.pan"),
        true},
       {"glb to a picture of 1024 x 1024",
        panwright,

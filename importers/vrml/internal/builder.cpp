@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "importers/image.h"
+#include "importers/vrml/internal/gif.h"
 
 namespace panwright::importers::vrml {
 
@@ -185,7 +186,9 @@ std::int32_t Builder::add_picture(std::span<const std::string_view> urls, Source
   if (unread) {
     DecodedImage image;
     const std::uint64_t left = session.options.limits.texture_bytes - texture_bytes_;
-    const ImageProblem problem = decode_image(as_bytes(*bytes), left, image);
+    const auto packed = as_bytes(*bytes);
+    const ImageProblem problem =
+        is_gif(packed) ? decode_gif(packed, left, image) : decode_image(packed, left, image);
     if (problem.code)
       session.log.report(
           Code::W6004, where,

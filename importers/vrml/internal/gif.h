@@ -1,0 +1,23 @@
+// GIF pictures, which VRML 1.0 asks browsers to read, and VRML 97 recommends.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "importers/image.h"
+
+namespace panwright::importers::vrml {
+
+bool is_gif(std::span<const std::byte> bytes);
+
+// The first picture of a GIF file on its screen, whose other pixels are transparent black. Colours
+// as in the file; a transparent one has alpha 0. At most max_bytes of pixels (four bytes each).
+//
+//   Expects: is_gif
+//
+// Problems: E3001, E3002. Cost: O(pixels). "Graphics Interchange Format, Version 89a", 1990.
+ImageProblem decode_gif(std::span<const std::byte> bytes, std::uint64_t max_bytes,
+                        DecodedImage& out);
+
+}  // namespace panwright::importers::vrml
