@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <meshoptimizer.h>
 
+#include <cstring>
 #include <filesystem>
+#include <limits>
 
 #include "tests/importers/gltf/sample.h"
 
@@ -130,6 +132,195 @@ TEST(GltfBad, OffsetsCountsAndStrides) {
   expect_code({{"asset", nullptr}}, Code::E6204);
   expect_code({{"extensionsRequired", {"VENDOR_shapes"}}}, Code::E6209);
   expect_code({{"nodes", 5}}, Code::E6204);
+}
+
+// A triangle on two joints, with half of its weight on each.
+Sample skinned() {
+  Sample sample;
+  const int positions =
+      sample.numbers(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0}, kFloat, "VEC3", 3);
+  sample.json["accessors"][0]["min"] = {0, 0, 0};
+  sample.json["accessors"][0]["max"] = {1, 1, 0};
+  const int joints = sample.numbers(std::vector<std::uint8_t>{0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0},
+                                    kUnsignedByte, "VEC4", 4);
+  const int weights = sample.numbers(
+      std::vector<float>{0.5, 0.5, 0, 0, 0.5, 0.5, 0, 0, 0.5, 0.5, 0, 0}, kFloat, "VEC4", 4);
+  std::vector<float> matrices(32);
+  for (std::size_t i = 0; i < 32; ++i) matrices[i] = i % 16 % 5 == 0 ? 1 : 0;
+  const int inverse = sample.numbers(matrices, kFloat, "MAT4", 16);
+  sample.add_mesh(
+      {{"attributes", {{"POSITION", positions}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}}}});
+  sample.json["nodes"][0]["skin"] = 0;
+  sample.json["nodes"].push_back({{"children", {2}}});
+  sample.json["nodes"].push_back({{"translation", {0, 0, 0}}});
+  sample.json["scenes"][0]["nodes"] = {0, 1};
+  sample.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", inverse}}};
+  return sample;
+}
+
+// The verdict of the Khronos validator, 2.0.0-dev.3.10, on each of these files: its error, or
+// nothing where it has none.
+struct Judged {
+  const char* change;  // a JSON merge patch
+  const char* theirs;
+};
+
+void expect_verdicts(const Sample& base, const std::vector<Judged>& cases) {
+  const Loaded whole = load(base.glb());
+  ASSERT_TRUE(whole.imported && !whole.log.has_errors()) << whole.text();
+  for (const Judged& one : cases) {
+    Sample sample = base;
+    sample.json.merge_patch(json::parse(one.change));
+    const Loaded out = load(sample.glb());
+    expect_sound(out, one.change);
+    EXPECT_EQ(out.log.has_errors(), std::string_view(one.theirs) != "")
+        << one.change << " " << one.theirs << "\n"
+        << out.text();
+  }
+}
+
+TEST(GltfBad, VerdictsOfTheValidator) {
+  expect_verdicts(
+      triangle(),
+      {
+          {R"({"nodes":[{"mesh":0,"rotation":[0.5,0.5,0.5,0.5153]}]})", "ROTATION_NON_UNIT"},
+          {R"({"nodes":[{"mesh":0,"rotation":[0.5,0.5,0.5,0.515]}]})", ""},
+          {R"({"nodes":[{"mesh":0,"rotation":[0.5,0.5,0.5,0.49]}]})", ""},
+          {R"({"nodes":[{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,5,6,7,1]}]})", ""},
+          {R"({"nodes":[{"mesh":0,"matrix":[1,0.5,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}]})",
+           "NODE_MATRIX_NON_TRS"},
+          {R"({"nodes":[{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,1]}]})",
+           "NODE_MATRIX_NON_TRS"},
+          {R"({"nodes":[{"mesh":0,"matrix":[0,0,-3,0,0,2,0,0,1,0,0,0,0,0,0,1]}]})", ""},
+          {R"({"nodes":[{"mesh":0,"matrix":[-1,0,0,0,0,-1,0,0,0,0,-1,0,0,0,0,1]}]})", ""},
+          {R"({"animations":[{"samplers":[{"input":0,"output":0}],
+               "channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}]}]})",
+           "ACCESSOR_USAGE_OVERRIDE"},
+          {R"({"asset":{"version":"02.0"}})", ""},
+          {R"({"asset":{"version":"2.0","minVersion":"2.1"}})",
+           "ASSET_MIN_VERSION_GREATER_THAN_VERSION"},
+          {R"({"asset":{"version":"2.1","minVersion":"2.0"}})", ""},
+          {R"({"extensionsUsed":["VENDOR_a","VENDOR_a"]})", "DUPLICATE_ELEMENTS"},
+          {R"({"extensionsRequired":["KHR_materials_unlit"]})", "UNSATISFIED_DEPENDENCY"},
+          {R"({"cameras":[{"type":"foo"}]})", ""},
+          {R"({"cameras":[{"type":"perspective"}]})", "UNDEFINED_PROPERTY"},
+          {R"({"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":
+               {"lights":[{"type":"spot","spot":{"innerConeAngle":2}}]}}})",
+           "VALUE_NOT_IN_RANGE"},
+          {R"({"extensionsUsed":["KHR_materials_dispersion"],"materials":[{"extensions":
+               {"KHR_materials_dispersion":{"dispersion":-1}}}]})",
+           "VALUE_NOT_IN_RANGE"},
+          {R"({"extensionsUsed":["KHR_materials_ior"],"materials":[{"extensions":
+               {"KHR_materials_ior":{"ior":1.5,"extensions":[]}}}]})",
+           "TYPE_MISMATCH"},
+          {R"({"extensionsUsed":["KHR_materials_variants"],"extensions":
+               {"KHR_materials_variants":{"variants":[{}]}}})",
+           "UNDEFINED_PROPERTY"},
+          {R"({"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAA==="}]})",
+           "INVALID_URI"},
+          {R"({"buffers":[{"byteLength":3,"uri":"data:octets;base64,AAAA"}],"bufferViews":null,
+               "accessors":null,"meshes":null,"nodes":null,"scenes":null})",
+           "INVALID_URI"},
+          {R"({"buffers":[{"byteLength":3,"uri":"DATA:APPLICATION/octet-stream;base64,AAAA"}],
+               "bufferViews":null,"accessors":null,"meshes":null,"nodes":null,"scenes":null})",
+           ""},
+          {R"({"buffers":[{"byteLength":4,"uri":"data:application/octet-stream;base64,AAAAAA%3D%3D"}],
+               "bufferViews":null,"accessors":null,"meshes":null,"nodes":null,"scenes":null})",
+           ""},
+      });
+}
+
+// Changes to one element of a list, as merge patches replace lists as a whole.
+TEST(GltfBad, VerdictsOfTheValidatorOnAccessors) {
+  struct Case {
+    const char* list;
+    std::size_t index;
+    const char* change;
+    const char* theirs;
+  };
+  const auto verdict = [](Sample sample, const Case& one) {
+    sample.json[one.list][one.index].merge_patch(json::parse(one.change));
+    const Loaded out = load(sample.glb());
+    expect_sound(out, one.change);
+    EXPECT_EQ(out.log.has_errors(), std::string_view(one.theirs) != "")
+        << one.list << one.index << one.change << " " << one.theirs << "\n"
+        << out.text();
+  };
+  for (const Case& one : {
+           Case{"accessors", 2, R"({"min":[0],"max":[3]})", ""},
+           Case{"accessors", 2, R"({"min":[0.5]})", "ARRAY_TYPE_MISMATCH"},
+           Case{"accessors", 2, R"({"min":[-1]})", "INVALID_GL_VALUE"},
+           Case{"accessors", 2, R"({"max":[65536]})", "INVALID_GL_VALUE"},
+           Case{"accessors", 2, R"({"max":[]})", "ARRAY_LENGTH_NOT_IN_LIST"},
+           Case{"accessors", 2, R"({"componentType":7})",
+                "MESH_PRIMITIVE_INDICES_ACCESSOR_INVALID_FORMAT"},
+           Case{"accessors", 1, R"({"type":"VEC5"})",
+                "MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_INVALID_FORMAT"},
+           Case{"bufferViews", 0, R"({"target":34963})", "BUFFER_VIEW_INVALID_BYTE_STRIDE"},
+           Case{"bufferViews", 0, R"({"byteStride":100})", "BUFFER_VIEW_TOO_BIG_BYTE_STRIDE"},
+           Case{"accessors", 3, R"({"sparse":{"count":1,"indices":{"bufferView":3,
+                "componentType":5121},"values":{"bufferView":4}}})",
+                ""},
+           Case{"accessors", 3, R"({"sparse":{"count":2,"indices":{"bufferView":4,
+                "componentType":5121},"values":{"bufferView":4}}})",
+                "ACCESSOR_SPARSE_INDICES_NON_INCREASING"},
+       })
+    verdict(rich(), one);
+  for (const Case& one : {
+           Case{"skins", 0, R"({"joints":[1]})", "ACCESSOR_JOINTS_INDEX_OOB"},
+           Case{"bufferViews", 3, R"({"byteStride":64})", "SKIN_IBM_ACCESSOR_WITH_BYTESTRIDE"},
+           Case{"accessors", 3, R"({"componentType":7})", "SKIN_IBM_INVALID_FORMAT"},
+       })
+    verdict(skinned(), one);
+}
+
+// One number of the skinned triangle changed.
+TEST(GltfBad, VerdictsOfTheValidatorOnNumbers) {
+  const Sample base = skinned();
+  const Loaded whole = load(base.glb());
+  ASSERT_TRUE(whole.imported && !whole.log.has_errors()) << whole.text();
+  const auto changed = [&](std::size_t view, std::size_t at, float to) {
+    Sample sample = base;
+    const auto offset = sample.json["bufferViews"][view]["byteOffset"].get<std::size_t>();
+    std::memcpy(sample.bytes.data() + offset + 4 * at, &to, sizeof to);
+    return load(sample.glb());
+  };
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_TRUE(changed(0, 0, kNan).log.contains(Code::E6207));   // ACCESSOR_INVALID_FLOAT
+  EXPECT_TRUE(changed(2, 0, -0.5f).log.contains(Code::E6207));  // ACCESSOR_WEIGHTS_NEGATIVE
+  EXPECT_TRUE(changed(3, 15, 2).log.contains(Code::E6207));     // ACCESSOR_INVALID_IBM
+  EXPECT_FALSE(changed(3, 12, 2).log.has_errors());
+  Sample twice = base;
+  const auto joints = twice.json["bufferViews"][1]["byteOffset"].get<std::size_t>();
+  twice.bytes[joints] = 1;  // ACCESSOR_JOINTS_INDEX_DUPLICATE
+  const Loaded out = load(twice.glb());
+  EXPECT_TRUE(out.log.contains(Code::W6212) && !out.log.has_errors()) << out.text();
+}
+
+// A custom attribute is not read, and still a number of it that is not finite is said; what sparse
+// values stand over is not.
+TEST(GltfBad, NumbersThatNobodyReads) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  Sample sample = triangle();
+  const int extra = sample.numbers(std::vector<float>{0, kNan, 0}, kFloat, "SCALAR", 1);
+  sample.json["meshes"][0]["primitives"][0]["attributes"]["_EXTRA"] = extra;
+  EXPECT_TRUE(load(sample.glb()).log.contains(Code::E6207));
+  const int places = sample.view(std::vector<std::uint8_t>{1});
+  const int values = sample.view(std::vector<float>{5});
+  sample.json["accessors"][1]["sparse"] = {
+      {"count", 1},
+      {"indices", {{"bufferView", places}, {"componentType", kUnsignedByte}}},
+      {"values", {{"bufferView", values}}}};
+  const Loaded out = load(sample.glb());
+  EXPECT_FALSE(out.log.has_errors()) << out.text();
+}
+
+TEST(GltfBad, ZeroBytesAfterTheJson) {
+  const std::string text = triangle().gltf();
+  Loaded out = load(text + std::string(3, '\0'));
+  EXPECT_TRUE(out.log.contains(Code::E6203)) << out.text();
+  ASSERT_TRUE(out.imported);
+  EXPECT_EQ(mesh_of(*out.imported).triangles.size(), 1u);
 }
 
 // Files named after what is wrong with them, for people and for the test of all codes.
