@@ -18,6 +18,9 @@
 #include <Standard_Failure.hxx>
 #include <StepBasic_ProductDefinition.hxx>
 #include <StepData_StepModel.hxx>
+#include <StepGeom_Curve.hxx>
+#include <StepGeom_Pcurve.hxx>
+#include <StepRepr_DefinitionalRepresentation.hxx>
 #include <StepRepr_NextAssemblyUsageOccurrence.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_AsciiString.hxx>
@@ -111,17 +114,27 @@ bool made_up(std::string_view name) {
   return std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
+// A curve on a surface whose representation holds no curve: loading does not look into it.
+bool is_hollow(const Handle(Standard_Transient) & entity) {
+  const auto curve = Handle(StepGeom_Pcurve)::DownCast(entity);
+  if (curve.IsNull()) return false;
+  const auto& representation = curve->ReferenceToCurve();
+  return representation.IsNull() || representation->Items().IsNull() ||
+         representation->NbItems() < 1 || representation->ItemsValue(1).IsNull() ||
+         !representation->ItemsValue(1)->IsKind(STANDARD_TYPE(StepGeom_Curve));
+}
+
 // Shapes and what they are made of whose parts are missing or of another kind than they must be, by
 // number. OpenCASCADE says so when it loads them, and follows them into nothing later.
 std::vector<std::uint64_t> torn(const Handle(StepData_StepModel) & model) {
   std::vector<std::uint64_t> out;
   for (int i = 1; i <= model->NbEntities(); ++i) {
     const Handle(Standard_Transient)& entity = model->Value(i);
-    if (!model->IsReportEntity(i) || !entity->IsKind(STANDARD_TYPE(StepRepr_RepresentationItem)))
-      continue;
-    const Handle(Interface_Check)& check = model->Check(i, Standard_True);
+    if (!entity->IsKind(STANDARD_TYPE(StepRepr_RepresentationItem))) continue;
+    const bool failed_check =
+        model->IsReportEntity(i) && model->Check(i, Standard_True)->NbFails() > 0;
     const int number = model->IdentLabel(entity);
-    if (!check.IsNull() && check->NbFails() > 0 && number > 0)
+    if (number > 0 && (failed_check || is_hollow(entity)))
       out.push_back(static_cast<std::uint64_t>(number));
   }
   return out;
