@@ -197,6 +197,19 @@ TEST(ReflectanceMap, NoMapGainsEnergy) {
   }
 }
 
+// White everywhere, under an even sky: facets that scatter more than once send all of it back.
+TEST(ReflectanceMap, WhiteFurnace) {
+  double worst = 0;
+  for (const double slope : {0.3, 0.6, 1.0}) {
+    const Material m = facets(slope, {});
+    ASSERT_TRUE(laws_of(m).compensated);
+    for (const double mu : {0.05, 0.2, 0.5, 1.0})
+      worst = std::max(worst, std::fabs(directional_albedo(m, mu, 0, Vec3(1)).x - 1));
+  }
+  std::printf("worst %.1e\n", worst);
+  EXPECT_LE(worst, 3e-4);
+}
+
 // Float follows double whatever the map says.
 TEST(ReflectanceMap, CertificateLooksAtAllOfIt) {
   const std::array<double, 1> mus{0.5};

@@ -162,9 +162,11 @@ TEST(Diff, Frames) {
 
 TEST(Diff, MapsAreComparedByThePicturesTheyName) {
   expect_model({"material 'paint': cutout_threshold: 0.5 in a, 0.25 in b",
-                "material 'paint': albedo_map: no texture in a, texture 'skin.png' in b"},
+                "material 'paint': albedo_map: no texture in a, texture 'skin.png' in b",
+                "material 'paint': reflectance_map: no texture in a, texture 'skin.png' in b"},
                [](Contents& c) {
                  c.materials[1].maps.albedo = 0;
+                 c.materials[1].maps.reflectance = 0;
                  c.materials[1].maps.threshold = 0.25;
                });
   // the picture has another number and is the same

@@ -38,7 +38,7 @@ class Std430 {
 //                   uint flags; float cutout_threshold;
 //                   int albedo_map, normal_map, roughness_map, cutout_map;
 //                   vec2 map_repeat, cell_count, cell_gap; float fingers, finger_width;
-//                   vec4 gap_color, finger_color; uint reserved[4]; };
+//                   vec4 gap_color, finger_color, reflectance; };
 TEST(Layout, MaterialIsStd430) {
   using layout::Material;
   Std430 gpu;
@@ -70,7 +70,7 @@ TEST(Layout, MaterialIsStd430) {
   EXPECT_EQ(gpu.scalar(), offsetof(Material, finger_width));
   EXPECT_EQ(gpu.vec4(), offsetof(Material, gap_color));
   EXPECT_EQ(gpu.vec4(), offsetof(Material, finger_color));
-  EXPECT_EQ(gpu.vec4(), sizeof(Material) - 16);
+  EXPECT_EQ(gpu.vec4(), offsetof(Material, reflectance));
   EXPECT_EQ(gpu.size(), sizeof(Material));
   // the fourth component of a vec4 is the scalar that stands behind three others
   const std::pair<std::size_t, std::size_t> fourth[] = {
@@ -81,7 +81,8 @@ TEST(Layout, MaterialIsStd430) {
       {offsetof(Material, alpha_y), offsetof(Material, extinction)},
       {offsetof(Material, hapke_k), offsetof(Material, coat_depth)},
       {offsetof(Material, tilt_u), offsetof(Material, coat_return)},
-      {offsetof(Material, tilt_v), offsetof(Material, many_scale)}};
+      {offsetof(Material, tilt_v), offsetof(Material, many_scale)},
+      {offsetof(Material, reflectance_map), offsetof(Material, finger_color)}};
   for (const auto& [scalar, vector] : fourth) EXPECT_EQ(scalar, vector + 12);
 }
 

@@ -121,7 +121,7 @@ TEST(Read, NamesOfReasonsAreThoseOfTheLayout) {
 TEST(Read, MapsComeBack) {
   Contents contents = support::small_contents();
   materials::Maps& maps = contents.materials[1].maps;
-  maps.albedo = maps.normal = maps.cutout = 0;
+  maps.albedo = maps.normal = maps.reflectance = maps.cutout = 0;
   maps.threshold = 0.25;
   maps.repeat = {3, -0.5};
   const Model model = load(write_to_memory(contents));

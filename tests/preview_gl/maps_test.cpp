@@ -285,7 +285,7 @@ TEST(ReflectanceMap, ConstantIsTheLaw) {
         }
       }
   printf("worst %.1e\n", worst);
-  EXPECT_LE(worst, 3e-6);
+  EXPECT_LE(worst, 1.5e-6);  // measured 6.3e-7
 }
 
 // Where F is 1, white is no map at all, bit for bit.
@@ -322,7 +322,7 @@ TEST(ReflectanceMap, MeanOfACheckerAtAnyRange) {
     for (int k = 0; k < 3; ++k) {
       const double off = sum.radiance[k] / sum.coverage / mean[k] - 1;
       if (k == 0) printf("%u px: %+.1e\n", size, off);
-      EXPECT_LE(std::fabs(off), 3e-6);
+      EXPECT_LE(std::fabs(off), 1e-6);  // measured 1.5e-7
     }
   }
 }
@@ -364,8 +364,8 @@ TEST(ReflectanceMap, AgreesWithTheReference) {
       const double residual = std::sqrt(square / count) / (sum / count);
       printf("%s%s: flux %+.1e, pixels %.1e rms of the mean\n", round ? "sphere" : "plate",
              roughened ? ", roughened" : "", flux / reference - 1, residual);
-      EXPECT_NEAR(flux / reference, 1, 1e-2);
-      EXPECT_LE(residual, 5e-2);
+      EXPECT_NEAR(flux / reference, 1, 3e-4);  // measured 1.5e-4
+      EXPECT_LE(residual, 3e-3);               // measured 1.8e-3
     }
 }
 

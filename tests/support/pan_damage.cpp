@@ -336,7 +336,7 @@ void tables(Collection& add) {
   material(Code::E4012, "an unknown diffuse law", [](Material& m) { m.diffuse_law = 5; });
   material(Code::E4012, "an unknown specular law",
            [](Material& m) { m.specular_law = 0x80000000u; });
-  material(Code::E4012, "a reserved word of a material", [](Material& m) { m.reserved_b[2] = 1; });
+  material(Code::E4012, "a reserved word of a material", [](Material& m) { m.reserved_b = 1; });
   material(Code::E4010, "a material's name", [](Material& m) { m.name = 1u << 31; });
   const auto texture = [&](Code code, const char* what,
                            const std::function<void(Texture&)>& change) {
