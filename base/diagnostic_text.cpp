@@ -101,7 +101,10 @@ std::string to_text(const DiagnosticLog& log, const TextStyle& style) {
           "1", fmt::format("{}: ", located ? sources.file(entry.where.file).name : "panwright"));
     }
     out += paint(ink(severity), fmt::format("{}: ", word(severity)));
-    out += fmt::format("{} [{}]\n", entry.message, code_info(entry.code).name);
+    // a JSON pointer is all that says where, in a file without lines
+    const std::string at =
+        !text && entry.object.starts_with('/') ? fmt::format(" (at {})", entry.object) : "";
+    out += fmt::format("{}{} [{}]\n", entry.message, at, code_info(entry.code).name);
     if (text) append_excerpt(sources, entry.where, paint, ink(severity), out);
     if (!entry.hint.empty()) out += fmt::format("    {}\n", entry.hint);
     if (located) append_include_stack(sources, entry.where.file, out);

@@ -84,7 +84,6 @@ int compile(const CompileOptions& options) {
   compile.max_triangles = options.read.max_triangles;
   compile.strip_sources = options.strip_sources;
   session.step({});
-  const std::size_t errors = log.errors();
   const auto report = compiler::compile(*scene, compile, output, log);
   if (!report) return session.finish();
   session.add_timing("tessellate", report->seconds_tessellate);
@@ -92,8 +91,8 @@ int compile(const CompileOptions& options) {
   session.add_timing("sync to disk", report->seconds_sync);
   session.result()["output"] = output;
   session.result().update(as_json(*report));
-  if (!options.common.json && errors > 0)
-    fmt::print(stderr, "panwright: wrote {} without what could not be read\n", output);
+  if (!options.common.json && log.has_errors())
+    fmt::print(stderr, "panwright: wrote {} without what could not be read or made\n", output);
   return session.finish();
 }
 

@@ -22,10 +22,56 @@ std::string extension_of(const std::string& path) {
 bool is_cad(const std::string& path) {
   std::string extension = extension_of(path);
   if (extension == ".gz") extension = extension_of(std::filesystem::path(path).stem().string());
-  for (const char* known : {".wrl", ".wrz", ".vrml", ".glb", ".gltf", ".obj", ".stl", ".ply", ".stp", ".step"})
+  for (const char* known :
+       {".wrl", ".wrz", ".vrml", ".glb", ".gltf", ".obj", ".stl", ".ply", ".stp", ".step"})
     if (extension == known) return true;
   return false;
 }
+
+namespace {
+
+void note_unused(const std::vector<std::string_view>& names, const std::string& path,
+                 std::string_view kind, DiagnosticLog& log) {
+  for (const std::string_view name : names)
+    log.report_file(Code::N1405, path, fmt::format("{} has no effect on a {} file", name, kind));
+}
+
+// Options that are for files of another format.
+void note_other_formats(const CadOptions& cad, importers::Format format, const std::string& path,
+                        DiagnosticLog& log) {
+  using importers::Format;
+  std::vector<std::string_view> unused;
+  if (!cad.scene.empty() && format != Format::gltf) unused.push_back("--scene");
+  if (cad.primitives > 0 && format != Format::vrml97 && format != Format::vrml1)
+    unused.push_back("--primitives");
+  if (cad.deflection > 0 && format != Format::step) unused.push_back("--deflection");
+  constexpr std::string_view kKinds[] = {"VRML", "VRML", "glTF", "OBJ", "STL", "PLY", "STEP"};
+  note_unused(unused, path, kKinds[static_cast<std::size_t>(format)], log);
+}
+
+// Options of CAD files, for a file that is none.
+void note_cad_options(const CadOptions& cad, const std::string& path, DiagnosticLog& log) {
+  const CadOptions usual;
+  std::vector<std::string_view> unused;
+  const auto look = [&](bool given, std::string_view name) {
+    if (given) unused.push_back(name);
+  };
+  look(cad.units != usual.units, "--units");
+  look(cad.up != usual.up, "--up-axis");
+  look(!cad.scene.empty(), "--scene");
+  look(!cad.assume.empty(), "--assume");
+  look(cad.no_weld, "--no-weld");
+  look(cad.weld != usual.weld, "--weld");
+  look(cad.crease_deg != usual.crease_deg, "--crease");
+  look(cad.primitives != usual.primitives, "--primitives");
+  look(cad.deflection != usual.deflection, "--deflection");
+  look(cad.crease_normals, "--crease-normals");
+  look(cad.keep_hidden, "--keep-hidden");
+  look(cad.recentre, "--recentre");
+  note_unused(unused, path, extension_of(path), log);
+}
+
+}  // namespace
 
 Result<importers::Imported> read_cad(const std::string& path, const ReadOptions& options,
                                      Session& session, importers::Hygiene* hygiene) {
@@ -47,9 +93,10 @@ Result<importers::Imported> read_cad(const std::string& path, const ReadOptions&
   session.step("read " + path);
   auto imported = importers::import_file(path, read, session.log());
   if (!imported) return failed;
+  note_other_formats(cad, imported->format, path, session.log());
   // first, as lengths of cleaning are metres of the world
-  importers::place(*imported, importers::unit_of(cad.units), importers::up_of(cad.up),
-                   cad.recentre, session.log());
+  importers::place(*imported, importers::unit_of(cad.units), importers::up_of(cad.up), cad.recentre,
+                   session.log());
   if (!cad.no_weld) {
     session.step("clean");
     geometry::CleanOptions clean;
@@ -59,8 +106,7 @@ Result<importers::Imported> read_cad(const std::string& path, const ReadOptions&
     importers::Hygiene found = importers::clean_up(imported->scene, clean, session.log());
     if (hygiene != nullptr) *hygiene = std::move(found);
   }
-  for (scene::Instance& instance : imported->scene.instances)
-    instance.prunable = !cad.keep_hidden;
+  for (scene::Instance& instance : imported->scene.instances) instance.prunable = !cad.keep_hidden;
   return imported;
 }
 
@@ -86,6 +132,7 @@ Result<scene::Scene> read_scene(const std::string& path, const ReadOptions& opti
     if (!imported) return failed;
     return std::move(imported->scene);
   }
+  note_cad_options(options.cad, path, session.log());
   session.step("read " + path);
   pxn::Options read;
   read.root = options.root;
@@ -107,6 +154,7 @@ Result<pan::Model> load_model(const std::string& path, const ReadOptions& option
                               Session& session) {
   const std::string extension = extension_of(path);
   if (extension == ".pan") {
+    note_cad_options(options.cad, path, session.log());
     session.step("open " + path);
     auto model = pan::Model::open(path, session.log());
     if (!model) return failed;
@@ -115,10 +163,11 @@ Result<pan::Model> load_model(const std::string& path, const ReadOptions& option
     return model;
   }
   if (extension != ".pxn" && !is_cad(path)) {
-    session.log().report(Code::E0202, {},
-                         fmt::format("{} is no file of a model: .pan, .pxn, .wrl, .wrz, .vrml, .glb, "
-                                     ".gltf, .obj, .stl, .ply and .step are read",
-                                     in_quotes(path)));
+    session.log().report(
+        Code::E0202, {},
+        fmt::format("{} is no file of a model: .pan, .pxn, .wrl, .wrz, .vrml, .glb, "
+                    ".gltf, .obj, .stl, .ply and .step are read",
+                    in_quotes(path)));
     return failed;
   }
   auto scene = read_scene(path, options, session);

@@ -116,6 +116,7 @@ class Loader {
   void read_import(Work& work, std::uint32_t element);
   std::optional<std::uint32_t> imported_model(Work& work, std::uint32_t element,
                                               const FoundFile& found);
+  void note_unused(Work& work, std::uint32_t element, importers::Format format, bool cleaned);
   void take_over(ImportedModel& model, const FoundFile& found);
   void read_import_rule(Work& work, std::uint32_t rule, PartImport& import);
   std::vector<char> chosen_instances(Work& work, std::uint32_t rule, std::size_t nodes,
