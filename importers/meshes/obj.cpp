@@ -48,6 +48,7 @@ class ObjReader {
     while (!s_.full && lines_.next_joined(line, first, scratch)) {
       line_ = first;
       read_line(line);
+      s_.served(s_.file.bytes->size() - lines_.rest().size());
     }
     if (!s_.full) make_parts();
     return assembly_.finished();
@@ -269,7 +270,6 @@ class ObjReader {
 
   void make_parts() {
     close_run();
-    s_.file.bytes.forget(0, s_.file.bytes->size());
     ObjMesher mesher(s_, l_);
     for (Part& part : parts_) {
       geometry::Mesh mesh = mesher.mesh_of(part.ranges, &part == &parts_.back());

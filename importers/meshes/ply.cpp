@@ -71,7 +71,7 @@ class PlyReader {
       else
         skip_element(element);
     }
-    s_.file.bytes.forget(0, s_.file.bytes->size());
+    s_.served(s_.file.bytes->size());
     const bool faces = !ends_.empty() || !strips_.empty();
     if (!s_.full) make_faces();
     if (!faces && !mesh_.positions.empty())

@@ -85,6 +85,13 @@ bool Session::charge(std::uint64_t bytes) {
   return false;
 }
 
+void Session::served(std::size_t offset) {
+  constexpr std::size_t kStep = std::size_t{16} << 20;  // bytes that are worth a call
+  if (offset < served_ + kStep && offset < file.bytes->size()) return;
+  file.bytes.forget(served_, offset);
+  served_ = offset;
+}
+
 bool Session::has_named(std::string_view name, const std::string& including) const {
   const auto path = resolved(including, name, false);
   SharedText bytes;

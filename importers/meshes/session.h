@@ -52,6 +52,9 @@ class Session {
   // Counted towards Limits::memory; false past it.
   bool charge(std::uint64_t bytes);
 
+  // What of the file's bytes stands before `offset` is read no more, and its memory goes back.
+  void served(std::size_t offset);
+
   void skipped(const std::string& what, std::uint64_t count = 1) { skipped_[what] += count; }
   void lost(const std::string& what) { ++lost_[what]; }
 
@@ -78,6 +81,7 @@ class Session {
   std::map<std::string, std::uint64_t> skipped_;
   std::map<std::string, std::uint64_t> lost_;
   std::uint64_t memory_ = 0;
+  std::size_t served_ = 0;
 };
 
 // Whether a place can be a vertex.

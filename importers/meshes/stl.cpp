@@ -84,7 +84,7 @@ class BinaryReader {
     }
     welder.clear();
     bytes_ = {};
-    s_.file.bytes.forget(0, s_.file.bytes->size());
+    s_.served(s_.file.bytes->size());
     if (!mesh.triangles.empty()) {
       finish_normals(mesh, s_.options.crease_angle);
       const std::int32_t node = assembly.add_node(0, {}, "mesh", where);
@@ -140,7 +140,10 @@ class TextReader {
 
   Result<Imported> read() {
     std::string_view line;
-    while (lines_.next(line) && !s_.full) read_line(line);
+    while (lines_.next(line) && !s_.full) {
+      read_line(line);
+      s_.served(s_.file.bytes->size() - lines_.rest().size());
+    }
     if (!s_.full && in_solid_)
       s_.trouble(Code::E6501, "end", s_.at(line),
                  [] { return "the file ends within a solid: 'endsolid' is missing"; });
