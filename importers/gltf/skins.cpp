@@ -108,7 +108,7 @@ geometry::MeshShape SkinPoser::posed(int skin, const geometry::Mesh& mesh,
     if (length > 1e-300 && std::isfinite(length)) out->normals[v] = normal / length;
   }
   const std::string object = pointer("skins", static_cast<std::size_t>(skin));
-  if (beyond > 0)
+  if (beyond > 0 && !joints.empty())
     document_.report(Code::E6207, nullptr, object,
                      fmt::format("{} of its mesh are for joints past the last of {}; left out",
                                  counted(beyond, "weight"), joints.size()));

@@ -183,6 +183,21 @@ TEST(Import, paths_do_not_depend_on_units_and_axes) {
   }
 }
 
+TEST(Import, attributes_without_effect_are_noted) {
+  const auto notes = [](const std::string& attributes) {
+    const Reading r = reading("<import file=\"cad/sat.wrl\" " + attributes + "/>");
+    EXPECT_EQ(r.log.errors(), 0u) << to_text(r.log);
+    std::size_t count = 0;
+    for (const Diagnostic& entry : r.log.entries())
+      if (entry.code == Code::N1405) ++count;
+    return count;
+  };
+  EXPECT_EQ(notes("weld=\"1mm\" normals=\"crease\" primitives=\"20\""), 0u);
+  EXPECT_EQ(notes("clean=\"no\""), 0u);
+  EXPECT_EQ(notes("clean=\"no\" weld=\"1mm\" normals=\"crease\""), 2u);
+  EXPECT_EQ(notes("scene=\"a\" deflection=\"1mm\""), 2u);
+}
+
 TEST(Import, our_own_files_are_no_cad_files) {
   const Reading r = reading("<import file=\"cad/sat.wrl\"/>", "<pangu_model ver=\"0\"/>");
   EXPECT_THAT(to_text(r.log), HasSubstr("<include> takes a .pxn"));

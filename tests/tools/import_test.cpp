@@ -132,6 +132,47 @@ TEST(Import, what_could_be_read_of_a_bad_file_is_written_and_the_exit_code_is_1)
   EXPECT_EQ(result_of({"check", folder / "a.pan"})["errors"], 0);
 }
 
+TEST(Import, what_is_wrong_with_a_glb_says_where) {
+  const TemporaryFolder folder;
+  std::string text = R"({"asset":{"version":"2.0"},"nodes":[{"mesh":3}]})";
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const auto word = [](std::size_t value) {
+    std::string out;
+    for (int k = 0; k < 4; ++k) out += static_cast<char>(value >> (8 * k) & 255);
+    return out;
+  };
+  const std::string file = folder.write(
+      "a.glb", "glTF" + word(2) + word(20 + text.size()) + word(text.size()) + "JSON" + text);
+  EXPECT_THAT(panwright({"import", file}).err, HasSubstr("(at /nodes/0/mesh) [E6205]"));
+}
+
+TEST(Import, options_without_effect_are_noted) {
+  const TemporaryFolder folder;
+  const support::Outcome other =
+      panwright({"import", kRelay, "--units", "mm", "--scene", "a", "-o", folder / "a.pan"});
+  EXPECT_EQ(other.code, 0);
+  EXPECT_THAT(other.err, HasSubstr("--scene has no effect on a VRML file [N1405]"));
+  const support::Outcome compiled = panwright({"info", folder / "a.pan", "--weld", "0.1"});
+  EXPECT_EQ(compiled.code, 0);
+  EXPECT_THAT(compiled.err, HasSubstr("--weld has no effect on a .pan file [N1405]"));
+}
+
+TEST(Import, a_model_over_the_limit_of_triangles_is_written_in_part_and_says_so) {
+  const TemporaryFolder folder;
+  fs::copy_file(kRelay, folder / "relay.wrl");
+  const std::string text = folder.write(
+      "b.pxn", "<pangu_model ver=\"1\"><import file=\"relay.wrl\" units=\"mm\"/></pangu_model>");
+  for (const support::Outcome& outcome :
+       {panwright(
+            {"import", kRelay, "--units", "mm", "--max-triangles", "300", "-o", folder / "a.pan"}),
+        panwright({"compile", text, "--max-triangles", "300", "-o", folder / "b.pan"})}) {
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("[E2003]"));
+    EXPECT_THAT(outcome.err, HasSubstr("without what could not be read or made"));
+  }
+  EXPECT_EQ(result_of({"check", folder / "a.pan"})["errors"], 0);
+}
+
 TEST(Import, converters_by_name) {
   const TemporaryFolder folder;
   fs::copy_file(kRelay, folder / "relay.wrl");
