@@ -64,6 +64,12 @@ Header header_of(std::string_view line) {
   return {};
 }
 
+// "/home/…", "C:\\…", "file:///…".
+bool is_absolute(std::string_view url) {
+  return url.starts_with('/') || url.starts_with('\\') || url.starts_with("file:/") ||
+         (url.size() > 2 && url[1] == ':');
+}
+
 // The first word of a text that is no comment. It is taken off.
 std::string_view first_word(std::string_view& text) {
   std::size_t at = 0;
@@ -190,7 +196,7 @@ Document* Session::load(const InputFile& file, bool top) {
   return loaded.document.get();
 }
 
-SharedText Session::read(std::string_view url, SourceSpan where, std::string& path,
+SharedText Session::read(std::string_view url, SourceSpan where, bool picture, std::string& path,
                          std::string& problem, Code& code) {
   code = Code::W6004;
   const std::string_view plain = url.substr(0, std::min(url.find('#'), url.size()));
@@ -205,8 +211,8 @@ SharedText Session::read(std::string_view url, SourceSpan where, std::string& pa
     if (!remote) code = Code::W6005;
     problem = fmt::format("{} {}", in_quotes(plain),
                           remote ? "is not a file of the model" : "leads out of its folder");
-    if (remote) return nullptr;
     // a folder of the machine that wrote it: the file may have come along without it
+    if (remote || !(picture || is_absolute(plain))) return nullptr;
     target = resolved(path_of(where.file), plain.substr(plain.find_last_of("/\\:") + 1), true);
     if (!target) return nullptr;
     beside = true;
@@ -256,7 +262,7 @@ SharedText Session::bytes_of(std::span<const std::string_view> urls, SourceSpan 
   std::string problem = "no file is named";
   Code code = Code::W6004;
   for (const std::string_view url : urls)
-    if (auto bytes = read(url, where, *path, problem, code)) return bytes;
+    if (auto bytes = read(url, where, true, *path, problem, code)) return bytes;
   log.report(code, where, problem);
   return nullptr;
 }
@@ -275,7 +281,7 @@ Document* Session::document_at(std::string_view url, SourceSpan where, std::stri
       if (const auto known = known_at(*target); known != documents_.end())
         return known->second.document.get();
   std::string path;
-  const auto bytes = read(url, where, path, problem, code);
+  const auto bytes = read(url, where, false, path, problem, code);
   if (!bytes) return nullptr;
   // the name may have been another one of a file that is known
   if (const auto known = known_at(path); known != documents_.end())

@@ -59,8 +59,9 @@ class Session {
     std::unique_ptr<Document> document;  // null: not readable
   };
   Document* load(const InputFile& file, bool top);
-  SharedText read(std::string_view url, SourceSpan where, std::string& path, std::string& problem,
-                  Code& code);
+  // picture: one may lie beside the model where its name leads out of the folder
+  SharedText read(std::string_view url, SourceSpan where, bool picture, std::string& path,
+                  std::string& problem, Code& code);
   Document* document_at(std::string_view url, SourceSpan where, std::string& problem, Code& code);
   Prototype* target_of(Prototype& prototype);
   void expand(Node& instance);

@@ -156,6 +156,7 @@ TEST(VrmlExporters, FilesOfOtherCaseAndOfOtherFolders) {
       {"C:\\\\cad\\\\hull.wrl", 1, {"2:14 W6118"}},
       {"/home/me/HULL.wrl", 1, {"2:14 W6118", "2:14 W6118"}},
       {"C:\\\\cad\\\\none.wrl", 0, {"2:14 W6005"}},
+      {"../hull.wrl", 0, {"2:14 W6005"}},
       {"http://a.b/hull.wrl", 0, {"2:14 W6004"}},
       {"TWICE.wrl", 0, {"2:14 W6004"}},
   };
@@ -168,6 +169,18 @@ TEST(VrmlExporters, FilesOfOtherCaseAndOfOtherFolders) {
                     {"Twice.wrl", part}});
     EXPECT_EQ(reading->scene().instances.size(), c.instances) << c.url;
     EXPECT_THAT(reading->places(), testing::ElementsAreArray(c.places)) << to_text(reading->log);
+  }
+}
+
+TEST(VrmlExporters, PicturesOfOtherFoldersMayLieBesideTheModel) {
+  const std::string picture = "P3 1 1 255 255 0 0";
+  for (const std::string url : {"../maps/gold.ppm", "C:\\\\maps\\\\gold.ppm", "/maps/gold.ppm"}) {
+    const auto reading = read_files(
+        {{"model.wrl", kHeader97 + "Shape { appearance Appearance { texture ImageTexture { url \"" +
+                           url + "\" } } geometry Box { } }"},
+         {"gold.ppm", picture}});
+    EXPECT_EQ(reading->scene().textures.size(), 1u) << to_text(reading->log);
+    EXPECT_THAT(reading->places(), ElementsAre("2:60 W6118")) << url;
   }
 }
 
