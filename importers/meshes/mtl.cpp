@@ -17,6 +17,9 @@ namespace {
 
 // Blinn-Phong's exponent as our materials have it.
 constexpr double kMostShine = 128;
+constexpr std::size_t kMostLost = 30;     // properties of a material that are told
+constexpr std::size_t kMostHints = 50;    // unknown names that are looked for among the known,
+constexpr std::size_t kMostNames = 1000;  // where these are no more
 
 // How many words follow an option of a picture; those of o, s and t may be fewer.
 constexpr std::pair<std::string_view, int> kPictureOptions[] = {
@@ -116,7 +119,8 @@ class MtlReader {
 
   void lose(std::string what) {
     std::vector<std::string>& lost = out_.back().lost;
-    if (std::find(lost.begin(), lost.end(), what) == lost.end()) lost.push_back(std::move(what));
+    if (lost.size() < kMostLost && std::find(lost.begin(), lost.end(), what) == lost.end())
+      lost.push_back(std::move(what));
   }
 
   void bad_number(std::string_view word, std::string_view value) {
@@ -213,6 +217,7 @@ void set_laws(const MtlMaterial& from, materials::Material& m, CadMaterial& cad)
 
 void MtlLibraries::read(std::string_view names, SourceSpan where) {
   names = trimmed(names);
+  if (!lines_.emplace(names).second) return;
   std::string_view rest = names;
   const std::string_view first = next_word(rest);
   if (first.empty() || first.size() == names.size() || s_.has_named(names, s_.file.path)) {
@@ -225,7 +230,7 @@ void MtlLibraries::read(std::string_view names, SourceSpan where) {
 }
 
 void MtlLibraries::read_library(std::string_view name, SourceSpan where) {
-  if (!libraries_.try_emplace(std::string(name), true).second) return;
+  if (!libraries_.emplace(name).second) return;
   std::string path;
   SharedText bytes;
   if (!s_.read_named(name, s_.file.path, where, path, bytes)) {
@@ -249,7 +254,9 @@ std::int32_t MtlLibraries::number_of(std::string_view name, SourceSpan where) {
   if (known != numbers_.end()) return known->second;
   if (!any_missing_) {
     std::vector<std::string_view> names;
-    for (const auto& [other, number] : numbers_) names.push_back(other);
+    if (++unknown_ <= kMostHints && materials_.size() <= kMostNames)
+      for (const MtlMaterial& material : materials_)
+        if (!material.library.empty()) names.push_back(material.name);
     const auto near = nearest_name(name, names);
     s_.log.report(Code::W6502, where, fmt::format("no material library has {}", in_quotes(name)),
                   near ? fmt::format("did you mean {}?", in_quotes(*near)) : std::string());

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -56,8 +57,10 @@ class MtlLibraries {
   Assembly& assembly_;
   std::vector<MtlMaterial> materials_;
   std::map<std::string, std::int32_t, std::less<>> numbers_;
-  std::map<std::string, bool, std::less<>> libraries_;  // asked for
+  std::set<std::string, std::less<>> lines_;      // after "mtllib", that were read
+  std::set<std::string, std::less<>> libraries_;  // asked for
   std::map<std::pair<std::int32_t, bool>, std::int32_t> made_;
+  std::size_t unknown_ = 0;
   bool any_missing_ = false;  // a library: then an unknown name is no surprise
 };
 

@@ -308,6 +308,7 @@ class PlyReader {
     ends_.push_back(
         {static_cast<std::uint32_t>(corners_.size()), static_cast<std::uint32_t>(where)});
     if (!uvs) return;
+    wedges_.resize(corners_.size() - face.size(), Vec2(0));
     const bool fits = uvs->size() == 2 * face.size();
     if (!fits && !uvs->empty())
       s_.trouble(Code::W6502, "wedges", s_.at(header_.body.substr(where, 1)), [&] {

@@ -69,6 +69,12 @@ SourceSpan Session::at(std::string_view part) const {
   return at(begin, begin + part.size());
 }
 
+void Session::add(Counts& counts, const std::string& what, std::uint64_t count) {
+  constexpr std::size_t kMost = 30;
+  const bool fits = counts.size() < kMost || counts.contains(what);
+  counts[fits ? what : "others"] += count;
+}
+
 void Session::limit(const std::string& message, SourceSpan where) {
   if (!full) log.report(Code::E6002, where, message);
   full = true;

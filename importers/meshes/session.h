@@ -55,8 +55,8 @@ class Session {
   // What of the file's bytes stands before `offset` is read no more, and its memory goes back.
   void served(std::size_t offset);
 
-  void skipped(const std::string& what, std::uint64_t count = 1) { skipped_[what] += count; }
-  void lost(const std::string& what) { ++lost_[what]; }
+  void skipped(const std::string& what, std::uint64_t count = 1) { add(skipped_, what, count); }
+  void lost(const std::string& what) { add(lost_, what, 1); }
 
   // Reads a file that the model names, from the folder of `including`. Reports W6004, W6005.
   bool read_named(std::string_view name, const std::string& including, SourceSpan where,
@@ -74,12 +74,16 @@ class Session {
     std::string message;
     std::uint64_t more;
   };
+  using Counts = std::map<std::string, std::uint64_t>;
+  // A file may name more things than anyone reads: those past the first are counted together.
+  static void add(Counts& counts, const std::string& what, std::uint64_t count);
+
   FileId source_;
   bool text_;
   std::map<std::string_view, std::size_t> kinds_;
   std::vector<Trouble> troubles_;
-  std::map<std::string, std::uint64_t> skipped_;
-  std::map<std::string, std::uint64_t> lost_;
+  Counts skipped_;
+  Counts lost_;
   std::uint64_t memory_ = 0;
   std::size_t served_ = 0;
 };

@@ -229,5 +229,19 @@ TEST(Obj, ManySmoothingGroupsAndGroupsTakeTheirTime) {
   EXPECT_EQ(out->mesh(0).positions.size(), 12u);
 }
 
+TEST(Obj, ManyUnknownNamesTakeTheirTime) {
+  std::string text = "mtllib m.mtl\nmtllib a b\n" + kSquare, library = "newmtl known\n";
+  for (int i = 0; i < 50000; ++i) {
+    text += fmt::format("usemtl unknown{}\nmtllib a b\n", i);
+    library += fmt::format("property{} 1\n", i);
+  }
+  const auto out = read_meshes(
+      {{"m.obj", text + "usemtl known\nf 1 2 3\n"}, {"m.mtl", library}, {"a b", "newmtl other\n"}});
+  ASSERT_TRUE(out->out);
+  EXPECT_EQ(out->log.warnings(), 50000u);
+  EXPECT_EQ(out->out->materials[0].lost.size(), 30u);
+  EXPECT_LT(out->text().size(), 1u << 20);
+}
+
 }  // namespace
 }  // namespace panwright::importers
