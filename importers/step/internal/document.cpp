@@ -124,17 +124,32 @@ bool is_hollow(const Handle(Standard_Transient) & entity) {
          !representation->ItemsValue(1)->IsKind(STANDARD_TYPE(StepGeom_Curve));
 }
 
-// Shapes and what they are made of whose parts are missing or of another kind than they must be, by
-// number. OpenCASCADE says so when it loads them, and follows them into nothing later.
+// Whether loading found a reference to nothing, or to an entity of another kind than it must be.
+// Numbers and words that are odd do no harm.
+bool has_bad_reference(const Handle(StepData_StepModel) & model, int index) {
+  if (!model->IsReportEntity(index)) return false;
+  const Handle(Interface_Check)& check = model->Check(index, Standard_True);
+  // the wordings of StepData_StepReaderData
+  constexpr std::string_view kWordings[] = {"ntity", "SELECT clause", "illegal parameter type"};
+  for (int i = 1; i <= check->NbFails(); ++i)
+    for (const std::string_view wording : kWordings)
+      if (std::string_view(check->CFail(i)).find(wording) != std::string_view::npos) return true;
+  return false;
+}
+
+// Shapes, what they are made of, what ties them to products, and styles that have such references,
+// by number: OpenCASCADE follows them into nothing later.
 std::vector<std::uint64_t> torn(const Handle(StepData_StepModel) & model) {
+  constexpr std::string_view kPackages[] = {"StepGeom_", "StepShape_", "StepRepr_", "StepVisual_"};
   std::vector<std::uint64_t> out;
   for (int i = 1; i <= model->NbEntities(); ++i) {
     const Handle(Standard_Transient)& entity = model->Value(i);
-    if (!entity->IsKind(STANDARD_TYPE(StepRepr_RepresentationItem))) continue;
-    const bool failed_check =
-        model->IsReportEntity(i) && model->Check(i, Standard_True)->NbFails() > 0;
+    const std::string_view type = entity->DynamicType()->Name();
     const int number = model->IdentLabel(entity);
-    if (number > 0 && (failed_check || is_hollow(entity)))
+    if (number <= 0 || std::none_of(std::begin(kPackages), std::end(kPackages),
+                                    [&](std::string_view p) { return type.starts_with(p); }))
+      continue;
+    if (has_bad_reference(model, i) || is_hollow(entity))
       out.push_back(static_cast<std::uint64_t>(number));
   }
   return out;
@@ -296,7 +311,9 @@ class Reading {
     for (checks.Start(); checks.More(); checks.Next()) {
       const Handle(Interface_Check)& check = checks.Value();
       if (check->NbFails() == 0) continue;
-      report_lost(number_of(check->Entity()), fmt::format("{}", check->CFail(1)));
+      std::string_view said = check->CFail(1);
+      said.remove_prefix(std::min(said.find_first_not_of(' '), said.size()));
+      report_lost(number_of(check->Entity()), fmt::format("OpenCASCADE: {}", said));
     }
   }
 

@@ -126,6 +126,27 @@ TEST(StepHostile, FacesThatFailAreNamed) {
   EXPECT_EQ(scene::check(reading->scene()), "");
 }
 
+// OpenCASCADE 7.6 follows these into nothing, and ends the process.
+TEST(StepHostile, ReferencesToOtherKindsAreLeftOut) {
+  const std::string text = two_parts();
+  const std::string direction = number_of(text, "DIRECTION");
+  for (const char* entity : {"DEFINITIONAL_REPRESENTATION('',(", "SURFACE_STYLE_USAGE(.BOTH.,",
+                             "FILL_AREA_STYLE('',(", "ADVANCED_FACE('',("}) {
+    const std::size_t at = text.find(entity);
+    if (at == text.npos) {
+      ADD_FAILURE() << entity;
+      continue;
+    }
+    const std::size_t begin = at + std::string(entity).size();
+    const std::size_t end = text.find_first_of(",)", begin);
+    const auto reading = read(text.substr(0, begin) + direction + text.substr(end));
+    ASSERT_TRUE(reading->out) << entity << to_text(reading->log);
+    EXPECT_GE(reading->count(Code::W6602), 1u) << entity;
+    EXPECT_GT(reading->line_of(Code::W6602), 10u) << entity;
+    EXPECT_FALSE(reading->scene().instances.empty()) << entity;
+  }
+}
+
 TEST(StepHostile, EntitiesThatContainThemselves) {
   const std::string text = half_cylinder();
   const std::string shell = number_of(text, "CLOSED_SHELL");
