@@ -10,8 +10,7 @@ namespace panwright::importers::meshes {
 //
 //   format  obj, stl or ply
 //
-// Fails: E6501 where nothing can be read. Reports E6002, E6501, W6502, W6004, W6005, N6007, N6008,
-// W6009.
+// Fails: E6501 where it gives no triangle. Reports E6002, E6501, W6502, W6004, W6005, N6007, N6008.
 Result<Imported> read(Files& files, const InputFile& file, Format format, const Options& options,
                       DiagnosticLog& log);
 
