@@ -118,10 +118,10 @@ void check_schema(Document& document);
 // Loads buffers and finds views. Reports E6206, E6210, W6005, W6215, E6002.
 void load_buffers(Document& document);
 
-// Reports E6206, W6215, E6002.
+// Reports E6204, E6206, E6207, W6215, E6002.
 void check_accessors(Document& document);
 
-// Cycles, parents, scenes, skins, cameras. Reports E6208, E6204, W6215.
+// Cycles, parents, scenes, skins, cameras. Reports E6204, E6206 to E6208, W6215.
 void check_nodes(Document& document);
 
 }  // namespace panwright::importers::gltf

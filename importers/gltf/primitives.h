@@ -11,7 +11,7 @@
 namespace panwright::importers::gltf {
 
 // Attributes, counts, formats, targets and material of every primitive. What cannot be read is
-// taken out of the tree. Reports E6206, E6211, W6212, W6215, W6009.
+// taken out of the tree. Reports E6206, E6207, E6211, W6212, W6215, W6009.
 void check_meshes(Document& document);
 
 // Which texture coordinates a surface gets: a set, under KHR_texture_transform.
