@@ -581,40 +581,6 @@ void Parser::misplaced_node(Body& body) {
   if (child != nullptr) node_stack_.push_back(child);
 }
 
-// VRML 1.0: `fields [ SFString name, … ]` and `isA [ "Type" ]` of nodes that it does not have.
-void Parser::fields_of_10(Body& body) {
-  const std::string_view keyword = word();
-  accept('[');
-  for (skip_blanks(); !at_end(); skip_blanks()) {
-    if (accept(']')) return;
-    if (*p_ == '"') {
-      std::string_view base;
-      if (!string(base)) return;
-      const NodeSpec* spec = spec10(base);
-      if (keyword == "isA" && spec != nullptr && body.node->spec == nullptr) {
-        body.node->spec = spec;
-        body.specs = spec->fields;
-        body.known = true;
-      }
-      continue;
-    }
-    if (!at_word()) {
-      if (*p_ == '}') return;
-      p_ += std::max<std::size_t>(1, token_here().size());
-      continue;
-    }
-    const std::string_view type_word = word();
-    skip_blanks();
-    if (!at_word()) continue;
-    FieldSpec spec;
-    spec.name = word();
-    if (const auto type = field_type(type_word)) {
-      spec.type = *type;
-      body.declared.push_back(spec);
-    }
-  }
-}
-
 Prototype* Parser::prototype_named(std::string_view text) const {
   for (const Scope* scope = scope_; scope != nullptr; scope = scope->around) {
     const auto it = scope->prototypes.find(text);
