@@ -1,5 +1,5 @@
 // What maps, holes and decals cost, each beside its error: a fine plate that fills the image, seen
-// straight, against sums over its pictures.
+// straight, against sums over its pictures; and spheres of painted metal against the reference.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,8 +9,10 @@
 
 #include "bench/bench.h"
 #include "bench/scenes.h"
+#include "geometry/tessellate.h"
 #include "pan/model.h"
 #include "pan/writer.h"
+#include "preview/reference/reference.h"
 #include "preview/renderer.h"
 
 namespace panwright::bench {
@@ -133,11 +135,99 @@ std::vector<Dress> dresses(std::uint32_t quads) {
   return all;
 }
 
+// Metal under some paint, without pictures and with one.
+std::vector<Dress> spheres() {
+  std::vector<Dress> all;
+  DiagnosticLog log;
+  geometry::TessellationOptions options;
+  options.texcoords = true;
+  const geometry::Sphere shape{1.0, geometry::SphereCounts{90, 120}};
+  const auto mesh = geometry::tessellated(shape, options, {}, log);
+  if (!mesh) return all;
+  materials::Material metal;
+  metal.weights = {0.3, 0.7, 0};
+  metal.specular_law = materials::SpecularLaw::ggx;
+  metal.specular = Vec3(1);
+  metal.refract = Vec3(1.4);
+  metal.extinction = Vec3(7.5);
+  metal.cook[1] = metal.alpha_y = 0.4;
+  materials::fit(metal);
+  for (const char* name :
+       {"metal sphere", "metal sphere, albedo map", "metal sphere, reflectance map"}) {
+    Dress& dress = all.emplace_back();
+    dress.name = name;
+    dress.contents.nodes.push_back({"root", -1, Vec3(0), Quat(1, 0, 0, 0), Vec3(1)});
+    dress.contents.meshes.push_back(pan::packed(*mesh, "sphere"));
+    dress.contents.materials.push_back(metal);
+    dress.contents.instances.push_back({0, 0, 0, -1});
+    dress.add_picture(checker, [](const auto*) { return 0.0; });
+  }
+  all[1].contents.materials[0].maps.albedo = 0;
+  all[2].contents.materials[0].maps.reflectance = 0;
+  return all;
+}
+
+void run_spheres(Context& context, preview::Context& gl) {
+  DiagnosticLog log;
+  const std::uint32_t size = context.quick() ? 200 : 1000;
+  preview::View view;
+  preview::set_orthographic(view.camera, size, size, 2.05);
+  view.camera.position = {0, 0, 10};
+  if (const auto turn = preview::looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log))
+    view.camera.world_from_camera = *turn;
+  view.to_sun = glm::normalize(Vec3(0.5, 0.2, 1));
+  const std::vector<Dress> all = spheres();
+  std::list<pan::Model> models;
+  std::vector<preview::Renderer> renderers;
+  std::vector<Vec3> truth;
+  for (const Dress& dress : all) {
+    auto model = pan::Model::from_bytes(pan::write_to_memory(dress.contents), dress.name, log);
+    if (!model || !model->check(log)) return context.note("a sphere could not be built");
+    models.push_back(*std::move(model));
+    auto renderer = preview::Renderer::create(gl, models.back(), log);
+    const auto reference = preview::Reference::create(models.back(), log);
+    if (!renderer || !reference) return context.note("a sphere could not be set up");
+    renderers.push_back(*std::move(renderer));
+    preview::ReferenceOptions slow;
+    slow.bounces = 0;
+    slow.samples = 32;
+    const auto image = reference->render(view, slow, log);
+    if (!image) return context.note("a sphere could not be traced");
+    truth.push_back({image->flux.x, image->flux_error.x, 0});
+  }
+  const double area = std::pow(2.05 / size, 2);
+  std::vector<double> flux(all.size());
+  std::vector<Variant> variants;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    variants.push_back({all[i].name, [&, i] {
+                          const auto image = renderers[i].render(view, {}, log);
+                          if (!image) return;
+                          flux[i] = 0;
+                          for (std::size_t pixel = 0; pixel < image->pixels(); ++pixel)
+                            flux[i] += image->radiance[3 * pixel];
+                          flux[i] *= area;
+                        }});
+  const std::vector<Timing> timings = interleaved(variants, context.runs());
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    Row row{.case_name = "maps",
+            .setting = fmt::format("{} {}x{}", variants[i].setting, size, size),
+            .speed_unit = "ms/frame",
+            .error = std::fabs(flux[i] / truth[i].x - 1),
+            .error_unit = "relative flux",
+            .reference = "reference renderer",
+            .reference_error = truth[i].y / truth[i].x,
+            .must_error = 3e-3};
+    set_time(row, timings[i], 1e3);
+    context.add(row);
+  }
+}
+
 void run(Context& context) {
   DiagnosticLog log;
   auto gl = preview::Context::create(preview::ContextKind::automatic, log);
   if (!gl) return context.note("no OpenGL context: nothing measured");
   context.set_renderer((*gl)->renderer());
+  run_spheres(context, **gl);
   const std::uint32_t size = context.quick() ? 200 : 1000;
   const std::uint32_t quads = context.quick() ? 50 : 300;
   preview::View view;
