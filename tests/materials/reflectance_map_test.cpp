@@ -126,7 +126,7 @@ TEST(ReflectanceMap, TakesThePlaceOfF0) {
       for (int k = 0; k < 3; ++k) EXPECT_NEAR(own[k] / without[k], 1, 1e-14);
     }
   std::printf("worst %.1e\n", worst);
-  EXPECT_LE(worst, 5e-14);
+  EXPECT_LE(worst, 2e-15);  // measured 4.4e-16
   // where F is 1, or near it, R is all there is
   const Material mirror = facets(0.4, {});
   const Vec3 l = from_angles(0.3, 0.3), v = from_angles(0.5, 2.0);
@@ -192,7 +192,7 @@ TEST(ReflectanceMap, NoMapGainsEnergy) {
       }
     }
     std::printf("%-24s slope %g: at most %.6f\n", name, m.cook[1], most);
-    EXPECT_LE(most, 1 + 1e-3);
+    EXPECT_LE(most, 1 + 2e-4);  // measured 1.06e-4
     EXPECT_GE(energy_gain(m).albedo, most - 2e-3);
   }
 }
@@ -207,7 +207,7 @@ TEST(ReflectanceMap, WhiteFurnace) {
       worst = std::max(worst, std::fabs(directional_albedo(m, mu, 0, Vec3(1)).x - 1));
   }
   std::printf("worst %.1e\n", worst);
-  EXPECT_LE(worst, 3e-4);
+  EXPECT_LE(worst, 3e-4);  // measured 1.8e-4
 }
 
 // Float follows double whatever the map says.
@@ -216,7 +216,7 @@ TEST(ReflectanceMap, CertificateLooksAtAllOfIt) {
   for (const Material& m : {facets(0.3, kN, kK), facets(0.3, Vec3(1.5))}) {
     const Certificate c = certificate(m, mus);
     std::printf("float: worst %.1e, rms %.1e\n", c.f32_error, c.f32_rms);
-    EXPECT_LE(c.f32_rms, 2e-5);
+    EXPECT_LE(c.f32_rms, 1e-6);  // measured 4.7e-7
   }
   EXPECT_NE(laws_in_words(facets(0.3, kN, kK)).find("of mapped reflectance"), std::string::npos);
 }
