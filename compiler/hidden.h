@@ -17,8 +17,8 @@ struct HiddenOptions {
   Options compile;                              // as the model will be compiled with
   std::uint64_t rays_from_outside = 1'000'000;  // at least
   std::uint32_t rays_per_triangle = 256;        // each removed triangle was not seen along so many
-  // Spent on triangles that nothing met but that face a surface which is seen, 2048 for each. Where
-  // it is not enough for all of them, they stay.
+  // Spent on triangles that nothing met but that face a surface which is seen, 2048 for each, and
+  // as many once more by area. Where it is not enough for all of them, they stay.
   std::uint64_t max_probes = 12'000'000;
   std::uint64_t max_triangles = 8'000'000;  // instances counted; a larger model is left alone
 };
@@ -31,7 +31,8 @@ struct HiddenReport {
   std::uint64_t instances_before = 0;
   std::uint64_t instances_after = 0;
   std::uint64_t hidden = 0;  // triangles never seen: what was removed, and what shared shapes keep
-  std::uint64_t doubtful = 0;  // never seen and kept, for want of max_probes
+  // Never seen and kept: for want of max_probes, or as smooth neighbours of what is seen.
+  std::uint64_t doubtful = 0;
   std::uint64_t rays = 0;
   std::uint64_t reached = 0;  // rays of the last round that found something new
   // With 95 % confidence, the share of all directions from points of the removed triangles together
@@ -48,7 +49,8 @@ struct HiddenReport {
 // the same surface to 1e-5 of the model's radius, stays. Lines are laid through the model evenly,
 // then through corners, edges and insides of the triangles not yet met, close to lines that found
 // something, and from where the neighbours of a triangle are seen, until a last even lot finds
-// nothing. So what is removed was never met, and nothing that is met is removed; gaps narrower than
+// nothing. What faces a seen surface and goes on smoothly from a seen triangle stays with it. So
+// what is removed was never met, and nothing that is met is removed; gaps narrower than
 // 3e-6 of the radius are taken as closed. Hits on outlines are decided in double. Surfaces are seen
 // and hide from both sides; cut-out materials hide nothing. Shapes shared by several instances lose
 // what all of them hide. Exact shapes are hidden as a whole or not at all. What carries decals

@@ -20,7 +20,7 @@ struct InstanceHit {
 };
 
 // Which hits count: all, or those that `counts` says. It is asked for the instances that want it
-// only, from any thread, and not in the order of distance.
+// only, from any thread, not in the order of distance, and maybe more than once about one hit.
 struct HitFilter {
   bool (*counts)(const void* data, const InstanceHit& hit) = nullptr;
   const void* data = nullptr;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "base/parallel.h"
@@ -81,6 +82,30 @@ std::array<Vec3, 2> across(const Vec3& d) {
 
 double part(double x) { return x - std::floor(x); }
 
+// Numbers for places, equal ones alike, from 0.
+std::pair<std::vector<std::uint32_t>, std::uint32_t> places_of(const std::vector<Vec3>& positions) {
+  const std::size_t count = positions.size();
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(count);
+  for (std::uint32_t v = 0; v < count; ++v) {
+    std::uint64_t h = 0x9e3779b97f4a7c15ull;  // 2^64 / golden ratio
+    for (int axis = 0; axis < 3; ++axis) {
+      h ^= std::bit_cast<std::uint64_t>(positions[v][axis] + 0.0);
+      h *= 0xff51afd7ed558ccdull;  // MurmurHash3's 64-bit finaliser
+      h ^= h >> 32;
+    }
+    order[v] = {h, v};
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::uint32_t> places(count);
+  std::uint32_t number = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    number += i > 0 && (order[i].first != order[i - 1].first ||
+                        positions[order[i].second] != positions[order[i - 1].second]);
+    places[order[i].second] = number;
+  }
+  return {std::move(places), number + 1};
+}
+
 class Looker {
  public:
   Looker(World world, const SightOptions& options) : world_(std::move(world)), options_(options) {}
@@ -102,7 +127,8 @@ class Looker {
     out.last_rays = last_rays_;
     out.last_found = last_found_;
     out.probes = probes_;
-    for (std::uint32_t i = 0; i < count; ++i) out.doubtful += undecided(i) && kept_[i];
+    out.kept.resize(count);
+    for (std::uint32_t i = 0; i < count; ++i) out.kept[i] = undecided(i) && kept_[i];
     return out;
   }
 
@@ -241,25 +267,9 @@ class Looker {
 
   // Triangles that have a corner in common, by its place.
   void list_neighbours() {
-    const std::size_t count = world_.positions.size();
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> order(count);
-    for (std::uint32_t v = 0; v < count; ++v) {
-      std::uint64_t h = 0x9e3779b97f4a7c15ull;  // 2^64 / golden ratio
-      for (int axis = 0; axis < 3; ++axis) {
-        h ^= std::bit_cast<std::uint64_t>(world_.positions[v][axis] + 0.0);
-        h *= 0xff51afd7ed558ccdull;  // MurmurHash3's 64-bit finaliser
-        h ^= h >> 32;
-      }
-      order[v] = {h, v};
-    }
-    std::sort(order.begin(), order.end());
-    place_.resize(count);
     std::uint32_t places = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      places += i > 0 && order[i].first != order[i - 1].first;
-      place_[order[i].second] = places;
-    }
-    start_.assign(std::size_t{places} + 3, 0);
+    std::tie(place_, places) = places_of(world_.positions);
+    start_.assign(std::size_t{places} + 2, 0);
     for (const geometry::Triangle& t : world_.triangles)
       for (const std::uint32_t v : t) ++start_[place_[v] + 2];
     for (std::size_t i = 2; i < start_.size(); ++i) start_[i] += start_[i - 1];
@@ -669,10 +679,63 @@ class Looker {
   std::uint32_t done_ = 0;    // the same, or through each exposed one
 };
 
+// Of each triangle, the first one that has the same corners.
+std::vector<std::uint32_t> firsts_of(const World& world) {
+  const std::vector<std::uint32_t> place = places_of(world.positions).first;
+  struct Entry {
+    std::array<std::uint32_t, 3> places;  // in ascending order
+    char clear;
+    std::uint32_t triangle;
+    auto operator<=>(const Entry&) const = default;
+  };
+  std::vector<Entry> entries(world.triangles.size());
+  for (std::uint32_t i = 0; i < entries.size(); ++i) {
+    const geometry::Triangle& t = world.triangles[i];
+    entries[i] = {{place[t[0]], place[t[1]], place[t[2]]}, world.clear[i], i};
+    std::sort(entries[i].places.begin(), entries[i].places.end());
+  }
+  std::sort(entries.begin(), entries.end());
+  std::vector<std::uint32_t> firsts(entries.size());
+  for (std::size_t i = 0, first = 0; i < entries.size(); ++i) {
+    if (entries[i].places != entries[first].places || entries[i].clear != entries[first].clear)
+      first = i;
+    firsts[entries[i].triangle] = entries[first].triangle;
+  }
+  return firsts;
+}
+
 }  // namespace
 
 Sight sight_of(World world, const SightOptions& options) {
-  return Looker(std::move(world), options).run();
+  // what lies in one place is looked for once: all of it is seen, or none
+  const std::vector<std::uint32_t> firsts = firsts_of(world);
+  const std::vector<char> wanted = world.wanted;
+  std::vector<std::uint32_t> moved(firsts.size());
+  std::uint32_t count = 0;
+  for (std::uint32_t i = 0; i < firsts.size(); ++i) {
+    if (firsts[i] == i) {
+      moved[i] = count++;
+      world.triangles[moved[i]] = world.triangles[i];
+      world.clear[moved[i]] = world.clear[i];
+      world.wanted[moved[i]] = world.wanted[i];
+    } else {
+      moved[i] = moved[firsts[i]];
+      world.wanted[moved[i]] |= world.wanted[i];
+    }
+  }
+  world.triangles.resize(count);
+  world.clear.resize(count);
+  world.wanted.resize(count);
+  const Sight once = Looker(std::move(world), options).run();
+  Sight out = once;
+  out.seen.resize(firsts.size());
+  out.kept.resize(firsts.size());
+  for (std::size_t i = 0; i < firsts.size(); ++i) {
+    out.seen[i] = once.seen[moved[i]];
+    out.kept[i] = wanted[i] && once.kept[moved[i]];
+    out.doubtful += out.kept[i];
+  }
+  return out;
 }
 
 }  // namespace panwright::compiler::internal

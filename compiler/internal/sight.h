@@ -24,6 +24,7 @@ struct SightOptions {
 
 struct Sight {
   std::vector<char> seen;        // T: or to be kept in doubt
+  std::vector<char> kept;        // T: the latter
   std::uint64_t rays = 0;        // in all
   std::uint64_t last_rays = 0;   // from outside, laid evenly, after all else
   std::uint64_t last_found = 0;  // of them, that met something not seen before

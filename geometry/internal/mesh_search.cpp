@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <utility>
 
 #include "geometry/internal/embree_device.h"
 #include "geometry/internal/hit_order.h"
@@ -64,8 +65,8 @@ void find_closest(const RTCIntersectFunctionNArguments* arguments) {
   assert(arguments->N == 1);
   auto& query = *reinterpret_cast<Query*>(arguments->context);
   bool found = false;
-  const auto [begin, end] = query.mesh->leaf(arguments->primID);
-  for (std::size_t i = begin; i < end; ++i) found |= take(query, static_cast<std::uint32_t>(i));
+  const MeshSearch::Leaf& leaf = query.mesh->leaf(arguments->primID);
+  for (std::uint32_t i = 0; i < leaf.count; ++i) found |= take(query, leaf.first + i);
   if (!found) return;
   // what lies behind the hit by no more than rounding is still to be compared
   auto& search = reinterpret_cast<RTCRayHit*>(arguments->rayhit)->ray;
@@ -78,9 +79,9 @@ void find_closest(const RTCIntersectFunctionNArguments* arguments) {
 void find_any(const RTCOccludedFunctionNArguments* arguments) {
   assert(arguments->N == 1);
   auto& query = *reinterpret_cast<Query*>(arguments->context);
-  const auto [begin, end] = query.mesh->leaf(arguments->primID);
-  for (std::size_t i = begin; i < end; ++i) {
-    if (!take(query, static_cast<std::uint32_t>(i))) continue;
+  const MeshSearch::Leaf& leaf = query.mesh->leaf(arguments->primID);
+  for (std::uint32_t i = 0; i < leaf.count; ++i) {
+    if (!take(query, leaf.first + i)) continue;
     reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
     return;
   }
@@ -109,29 +110,92 @@ MeshSearch::~MeshSearch() {
   if (scene_ != nullptr) rtcReleaseScene(scene_);
 }
 
+// Into how many slices a leaf is cut: as many as its box is larger than its triangles. Ernst and
+// Greiner, "Early split clipping for bounding volume hierarchies", 2007.
+std::uint8_t MeshSearch::slices_of(const Leaf& leaf) const {
+  constexpr double kLoose = 16;
+  // a million leaves, or two for each triangle
+  const double most = std::clamp(1e6 / static_cast<double>(triangles_.size()), 2.0, 64.0);
+  Vec3 low(std::numeric_limits<double>::infinity());
+  Vec3 high(-low);
+  double area = 0;
+  for (std::uint32_t i = 0; i < leaf.count; ++i) {
+    const Triangle& t = triangles_[leaf.first + i];
+    for (const std::uint32_t v : t) {
+      low = glm::min(low, positions_[v]);
+      high = glm::max(high, positions_[v]);
+    }
+    const Vec3& a = positions_[t[0]];
+    area += glm::length(glm::cross(positions_[t[1]] - a, positions_[t[2]] - a));
+  }
+  const Vec3 size = high - low;
+  const double box = size.x * size.y + size.y * size.z + size.z * size.x;
+  if (!(box > kLoose * area)) return 1;
+  return static_cast<std::uint8_t>(box < most * area ? box / area : most);
+}
+
 // Two triangles in one leaf cost less than two leaves; most lists give neighbours one after the
 // other.
-void MeshSearch::pair_up() {
+void MeshSearch::list_leaves() {
   for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
-    leaves_.push_back(i);
-    if (i + 1 == triangles_.size()) break;
-    int common = 0;
-    for (const std::uint32_t v : triangles_[i])
-      common += std::count(triangles_[i + 1].begin(), triangles_[i + 1].end(), v) > 0;
-    if (common >= 2) ++i;
+    Leaf leaf{.first = i};
+    if (i + 1 < triangles_.size()) {
+      int common = 0;
+      for (const std::uint32_t v : triangles_[i])
+        common += std::count(triangles_[i + 1].begin(), triangles_[i + 1].end(), v) > 0;
+      if (common >= 2) {
+        leaf.count = 2;
+        ++i;
+      }
+    }
+    leaf.slices = slices_of(leaf);
+    for (leaf.slice = 0; leaf.slice < leaf.slices; ++leaf.slice) leaves_.push_back(leaf);
   }
 }
 
 void MeshSearch::bound(const RTCBoundsFunctionArguments* arguments) {
   const auto& mesh = *static_cast<const MeshSearch*>(arguments->geometryUserPtr);
+  const Leaf& leaf = mesh.leaves_[arguments->primID];
   Vec3 low(std::numeric_limits<double>::infinity());
   Vec3 high(-low);
-  const auto [begin, end] = mesh.leaf(arguments->primID);
-  for (std::size_t i = begin; i < end; ++i)
-    for (const std::uint32_t v : mesh.triangles_[i]) {
-      low = glm::min(low, mesh.positions_[v]);
-      high = glm::max(high, mesh.positions_[v]);
-    }
+  const auto each_corner = [&](const auto& body) {
+    for (std::uint32_t i = 0; i < leaf.count; ++i)
+      for (int k = 0; k < 3; ++k) {
+        const Triangle& t = mesh.triangles_[leaf.first + i];
+        body(mesh.positions_[t[static_cast<std::size_t>(k)]],
+             mesh.positions_[t[static_cast<std::size_t>((k + 1) % 3)]]);
+      }
+  };
+  each_corner([&](const Vec3& a, const Vec3&) {
+    low = glm::min(low, a);
+    high = glm::max(high, a);
+  });
+  if (leaf.slices > 1) {
+    const Vec3 size = high - low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const double from = low[axis] + size[axis] * leaf.slice / leaf.slices;
+    const double to = low[axis] + size[axis] * (leaf.slice + 1) / leaf.slices;
+    low = Vec3(std::numeric_limits<double>::infinity());
+    high = -low;
+    // the edges within the slice bound what lies in it
+    each_corner([&](const Vec3& a, const Vec3& b) {
+      const double rise = b[axis] - a[axis];
+      double s = rise != 0 ? (from - a[axis]) / rise : 0;
+      double e = rise != 0 ? (to - a[axis]) / rise : 1;
+      if (s > e) std::swap(s, e);
+      if (rise == 0 && (a[axis] < from || a[axis] > to)) return;
+      s = std::max(s, 0.0);
+      e = std::min(e, 1.0);
+      if (s > e) return;
+      for (const double w : {s, e}) {
+        const Vec3 p = a + w * (b - a);
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+      }
+    });
+    low[axis] = from;
+    high[axis] = to;
+  }
   low = (low - mesh.centre_) / mesh.radius_;
   high = (high - mesh.centre_) / mesh.radius_;
   RTCBounds& bounds = *arguments->bounds_o;
@@ -145,7 +209,7 @@ void MeshSearch::bound(const RTCBoundsFunctionArguments* arguments) {
 
 void MeshSearch::build() {
   if (empty() || scene_ != nullptr) return;
-  pair_up();
+  list_leaves();
   RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(leaves_.size()));
   rtcSetGeometryUserData(geometry, this);

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "base/math.h"
@@ -50,19 +49,25 @@ class MeshSearch {
   void search(SearchRay& ray, const Vec3& origin, const Vec3& direction, std::uint32_t instance,
               bool asked, bool any) const;
 
-  // Triangles that one leaf of the tree holds: [first, second).
-  std::pair<std::size_t, std::size_t> leaf(std::size_t index) const {
-    return {leaves_[index], index + 1 < leaves_.size() ? leaves_[index + 1] : triangles_.size()};
-  }
+  // Triangles [first, first + count), as far as they lie in a slice of their bounds, `slice` of
+  // `slices` along the longest side. Thin slanted triangles fill little of one box.
+  struct Leaf {
+    std::uint32_t first = 0;
+    std::uint8_t count = 1;
+    std::uint8_t slice = 0;
+    std::uint8_t slices = 1;
+  };
+  const Leaf& leaf(std::size_t index) const { return leaves_[index]; }
 
  private:
   static void bound(const RTCBoundsFunctionArguments* arguments);
 
-  void pair_up();
+  void list_leaves();
+  std::uint8_t slices_of(const Leaf& leaf) const;
 
   std::vector<Vec3> positions_;
   std::vector<Triangle> triangles_;
-  std::vector<std::uint32_t> leaves_;  // first triangles; each holds one, or two with a common edge
+  std::vector<Leaf> leaves_;
   Vec3 low_{0};
   Vec3 high_{0};
   Vec3 centre_{0};

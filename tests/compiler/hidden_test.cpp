@@ -250,6 +250,22 @@ TEST(Hidden, SurfacesInOneAnotherBothStay) {
   EXPECT_EQ(prune(scene).triangles_after, 96u);
 }
 
+// What lies in one place is looked for once: as many lines as for one, and all of it stays or goes.
+TEST(Hidden, ManyCopiesInOnePlace) {
+  Assembly one = two_boxes();
+  Assembly many = two_boxes();
+  for (int i = 0; i < 50; ++i) {
+    many.scene.instances.push_back(many.scene.instances[0]);
+    many.scene.instances.push_back(many.scene.instances[1]);
+  }
+  const HiddenReport alone = prune(one.scene);
+  const HiddenReport together = prune(many.scene);
+  EXPECT_EQ(alone.triangles_after, 48u);
+  EXPECT_EQ(together.triangles_after, 51 * 48u);
+  EXPECT_EQ(together.hidden, 51 * alone.hidden);
+  EXPECT_EQ(together.rays, alone.rays);
+}
+
 TEST(Hidden, EmptyAndFlatModels) {
   scene::Scene empty;
   empty.nodes.emplace_back();
