@@ -179,6 +179,9 @@ int import_cad(const ImportOptions& options) {
     session.step({});
     const auto report = compiler::compile(imported->scene, compile, options.output, log);
     if (!report) return session.finish();
+    if (report->triangles == 0)
+      log.report_file(Code::W6009, options.input,
+                      "no surface is left of the model: the file holds none, or none that is seen");
     errors = log.errors();
     session.add_timing("tessellate", report->seconds_tessellate);
     session.add_timing("write", report->seconds_write);

@@ -132,6 +132,19 @@ TEST(Import, what_could_be_read_of_a_bad_file_is_written_and_the_exit_code_is_1)
   EXPECT_EQ(result_of({"check", folder / "a.pan"})["errors"], 0);
 }
 
+TEST(Import, a_model_without_any_surface_says_so) {
+  const TemporaryFolder folder;
+  folder.write("empty.wrl", "#VRML V2.0 utf8\nTransform { children [ ] }\n");
+  const support::Outcome empty =
+      panwright({"import", folder / "empty.wrl", "-o", folder / "empty.pan"});
+  EXPECT_EQ(empty.code, 0);
+  EXPECT_THAT(empty.err, HasSubstr("W6009"));
+  EXPECT_THAT(empty.err, HasSubstr("no surface"));
+  const support::Outcome full =
+      panwright({"import", kRelay, "--units", "mm", "--keep-hidden", "-o", folder / "a.pan"});
+  EXPECT_EQ(full.err.find("no surface"), std::string::npos);
+}
+
 TEST(Import, what_is_wrong_with_a_glb_says_where) {
   const TemporaryFolder folder;
   std::string text = R"({"asset":{"version":"2.0"},"nodes":[{"mesh":3}]})";
