@@ -291,6 +291,7 @@ class SceneBuilder {
                                                   : std::string("different numbers of")));
       return {placed};
     }
+    if (count == 0) return {placed};
     std::vector<Vec3> moves, scales;
     std::vector<Vec4> turns;
     if (const auto a = accessor("TRANSLATION"); a >= 0)
