@@ -97,7 +97,7 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"E0103", {"compile", kFigure8, "-o", folder / "no/f.pan"}, {}},
       {"E0104", {"check", kFigure8, "--max-input", "100"}, {}},
       {"E0201", {"render", pan, "-o", png, "--fov", "200"}, {}},
-      {"E0202", {"check", folder / "model.step"}, {}},
+      {"E0202", {"check", folder / "model.txt"}, {}},
       {"E0203", {"render", pan, "--views", view}, {}},
       {"E0204", {"explain", "E9999"}, {}},
       {"E1225", {"compile", kFigure8, "-o", pan, "-D", "span=1m"}, {}},
