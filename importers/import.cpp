@@ -73,6 +73,7 @@ void report(Code code, const std::string& name, const std::string& message, Sour
 }
 
 constexpr std::size_t kLarge = std::size_t{1} << 20;  // bytes of a text
+constexpr std::size_t kHuge = std::size_t{16} << 20;
 
 // What the lists of a file took stays with the allocator, beside a scene that is made into another.
 void give_back_memory() {
@@ -178,7 +179,7 @@ Result<Imported> import_from(Files& files, const std::string& path, const Option
   const InputFile file{path, name, unpacked.bytes, included_at};
   auto imported = read_as(format_of(text, path, options.assume), files, file, options, log);
   drop_texts(first, log);
-  if (text.size() >= kLarge) give_back_memory();
+  if (text.size() >= kHuge) give_back_memory();
   if (imported) imported->scene.inputs.insert(imported->scene.inputs.begin(), {path, hash, size});
   return imported;
 }
