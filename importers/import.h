@@ -41,7 +41,7 @@ struct Options {
   std::optional<std::string> scene;  // glTF: a scene's name or number; none: the default one
   std::uint32_t primitives = 0;      // VRML: segments around round shapes; 0: exact shapes
   double crease_angle =
-      30 * kDegree;              // radians, for meshes whose file gives neither normals nor one
+      30 * kDegree;       // radians, for meshes whose file gives neither normals nor one
   double deflection = 0;  // STEP: metres of triangles from their surfaces; 0: 1e-4 of the size
   bool textures = true;   // pictures are read
   std::optional<Format> assume;  // of a file whose header does not say
@@ -69,8 +69,8 @@ struct Imported {
   std::vector<CadMaterial> materials;  // one for each of scene.materials
 };
 
-// Reads a CAD file and all that it names. The kind is told by its first bytes, of OBJ and binary STL,
-// which have no mark, by the name's extension; gzip is unpacked whatever the file is called.
+// Reads a CAD file and all that it names. The kind is told by its first bytes, of OBJ and binary
+// STL, which have no mark, by the name's extension; gzip is unpacked whatever the file is called.
 //
 //   returns  what could be read, sound by scene::check; the log says whether that is all of it.
 //

@@ -126,9 +126,9 @@ class Comparison {
     return materials_.match(a, b, [&] {
       materials::Material x = a_.materials[static_cast<std::size_t>(a)];
       materials::Material y = b_.materials[static_cast<std::size_t>(b)];
-      for (const auto map : {&materials::Maps::albedo, &materials::Maps::normal,
-                             &materials::Maps::roughness, &materials::Maps::reflectance,
-                             &materials::Maps::cutout}) {
+      for (const auto map :
+           {&materials::Maps::albedo, &materials::Maps::normal, &materials::Maps::roughness,
+            &materials::Maps::reflectance, &materials::Maps::cutout}) {
         if (!texture(x.maps.*map, y.maps.*map)) return false;
         x.maps.*map = y.maps.*map = scene::kNone;
       }

@@ -143,8 +143,9 @@ std::string joint_lines(const importers::Imported& imported) {
     const std::string& node = imported.scene.nodes[static_cast<std::size_t>(joint.node)].name;
     out += "\n      ";
     out += in_comment(fmt::format("{} of node '{}', {} about {:.6g} {:.6g} {:.6g}",
-                                  joint.name.empty() ? "(no name)" : pattern_of(joint.name), pattern_of(node),
-                                  kind_of(joint.kind), joint.axis.x, joint.axis.y, joint.axis.z));
+                                  joint.name.empty() ? "(no name)" : pattern_of(joint.name),
+                                  pattern_of(node), kind_of(joint.kind), joint.axis.x, joint.axis.y,
+                                  joint.axis.z));
     if (joint.lower.size() == 1)
       out += fmt::format(", from {:.6g} to {:.6g}", joint.lower[0], joint.upper[0]);
   }

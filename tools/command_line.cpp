@@ -30,9 +30,7 @@ const CLI::Validator kNumber(
 
 // note: CLI11 reads "-1" as the largest unsigned number
 const CLI::Validator kNotNegative(
-    [](std::string& text) {
-      return text.starts_with('-') ? text + " is negative" : std::string();
-    },
+    [](std::string& text) { return text.starts_with('-') ? text + " is negative" : std::string(); },
     "");
 
 constexpr int kUsage = 2;
@@ -99,12 +97,13 @@ void add_cad(CLI::App* app, CadOptions& cad) {
          "What a number of the file measures: auto (default), m, mm, cm, dm, km, um, in or ft")
       ->check(CLI::IsMember({"auto", "m", "mm", "cm", "dm", "km", "um", "in", "ft"}));
   // not "--up", which is the camera's
-  option("--up-axis", cad.up, "AXIS", "The file's axis that points up: y or z (default auto: z in STL, PLY and STEP, else y)")
+  option("--up-axis", cad.up, "AXIS",
+         "The file's axis that points up: y or z (default auto: z in STL, PLY and STEP, else y)")
       ->check(CLI::IsMember({"auto", "y", "z"}));
   app->add_flag("--keep-hidden", cad.keep_hidden, "Keep faces that nobody outside can see")
       ->group("CAD files");
-  auto* no_weld = app->add_flag("--no-weld", cad.no_weld, "Leave meshes as they are")
-                      ->group("CAD files");
+  auto* no_weld =
+      app->add_flag("--no-weld", cad.no_weld, "Leave meshes as they are")->group("CAD files");
   option("--weld", cad.weld, "METRES",
          "Vertices this far apart in the file become one (default 0: at one place)")
       ->check(kNumber)
@@ -126,14 +125,17 @@ void add_cad(CLI::App* app, CadOptions& cad) {
          "STEP: triangles lie this close to their surfaces (default 0: 1e-4 of the model's size)")
       ->check(kNumber)
       ->check(CLI::NonNegativeNumber);
-  option("--assume", cad.assume, "KIND", "What a file is that does not say: vrml97, vrml1, gltf, obj, stl, ply or step")
+  option("--assume", cad.assume, "KIND",
+         "What a file is that does not say: vrml97, vrml1, gltf, obj, stl, ply or step")
       ->check(CLI::IsMember({"vrml97", "vrml1", "gltf", "obj", "stl", "ply", "step"}));
   app->add_flag("--recentre", cad.recentre, "Put the middle of the model at the origin")
       ->group("CAD files");
 }
 
 void add_import(CLI::App* app, ImportOptions& options) {
-  app->add_option("input", options.input, "VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY (STEP where built in), packed or not")
+  app->add_option(
+         "input", options.input,
+         "VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY (STEP where built in), packed or not")
       ->required()
       ->type_name("FILE");
   app->add_option("-o,--output", options.output,
@@ -167,7 +169,9 @@ void add_export(CLI::App* app, ExportOptions& options) {
   app->add_option("input", options.input, "A .pan, .pxn or CAD file")
       ->required()
       ->type_name("FILE");
-  app->add_option("-o,--output", options.output, "The glTF file")->required()->type_name("FILE.glb");
+  app->add_option("-o,--output", options.output, "The glTF file")
+      ->required()
+      ->type_name("FILE.glb");
   add_read(app, options.read);
   add_cad(app, options.read.cad);
   add_common(app, options.common);
@@ -412,7 +416,8 @@ int parse_and_run(CLI::App& app, std::vector<std::string> words, const std::func
 int run_importer(const std::string& name, std::vector<std::string> words) {
   ImportOptions options;
   CLI::App app(
-      fmt::format("{}: makes a pan file of a CAD file; the same as 'panwright import'", name), name);
+      fmt::format("{}: makes a pan file of a CAD file; the same as 'panwright import'", name),
+      name);
   add_import(&app, options);
   return parse_and_run(app, std::move(words), [&] {
     set_thread_count(options.common.threads);
@@ -513,7 +518,8 @@ std::vector<CommandWords> command_words(const CLI::App& app) {
 int run_panwright(std::vector<std::string> words) {
   AllOptions all;
   CLI::App app(
-      "panwright: spacecraft models from pxn text and CAD files to checked pan files and radiometric "
+      "panwright: spacecraft models from pxn text and CAD files to checked pan files and "
+      "radiometric "
       "pictures",
       "panwright");
   app.footer(

@@ -33,7 +33,7 @@ struct CadOptions {
   double crease_deg = 30;
   std::uint32_t primitives = 0;  // VRML; 0: exact shapes
   double deflection = 0;         // STEP; metres, 0: by the model's size
-  bool crease_normals = false;  // those of the file are computed anew
+  bool crease_normals = false;   // those of the file are computed anew
   bool keep_hidden = false;
   bool recentre = false;
 };

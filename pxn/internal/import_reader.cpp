@@ -90,15 +90,15 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
       values.real(element, attribute::import_crease).value_or(options.crease_angle);
   clean.crease_angle = options.crease_angle;
   if (!scene.empty()) options.scene = scene;
-  options.primitives = static_cast<std::uint32_t>(
-      values.integer(element, attribute::import_primitives).value_or(0));
+  options.primitives =
+      static_cast<std::uint32_t>(values.integer(element, attribute::import_primitives).value_or(0));
   options.deflection = values.real(element, attribute::import_deflection).value_or(0);
   options.limits.nodes = options_.limits.nodes;
   options.limits.texture_bytes = options_.limits.texture_bytes - texture_bytes_;
 
-  const std::string key =
-      fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", found.key, units, up, cleaned, clean.keep_normals, clean.tolerance,
-                  options.crease_angle, scene, options.primitives, options.deflection);
+  const std::string key = fmt::format(
+      "{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", found.key, units, up, cleaned, clean.keep_normals,
+      clean.tolerance, options.crease_angle, scene, options.primitives, options.deflection);
   const auto known = known_models_.find(key);
   if (known != known_models_.end()) return known->second;
   auto& index = known_models_[key];
@@ -241,8 +241,9 @@ std::vector<char> Loader::chosen_instances(Work& work, std::uint32_t rule, std::
       [&](const std::string& pattern) {
         std::vector<char> named;
         for (std::size_t i = 0; i < model.material_names.size(); ++i)
-          named.push_back(static_cast<char>(Pattern(pattern).fits(model.material_names[i]) ||
-                                            Pattern(pattern).fits(model.imported.materials[i].name)));
+          named.push_back(
+              static_cast<char>(Pattern(pattern).fits(model.material_names[i]) ||
+                                Pattern(pattern).fits(model.imported.materials[i].name)));
         return [named = std::move(named)](const scene::Instance& instance) {
           return named[static_cast<std::size_t>(instance.material)] != 0;
         };

@@ -16,8 +16,8 @@ struct ImportedModel {
   std::uint32_t top = 0;
   importers::Imported imported;
   std::vector<std::string> material_names;  // numbered_names()
-  std::vector<std::int32_t> shapes;    // in the scene, of each of the file's
-  std::vector<std::int32_t> textures;  // in the scene, of each of the file's
+  std::vector<std::int32_t> shapes;         // in the scene, of each of the file's
+  std::vector<std::int32_t> textures;       // in the scene, of each of the file's
 };
 
 // One place where it is imported, and what the rules there make of it.

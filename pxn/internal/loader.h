@@ -149,7 +149,7 @@ class Loader {
   std::vector<NamedMaterial> materials_;
   std::deque<ImportedModel> models_;
   std::map<std::string, std::optional<std::uint32_t>> known_models_;  // by file and options
-  std::map<std::string, std::optional<std::uint32_t>> known_files_;  // by key: their parts
+  std::map<std::string, std::optional<std::uint32_t>> known_files_;   // by key: their parts
   std::map<std::pair<std::string, Picture>, std::optional<std::uint32_t>> known_pictures_;
   std::map<std::string, std::optional<materials::Conductor>> known_spectra_;
   std::map<Hash128, std::uint32_t> known_shapes_;

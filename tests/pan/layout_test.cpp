@@ -55,16 +55,15 @@ TEST(Layout, MaterialIsStd430) {
         offsetof(Material, many_scale), offsetof(Material, loss), offsetof(Material, loss) + 16,
         offsetof(Material, hapke_h), offsetof(Material, hapke_h) + 16})
     EXPECT_EQ(gpu.vec4(), at);
-  for (const std::size_t at :
-       {offsetof(Material, diffuse_law), offsetof(Material, specular_law),
-        offsetof(Material, compensation), offsetof(Material, variant), offsetof(Material, name),
-        offsetof(Material, fit_error), offsetof(Material, flags),
-        offsetof(Material, cutout_threshold), offsetof(Material, albedo_map),
-        offsetof(Material, normal_map), offsetof(Material, roughness_map),
-        offsetof(Material, cutout_map)})
+  for (const std::size_t at : {offsetof(Material, diffuse_law), offsetof(Material, specular_law),
+                               offsetof(Material, compensation), offsetof(Material, variant),
+                               offsetof(Material, name), offsetof(Material, fit_error),
+                               offsetof(Material, flags), offsetof(Material, cutout_threshold),
+                               offsetof(Material, albedo_map), offsetof(Material, normal_map),
+                               offsetof(Material, roughness_map), offsetof(Material, cutout_map)})
     EXPECT_EQ(gpu.scalar(), at);
-  for (const std::size_t at :
-       {offsetof(Material, map_repeat), offsetof(Material, cell_count), offsetof(Material, cell_gap)})
+  for (const std::size_t at : {offsetof(Material, map_repeat), offsetof(Material, cell_count),
+                               offsetof(Material, cell_gap)})
     EXPECT_EQ(gpu.vec2(), at);
   EXPECT_EQ(gpu.scalar(), offsetof(Material, fingers));
   EXPECT_EQ(gpu.scalar(), offsetof(Material, finger_width));

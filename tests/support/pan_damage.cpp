@@ -433,7 +433,8 @@ void maps(Collection& add) {
   map(Code::E4012, "cells along one axis only", 1, [](Material& m) { m.cell_count[0] = 4; });
   map(Code::E4012, "more cells than float can place", 1,
       [](Material& m) { m.cell_count[0] = m.cell_count[1] = 1e7f; });
-  map(Code::E4012, "a gap as wide as the pitch of cells", 1, [](Material& m) { m.cell_gap[1] = 1; });
+  map(Code::E4012, "a gap as wide as the pitch of cells", 1,
+      [](Material& m) { m.cell_gap[1] = 1; });
   map(Code::E4012, "fingers that cover a cell", 1, [](Material& m) { m.finger_width = 1; });
   map(Code::E4012, "fingers without number", 1, [](Material& m) { m.fingers = 1e9f; });
   // the material of the tetrahedron, which has none

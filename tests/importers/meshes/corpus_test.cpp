@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Counts as /work/shared/data/MANIFEST.md has them.
+// Counts as the MANIFEST.md of the corpus has them.
 struct Body {
   const char* file;
   std::size_t triangles;
