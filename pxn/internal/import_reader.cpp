@@ -239,11 +239,11 @@ std::vector<char> Loader::chosen_instances(Work& work, std::uint32_t rule, std::
   narrow(
       materials, "material",
       [&](const std::string& pattern) {
+        const Pattern wanted(pattern);
         std::vector<char> named;
         for (std::size_t i = 0; i < model.material_names.size(); ++i)
-          named.push_back(
-              static_cast<char>(Pattern(pattern).fits(model.material_names[i]) ||
-                                Pattern(pattern).fits(model.imported.materials[i].name)));
+          named.push_back(static_cast<char>(wanted.fits(model.material_names[i]) ||
+                                            wanted.fits(model.imported.materials[i].name)));
         return [named = std::move(named)](const scene::Instance& instance) {
           return named[static_cast<std::size_t>(instance.material)] != 0;
         };
