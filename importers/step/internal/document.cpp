@@ -53,6 +53,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "importers/internal/placed_node.h"
 #include "importers/step/internal/bodies.h"
 
 namespace panwright::importers::step {
@@ -554,17 +555,8 @@ class Reading {
     std::replace(node.name.begin(), node.name.end(), '/', '_');
     if (node.name.empty()) node.name = fmt::format("{}{}", kind, ++kinds_[std::string(kind)]);
     node.parent = parent;
-    node.parent_from_node = parts->outer;
     node.source = source_of(number);
-    nodes.push_back(std::move(node));
-    if (parts->sheared) {
-      scene::Node inner = nodes.back();
-      inner.parent = static_cast<std::int32_t>(nodes.size() - 1);
-      inner.parent_from_node = parts->inner;
-      inner.name += "_shear";
-      nodes.push_back(std::move(inner));
-    }
-    return static_cast<std::int32_t>(nodes.size() - 1);
+    return add_placed(nodes, std::move(node), *parts);
   }
 
   // above: the colour of the assembly

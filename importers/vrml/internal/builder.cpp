@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "importers/image.h"
+#include "importers/internal/placed_node.h"
 #include "importers/vrml/internal/gif.h"
 
 namespace panwright::importers::vrml {
@@ -68,17 +69,8 @@ std::int32_t Builder::add_node(std::int32_t parent, const Mat4& parent_from_node
   std::replace(node.name.begin(), node.name.end(), '/', '_');
   if (node.name.empty()) node.name = fmt::format("{}{}", kind, ++kinds_[std::string(kind)]);
   node.parent = parent;
-  node.parent_from_node = parts->outer;
   node.source = source_of(where);
-  nodes.push_back(std::move(node));
-  if (parts->sheared) {
-    scene::Node inner = nodes.back();
-    inner.parent = static_cast<std::int32_t>(nodes.size() - 1);
-    inner.parent_from_node = parts->inner;
-    inner.name += "_shear";
-    nodes.push_back(std::move(inner));
-  }
-  return static_cast<std::int32_t>(nodes.size() - 1);
+  return add_placed(nodes, std::move(node), *parts);
 }
 
 std::int32_t Builder::add_shape(geometry::Shape shape, SourceSpan where) {
