@@ -9,8 +9,9 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
 
 find_program(CCACHE ccache)
 if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE}")
-  set(CMAKE_C_COMPILER_LAUNCHER "${CCACHE}")
+  # one cache serves every checkout of the project on a machine
+  set(CMAKE_CXX_COMPILER_LAUNCHER env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1 "${CCACHE}")
+  set(CMAKE_C_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
 endif()
 
 add_library(panwright_flags INTERFACE)
@@ -51,8 +52,7 @@ function(panwright_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   add_executable(${name}_tests ${ARG_SOURCES})
   target_compile_options(${name}_tests PRIVATE ${PANWRIGHT_WARNINGS})
-  target_compile_definitions(${name}_tests PRIVATE
-    PANWRIGHT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" PANWRIGHT_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
+  target_include_directories(${name}_tests PRIVATE "${CMAKE_BINARY_DIR}/generated")
   target_link_libraries(${name}_tests PRIVATE ${ARG_LINK} GTest::gtest_main GTest::gmock)
   add_test(NAME ${name} COMMAND ${name}_tests)
   if(NOT ARG_TIMEOUT)

@@ -13,6 +13,7 @@
 
 #include "base/diagnostic.h"
 #include "tests/support/pan_damage.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 namespace panwright {

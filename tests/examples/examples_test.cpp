@@ -12,6 +12,7 @@
 #include "geometry/ray.h"
 #include "geometry/tessellate.h"
 #include "pxn/pxn.h"
+#include "tests/support/paths.h"
 
 namespace panwright {
 namespace {

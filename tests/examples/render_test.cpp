@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/math.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 namespace panwright {

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "tests/fuzz/targets.h"
 #include "tests/fuzz/targets_gltf.h"
+#include "tests/support/paths.h"
 
 namespace panwright {
 namespace {

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "tests/pxn/reading.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 namespace panwright::pxn {

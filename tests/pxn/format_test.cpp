@@ -13,6 +13,7 @@
 
 #include "pxn/internal/markup.h"
 #include "pxn/internal/xml.h"
+#include "tests/support/paths.h"
 
 namespace panwright::pxn {
 namespace {

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "geometry/check.h"
 #include "tests/pxn/reading.h"
+#include "tests/support/paths.h"
 
 namespace panwright::pxn {
 namespace {

@@ -6,6 +6,7 @@
 #include "pxn/materials.h"
 #include "pxn/writer.h"
 #include "tests/pxn/reading.h"
+#include "tests/support/paths.h"
 
 namespace panwright::pxn {
 namespace {

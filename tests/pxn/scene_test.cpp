@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "tests/pxn/reading.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 namespace panwright::pxn {

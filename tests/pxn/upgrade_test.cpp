@@ -10,6 +10,7 @@
 
 #include "pxn/writer.h"
 #include "tests/pxn/reading.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 namespace panwright::pxn {

@@ -12,6 +12,7 @@
 #include "importers/image.h"
 #include "pxn/internal/png_writer.h"
 #include "tests/pxn/reading.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 namespace panwright::pxn {

@@ -7,6 +7,7 @@
 #include "compiler/need.h"
 #include "pan/writer.h"
 #include "tests/support/pan_sample.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 namespace panwright::tools {

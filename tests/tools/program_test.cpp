@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/diagnostic.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 namespace panwright {

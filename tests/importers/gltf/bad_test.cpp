@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "tests/importers/gltf/sample.h"
+#include "tests/support/paths.h"
 
 namespace panwright::importers {
 namespace {

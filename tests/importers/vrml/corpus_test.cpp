@@ -15,6 +15,7 @@
 #include <sstream>
 
 #include "importers/import.h"
+#include "tests/support/paths.h"
 
 namespace panwright::importers {
 namespace {
