@@ -21,9 +21,9 @@
 namespace panwright::bench {
 namespace {
 
-using materials::DiffuseLaw;
+using materials::DiffuseModel;
 using materials::Material;
-using materials::SpecularLaw;
+using materials::SpecularModel;
 
 constexpr unsigned kSamples = 4;  // N×N points a pixel of OpenGL
 
@@ -34,64 +34,61 @@ std::vector<std::pair<std::string, Material>> all_laws() {
     materials::fit(material);
     all.emplace_back(name, std::move(material));
   };
-  const auto diffuse = [](DiffuseLaw law) {
+  const auto diffuse = [](DiffuseModel law) {
     Material m;
     m.diffuse = Vec3(0.8, 0.6, 0.4);
-    m.diffuse_law = law;
+    m.diffuse_brdf = materials::default_brdf(law);
     return m;
   };
-  add("Lambert", diffuse(DiffuseLaw::lambert));
-  Material m = diffuse(DiffuseLaw::oren_nayar);
-  m.oren = 0.4;
+  add("Lambert", diffuse(DiffuseModel::lambert));
+  Material m = diffuse(DiffuseModel::oren_nayar);
+  m.diffuse_brdf = materials::OrenNayar{0.4};
   add("Oren-Nayar 1994", m);
-  m = diffuse(DiffuseLaw::eon);
-  m.oren = 0.8;
+  m = diffuse(DiffuseModel::eon);
+  m.diffuse_brdf = materials::Eon{0.8};
   add("EON", m);
-  m = diffuse(DiffuseLaw::hapke);
-  m.hapke = {0.3, 0.07, 1, 20 * kDegree};
-  m.grains.b = 0.24;
-  m.grains.c = 0.3;
+  m = diffuse(DiffuseModel::hapke);
+  m.diffuse_brdf = materials::Hapke{
+      .w = 0.3, .h = 0.07, .b0 = 1, .roughness = 20 * kDegree, .b = 0.24, .c = 0.3};
   add("Hapke", m);
-  m = diffuse(DiffuseLaw::lommel_seeliger);
-  m.hapke = {0.3, 0, 0, 0};
+  m = diffuse(DiffuseModel::lommel_seeliger);
+  m.diffuse_brdf = materials::LommelSeeliger{0.3};
   add("Lommel-Seeliger", m);
 
-  const auto glossy = [](SpecularLaw law, double alpha) {
+  const auto glossy = [](SpecularModel law, double alpha) {
     Material g;
     g.diffuse = Vec3(0.6, 0.3, 0.1);
     g.specular = Vec3(1);
     g.weights = {0.7, 0.3, 0};
-    g.specular_law = law;
+    g.specular_brdf = materials::with_slopes(law, Vec2(alpha));
     g.refract = Vec3(1.5);
-    g.cook = {1, alpha, 1, 1};
-    g.alpha_y = alpha;
     return g;
   };
-  m = glossy(SpecularLaw::blinn_phong, 0.1);
+  m = glossy(SpecularModel::blinn_phong, 0.1);
   m.refract = {};
-  m.shine = 64;
+  m.specular_brdf = materials::BlinnPhong{64};
   add("Blinn-Phong", m);
-  add("Cook-Torrance", glossy(SpecularLaw::cook_torrance, 0.15));
-  add("Beckmann", glossy(SpecularLaw::beckmann, 0.15));
-  add("GGX", glossy(SpecularLaw::ggx, 0.15));
+  add("Cook-Torrance", glossy(SpecularModel::cook_torrance, 0.15));
+  add("Beckmann", glossy(SpecularModel::beckmann, 0.15));
+  add("GGX", glossy(SpecularModel::ggx, 0.15));
 
-  const auto metal = [&](SpecularLaw law, double alpha, double alpha_y, const char* name) {
+  const auto metal = [&](SpecularModel law, double alpha, double alpha_y, const char* name) {
     Material g = glossy(law, alpha);
     g.weights = {0, 1, 0};
-    g.alpha_y = alpha_y;
+    g.specular_brdf = materials::with_slopes(law, {alpha, alpha_y});
     if (const auto constants = materials::metal(name)) {
       g.refract = constants->n;
       g.extinction = constants->k;
     }
     return g;
   };
-  add("GGX aluminium 0.3", metal(SpecularLaw::ggx, 0.3, 0.3, "Al"));
-  add("GGX aluminium 0.08 x 0.32", metal(SpecularLaw::ggx, 0.08, 0.32, "Al"));
-  add("GGX gold 0.05", metal(SpecularLaw::ggx, 0.05, 0.05, "Au"));
-  m = metal(SpecularLaw::ggx, 0.06, 0.06, "Al");
+  add("GGX aluminium 0.3", metal(SpecularModel::ggx, 0.3, 0.3, "Al"));
+  add("GGX aluminium 0.08 x 0.32", metal(SpecularModel::ggx, 0.08, 0.32, "Al"));
+  add("GGX gold 0.05", metal(SpecularModel::ggx, 0.05, 0.05, "Au"));
+  m = metal(SpecularModel::ggx, 0.06, 0.06, "Al");
   m.coat = materials::Coat{1.7, 0.03, Vec3(0.05, 0.2, 3)};
   add("coated aluminium", m);
-  m = diffuse(DiffuseLaw::lambert);
+  m = diffuse(DiffuseModel::lambert);
   m.coat = materials::Coat{1.5, 0.1, Vec3(0)};
   add("coated Lambert", m);
   return all;

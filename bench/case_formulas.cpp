@@ -14,9 +14,9 @@ namespace {
 
 using hard_cases::Formula;
 using hard_cases::Inputs;
-using materials::DiffuseLaw;
+using materials::DiffuseModel;
 using materials::Material;
-using materials::SpecularLaw;
+using materials::SpecularModel;
 
 // keeps results alive without costing more than an addition
 volatile double g_sink = 0;
@@ -77,18 +77,18 @@ void run_formulas(Context& context) {
   }
 }
 
-Material material(DiffuseLaw diffuse, SpecularLaw specular) {
+Material material(DiffuseModel diffuse, SpecularModel specular) {
   Material m;
-  m.diffuse_law = diffuse;
-  m.specular_law = specular;
+  if (diffuse == DiffuseModel::oren_nayar) m.diffuse_brdf = materials::OrenNayar{0.3};
+  if (diffuse == DiffuseModel::hapke)
+    m.diffuse_brdf = materials::Hapke{.w = 0.21, .h = 0.07, .b0 = 1, .roughness = 20 * kDegree};
+  if (specular == SpecularModel::blinn_phong) m.specular_brdf = materials::BlinnPhong{24};
+  if (specular == SpecularModel::cook_torrance)
+    m.specular_brdf = materials::CookTorrance{.alpha = 0.15};
   m.diffuse = {0.7038, 0.27048, 0.0828};
   m.specular = Vec3(1);
   m.weights = {0.9, 0.1, 0};
   m.refract = Vec3(1.5);
-  m.shine = 24;
-  m.cook = {1, 0.15, 1, 1};
-  m.oren = 0.3;
-  m.hapke = {0.21, 0.07, 1, 20 * kDegree};
   return m;
 }
 
@@ -99,7 +99,7 @@ void run_pairs(Context& context) {
   const char* const specular_names[] = {"none", "blinn_phong", "cook_torrance"};
   for (std::uint32_t d = 0; d < 3; ++d)
     for (std::uint32_t s = 0; s < 3; ++s) {
-      const Material m = material(static_cast<DiffuseLaw>(d), static_cast<SpecularLaw>(s));
+      const Material m = material(static_cast<DiffuseModel>(d), static_cast<SpecularModel>(s));
       const auto single = [&](const Inputs& i) {
         return materials::f32::radiance(m, i.l, i.v, i.n, glm::vec3(1));
       };

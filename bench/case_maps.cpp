@@ -146,11 +146,10 @@ std::vector<Dress> spheres() {
   if (!mesh) return all;
   materials::Material metal;
   metal.weights = {0.3, 0.7, 0};
-  metal.specular_law = materials::SpecularLaw::ggx;
+  metal.specular_brdf = materials::Ggx{0.4, 0.4};
   metal.specular = Vec3(1);
   metal.refract = Vec3(1.4);
   metal.extinction = Vec3(7.5);
-  metal.cook[1] = metal.alpha_y = 0.4;
   materials::fit(metal);
   for (const char* name :
        {"metal sphere", "metal sphere, albedo map", "metal sphere, reflectance map"}) {

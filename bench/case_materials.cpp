@@ -23,9 +23,9 @@ namespace panwright::bench {
 namespace {
 
 using hard_cases::Inputs;
-using materials::DiffuseLaw;
+using materials::DiffuseModel;
 using materials::Material;
-using materials::SpecularLaw;
+using materials::SpecularModel;
 
 constexpr int kSide = 1024;  // pixels
 const Vec3 kNormal(0, 0, 1);
@@ -47,20 +47,18 @@ struct Law {
   double reference_error;
 };
 
-Material facets(SpecularLaw law, double alpha) {
+Material facets(SpecularModel law, double alpha) {
   Material m;
   m.weights = {0, 1, 0};
   m.specular = Vec3(1);
-  m.specular_law = law;
-  m.cook = {1, alpha, 1, 1};
-  m.alpha_y = alpha;
+  m.specular_brdf = materials::with_slopes(law, Vec2(alpha));
   m.compensation = materials::Compensation::off;
   return m;
 }
 
-Material diffuse(DiffuseLaw law, double albedo) {
+Material diffuse(DiffuseModel law, double albedo) {
   Material m;
-  m.diffuse_law = law;
+  m.diffuse_brdf = materials::default_brdf(law);
   m.diffuse = Vec3(albedo);
   return m;
 }
@@ -74,41 +72,42 @@ std::vector<Law> laws() {
   };
   const std::string quadrature = "table by 200x200 quadrature";
   std::vector<Law> all;
-  all.push_back({"lambert", diffuse(DiffuseLaw::lambert, 0.8), table({.8, .8, .8, .8, .8}),
+  all.push_back({"lambert", diffuse(DiffuseModel::lambert, 0.8), table({.8, .8, .8, .8, .8}),
                  "closed form", 1e-16});
   // E_FON r = 0.5, its loss scattered again: 1 at albedo 1
-  Law eon{"eon", diffuse(DiffuseLaw::eon, 1), table({1, 1, 1, 1, 1}), "closed form", 1e-16};
-  eon.material.oren = 0.5;
+  Law eon{"eon", diffuse(DiffuseModel::eon, 1), table({1, 1, 1, 1, 1}), "closed form", 1e-16};
+  eon.material.diffuse_brdf = materials::Eon{0.5};
   all.push_back(eon);
-  Law hapke{"hapke", diffuse(DiffuseLaw::hapke, 1), {}, "1 - gamma H, H exact", 1e-13};
-  hapke.material.hapke = {0.9, 0, 0, 0};
+  Law hapke{"hapke", diffuse(DiffuseModel::hapke, 1), {}, "1 - gamma H, H exact", 1e-13};
+  hapke.material.diffuse_brdf = materials::Hapke{.w = 0.9};
   for (const double mu : kMu)
     hapke.albedos.push_back({mu, 1 - std::sqrt(0.1) * materials::hapke_h(mu, 0.9)});
   all.push_back(hapke);
   // f = w/(4 pi (mu0 + mu)): w/2 (1 - mu ln((1 + mu)/mu))
-  Law lommel{"lommel_seeliger", diffuse(DiffuseLaw::lommel_seeliger, 1), {}, "closed form", 1e-16};
-  lommel.material.hapke = {0.6, 0, 0, 0};
+  Law lommel{
+      "lommel_seeliger", diffuse(DiffuseModel::lommel_seeliger, 1), {}, "closed form", 1e-16};
+  lommel.material.diffuse_brdf = materials::LommelSeeliger{0.6};
   for (const double mu : kMu)
     lommel.albedos.push_back({mu, 0.3 * (1 - mu * std::log((1 + mu) / mu))});
   all.push_back(lommel);
-  all.push_back({"cook_torrance .3", facets(SpecularLaw::cook_torrance, 0.3),
+  all.push_back({"cook_torrance .3", facets(SpecularModel::cook_torrance, 0.3),
                  table({.96612, .92873, .92477, .96381, .99558}), quadrature, 2e-5});
-  all.push_back({"beckmann .5", facets(SpecularLaw::beckmann, 0.5),
+  all.push_back({"beckmann .5", facets(SpecularModel::beckmann, 0.5),
                  table({.95503, .90742, .86936, .88012, .94299}), quadrature, 2e-5});
-  all.push_back({"ggx .5", facets(SpecularLaw::ggx, 0.5),
+  all.push_back({"ggx .5", facets(SpecularModel::ggx, 0.5),
                  table({.86010, .76520, .69825, .68208, .68789}), quadrature, 2e-5});
-  Law compensated{"ggx .5 compensated", facets(SpecularLaw::ggx, 0.5), table({1, 1, 1, 1, 1}),
+  Law compensated{"ggx .5 compensated", facets(SpecularModel::ggx, 0.5), table({1, 1, 1, 1, 1}),
                   "white furnace", 1e-16};
   compensated.material.compensation = materials::Compensation::on;
   all.push_back(compensated);
-  Law brushed{"ggx .5 .1 brushed", facets(SpecularLaw::ggx, 0.5), {}, "quadrature of f64", 2e-5};
-  brushed.material.alpha_y = 0.1;
+  Law brushed{"ggx .5 .1 brushed", facets(SpecularModel::ggx, 0.5), {}, "quadrature of f64", 2e-5};
+  brushed.material.specular_brdf = materials::Ggx{0.5, 0.1};
   for (const double mu : kMu)
-    brushed.albedos.push_back({mu, materials::facet_albedo({SpecularLaw::ggx, 0.5, 0.1},
+    brushed.albedos.push_back({mu, materials::facet_albedo({SpecularModel::ggx, 0.5, 0.1},
                                                            hard_cases::direction(mu, 0), 128)});
   all.push_back(brushed);
   Law coated{"lambert coated",
-             diffuse(DiffuseLaw::lambert, 1),
+             diffuse(DiffuseModel::lambert, 1),
              {},
              "white furnace less the coat's mirror",
              1e-15};

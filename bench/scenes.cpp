@@ -18,12 +18,11 @@ scene::Scene sphere_scene(const geometry::SphereCounts& counts,
 
 materials::Material figure8_material() {
   materials::Material material;
-  material.specular_law = materials::SpecularLaw::cook_torrance;
+  material.specular_brdf = materials::CookTorrance{.alpha = 0.15};
   material.diffuse = {0.7038, 0.27048, 0.0828};
   material.specular = Vec3(1);
   material.weights = {0.9, 0.1, 0};
   material.refract = Vec3(1.5);
-  material.cook = {1, 0.15, 1, 1};
   return material;
 }
 

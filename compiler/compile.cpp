@@ -14,7 +14,7 @@
 #include "compiler/internal/jobs.h"
 #include "geometry/mapping.h"
 #include "geometry/tessellate.h"
-#include "materials/certificate.h"
+#include "materials/report.h"
 #include "pan/writer.h"
 
 namespace panwright::compiler {

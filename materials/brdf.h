@@ -19,7 +19,7 @@ namespace panwright::materials {
 inline constexpr double kSunAlpha2 = 2.7033e-6;
 
 // What a law knows of a place beyond its normal.
-struct Local {
+struct ShadingContext {
   panwright::Vec3 tangent{0};  // unit, square to the normal; 0 where facets are the same all around
   double sun_alpha2 = 0;       // kSunAlpha2 over the square of the distance in AU; 0: a point Sun
   // of a material with a reflectance map, what it holds; none: F0 of the indices
@@ -42,26 +42,26 @@ using Vec3 = glm::dvec3;
 //
 // Reciprocal while both directions are 1e-6 or more above the horizon.
 Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
-          const Vec3& tint = Vec3(1), const Local& local = {});
+          const Vec3& tint = Vec3(1), const ShadingContext& local = {});
 
 // The radiance towards the viewer under a distant light, emission included: irradiance/sr. The
 // irradiance is that on a plane that faces the light.
 Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
               const Vec3& normal, const Vec3& irradiance, const Vec3& tint = Vec3(1),
-              const Local& local = {});
+              const ShadingContext& local = {});
 
 // A material whose numbers are converted once, for many directions: brdf() spends most of its time
 // on that. May be used from several threads.
-class Prepared {
+class CompiledBrdf {
  public:
-  explicit Prepared(const Material& material);
-  ~Prepared();
-  Prepared(Prepared&&) noexcept;
-  Prepared& operator=(Prepared&&) noexcept;
+  explicit CompiledBrdf(const Material& material);
+  ~CompiledBrdf();
+  CompiledBrdf(CompiledBrdf&&) noexcept;
+  CompiledBrdf& operator=(CompiledBrdf&&) noexcept;
 
   // As brdf(), the same bits.
   Vec3 brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
-            const Vec3& tint = Vec3(1), const Local& local = {}) const;
+            const Vec3& tint = Vec3(1), const ShadingContext& local = {}) const;
 
  private:
   struct Parts;
@@ -76,22 +76,22 @@ namespace f32 {
 using Vec3 = glm::vec3;
 
 Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
-          const Vec3& tint = Vec3(1), const Local& local = {});
+          const Vec3& tint = Vec3(1), const ShadingContext& local = {});
 Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
               const Vec3& normal, const Vec3& irradiance, const Vec3& tint = Vec3(1),
-              const Local& local = {});
+              const ShadingContext& local = {});
 
 // See f64.
-class Prepared {
+class CompiledBrdf {
  public:
-  explicit Prepared(const Material& material);
-  ~Prepared();
-  Prepared(Prepared&&) noexcept;
-  Prepared& operator=(Prepared&&) noexcept;
+  explicit CompiledBrdf(const Material& material);
+  ~CompiledBrdf();
+  CompiledBrdf(CompiledBrdf&&) noexcept;
+  CompiledBrdf& operator=(CompiledBrdf&&) noexcept;
 
   // As brdf(), the same bits.
   Vec3 brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
-            const Vec3& tint = Vec3(1), const Local& local = {}) const;
+            const Vec3& tint = Vec3(1), const ShadingContext& local = {}) const;
 
  private:
   struct Parts;

@@ -20,8 +20,8 @@ std::array<Material, 3> cell_parts(const Material& material) {
   cell.cells = {};
   Material finger = cell;
   finger.weights = {1, 0, material.weights.z};
-  finger.diffuse_law = DiffuseLaw::lambert;
-  finger.specular_law = SpecularLaw::none;
+  finger.diffuse_brdf = Lambert{};
+  finger.specular_brdf = NoSpecular{};
   Material gap = finger;
   gap.coat = {};
   gap.weights.z = 0;

@@ -139,9 +139,9 @@ const Vec3 kTangent(1, 0, 0);
 
 double lobe(const Facets& facets, const Vec3& l, const Vec3& v) {
   switch (facets.law) {
-    case SpecularLaw::beckmann:
+    case SpecularModel::beckmann:
       return f64::beckmann_smith(facets.slope_x, facets.slope_y, kTangent, l, v, kUp);
-    case SpecularLaw::ggx:
+    case SpecularModel::ggx:
       return f64::ggx_smith(facets.slope_x, facets.slope_y, kTangent, l, v, kUp);
     default:
       return f64::cook_torrance(facets.slope_x, l, v, kUp);
@@ -149,8 +149,8 @@ double lobe(const Facets& facets, const Vec3& l, const Vec3& v) {
 }
 
 HalfSpace space_of(const Facets& facets) {
-  const bool ggx = facets.law == SpecularLaw::ggx;
-  const double y = facets.law == SpecularLaw::cook_torrance ? facets.slope_x : facets.slope_y;
+  const bool ggx = facets.law == SpecularModel::ggx;
+  const double y = facets.law == SpecularModel::cook_torrance ? facets.slope_x : facets.slope_y;
   return {facets.slope_x, y, !ggx};
 }
 
@@ -182,18 +182,17 @@ Vec3 over_hemisphere(const Vec3& v, int order, F f) {
 }
 
 Facets facets_of(const Material& material) {
-  const double x = f64::facet_slope(material.cook[1], 0);
-  const double y = f64::facet_slope(material.alpha_y, 0);
-  return {material.specular_law, x, y};
+  const Vec2 alpha = slopes_of(material).value_or(Vec2(0.5));
+  return {material.specular_model(), f64::facet_slope(alpha.x, 0), f64::facet_slope(alpha.y, 0)};
 }
 
 // The half vectors of a material's own lobe; of a mirror those that a rough coat lends it.
 HalfSpace own_space(const Material& material, const f64::SurfaceFields& s) {
-  if (material.specular_law == SpecularLaw::blinn_phong) {
-    const double slope = std::sqrt(2 / (material.shine + 2));
+  if (const auto* phong = std::get_if<BlinnPhong>(&material.specular_brdf)) {
+    const double slope = std::sqrt(2 / (phong->shine + 2));
     return {slope, slope, false};
   }
-  if (material.specular_law == SpecularLaw::mirror) {
+  if (material.specular_model() == SpecularModel::mirror) {
     const double slope = f64::facet_slope((s.coat_index - 1) * std::sqrt(0.5) * s.coat_alpha, 0);
     return {slope, slope, true};
   }
@@ -207,7 +206,7 @@ Vec3 facets_part(const Material& material, const f64::SurfaceFields& s, f64::Com
     return over_lights<Vec3>(space, v, order, [&](const Vec3& l) {
       return s.weights.y * laws.mirrored(s, l, v, kUp, 1.0);
     });
-  const bool mirror = material.specular_law == SpecularLaw::mirror;
+  const bool mirror = material.specular_model() == SpecularModel::mirror;
   const double n = mirror ? 1 : s.coat_index;
   const Vec3 tilted = f64::tilted_normal(s, kUp, 1 / n);
   // a frame about the tilted normal
@@ -246,7 +245,7 @@ Vec3 albedo(const Material& material, const Vec3& v, int order,
   if (reflectance) s.reflectance = *reflectance;
   const f64::Composition all = f64::composition_of(material);
   f64::Composition smooth = all;
-  smooth.laws.specular = SpecularLaw::none;
+  smooth.laws.specular = SpecularModel::none;
   f64::Composition once = all;
   once.laws.compensated = false;
   Vec3 sum = over_hemisphere(v, std::min(order, 64), [&](const Vec3& l) {
@@ -255,7 +254,7 @@ Vec3 albedo(const Material& material, const Vec3& v, int order,
     if (all.laws.compensated) f += smooth.coated_many(s, l, v, kUp);
     return f;
   });
-  if (all.laws.coated || all.laws.specular == SpecularLaw::mirror) {
+  if (all.laws.coated || all.laws.specular == SpecularModel::mirror) {
     const Mirrors mirrors =
         Scattering(material).reflecting(s.reflectance).mirrors(v, kUp, kTangent);
     for (int i = 0; i < mirrors.count; ++i)
@@ -264,8 +263,8 @@ Vec3 albedo(const Material& material, const Vec3& v, int order,
   const bool peak = all.laws.coated && s.coat_alpha > 0;
   if (peak) sum += coat_peak_albedo(*material.coat, v, order);
   const bool blurred = peak && s.coat_index > 1;
-  if (all.laws.specular == SpecularLaw::none ||
-      (all.laws.specular == SpecularLaw::mirror && !blurred))
+  if (all.laws.specular == SpecularModel::none ||
+      (all.laws.specular == SpecularModel::mirror && !blurred))
     return sum;
   return sum + facets_part(material, s, once, v, order);
 }
@@ -276,19 +275,13 @@ Vec3 direction(double mu, double azimuth) {
   return {sine * turn.cos, sine * turn.sin, mu};
 }
 
-bool same_all_around(const Material& material) {
-  if (material.cells && material.cells->tilt != Vec2(0)) return false;
-  return material.cook[1] == material.alpha_y || (material.specular_law != SpecularLaw::beckmann &&
-                                                  material.specular_law != SpecularLaw::ggx);
-}
-
 constexpr std::array kAzimuths{0.0, 0.25 * kPi, 0.5 * kPi, 0.75 * kPi};
 
 double most(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
 // The largest directional albedo at some cosines, of any azimuth.
 Gain largest_albedo(const Material& material, std::span<const double> mus, int order) {
-  const std::size_t azimuths = same_all_around(material) ? 1 : kAzimuths.size();
+  const std::size_t azimuths = !is_anisotropic(material) ? 1 : kAzimuths.size();
   Gain gain;
   for (const double mu : mus)
     for (std::size_t i = 0; i < azimuths; ++i) {
@@ -307,7 +300,7 @@ Vec3 mean_over_cosines(const std::function<Vec3(double)>& f) {
 }
 
 Vec3 mean_diffuse_albedo(const Material& material) {
-  if (material.diffuse_law == DiffuseLaw::lambert) return material.diffuse;
+  if (material.diffuse_model() == DiffuseModel::lambert) return material.diffuse;
   const f64::SurfaceFields s = f64::surface_of(material);
   const f64::Composition laws = f64::composition_of(material);
   Vec3 sum(0);
@@ -367,11 +360,11 @@ double weak_furnace(const Facets& facets, const Vec3& v, int nodes) {
     double d = 0;
     // D from a lobe whose half vector is its light and viewer
     switch (facets.law) {
-      case SpecularLaw::beckmann:
+      case SpecularModel::beckmann:
         g1 = v.z / (v.z + f64::beckmann_masked(v.z, sine(v)));
         d = lobe(facets, h, h) * 4 * h.z * (h.z + 2 * f64::beckmann_masked(h.z, sine(h)));
         break;
-      case SpecularLaw::ggx:
+      case SpecularModel::ggx:
         g1 = 2 * v.z / (v.z + std::sqrt(v.z * v.z + sine(v) * sine(v)));
         d = lobe(facets, h, h) * 4 * h.z * std::sqrt(h.z * h.z + sine(h) * sine(h));
         break;
@@ -391,7 +384,7 @@ Vec3 directional_albedo(const Material& material, double mu, double azimuth,
 }
 
 Vec3 hemispherical_albedo(const Material& material) {
-  const std::size_t azimuths = same_all_around(material) ? 1 : kAzimuths.size();
+  const std::size_t azimuths = !is_anisotropic(material) ? 1 : kAzimuths.size();
   Vec3 sum(0);
   for (const Node& a : gauss(16)) {
     const double mu = a.x * a.x;

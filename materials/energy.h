@@ -10,8 +10,8 @@ namespace panwright::materials {
 
 // Mirror facets about +z, x along +x, without Fresnel's law.
 struct Facets {
-  SpecularLaw law = SpecularLaw::beckmann;  // cook_torrance (slope_x alone), beckmann or ggx
-  double slope_x = 0.5;                     // 1e-6 to 1000
+  SpecularModel law = SpecularModel::beckmann;  // cook_torrance (slope_x alone), beckmann or ggx
+  double slope_x = 0.5;                         // 1e-6 to 1000
   double slope_y = 0.5;
 };
 

@@ -8,9 +8,8 @@
 namespace panwright::materials {
 namespace {
 
-Vec3 reflectance_facing(const Material& material) {
-  const SpecularLaw law = material.specular_law;
-  if (law == SpecularLaw::none || law == SpecularLaw::blinn_phong) return Vec3(0);
+Vec3 f0_of(const Material& material) {
+  if (!info_of(material.specular_model()).microfacet) return Vec3(0);
   const double outer = material.coat ? material.coat->index : 1;
   return f64::composition_of(material).own_fresnel(f64::surface_of(material), 1, outer);
 }
@@ -25,7 +24,7 @@ double porosity_factor(double filling) {
 
 void fit(Material& material) {
   material.fits = {};
-  material.fits.reflectance = reflectance_facing(material);
+  material.fits.f0 = f0_of(material);
   fit_hapke(material);
   fit_facets(material);
   fit_coat(material);

@@ -127,11 +127,9 @@ double missing(const Stack& stack, const Vec3& v) {
   Material white;
   white.weights = {0, 1, 0};
   white.specular = Vec3(1);
-  white.specular_law = stack.facets.law;
-  white.cook = {1, stack.facets.slope_x, 1, 1};
-  white.alpha_y = stack.facets.slope_y;
+  white.specular_brdf = with_slopes(stack.facets.law, {stack.facets.slope_x, stack.facets.slope_y});
   white.coat = Coat{.index = stack.coat->index, .alpha = stack.coat->alpha};
-  const bool round = white.cook[1] == white.alpha_y;
+  const bool round = stack.facets.slope_x == stack.facets.slope_y;
   const double returned = coated_facets_albedo(white, v, round ? 32 : 16);
   if (white.coat->alpha > 0) return 1 - coat_peak_albedo(*white.coat, v, 32) - returned;
   return 1 - returned / (1 - f64::fresnel_dielectric(v.z, white.coat->index));
@@ -182,7 +180,7 @@ Loss fitted(int azimuths, Value value) {
 template <class Make>
 Loss remembered(const Stack& stack, Make make) {
   static std::mutex mutex;
-  static std::map<std::tuple<SpecularLaw, double, double, double, double>, Loss> all;
+  static std::map<std::tuple<SpecularModel, double, double, double, double>, Loss> all;
   const Coat coat = stack.coat.value_or(Coat{.index = 0});
   const std::tuple key(stack.facets.law, stack.facets.slope_x, stack.facets.slope_y, coat.index,
                        coat.alpha);
@@ -207,7 +205,7 @@ Loss loss_of(const Stack& stack) {
 
 // What a rough coat's surface reflects more than a plane.
 Loss coat_excess(const Coat& coat) {
-  return remembered({{SpecularLaw::none, 0, 0}, coat}, [&] {
+  return remembered({{SpecularModel::none, 0, 0}, coat}, [&] {
     return fitted(1, [&](const Vec3& v) {
       return coat_peak_albedo(coat, v, 64) - f64::fresnel_dielectric(v.z, coat.index);
     });
@@ -241,10 +239,10 @@ double mean_loss(const Material& material) {
 }
 
 void fit_facets(Material& material) {
-  const SpecularLaw law = material.specular_law;
-  const bool blurred = law == SpecularLaw::mirror && material.coat && material.coat->alpha > 0 &&
+  const SpecularModel law = material.specular_model();
+  const bool blurred = law == SpecularModel::mirror && material.coat && material.coat->alpha > 0 &&
                        material.coat->index > 1;
-  if (law != SpecularLaw::beckmann && law != SpecularLaw::ggx && !blurred) return;
+  if (!info_of(law).smith && !blurred) return;
   if (material.compensation == Compensation::off) return;
   const f64::SurfaceFields s = f64::surface_of(material);
   const f64::Composition laws = f64::composition_of(material);
@@ -256,8 +254,9 @@ void fit_facets(Material& material) {
   if (!(facing > 0) || (!always && !(facing > kWorthCompensation))) return;
 
   // a mirror takes the slopes of its coat
-  const auto slope = [&](double alpha) { return blurred ? 0 : f64::facet_slope(alpha, 0); };
-  const Stack stack{{law, slope(material.cook[1]), slope(material.alpha_y)}, material.coat};
+  const Vec2 alpha = slopes_of(material).value_or(Vec2(0));
+  const auto slope = [&](double a) { return blurred ? 0 : f64::facet_slope(a, 0); };
+  const Stack stack{{law, slope(alpha.x), slope(alpha.y)}, material.coat};
   const Loss loss = loss_of(stack);
   Material tried = material;
   tried.fits.loss = loss.coefficients;

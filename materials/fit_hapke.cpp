@@ -114,8 +114,9 @@ double HapkeHCorrection::operator()(double x) const {
 }
 
 void fit_hapke(Material& material) {
-  if (material.diffuse_law != DiffuseLaw::hapke) return;
-  const HFit fit = hapke_h_fit(material.hapke[0]);
+  const auto* hapke = std::get_if<Hapke>(&material.diffuse_brdf);
+  if (hapke == nullptr) return;
+  const HFit fit = hapke_h_fit(hapke->w);
   material.fits.hapke_h = fit.coefficients;
   material.fits.error = std::max(material.fits.error, fit.error);
 }

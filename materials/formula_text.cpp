@@ -15,10 +15,10 @@ constexpr const char* kGlue =
     "hapke_h_function\n";
 constexpr const char* kUnglue = "#undef Real\n#undef Vec3\n#undef FORMULA\n#undef PANWRIGHT_H\n";
 
-constexpr const char* kDiffuse[] = {"lambert_law", "oren_nayar_law", "hapke_law", "eon_law",
-                                    "lommel_seeliger_law"};
-constexpr const char* kLobes[] = {"no_specular_lobe", "blinn_phong_lobe", "cook_torrance_lobe",
-                                  "beckmann_lobe",    "ggx_lobe",         "mirror_lobe"};
+#include "materials/internal/generated/formula_table.inl"
+//
+#include "materials/internal/generated/material_loader.inl"
+
 constexpr const char* kFresnel[] = {"no_fresnel", "dielectric_fresnel", "conductor_fresnel"};
 
 const char* many(const Laws& laws) {
@@ -29,41 +29,28 @@ const char* many(const Laws& laws) {
 // Texts that families need, each once, in an order in which they may stand: what is called stands
 // before who calls it.
 std::string law_texts(std::span<const Laws> families) {
-  const auto any = [&](auto needs) {
+  std::string text;
+  for (const FormulaFile& file : kFormulaFiles) {
+    bool used = file.shared;
     for (const Laws& laws : families)
-      if (needs(laws)) return true;
-    return false;
-  };
-  const auto diffuse = [&](DiffuseLaw law) {
-    return any([&](const Laws& l) { return l.diffuse == law; });
-  };
-  const auto specular = [&](SpecularLaw law) {
-    return any([&](const Laws& l) { return l.specular == law; });
-  };
-  std::string text = std::string(parameters_text) + common_text + fresnel_text + lambert_text;
-  if (diffuse(DiffuseLaw::oren_nayar)) text += oren_nayar_text;
-  if (diffuse(DiffuseLaw::hapke)) text += hapke_text;
-  if (diffuse(DiffuseLaw::eon)) text += eon_text;
-  if (diffuse(DiffuseLaw::lommel_seeliger)) text += lommel_seeliger_text;
-  text += no_specular_text;
-  if (specular(SpecularLaw::blinn_phong)) text += blinn_phong_text;
-  text += cook_torrance_text;
-  text += facets_text;
-  text += coat_text;
+      used = used || static_cast<int>(laws.diffuse) == file.diffuse ||
+             static_cast<int>(laws.specular) == file.specular;
+    if (used) text += *file.text;
+  }
   return text;
 }
 
 const char* layers(const Laws& laws) {
   if (!laws.coated) return "bare";
-  return laws.specular == SpecularLaw::mirror ? "coated_mirror" : "coated";
+  return laws.specular == SpecularModel::mirror ? "coated_mirror" : "coated";
 }
 
 std::string surface_functions(const Laws& laws) {
   const std::string fresnel =
       std::string(laws.mapped ? "mapped_" : "") + kFresnel[static_cast<std::size_t>(laws.fresnel)];
   const std::pair<const char*, const char*> names[] = {
-      {"DIFFUSE", kDiffuse[static_cast<std::size_t>(laws.diffuse)]},
-      {"LOBE", kLobes[static_cast<std::size_t>(laws.specular)]},
+      {"DIFFUSE", kDiffuseFunctions[static_cast<std::size_t>(laws.diffuse)]},
+      {"LOBE", kSpecularFunctions[static_cast<std::size_t>(laws.specular)]},
       {"FRESNEL", fresnel.c_str()},
       {"MANY", many(laws)},
       {"LAYERS", layers(laws)}};
@@ -110,12 +97,11 @@ std::string glsl_formulas(std::span<const Laws> families) {
 
 std::string glsl_all_laws() {
   std::string text = kGlue;
-  for (const char* part :
-       {parameters_text, common_text, fresnel_text, lambert_text, oren_nayar_text, hapke_text,
-        eon_text, lommel_seeliger_text, no_specular_text, blinn_phong_text, cook_torrance_text,
-        facets_text, coat_text, cells_text})
-    text += part;
+  for (const FormulaFile& file : kFormulaFiles) text += *file.text;
+  text += cells_text;
   return text + kUnglue;
 }
+
+std::string glsl_material_loader() { return kMaterialLoader; }
 
 }  // namespace panwright::materials

@@ -11,7 +11,8 @@ namespace panwright::materials {
 // The formulas that materials of one family of laws need, as GLSL 4.00 or later. Stands after
 // #version and before the code that calls it; it leaves no macros behind and these names:
 //
-//   struct Surface   the parameters (materials/formulas/parameters.glsl); fill in every member that
+//   struct Surface   the parameters (generated from schemas/material.toml); fill in every member
+//   that
 //                    the laws use
 //   vec3 surface_brdf(Surface s, vec3 to_light, vec3 to_viewer, vec3 normal)      1/sr
 //   vec3 surface_radiance(Surface s, vec3 to_light, vec3 to_viewer, vec3 normal,
@@ -30,5 +31,16 @@ namespace panwright::materials {
 // Every law and helper, without surface_brdf and surface_radiance: for programs that call single
 // formulas.
 [[nodiscard]] std::string glsl_all_laws();
+
+// Reading a material of a pan in a shader. Stands behind glsl_formulas(); the shader defines
+//
+//   vec4 material_row(int i)   the i-th vec4 of the section of materials
+//
+// and has
+//
+//   const int kMaterialRows                        vec4 of a record
+//   float, vec2 ... material_SLOT(int row)         one slot of the record that begins at a row
+//   Surface surface_of(int row, float sun_alpha2)  its parameters; tangent 0
+[[nodiscard]] std::string glsl_material_loader();
 
 }  // namespace panwright::materials

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <limits>
 #include <map>
 
 #include "base/text.h"
@@ -27,73 +29,49 @@ std::string text(double value) { return format_double(value); }
 
 bool is_zero(const std::optional<Vec3>& color) { return !color || *color == Vec3(0); }
 
-// A law that is named holds, and the numbers of others are forgotten.
-bool settle_named_diffuse(Material& material, const Fields& fields) {
-  if (!fields.diffuse_law) return false;
-  material.diffuse_law = *fields.diffuse_law;
-  if (material.diffuse_law == DiffuseLaw::eon) material.oren = fields.oren.value_or(0);
-  if (material.diffuse_law == DiffuseLaw::lommel_seeliger)
-    material.hapke = {fields.lommel.value_or(0), 0, 0, 0};
-  return true;
-}
-
 void settle_diffuse(Material& material, const Fields& fields, const Reporter& report) {
-  if (settle_named_diffuse(material, fields)) return;
-  if (fields.oren) material.oren = *fields.oren;
-  if (fields.hapke) {
-    material.diffuse_law = DiffuseLaw::hapke;
-    material.grains = fields.hapke_grains.value_or(HapkeGrains{});
-    const auto& [w, h, b0, rough_deg] = *fields.hapke;
-    material.hapke = {w, h, b0, rough_deg * kDegree};
+  // a model that is named holds, and the numbers of others are forgotten
+  if (fields.diffuse_model) {
+    material.diffuse_brdf = brdf_of(fields, *fields.diffuse_model);
+  } else if (fields.hapke) {
+    material.diffuse_brdf = *fields.hapke;
     // the numbers of level 0 have no names
-    if (!fields.hapke_grains)
+    if (!fields.hapke_named)
       report(Code::W1404,
              fmt::format("hapke is read as single-scattering albedo {}, opposition width {}, "
                          "opposition strength {} and mean roughness {} degrees",
-                         text(w), text(h), text(b0), text(rough_deg)));
-    if (fields.oren) {
-      material.oren = 0;
-      report(Code::N1401,
-             fmt::format("oren {} is not used, because hapke is given", text(*fields.oren)));
-    }
-  } else if (fields.oren) {
-    material.diffuse_law = DiffuseLaw::oren_nayar;
+                         text(fields.hapke->w), text(fields.hapke->h), text(fields.hapke->b0),
+                         text(exact_degrees(fields.hapke->roughness))));
+    if (fields.oren_nayar)
+      report(Code::N1401, fmt::format("oren {} is not used, because hapke is given",
+                                      text(fields.oren_nayar->sigma)));
+  } else if (fields.oren_nayar) {
+    material.diffuse_brdf = *fields.oren_nayar;
   }
-}
-
-bool settle_named_specular(Material& material, const Fields& fields) {
-  if (!fields.specular_law) return false;
-  material.specular_law = *fields.specular_law;
-  material.specular = fields.specular.value_or(Vec3(1));
-  if (fields.alpha && material.specular_law != SpecularLaw::mirror) {
-    material.cook = {1, (*fields.alpha)[0], 1, 1};
-    material.alpha_y = (*fields.alpha)[1];
-  }
-  return true;
 }
 
 void settle_specular(Material& material, const Fields& fields, const Reporter& report) {
-  if (settle_named_specular(material, fields)) return;
-  if (fields.cook) {
-    material.specular_law = SpecularLaw::cook_torrance;
-    material.cook = *fields.cook;
-    const auto& [c, m, f, g] = *fields.cook;
+  if (fields.specular_model) {
+    material.specular_brdf = brdf_of(fields, *fields.specular_model);
+    material.specular = fields.specular.value_or(Vec3(1));
+  } else if (fields.cook_torrance) {
+    material.specular_brdf = *fields.cook_torrance;
+    const auto& [c, m, f, g] = *fields.cook_torrance;
     if (c != 1 || f != 1 || g != 1)
       report(Code::W1403,
              fmt::format("cook {} {} {} {} scales D, F and G by {}, {} and {}; public "
                          "models have 1 there",
                          text(c), text(m), text(f), text(g), text(c), text(f), text(g)));
-    if (fields.shine)
-      report(Code::N1401,
-             fmt::format("shine {} is not used, because cook is given", text(*fields.shine)));
-  } else if (fields.specular || fields.shine) {
-    material.specular_law = SpecularLaw::blinn_phong;
-    material.shine = fields.shine.value_or(0);
+    if (fields.blinn_phong)
+      report(Code::N1401, fmt::format("shine {} is not used, because cook is given",
+                                      text(fields.blinn_phong->shine)));
+  } else if (fields.specular || fields.blinn_phong) {
+    material.specular_brdf = fields.blinn_phong.value_or(BlinnPhong{});
   }
 }
 
-bool has_facets(SpecularLaw law) {
-  return law != SpecularLaw::none && law != SpecularLaw::blinn_phong;
+bool has_microfacets(const Material& material) {
+  return info_of(material.specular_model()).microfacet;
 }
 
 // Fields whose partner is missing. What an explicit weight of 0 switches off is the author's will.
@@ -102,9 +80,9 @@ void report_idle_fields(const Material& material, const Fields& fields, const Re
     report(Code::N1405, fmt::format("{} has no effect, because {}", field, reason));
   };
   const bool dark = material.specular == Vec3(0);
-  if (dark && fields.cook)
+  if (dark && fields.cook_torrance)
     idle("cook", "the specular colour is 0");
-  else if (dark && fields.shine)
+  else if (dark && fields.blinn_phong)
     idle("shine", "the specular colour is 0");
   else if (dark && fields.reflect && material.weights.y > 0)
     idle(fmt::format("the specular weight {} of reflect", text(material.weights.y)),
@@ -112,10 +90,10 @@ void report_idle_fields(const Material& material, const Fields& fields, const Re
   if (is_zero(fields.emissive) && fields.reflect && material.weights.z > 0)
     idle(fmt::format("the emissive weight {} of reflect", text(material.weights.z)),
          "the emissive colour is 0");
-  if (fields.refract && !has_facets(material.specular_law))
+  if (fields.refract && !has_microfacets(material))
     idle("refract", "only cook, beckmann, ggx and mirror have a Fresnel term");
   if (fields.maps && fields.maps->reflectance >= 0) {
-    if (!has_facets(material.specular_law))
+    if (!has_microfacets(material))
       idle("reflectance_map", "only cook, beckmann, ggx and mirror have a Fresnel term");
     else if (dark)
       idle("reflectance_map", "the specular colour is 0");
@@ -125,7 +103,7 @@ void report_idle_fields(const Material& material, const Fields& fields, const Re
     idle("specular", "diffuse is given as well and there is no reflect, which is then 1 0 0");
   if (!is_zero(fields.emissive))
     idle("emissive", "there is no reflect, which then gives it the weight 0");
-  if (material.weights.x == 0 && (fields.oren || fields.hapke))
+  if (material.weights.x == 0 && (fields.oren_nayar || fields.hapke))
     idle(fields.hapke ? "hapke" : "oren",
          "only specular is given and there is no reflect, which is then 0 1 0");
 }
@@ -152,43 +130,12 @@ void report_energy(const Material& material, const Reporter& report) {
 
 }  // namespace
 
-Fields Fields::overridden_by(const Fields& inner) const {
-  Fields merged = *this;
-  const auto replace = [](auto& outer, const auto& given) {
-    if (given) outer = given;
-  };
-  replace(merged.diffuse, inner.diffuse);
-  replace(merged.specular, inner.specular);
-  replace(merged.shine, inner.shine);
-  replace(merged.emissive, inner.emissive);
-  replace(merged.reflect, inner.reflect);
-  replace(merged.refract, inner.refract);
-  replace(merged.cook, inner.cook);
-  replace(merged.oren, inner.oren);
-  replace(merged.hapke, inner.hapke);
-  replace(merged.maps, inner.maps);
-  // a law that is given inside replaces the choice made outside
-  if (inner.oren || inner.hapke || inner.lommel || inner.diffuse_law)
-    merged.diffuse_law = inner.diffuse_law;
-  if (inner.shine || inner.cook || inner.alpha || inner.specular_law)
-    merged.specular_law = inner.specular_law;
-  if (inner.refract) merged.extinction = inner.extinction;
-  replace(merged.alpha, inner.alpha);
-  replace(merged.hapke_grains, inner.hapke_grains);
-  replace(merged.lommel, inner.lommel);
-  replace(merged.compensation, inner.compensation);
-  replace(merged.coat, inner.coat);
-  replace(merged.cells, inner.cells);
-  replace(merged.preset, inner.preset);
-  return merged;
-}
-
 Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
-  assert(!fields.cook || (*fields.cook)[1] > 0);
+  assert(!fields.cook_torrance || fields.cook_torrance->alpha > 0);
   const Reporter report{where, log};
   Material material;
   // the albedo of these is w; the levels that name them do not scale it unasked
-  if (fields.hapke_grains || fields.lommel) material.diffuse = Vec3(1);
+  if (fields.hapke_named || fields.lommel_seeliger) material.diffuse = Vec3(1);
   material.diffuse = fields.diffuse.value_or(material.diffuse);
   // metals reflect by their n and k, and are not coloured besides
   material.specular = fields.specular.value_or(Vec3(fields.extinction ? 1 : 0));
@@ -201,7 +148,7 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
   material.maps = fields.maps.value_or(Maps{});
   if (fields.reflect)
     material.weights = *fields.reflect;
-  else if ((fields.specular || fields.specular_law || fields.extinction) && !fields.diffuse)
+  else if ((fields.specular || fields.specular_model || fields.extinction) && !fields.diffuse)
     material.weights = {0, 1, 0};
 
   settle_diffuse(material, fields, report);
@@ -209,28 +156,66 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
   report_idle_fields(material, fields, report);
   report_energy(material, report);
 
-  // a part that adds nothing gets the law that costs nothing
-  if (material.weights.x == 0 || material.diffuse == Vec3(0))
-    material.diffuse_law = DiffuseLaw::lambert;
+  // a part that adds nothing gets the BRDF that costs nothing
+  if (material.weights.x == 0 || material.diffuse == Vec3(0)) material.diffuse_brdf = Lambert{};
   if (material.weights.y == 0 || material.specular == Vec3(0))
-    material.specular_law = SpecularLaw::none;
-  if (fields.specular_law && material.specular_law == SpecularLaw::none) {
-    material.cook = Material{}.cook;
-    material.alpha_y = Material{}.alpha_y;
+    material.specular_brdf = NoSpecular{};
+  if (fields.specular_model && material.specular_model() == SpecularModel::none)
     material.compensation = Compensation::automatic;
-  }
   fit(material);
   return material;
 }
 
 Laws laws_of(const Material& material) {
-  Laws laws{.diffuse = material.diffuse_law, .specular = material.specular_law};
-  if (has_facets(material.specular_law) && material.refract)
-    laws.fresnel = material.extinction == Vec3(0) ? FresnelLaw::dielectric : FresnelLaw::conductor;
+  Laws laws{.diffuse = material.diffuse_model(), .specular = material.specular_model()};
+  if (has_microfacets(material) && material.refract)
+    laws.fresnel =
+        material.extinction == Vec3(0) ? FresnelModel::dielectric : FresnelModel::conductor;
   laws.compensated = material.fits.many_scale != Vec3(0);
   laws.coated = material.coat.has_value();
-  laws.mapped = has_facets(material.specular_law) && material.maps.reflectance >= 0;
+  laws.mapped = has_microfacets(material) && material.maps.reflectance >= 0;
   return laws;
+}
+
+std::optional<Vec2> slopes_of(const Material& material) {
+  const SpecularBrdf& brdf = material.specular_brdf;
+  if (const auto* cook = std::get_if<CookTorrance>(&brdf)) return Vec2(cook->alpha);
+  if (const auto* beckmann = std::get_if<Beckmann>(&brdf))
+    return Vec2(beckmann->alpha_x, beckmann->alpha_y);
+  if (const auto* ggx = std::get_if<Ggx>(&brdf)) return Vec2(ggx->alpha_x, ggx->alpha_y);
+  return std::nullopt;
+}
+
+SpecularBrdf with_slopes(SpecularModel model, const Vec2& alpha) {
+  switch (model) {
+    case SpecularModel::cook_torrance:
+      return CookTorrance{.alpha = alpha.x};
+    case SpecularModel::beckmann:
+      return Beckmann{alpha.x, alpha.y};
+    case SpecularModel::ggx:
+      return Ggx{alpha.x, alpha.y};
+    default:
+      return default_brdf(model);
+  }
+}
+
+bool is_anisotropic(const Material& material) {
+  if (material.cells && material.cells->tilt != Vec2(0)) return true;
+  const auto slopes = slopes_of(material);
+  return slopes && slopes->x != slopes->y;
+}
+
+double exact_degrees(double radians) {
+  if (radians == 0) return 0;
+  const double near = radians / kDegree;
+  double candidate = near;
+  for (int step = 0; step < 4; ++step)
+    candidate = std::nextafter(candidate, -std::numeric_limits<double>::infinity());
+  for (int step = 0; step < 9; ++step) {
+    if (candidate * kDegree == radians) return candidate;
+    candidate = std::nextafter(candidate, std::numeric_limits<double>::infinity());
+  }
+  return near;
 }
 
 double eon_roughness(double sigma) {

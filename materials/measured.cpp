@@ -127,13 +127,11 @@ std::string diffuse_text(double albedo) {
 }
 
 // Facets in the place of part of a diffuse surface, without Fresnel's law.
-Material facets(SpecularLaw law, const Point& p) {
+Material facets(SpecularModel law, const Point& p) {
   Material m = diffuse(1);
   m.specular = Vec3(1);
-  m.specular_law = law;
+  m.specular_brdf = with_slopes(law, Vec2(p[2]));
   m.compensation = Compensation::off;
-  m.cook = {1, p[2], 1, 1};
-  m.alpha_y = p[2];
   // the two weights never add up to more than 1
   m.weights = {p[0] * (1 - p[1]), p[1], 0};
   return m;
@@ -156,8 +154,7 @@ std::vector<Model> models() {
                  {{0.3, 0.5}},
                  [](const Point& p) {
                    Material m = diffuse(p[0]);
-                   m.diffuse_law = DiffuseLaw::eon;
-                   m.oren = p[1];
+                   m.diffuse_brdf = Eon{p[1]};
                    return m;
                  },
                  [](const Point& p) {
@@ -165,10 +162,10 @@ std::vector<Model> models() {
                  }});
   const std::vector<Point> starts{{0.3, 0.1, 0.1}, {0.3, 0.1, 0.3}, {0.05, 0.3, 0.03}};
   all.push_back({"GGX facets over Lambert", starts,
-                 [](const Point& p) { return facets(SpecularLaw::ggx, p); },
+                 [](const Point& p) { return facets(SpecularModel::ggx, p); },
                  [](const Point& p) { return facets_text("ggx", p); }});
   all.push_back({"Beckmann facets over Lambert", starts,
-                 [](const Point& p) { return facets(SpecularLaw::beckmann, p); },
+                 [](const Point& p) { return facets(SpecularModel::beckmann, p); },
                  [](const Point& p) { return facets_text("beckmann", p); }});
   // parameters: albedo, slope, and the index from 1 to 2.5
   all.push_back({"Lambert under a coat",

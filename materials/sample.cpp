@@ -35,14 +35,14 @@ Vec3 unit(const Vec3& v) { return v / std::max(std::sqrt(glm::dot(v, v)), 1e-300
 
 // Half vectors of a lobe, about +z.
 struct HalfVectors {
-  SpecularLaw law = SpecularLaw::none;
+  SpecularModel law = SpecularModel::none;
   double slope_x = 1;
   double slope_y = 1;
   double shine = 0;
 
   Vec3 sample(const Vec3& v, const Vec2& u) const {
     const auto [sin_phi, cos_phi] = det::sincos(2 * kPi * u.x);
-    if (law == SpecularLaw::ggx) {
+    if (law == SpecularModel::ggx) {
       // directions of a cap of the unit sphere, whose half vectors are the visible normals
       const Vec3 stretched = unit({slope_x * v.x, slope_y * v.y, v.z});
       const double z = (1 - u.y) * (1 + stretched.z) - stretched.z;
@@ -50,7 +50,7 @@ struct HalfVectors {
       const Vec3 h = Vec3(r * cos_phi, r * sin_phi, z) + stretched;
       return unit({slope_x * h.x, slope_y * h.y, std::max(h.z, 0.0)});
     }
-    if (law == SpecularLaw::blinn_phong) {
+    if (law == SpecularModel::blinn_phong) {
       const double cosine = det::exp(det::log(1 - u.y) / (shine + 2));
       const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
       return {sine * cos_phi, sine * sin_phi, cosine};
@@ -66,13 +66,13 @@ struct HalfVectors {
     if (!(h.z > 0 && length > 1e-6 && v.z > 0)) return 0;
     const double cosine = h.z / length;
     const double cos_vh = 0.5 * length;
-    if (law == SpecularLaw::blinn_phong)
+    if (law == SpecularModel::blinn_phong)
       return (shine + 2) / (8 * kPi * cos_vh) * det::exp((shine + 1) * det::log(cosine));
     const double x = h.x / (slope_x * h.z);
     const double y = h.y / (slope_y * h.z);
     const double spread = x * x + y * y;
     const double area = kPi * slope_x * slope_y;
-    if (law == SpecularLaw::ggx) {
+    if (law == SpecularModel::ggx) {
       const double ratio = 1 / (cosine * cosine * (1 + spread));
       const double sx = slope_x * v.x;
       const double sy = slope_y * v.y;
@@ -98,6 +98,18 @@ Vec3 above_horizon(const Vec3& to_viewer, const Vec3& normal) {
 
 }  // namespace
 
+double narrowest_slope(const Material& material) {
+  double slope = 1;
+  if (const auto slopes = slopes_of(material)) slope = std::min(slopes->x, slopes->y);
+  if (const auto* phong = std::get_if<BlinnPhong>(&material.specular_brdf))
+    slope = std::sqrt(2 / (phong->shine + 2));
+  // a mirror below a rough coat, which blurs it
+  if (material.specular_model() == SpecularModel::mirror && material.coat)
+    slope = (material.coat->index - 1) * std::sqrt(0.5) * material.coat->alpha;
+  if (material.coat && material.coat->alpha > 0) slope = std::min(slope, material.coat->alpha);
+  return slope;
+}
+
 struct Scattering::Parts {
   f64::SurfaceFields surface;
   f64::Composition composition;
@@ -107,8 +119,9 @@ struct Scattering::Parts {
   explicit Parts(const Material& material)
       : surface(f64::surface_of(material)), composition(f64::composition_of(material)) {
     if (composition.laws.compensated) lost = mean_loss(material);
-    if (composition.laws.diffuse != DiffuseLaw::hapke) return;
-    exact_h = std::make_shared<const HapkeHCorrection>(material.hapke[0], material.fits.hapke_h);
+    if (composition.laws.diffuse != DiffuseModel::hapke) return;
+    exact_h = std::make_shared<const HapkeHCorrection>(std::get<Hapke>(material.diffuse_brdf).w,
+                                                       material.fits.hapke_h);
     surface.exact_h = exact_h.get();
   }
 
@@ -120,7 +133,7 @@ struct Scattering::Parts {
   }
 
   bool coated() const { return composition.laws.coated; }
-  bool mirror() const { return composition.laws.specular == SpecularLaw::mirror; }
+  bool mirror() const { return composition.laws.specular == SpecularModel::mirror; }
   bool smooth_coat() const { return coated() && !(surface.coat_alpha > 0); }
   // a rough coat blurs a mirror below
   bool mirror_shows() const {
@@ -141,19 +154,19 @@ struct Scattering::Parts {
 
   HalfVectors peak() const {
     const double slope = f64::facet_slope(surface.coat_alpha, 0);
-    return {SpecularLaw::beckmann, slope, slope, 0};
+    return {SpecularModel::beckmann, slope, slope, 0};
   }
 
   HalfVectors facets(const f64::SurfaceFields& s) const {
     if (mirror()) {
       const double bent = (s.coat_index - 1) * std::sqrt(0.5) * s.coat_alpha;
       const double slope = f64::facet_slope(bent, 0);
-      return {SpecularLaw::beckmann, slope, slope, 0};
+      return {SpecularModel::beckmann, slope, slope, 0};
     }
-    double x = f64::facet_slope(s.alpha, 0);
+    double x = f64::facet_slope(s.alpha_x, 0);
     double y = f64::facet_slope(s.alpha_y, 0);
-    const SpecularLaw law = composition.laws.specular;
-    if (law == SpecularLaw::cook_torrance) y = x;
+    const SpecularModel law = composition.laws.specular;
+    if (law == SpecularModel::cook_torrance) y = x;
     if (f64::same_all_around(x, y, s.tangent) > 0) x = y = std::sqrt(x * y);
     return {law, x, y, s.shine};
   }
@@ -161,7 +174,7 @@ struct Scattering::Parts {
   Chances chances(const f64::SurfaceFields& s, double cosine) const {
     Chances c;
     const double passing = 1 - first(cosine);
-    const SpecularLaw law = composition.laws.specular;
+    const SpecularModel law = composition.laws.specular;
     const double inner = coated() ? f64::refracted_cosine(cosine, s.coat_index) : cosine;
     c.diffuse = passing * s.weights.x * largest(s.diffuse);
     if (composition.laws.compensated)
@@ -169,7 +182,7 @@ struct Scattering::Parts {
                    largest(s.specular * s.many_scale) * kPi * lost * f64::facet_loss(s, cosine);
     if (mirror_shows()) {
       c.mirror_below = largest(mirror_below(cosine));
-    } else if (law != SpecularLaw::none) {
+    } else if (law != SpecularModel::none) {
       Vec3 fresnel = composition.fresnel(s, inner, coated() ? s.coat_index : 1.0);
       // where a map says 0, facets still reflect towards grazing
       if (composition.laws.mapped) fresnel = glm::max(fresnel, Vec3(kLeastMapped));
@@ -260,7 +273,7 @@ Scattering& Scattering::operator=(Scattering&&) noexcept = default;
 
 Scattering Scattering::scaled(double roughness) const {
   auto parts = std::make_unique<Parts>(*parts_);
-  parts->surface.alpha *= roughness;
+  parts->surface.alpha_x *= roughness;
   parts->surface.alpha_y *= roughness;
   parts->surface.oren *= roughness;
   return Scattering(std::move(parts));

@@ -18,6 +18,10 @@ struct Sampled {
   bool delta = false;  // a mirror's direction: nothing else leads there
 };
 
+// The narrowest peak of a material as the RMS slope of microfacets that would make one as narrow; 1
+// without one. What roughness maps say is left out.
+[[nodiscard]] double narrowest_slope(const Material& material);
+
 // What a mirror shows of one direction.
 struct Mirrored {
   Vec3 to_light;     // unit

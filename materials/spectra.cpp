@@ -42,6 +42,38 @@ std::span<const std::string_view> metal_names() { return kMetals; }
 
 std::span<const double> wavelengths_um() { return kWavelengths; }
 
+std::span<const std::string_view> film_names() {
+  static constexpr std::string_view kFilms[] = {"Kapton", "MgF2", "SiO2"};
+  return kFilms;
+}
+
+std::optional<Conductor> film(std::string_view name) {
+  const auto known = film_names();
+  if (std::find(known.begin(), known.end(), name) == known.end()) return std::nullopt;
+  const auto constants = optical_constants(name);
+  if (!constants) return std::nullopt;
+  const auto grid = wavelengths_um();
+  Conductor out;
+  for (int channel = 0; channel < 3; ++channel) {
+    const double band = kBands_um[static_cast<std::size_t>(channel)];
+    const auto above = std::upper_bound(grid.begin(), grid.end(), band);
+    const auto i = static_cast<std::size_t>(above - grid.begin()) - 1;
+    const double t = (band - grid[i]) / (grid[i + 1] - grid[i]);
+    out.n[channel] = constants->n[i] + t * (constants->n[i + 1] - constants->n[i]);
+    out.k[channel] = constants->k[i] + t * (constants->k[i + 1] - constants->k[i]);
+  }
+  return out;
+}
+
+Coat coat_of_film(const Conductor& film, double thickness) {
+  Coat coat;
+  coat.index = film.n.y;
+  for (int k = 0; k < 3; ++k)
+    coat.depth[k] =
+        4 * kPi * film.k[k] / (kBands_um[static_cast<std::size_t>(k)] * 1e-6) * thickness;
+  return coat;
+}
+
 std::optional<OpticalConstants> optical_constants(std::string_view name) {
   const OpticalTable* table = table_of(name);
   if (!table) return std::nullopt;

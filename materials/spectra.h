@@ -1,13 +1,18 @@
 // Optical constants of metals and films over the solar spectrum.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string_view>
 
 #include "base/math.h"
+#include "materials/material.h"
 
 namespace panwright::materials {
+
+// Wavelengths that stand for the channels, µm.
+inline constexpr std::array<double, 3> kBands_um{0.65, 0.55, 0.45};
 
 // n + ik for the bands about 650, 550 and 450 nm.
 struct Conductor {
@@ -22,6 +27,17 @@ std::optional<Conductor> metal(std::string_view name);
 
 // What metal() knows, in alphabetical order.
 std::span<const std::string_view> metal_names();
+
+// The same for a clear film: "Kapton", "MgF2" or "SiO2", interpolated linearly between wavelengths.
+std::optional<Conductor> film(std::string_view name);
+
+// What film() knows, in alphabetical order.
+std::span<const std::string_view> film_names();
+
+// A film as a coat with a plane outer face: its index at 550 nm, and what it absorbs per channel.
+//
+//   thickness  metres
+Coat coat_of_film(const Conductor& film, double thickness);
 
 // n and k, one for each of wavelengths_um().
 struct OpticalConstants {

@@ -11,9 +11,6 @@
 
 namespace panwright::materials {
 
-// Wavelengths that stand for the channels, µm.
-inline constexpr std::array<double, 3> kBands_um{0.65, 0.55, 0.45};
-
 // Why a table is not used.
 struct TableProblem {
   std::size_t line = 0;  // from 1; 0: the whole

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "pan/internal/material_limits.h"
 
 namespace panwright::pan {
 
@@ -115,7 +116,7 @@ class Comparison {
 
   template <class Record>
   void fields(SectionKind kind, const std::string& where, const Record& a, const Record& b,
-              std::initializer_list<std::string_view> skipped);
+              const std::vector<std::string_view>& skipped);
 
   void nodes();
   void meshes();
@@ -187,20 +188,30 @@ bool is_enumeration(const layout::FieldRule& field) {
 }
 
 std::string enumeration_words(const layout::FieldRule& field, const std::byte* record) {
-  static constexpr const char* kDiffuse[] = {"lambert", "oren_nayar", "hapke", "eon",
-                                             "lommel_seeliger"};
-  static constexpr const char* kSpecular[] = {"none",     "blinn_phong", "cook_torrance",
-                                              "beckmann", "ggx",         "mirror"};
   std::uint32_t value;
   std::memcpy(&value, record + field.offset, sizeof value);
   const std::string_view name(field.name);
   if (name == "reason") return std::string(reason_name(static_cast<layout::NeedReason>(value)));
-  return name == "diffuse_law" ? kDiffuse[value] : kSpecular[value];
+  return std::string(name == "diffuse_law"
+                         ? materials::info_of(static_cast<materials::DiffuseModel>(value)).name
+                         : materials::info_of(static_cast<materials::SpecularModel>(value)).name);
+}
+
+// The parameters of a BRDF by name, as single precision has them.
+template <class Brdf>
+std::vector<std::pair<std::string, std::string>> parameter_words(const Brdf& brdf) {
+  std::vector<std::pair<std::string, std::string>> words;
+  materials::visit_parameters(
+      brdf, [&](const materials::Parameter& parameter, std::span<const double> values) {
+        std::vector<float> rounded(values.begin(), values.end());
+        words.emplace_back(parameter.name, fmt::format("{}", fmt::join(rounded, " ")));
+      });
+  return words;
 }
 
 template <class Record>
 void Comparison::fields(SectionKind kind, const std::string& where, const Record& a,
-                        const Record& b, std::initializer_list<std::string_view> skipped) {
+                        const Record& b, const std::vector<std::string_view>& skipped) {
   const auto* first = reinterpret_cast<const std::byte*>(&a);
   const auto* second = reinterpret_cast<const std::byte*>(&b);
   for (const layout::FieldRule& field : layout::kFieldRules) {
@@ -348,9 +359,22 @@ void Comparison::materials() {
     const std::string where = material_words(a_.model, i);
     const layout::Material& a = a_.model.materials()[i];
     const layout::Material& b = b_.model.materials()[j];
-    fields(SectionKind::materials, where, a, b,
-           {"flags", "name", "reserved", "albedo_map", "normal_map", "roughness_map",
-            "reflectance_map", "cutout_map"});
+    std::vector<std::string_view> skipped{"flags",           "name",       "reserved",
+                                          "albedo_map",      "normal_map", "roughness_map",
+                                          "reflectance_map", "cutout_map"};
+    skipped.insert(skipped.end(), brdf_slots().begin(), brdf_slots().end());
+    fields(SectionKind::materials, where, a, b, skipped);
+    const auto brdfs = [&](const auto& in_a, const auto& in_b) {
+      if (in_a.index() != in_b.index()) return;  // the models have been compared
+      const auto words_a = parameter_words(in_a), words_b = parameter_words(in_b);
+      for (std::size_t k = 0; k < words_a.size(); ++k)
+        if (words_a[k] != words_b[k])
+          add(where, fmt::format("{}: {} in a, {} in b", words_a[k].first, words_a[k].second,
+                                 words_b[k].second));
+    };
+    const materials::Material material_a = material_from(a, {}), material_b = material_from(b, {});
+    brdfs(material_a.diffuse_brdf, material_b.diffuse_brdf);
+    brdfs(material_a.specular_brdf, material_b.specular_brdf);
     const auto map = [&](const char* name, std::int32_t in_a, std::int32_t in_b) {
       if (other_picture(in_a, in_b))
         add(where, fmt::format("{}: {} in a, {} in b", name, picture_words(a_.model, in_a),

@@ -431,17 +431,7 @@ std::optional<Model::Bounds> Model::world_bounds() const {
 namespace {
 
 Vec3 vec3(const double* v) { return {v[0], v[1], v[2]}; }
-Vec3 vec3(const float* v) { return {v[0], v[1], v[2]}; }
-Vec2 vec2(const float* v) { return {v[0], v[1]}; }
 Quat quat(const double* q) { return {q[0], q[1], q[2], q[3]}; }
-
-void store(float* to, const Vec2& v) {
-  for (int k = 0; k < 2; ++k) to[k] = static_cast<float>(v[k]);
-}
-
-void store(float* to, const Vec3& v) {
-  for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(v[k]);
-}
 
 }  // namespace
 
@@ -462,106 +452,6 @@ std::string_view reason_name(layout::NeedReason reason) {
 
 Mat4 mesh_from_decal(const layout::Decal& decal) {
   return matrix_from_trs(vec3(decal.origin), quat(decal.rotation), Vec3(1));
-}
-
-materials::Material material_from(const layout::Material& record, std::string_view name) {
-  materials::Material material;
-  material.name = name;
-  material.diffuse_law = static_cast<materials::DiffuseLaw>(record.diffuse_law);
-  material.specular_law = static_cast<materials::SpecularLaw>(record.specular_law);
-  material.diffuse = vec3(record.diffuse);
-  material.specular = vec3(record.specular);
-  material.emissive = vec3(record.emissive);
-  material.weights = {record.weight_d, record.weight_s, record.weight_e};
-  if (vec3(record.refract) != Vec3(0)) material.refract = vec3(record.refract);
-  material.extinction = vec3(record.extinction);
-  material.shine = record.shine;
-  material.alpha_y = record.alpha_y;
-  material.grains = {record.grains[0], record.grains[1], record.grains[2], record.grains[3],
-                     record.porosity};
-  material.compensation = static_cast<materials::Compensation>(record.compensation);
-  if (record.coat_index > 0)
-    material.coat = {record.coat_index, record.coat_alpha, vec3(record.coat_depth)};
-  if (record.cell_count[0] > 0)
-    material.cells = {vec2(record.cell_count),
-                      vec2(record.cell_gap),
-                      record.fingers,
-                      record.finger_width,
-                      vec3(record.gap_color),
-                      vec3(record.finger_color),
-                      {det::atan(record.tilt_u), det::atan(record.tilt_v)}};
-  for (std::size_t k = 0; k < 8; ++k) {
-    material.fits.loss[k] = record.loss[k];
-    material.fits.hapke_h[k] = record.hapke_h[k];
-  }
-  material.fits.many_scale = vec3(record.many_scale);
-  material.fits.coat_return = vec3(record.coat_return);
-  material.fits.error = record.fit_error;
-  for (int k = 0; k < 4; ++k) material.cook[k] = record.cook[k];
-  for (int k = 0; k < 4; ++k) material.hapke[k] = record.hapke[k];
-  material.oren = record.oren;
-  material.fits.reflectance = vec3(record.reflectance);
-  material.maps = {record.albedo_map,      record.normal_map, record.roughness_map,
-                   record.reflectance_map, record.cutout_map, record.cutout_threshold,
-                   vec2(record.map_repeat)};
-  return material;
-}
-
-layout::Material record_from(const materials::Material& material, std::uint32_t name) {
-  layout::Material record{};
-  store(record.diffuse, material.diffuse);
-  store(record.specular, material.specular);
-  store(record.emissive, material.emissive);
-  record.weight_d = static_cast<float>(material.weights.x);
-  record.weight_s = static_cast<float>(material.weights.y);
-  record.weight_e = static_cast<float>(material.weights.z);
-  if (material.refract) store(record.refract, *material.refract);
-  store(record.extinction, material.extinction);
-  record.shine = static_cast<float>(material.shine);
-  record.alpha_y = static_cast<float>(material.alpha_y);
-  const materials::HapkeGrains& grains = material.grains;
-  store(record.grains, Vec3(grains.b, grains.c, grains.h_c));
-  record.grains[3] = static_cast<float>(grains.b_c0);
-  record.porosity = static_cast<float>(grains.porosity);
-  record.hapke_k = static_cast<float>(materials::porosity_factor(grains.porosity));
-  record.compensation = static_cast<std::uint32_t>(material.compensation);
-  if (const auto& coat = material.coat) {
-    record.coat_index = static_cast<float>(coat->index);
-    record.coat_alpha = static_cast<float>(coat->alpha);
-    store(record.coat_depth, coat->depth);
-  }
-  if (const auto& cells = material.cells) {
-    store(record.cell_count, cells->count);
-    store(record.cell_gap, cells->gap);
-    record.fingers = static_cast<float>(cells->fingers);
-    record.finger_width = static_cast<float>(cells->finger_width);
-    store(record.gap_color, cells->gap_color);
-    store(record.finger_color, cells->finger_color);
-    record.tilt_u = static_cast<float>(det::tan(cells->tilt.x));
-    record.tilt_v = static_cast<float>(det::tan(cells->tilt.y));
-  }
-  for (std::size_t k = 0; k < 8; ++k) {
-    record.loss[k] = static_cast<float>(material.fits.loss[k]);
-    record.hapke_h[k] = static_cast<float>(material.fits.hapke_h[k]);
-  }
-  store(record.many_scale, material.fits.many_scale);
-  store(record.coat_return, material.fits.coat_return);
-  record.fit_error = static_cast<float>(material.fits.error);
-  for (int k = 0; k < 4; ++k) record.cook[k] = static_cast<float>(material.cook[k]);
-  for (int k = 0; k < 4; ++k) record.hapke[k] = static_cast<float>(material.hapke[k]);
-  record.oren = static_cast<float>(material.oren);
-  record.diffuse_law = static_cast<std::uint32_t>(material.diffuse_law);
-  record.specular_law = static_cast<std::uint32_t>(material.specular_law);
-  record.name = name;
-  record.albedo_map = material.maps.albedo;
-  record.normal_map = material.maps.normal;
-  record.roughness_map = material.maps.roughness;
-  record.reflectance_map = material.maps.reflectance;
-  store(record.reflectance, material.fits.reflectance);
-  record.cutout_map = material.maps.cutout;
-  record.cutout_threshold = static_cast<float>(material.maps.threshold);
-  store(record.map_repeat, material.maps.repeat);
-  return record;
 }
 
 }  // namespace panwright::pan

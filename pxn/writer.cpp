@@ -39,20 +39,6 @@ class UniqueNames {
   std::set<std::string> taken_;
 };
 
-// The degrees whose radians these are.
-double degrees_of(double radians) {
-  if (radians == 0) return 0;
-  const double near = radians / kDegree;
-  double candidate = near;
-  for (int step = 0; step < 4; ++step)
-    candidate = std::nextafter(candidate, -std::numeric_limits<double>::infinity());
-  for (int step = 0; step < 9; ++step) {
-    if (candidate * kDegree == radians) return candidate;
-    candidate = std::nextafter(candidate, std::numeric_limits<double>::infinity());
-  }
-  return near;
-}
-
 class Writer {
  public:
   Writer(const scene::Scene& scene, const PictureName& picture)
@@ -260,15 +246,17 @@ class Writer {
     map("reflectance_map", m.maps.reflectance);
     if (m.maps.repeat != Vec2(1)) out_.numbers("map_repeat", std::span(&m.maps.repeat.x, 2));
     vector("diffuse", m.diffuse);
-    if (m.specular != Vec3(0) || m.shine != 0) {
+    const auto* phong = std::get_if<materials::BlinnPhong>(&m.specular_brdf);
+    const double shine = phong != nullptr ? phong->shine : 0;
+    if (m.specular != Vec3(0) || shine != 0) {
       out_.open("specular");
-      if (m.shine != 0) out_.attribute("shine", m.shine);
+      if (shine != 0) out_.attribute("shine", shine);
       for (int k = 0; k < 3; ++k) out_.number(m.specular[k]);
       out_.close("specular");
     }
     if (m.emissive != Vec3(0)) vector("emissive", m.emissive);
     vector("reflect", m.weights);
-    laws(m);
+    brdfs(m);
     if (m.maps.cutout != scene::kNone) {
       out_.open("cutout");
       out_.attribute("image", picture(m.maps.cutout));
@@ -278,10 +266,10 @@ class Writer {
     out_.close("material");
   }
 
-  // Parameters of laws that are not used count too, as long as one can have written them.
-  void laws(const materials::Material& m) {
-    diffuse_law(m);
-    specular_law(m);
+  void brdfs(const materials::Material& m) {
+    if (m.diffuse_model() != materials::DiffuseModel::lambert)
+      brdf(materials::info_of(m.diffuse_model()), m.diffuse_brdf, m.compensation);
+    brdf(materials::info_of(m.specular_model()), m.specular_brdf, m.compensation);
     if (m.refract && m.extinction != Vec3(0)) {
       out_.open("conductor");
       out_.attribute("n", *m.refract);
@@ -303,52 +291,27 @@ class Writer {
     if (m.cells) cells(*m.cells);
   }
 
-  void diffuse_law(const materials::Material& m) {
-    using materials::DiffuseLaw;
-    const materials::Material none;
-    switch (m.diffuse_law) {
-      case DiffuseLaw::eon:
-        return out_.element("eon", std::span(&m.oren, 1));
-      case DiffuseLaw::lommel_seeliger:
-        return out_.element("lommel_seeliger", std::span(m.hapke.data(), 1));
-      default:
-        break;
-    }
-    // note: an explicit law of level 1 may have left the numbers of another
-    const bool hapke = m.diffuse_law == DiffuseLaw::hapke || m.hapke != none.hapke;
-    if (!hapke && (m.diffuse_law == DiffuseLaw::oren_nayar || m.oren != 0))
-      out_.element("oren", std::span(&m.oren, 1));
-    if (!hapke) return;
-    out_.open("hapke");
-    const materials::HapkeGrains& g = m.grains;
-    const std::pair<const char*, double> grains[] = {
-        {"b", g.b}, {"c", g.c}, {"hc", g.h_c}, {"bc0", g.b_c0}, {"porosity", g.porosity}};
-    for (const auto& [name, value] : grains)
-      if (value != 0) out_.attribute(name, value);
-    for (const double number : {m.hapke[0], m.hapke[1], m.hapke[2], degrees_of(m.hapke[3])})
-      out_.number(number);
-    out_.close("hapke");
-  }
-
-  void specular_law(const materials::Material& m) {
-    using materials::SpecularLaw;
-    const materials::Material none;
-    const bool smith =
-        m.specular_law == SpecularLaw::beckmann || m.specular_law == SpecularLaw::ggx;
-    if (smith) {
-      const char* tag = m.specular_law == SpecularLaw::ggx ? "ggx" : "beckmann";
-      out_.open(tag);
-      if (m.compensation != materials::Compensation::automatic)
-        out_.attribute("energy", m.compensation == materials::Compensation::on ? "full" : "single");
-      out_.number(m.cook[1]);
-      out_.number(m.alpha_y);
-      out_.close(tag);
-    } else if (m.specular_law == SpecularLaw::mirror) {
-      out_.open("mirror");
-      out_.close("mirror");
-    } else if (m.specular_law == SpecularLaw::cook_torrance || m.cook != none.cook) {
-      out_.element("cook", m.cook);
-    }
+  // The element of a BRDF; attributes that have their default are left out.
+  template <class Brdf>
+  void brdf(const materials::ModelInfo& info, const Brdf& brdf, materials::Compensation energy) {
+    using materials::Compensation;
+    if (info.tag.empty()) return;
+    out_.open(info.tag);
+    std::vector<double> numbers;
+    visit_parameters(brdf,
+                     [&](const materials::Parameter& parameter, std::span<const double> values) {
+                       std::vector<double> written(values.begin(), values.end());
+                       if (parameter.pxn_unit != 1)
+                         for (double& value : written) value = materials::exact_degrees(value);
+                       if (parameter.attribute.empty())
+                         numbers.insert(numbers.end(), written.begin(), written.end());
+                       else if (values[0] != parameter.initial)
+                         out_.numbers(parameter.attribute, written);
+                     });
+    if (info.smith && energy != Compensation::automatic)
+      out_.attribute("energy", energy == Compensation::on ? "full" : "single");
+    for (const double number : numbers) out_.number(number);
+    out_.close(info.tag);
   }
 
   void cells(const materials::Cells& c) {

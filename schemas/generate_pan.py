@@ -9,6 +9,8 @@ import pathlib
 import sys
 import tomllib
 
+import material_schema
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIZES = {"u8": 1, "u16": 2, "u32": 4, "i32": 4, "u64": 8, "f32": 4, "f64": 8}
 CPP = {
@@ -68,6 +70,15 @@ def validate(layout):
                 raise LayoutError(f"{record['name']}.{field['name']}: no section is called {argument}")
             if kind == "mask" and argument not in flags:
                 raise LayoutError(f"{record['name']}.{field['name']}: no flags are called {argument}")
+
+
+def add_materials(layout):
+    """Takes the record of materials and its enumerations from material.toml."""
+    schema = material_schema.load()
+    layout["enum"] = material_schema.pan_enums(schema) + layout["enum"]
+    layout["record"] = [material_schema.pan_record(schema) if record.get("from") else record
+                        for record in layout["record"]]
+    layout["material_docs"] = material_schema.pan_docs(schema)
 
 
 def element_size(section, records):
@@ -253,6 +264,7 @@ def docs_text(layout):
              "Do not edit. -->", "", text.rstrip(), "", "## Records", ""]
     for record in layout["record"]:
         lines += record_table(record)
+    lines += layout["material_docs"]
     lines += ["## Sections", "", "In the order in which the writer stores them; a reader accepts any order.", "",
               "| kind | name | element | bytes each | must be there | content | also holds |",
               "|---:|---|---|---:|---|---|---|"]
@@ -279,9 +291,10 @@ def main(arguments):
     with open(ROOT / "schemas" / "pan_layout.toml", "rb") as file:
         layout = tomllib.load(file)
     try:
+        add_materials(layout)
         validate(layout)
         texts = {"schemas/generated/pan_layout.h": header_text(layout), "docs/pan-format.md": docs_text(layout)}
-    except LayoutError as error:
+    except (LayoutError, material_schema.SchemaError) as error:
         print(f"pan_layout.toml: {error}", file=sys.stderr)
         return 1
     stale = 0

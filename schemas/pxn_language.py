@@ -9,7 +9,7 @@ RULE_KINDS = {"exclusive", "one_of", "any_of", "together", "requires"}
 ELEMENT_KEYS = {"id", "name", "section", "level", "supported", "in", "doc", "notes", "example", "default", "text",
                 "attribute", "attributes", "child", "rule", "grouped"}
 VALUE_KEYS = {"kind", "count", "names", "numbers", "min", "max", "above", "nonzero", "dimension", "bare", "one", "tuple",
-              "least", "words", "name", "level", "supported", "required", "default", "doc"}
+              "least", "words", "name", "level", "supported", "required", "default", "default_words", "doc"}
 LARGEST = 1.7976931348623157e308
 
 
@@ -22,9 +22,23 @@ def need(condition, where, what):
         raise SchemaError(f"{where}: {what}")
 
 
+def complete_default(value, where):
+    """Splits a default into what readers of files take (`initial`, `initial_word`) and what people read."""
+    default = value.get("default")
+    value["initial"], value["initial_word"] = [], ""
+    if isinstance(default, (int, float, list)) and not isinstance(default, bool):
+        value["initial"] = default if isinstance(default, list) else [default]
+        need(len(value["initial"]) == value["count"], where, "one default for each number")
+        words = " ".join(f"{number:g}" for number in value["initial"])
+        value["default"] = value.get("default_words", words)
+    elif default is not None and value["kind"] == "word":
+        need(default in value["words"], where, f"the default {default} is no word of it")
+        value["initial_word"] = default
+
+
 def complete_value(value, where):
     """Gives a value all its keys; `numbers` becomes one entry for each number, or one for all."""
-    unknown = set(value) - VALUE_KEYS
+    unknown = set(value) - VALUE_KEYS - {"initial", "initial_word"}
     need(not unknown, where, f"unknown keys {sorted(unknown)}")
     need(value.get("kind") in VALUE_KINDS, where, f"kind is {value.get('kind')}")
     value.setdefault("count", 1)
@@ -36,6 +50,7 @@ def complete_value(value, where):
     need(value["dimension"] in DIMENSIONS, where, f"dimension is {value['dimension']}")
     need(value["bare"] in ("", "rad"), where, f"bare is {value['bare']}")
     value.setdefault("words", [])
+    complete_default(value, where)
     need(bool(value["words"]) == (value["kind"] == "word"), where, "words belong to kind = \"word\"")
     if value["kind"] not in NUMBER_KINDS:
         value["numbers"] = []

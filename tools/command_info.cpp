@@ -20,15 +20,33 @@ using Json = nlohmann::ordered_json;
 
 Json as_json(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-const char* diffuse_word(std::uint32_t law) {
-  constexpr const char* kWords[] = {"lambert", "oren-nayar", "hapke", "eon", "lommel-seeliger"};
-  return kWords[law];
+std::string with_hyphens(std::string_view name) {
+  std::string words(name);
+  std::replace(words.begin(), words.end(), '_', '-');
+  return words;
 }
 
-const char* specular_word(std::uint32_t law) {
-  constexpr const char* kWords[] = {"none",     "blinn-phong", "cook-torrance",
-                                    "beckmann", "ggx",         "mirror"};
-  return kWords[law];
+std::string diffuse_word(std::uint32_t model) {
+  return with_hyphens(materials::info_of(static_cast<materials::DiffuseModel>(model)).name);
+}
+
+std::string specular_word(std::uint32_t model) {
+  return with_hyphens(materials::info_of(static_cast<materials::SpecularModel>(model)).name);
+}
+
+// The parameters of a BRDF, a coat or cells, as the schema names them.
+template <class Part>
+Json parameters_json(const Part& part) {
+  Json out = Json::object();
+  visit_parameters(
+      part, [&](const materials::Parameter& parameter, std::span<const double> values) {
+        // note: as single precision has them, so that 0.3 is not 0.30000001192092896
+        if (values.size() == 1)
+          out[std::string(parameter.name)] = static_cast<float>(values[0]);
+        else
+          out[std::string(parameter.name)] = std::vector<float>(values.begin(), values.end());
+      });
+  return out;
 }
 
 using pan::layout::NeedReason;
@@ -210,10 +228,16 @@ Json tables_json(const pan::Model& model) {
   out["materials"] = Json::array();
   for (std::size_t i = 0; i < model.materials().size(); ++i) {
     const auto& material = model.materials()[i];
-    out["materials"].push_back({{"name", model.material_name(i)},
-                                {"diffuse_law", diffuse_word(material.diffuse_law)},
-                                {"specular_law", specular_word(material.specular_law)},
-                                {"maps", maps_json(material)}});
+    const materials::Material full = pan::material_from(material, {});
+    out["materials"].push_back(
+        {{"name", model.material_name(i)},
+         {"diffuse_law", diffuse_word(material.diffuse_law)},
+         {"specular_law", specular_word(material.specular_law)},
+         {"diffuse_brdf", parameters_json(full.diffuse_brdf)},
+         {"specular_brdf", parameters_json(full.specular_brdf)},
+         {"coat", full.coat ? parameters_json(*full.coat) : Json(nullptr)},
+         {"cells", full.cells ? parameters_json(*full.cells) : Json(nullptr)},
+         {"maps", maps_json(material)}});
   }
   out["meshes"] = Json::array();
   for (std::size_t i = 0; i < model.meshes().size(); ++i) {

@@ -12,7 +12,7 @@
 #include "base/text.h"
 #include "compiler/compile.h"
 #include "materials/brdf.h"
-#include "materials/certificate.h"
+#include "materials/report.h"
 #include "materials/spectra.h"
 #include "preview/context.h"
 #include "preview/reference/reference.h"
@@ -119,7 +119,7 @@ struct Speed {
 Speed speed_of(const materials::Material& material) {
   const Vec3 viewer(0.3, 0, std::sqrt(0.91));
   const Vec3 normal(0, 0, 1);
-  const materials::Local local{Vec3(1, 0, 0), materials::kSunAlpha2};
+  const materials::ShadingContext local{Vec3(1, 0, 0), materials::kSunAlpha2};
   Speed speed;
   speed.f64 = nanoseconds([&](const Vec3& light) {
     return materials::f64::brdf(material, light, viewer, normal, Vec3(1), local);
@@ -147,7 +147,7 @@ std::optional<double> computed_absorptance(const DescribedMaterial& described) {
   return materials::solar_absorptance(stack, 1);
 }
 
-Json certificate_json(const DescribedMaterial& described, const materials::Certificate& c,
+Json certificate_json(const DescribedMaterial& described, const materials::MaterialReport& c,
                       const Speed& speed) {
   const pxn::Provenance& from = described.provenance;
   Json out;
@@ -182,7 +182,7 @@ void print_provenance(const pxn::Provenance& from) {
     if (!words->empty()) fmt::print("{:<21} {}\n", name, *words);
 }
 
-void print_certificate(const DescribedMaterial& described, const materials::Certificate& c,
+void print_certificate(const DescribedMaterial& described, const materials::MaterialReport& c,
                        const Speed& speed) {
   fmt::print("{}: {}\n", described.material.name, materials::laws_in_words(described.material));
   print_provenance(described.provenance);
@@ -382,7 +382,7 @@ int material(const MaterialOptions& options) {
   for (const DescribedMaterial& each : all) {
     if (!options.render.empty() && all.size() > 4) break;  // a sheet is asked for, not its numbers
     session.step("certify " + each.material.name);
-    const materials::Certificate certificate = materials::certificate(each.material, *mus);
+    const materials::MaterialReport certificate = materials::material_report(each.material, *mus);
     const Speed speed = speed_of(each.material);
     out["materials"].push_back(certificate_json(each, certificate, speed));
     if (!options.common.json) {

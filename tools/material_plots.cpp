@@ -124,7 +124,7 @@ std::string albedo_plot(const materials::Material& material) {
 std::string slices_plot(const materials::Material& material) {
   constexpr int kLights_deg[] = {0, 30, 60, 80};
   constexpr const char* kColors[] = {"#222222", "#2c6fbb", "#27ae60", "#c0392b"};
-  const materials::Local local{Vec3(1, 0, 0), materials::kSunAlpha2};
+  const materials::ShadingContext local{Vec3(1, 0, 0), materials::kSunAlpha2};
   const auto direction = [](double angle) {
     const auto t = det::sincos(angle * kDegree);
     return Vec3(t.sin, 0, t.cos);

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "materials/certificate.h"
 #include "materials/material.h"
 #include "materials/measured.h"
+#include "materials/report.h"
 
 namespace panwright::tools {
 

@@ -30,11 +30,9 @@ JobKey key_of(const Job& job, const Hash128& shape) {
 bool needs_texcoords(const scene::Scene& scene, const scene::Instance& instance) {
   const materials::Material& material =
       scene.materials[static_cast<std::size_t>(instance.material)];
-  // brushed facets lie along u and v
-  const bool brushed = (material.specular_law == materials::SpecularLaw::beckmann ||
-                        material.specular_law == materials::SpecularLaw::ggx) &&
-                       material.cook[1] != material.alpha_y;
-  return instance.texture != scene::kNone || material.maps.any() || material.cells || brushed;
+  // anisotropic microfacets lie along u and v
+  return instance.texture != scene::kNone || material.maps.any() || material.cells ||
+         materials::is_anisotropic(material);
 }
 
 // Lowers the job's error to what one of its instances asks for.

@@ -8,8 +8,8 @@ namespace panwright::importers::gltf {
 
 namespace {
 
-using materials::DiffuseLaw;
-using materials::SpecularLaw;
+using materials::DiffuseModel;
+using materials::SpecularModel;
 using nlohmann::ordered_json;
 
 double mean(const Vec3& v) { return (v.x + v.y + v.z) / 3; }
@@ -28,29 +28,20 @@ Vec3 facing_reflectance(const materials::Material& m) {
 }
 
 double slope_of(const materials::Material& m) {
-  switch (m.specular_law) {
-    case SpecularLaw::cook_torrance:
-      return m.cook[1];
-    case SpecularLaw::beckmann:
-    case SpecularLaw::ggx:
-      return std::sqrt(m.cook[1] * m.alpha_y);
-    case SpecularLaw::blinn_phong:
-      return std::sqrt(2 / (m.shine + 2));
-    case SpecularLaw::mirror:
-      return 0;
-    case SpecularLaw::none:
-      return 1;
-  }
-  return 1;
+  if (const auto slopes = materials::slopes_of(m))
+    return slopes->x == slopes->y ? slopes->x : std::sqrt(slopes->x * slopes->y);
+  if (const auto* phong = std::get_if<materials::BlinnPhong>(&m.specular_brdf))
+    return std::sqrt(2 / (phong->shine + 2));
+  return m.specular_model() == SpecularModel::mirror ? 0 : 1;
 }
 
 void list_lost(const materials::Material& m, std::set<std::string>& lost) {
-  if (m.diffuse_law != DiffuseLaw::lambert && m.weights.x > 0)
+  if (m.diffuse_model() != DiffuseModel::lambert && m.weights.x > 0)
     lost.insert("diffuse laws other than Lambert's");
-  const bool facets = m.specular_law == SpecularLaw::ggx || m.specular_law == SpecularLaw::beckmann;
-  if (facets && m.cook[1] != m.alpha_y) lost.insert("slopes that differ along u and v");
-  if (m.specular_law == SpecularLaw::beckmann || m.specular_law == SpecularLaw::cook_torrance ||
-      m.specular_law == SpecularLaw::blinn_phong)
+  const auto slopes = materials::slopes_of(m);
+  if (slopes && slopes->x != slopes->y) lost.insert("slopes that differ along u and v");
+  const SpecularModel model = m.specular_model();
+  if (model != SpecularModel::none && model != SpecularModel::ggx && model != SpecularModel::mirror)
     lost.insert("specular laws other than GGX");
   if (m.cells) lost.insert("solar cells");
   if (m.coat && (m.coat->index != 1.5 || m.coat->depth != Vec3(0)))
@@ -59,7 +50,7 @@ void list_lost(const materials::Material& m, std::set<std::string>& lost) {
 }
 
 bool shines(const materials::Material& m) {
-  return m.specular_law != SpecularLaw::none && m.weights.y > 0;
+  return m.specular_model() != SpecularModel::none && m.weights.y > 0;
 }
 
 }  // namespace

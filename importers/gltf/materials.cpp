@@ -280,17 +280,15 @@ class MaterialBuilder {
     else if (!mapped_)
       m.diffuse *= 1 - largest;
     const double alpha = std::max(look.roughness * look.roughness, kSmoothest);
-    m.cook = {1, alpha, 1, 1};
-    m.alpha_y = alpha;
     m.compensation = materials::Compensation::off;
     if (!mapped_ && look.metallic <= 0 && largest <= 0) return;
-    m.specular_law = materials::SpecularLaw::ggx;
+    m.specular_brdf = materials::Ggx{alpha, alpha};
     m.weights.y = 1;
     m.specular = Vec3(1);
     if (mapped_) {
       set_reflectance(Vec3(kUnderMaps));
       // of glossiness, the picture has the slopes
-      if (look.f0) m.cook[1] = m.alpha_y = 1;
+      if (look.f0) m.specular_brdf = materials::Ggx{1, 1};
       return;
     }
     if (look.metallic <= 0 && !look.f0) {

@@ -201,9 +201,8 @@ void set_laws(const MtlMaterial& from, materials::Material& m, CadMaterial& cad)
   const Vec3 specular = highlights ? from.specular.value_or(Vec3(0)) : Vec3(0);
   if (specular != Vec3(0)) {
     const double shine = std::max(from.shine.value_or(0), 0.0);
-    m.specular_law = materials::SpecularLaw::blinn_phong;
     m.specular = specular;
-    m.shine = std::min(shine, kMostShine);
+    m.specular_brdf = materials::BlinnPhong{std::min(shine, kMostShine)};
     m.weights.y = 1;
     if (shine > kMostShine) cad.lost.push_back("shininess over 128");
     // α² = 2/(n + 2), and α is the square of the perceptual roughness

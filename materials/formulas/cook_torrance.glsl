@@ -41,6 +41,6 @@ FORMULA Real cook_torrance_as_printed(Real slope, Vec3 to_light, Vec3 to_viewer,
 }
 
 FORMULA Real cook_torrance_lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  return s.lobe_scale *
-         cook_torrance(with_sun(s.alpha, s.sun_alpha2), to_light, to_viewer, normal);
+  return s.d_scale * s.f_scale * s.g_scale *
+         cook_torrance(with_sun(s.alpha_x, s.sun_alpha2), to_light, to_viewer, normal);
 }

@@ -126,12 +126,12 @@ FORMULA Real ggx_smith(Real slope_x, Real slope_y, Vec3 tangent, Vec3 to_light, 
 }
 
 FORMULA Real beckmann_lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  return beckmann_smith(facet_slope(s.alpha, s.sun_alpha2), facet_slope(s.alpha_y, s.sun_alpha2),
+  return beckmann_smith(facet_slope(s.alpha_x, s.sun_alpha2), facet_slope(s.alpha_y, s.sun_alpha2),
                         s.tangent, to_light, to_viewer, normal);
 }
 
 FORMULA Real ggx_lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  return ggx_blurred(facet_slope(s.alpha, Real(0)), facet_slope(s.alpha_y, Real(0)), s.sun_alpha2,
+  return ggx_blurred(facet_slope(s.alpha_x, Real(0)), facet_slope(s.alpha_y, Real(0)), s.sun_alpha2,
                      s.tangent, to_light, to_viewer, normal);
 }
 
@@ -188,8 +188,8 @@ FORMULA Vec3 facet_many(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
 // Under a reflectance map: in proportion to what the map takes away, never more than without it, so
 // that no map gains energy.
 FORMULA Vec3 mapped_many(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  Vec3 part = Vec3(min(s.reflectance.x / max(s.facing.x, Real(1e-30)), Real(1)),
-                   min(s.reflectance.y / max(s.facing.y, Real(1e-30)), Real(1)),
-                   min(s.reflectance.z / max(s.facing.z, Real(1e-30)), Real(1)));
+  Vec3 part = Vec3(min(s.reflectance.x / max(s.f0.x, Real(1e-30)), Real(1)),
+                   min(s.reflectance.y / max(s.f0.y, Real(1e-30)), Real(1)),
+                   min(s.reflectance.z / max(s.f0.z, Real(1e-30)), Real(1)));
   return part * facet_many(s, to_light, to_viewer, normal);
 }

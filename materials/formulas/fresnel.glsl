@@ -53,9 +53,9 @@ FORMULA Real fresnel_from(Real fresnel, Real facing, Real reflectance) {
 }
 
 FORMULA Vec3 mapped_fresnel(Surface s, Vec3 fresnel) {
-  return Vec3(fresnel_from(fresnel.x, s.facing.x, s.reflectance.x),
-              fresnel_from(fresnel.y, s.facing.y, s.reflectance.y),
-              fresnel_from(fresnel.z, s.facing.z, s.reflectance.z));
+  return Vec3(fresnel_from(fresnel.x, s.f0.x, s.reflectance.x),
+              fresnel_from(fresnel.y, s.f0.y, s.reflectance.y),
+              fresnel_from(fresnel.z, s.f0.z, s.reflectance.z));
 }
 
 FORMULA Vec3 no_fresnel(Surface s, Real cos_i, Real outer) { return Vec3(Real(1)); }

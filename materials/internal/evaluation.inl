@@ -1,7 +1,7 @@
 // Bodies of materials/brdf.h, included once for each precision inside its namespace.
 
 Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
-          const Vec3& tint, const Local& local) {
+          const Vec3& tint, const ShadingContext& local) {
   SurfaceFields s =
       surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2));
   s.diffuse = s.diffuse * tint;
@@ -10,7 +10,7 @@ Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
 }
 
 Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
-              const Vec3& normal, const Vec3& irradiance, const Vec3& tint, const Local& local) {
+              const Vec3& normal, const Vec3& irradiance, const Vec3& tint, const ShadingContext& local) {
   SurfaceFields s =
       surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2));
   s.diffuse = s.diffuse * tint;
@@ -18,20 +18,20 @@ Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_vie
   return composition_of(material).surface_radiance(s, to_light, to_viewer, normal, irradiance);
 }
 
-struct Prepared::Parts {
+struct CompiledBrdf::Parts {
   SurfaceFields surface;
   Composition composition;
 };
 
-Prepared::Prepared(const Material& material)
+CompiledBrdf::CompiledBrdf(const Material& material)
     : parts_(std::make_unique<const Parts>(Parts{surface_of(material), composition_of(material)})) {
 }
-Prepared::~Prepared() = default;
-Prepared::Prepared(Prepared&&) noexcept = default;
-Prepared& Prepared::operator=(Prepared&&) noexcept = default;
+CompiledBrdf::~CompiledBrdf() = default;
+CompiledBrdf::CompiledBrdf(CompiledBrdf&&) noexcept = default;
+CompiledBrdf& CompiledBrdf::operator=(CompiledBrdf&&) noexcept = default;
 
-Vec3 Prepared::brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
-                    const Vec3& tint, const Local& local) const {
+Vec3 CompiledBrdf::brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
+                    const Vec3& tint, const ShadingContext& local) const {
   SurfaceFields s = parts_->surface;
   s.tangent = rounded(local.tangent);
   s.sun_alpha2 = static_cast<Real>(local.sun_alpha2);

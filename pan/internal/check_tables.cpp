@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "pan/internal/identity.h"
+#include "pan/internal/material_limits.h"
 #include "pan/internal/report.h"
 #include "pan/internal/scan.h"
 
@@ -339,24 +340,6 @@ std::optional<Problem> instance_problem(const Model& model) {
   return {};
 }
 
-// within what their pattern is finite for
-std::optional<Problem> cells_problem(const layout::Material& material, std::size_t i) {
-  const float* count = material.cell_count;
-  const float* gap = material.cell_gap;
-  if ((count[0] > 0) != (count[1] > 0) || count[0] > 1e6F || count[1] > 1e6F)
-    return Problem{Code::E4012, fmt::format("materials[{}].cell_count is {} {}, both must be 0 or "
-                                            "above it and at most 1e6",
-                                            i, count[0], count[1])};
-  if (!(gap[0] <= 0.9F && gap[1] <= 0.9F && material.finger_width <= 0.9F))
-    return Problem{Code::E4012, fmt::format("materials[{}] has gaps of {} {} and fingers {} wide, "
-                                            "0.9 is the most",
-                                            i, gap[0], gap[1], material.finger_width)};
-  if (!(material.fingers <= 1e4F))
-    return Problem{Code::E4012, fmt::format("materials[{}].fingers is {}, the limit is 1e4", i,
-                                            material.fingers)};
-  return {};
-}
-
 std::optional<Problem> material_problem(const Model& model) {
   const auto materials = model.materials();
   for (std::size_t i = 0; i < materials.size(); ++i) {
@@ -366,29 +349,8 @@ std::optional<Problem> material_problem(const Model& model) {
       return Problem{Code::E4012, fmt::format("materials[{}].refract is {} {} {}, all must be 0 or "
                                               "all above it",
                                               i, n[0], n[1], n[2])};
-    const auto law = static_cast<layout::SpecularLaw>(materials[i].specular_law);
-    const bool smith = law == layout::SpecularLaw::beckmann || law == layout::SpecularLaw::ggx;
-    if ((smith || law == layout::SpecularLaw::cook_torrance) && !(materials[i].cook[1] > 0))
-      return Problem{Code::E4012,
-                     fmt::format("materials[{}].cook[1] is {}, a slope must be above 0", i,
-                                 materials[i].cook[1])};
-    if (smith && !(materials[i].alpha_y > 0))
-      return Problem{Code::E4012,
-                     fmt::format("materials[{}].alpha_y is {}, a slope must be above 0", i,
-                                 materials[i].alpha_y)};
-    if (materials[i].coat_index != 0 && !(materials[i].coat_index >= 1))
-      return Problem{Code::E4012,
-                     fmt::format("materials[{}].coat_index is {}, it must be 0 or at least 1", i,
-                                 materials[i].coat_index)};
-    if (!(materials[i].porosity <= 0.7F))
-      return Problem{Code::E4012,
-                     fmt::format("materials[{}].porosity is {}, it must lie in 0 to 0.7", i,
-                                 materials[i].porosity)};
-    if (auto problem = cells_problem(materials[i], i)) return problem;
-    if (!(materials[i].cutout_threshold <= 1))
-      return Problem{Code::E4012,
-                     fmt::format("materials[{}].cutout_threshold is {}, it must lie in 0 to 1", i,
-                                 materials[i].cutout_threshold)};
+    if (const auto broken = material_limit_broken(materials[i]))
+      return Problem{Code::E4012, fmt::format("materials[{}]: {}", i, *broken)};
   }
   return {};
 }

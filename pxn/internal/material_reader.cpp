@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <iterator>
 #include <span>
+#include <string_view>
+#include <vector>
 
 #include "base/math.h"
 #include "base/text.h"
@@ -14,35 +14,13 @@ namespace panwright::pxn {
 
 namespace attribute = schemas::attribute;
 using materials::Compensation;
-using materials::DiffuseLaw;
-using materials::SpecularLaw;
+using materials::DiffuseModel;
 using schemas::ElementId;
 
 namespace {
 
 // sums of rounded decimals, as 0.7 0.2 0.1, may come out this much above 1
 constexpr double kSumTolerance = 1e-9;
-
-constexpr double kBands_um[] = {0.65, 0.55, 0.45};  // of the channels
-constexpr std::string_view kFilms[] = {"Kapton", "MgF2", "SiO2"};
-
-// n and k of a film for the channels.
-std::optional<materials::Conductor> film_of(std::string_view name) {
-  if (std::find(std::begin(kFilms), std::end(kFilms), name) == std::end(kFilms))
-    return std::nullopt;
-  const auto constants = materials::optical_constants(name);
-  if (!constants) return std::nullopt;
-  const auto grid = materials::wavelengths_um();
-  materials::Conductor out;
-  for (int channel = 0; channel < 3; ++channel) {
-    const auto above = std::upper_bound(grid.begin(), grid.end(), kBands_um[channel]);
-    const auto i = static_cast<std::size_t>(above - grid.begin()) - 1;
-    const double t = (kBands_um[channel] - grid[i]) / (grid[i + 1] - grid[i]);
-    out.n[channel] = constants->n[i] + t * (constants->n[i + 1] - constants->n[i]);
-    out.k[channel] = constants->k[i] + t * (constants->k[i + 1] - constants->k[i]);
-  }
-  return out;
-}
 
 class Reader {
  public:
@@ -57,7 +35,8 @@ class Reader {
         return vector(c, fields.diffuse);
       case ElementId::specular:
         vector(c, fields.specular);
-        fields.shine = values_.real(c, attribute::specular_shine);
+        if (const auto shine = values_.real(c, attribute::specular_shine))
+          fields.blinn_phong = materials::BlinnPhong{*shine};
         return;
       case ElementId::emissive:
         return vector(c, fields.emissive);
@@ -65,30 +44,6 @@ class Reader {
         return weights(c);
       case ElementId::refract:
         return vector(c, fields.refract);
-      case ElementId::cook:
-        return numbers(c, fields.cook);
-      case ElementId::oren:
-        return oren(c);
-      case ElementId::hapke:
-        return hapke(c);
-      case ElementId::lambert:
-        fields.diffuse_law = DiffuseLaw::lambert;
-        return;
-      case ElementId::eon:
-        number(c, fields.oren);
-        fields.diffuse_law = DiffuseLaw::eon;
-        return;
-      case ElementId::lommel_seeliger:
-        number(c, fields.lommel);
-        fields.diffuse_law = DiffuseLaw::lommel_seeliger;
-        return;
-      case ElementId::beckmann:
-        return facets(c, SpecularLaw::beckmann, attribute::beckmann_energy);
-      case ElementId::ggx:
-        return facets(c, SpecularLaw::ggx, attribute::ggx_energy);
-      case ElementId::mirror:
-        fields.specular_law = SpecularLaw::mirror;
-        return;
       case ElementId::conductor:
         return conductor(c);
       case ElementId::coat:
@@ -96,7 +51,7 @@ class Reader {
       case ElementId::cells:
         return cells(c);
       default:
-        return;
+        return brdf(c);
     }
   }
 
@@ -106,14 +61,6 @@ class Reader {
   void vector(std::uint32_t c, std::optional<Vec3>& field) {
     Vec3 v(0);
     if (values_.numbers(c, std::span(&v.x, 3))) field = v;
-  }
-  void numbers(std::uint32_t c, std::optional<std::array<double, 4>>& field) {
-    std::array<double, 4> four{};
-    if (values_.numbers(c, four)) field = four;
-  }
-  void number(std::uint32_t c, std::optional<double>& field) {
-    double one = 0;
-    if (values_.numbers(c, std::span(&one, 1))) field = one;
   }
   // Attributes that are not there leave their default.
   void give(std::uint32_t c, std::size_t which, double& out) {
@@ -144,33 +91,73 @@ class Reader {
     fields.reflect = w / (w.x + w.y + w.z);
   }
 
-  void oren(std::uint32_t c) {
-    number(c, fields.oren);
-    if (values_.text(c, attribute::oren_energy) != "preserving" || !fields.oren) return;
-    fields.oren = materials::eon_roughness(*fields.oren);
-    fields.diffuse_law = DiffuseLaw::eon;
+  // The element of a BRDF, if it is one; schemas/material.toml says where its parameters stand.
+  void brdf(std::uint32_t c) {
+    const std::string_view tag = schema(c).name;
+    if (const auto model = materials::diffuse_model_of_tag(tag)) {
+      auto brdf = materials::default_brdf(*model);
+      if (!parameters(c, brdf)) return;
+      set_brdf(fields, brdf);
+      return settle_diffuse(c, *model);
+    }
+    const auto model = materials::specular_model_of_tag(tag);
+    if (!model) return;
+    auto brdf = materials::default_brdf(*model);
+    const bool whole = parameters(c, brdf);
+    if (whole) set_brdf(fields, brdf);
+    // by level 0 the numbers choose
+    if (schema(c).level > 0) fields.specular_model = *model;
+    energy(c);
   }
 
-  void hapke(std::uint32_t c) {
-    numbers(c, fields.hapke);
-    if (!named_) return;
-    materials::HapkeGrains grains;
-    give(c, attribute::hapke_b, grains.b);
-    give(c, attribute::hapke_c, grains.c);
-    give(c, attribute::hapke_hc, grains.h_c);
-    give(c, attribute::hapke_bc0, grains.b_c0);
-    give(c, attribute::hapke_porosity, grains.porosity);
-    fields.hapke_grains = grains;
+  // Fills in what is given; false where the numbers between the tags cannot be read.
+  template <class Brdf>
+  bool parameters(std::uint32_t c, Brdf& brdf) {
+    std::vector<double> numbers(schema(c).text.count);
+    if (!numbers.empty() && !values_.numbers(c, numbers)) return false;
+    std::size_t next = 0;
+    edit_parameters(brdf, [&](const materials::Parameter& parameter, std::span<double> out) {
+      if (parameter.attribute.empty()) {
+        for (double& value : out) value = numbers[next++] * parameter.pxn_unit;
+      } else if (const auto which = attribute_of(c, parameter.attribute)) {
+        std::vector<double> given(out.size());
+        if (!values_.numbers(c, *which, given)) return;
+        for (std::size_t k = 0; k < out.size(); ++k) out[k] = given[k] * parameter.pxn_unit;
+      }
+    });
+    return true;
   }
 
-  void facets(std::uint32_t c, SpecularLaw law, std::size_t energy) {
-    std::array<double, 2> alpha{};
-    if (values_.numbers(c, alpha)) fields.alpha = alpha;
-    fields.specular_law = law;
-    if (const auto word = values_.text(c, energy))
+  // Models of level 1 are named; of level 0, and hapke and oren at any level, the numbers choose.
+  void settle_diffuse(std::uint32_t c, DiffuseModel model) {
+    if (schema(c).level > 0) fields.diffuse_model = model;
+    if (model == DiffuseModel::hapke) fields.hapke_named = named_;
+    if (model != DiffuseModel::oren_nayar) return;
+    if (values_.text(c, attribute::oren_energy) != "preserving") return;
+    fields.eon = materials::Eon{materials::eon_roughness(fields.oren_nayar->sigma)};
+    fields.oren_nayar.reset();
+    fields.diffuse_model = DiffuseModel::eon;
+  }
+
+  // Whether multiple scattering is added, where the element says so.
+  void energy(std::uint32_t c) {
+    const auto which = attribute_of(c, "energy");
+    if (!which) return;
+    if (const auto word = values_.text(c, *which))
       fields.compensation = *word == "full"     ? Compensation::on
                             : *word == "single" ? Compensation::off
                                                 : Compensation::automatic;
+  }
+
+  const schemas::Element& schema(std::uint32_t c) const {
+    return schemas::kPxn.elements[static_cast<std::size_t>(document_.elements[c].id)];
+  }
+  // The index of an attribute in the tables; none where the element has no such attribute.
+  std::optional<std::size_t> attribute_of(std::uint32_t c, std::string_view name) const {
+    const auto attributes = schema(c).attributes;
+    for (std::size_t i = 0; i < attributes.size(); ++i)
+      if (attributes[i].name == name) return i;
+    return std::nullopt;
   }
 
   void conductor(std::uint32_t c) {
@@ -198,12 +185,12 @@ class Reader {
     give(c, attribute::coat_thickness, thickness);
     if (give(c, attribute::coat_absorption, coat.depth)) coat.depth *= thickness;
     if (const auto name = values_.text(c, attribute::coat_film)) {
-      if (const auto film = film_of(*name)) {
-        coat.index = film->n.y;
-        for (int k = 0; k < 3; ++k)
-          coat.depth[k] = 4 * kPi * film->k[k] / (kBands_um[k] * 1e-6) * thickness;
+      if (const auto film = materials::film(*name)) {
+        const materials::Coat of_film = materials::coat_of_film(*film, thickness);
+        coat.index = of_film.index;
+        coat.depth = of_film.depth;
       } else {
-        unknown(c, attribute::coat_film, *name, kFilms, "give n and absorption");
+        unknown(c, attribute::coat_film, *name, materials::film_names(), "give n and absorption");
       }
     }
     fields.coat = coat;
@@ -211,7 +198,6 @@ class Reader {
 
   void cells(std::uint32_t c) {
     materials::Cells cells;
-    cells.finger_width = 0.03;
     give(c, attribute::cells_columns, cells.count.x);
     give(c, attribute::cells_rows, cells.count.y);
     give(c, attribute::cells_gap, cells.gap);

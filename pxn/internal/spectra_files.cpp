@@ -58,10 +58,9 @@ void Loader::read_spectra(Work& work, std::uint32_t element, materials::Fields& 
     return;
   }
   const double thickness = values.real(coat, attribute::coat_thickness).value_or(0);
-  fields.coat->index = film->n.y;
-  for (int k = 0; k < 3; ++k)
-    fields.coat->depth[k] = 4 * kPi * film->k[k] /
-                            (materials::kBands_um[static_cast<std::size_t>(k)] * 1e-6) * thickness;
+  const materials::Coat of_film = materials::coat_of_film(*film, thickness);
+  fields.coat->index = of_film.index;
+  fields.coat->depth = of_film.depth;
 }
 
 }  // namespace panwright::pxn

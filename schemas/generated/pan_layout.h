@@ -24,23 +24,23 @@ inline constexpr std::uint64_t kMaxPathBytes = 4096;  // bytes of an input's pat
 inline constexpr std::uint64_t kMaxShortVertices = 65535;  // vertices of a mesh with 2-byte indices: no index is ever 0xffff
 inline constexpr std::uint64_t kKnownRequiredFeatures = 0;  // bits of Header.required_features that format 1.0 gives a meaning
 
-// The law of the diffuse part of a material.
-enum class DiffuseLaw : std::uint32_t {
-  lambert = 0,  // constant
-  oren_nayar = 1,  // Oren-Nayar 1994, width in oren
-  hapke = 2,  // Hapke, parameters in hapke, grains and porosity
-  eon = 3,  // energy-preserving Oren-Nayar, roughness in oren
-  lommel_seeliger = 4,  // Lommel-Seeliger, w in hapke[0]
+// The BRDF model of the diffuse part of a material.
+enum class DiffuseModel : std::uint32_t {
+  lambert = 0,  // The same radiance in every direction
+  oren_nayar = 1,  // Oren and Nayar 1994
+  hapke = 2,  // Hapke's BRDF of regolith
+  eon = 3,  // Energy-preserving Oren-Nayar (Portsmouth, Kutz, Hill 2025)
+  lommel_seeliger = 4,  // Dark particles that scatter once (Seeliger 1888)
 };
 
-// The law of the specular part of a material.
-enum class SpecularLaw : std::uint32_t {
-  none = 0,  // no specular part
-  blinn_phong = 1,  // normalised Blinn-Phong, exponent in shine
-  cook_torrance = 2,  // Cook-Torrance with Beckmann slopes in V-cavities, parameters in cook
-  beckmann = 3,  // Beckmann slopes with Smith's masking, cook[1] and alpha_y
-  ggx = 4,  // GGX slopes with Smith's masking, cook[1] and alpha_y
-  mirror = 5,  // a perfect mirror
+// The BRDF model of the specular part of a material.
+enum class SpecularModel : std::uint32_t {
+  none = 0,  // No specular part
+  blinn_phong = 1,  // Blinn 1977, normalised
+  cook_torrance = 2,  // Beckmann microfacets in V-cavities (Cook and Torrance 1982)
+  beckmann = 3,  // Beckmann microfacets with Smith's masking
+  ggx = 4,  // GGX microfacets (Trowbridge and Reitz 1975) with Smith's masking
+  mirror = 5,  // A perfect mirror
 };
 
 // Which term of the need decided a tolerance.
@@ -212,8 +212,9 @@ static_assert(offsetof(Instance, texture) == 12);
 
 // A material in the std430 layout of 24 vec4, so that the section is a shader storage buffer as
 // it stands. f = weight_d*diffuse*f_d + weight_s*specular*f_s, under a coat where there is one;
-// radiance = f*E*cos + weight_e*emissive*E/pi. The laws are as authored; variant says which
-// materials share a shader.
+// radiance = f*E*cos + weight_e*emissive*E/pi. The BRDFs are as authored; variant says which
+// materials share a shader. Parameters of materials, below, says what a BRDF keeps where; what
+// no BRDF uses has the slot's default.
 struct Material {
   float diffuse[3];  // linear RGB
   float weight_d;  // weight of the diffuse part
@@ -225,13 +226,14 @@ struct Material {
   float shine;  // Blinn-Phong exponent
   float extinction[3];  // k per channel; all 0: a dielectric
   float alpha_y;  // beckmann, ggx: RMS slope along v
-  // factor of D, RMS slope m or alpha along u (> 0 for facets), factor of F, factor of G
+  // parameters of the specular BRDF. cook_torrance: factor of D, RMS slope m (> 0), factor of F,
+  // factor of G; beckmann, ggx: [1] is alpha along u (> 0)
   float cook[4];
   float hapke[4];  // w, h, B0, mean roughness angle in radians; lommel_seeliger: w alone
   // Hapke: asymmetry b, backward share c, width and strength of the coherent backscatter
   float grains[4];
   float porosity;  // Hapke: filling factor, at most 0.7
-  float oren;  // oren_nayar: RMS slope angle of the facets, radians; eon: roughness 0 to 1
+  float oren;  // oren_nayar: RMS slope angle, radians; eon: roughness 0 to 1
   float coat_index;  // refractive index of the coat, at least 1; 0: no coat
   float coat_alpha;  // RMS slope of the coat's surface
   float coat_depth[3];  // optical thickness across the coat
@@ -240,16 +242,17 @@ struct Material {
   // diffuse
   float coat_return[3];
   float tilt_u;  // slope of cells against their cover glass along u
-  // light scattered more than once by facets: factor of loss(l)*loss(v), 1/sr; all 0: none
+  // light that microfacets scatter more than once: factor of loss(l)*loss(v), 1/sr; all 0: none
   float many_scale[3];
   float tilt_v;  // and along v
-  // polynomial of what single reflections miss, of facets alone or with their coat, or of what a
-  // rough coat reflects more than a smooth one (materials/formulas/facets.glsl): coefficients of
-  // 1, x ... x^6, and b; x^2 = c (1 + |b|)/(c + |b|), c the cosine, its square where b < 0
+  // polynomial of what single scattering misses, of microfacets alone or with their coat, or of
+  // what a rough coat reflects more than a smooth one (materials/formulas/facets.glsl):
+  // coefficients of 1, x ... x^6, and b; x^2 = c (1 + |b|)/(c + |b|), c the cosine, its square
+  // where b < 0
   float loss[8];
   float hapke_h[8];  // coefficients of H(x), see materials/formulas/hapke.glsl
-  std::uint32_t diffuse_law;  // DiffuseLaw
-  std::uint32_t specular_law;  // SpecularLaw
+  std::uint32_t diffuse_law;  // DiffuseModel
+  std::uint32_t specular_law;  // SpecularModel
   std::uint32_t compensation;  // Compensation: automatic, on, off
   std::uint32_t variant;  // which shader: materials of one variant share it
   std::uint32_t name;  // may be empty; a shader skips it
@@ -259,7 +262,8 @@ struct Material {
   std::int32_t albedo_map;  // multiplies the diffuse colour; -1: none
   // linear; RGB x 2 - 1 is the normal: +x along u, +y along v, +z outwards; -1: none
   std::int32_t normal_map;
-  std::int32_t roughness_map;  // linear, red: multiplies cook[1], alpha_y and oren; -1: none
+  // linear, red: multiplies the slopes of microfacets and oren; -1: none
+  std::int32_t roughness_map;
   // alpha: the surface is there where it reaches cutout_threshold; -1: none
   std::int32_t cutout_map;
   float map_repeat[2];  // texcoords are multiplied by it for the maps of the material
@@ -270,12 +274,11 @@ struct Material {
   float gap_color[3];  // diffuse, linear RGB
   std::uint32_t reserved_a;  // 0
   float finger_color[3];  // diffuse, linear RGB
-  // sRGB: reflectance R of the mirror facets at normal incidence, in place of reflectance; -1:
-  // none
+  // sRGB: reflectance R of microfacets at normal incidence, in place of reflectance; -1: none
   std::int32_t reflectance_map;
-  // of the facets at normal incidence, F0, by refract and extinction, under the coat if there is
-  // one; at most 1. Under a reflectance map the Fresnel term F is R + (F - F0) (1 - R)/(1 - F0),
-  // and R where F0 = 1
+  // of microfacets at normal incidence, F0, by refract and extinction, under the coat if there
+  // is one; at most 1. Under a reflectance map the Fresnel term F is R + (F - F0) (1 - R)/(1 -
+  // F0), and R where F0 = 1
   float reflectance[3];
   std::uint32_t reserved_b;  // 0
 };

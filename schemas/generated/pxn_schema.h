@@ -35,9 +35,9 @@ enum class ElementId : std::uint16_t {
   emissive,
   reflect,
   refract,
-  cook,
   oren,
   hapke,
+  cook,
   texture,
   data,
   include_raw,
@@ -148,6 +148,8 @@ struct Attribute {
   bool supported;
   bool required;
   Value value;
+  std::span<const double> initial;           // where it is absent: numbers in SI; empty: none
+  std::string_view initial_word;             // the same of words
 };
 
 // A place for children: any of some elements, min to max of them together.
@@ -175,6 +177,7 @@ struct Element {
   std::span<const Attribute> attributes;
   std::span<const Slot> slots;
   std::span<const Rule> rules;
+  bool shape;                                // something to see, placed as a node
 };
 
 struct Language {
@@ -548,10 +551,10 @@ inline constexpr ElementId kChoice_pangu_model_4[] = {
     ElementId::budget,
 };
 inline constexpr Attribute kAttributes_pangu_model[] = {
-    {"ver", 0, true, true, {ValueKind::version, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"units", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_units, Dimension::none, false, false, 1, 0}},
-    {"angle", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_angle, Dimension::none, false, false, 1, 0}},
-    {"up", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_up, Dimension::none, false, false, 1, 0}},
+    {"ver", 0, true, true, {ValueKind::version, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"units", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_units, Dimension::none, false, false, 1, 0}, {}, "m"},
+    {"angle", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_angle, Dimension::none, false, false, 1, 0}, {}, "deg"},
+    {"up", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_up, Dimension::none, false, false, 1, 0}, {}, "z"},
 };
 inline constexpr Slot kSlots_pangu_model[] = {
     {kChoice_pangu_model_0, "node", 0, 0, ""},
@@ -564,9 +567,9 @@ inline constexpr Number kNumbers_group_count[] = {
     {"count", 0, 4294967295, false, false},
 };
 inline constexpr Attribute kAttributes_group[] = {
-    {"count", 0, true, false, {ValueKind::integer, 1, kNumbers_group_count, {}, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"count", 0, true, false, {ValueKind::integer, 1, kNumbers_group_count, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Slot kSlots_group[] = {
     {kChoice_pangu_model_0, "node", 0, 0, ""},
@@ -578,8 +581,8 @@ inline constexpr std::string_view kWords_include_type[] = {
     "pxn",
 };
 inline constexpr Attribute kAttributes_include[] = {
-    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_include_type, Dimension::none, false, false, 1, 0}},
-    {"file", 0, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_include_type, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"file", 0, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr ElementId kChoice_transform_0[] = {
     ElementId::scaling,
@@ -640,7 +643,7 @@ inline constexpr ElementId kChoice_frame_s_3[] = {
     ElementId::right,
 };
 inline constexpr Attribute kAttributes_frame_s[] = {
-    {"label", 0, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"label", 0, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Slot kSlots_frame_s[] = {
     {kChoice_frame_s_0, "", 1, 1, ""},
@@ -683,13 +686,13 @@ inline constexpr ElementId kChoice_material_4[] = {
     ElementId::refract,
 };
 inline constexpr ElementId kChoice_material_5[] = {
-    ElementId::cook,
-};
-inline constexpr ElementId kChoice_material_6[] = {
     ElementId::oren,
 };
-inline constexpr ElementId kChoice_material_7[] = {
+inline constexpr ElementId kChoice_material_6[] = {
     ElementId::hapke,
+};
+inline constexpr ElementId kChoice_material_7[] = {
+    ElementId::cook,
 };
 inline constexpr std::string_view kMembers_material_0[] = {
     "diffuse",
@@ -722,8 +725,11 @@ inline constexpr Number kNumbers_diffuse[] = {
 inline constexpr Number kNumbers_specular_shine[] = {
     {"shine", 0, 128, false, false},
 };
+inline constexpr double kInitial_specular_shine[] = {
+    0,
+};
 inline constexpr Attribute kAttributes_specular[] = {
-    {"shine", 0, true, false, {ValueKind::real, 1, kNumbers_specular_shine, {}, Dimension::none, false, false, 1, 0}},
+    {"shine", 0, true, false, {ValueKind::real, 1, kNumbers_specular_shine, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
 };
 inline constexpr Number kNumbers_reflect[] = {
     {"d", 0, 1000000.0, false, false},
@@ -735,12 +741,6 @@ inline constexpr Number kNumbers_refract[] = {
     {"g", 1, 100, false, false},
     {"b", 1, 100, false, false},
 };
-inline constexpr Number kNumbers_cook[] = {
-    {"c", 0, 1000000.0, false, false},
-    {"m", 0.0001, 10, false, false},
-    {"f", 0, 1000000.0, false, false},
-    {"g", 0, 1000000.0, false, false},
-};
 inline constexpr std::string_view kWords_oren_energy[] = {
     "1994",
     "preserving",
@@ -749,7 +749,7 @@ inline constexpr Number kNumbers_oren[] = {
     {"sigma", 0, 1.5, false, false},
 };
 inline constexpr Attribute kAttributes_oren[] = {
-    {"energy", 1, true, false, {ValueKind::word, 1, {}, kWords_oren_energy, Dimension::none, false, false, 1, 0}},
+    {"energy", 1, true, false, {ValueKind::word, 1, {}, kWords_oren_energy, Dimension::none, false, false, 1, 0}, {}, "1994"},
 };
 inline constexpr Number kNumbers_hapke_b[] = {
     {"b", 0, 0.99, false, false},
@@ -773,11 +773,17 @@ inline constexpr Number kNumbers_hapke[] = {
     {"θ̄: mean roughness angle, degrees", 0, 80, false, false},
 };
 inline constexpr Attribute kAttributes_hapke[] = {
-    {"b", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_b, {}, Dimension::none, false, false, 1, 0}},
-    {"c", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_c, {}, Dimension::none, false, false, 1, 0}},
-    {"hc", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_hc, {}, Dimension::none, false, false, 1, 0}},
-    {"bc0", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_bc0, {}, Dimension::none, false, false, 1, 0}},
-    {"porosity", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_porosity, {}, Dimension::none, false, false, 1, 0}},
+    {"b", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_b, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"c", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_c, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"hc", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_hc, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"bc0", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_bc0, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"porosity", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_porosity, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
+};
+inline constexpr Number kNumbers_cook[] = {
+    {"c", 0, 1000000.0, false, false},
+    {"m", 0.0001, 10, false, false},
+    {"f", 0, 1000000.0, false, false},
+    {"g", 0, 1000000.0, false, false},
 };
 inline constexpr std::string_view kWords_texture_type[] = {
     "sphere",
@@ -786,7 +792,7 @@ inline constexpr ElementId kChoice_texture_0[] = {
     ElementId::data,
 };
 inline constexpr Attribute kAttributes_texture[] = {
-    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_texture_type, Dimension::none, false, false, 1, 0}},
+    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_texture_type, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Slot kSlots_texture[] = {
     {kChoice_texture_0, "", 1, 1, ""},
@@ -802,8 +808,8 @@ inline constexpr std::string_view kWords_include_raw_type[] = {
     "raw",
 };
 inline constexpr Attribute kAttributes_include_raw[] = {
-    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_include_raw_type, Dimension::none, false, false, 1, 0}},
-    {"file", 0, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_include_raw_type, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"file", 0, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Number kNumbers_sphere_rings[] = {
     {"rings", 2, 100000, false, false},
@@ -812,8 +818,8 @@ inline constexpr Number kNumbers_sphere_quads[] = {
     {"quads", 3, 100000, false, false},
 };
 inline constexpr Attribute kAttributes_sphere[] = {
-    {"rings", 0, true, true, {ValueKind::integer, 1, kNumbers_sphere_rings, {}, Dimension::none, false, false, 1, 0}},
-    {"quads", 0, true, true, {ValueKind::integer, 1, kNumbers_sphere_quads, {}, Dimension::none, false, false, 1, 0}},
+    {"rings", 0, true, true, {ValueKind::integer, 1, kNumbers_sphere_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"quads", 0, true, true, {ValueKind::integer, 1, kNumbers_sphere_quads, {}, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Number kNumbers_mesh_tolerance[] = {
     {"tolerance", 0, 1e+30, true, false},
@@ -838,13 +844,13 @@ inline constexpr std::string_view kMembers_mesh_0[] = {
     "@quat",
 };
 inline constexpr Attribute kAttributes_mesh[] = {
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Slot kSlots_mesh[] = {
     {kChoice_mesh_0, "", 1, 1, ""},
@@ -894,12 +900,12 @@ inline constexpr Number kNumbers_tristrip[] = {
     {"index", 0, 4294967294, false, false},
 };
 inline constexpr Attribute kAttributes_tristrip[] = {
-    {"count", 0, true, false, {ValueKind::integer, 1, kNumbers_group_count, {}, Dimension::none, false, false, 1, 0}},
+    {"count", 0, true, false, {ValueKind::integer, 1, kNumbers_group_count, {}, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Attribute kAttributes_param[] = {
-    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"value", 1, true, true, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"doc", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"value", 1, true, true, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"doc", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr std::string_view kWords_named_material_sides[] = {
     "1",
@@ -908,6 +914,10 @@ inline constexpr std::string_view kWords_named_material_sides[] = {
 inline constexpr Number kNumbers_named_material_map_repeat[] = {
     {"u", 1e-06, 1000000.0, false, false},
     {"v", 1e-06, 1000000.0, false, false},
+};
+inline constexpr double kInitial_named_material_map_repeat[] = {
+    1,
+    1,
 };
 inline constexpr ElementId kChoice_named_material_8[] = {
     ElementId::cutout,
@@ -945,8 +955,8 @@ inline constexpr ElementId kChoice_named_material_18[] = {
 inline constexpr std::string_view kMembers_named_material_0[] = {
     "lambert",
     "oren",
-    "eon",
     "hapke",
+    "eon",
     "lommel_seeliger",
 };
 inline constexpr std::string_view kMembers_named_material_1[] = {
@@ -964,15 +974,15 @@ inline constexpr std::string_view kMembers_named_material_3[] = {
     "@preset",
 };
 inline constexpr Attribute kAttributes_named_material[] = {
-    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"base", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"preset", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"sides", 1, false, false, {ValueKind::word, 1, {}, kWords_named_material_sides, Dimension::none, false, false, 1, 0}},
-    {"albedo_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"normal_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"roughness_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"reflectance_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"map_repeat", 1, true, false, {ValueKind::real, 2, kNumbers_named_material_map_repeat, {}, Dimension::none, false, true, 1, 0}},
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"base", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"preset", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"sides", 1, false, false, {ValueKind::word, 1, {}, kWords_named_material_sides, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"albedo_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"normal_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"roughness_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"reflectance_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"map_repeat", 1, true, false, {ValueKind::real, 2, kNumbers_named_material_map_repeat, {}, Dimension::none, false, true, 1, 0}, kInitial_named_material_map_repeat, ""},
 };
 inline constexpr Slot kSlots_named_material[] = {
     {kChoice_material_0, "", 0, 1, ""},
@@ -1004,9 +1014,12 @@ inline constexpr Rule kRules_named_material[] = {
 inline constexpr Number kNumbers_cutout_threshold[] = {
     {"threshold", 0, 1, false, false},
 };
+inline constexpr double kInitial_cutout_threshold[] = {
+    0.5,
+};
 inline constexpr Attribute kAttributes_cutout[] = {
-    {"image", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"threshold", 1, true, false, {ValueKind::real, 1, kNumbers_cutout_threshold, {}, Dimension::none, false, false, 1, 0}},
+    {"image", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"threshold", 1, true, false, {ValueKind::real, 1, kNumbers_cutout_threshold, {}, Dimension::none, false, false, 1, 0}, kInitial_cutout_threshold, ""},
 };
 inline constexpr Number kNumbers_eon[] = {
     {"roughness", 0, 1, false, false},
@@ -1024,7 +1037,7 @@ inline constexpr Number kNumbers_beckmann[] = {
     {"v", 1e-05, 1, false, false},
 };
 inline constexpr Attribute kAttributes_beckmann[] = {
-    {"energy", 1, true, false, {ValueKind::word, 1, {}, kWords_beckmann_energy, Dimension::none, false, false, 1, 0}},
+    {"energy", 1, true, false, {ValueKind::word, 1, {}, kWords_beckmann_energy, Dimension::none, false, false, 1, 0}, {}, "auto"},
 };
 inline constexpr Number kNumbers_conductor_n[] = {
     {"r", 0, 100, true, false},
@@ -1050,10 +1063,10 @@ inline constexpr std::string_view kMembers_conductor_2[] = {
     "@k",
 };
 inline constexpr Attribute kAttributes_conductor[] = {
-    {"metal", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"file", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"n", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_n, {}, Dimension::none, false, true, 1, 0}},
-    {"k", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_k, {}, Dimension::none, false, true, 1, 0}},
+    {"metal", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"file", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"n", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_n, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"k", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_k, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Rule kRules_conductor[] = {
     {RuleKind::one_of, kMembers_conductor_0},
@@ -1062,6 +1075,9 @@ inline constexpr Rule kRules_conductor[] = {
 };
 inline constexpr Number kNumbers_coat_n[] = {
     {"n", 1, 4, false, false},
+};
+inline constexpr double kInitial_coat_n[] = {
+    1.5,
 };
 inline constexpr Number kNumbers_coat_slope[] = {
     {"slope", 0, 1, false, false},
@@ -1097,12 +1113,12 @@ inline constexpr std::string_view kMembers_coat_4[] = {
     "@absorption",
 };
 inline constexpr Attribute kAttributes_coat[] = {
-    {"film", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"file", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"n", 1, true, false, {ValueKind::real, 1, kNumbers_coat_n, {}, Dimension::none, false, false, 1, 0}},
-    {"slope", 1, true, false, {ValueKind::real, 1, kNumbers_coat_slope, {}, Dimension::none, false, false, 1, 0}},
-    {"absorption", 1, true, false, {ValueKind::real, 3, kNumbers_coat_absorption, {}, Dimension::none, false, true, 1, 0}},
-    {"thickness", 1, true, false, {ValueKind::real, 1, kNumbers_coat_thickness, {}, Dimension::length, false, false, 1, 0}},
+    {"film", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"file", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"n", 1, true, false, {ValueKind::real, 1, kNumbers_coat_n, {}, Dimension::none, false, false, 1, 0}, kInitial_coat_n, ""},
+    {"slope", 1, true, false, {ValueKind::real, 1, kNumbers_coat_slope, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"absorption", 1, true, false, {ValueKind::real, 3, kNumbers_coat_absorption, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"thickness", 1, true, false, {ValueKind::real, 1, kNumbers_coat_thickness, {}, Dimension::length, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Rule kRules_coat[] = {
     {RuleKind::requires_others, kMembers_coat_0},
@@ -1121,38 +1137,55 @@ inline constexpr Number kNumbers_cells_gap[] = {
     {"u", 0, 0.9, false, false},
     {"v", 0, 0.9, false, false},
 };
+inline constexpr double kInitial_cells_gap[] = {
+    0,
+    0,
+};
+inline constexpr double kInitial_cells_gap_color[] = {
+    0.5,
+    0.5,
+    0.5,
+};
 inline constexpr Number kNumbers_cells_fingers[] = {
     {"fingers", 0, 10000.0, false, false},
 };
 inline constexpr Number kNumbers_cells_finger_width[] = {
     {"finger_width", 0, 0.9, false, false},
 };
+inline constexpr double kInitial_cells_finger_width[] = {
+    0.03,
+};
+inline constexpr double kInitial_cells_finger_color[] = {
+    0.6,
+    0.6,
+    0.6,
+};
 inline constexpr Number kNumbers_cells_tilt[] = {
     {"u", -0.2, 0.2, false, false},
     {"v", -0.2, 0.2, false, false},
 };
 inline constexpr Attribute kAttributes_cells[] = {
-    {"columns", 1, true, true, {ValueKind::real, 1, kNumbers_cells_columns, {}, Dimension::none, false, false, 1, 0}},
-    {"rows", 1, true, true, {ValueKind::real, 1, kNumbers_cells_rows, {}, Dimension::none, false, false, 1, 0}},
-    {"gap", 1, true, false, {ValueKind::real, 2, kNumbers_cells_gap, {}, Dimension::none, false, true, 1, 0}},
-    {"gap_color", 1, true, false, {ValueKind::real, 3, kNumbers_rgb, {}, Dimension::none, false, true, 1, 0}},
-    {"fingers", 1, true, false, {ValueKind::real, 1, kNumbers_cells_fingers, {}, Dimension::none, false, false, 1, 0}},
-    {"finger_width", 1, true, false, {ValueKind::real, 1, kNumbers_cells_finger_width, {}, Dimension::none, false, false, 1, 0}},
-    {"finger_color", 1, true, false, {ValueKind::real, 3, kNumbers_rgb, {}, Dimension::none, false, true, 1, 0}},
-    {"tilt", 1, true, false, {ValueKind::real, 2, kNumbers_cells_tilt, {}, Dimension::angle, false, true, 1, 0}},
+    {"columns", 1, true, true, {ValueKind::real, 1, kNumbers_cells_columns, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"rows", 1, true, true, {ValueKind::real, 1, kNumbers_cells_rows, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"gap", 1, true, false, {ValueKind::real, 2, kNumbers_cells_gap, {}, Dimension::none, false, true, 1, 0}, kInitial_cells_gap, ""},
+    {"gap_color", 1, true, false, {ValueKind::real, 3, kNumbers_rgb, {}, Dimension::none, false, true, 1, 0}, kInitial_cells_gap_color, ""},
+    {"fingers", 1, true, false, {ValueKind::real, 1, kNumbers_cells_fingers, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"finger_width", 1, true, false, {ValueKind::real, 1, kNumbers_cells_finger_width, {}, Dimension::none, false, false, 1, 0}, kInitial_cells_finger_width, ""},
+    {"finger_color", 1, true, false, {ValueKind::real, 3, kNumbers_rgb, {}, Dimension::none, false, true, 1, 0}, kInitial_cells_finger_color, ""},
+    {"tilt", 1, true, false, {ValueKind::real, 2, kNumbers_cells_tilt, {}, Dimension::angle, false, true, 1, 0}, kInitial_cells_gap, ""},
 };
 inline constexpr Number kNumbers_provenance_absorptance[] = {
     {"absorptance", 0, 1, false, false},
 };
 inline constexpr Attribute kAttributes_provenance[] = {
-    {"source", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"published", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"fitted", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"indicative", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"absorptance", 1, true, false, {ValueKind::real, 1, kNumbers_provenance_absorptance, {}, Dimension::none, false, false, 1, 0}},
+    {"source", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"published", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"fitted", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"indicative", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"absorptance", 1, true, false, {ValueKind::real, 1, kNumbers_provenance_absorptance, {}, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Attribute kAttributes_part[] = {
-    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Slot kSlots_part[] = {
     {kChoice_pangu_model_1, "", 0, 0, ""},
@@ -1191,12 +1224,12 @@ inline constexpr std::string_view kMembers_budget_3[] = {
     "@nearest",
 };
 inline constexpr Attribute kAttributes_budget[] = {
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"nearest", 1, true, false, {ValueKind::real, 1, kNumbers_budget_nearest, {}, Dimension::length, false, false, 1, 0}},
-    {"ifov", 1, true, false, {ValueKind::real, 1, kNumbers_budget_ifov, {}, Dimension::angle, false, false, 1, 0}},
-    {"pixels", 1, true, false, {ValueKind::real, 1, kNumbers_budget_pixels, {}, Dimension::pixels, false, false, 1, 0}},
-    {"flux", 1, true, false, {ValueKind::real, 1, kNumbers_budget_flux, {}, Dimension::ratio, false, false, 1, 0}},
-    {"centroid", 1, true, false, {ValueKind::real, 1, kNumbers_budget_centroid, {}, Dimension::pixels, false, false, 1, 0}},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"nearest", 1, true, false, {ValueKind::real, 1, kNumbers_budget_nearest, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"ifov", 1, true, false, {ValueKind::real, 1, kNumbers_budget_ifov, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"pixels", 1, true, false, {ValueKind::real, 1, kNumbers_budget_pixels, {}, Dimension::pixels, false, false, 1, 0}, {}, ""},
+    {"flux", 1, true, false, {ValueKind::real, 1, kNumbers_budget_flux, {}, Dimension::ratio, false, false, 1, 0}, {}, ""},
+    {"centroid", 1, true, false, {ValueKind::real, 1, kNumbers_budget_centroid, {}, Dimension::pixels, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Rule kRules_budget[] = {
     {RuleKind::any_of, kMembers_budget_0},
@@ -1205,54 +1238,54 @@ inline constexpr Rule kRules_budget[] = {
     {RuleKind::requires_others, kMembers_budget_3},
 };
 inline constexpr Attribute kAttributes_node[] = {
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr ElementId kChoice_use_0[] = {
     ElementId::with,
 };
 inline constexpr Attribute kAttributes_use[] = {
-    {"part", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"part", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Slot kSlots_use[] = {
     {kChoice_use_0, "", 0, 0, ""},
 };
 inline constexpr Attribute kAttributes_with[] = {
-    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"value", 1, true, true, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"value", 1, true, true, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Number kNumbers_repeat_count[] = {
     {"count", 0, 1000000000, false, false},
 };
 inline constexpr Attribute kAttributes_repeat[] = {
-    {"count", 1, true, true, {ValueKind::integer, 1, kNumbers_repeat_count, {}, Dimension::none, false, false, 1, 0}},
-    {"var", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"count", 1, true, true, {ValueKind::integer, 1, kNumbers_repeat_count, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"var", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Attribute kAttributes_include_1[] = {
-    {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"type", 1, true, false, {ValueKind::word, 1, {}, kWords_include_type, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"type", 1, true, false, {ValueKind::word, 1, {}, kWords_include_type, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr std::string_view kWords_import_units[] = {
     "auto",
@@ -1280,6 +1313,9 @@ inline constexpr Number kNumbers_import_weld[] = {
 inline constexpr Number kNumbers_import_crease[] = {
     {"crease", 0, 3.141592653589793, false, false},
 };
+inline constexpr double kInitial_import_crease[] = {
+    0.5235987755982988,
+};
 inline constexpr std::string_view kWords_import_normals[] = {
     "file",
     "crease",
@@ -1299,22 +1335,22 @@ inline constexpr ElementId kChoice_import_0[] = {
     ElementId::remove,
 };
 inline constexpr Attribute kAttributes_import[] = {
-    {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"units", 1, true, false, {ValueKind::word, 1, {}, kWords_import_units, Dimension::none, false, false, 1, 0}},
-    {"up", 1, true, false, {ValueKind::word, 1, {}, kWords_import_up, Dimension::none, false, false, 1, 0}},
-    {"clean", 1, true, false, {ValueKind::word, 1, {}, kWords_import_clean, Dimension::none, false, false, 1, 0}},
-    {"weld", 1, true, false, {ValueKind::real, 1, kNumbers_import_weld, {}, Dimension::length, false, false, 1, 0}},
-    {"crease", 1, true, false, {ValueKind::real, 1, kNumbers_import_crease, {}, Dimension::angle, false, false, 1, 0}},
-    {"normals", 1, true, false, {ValueKind::word, 1, {}, kWords_import_normals, Dimension::none, false, false, 1, 0}},
-    {"hidden", 1, true, false, {ValueKind::word, 1, {}, kWords_import_hidden, Dimension::none, false, false, 1, 0}},
-    {"scene", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"primitives", 1, true, false, {ValueKind::integer, 1, kNumbers_import_primitives, {}, Dimension::none, false, false, 1, 0}},
-    {"deflection", 1, true, false, {ValueKind::real, 1, kNumbers_import_deflection, {}, Dimension::length, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"units", 1, true, false, {ValueKind::word, 1, {}, kWords_import_units, Dimension::none, false, false, 1, 0}, {}, "auto"},
+    {"up", 1, true, false, {ValueKind::word, 1, {}, kWords_import_up, Dimension::none, false, false, 1, 0}, {}, "auto"},
+    {"clean", 1, true, false, {ValueKind::word, 1, {}, kWords_import_clean, Dimension::none, false, false, 1, 0}, {}, "yes"},
+    {"weld", 1, true, false, {ValueKind::real, 1, kNumbers_import_weld, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"crease", 1, true, false, {ValueKind::real, 1, kNumbers_import_crease, {}, Dimension::angle, false, false, 1, 0}, kInitial_import_crease, ""},
+    {"normals", 1, true, false, {ValueKind::word, 1, {}, kWords_import_normals, Dimension::none, false, false, 1, 0}, {}, "file"},
+    {"hidden", 1, true, false, {ValueKind::word, 1, {}, kWords_import_hidden, Dimension::none, false, false, 1, 0}, {}, "remove"},
+    {"scene", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"primitives", 1, true, false, {ValueKind::integer, 1, kNumbers_import_primitives, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"deflection", 1, true, false, {ValueKind::real, 1, kNumbers_import_deflection, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Slot kSlots_import[] = {
     {kChoice_import_0, "", 0, 0, ""},
@@ -1324,18 +1360,18 @@ inline constexpr std::string_view kWords_assign_pictures[] = {
     "keep",
 };
 inline constexpr Attribute kAttributes_assign[] = {
-    {"nodes", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"materials", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"pictures", 1, true, false, {ValueKind::word, 1, {}, kWords_assign_pictures, Dimension::none, false, false, 1, 0}},
+    {"nodes", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"materials", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"pictures", 1, true, false, {ValueKind::word, 1, {}, kWords_assign_pictures, Dimension::none, false, false, 1, 0}, {}, "drop"},
 };
 inline constexpr std::string_view kMembers_remove_0[] = {
     "@nodes",
     "@materials",
 };
 inline constexpr Attribute kAttributes_remove[] = {
-    {"nodes", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"materials", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"nodes", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"materials", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Rule kRules_remove[] = {
     {RuleKind::any_of, kMembers_remove_0},
@@ -1376,33 +1412,33 @@ inline constexpr std::string_view kMembers_frame_1[] = {
     "@up",
 };
 inline constexpr Attribute kAttributes_frame[] = {
-    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"forward", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}},
-    {"up", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}},
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"forward", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"up", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Rule kRules_frame[] = {
     {RuleKind::exclusive, kMembers_frame_0},
     {RuleKind::together, kMembers_frame_1},
 };
 inline constexpr Attribute kAttributes_keypoint[] = {
-    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Number kNumbers_decal_size[] = {
     {"width", 0, 1e+30, true, false},
     {"height", 0, 1e+30, true, false},
 };
 inline constexpr Attribute kAttributes_decal[] = {
-    {"on", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"image", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"size", 1, true, true, {ValueKind::real, 2, kNumbers_decal_size, {}, Dimension::length, false, true, 1, 0}},
-    {"normal", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}},
-    {"up", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
+    {"on", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"image", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"size", 1, true, true, {ValueKind::real, 2, kNumbers_decal_size, {}, Dimension::length, false, true, 1, 0}, {}, ""},
+    {"normal", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"up", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Number kNumbers_sphere_1_radius[] = {
     {"radius", 0, 1e+30, true, false},
@@ -1410,6 +1446,10 @@ inline constexpr Number kNumbers_sphere_1_radius[] = {
 inline constexpr Number kNumbers_sphere_1_latitude[] = {
     {"lowest", -1.5707963267948968, 1.5707963267948968, false, false},
     {"highest", -1.5707963267948968, 1.5707963267948968, false, false},
+};
+inline constexpr double kInitial_sphere_1_latitude[] = {
+    -1.5707963267948966,
+    1.5707963267948966,
 };
 inline constexpr Number kNumbers_sphere_1_rings[] = {
     {"rings", 2, 1000000, false, false},
@@ -1421,23 +1461,27 @@ inline constexpr Number kNumbers_sphere_1_sector[] = {
     {"begin", -1000.0, 1000.0, false, false},
     {"end", -1000.0, 1000.0, false, false},
 };
+inline constexpr double kInitial_sphere_1_sector[] = {
+    0,
+    6.283185307179586,
+};
 inline constexpr std::string_view kMembers_sphere_1_0[] = {
     "@rings",
     "@quads",
 };
 inline constexpr Attribute kAttributes_sphere_1[] = {
-    {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}},
-    {"latitude", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_latitude, {}, Dimension::angle, false, false, 1, 0}},
-    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_sphere_1_rings, {}, Dimension::none, false, false, 1, 0}},
-    {"quads", 1, true, false, {ValueKind::integer, 1, kNumbers_sphere_1_quads, {}, Dimension::none, false, false, 1, 0}},
-    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"latitude", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_latitude, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_latitude, ""},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_sphere_1_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"quads", 1, true, false, {ValueKind::integer, 1, kNumbers_sphere_1_quads, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Rule kRules_sphere_1[] = {
     {RuleKind::together, kMembers_sphere_1_0},
@@ -1455,16 +1499,16 @@ inline constexpr Number kNumbers_ellipsoid_rings[] = {
     {"rings", 1, 1000000, false, false},
 };
 inline constexpr Attribute kAttributes_ellipsoid[] = {
-    {"radii", 1, true, true, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
-    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"radii", 1, true, true, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}, {}, ""},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Number kNumbers_box_bevel[] = {
     {"bevel", 0, 1e+30, false, false},
@@ -1474,16 +1518,16 @@ inline constexpr std::string_view kWords_box_edges[] = {
     "round",
 };
 inline constexpr Attribute kAttributes_box[] = {
-    {"size", 1, true, true, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}},
-    {"bevel", 1, true, false, {ValueKind::real, 1, kNumbers_box_bevel, {}, Dimension::length, false, false, 1, 0}},
-    {"edges", 1, true, false, {ValueKind::word, 1, {}, kWords_box_edges, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"size", 1, true, true, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}, {}, ""},
+    {"bevel", 1, true, false, {ValueKind::real, 1, kNumbers_box_bevel, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"edges", 1, true, false, {ValueKind::word, 1, {}, kWords_box_edges, Dimension::none, false, false, 1, 0}, {}, "flat"},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Number kNumbers_cylinder_height[] = {
     {"height", 0, 1e+30, true, false},
@@ -1495,18 +1539,18 @@ inline constexpr std::string_view kWords_cylinder_caps[] = {
     "top",
 };
 inline constexpr Attribute kAttributes_cylinder[] = {
-    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}},
-    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}},
-    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}},
-    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both"},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, ""},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Number kNumbers_cone_radius[] = {
     {"radius", 0, 1e+30, false, false},
@@ -1515,52 +1559,52 @@ inline constexpr Number kNumbers_cone_top_radius[] = {
     {"top_radius", 0, 1e+30, false, false},
 };
 inline constexpr Attribute kAttributes_cone[] = {
-    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_cone_radius, {}, Dimension::length, false, false, 1, 0}},
-    {"top_radius", 1, true, false, {ValueKind::real, 1, kNumbers_cone_top_radius, {}, Dimension::length, false, false, 1, 0}},
-    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}},
-    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}},
-    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_cone_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"top_radius", 1, true, false, {ValueKind::real, 1, kNumbers_cone_top_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both"},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, ""},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Number kNumbers_disc_inner_radius[] = {
     {"inner_radius", 0, 1e+30, false, false},
 };
 inline constexpr Attribute kAttributes_disc[] = {
-    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}},
-    {"inner_radius", 1, true, false, {ValueKind::real, 1, kNumbers_disc_inner_radius, {}, Dimension::length, false, false, 1, 0}},
-    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"inner_radius", 1, true, false, {ValueKind::real, 1, kNumbers_disc_inner_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, ""},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Number kNumbers_torus_tube_radius[] = {
     {"tube_radius", 0, 1e+30, true, false},
 };
 inline constexpr Attribute kAttributes_torus[] = {
-    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}},
-    {"tube_radius", 1, true, true, {ValueKind::real, 1, kNumbers_torus_tube_radius, {}, Dimension::length, false, false, 1, 0}},
-    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
-    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"tube_radius", 1, true, true, {ValueKind::real, 1, kNumbers_torus_tube_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, ""},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Number kNumbers_dish_diameter[] = {
     {"diameter", 0, 1e+30, true, false},
@@ -1572,32 +1616,32 @@ inline constexpr Number kNumbers_dish_thickness[] = {
     {"thickness", 0, 1e+30, false, false},
 };
 inline constexpr Attribute kAttributes_dish[] = {
-    {"diameter", 1, true, true, {ValueKind::real, 1, kNumbers_dish_diameter, {}, Dimension::length, false, false, 1, 0}},
-    {"focal_length", 1, true, true, {ValueKind::real, 1, kNumbers_dish_focal_length, {}, Dimension::length, false, false, 1, 0}},
-    {"thickness", 1, true, false, {ValueKind::real, 1, kNumbers_dish_thickness, {}, Dimension::length, false, false, 1, 0}},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
-    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"diameter", 1, true, true, {ValueKind::real, 1, kNumbers_dish_diameter, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"focal_length", 1, true, true, {ValueKind::real, 1, kNumbers_dish_focal_length, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"thickness", 1, true, false, {ValueKind::real, 1, kNumbers_dish_thickness, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Number kNumbers_plane_size[] = {
     {"x", 0, 1e+30, true, false},
     {"y", 0, 1e+30, true, false},
 };
 inline constexpr Attribute kAttributes_plane[] = {
-    {"size", 1, true, true, {ValueKind::real, 2, kNumbers_plane_size, {}, Dimension::length, false, true, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"size", 1, true, true, {ValueKind::real, 2, kNumbers_plane_size, {}, Dimension::length, false, true, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr std::string_view kWords_tube_curve[] = {
     "polyline",
@@ -1611,20 +1655,20 @@ inline constexpr ElementId kChoice_tube_0[] = {
     ElementId::path,
 };
 inline constexpr Attribute kAttributes_tube[] = {
-    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}},
-    {"inner_radius", 1, true, false, {ValueKind::real, 1, kNumbers_disc_inner_radius, {}, Dimension::length, false, false, 1, 0}},
-    {"curve", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_curve, Dimension::none, false, false, 1, 0}},
-    {"closed", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_closed, Dimension::none, false, false, 1, 0}},
-    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
-    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"inner_radius", 1, true, false, {ValueKind::real, 1, kNumbers_disc_inner_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"curve", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_curve, Dimension::none, false, false, 1, 0}, {}, "polyline"},
+    {"closed", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_closed, Dimension::none, false, false, 1, 0}, {}, "0"},
+    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both"},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Slot kSlots_tube[] = {
     {kChoice_tube_0, "", 1, 1, ""},
@@ -1633,17 +1677,17 @@ inline constexpr ElementId kChoice_lathe_0[] = {
     ElementId::profile,
 };
 inline constexpr Attribute kAttributes_lathe[] = {
-    {"curve", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_curve, Dimension::none, false, false, 1, 0}},
-    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}},
-    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"curve", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_curve, Dimension::none, false, false, 1, 0}, {}, "polyline"},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, ""},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Slot kSlots_lathe[] = {
     {kChoice_lathe_0, "", 1, 1, ""},
@@ -1658,16 +1702,16 @@ inline constexpr ElementId kChoice_extrude_1[] = {
     ElementId::hole,
 };
 inline constexpr Attribute kAttributes_extrude[] = {
-    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}},
-    {"smooth", 1, true, false, {ValueKind::real, 1, kNumbers_extrude_smooth, {}, Dimension::angle, false, false, 1, 0}},
-    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"smooth", 1, true, false, {ValueKind::real, 1, kNumbers_extrude_smooth, {}, Dimension::angle, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both"},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Slot kSlots_extrude[] = {
     {kChoice_extrude_0, "", 1, 1, ""},
@@ -1680,14 +1724,14 @@ inline constexpr ElementId kChoice_polygons_1[] = {
     ElementId::face,
 };
 inline constexpr Attribute kAttributes_polygons[] = {
-    {"smooth", 1, true, false, {ValueKind::real, 1, kNumbers_extrude_smooth, {}, Dimension::angle, false, false, 1, 0}},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}},
+    {"smooth", 1, true, false, {ValueKind::real, 1, kNumbers_extrude_smooth, {}, Dimension::angle, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
 };
 inline constexpr Slot kSlots_polygons[] = {
     {kChoice_polygons_0, "", 1, 1, ""},
@@ -1720,7 +1764,7 @@ inline constexpr ElementId kChoice_mli_1[] = {
     ElementId::mli_operations,
 };
 inline constexpr Attribute kAttributes_mli[] = {
-    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_mli_type, Dimension::none, false, false, 1, 0}},
+    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_mli_type, Dimension::none, false, false, 1, 0}, {}, ""},
 };
 inline constexpr Slot kSlots_mli[] = {
     {kChoice_mli_0, "", 1, 1, ""},
@@ -1773,304 +1817,304 @@ inline constexpr Number kNumbers_taper[] = {
 inline constexpr Element kElements[] = {
     {"pangu_model", 0, true,
      {},
-     kAttributes_pangu_model, kSlots_pangu_model, {}},
+     kAttributes_pangu_model, kSlots_pangu_model, {}, false},
     {"group", 0, true,
      {},
-     kAttributes_group, kSlots_group, {}},
+     kAttributes_group, kSlots_group, {}, false},
     {"child", 0, true,
      {},
-     {}, kSlots_child, {}},
+     {}, kSlots_child, {}, false},
     {"include", 0, true,
      {},
-     kAttributes_include, {}, {}},
+     kAttributes_include, {}, {}, false},
     {"transform", 0, true,
      {},
-     {}, kSlots_transform, {}},
+     {}, kSlots_transform, {}, false},
     {"scaling", 0, true,
      {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"rotation", 0, true,
      {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"translation", 0, true,
      {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"rotate", 0, true,
      {},
-     {}, kSlots_rotate, {}},
+     {}, kSlots_rotate, {}, false},
     {"quat", 0, true,
      {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"frame_s", 0, true,
      {},
-     kAttributes_frame_s, kSlots_frame_s, {}},
+     kAttributes_frame_s, kSlots_frame_s, {}, false},
     {"origin", 0, true,
      {},
-     {}, kSlots_origin, {}},
+     {}, kSlots_origin, {}, false},
     {"forward", 0, true,
      {},
-     {}, kSlots_forward, {}},
+     {}, kSlots_forward, {}, false},
     {"up", 0, true,
      {},
-     {}, kSlots_forward, {}},
+     {}, kSlots_forward, {}, false},
     {"right", 0, true,
      {},
-     {}, kSlots_forward, {}},
+     {}, kSlots_forward, {}, false},
     {"appearance", 0, true,
      {},
-     {}, kSlots_appearance, {}},
+     {}, kSlots_appearance, {}, false},
     {"material", 0, true,
      {},
-     {}, kSlots_material, kRules_material},
+     {}, kSlots_material, kRules_material, false},
     {"diffuse", 0, true,
      {ValueKind::real, 3, kNumbers_diffuse, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"specular", 0, true,
      {ValueKind::real, 3, kNumbers_diffuse, {}, Dimension::none, false, false, 1, 0},
-     kAttributes_specular, {}, {}},
+     kAttributes_specular, {}, {}, false},
     {"emissive", 0, true,
      {ValueKind::real, 3, kNumbers_diffuse, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"reflect", 0, true,
      {ValueKind::real, 3, kNumbers_reflect, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"refract", 0, true,
      {ValueKind::real, 3, kNumbers_refract, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
-    {"cook", 0, true,
-     {ValueKind::real, 4, kNumbers_cook, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"oren", 0, true,
      {ValueKind::real, 1, kNumbers_oren, {}, Dimension::angle, true, false, 1, 0},
-     kAttributes_oren, {}, {}},
+     kAttributes_oren, {}, {}, false},
     {"hapke", 0, true,
      {ValueKind::real, 4, kNumbers_hapke, {}, Dimension::none, false, false, 1, 0},
-     kAttributes_hapke, {}, {}},
+     kAttributes_hapke, {}, {}, false},
+    {"cook", 0, true,
+     {ValueKind::real, 4, kNumbers_cook, {}, Dimension::none, false, false, 1, 0},
+     {}, {}, {}, false},
     {"texture", 0, true,
      {},
-     kAttributes_texture, kSlots_texture, {}},
+     kAttributes_texture, kSlots_texture, {}, false},
     {"data", 0, true,
      {},
-     {}, kSlots_data, {}},
+     {}, kSlots_data, {}, false},
     {"include", 0, true,
      {},
-     kAttributes_include_raw, {}, {}},
+     kAttributes_include_raw, {}, {}, false},
     {"sphere", 0, true,
      {},
-     kAttributes_sphere, {}, {}},
+     kAttributes_sphere, {}, {}, true},
     {"mesh", 0, true,
      {},
-     kAttributes_mesh, kSlots_mesh, kRules_mesh},
+     kAttributes_mesh, kSlots_mesh, kRules_mesh, true},
     {"positions", 0, true,
      {},
-     {}, kSlots_positions, {}},
+     {}, kSlots_positions, {}, false},
     {"normals", 0, true,
      {},
-     {}, kSlots_normals, {}},
+     {}, kSlots_normals, {}, false},
     {"colours", 0, true,
      {},
-     {}, kSlots_colours, {}},
+     {}, kSlots_colours, {}, false},
     {"texcoords", 0, true,
      {},
-     {}, kSlots_texcoords, {}},
+     {}, kSlots_texcoords, {}, false},
     {"vec3", 0, true,
      {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"vec3", 0, true,
      {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"vec3", 0, true,
      {ValueKind::real, 3, kNumbers_texcoord, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"rgb", 0, true,
      {ValueKind::real, 3, kNumbers_rgb, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"tristrips", 0, true,
      {},
-     {}, kSlots_tristrips, {}},
+     {}, kSlots_tristrips, {}, false},
     {"tristrip", 0, true,
      {ValueKind::integer, 0, kNumbers_tristrip, {}, Dimension::none, false, false, 1, 0},
-     kAttributes_tristrip, {}, {}},
+     kAttributes_tristrip, {}, {}, false},
     {"param", 1, true,
      {},
-     kAttributes_param, {}, {}},
+     kAttributes_param, {}, {}, false},
     {"material", 1, true,
      {},
-     kAttributes_named_material, kSlots_named_material, kRules_named_material},
+     kAttributes_named_material, kSlots_named_material, kRules_named_material, false},
     {"cutout", 1, true,
      {},
-     kAttributes_cutout, {}, {}},
+     kAttributes_cutout, {}, {}, false},
     {"lambert", 1, true,
      {},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"eon", 1, true,
      {ValueKind::real, 1, kNumbers_eon, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"lommel_seeliger", 1, true,
      {ValueKind::real, 1, kNumbers_lommel_seeliger, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"beckmann", 1, true,
      {ValueKind::real, 2, kNumbers_beckmann, {}, Dimension::none, false, true, 1, 0},
-     kAttributes_beckmann, {}, {}},
+     kAttributes_beckmann, {}, {}, false},
     {"ggx", 1, true,
      {ValueKind::real, 2, kNumbers_beckmann, {}, Dimension::none, false, true, 1, 0},
-     kAttributes_beckmann, {}, {}},
+     kAttributes_beckmann, {}, {}, false},
     {"mirror", 1, true,
      {},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"conductor", 1, true,
      {},
-     kAttributes_conductor, {}, kRules_conductor},
+     kAttributes_conductor, {}, kRules_conductor, false},
     {"coat", 1, true,
      {},
-     kAttributes_coat, {}, kRules_coat},
+     kAttributes_coat, {}, kRules_coat, false},
     {"cells", 1, true,
      {},
-     kAttributes_cells, {}, {}},
+     kAttributes_cells, {}, {}, false},
     {"provenance", 1, true,
      {},
-     kAttributes_provenance, {}, {}},
+     kAttributes_provenance, {}, {}, false},
     {"part", 1, true,
      {},
-     kAttributes_part, kSlots_part, {}},
+     kAttributes_part, kSlots_part, {}, false},
     {"budget", 1, true,
      {},
-     kAttributes_budget, {}, kRules_budget},
+     kAttributes_budget, {}, kRules_budget, false},
     {"node", 1, true,
      {},
-     kAttributes_node, kSlots_group, kRules_mesh},
+     kAttributes_node, kSlots_group, kRules_mesh, false},
     {"use", 1, true,
      {},
-     kAttributes_use, kSlots_use, kRules_mesh},
+     kAttributes_use, kSlots_use, kRules_mesh, false},
     {"with", 1, true,
      {},
-     kAttributes_with, {}, {}},
+     kAttributes_with, {}, {}, false},
     {"repeat", 1, true,
      {},
-     kAttributes_repeat, kSlots_group, kRules_mesh},
+     kAttributes_repeat, kSlots_group, kRules_mesh, false},
     {"include", 1, true,
      {},
-     kAttributes_include_1, {}, kRules_mesh},
+     kAttributes_include_1, {}, kRules_mesh, false},
     {"import", 1, true,
      {},
-     kAttributes_import, kSlots_import, kRules_mesh},
+     kAttributes_import, kSlots_import, kRules_mesh, false},
     {"assign", 1, true,
      {},
-     kAttributes_assign, {}, {}},
+     kAttributes_assign, {}, {}, false},
     {"remove", 1, true,
      {},
-     kAttributes_remove, {}, kRules_remove},
+     kAttributes_remove, {}, kRules_remove, false},
     {"transform", 1, true,
      {},
-     kAttributes_node, kSlots_transform_1, kRules_transform_1},
+     kAttributes_node, kSlots_transform_1, kRules_transform_1, false},
     {"frame", 1, true,
      {},
-     kAttributes_frame, {}, kRules_frame},
+     kAttributes_frame, {}, kRules_frame, false},
     {"keypoint", 1, true,
      {},
-     kAttributes_keypoint, {}, {}},
+     kAttributes_keypoint, {}, {}, false},
     {"decal", 1, true,
      {},
-     kAttributes_decal, {}, {}},
+     kAttributes_decal, {}, {}, false},
     {"sphere", 1, true,
      {},
-     kAttributes_sphere_1, {}, kRules_sphere_1},
+     kAttributes_sphere_1, {}, kRules_sphere_1, true},
     {"ellipsoid", 1, true,
      {},
-     kAttributes_ellipsoid, {}, kRules_mesh},
+     kAttributes_ellipsoid, {}, kRules_mesh, true},
     {"box", 1, true,
      {},
-     kAttributes_box, {}, kRules_mesh},
+     kAttributes_box, {}, kRules_mesh, true},
     {"cylinder", 1, true,
      {},
-     kAttributes_cylinder, {}, kRules_mesh},
+     kAttributes_cylinder, {}, kRules_mesh, true},
     {"cone", 1, true,
      {},
-     kAttributes_cone, {}, kRules_mesh},
+     kAttributes_cone, {}, kRules_mesh, true},
     {"disc", 1, true,
      {},
-     kAttributes_disc, {}, kRules_mesh},
+     kAttributes_disc, {}, kRules_mesh, true},
     {"torus", 1, true,
      {},
-     kAttributes_torus, {}, kRules_mesh},
+     kAttributes_torus, {}, kRules_mesh, true},
     {"dish", 1, true,
      {},
-     kAttributes_dish, {}, kRules_mesh},
+     kAttributes_dish, {}, kRules_mesh, true},
     {"plane", 1, true,
      {},
-     kAttributes_plane, {}, kRules_mesh},
+     kAttributes_plane, {}, kRules_mesh, true},
     {"tube", 1, true,
      {},
-     kAttributes_tube, kSlots_tube, kRules_mesh},
+     kAttributes_tube, kSlots_tube, kRules_mesh, true},
     {"lathe", 1, true,
      {},
-     kAttributes_lathe, kSlots_lathe, kRules_mesh},
+     kAttributes_lathe, kSlots_lathe, kRules_mesh, true},
     {"extrude", 1, true,
      {},
-     kAttributes_extrude, kSlots_extrude, kRules_mesh},
+     kAttributes_extrude, kSlots_extrude, kRules_mesh, true},
     {"polygons", 1, true,
      {},
-     kAttributes_polygons, kSlots_polygons, kRules_mesh},
+     kAttributes_polygons, kSlots_polygons, kRules_mesh, true},
     {"path", 1, true,
      {ValueKind::real, 0, kNumbers_path, {}, Dimension::length, false, false, 3, 2},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"profile", 1, true,
      {ValueKind::real, 0, kNumbers_path, {}, Dimension::length, false, false, 2, 2},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"outline", 1, true,
      {ValueKind::real, 0, kNumbers_path, {}, Dimension::length, false, false, 2, 3},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"hole", 1, true,
      {ValueKind::real, 0, kNumbers_path, {}, Dimension::length, false, false, 2, 3},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"vertices", 1, true,
      {ValueKind::real, 0, kNumbers_path, {}, Dimension::length, false, false, 3, 3},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"face", 1, true,
      {},
-     {}, kSlots_face, {}},
+     {}, kSlots_face, {}, false},
     {"outline", 1, true,
      {ValueKind::integer, 0, kNumbers_tristrip, {}, Dimension::none, false, false, 1, 3},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"hole", 1, true,
      {ValueKind::integer, 0, kNumbers_tristrip, {}, Dimension::none, false, false, 1, 3},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"subdiv", 1, false,
      {},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"joint", 1, false,
      {},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"mli", 0, false,
      {},
-     kAttributes_mli, kSlots_mli, {}},
+     kAttributes_mli, kSlots_mli, {}, false},
     {"mli_settings", 0, false,
      {},
-     {}, kSlots_mli_settings, {}},
+     {}, kSlots_mli_settings, {}, false},
     {"width", 0, false,
      {ValueKind::real, 1, kNumbers_width, {}, Dimension::length, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"height", 0, false,
      {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"xgrid", 0, false,
      {ValueKind::integer, 1, kNumbers_xgrid, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"mli_operations", 0, false,
      {},
-     {}, kSlots_mli_operations, {}},
+     {}, kSlots_mli_operations, {}, false},
     {"random", 0, false,
      {ValueKind::real, 1, kNumbers_random, {}, Dimension::length, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"smooth", 0, false,
      {ValueKind::integer, 1, kNumbers_smooth, {}, Dimension::none, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"constant", 0, false,
      {ValueKind::real, 1, kNumbers_constant, {}, Dimension::length, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
     {"taper", 0, false,
      {ValueKind::real, 4, kNumbers_taper, {}, Dimension::length, false, false, 1, 0},
-     {}, {}, {}},
+     {}, {}, {}, false},
 };
 inline constexpr std::string_view kVersions[] = {"0", "1"};
 }  // namespace tables

@@ -18,9 +18,8 @@ Material figure8() {
   m.diffuse = {0.7038, 0.27048, 0.0828};
   m.specular = Vec3(1);
   m.refract = Vec3(1.5);
-  m.cook = {1, 0.15, 1, 1};
   m.weights = {0.9, 0.1, 0};
-  m.specular_law = SpecularLaw::cook_torrance;
+  m.specular_brdf = CookTorrance{.alpha = 0.15};
   return m;
 }
 
@@ -34,31 +33,34 @@ TEST(Brdf, WeightsTimesColourTimesLaw) {
 }
 
 TEST(Brdf, EveryPairOfLaws) {
-  for (const auto diffuse : {DiffuseLaw::lambert, DiffuseLaw::oren_nayar, DiffuseLaw::hapke,
-                             DiffuseLaw::eon, DiffuseLaw::lommel_seeliger})
+  for (const auto diffuse : {DiffuseModel::lambert, DiffuseModel::oren_nayar, DiffuseModel::hapke,
+                             DiffuseModel::eon, DiffuseModel::lommel_seeliger})
     for (const auto specular :
-         {SpecularLaw::none, SpecularLaw::blinn_phong, SpecularLaw::cook_torrance}) {
+         {SpecularModel::none, SpecularModel::blinn_phong, SpecularModel::cook_torrance}) {
       Material m = figure8();
-      m.diffuse_law = diffuse;
-      m.specular_law = specular;
-      m.shine = 12;
-      m.oren = 0.3;
-      m.hapke = {0.4, 0.06, 1, 0.3};
+      if (diffuse == DiffuseModel::lambert) m.diffuse_brdf = Lambert{};
+      if (diffuse == DiffuseModel::oren_nayar) m.diffuse_brdf = OrenNayar{0.3};
+      if (diffuse == DiffuseModel::hapke)
+        m.diffuse_brdf = Hapke{.w = 0.4, .h = 0.06, .b0 = 1, .roughness = 0.3};
+      if (diffuse == DiffuseModel::eon) m.diffuse_brdf = Eon{0.3};
+      if (diffuse == DiffuseModel::lommel_seeliger) m.diffuse_brdf = LommelSeeliger{0.4};
+      if (specular == SpecularModel::none) m.specular_brdf = NoSpecular{};
+      if (specular == SpecularModel::blinn_phong) m.specular_brdf = BlinnPhong{12};
       m.weights = {0.6, 0.4, 0};
       fit(m);
       Vec3 want(0);
       const Vec3 rho = m.diffuse;
-      if (diffuse == DiffuseLaw::lambert) want = 0.6 * rho / kPi;
-      if (diffuse == DiffuseLaw::oren_nayar)
+      if (diffuse == DiffuseModel::lambert) want = 0.6 * rho / kPi;
+      if (diffuse == DiffuseModel::oren_nayar)
         want = 0.6 * f64::oren_nayar(rho, 0.3, kLight, kViewer, kNormal);
-      if (diffuse == DiffuseLaw::hapke)
+      if (diffuse == DiffuseModel::hapke)
         want = 0.6 * rho * f64::hapke(f64::surface_of(m), kLight, kViewer, kNormal);
-      if (diffuse == DiffuseLaw::eon) want = 0.6 * f64::eon(rho, 0.3, kLight, kViewer, kNormal);
-      if (diffuse == DiffuseLaw::lommel_seeliger)
+      if (diffuse == DiffuseModel::eon) want = 0.6 * f64::eon(rho, 0.3, kLight, kViewer, kNormal);
+      if (diffuse == DiffuseModel::lommel_seeliger)
         want = 0.6 * rho * 0.4 / (4 * kPi * (kLight.z + kViewer.z));
-      if (specular == SpecularLaw::blinn_phong)
+      if (specular == SpecularModel::blinn_phong)
         want += 0.4 * f64::blinn_phong(12.0, kLight, kViewer, kNormal);
-      if (specular == SpecularLaw::cook_torrance)
+      if (specular == SpecularModel::cook_torrance)
         want += 0.4 * Vec3(f64::fresnel_dielectric(f64::half_cosine(kLight, kViewer), 1.5) *
                            f64::cook_torrance(0.15, kLight, kViewer, kNormal));
       const Vec3 got = f64::brdf(m, kLight, kViewer, kNormal);
@@ -95,8 +97,7 @@ TEST(Brdf, WhitePlate) {
 
 TEST(Brdf, TintMultipliesDiffuseOnly) {
   Material m = figure8();
-  m.diffuse_law = DiffuseLaw::oren_nayar;
-  m.oren = 0.5;
+  m.diffuse_brdf = OrenNayar{0.5};
   const Vec3 tint(0.5, 0.25, 0);
   Material tinted = m;
   tinted.diffuse = m.diffuse * tint;
@@ -109,7 +110,7 @@ TEST(Brdf, CookFactorsMultiply) {
   Material m = figure8();
   m.diffuse = Vec3(0);
   const double plain = f64::brdf(m, kLight, kViewer, kNormal).x;
-  m.cook = {2, 0.15, 0.5, 3};
+  m.specular_brdf = CookTorrance{2, 0.15, 0.5, 3};
   EXPECT_NEAR(f64::brdf(m, kLight, kViewer, kNormal).x, 3 * plain, 1e-14 * plain);
 }
 
@@ -147,11 +148,11 @@ TEST(Brdf, PreparedIsTheSame) {
   Material m = figure8();
   for (int kind = 0; kind < 3; ++kind) {
     if (kind == 1) m.coat = Coat{.index = 1.5, .alpha = 0.1, .depth = Vec3(0.1)};
-    if (kind == 2) m.specular_law = SpecularLaw::ggx;
+    if (kind == 2) m.specular_brdf = Ggx{0.15, 0.5};
     fit(m);
-    const f64::Prepared prepared(m);
-    const f32::Prepared prepared32(m);
-    const Local local{Vec3(1, 0, 0), kSunAlpha2};
+    const f64::CompiledBrdf prepared(m);
+    const f32::CompiledBrdf prepared32(m);
+    const ShadingContext local{Vec3(1, 0, 0), kSunAlpha2};
     const Vec3 tint(0.5, 1, 0.25);
     for (const double angle : {0.1, 0.7, 1.5}) {
       const Vec3 l = from_angles(angle, 2.0);

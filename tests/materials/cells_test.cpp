@@ -119,7 +119,7 @@ TEST(Cells, SharesAddUpAndStayInRange) {
 
 TEST(Cells, PartsAreMaterials) {
   Material panel;
-  panel.specular_law = SpecularLaw::cook_torrance;
+  panel.specular_brdf = CookTorrance{};
   panel.specular = Vec3(0.5);
   panel.weights = {0, 1, 0};
   panel.coat = Coat{};

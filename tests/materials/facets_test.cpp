@@ -16,31 +16,31 @@ const Vec3 kTangent(1, 0, 0);
 
 struct Kind {
   const char* name;
-  SpecularLaw law;
+  SpecularModel law;
   double (*lobe)(double, double, f64::Vec3, f64::Vec3, f64::Vec3, f64::Vec3);
   float (*lobe32)(float, float, f32::Vec3, f32::Vec3, f32::Vec3, f32::Vec3);
 };
 const Kind kKinds[] = {
-    {"beckmann", SpecularLaw::beckmann, f64::beckmann_smith, f32::beckmann_smith},
-    {"ggx", SpecularLaw::ggx, f64::ggx_smith, f32::ggx_smith}};
+    {"beckmann", SpecularModel::beckmann, f64::beckmann_smith, f32::beckmann_smith},
+    {"ggx", SpecularModel::ggx, f64::ggx_smith, f32::ggx_smith}};
 
 // D and Λ as the papers print them, with std functions.
-double printed_d(SpecularLaw law, const Vec3& h, double ax, double ay) {
+double printed_d(SpecularModel law, const Vec3& h, double ax, double ay) {
   const double spread = (h.x * h.x / (ax * ax) + h.y * h.y / (ay * ay)) / (h.z * h.z);
   const double c4 = std::pow(h.z, 4);
-  if (law == SpecularLaw::beckmann) return std::exp(-spread) / (kPi * ax * ay * c4);
+  if (law == SpecularModel::beckmann) return std::exp(-spread) / (kPi * ax * ay * c4);
   return 1 / (kPi * ax * ay * c4 * (1 + spread) * (1 + spread));
 }
 
-double printed_lambda(SpecularLaw law, const Vec3& v, double ax, double ay) {
+double printed_lambda(SpecularModel law, const Vec3& v, double ax, double ay) {
   const double slope = std::sqrt(v.x * v.x * ax * ax + v.y * v.y * ay * ay) / v.z;
   if (slope == 0) return 0;
-  if (law == SpecularLaw::ggx) return (std::sqrt(1 + slope * slope) - 1) / 2;
+  if (law == SpecularModel::ggx) return (std::sqrt(1 + slope * slope) - 1) / 2;
   const double x = 1 / slope;
   return (std::exp(-x * x) / (x * std::sqrt(kPi)) - std::erfc(x)) / 2;
 }
 
-double printed(SpecularLaw law, const Vec3& l, const Vec3& v, double ax, double ay) {
+double printed(SpecularModel law, const Vec3& l, const Vec3& v, double ax, double ay) {
   const Vec3 h = glm::normalize(l + v);
   const double g = 1 / (1 + printed_lambda(law, l, ax, ay) + printed_lambda(law, v, ax, ay));
   return printed_d(law, h, ax, ay) * g / (4 * l.z * v.z);
@@ -65,20 +65,26 @@ TEST(Facets, TextbookForm) {
 // The tables of directional albedo, F = 1, four to five digits by 200×200 quadrature of others.
 TEST(Facets, DirectionalAlbedo) {
   const struct {
-    SpecularLaw law;
+    SpecularModel law;
     double slope;
     std::array<double, 7> albedo;
   } rows[] = {
-      {SpecularLaw::cook_torrance, 0.05, {.96455, .93521, .95127, .99880, 1, 1, 1}},
-      {SpecularLaw::cook_torrance, 0.15, {.98720, .96910, .94522, .93760, .98771, .99950, 1}},
-      {SpecularLaw::cook_torrance, 0.30, {.99303, .98264, .96612, .92873, .92477, .96381, .99558}},
-      {SpecularLaw::cook_torrance, 0.50, {.99464, .98689, .97387, .93645, .88688, .86867, .89242}},
-      {SpecularLaw::cook_torrance, 1.00, {.99293, .98255, .96496, .90969, .79171, .60766, .45343}},
-      {SpecularLaw::beckmann, 0.15, {.97429, .94510, .91780, .93281, .99311, .99996, 1}},
-      {SpecularLaw::beckmann, 0.50, {.99000, .97599, .95503, .90742, .86936, .88012, .94299}},
-      {SpecularLaw::ggx, 0.15, {.96498, .92622, .88727, .88198, .93412, .96030, .97194}},
-      {SpecularLaw::ggx, 0.50, {.95578, .91255, .86010, .76520, .69825, .68208, .68789}},
-      {SpecularLaw::ggx, 1.00, {.92136, .84777, .76021, .59764, .45070, .36453, .30688}}};
+      {SpecularModel::cook_torrance, 0.05, {.96455, .93521, .95127, .99880, 1, 1, 1}},
+      {SpecularModel::cook_torrance, 0.15, {.98720, .96910, .94522, .93760, .98771, .99950, 1}},
+      {SpecularModel::cook_torrance,
+       0.30,
+       {.99303, .98264, .96612, .92873, .92477, .96381, .99558}},
+      {SpecularModel::cook_torrance,
+       0.50,
+       {.99464, .98689, .97387, .93645, .88688, .86867, .89242}},
+      {SpecularModel::cook_torrance,
+       1.00,
+       {.99293, .98255, .96496, .90969, .79171, .60766, .45343}},
+      {SpecularModel::beckmann, 0.15, {.97429, .94510, .91780, .93281, .99311, .99996, 1}},
+      {SpecularModel::beckmann, 0.50, {.99000, .97599, .95503, .90742, .86936, .88012, .94299}},
+      {SpecularModel::ggx, 0.15, {.96498, .92622, .88727, .88198, .93412, .96030, .97194}},
+      {SpecularModel::ggx, 0.50, {.95578, .91255, .86010, .76520, .69825, .68208, .68789}},
+      {SpecularModel::ggx, 1.00, {.92136, .84777, .76021, .59764, .45070, .36453, .30688}}};
   for (const auto& row : rows) {
     double worst = 0;
     for (std::size_t i = 0; i < kMu.size(); ++i)
@@ -106,13 +112,13 @@ TEST(Facets, DirectionalAlbedoByLights) {
 
 TEST(Facets, MeanAlbedo) {
   const struct {
-    SpecularLaw law;
+    SpecularModel law;
     double slope, albedo;
-  } rows[] = {{SpecularLaw::beckmann, 0.05, .99881}, {SpecularLaw::beckmann, 0.15, .98941},
-              {SpecularLaw::beckmann, 0.3, .95899},  {SpecularLaw::beckmann, 0.5, .89342},
-              {SpecularLaw::beckmann, 1.0, .66368},  {SpecularLaw::ggx, 0.05, .99128},
-              {SpecularLaw::ggx, 0.15, .94619},      {SpecularLaw::ggx, 0.3, .84687},
-              {SpecularLaw::ggx, 0.5, .70024},       {SpecularLaw::ggx, 1.0, .40914}};
+  } rows[] = {{SpecularModel::beckmann, 0.05, .99881}, {SpecularModel::beckmann, 0.15, .98941},
+              {SpecularModel::beckmann, 0.3, .95899},  {SpecularModel::beckmann, 0.5, .89342},
+              {SpecularModel::beckmann, 1.0, .66368},  {SpecularModel::ggx, 0.05, .99128},
+              {SpecularModel::ggx, 0.15, .94619},      {SpecularModel::ggx, 0.3, .84687},
+              {SpecularModel::ggx, 0.5, .70024},       {SpecularModel::ggx, 1.0, .40914}};
   for (const auto& row : rows)
     EXPECT_NEAR(facet_mean_albedo({row.law, row.slope, row.slope}), row.albedo, 6e-6)
         << static_cast<int>(row.law) << ' ' << row.slope;
@@ -120,8 +126,8 @@ TEST(Facets, MeanAlbedo) {
 
 TEST(Facets, WeakWhiteFurnace) {
   double worst = 0;
-  for (const SpecularLaw law :
-       {SpecularLaw::cook_torrance, SpecularLaw::beckmann, SpecularLaw::ggx})
+  for (const SpecularModel law :
+       {SpecularModel::cook_torrance, SpecularModel::beckmann, SpecularModel::ggx})
     for (const double x : {1e-3, 0.05, 0.15, 0.5, 1.0})
       for (const double ratio : {1.0, 0.1, 0.01})
         for (const double mu : kMu) {
@@ -129,7 +135,7 @@ TEST(Facets, WeakWhiteFurnace) {
           const double at = std::fabs(weak_furnace({law, x, x * ratio}, v) - 1);
           worst = std::max(worst, at);
           // Smith's laws: 2.8e-12 and 1.2e-9 (the far tail)
-          if (law != SpecularLaw::cook_torrance) {
+          if (law != SpecularModel::cook_torrance) {
             EXPECT_LE(at, 3e-9) << x << ' ' << ratio;
           }
         }
@@ -236,12 +242,12 @@ TEST(Facets, FloatNearTheHighlight) {
 // The Sun's disc adds to the squares of Beckmann's slopes, and is by itself what a mirror shows.
 TEST(Facets, TheSunsDisc) {
   f64::SurfaceFields s{};
-  s.alpha = s.alpha_y = 1e-4;
+  s.alpha_x = s.alpha_y = 1e-4;
   s.sun_alpha2 = 2.7e-6;
   const Vec3 l = hard_cases::direction(0.7, 0.2), v = hard_cases::direction(0.7, 0.2 + kPi);
   const double slope = std::sqrt(1e-8 + 2.7e-6);
   const double lobe = f64::beckmann_lobe(s, l, v, kNormal);
-  EXPECT_NEAR(lobe, printed(SpecularLaw::beckmann, l, v, slope, slope), 1e-9 * lobe);
+  EXPECT_NEAR(lobe, printed(SpecularModel::beckmann, l, v, slope, slope), 1e-9 * lobe);
   // ∫ f cosθ dω over the disc of lights about the mirrored direction: squared radius 8 sun_alpha2
   const double radius = std::sqrt(8 * s.sun_alpha2);
   const Vec3 x = glm::normalize(glm::cross(l, kNormal)), y = glm::cross(l, x);

@@ -14,21 +14,21 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr std::array kDiffuse{DiffuseLaw::lambert, DiffuseLaw::oren_nayar, DiffuseLaw::hapke,
-                              DiffuseLaw::eon, DiffuseLaw::lommel_seeliger};
-constexpr std::array kSpecular{SpecularLaw::none,     SpecularLaw::blinn_phong,
-                               SpecularLaw::cook_torrance, SpecularLaw::beckmann,
-                               SpecularLaw::ggx,      SpecularLaw::mirror};
+constexpr std::array kDiffuse{DiffuseModel::lambert, DiffuseModel::oren_nayar, DiffuseModel::hapke,
+                              DiffuseModel::eon, DiffuseModel::lommel_seeliger};
+constexpr std::array kSpecular{SpecularModel::none,          SpecularModel::blinn_phong,
+                               SpecularModel::cook_torrance, SpecularModel::beckmann,
+                               SpecularModel::ggx,           SpecularModel::mirror};
 
 // The text of a family has the laws that it calls, and none of the long ones that it does not.
 TEST(FormulaText, HoldsItsLaws) {
-  const std::pair<DiffuseLaw, const char*> diffuse[] = {
-      {DiffuseLaw::oren_nayar, "Vec3 oren_nayar_law("},
-      {DiffuseLaw::hapke, "Vec3 hapke_law("},
-      {DiffuseLaw::eon, "Vec3 eon_law("},
-      {DiffuseLaw::lommel_seeliger, "Vec3 lommel_seeliger_law("}};
-  for (const DiffuseLaw d : kDiffuse)
-    for (const SpecularLaw s : kSpecular) {
+  const std::pair<DiffuseModel, const char*> diffuse[] = {
+      {DiffuseModel::oren_nayar, "Vec3 oren_nayar_law("},
+      {DiffuseModel::hapke, "Vec3 hapke_law("},
+      {DiffuseModel::eon, "Vec3 eon_law("},
+      {DiffuseModel::lommel_seeliger, "Vec3 lommel_seeliger_law("}};
+  for (const DiffuseModel d : kDiffuse)
+    for (const SpecularModel s : kSpecular) {
       const std::string text = glsl_formulas({.diffuse = d, .specular = s});
       for (const auto& [law, function] : diffuse) {
         if (law == d)
@@ -37,15 +37,15 @@ TEST(FormulaText, HoldsItsLaws) {
           EXPECT_THAT(text, Not(HasSubstr(function)));
       }
       EXPECT_EQ(text.find("Real blinn_phong_lobe(") != std::string::npos,
-                s == SpecularLaw::blinn_phong);
+                s == SpecularModel::blinn_phong);
       EXPECT_THAT(text, HasSubstr("Vec3 surface_radiance("));
     }
 }
 
 // Several families stand side by side under names of their own.
 TEST(FormulaText, FamiliesAreChosenByNumber) {
-  const Laws families[] = {{.diffuse = DiffuseLaw::hapke},
-                           {.specular = SpecularLaw::ggx, .coated = true}};
+  const Laws families[] = {{.diffuse = DiffuseModel::hapke},
+                           {.specular = SpecularModel::ggx, .coated = true}};
   const std::string text = glsl_formulas(families);
   EXPECT_THAT(text, HasSubstr("if (family == 0u) return surface_brdf_0(s"));
   EXPECT_THAT(text, HasSubstr("return surface_brdf_1(s"));
@@ -65,8 +65,8 @@ std::vector<std::string> all_behind(const std::string& text, const std::string& 
 
 // Every macro that the text defines is gone at its end.
 TEST(FormulaText, LeavesNoMacros) {
-  for (const DiffuseLaw d : kDiffuse)
-    for (const SpecularLaw s : kSpecular) {
+  for (const DiffuseModel d : kDiffuse)
+    for (const SpecularModel s : kSpecular) {
       const std::string text = glsl_formulas({.diffuse = d, .specular = s});
       const auto macros = all_behind(text, "#define ", " \n");
       EXPECT_EQ(macros.size(), 9u);
@@ -85,7 +85,8 @@ TEST(FormulaText, EveryValueIsPrecise) {
   const auto returned = all_behind(text, "return ", ";");
   EXPECT_GT(returned.size(), 40u);
   for (const std::string& value : returned)
-    EXPECT_THAT(value, testing::AnyOf("exact_result", "Real(0)", "Real(1)", "Vec3(Real(0))", "Vec3(Real(1))"));
+    EXPECT_THAT(value, testing::AnyOf("exact_result", "Real(0)", "Real(1)", "Vec3(Real(0))",
+                                      "Vec3(Real(1))"));
 }
 
 }  // namespace

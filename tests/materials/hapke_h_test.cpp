@@ -115,8 +115,7 @@ TEST(HapkeH, CorrectedFitsAreExact) {
     const HapkeHCorrection correction(w, fit.coefficients);
     f64::SurfaceFields s{};
     Material m;
-    m.diffuse_law = DiffuseLaw::hapke;
-    m.hapke[0] = w;
+    m.diffuse_brdf = Hapke{.w = w};
     materials::fit(m);
     s = f64::surface_of(m);
     for (int k = 0; k <= 1000; ++k) {

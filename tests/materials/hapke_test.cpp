@@ -18,12 +18,11 @@ f64::SurfaceFields surface(double w, double h, double b0, double rough, double b
   return s;
 }
 
-Material fitted(double w, const HapkeGrains& grains = {}) {
+Material fitted(double w, Hapke hapke = {}) {
   Material m;
-  m.diffuse_law = DiffuseLaw::hapke;
   m.diffuse = Vec3(1);
-  m.hapke = {w, 0, 0, 0};
-  m.grains = grains;
+  hapke.w = w;
+  m.diffuse_brdf = hapke;
   fit(m);
   return m;
 }

@@ -67,8 +67,8 @@ TEST(LommelSeeliger, Sphere) {
 
 TEST(LommelSeeliger, AsAMaterial) {
   Fields fields;
-  fields.diffuse_law = DiffuseLaw::lommel_seeliger;
-  fields.lommel = 0.4;
+  fields.diffuse_model = DiffuseModel::lommel_seeliger;
+  fields.lommel_seeliger = LommelSeeliger{0.4};
   DiagnosticLog log;
   const Material m = resolved(fields, {}, log);
   EXPECT_EQ(m.diffuse, Vec3(1));

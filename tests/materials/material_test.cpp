@@ -42,25 +42,25 @@ TEST(Material, Figure8HasNoRemarks) {
   f.diffuse = Vec3(0.7038, 0.27048, 0.0828);
   f.specular = Vec3(1);
   f.refract = Vec3(1.5);
-  f.cook = {1, 0.15, 1, 1};
+  f.cook_torrance = CookTorrance{1, 0.15, 1, 1};
   f.reflect = Vec3(0.9, 0.1, 0);
   const Outcome o = settle(f);
   EXPECT_EQ(o.codes, Codes{}) << o.messages;
-  EXPECT_EQ(o.material.diffuse_law, DiffuseLaw::lambert);
-  EXPECT_EQ(o.material.specular_law, SpecularLaw::cook_torrance);
-  EXPECT_EQ(o.material.cook[1], 0.15);
+  EXPECT_EQ(o.material.diffuse_model(), DiffuseModel::lambert);
+  EXPECT_EQ(o.material.specular_model(), SpecularModel::cook_torrance);
+  EXPECT_EQ(std::get<CookTorrance>(o.material.specular_brdf).alpha, 0.15);
   EXPECT_EQ(o.material.weights, Vec3(0.9, 0.1, 0));
 }
 
 TEST(Material, OnlySpecular) {
   Fields f;
   f.specular = Vec3(0.6);
-  f.shine = 30;
+  f.blinn_phong = BlinnPhong{30};
   const Outcome o = settle(f);
   EXPECT_EQ(o.codes, Codes{}) << o.messages;
   EXPECT_EQ(o.material.weights, Vec3(0, 1, 0));
-  EXPECT_EQ(o.material.specular_law, SpecularLaw::blinn_phong);
-  EXPECT_EQ(o.material.shine, 30);
+  EXPECT_EQ(o.material.specular_model(), SpecularModel::blinn_phong);
+  EXPECT_EQ(std::get<BlinnPhong>(o.material.specular_brdf).shine, 30);
 }
 
 TEST(Material, SpecularWithoutShineIsTheBroadestLobe) {
@@ -69,42 +69,42 @@ TEST(Material, SpecularWithoutShineIsTheBroadestLobe) {
   f.reflect = Vec3(0.5, 0.5, 0);
   const Outcome o = settle(f);
   EXPECT_EQ(o.codes, Codes{});
-  EXPECT_EQ(o.material.specular_law, SpecularLaw::blinn_phong);
-  EXPECT_EQ(o.material.shine, 0);
+  EXPECT_EQ(o.material.specular_model(), SpecularModel::blinn_phong);
+  EXPECT_EQ(std::get<BlinnPhong>(o.material.specular_brdf).shine, 0);
 }
 
 TEST(Material, CookWinsOverShine) {
   Fields f;
   f.specular = Vec3(1);
-  f.shine = 30;
-  f.cook = {1, 0.2, 1, 1};
+  f.blinn_phong = BlinnPhong{30};
+  f.cook_torrance = CookTorrance{1, 0.2, 1, 1};
   f.reflect = Vec3(0.8, 0.2, 0);
   const Outcome o = settle(f);
   EXPECT_EQ(o.codes, Codes{Code::N1401});
   EXPECT_THAT(o.messages, HasSubstr("shine 30 is not used, because cook is given"));
-  EXPECT_EQ(o.material.specular_law, SpecularLaw::cook_torrance);
+  EXPECT_EQ(o.material.specular_model(), SpecularModel::cook_torrance);
 }
 
 TEST(Material, HapkeWinsOverOren) {
   Fields f;
   f.diffuse = Vec3(1);
-  f.oren = 0.3;
-  f.hapke = {0.21, 0.07, 1, 20};
+  f.oren_nayar = OrenNayar{0.3};
+  f.hapke = Hapke{.w = 0.21, .h = 0.07, .b0 = 1, .roughness = 20 * kDegree};
   const Outcome o = settle(f);
   EXPECT_EQ(o.codes, (Codes{Code::W1404, Code::N1401}));
-  EXPECT_EQ(o.material.diffuse_law, DiffuseLaw::hapke);
-  EXPECT_NEAR(o.material.hapke[3], 20 * kDegree, 1e-16);
+  EXPECT_EQ(o.material.diffuse_model(), DiffuseModel::hapke);
+  EXPECT_NEAR(std::get<Hapke>(o.material.diffuse_brdf).roughness, 20 * kDegree, 1e-16);
   EXPECT_THAT(o.messages, HasSubstr("mean roughness 20 degrees"));
   f.hapke.reset();
   EXPECT_EQ(settle(f).codes, Codes{});
-  EXPECT_EQ(settle(f).material.diffuse_law, DiffuseLaw::oren_nayar);
-  EXPECT_EQ(settle(f).material.oren, 0.3);
+  EXPECT_EQ(settle(f).material.diffuse_model(), DiffuseModel::oren_nayar);
+  EXPECT_EQ(std::get<OrenNayar>(settle(f).material.diffuse_brdf).sigma, 0.3);
 }
 
 TEST(Material, EnergyOfWeights) {
   Fields f;
   f.specular = Vec3(1);
-  f.shine = 5;
+  f.blinn_phong = BlinnPhong{5};
   f.reflect = Vec3(0.9, 0.2, 0);
   EXPECT_EQ(settle(f).codes, Codes{Code::W1402});
   EXPECT_THAT(settle(f).messages, HasSubstr("0.9 0.2 0 of reflect add up to 1.1"));
@@ -126,9 +126,9 @@ TEST(Material, CookFactors) {
   Fields f;
   f.specular = Vec3(1);
   f.reflect = Vec3(0.9, 0.1, 0);
-  f.cook = {2, 0.15, 1, 1};
+  f.cook_torrance = CookTorrance{2, 0.15, 1, 1};
   EXPECT_EQ(settle(f).codes, Codes{Code::W1403});
-  EXPECT_EQ(settle(f).material.cook[0], 2);
+  EXPECT_EQ(std::get<CookTorrance>(settle(f).material.specular_brdf).d_scale, 2);
 }
 
 TEST(Material, FieldsWithoutTheirPartner) {
@@ -140,10 +140,10 @@ TEST(Material, FieldsWithoutTheirPartner) {
   Fields f;
   f.reflect = Vec3(0.9, 0.1, 0);
   one_note(f, "the specular weight 0.1 of reflect");
-  f.cook = {1, 0.15, 1, 1};
+  f.cook_torrance = CookTorrance{1, 0.15, 1, 1};
   one_note(f, "cook has no effect, because the specular colour is 0");
-  f.cook.reset();
-  f.shine = 20;
+  f.cook_torrance.reset();
+  f.blinn_phong = BlinnPhong{20};
   one_note(f, "shine has no effect");
   f = {};
   f.reflect = Vec3(0.9, 0, 0.1);
@@ -160,7 +160,7 @@ TEST(Material, FieldsWithoutTheirPartner) {
   one_note(f, "emissive has no effect");
   f = {};
   f.specular = Vec3(0.5);
-  f.oren = 0.2;
+  f.oren_nayar = OrenNayar{0.2};
   one_note(f, "oren has no effect");
 }
 
@@ -169,35 +169,35 @@ TEST(Material, ExplicitWeightsAreMeant) {
   Fields f;
   f.diffuse = Vec3(0.5);
   f.specular = Vec3(0.5);
-  f.shine = 9;
+  f.blinn_phong = BlinnPhong{9};
   f.emissive = Vec3(1);
-  f.oren = 0.4;
+  f.oren_nayar = OrenNayar{0.4};
   f.reflect = Vec3(0, 1, 0);
   EXPECT_EQ(settle(f).codes, Codes{});
-  EXPECT_EQ(settle(f).material.diffuse_law, DiffuseLaw::lambert);
+  EXPECT_EQ(settle(f).material.diffuse_model(), DiffuseModel::lambert);
   f.reflect = Vec3(1, 0, 0);
   EXPECT_EQ(settle(f).codes, Codes{});
-  EXPECT_EQ(settle(f).material.specular_law, SpecularLaw::none);
+  EXPECT_EQ(settle(f).material.specular_model(), SpecularModel::none);
 }
 
 TEST(Material, OverridesFieldByField) {
   Fields outer, inner;
   outer.diffuse = Vec3(0.1);
   outer.specular = Vec3(0.2);
-  outer.shine = 3;
+  outer.blinn_phong = BlinnPhong{3};
   outer.emissive = Vec3(0.4);
   outer.reflect = Vec3(0.5);
   outer.refract = Vec3(1.6);
-  outer.cook = {1, 2, 3, 4};
-  outer.oren = 0.7;
-  outer.hapke = {5, 6, 7, 8};
+  outer.cook_torrance = CookTorrance{1, 2, 3, 4};
+  outer.oren_nayar = OrenNayar{0.7};
+  outer.hapke = Hapke{5, 6, 7, 8};
   EXPECT_EQ(outer.overridden_by({}), outer);
   EXPECT_EQ(Fields{}.overridden_by(outer), outer);
   inner.specular = Vec3(0.9);
-  inner.oren = 0.1;
+  inner.oren_nayar = OrenNayar{0.1};
   Fields want = outer;
   want.specular = Vec3(0.9);
-  want.oren = 0.1;
+  want.oren_nayar = OrenNayar{0.1};
   EXPECT_EQ(outer.overridden_by(inner), want);
 }
 

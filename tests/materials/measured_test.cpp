@@ -108,16 +108,14 @@ TEST(Fits, FindWhatMadeTheReadings) {
   Material m;
   m.diffuse = Vec3(1);
   m.specular = Vec3(1);
-  m.specular_law = SpecularLaw::ggx;
+  m.specular_brdf = Ggx{0.17, 0.17};
   m.compensation = Compensation::off;
-  m.cook = {1, 0.17, 1, 1};
-  m.alpha_y = 0.17;
   m.weights = {0.35, 0.2, 0};
   fit(m);
   const std::vector<Fit> fits = fitted_laws(synthetic(m), 1e-6);
   EXPECT_EQ(fits.front().law, "GGX facets over Lambert");
   EXPECT_LT(fits.front().rms_decades, 1e-4);  // measured 3e-6
-  EXPECT_NEAR(fits.front().material.cook[1], 0.17, 1e-4);
+  EXPECT_NEAR(std::get<Ggx>(fits.front().material.specular_brdf).alpha_x, 0.17, 1e-4);
   EXPECT_NEAR(fits.front().material.weights.x, 0.35, 1e-4);
   EXPECT_NEAR(fits.front().material.weights.y, 0.2, 1e-4);
   for (std::size_t i = 1; i < fits.size(); ++i)

@@ -6,9 +6,9 @@
 #include <cstdio>
 
 #include "materials/brdf.h"
-#include "materials/certificate.h"
 #include "materials/energy.h"
 #include "materials/internal/formulas.h"
+#include "materials/report.h"
 #include "tests/materials/quadrature.h"
 
 namespace panwright::materials {
@@ -20,9 +20,7 @@ Material facets(double slope, const std::optional<Vec3>& n, const Vec3& k = Vec3
   Material m;
   m.weights = {0, 1, 0};
   m.specular = Vec3(1);
-  m.specular_law = SpecularLaw::ggx;
-  m.cook = {1, slope, 1, 1};
-  m.alpha_y = slope;
+  m.specular_brdf = Ggx{slope, slope};
   m.refract = n;
   m.extinction = k;
   m.maps.reflectance = 0;
@@ -30,7 +28,7 @@ Material facets(double slope, const std::optional<Vec3>& n, const Vec3& k = Vec3
   return m;
 }
 
-Local under(const Vec3& reflectance) { return {Vec3(0), 0, reflectance}; }
+ShadingContext under(const Vec3& reflectance) { return {Vec3(0), 0, reflectance}; }
 
 // Fresnel's equations with a complex index, as they stand in textbooks.
 double textbook(double cos_i, double n, double k) {
@@ -52,28 +50,27 @@ const Vec3 kN(0.17, 1.37, 3.5);
 const Vec3 kK(3.1, 7.6, 3.3);
 
 TEST(ReflectanceMap, FitIsTheClosedForm) {
-  for (const SpecularLaw law :
-       {SpecularLaw::cook_torrance, SpecularLaw::beckmann, SpecularLaw::ggx, SpecularLaw::mirror}) {
+  for (const SpecularModel law : {SpecularModel::cook_torrance, SpecularModel::beckmann,
+                                  SpecularModel::ggx, SpecularModel::mirror}) {
     Material m = facets(0.3, kN, kK);
-    m.specular_law = law;
+    m.specular_brdf = with_slopes(law, Vec2(0.3));
     fit(m);
     for (int i = 0; i < 3; ++i)  // measured 2e-16
-      EXPECT_NEAR(m.fits.reflectance[i], facing(kN[i], kK[i]), 1e-14);
+      EXPECT_NEAR(m.fits.f0[i], facing(kN[i], kK[i]), 1e-14);
     m.coat = Coat{.index = 1.5};
     fit(m);
-    for (int i = 0; i < 3; ++i)
-      EXPECT_NEAR(m.fits.reflectance[i], facing(kN[i] / 1.5, kK[i] / 1.5), 1e-14);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(m.fits.f0[i], facing(kN[i] / 1.5, kK[i] / 1.5), 1e-14);
     m.coat = {};
     m.extinction = Vec3(0);
     fit(m);
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(m.fits.reflectance[i], facing(kN[i], 0), 1e-14);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(m.fits.f0[i], facing(kN[i], 0), 1e-14);
     m.refract = {};
     fit(m);
-    EXPECT_EQ(m.fits.reflectance, Vec3(1));
+    EXPECT_EQ(m.fits.f0, Vec3(1));
   }
   Material m;
   fit(m);
-  EXPECT_EQ(m.fits.reflectance, Vec3(0));
+  EXPECT_EQ(m.fits.f0, Vec3(0));
   EXPECT_FALSE(laws_of(m).mapped);
   m.maps.reflectance = 0;  // without facets
   EXPECT_FALSE(laws_of(m).mapped);
@@ -118,7 +115,7 @@ TEST(ReflectanceMap, TakesThePlaceOfF0) {
         }
       }
       const Vec3 own = f64::brdf(m, l, v, kNormal);
-      const Vec3 same = f64::brdf(m, l, v, kNormal, Vec3(1), under(m.fits.reflectance));
+      const Vec3 same = f64::brdf(m, l, v, kNormal, Vec3(1), under(m.fits.f0));
       EXPECT_EQ(own, same);
       Material plain = m;
       plain.maps.reflectance = -1;
@@ -146,7 +143,7 @@ TEST(ReflectanceMap, IsLinear) {
     for (const double polar : {0.1, 0.9, 1.4}) {
       const Vec3 l = from_angles(polar, 0.3), v = from_angles(0.7, 2.0);
       const auto f = [&](double r) {
-        return f64::brdf(m, l, v, kNormal, Vec3(1), under(r * m.fits.reflectance));
+        return f64::brdf(m, l, v, kNormal, Vec3(1), under(r * m.fits.f0));
       };
       for (int k = 0; k < 3; ++k)
         EXPECT_NEAR(f(0.3)[k], 0.7 * f(0)[k] + 0.3 * f(1)[k], 1e-14 * f(1)[k]);
@@ -165,11 +162,12 @@ TEST(ReflectanceMap, NoMapGainsEnergy) {
     m.coat = Coat{.index = 1.5};
     fit(m);
     all.push_back({"conductors under a coat", m});
-    m.specular_law = SpecularLaw::mirror;
+    m.specular_brdf = Mirror{};
     fit(m);
     all.push_back({"mirrors under a coat", m});
   }
   for (const auto& [name, m] : all) {
+    const double slope = slopes_of(m).value_or(Vec2(0.5)).x;
     double most = 0;
     for (const double mu : {0.02, 0.2, 1.0}) {
       Vec3 last(0);
@@ -182,7 +180,7 @@ TEST(ReflectanceMap, NoMapGainsEnergy) {
         last = albedo;
       }
       // own quadrature, of what has no mirror's direction
-      if (!(m.cook[1] > 0.2) || m.coat) continue;
+      if (!(slope > 0.2) || m.coat) continue;
       for (const double r : {0.1, 1.0}) {
         const Vec3 v(std::sqrt(1 - mu * mu), 0, mu);
         const double found = cosine_integral(
@@ -191,7 +189,7 @@ TEST(ReflectanceMap, NoMapGainsEnergy) {
         EXPECT_NEAR(found, directional_albedo(m, mu, 0, Vec3(r)).y, 2e-3) << name << ' ' << mu;
       }
     }
-    std::printf("%-24s slope %g: at most %.6f\n", name, m.cook[1], most);
+    std::printf("%-24s slope %g: at most %.6f\n", name, slope, most);
     EXPECT_LE(most, 1 + 2e-4);  // measured 1.06e-4
     EXPECT_GE(energy_gain(m).albedo, most - 2e-3);
   }
@@ -211,10 +209,10 @@ TEST(ReflectanceMap, WhiteFurnace) {
 }
 
 // Float follows double whatever the map says.
-TEST(ReflectanceMap, CertificateLooksAtAllOfIt) {
+TEST(ReflectanceMap, ReportLooksAtAllOfIt) {
   const std::array<double, 1> mus{0.5};
   for (const Material& m : {facets(0.3, kN, kK), facets(0.3, Vec3(1.5))}) {
-    const Certificate c = certificate(m, mus);
+    const MaterialReport c = material_report(m, mus);
     std::printf("float: worst %.1e, rms %.1e\n", c.f32_error, c.f32_rms);
     EXPECT_LE(c.f32_rms, 1e-6);  // measured 4.7e-7
   }
@@ -231,11 +229,11 @@ TEST(ReflectanceMap, WithoutFacetsItIsIdle) {
   };
   EXPECT_NE(notes().find("reflectance_map has no effect, because only cook"), std::string::npos);
   fields.specular = Vec3(1);
-  fields.shine = 20;
+  fields.blinn_phong = BlinnPhong{20};
   EXPECT_NE(notes().find("reflectance_map has no effect, because only cook"), std::string::npos);
-  fields.shine = {};
-  fields.alpha = {0.2, 0.2};
-  fields.specular_law = SpecularLaw::ggx;
+  fields.blinn_phong = {};
+  fields.ggx = Ggx{0.2, 0.2};
+  fields.specular_model = SpecularModel::ggx;
   EXPECT_EQ(notes().find("reflectance_map"), std::string::npos);
   fields.specular = Vec3(0);
   EXPECT_NE(notes().find("reflectance_map has no effect, because the specular colour is 0"),

@@ -28,55 +28,53 @@ Scattering scattering_of(const Case& c) {
   return c.reflectance ? plain.reflecting(*c.reflectance) : plain;
 }
 
-Case facets(const char* name, SpecularLaw law, double x, double y) {
+Case facets(const char* name, SpecularModel law, double x, double y) {
   Case c{name, {}, {}};
   c.material.weights = {0, 1, 0};
   c.material.specular = {0.9, 0.7, 0.5};
-  c.material.specular_law = law;
-  c.material.cook = {1, x, 1, 1};
-  c.material.alpha_y = y;
-  c.material.shine = 30;
+  c.material.specular_brdf =
+      law == SpecularModel::blinn_phong ? SpecularBrdf(BlinnPhong{30}) : with_slopes(law, {x, y});
   return c;
 }
 
 std::vector<Case> cases() {
   std::vector<Case> all;
   all.push_back({"lambert", {}, {}});
-  all.push_back(facets("blinn_phong", SpecularLaw::blinn_phong, 0.5, 0.5));
-  all.push_back(facets("cook_torrance", SpecularLaw::cook_torrance, 0.3, 0.3));
-  all.push_back(facets("beckmann", SpecularLaw::beckmann, 0.4, 0.4));
-  all.push_back(facets("brushed beckmann", SpecularLaw::beckmann, 0.5, 0.15));
-  all.push_back(facets("ggx", SpecularLaw::ggx, 0.3, 0.3));
-  all.push_back(facets("brushed ggx", SpecularLaw::ggx, 0.2, 0.6));
-  Case silver = facets("silver", SpecularLaw::ggx, 0.5, 0.5);
+  all.push_back(facets("blinn_phong", SpecularModel::blinn_phong, 0.5, 0.5));
+  all.push_back(facets("cook_torrance", SpecularModel::cook_torrance, 0.3, 0.3));
+  all.push_back(facets("beckmann", SpecularModel::beckmann, 0.4, 0.4));
+  all.push_back(facets("brushed beckmann", SpecularModel::beckmann, 0.5, 0.15));
+  all.push_back(facets("ggx", SpecularModel::ggx, 0.3, 0.3));
+  all.push_back(facets("brushed ggx", SpecularModel::ggx, 0.2, 0.6));
+  Case silver = facets("silver", SpecularModel::ggx, 0.5, 0.5);
   silver.material.refract = Vec3(0.15);
   silver.material.extinction = Vec3(3);
   all.push_back(silver);
-  Case mixed = facets("mixed", SpecularLaw::ggx, 0.25, 0.25);
+  Case mixed = facets("mixed", SpecularModel::ggx, 0.25, 0.25);
   mixed.material.weights = {0.6, 0.4, 0};
   mixed.material.refract = Vec3(1.5);
   all.push_back(mixed);
-  Case paint = facets("paint under a rough coat", SpecularLaw::none, 0.5, 0.5);
+  Case paint = facets("paint under a rough coat", SpecularModel::none, 0.5, 0.5);
   paint.material.weights = {1, 0, 0};
   paint.material.diffuse = {0.9, 0.5, 0.1};
   paint.material.coat = Coat{.index = 1.5, .alpha = 0.2};
   all.push_back(paint);
-  Case foil = facets("foil under film", SpecularLaw::beckmann, 0.2, 0.1);
+  Case foil = facets("foil under film", SpecularModel::beckmann, 0.2, 0.1);
   foil.material.coat = Coat{.index = 1.7, .alpha = 0, .depth = {0.1, 0.5, 1}};
   all.push_back(foil);
-  Case cell = facets("tilted mirror under glass", SpecularLaw::mirror, 0.5, 0.5);
+  Case cell = facets("tilted mirror under glass", SpecularModel::mirror, 0.5, 0.5);
   cell.material.weights = {0.2, 0.8, 0};
   cell.material.coat = Coat{.index = 1.5};
   cell.material.cells = Cells{.tilt = {0.03, -0.02}};
   all.push_back(cell);
   // below, at and above F0; red dips towards grazing
-  Case panel = facets("mapped metal", SpecularLaw::ggx, 0.4, 0.4);
+  Case panel = facets("mapped metal", SpecularModel::ggx, 0.4, 0.4);
   panel.material.refract = Vec3(3.5, 0.5, 1.5);
   panel.material.extinction = Vec3(3, 2, 2);
   panel.material.maps.reflectance = 0;
   panel.reflectance = Vec3(0.1, 0.9, 0);
   all.push_back(panel);
-  Case film = facets("mapped mirror under film", SpecularLaw::mirror, 0.5, 0.5);
+  Case film = facets("mapped mirror under film", SpecularModel::mirror, 0.5, 0.5);
   film.material.refract = Vec3(0.2);
   film.material.extinction = Vec3(4);
   film.material.coat = Coat{.index = 1.5, .alpha = 0.4, .depth = {0.1, 0.2, 0.3}};
@@ -194,7 +192,7 @@ TEST(Sample, DirectionsFollowTheirDensity) {
 }
 
 TEST(Sample, Mirrors) {
-  Case c = facets("mirror", SpecularLaw::mirror, 0.5, 0.5);
+  Case c = facets("mirror", SpecularModel::mirror, 0.5, 0.5);
   Scattering scattering(c.material);
   EXPECT_TRUE(scattering.has_delta());
   EXPECT_EQ(scattering.mirror_reflectance(0.3), c.material.specular);
@@ -230,9 +228,9 @@ TEST(Sample, EvaluationIsThatOfTheLaws) {
     }
   }
   // maps multiply slopes
-  Case c = facets("ggx", SpecularLaw::ggx, 0.3, 0.2);
+  Case c = facets("ggx", SpecularModel::ggx, 0.3, 0.2);
   c.material.compensation = Compensation::off;
-  Case half = facets("ggx", SpecularLaw::ggx, 0.15, 0.1);
+  Case half = facets("ggx", SpecularModel::ggx, 0.15, 0.1);
   half.material.compensation = Compensation::off;
   const Vec3 l = from_angles(0.5, 1.1), v = from_angles(0.6, 4);
   EXPECT_EQ(Scattering(c.material).scaled(0.5).brdf(l, v, kNormal, kTangent, kWhite),
@@ -268,8 +266,7 @@ TEST(Sample, HapkeWithItsExactH) {
   for (const double w : {0.3, 0.9, 1.0}) {
     Material m;
     m.diffuse = Vec3(1);
-    m.diffuse_law = DiffuseLaw::hapke;
-    m.hapke = {w, 0.1, 0, 0};
+    m.diffuse_brdf = Hapke{.w = w, .h = 0.1};
     fit(m);
     const Scattering scattering(m);
     for (const double a : {0.02, 0.3, 0.77, 1.0})

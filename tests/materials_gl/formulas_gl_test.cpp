@@ -17,9 +17,9 @@
 namespace panwright::hard_cases {
 namespace {
 
-using materials::DiffuseLaw;
+using materials::DiffuseModel;
 using materials::Material;
-using materials::SpecularLaw;
+using materials::SpecularModel;
 
 // Runs `expression` over the cases in a compute shader. text: what it calls.
 class Shader {
@@ -208,37 +208,44 @@ TEST_P(FormulasGl, EveryFamily) {
   m.specular = {1, 0.5, 0.25};
   m.emissive = {0.5, 0.25, 0};
   m.weights = {0.625, 0.25, 0.125};
-  m.shine = 24;
-  m.cook = {1, 0.25, 1, 0.5};
-  m.alpha_y = 0.375;
-  m.oren = 0.375;
-  m.hapke = {0.375, 0.0625, 1, 0.25};
-  m.grains = {0.25, 0.5, 0.125, 0.5, 0.25};
   std::vector<Inputs> cases = grid();
   for (const auto& more : {tilted_grid(), random_pairs(-0.2, 5000), near_specular(0.25, 5000)})
     cases.insert(cases.end(), more.begin(), more.end());
   const glm::vec3 irradiance(1.5f, 1.0f, 0.5f);
+  // numbers that a float holds, one for each parameter of a model; scales and counts apart
+  const auto dyadic = [](const materials::Parameter& parameter, std::span<double> values) {
+    static constexpr std::pair<std::string_view, double> kNumbers[] = {
+        {"shine", 24},      {"g_scale", 0.5}, {"alpha", 0.25},     {"alpha_x", 0.25},
+        {"alpha_y", 0.375}, {"sigma", 0.375}, {"roughness", 0.25}, {"w", 0.375},
+        {"h", 0.0625},      {"b0", 1},        {"b", 0.25},         {"c", 0.5},
+        {"h_c", 0.125},     {"b_c0", 0.5},    {"porosity", 0.25}};
+    for (const auto& [name, number] : kNumbers)
+      if (parameter.name == name) values[0] = number;
+  };
   const auto compare_laws = [&](const char* name) {
     materials::fit(m);
     const glm::vec3 reflectance(0.75f, 0.03125f, 0.5f);  // asked under a map only
     auto surface = materials::f32::surface_of(m, glm::vec3(1, 0, 0), 2.7e-6f);
     surface.reflectance = reflectance;
     const std::string statements = surface_text(surface);
-    const materials::Local local{Vec3(1, 0, 0), 2.7e-6f, Vec3(reflectance)};
+    const materials::ShadingContext local{Vec3(1, 0, 0), 2.7e-6f, Vec3(reflectance)};
     const Shader shader(context_->gl(), materials::glsl_formulas(materials::laws_of(m)), statements,
                         "surface_radiance(s, l, v, n, vec3(1.5, 1.0, 0.5))");
-    check(fmt::format("{} {} {} {}", name, static_cast<int>(m.diffuse_law),
-                      static_cast<int>(m.specular_law), static_cast<int>(m.refract.has_value())),
-          cases, compare(cases, shader.run(cases), [&](const Inputs& c) {
-            return materials::f32::radiance(m, c.l, c.v, c.n, irradiance, glm::vec3(1), local);
-          }));
+    check(
+        fmt::format("{} {} {} {}", name, static_cast<int>(m.diffuse_model()),
+                    static_cast<int>(m.specular_model()), static_cast<int>(m.refract.has_value())),
+        cases, compare(cases, shader.run(cases), [&](const Inputs& c) {
+          return materials::f32::radiance(m, c.l, c.v, c.n, irradiance, glm::vec3(1), local);
+        }));
   };
-  for (std::uint32_t d = 0; d < 5; ++d) {
-    m.diffuse_law = static_cast<DiffuseLaw>(d);
+  for (std::uint32_t d = 0; d < std::variant_size_v<materials::DiffuseBrdf>; ++d) {
+    m.diffuse_brdf = materials::default_brdf(static_cast<DiffuseModel>(d));
+    edit_parameters(m.diffuse_brdf, dyadic);
     compare_laws("diffuse");
   }
-  for (std::uint32_t s = 0; s < 6; ++s) {
-    m.specular_law = static_cast<SpecularLaw>(s);
+  for (std::uint32_t s = 0; s < std::variant_size_v<materials::SpecularBrdf>; ++s) {
+    m.specular_brdf = materials::default_brdf(static_cast<SpecularModel>(s));
+    edit_parameters(m.specular_brdf, dyadic);
     m.refract = {};
     compare_laws("specular");
     m.refract = Vec3(1.5, 2.5, 1);

@@ -137,7 +137,14 @@ TEST(Diff, InstancesMaterialsAndTextures) {
                 "material 'plastic': specular_law: cook_torrance in a, none in b"},
                [](Contents& c) {
                  c.materials[0].refract.reset();
-                 c.materials[0].specular_law = materials::SpecularLaw::none;
+                 c.materials[0].specular_brdf = materials::NoSpecular{};
+               });
+  // the parameters of a model by name
+  expect_model({"material 'plastic': alpha: 0.5 in a, 0.25 in b",
+                "material 'plastic': g_scale: 1 in a, 3 in b"},
+               [](Contents& c) {
+                 c.materials[0].specular_brdf =
+                     materials::CookTorrance{.alpha = 0.25, .g_scale = 3};
                });
   expect_model({"texture 'skin.png': linear only in a"},
                [](Contents& c) { c.textures[0].linear = false; });

@@ -170,12 +170,13 @@ TEST(Level1, NamedMaterialsReplaceAndOverride) {
     return r.scene->materials[static_cast<std::size_t>(r.scene->instances[i].material)];
   };
   EXPECT_EQ(material(0).name, "gold");
-  EXPECT_EQ(material(0).shine, 20);
+  EXPECT_EQ(std::get<materials::BlinnPhong>(material(0).specular_brdf).shine, 20);
   EXPECT_EQ(material(1).name, "dull");
   EXPECT_EQ(material(1).diffuse, Vec3(0.7, 0.5, 0.2));
-  EXPECT_EQ(material(1).shine, 5);
+  EXPECT_EQ(std::get<materials::BlinnPhong>(material(1).specular_brdf).shine, 5);
   EXPECT_EQ(material(2).diffuse, Vec3(1, 0, 0));
-  EXPECT_EQ(material(2).shine, 20) << "an appearance inside overrides field by field";
+  EXPECT_EQ(std::get<materials::BlinnPhong>(material(2).specular_brdf).shine, 20)
+      << "an appearance inside overrides field by field";
   EXPECT_EQ(material(3).name, "default");
 }
 
@@ -326,8 +327,9 @@ TEST(Level1, AProblemThatRepeatsIsSaidOnce) {
   EXPECT_EQ(read_model("<box size=\"1\" translate=\"1e300 0 0\"/>").codes(),
             std::multiset<std::string>{"E1202"});
   const Reading element = read_model("<spere radius=\"1\"/>");
-  EXPECT_THAT(element.summary(), HasSubstr("frame_s, appearance, texture, sphere, mesh, node, use, "
-                                           "repeat, import, frame, keypoint, decal, ellipsoid, box"));
+  EXPECT_THAT(element.summary(),
+              HasSubstr("frame_s, appearance, texture, sphere, mesh, node, use, "
+                        "repeat, import, frame, keypoint, decal, ellipsoid, box"));
 }
 
 TEST(Level1, AnglesAreShownInDegreesAndCountsWhereTheyStand) {

@@ -36,15 +36,16 @@ TEST(Material, EveryFieldArrives) {
   EXPECT_EQ(a.emissive, Vec3(7, 8, 9));
   EXPECT_EQ(a.weights, Vec3(0.3, 0.2, 0.1));
   EXPECT_EQ(a.refract, Vec3(1.5, 2.5, 3.5));
-  EXPECT_EQ(a.shine, 25);
-  EXPECT_EQ(a.specular_law, materials::SpecularLaw::blinn_phong);
-  EXPECT_EQ(material_of(r, 1).oren, 0.35);
-  EXPECT_EQ(material_of(r, 1).cook[1], 0.25);
-  EXPECT_EQ(material_of(r, 1).diffuse_law, materials::DiffuseLaw::oren_nayar);
-  EXPECT_EQ(material_of(r, 1).specular_law, materials::SpecularLaw::cook_torrance);
-  EXPECT_EQ(material_of(r, 2).hapke[0], 0.33);
-  EXPECT_DOUBLE_EQ(material_of(r, 2).hapke[3], 15 * kPi / 180);
-  EXPECT_EQ(material_of(r, 2).diffuse_law, materials::DiffuseLaw::hapke);
+  EXPECT_EQ(std::get<materials::BlinnPhong>(a.specular_brdf).shine, 25);
+  EXPECT_EQ(a.specular_model(), materials::SpecularModel::blinn_phong);
+  EXPECT_EQ(std::get<materials::OrenNayar>(material_of(r, 1).diffuse_brdf).sigma, 0.35);
+  EXPECT_EQ(std::get<materials::CookTorrance>(material_of(r, 1).specular_brdf).alpha, 0.25);
+  EXPECT_EQ(material_of(r, 1).diffuse_model(), materials::DiffuseModel::oren_nayar);
+  EXPECT_EQ(material_of(r, 1).specular_model(), materials::SpecularModel::cook_torrance);
+  EXPECT_EQ(std::get<materials::Hapke>(material_of(r, 2).diffuse_brdf).w, 0.33);
+  EXPECT_DOUBLE_EQ(std::get<materials::Hapke>(material_of(r, 2).diffuse_brdf).roughness,
+                   15 * kPi / 180);
+  EXPECT_EQ(material_of(r, 2).diffuse_model(), materials::DiffuseModel::hapke);
 }
 
 TEST(Material, FieldsAreInheritedOneByOneThroughIncludes) {
@@ -62,7 +63,8 @@ TEST(Material, FieldsAreInheritedOneByOneThroughIncludes) {
   ASSERT_EQ(r.scene->instances.size(), 5u);
   EXPECT_EQ(material_of(r, 0).diffuse, Vec3(0, 0.2, 0));
   EXPECT_EQ(material_of(r, 1).diffuse, Vec3(0.3, 0, 0)) << "the inner one wins";
-  EXPECT_EQ(material_of(r, 1).shine, 9) << "and inherits the rest";
+  EXPECT_EQ(std::get<materials::BlinnPhong>(material_of(r, 1).specular_brdf).shine, 9)
+      << "and inherits the rest";
   EXPECT_EQ(material_of(r, 1).weights, Vec3(0.5, 0.5, 0));
   EXPECT_EQ(material_of(r, 2).diffuse, Vec3(0, 0.2, 0)) << "beside it nothing changed";
   EXPECT_EQ(material_of(r, 3).diffuse, Vec3(0, 0.2, 0));
@@ -92,7 +94,7 @@ TEST(Material, ABadFieldIsLeftOutAlone) {
   // the specular colour is there, with a weight of 0
   EXPECT_EQ(r.codes(), (std::multiset<std::string>{"E1201", "E1202", "N1405"}));
   EXPECT_EQ(material_of(r, 0).diffuse, Vec3(0.8));
-  EXPECT_EQ(material_of(r, 0).oren, 0.2);
+  EXPECT_EQ(std::get<materials::OrenNayar>(material_of(r, 0).diffuse_brdf).sigma, 0.2);
   EXPECT_EQ(material_of(r, 0).specular, Vec3(1));
 }
 

@@ -11,10 +11,15 @@
 namespace panwright::pxn {
 namespace {
 
+using materials::Beckmann;
 using materials::Compensation;
-using materials::DiffuseLaw;
-using materials::FresnelLaw;
-using materials::SpecularLaw;
+using materials::DiffuseModel;
+using materials::Eon;
+using materials::FresnelModel;
+using materials::Ggx;
+using materials::Hapke;
+using materials::LommelSeeliger;
+using materials::SpecularModel;
 
 // One sphere that wears a named material; the material's fields stand in line 3.
 Reading wearing(const std::string& fields, const std::string& attributes = "") {
@@ -48,33 +53,34 @@ TEST(NamedMaterial, ReflectanceMaps) {
 TEST(NamedMaterial, Laws) {
   const Reading eon = wearing("<diffuse>0.5 0.5 0.5</diffuse><eon>0.7</eon>");
   EXPECT_EQ(eon.summary(), "");
-  EXPECT_EQ(worn(eon).diffuse_law, DiffuseLaw::eon);
-  EXPECT_EQ(worn(eon).oren, 0.7);
+  EXPECT_EQ(worn(eon).diffuse_model(), DiffuseModel::eon);
+  EXPECT_EQ(std::get<Eon>(worn(eon).diffuse_brdf).roughness, 0.7);
 
   const Reading kept =
       wearing("<diffuse>0.5 0.5 0.5</diffuse><oren energy=\"preserving\">0.3</oren>");
-  EXPECT_EQ(worn(kept).diffuse_law, DiffuseLaw::eon);
+  EXPECT_EQ(worn(kept).diffuse_model(), DiffuseModel::eon);
   // 0.45 s²/(s² + 0.09) = 0.225 over 1 − 0.5 s²/(s² + 0.33) = 1 − 0.045/0.42
-  EXPECT_NEAR(worn(kept).oren, 0.225 / (1 - 0.045 / 0.42), 1e-15);
+  EXPECT_NEAR(std::get<Eon>(worn(kept).diffuse_brdf).roughness, 0.225 / (1 - 0.045 / 0.42), 1e-15);
 
   const Reading ggx = wearing("<ggx energy=\"single\">0.1 0.4</ggx><conductor metal=\"Al\"/>");
   EXPECT_EQ(ggx.summary(), "");
-  EXPECT_EQ(worn(ggx).specular_law, SpecularLaw::ggx);
-  EXPECT_EQ(worn(ggx).cook[1], 0.1);
-  EXPECT_EQ(worn(ggx).alpha_y, 0.4);
+  EXPECT_EQ(worn(ggx).specular_model(), SpecularModel::ggx);
+  EXPECT_EQ(std::get<Ggx>(worn(ggx).specular_brdf).alpha_x, 0.1);
+  EXPECT_EQ(std::get<Ggx>(worn(ggx).specular_brdf).alpha_y, 0.4);
   EXPECT_EQ(worn(ggx).compensation, Compensation::off);
   EXPECT_EQ(worn(ggx).specular, Vec3(1)) << "facets are not coloured";
   EXPECT_EQ(worn(ggx).weights, Vec3(0, 1, 0));
   EXPECT_EQ(worn(ggx).refract, materials::metal("Al")->n);
   EXPECT_EQ(worn(ggx).extinction, materials::metal("Al")->k);
-  EXPECT_EQ(materials::laws_of(worn(ggx)).fresnel, FresnelLaw::conductor);
+  EXPECT_EQ(materials::laws_of(worn(ggx)).fresnel, FresnelModel::conductor);
 
   const Reading one = wearing("<beckmann>0.2</beckmann>");
-  EXPECT_EQ(worn(one).specular_law, SpecularLaw::beckmann);
-  EXPECT_EQ(worn(one).alpha_y, 0.2) << "one number for both directions";
+  EXPECT_EQ(worn(one).specular_model(), SpecularModel::beckmann);
+  EXPECT_EQ(std::get<Beckmann>(worn(one).specular_brdf).alpha_y, 0.2)
+      << "one number for both directions";
 
   const Reading mirror = wearing("<mirror/><conductor n=\"0.2\" k=\"3 3 2\"/><coat n=\"1.46\"/>");
-  EXPECT_EQ(worn(mirror).specular_law, SpecularLaw::mirror);
+  EXPECT_EQ(worn(mirror).specular_model(), SpecularModel::mirror);
   EXPECT_EQ(worn(mirror).extinction, Vec3(3, 3, 2));
   ASSERT_TRUE(worn(mirror).coat);
   EXPECT_EQ(worn(mirror).coat->index, 1.46);
@@ -82,13 +88,13 @@ TEST(NamedMaterial, Laws) {
   const Reading hapke =
       wearing("<hapke b=\"0.25\" c=\"-0.5\" porosity=\"0.3\">0.2 0.1 1 20</hapke>");
   EXPECT_EQ(hapke.summary(), "") << "level 1 says what the numbers are";
-  EXPECT_EQ(worn(hapke).grains.c, -0.5);
-  EXPECT_EQ(worn(hapke).grains.porosity, 0.3);
+  EXPECT_EQ(std::get<Hapke>(worn(hapke).diffuse_brdf).c, -0.5);
+  EXPECT_EQ(std::get<Hapke>(worn(hapke).diffuse_brdf).porosity, 0.3);
   EXPECT_EQ(worn(hapke).diffuse, Vec3(1));
 
   const Reading lommel = wearing("<lommel_seeliger>0.1</lommel_seeliger>");
-  EXPECT_EQ(worn(lommel).diffuse_law, DiffuseLaw::lommel_seeliger);
-  EXPECT_EQ(worn(lommel).hapke[0], 0.1);
+  EXPECT_EQ(worn(lommel).diffuse_model(), DiffuseModel::lommel_seeliger);
+  EXPECT_EQ(std::get<LommelSeeliger>(worn(lommel).diffuse_brdf).w, 0.1);
   EXPECT_EQ(worn(lommel).diffuse, Vec3(1));
 }
 
@@ -115,11 +121,11 @@ TEST(NamedMaterial, InnerLawsReplaceOuterOnes) {
         {{"m.pxn", "<pangu_model ver=\"1\">" + base + "<material name=\"m\" base=\"b\">" + fields +
                        "</material><sphere material=\"m\"/></pangu_model>"}});
   };
-  EXPECT_EQ(worn(read("<mirror/>")).specular_law, SpecularLaw::mirror);
-  EXPECT_EQ(worn(read("<ggx>0.3</ggx>")).cook[1], 0.3);
-  EXPECT_EQ(worn(read("<cook>1 0.3 1 1</cook>")).specular_law, SpecularLaw::cook_torrance);
+  EXPECT_EQ(worn(read("<mirror/>")).specular_model(), SpecularModel::mirror);
+  EXPECT_EQ(std::get<Ggx>(worn(read("<ggx>0.3</ggx>")).specular_brdf).alpha_x, 0.3);
+  EXPECT_EQ(worn(read("<cook>1 0.3 1 1</cook>")).specular_model(), SpecularModel::cook_torrance);
   EXPECT_EQ(worn(read("<refract>1.5 1.5 1.5</refract>")).extinction, Vec3(0));
-  EXPECT_EQ(worn(read("<coat/>")).specular_law, SpecularLaw::ggx);
+  EXPECT_EQ(worn(read("<coat/>")).specular_model(), SpecularModel::ggx);
 }
 
 TEST(NamedMaterial, BadInput) {
@@ -164,7 +170,7 @@ TEST(Presets, AllAreSound) {
 TEST(Presets, FieldsAreOverridden) {
   const Reading r = wearing("<ggx>0.3</ggx>", "preset=\"gold_plating\"");
   EXPECT_EQ(r.summary(), "");
-  EXPECT_EQ(worn(r).cook[1], 0.3);
+  EXPECT_EQ(slopes_of(worn(r))->x, 0.3);
   EXPECT_EQ(worn(r).refract, materials::metal("Au")->n);
 }
 

@@ -176,20 +176,21 @@ class Maker {
     materials::Fields f;
     if (below(2) == 0) f.diffuse = color();
     if (below(2) == 0) f.specular = color();
-    if (below(3) == 0) f.shine = unit() * 128;
+    if (below(3) == 0) f.blinn_phong = materials::BlinnPhong{unit() * 128};
     if (below(3) == 0) f.emissive = color();
     // level 1 refuses more than 1 in all
     if (below(2) == 0) f.reflect = Vec3(unit(), unit(), below(2) * unit()) / 3.0;
-    if (below(3) == 0) f.cook = {unit(), unit() + 0.01, unit(), unit()};
-    if (below(3) == 0) f.oren = unit();
-    if (below(3) == 0) f.hapke = {unit(), unit(), unit(), 80 * unit()};
+    if (below(3) == 0)
+      f.cook_torrance = materials::CookTorrance{unit(), unit() + 0.01, unit(), unit()};
+    if (below(3) == 0) f.oren_nayar = materials::OrenNayar{unit()};
+    if (below(3) == 0) f.hapke = materials::Hapke{unit(), unit(), unit(), 80 * unit() * kDegree};
     if (below(3) == 0) f.refract = Vec3(1) + color();
     if (below(2) == 0) {
       f.maps = materials::Maps{};
       f.maps->albedo = 0;
       if (below(2) == 0) f.maps->normal = 1;
       if (below(2) == 0) f.maps->repeat = {positive(), positive()};
-      if (f.cook) f.maps->reflectance = 0;
+      if (f.cook_torrance) f.maps->reflectance = 0;
     }
     DiagnosticLog log;
     scene_.materials.push_back(materials::resolved(f, {}, log));

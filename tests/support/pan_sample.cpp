@@ -64,13 +64,12 @@ pan::Contents small_contents() {
   contents.instances = {{1, 0, 0, -1}, {2, 1, 1, 0}};
   materials::Material plastic;
   plastic.name = "plastic";
-  plastic.specular_law = materials::SpecularLaw::cook_torrance;
+  plastic.specular_brdf = materials::CookTorrance{};
   plastic.weights = {0.75, 0.25, 0};
   plastic.refract = Vec3(1.5, 1.5, 1.5);
   materials::Material paint;
   paint.name = "paint";
-  paint.diffuse_law = materials::DiffuseLaw::oren_nayar;
-  paint.oren = 0.25;
+  paint.diffuse_brdf = materials::OrenNayar{0.25};
   contents.materials = {plastic, paint};
   contents.textures = {{"skin.png", 2, 3, true, kPicture}};
   contents.frames = {{"camera", 1, {0, 0, 0.5}, {0.8, 0, 0, 0.6}}};

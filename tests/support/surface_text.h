@@ -25,20 +25,10 @@ inline std::string surface_text(const materials::f32::SurfaceFields& s) {
   };
 #define VECTOR(name) vector(#name, s.name);
 #define REAL(name) real(#name, s.name);
-  VECTOR(diffuse)
-  VECTOR(specular)
-  VECTOR(emissive) VECTOR(weights) VECTOR(indices) VECTOR(extinction) REAL(shine) REAL(lobe_scale)
-      REAL(alpha) REAL(alpha_y) VECTOR(tangent) REAL(sun_alpha2) VECTOR(facing) VECTOR(reflectance)
-          VECTOR(many_scale) REAL(loss0) REAL(loss1) REAL(loss2) REAL(loss3) REAL(loss4) REAL(loss5)
-              REAL(loss6) REAL(loss7) REAL(oren) REAL(hapke_w) REAL(hapke_h) REAL(hapke_b0)
-                  REAL(hapke_rough) REAL(hapke_b) REAL(hapke_c) REAL(hapke_hc) REAL(hapke_bc0)
-                      REAL(hapke_k) REAL(hapke_h0) REAL(hapke_h1) REAL(hapke_h2) REAL(hapke_h3)
-                          REAL(hapke_h4) REAL(hapke_h5) REAL(hapke_h6) REAL(hapke_h7)
-                              REAL(coat_index) REAL(coat_alpha) REAL(coat_share) VECTOR(coat_depth)
-                                  VECTOR(coat_return) REAL(tilt_x) REAL(tilt_y)
+#include "materials/internal/generated/surface_fields.def"
 #undef VECTOR
 #undef REAL
-                                      return text;
+  return text;
 }
 
 }  // namespace panwright::hard_cases

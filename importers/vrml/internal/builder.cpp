@@ -87,11 +87,18 @@ std::int32_t Builder::add_shape(geometry::Shape shape, SourceSpan where) {
   return place->second;
 }
 
+namespace {
+double shine_of(const materials::Material& material) {
+  const auto* phong = std::get_if<materials::BlinnPhong>(&material.specular_brdf);
+  return phong != nullptr ? phong->shine : 0;
+}
+}  // namespace
+
 std::int32_t Builder::add_material(const materials::Material& material, const CadMaterial& cad) {
   const std::array<double, 12> key = {
       material.diffuse.x,  material.diffuse.y,  material.diffuse.z,  material.specular.x,
       material.specular.y, material.specular.z, material.emissive.x, material.emissive.y,
-      material.emissive.z, material.shine,      cad.opacity,         cad.textured ? 1.0 : 0.0};
+      material.emissive.z, shine_of(material),  cad.opacity,         cad.textured ? 1.0 : 0.0};
   const std::uint64_t hash =
       hash64(std::as_bytes(std::span(key))) ^ std::hash<std::string>()(cad.name);
   const auto [first, last] = materials_.equal_range(hash);
@@ -115,12 +122,12 @@ std::int32_t Builder::add_phong(const Phong& phong, std::string_view name, bool 
   CadMaterial cad;
   if (specular != Vec3(0)) {
     constexpr double kMostShine = 128;  // ISO/IEC 14772-1, 4.14.4: the exponent is 128·shininess
-    material.specular_law = materials::SpecularLaw::blinn_phong;
     material.specular = specular;
-    material.shine = kMostShine * shininess;
+    const double shine = kMostShine * shininess;
+    material.specular_brdf = materials::BlinnPhong{shine};
     material.weights.y = 1;
     // α² = 2/(n + 2), and α is the square of the perceptual roughness
-    cad.roughness = std::sqrt(std::sqrt(2 / (material.shine + 2)));
+    cad.roughness = std::sqrt(std::sqrt(2 / (shine + 2)));
   }
   material.emissive = clamped(phong.emissive);
   if (material.emissive != Vec3(0)) material.weights.z = 1;

@@ -41,13 +41,12 @@ scene::Scene spacecraft() {
   scene.shapes = {ball, geometry::Box{{1, 2, 3}}};
   scene.materials.resize(3);
   scene.materials[0].name = "gold";
-  scene.materials[0].specular_law = materials::SpecularLaw::ggx;
+  scene.materials[0].specular_brdf = materials::Ggx{0.25, 0.25};
   scene.materials[0].diffuse = Vec3(0);
   scene.materials[0].specular = Vec3(1);
   scene.materials[0].weights = {0, 1, 0};
   scene.materials[0].refract = Vec3(0.2, 0.4, 1.4);
   scene.materials[0].extinction = Vec3(3, 2.5, 1.9);
-  scene.materials[0].cook[1] = scene.materials[0].alpha_y = 0.25;
   scene.materials[1].name = "paint";
   scene.materials[1].coat = materials::Coat{};
   scene.materials[1].emissive = Vec3(3, 0, 1);
@@ -142,7 +141,7 @@ TEST(GltfExport, NamesMaterialsAndPointsComeBack) {
     } else if (cad.name == "paint") {
       EXPECT_LE(glm::length(cad.base_colour - Vec3(0.8)), 1e-6);
       EXPECT_EQ(cad.metallic, 0);
-      EXPECT_EQ(material.specular_law, materials::SpecularLaw::none);
+      EXPECT_EQ(material.specular_model(), materials::SpecularModel::none);
       EXPECT_TRUE(material.coat);
       EXPECT_LE(glm::length(material.emissive - Vec3(3, 0, 1)), 1e-6);
     } else if (cad.name == "panel") {

@@ -237,7 +237,8 @@ TEST(GltfMaterials, SpecularGlossinessPictures) {
                       (1 - std::max({facing.x, facing.y, facing.z})) * material.diffuse;
     EXPECT_LE(glm::length(decoded(texel_of(*out.imported, material.maps.albedo, i)) - left), 4e-3);
     const double rough = 1 - 0.5 * from[3] / 255.0;
-    EXPECT_NEAR(texel_of(*out.imported, material.maps.roughness, i)[0] / 255.0 * material.cook[1],
+    EXPECT_NEAR(texel_of(*out.imported, material.maps.roughness, i)[0] / 255.0 *
+                    materials::slopes_of(material)->x,
                 rough * rough, 2e-3);
   }
 }
@@ -325,7 +326,7 @@ TEST(GltfMaterials, ExtensionsAreMappedOrListed) {
   const materials::Material& material = out.imported->scene.materials[0];
   EXPECT_EQ(material.name, "glass");
   EXPECT_EQ(*material.refract, Vec3(1.7));
-  EXPECT_EQ(material.cook[1], 0.25);
+  EXPECT_EQ(materials::slopes_of(material)->x, 0.25);
   ASSERT_TRUE(material.coat);
   EXPECT_EQ(material.coat->alpha, 0.25);
   EXPECT_EQ(material.emissive, Vec3(0, 2, 4));

@@ -71,7 +71,7 @@ TEST(Vrml1, SeveralMaterialsBecomeColoursOrElseSeveralParts) {
   ASSERT_EQ(colours->scene().instances.size(), 1u);
   EXPECT_EQ(material(*colours).diffuse, Vec3(1));
   EXPECT_EQ(material(*colours).specular, Vec3(0.2));
-  EXPECT_EQ(material(*colours).shine, 64);
+  EXPECT_EQ(std::get<materials::BlinnPhong>(material(*colours).specular_brdf).shine, 64);
 
   const auto parts =
       read10("Material { diffuseColor [ 1 0 0, 0 1 0 ] transparency [ 0, 0, .5 ] } " + bound);

@@ -270,8 +270,8 @@ TEST(VrmlScene, Materials) {
   EXPECT_EQ(gold.name, "Gold");
   EXPECT_EQ(gold.diffuse, Vec3(0.5, 0.25, 0));
   EXPECT_EQ(gold.specular, Vec3(1, 1, 0.5));
-  EXPECT_EQ(gold.specular_law, materials::SpecularLaw::blinn_phong);
-  EXPECT_EQ(gold.shine, 32);
+  EXPECT_EQ(gold.specular_model(), materials::SpecularModel::blinn_phong);
+  EXPECT_EQ(std::get<materials::BlinnPhong>(gold.specular_brdf).shine, 32);
   EXPECT_EQ(gold.emissive, Vec3(0, 0, 0.1));
   EXPECT_EQ(gold.weights, Vec3(1, 1, 1));
   EXPECT_EQ(reading->out->materials[0].opacity, 0.75);

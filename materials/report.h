@@ -11,7 +11,7 @@
 
 namespace panwright::materials {
 
-struct Certificate {
+struct MaterialReport {
   struct Albedo {
     double mu;  // cosine of the direction
     Vec3 rgb;   // directional albedo
@@ -30,7 +30,7 @@ struct Certificate {
 //   mus  cosines, > 0 to 1, of the directions whose albedo is asked for
 //
 // Cost: about a tenth of a second.
-[[nodiscard]] Certificate certificate(const Material& material, std::span<const double> mus);
+[[nodiscard]] MaterialReport material_report(const Material& material, std::span<const double> mus);
 
 // Whether the laws of a material could gain energy although its weights and colours do not (those
 // are W1402): a bound, so that the quadrature of energy_gain() is needed for few. False is certain.

@@ -1,4 +1,4 @@
-#include "materials/certificate.h"
+#include "materials/report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,13 +30,13 @@ std::vector<Vec3> directions(std::span<const double> azimuths) {
   return all;
 }
 
-void compare_precisions(const Material& material, Certificate& out) {
+void compare_precisions(const Material& material, MaterialReport& out) {
   constexpr double kViewers_deg[] = {0};
   constexpr double kLights_deg[] = {0, 0.1, 10, 45, 90, 135, 170, 179, 179.9, 180};
   const Vec3 normal(0, 0, 1);
   const Vec3 tangent(1, 0, 0);
   // all that a reflectance map may say
-  std::vector<Local> locals{{tangent, kSunAlpha2, {}}};
+  std::vector<ShadingContext> locals{{tangent, kSunAlpha2, {}}};
   if (laws_of(material).mapped)
     for (const double r : {0.0, 0.5, 1.0}) locals.push_back({tangent, kSunAlpha2, Vec3(r)});
   struct Pair {
@@ -47,7 +47,7 @@ void compare_precisions(const Material& material, Certificate& out) {
   double peak = 0;
   for (const Vec3& viewer : directions(kViewers_deg))
     for (const Vec3& light : directions(kLights_deg))
-      for (const Local& local : locals) {
+      for (const ShadingContext& local : locals) {
         Pair pair;
         pair.exact = f64::brdf(material, light, viewer, normal, Vec3(1), local);
         pair.single = Vec3(f32::brdf(material, glm::vec3(light), glm::vec3(viewer),
@@ -70,8 +70,8 @@ void compare_precisions(const Material& material, Certificate& out) {
 
 }  // namespace
 
-Certificate certificate(const Material& material, std::span<const double> mus) {
-  Certificate out;
+MaterialReport material_report(const Material& material, std::span<const double> mus) {
+  MaterialReport out;
   for (const double mu : mus) out.directional.push_back({mu, directional_albedo(material, mu)});
   out.hemispherical = hemispherical_albedo(material);
   out.gain = energy_gain(material);
@@ -83,52 +83,43 @@ Certificate certificate(const Material& material, std::span<const double> mus) {
 
 bool may_gain(const Material& m) {
   // note: under a coat both parts are weakened by it, and the coat's own share is what it takes
-  const double factor =
-      m.specular_law == SpecularLaw::cook_torrance ? m.cook[0] * m.cook[2] * m.cook[3] : 1;
+  const auto* cook = std::get_if<CookTorrance>(&m.specular_brdf);
+  const double factor = cook != nullptr ? cook->d_scale * cook->f_scale * cook->g_scale : 1;
   double diffuse = 1;
-  if (m.diffuse_law == DiffuseLaw::oren_nayar) diffuse = kOrenGain;
+  if (m.diffuse_model() == DiffuseModel::oren_nayar) diffuse = kOrenGain;
   // plane albedo 1 − γH is at most 1 but for the opposition effects, which come on top
-  if (m.diffuse_law == DiffuseLaw::hapke)
-    diffuse = m.hapke[0] * (1 + m.hapke[2]) * (1 + m.grains.b_c0) < 0.5 ? 0.5 : 1e9;
+  const auto* hapke = std::get_if<Hapke>(&m.diffuse_brdf);
+  if (hapke != nullptr) diffuse = hapke->w * (1 + hapke->b0) * (1 + hapke->b_c0) < 0.5 ? 0.5 : 1e9;
   // facets that are not the same all around are balanced in the mean over the azimuth; a rough coat
   // over facets that scatter more than once reflects up to 6 % of what diffuse light has passed
   constexpr double kNearlyAll = 0.9;
-  const bool brushed =
-      m.cook[1] != m.alpha_y && (m.coat || !m.refract || m.maps.reflectance >= 0) &&
-      (m.specular_law == SpecularLaw::beckmann || m.specular_law == SpecularLaw::ggx);
+  const Vec2 alpha = slopes_of(m).value_or(Vec2(0));
+  const bool brushed = alpha.x != alpha.y && (m.coat || !m.refract || m.maps.reflectance >= 0);
   const bool twice = m.coat && m.coat->alpha > 0 && m.fits.many_scale != Vec3(0);
   const bool uneven = brushed || (twice && m.weights.x * largest(m.diffuse) > 0);
   bool gain = false;
   for (int k = 0; k < 3; ++k) {
     const double d = m.weights.x * m.diffuse[k];
     const double s = m.weights.y * m.specular[k];
-    if (m.diffuse_law != DiffuseLaw::hapke && d + s > 1 + kRounding) return false;
+    if (hapke == nullptr && d + s > 1 + kRounding) return false;
     gain = gain || d * diffuse + s * factor > (uneven ? kNearlyAll : 1 + kRounding);
   }
   return gain;
 }
 
 std::string laws_in_words(const Material& m) {
-  constexpr const char* kDiffuse[] = {"Lambert", "Oren-Nayar 1994", "Hapke", "EON",
-                                      "Lommel-Seeliger"};
-  constexpr const char* kSpecular[] = {"",
-                                       "Blinn-Phong",
-                                       "Cook-Torrance facets (Beckmann, V-cavities)",
-                                       "Beckmann facets (Smith)",
-                                       "GGX facets (Smith)",
-                                       "mirror"};
   std::string words;
   const Laws laws = laws_of(m);
-  if (laws.specular != SpecularLaw::none) {
-    words = kSpecular[static_cast<std::size_t>(laws.specular)];
-    if (laws.fresnel == FresnelLaw::conductor) words += " of a conductor";
-    if (laws.fresnel == FresnelLaw::dielectric) words += " of a dielectric";
+  if (laws.specular != SpecularModel::none) {
+    words = info_of(laws.specular).title;
+    if (laws.fresnel == FresnelModel::conductor) words += " of a conductor";
+    if (laws.fresnel == FresnelModel::dielectric) words += " of a dielectric";
     if (laws.mapped) words += " of mapped reflectance";
     if (laws.compensated) words += ", all scattering";
   }
   if (m.weights.x > 0 && m.diffuse != Vec3(0)) {
     if (!words.empty()) words += " over ";
-    words += kDiffuse[static_cast<std::size_t>(laws.diffuse)];
+    words += info_of(laws.diffuse).title;
   }
   if (words.empty()) words = "black";
   if (laws.coated) words += ", under a clear coat";

@@ -1,0 +1,20 @@
+// The parameters of stored materials. Private to pan.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "schemas/generated/pan_layout.h"
+
+namespace panwright::pan {
+
+// What is wrong with the parameters that a record uses, in words; none: nothing. Its model numbers
+// must be known.
+std::optional<std::string> material_limit_broken(const layout::Material& record);
+
+// The fields of a record that hold the parameters of BRDFs.
+std::span<const std::string_view> brdf_slots();
+
+}  // namespace panwright::pan
