@@ -17,10 +17,7 @@ Mat3 outward_normals(const Mat3& linear) {
 }
 
 bool is_brushed(const pan::layout::Material& material) {
-  const auto law = static_cast<materials::SpecularLaw>(material.specular_law);
-  const bool smith = law == materials::SpecularLaw::beckmann || law == materials::SpecularLaw::ggx;
-  return (smith && material.alpha_y != material.cook[1]) || material.tilt_u != 0 ||
-         material.tilt_v != 0;
+  return materials::is_anisotropic(pan::material_from(material, {}));
 }
 
 auto order(const DrawItem& item) {

@@ -64,7 +64,7 @@ GLuint Programs::shading(std::uint32_t variant, LayerSet layers, bool one_materi
     std::string head = fmt::format("{}#define VARIANT {}u\n", kVersion, variant);
     head += layer_names(layers) + defined("REFLECTING", reflecting) +
             defined("ONE_MATERIAL", one_material);
-    head += materials::glsl_formulas(laws);
+    head += materials::glsl_formulas(laws) + materials::glsl_material_loader();
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
     program = make_program(gl_, std::string(kVersion) + screen_vert, head + shading_frag, problem);
   }

@@ -1,6 +1,6 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, any of PAINTED
 // ROUGH BRUSHED REFLECTING ONE_MATERIAL SHADOWED (with shadow.glsl), VARIANT (its number), and the formulas of its
-// families (materials/formulas).
+// families (materials/formulas), with what reads a material (materials/formula_text.h).
 
 layout(std140, binding = 0) uniform View {
   vec4 sight;        // world direction through the tile's upper left corner, any length
@@ -30,12 +30,12 @@ layout(binding = 17) uniform sampler2D reflectances;
 #ifdef ONE_MATERIAL
 const int first_row = 0;
 // a material record of a pan file as it stands
-layout(std140, binding = 2) uniform MaterialRecord { vec4 rows[24]; }
+layout(std140, binding = 2) uniform MaterialRecord { vec4 rows[kMaterialRows]; }
 material;
-#define ROW(i) material.rows[i]
+vec4 material_row(int i) { return material.rows[i]; }
 #else
-layout(binding = 4) uniform samplerBuffer materials;  // 24 texels a record
-#define ROW(i) texelFetch(materials, i)
+layout(binding = 4) uniform samplerBuffer materials;  // kMaterialRows texels a record
+vec4 material_row(int i) { return texelFetch(materials, i); }
 #endif
 
 layout(location = 0) out vec4 radiance;
@@ -44,66 +44,6 @@ layout(location = 0) out vec4 radiance;
 vec3 unit_or_zero(vec3 v) {
   float square = dot(v, v);
   return square > 0.0 ? v * inversesqrt(square) : vec3(0.0);
-}
-
-// A material record (schemas/pan_layout.toml) as the parameters of its laws.
-Surface surface_of(int row) {
-  vec4 diffuse = ROW(row), specular = ROW(row + 1), emissive = ROW(row + 2);
-  vec4 refract_shine = ROW(row + 3), extinction = ROW(row + 4), cook = ROW(row + 5);
-  vec4 hapke = ROW(row + 6), grains = ROW(row + 7), mixed = ROW(row + 8);
-  vec4 coat_depth = ROW(row + 9), coat_return = ROW(row + 10), many_scale = ROW(row + 11);
-  vec4 loss = ROW(row + 12), more_loss = ROW(row + 13);
-  vec4 h = ROW(row + 14), more_h = ROW(row + 15), facing = ROW(row + 23);
-  Surface s;
-  s.diffuse = diffuse.rgb;
-  s.specular = specular.rgb;
-  s.emissive = emissive.rgb;
-  s.weights = vec3(diffuse.a, specular.a, emissive.a);
-  s.indices = refract_shine.rgb;
-  s.extinction = extinction.rgb;
-  s.shine = refract_shine.a;
-  s.lobe_scale = cook.x * cook.z * cook.w;
-  s.alpha = cook.y;
-  s.alpha_y = extinction.a;
-  s.tangent = vec3(0.0);
-  s.sun_alpha2 = view.to_sun.w;
-  s.facing = facing.rgb;
-  s.reflectance = facing.rgb;
-  s.many_scale = many_scale.rgb;
-  s.loss0 = loss.x;
-  s.loss1 = loss.y;
-  s.loss2 = loss.z;
-  s.loss3 = loss.w;
-  s.loss4 = more_loss.x;
-  s.loss5 = more_loss.y;
-  s.loss6 = more_loss.z;
-  s.loss7 = more_loss.w;
-  s.oren = mixed.y;
-  s.hapke_w = hapke.x;
-  s.hapke_h = hapke.y;
-  s.hapke_b0 = hapke.z;
-  s.hapke_rough = hapke.w;
-  s.hapke_b = grains.x;
-  s.hapke_c = grains.y;
-  s.hapke_hc = grains.z;
-  s.hapke_bc0 = grains.w;
-  s.hapke_k = coat_depth.a;
-  s.hapke_h0 = h.x;
-  s.hapke_h1 = h.y;
-  s.hapke_h2 = h.z;
-  s.hapke_h3 = h.w;
-  s.hapke_h4 = more_h.x;
-  s.hapke_h5 = more_h.y;
-  s.hapke_h6 = more_h.z;
-  s.hapke_h7 = more_h.w;
-  s.coat_index = mixed.z;
-  s.coat_alpha = mixed.w;
-  s.coat_share = 1.0;
-  s.coat_depth = coat_depth.rgb;
-  s.coat_return = coat_return.rgb;
-  s.tilt_x = coat_return.a;
-  s.tilt_y = many_scale.a;
-  return s;
 }
 
 #ifdef SHADOWED
@@ -121,8 +61,8 @@ void roughen(inout Surface surface, float length_of_mean, vec2 rough) {
   surface.diffuse *= length_of_mean;
   surface.oren *= rough.x;
   // floor: what the Sun's disc blurs is 50 times as much
-  float slope = max(surface.alpha * rough.x, min(surface.alpha, 1e-4));
-  surface.alpha = rough.y > 0.0 ? sqrt(slope * slope + rough.y) : slope;
+  float slope = max(surface.alpha_x * rough.x, min(surface.alpha_x, 1e-4));
+  surface.alpha_x = rough.y > 0.0 ? sqrt(slope * slope + rough.y) : slope;
   slope = max(surface.alpha_y * rough.x, min(surface.alpha_y, 1e-4));
   surface.alpha_y = rough.y > 0.0 ? sqrt(slope * slope + rough.y) : slope;
   if (rough.y > 0.0)
@@ -137,7 +77,7 @@ void main() {
   uvec4 of_item = texelFetch(items, item);
 #ifndef ONE_MATERIAL
   if (of_item.y != VARIANT) discard;
-  int first_row = 24 * int(of_item.x);
+  int first_row = kMaterialRows * int(of_item.x);
 #endif
 
   // the line of sight of this sample, free of where the surface is and how far
@@ -145,7 +85,7 @@ void main() {
                gl_FragCoord.y * view.sight_down.xyz;
   vec3 to_viewer = -normalize(sight);
 
-  Surface surface = surface_of(first_row);
+  Surface surface = surface_of(first_row, view.to_sun.w);
 #ifdef PAINTED
   vec4 paint = texelFetch(paints, ivec2(gl_FragCoord.xy), 0);
   surface.diffuse = paint.rgb;
@@ -154,7 +94,7 @@ void main() {
   vec4 rough = texelFetch(roughs, ivec2(gl_FragCoord.xy), 0);
   roughen(surface, paint.a, rough.xy);
   // of solar cells the paint has the colour of cells and fingers, weights included
-  bool has_cells = ROW(first_row + 19).z > 0.0;
+  bool has_cells = material_cell_count(first_row).x > 0.0;
   if (has_cells) {
     surface.weights.x = 1.0;
     surface.weights.y *= rough.w;
@@ -180,7 +120,7 @@ void main() {
   if (has_cells) {
     float lit = max(dot(unit_or_zero(seen.xyz), view.to_sun.xyz), 0.0) * 0.31830988618379067;
     radiance.rgb = rough.z * radiance.rgb + (1.0 - rough.z) * (lit * paint.a) *
-                                                ROW(first_row + 21).rgb * view.irradiance.rgb;
+                                                material_gap_color(first_row) * view.irradiance.rgb;
   }
 #endif
 #ifdef SHADOWED

@@ -7,14 +7,12 @@ namespace {
 
 using namespace testing_support;
 
-materials::Material brushed(materials::SpecularLaw law) {
+materials::Material brushed(materials::SpecularModel law) {
   materials::Material material;
   material.diffuse = {0.3, 0.2, 0.1};
   material.specular = {0.9, 0.8, 0.7};
   material.weights = {0.4, 0.6, 0};
-  material.specular_law = law;
-  material.cook = {1, 0.15, 1, 1};
-  material.alpha_y = 0.4;
+  material.specular_brdf = materials::with_slopes(law, {0.15, 0.4});
   materials::fit(material);
   return material;
 }
@@ -29,7 +27,7 @@ TEST(Brushed, SpheresAsPlaced) {
                 {glm::normalize(Quat(0.3, -0.5, 0.7, 0.2)), Vec3(1)},
                 {glm::normalize(Quat(0.8, 0.1, -0.5, 0.2)), Vec3(1, 0.5, 1.6)},
                 {glm::normalize(Quat(0.8, 0.1, -0.5, 0.2)), Vec3(-1, 0.8, 1.1)}};
-  for (const auto law : {materials::SpecularLaw::beckmann, materials::SpecularLaw::ggx})
+  for (const auto law : {materials::SpecularModel::beckmann, materials::SpecularModel::ggx})
     for (const bool texcoords : {false, true})
       for (const auto& place : places) {
         const materials::Material material = brushed(law);

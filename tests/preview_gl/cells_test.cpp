@@ -125,10 +125,9 @@ TEST(Cells, SkewedFootprintsKeepTheMean) {
 TEST(Cells, GapsHaveNoGlass) {
   materials::Material material = panel(3, 2);
   material.coat = materials::Coat{.index = 1.5, .alpha = 0.05};
-  material.specular_law = materials::SpecularLaw::cook_torrance;
+  material.specular_brdf = materials::CookTorrance{.alpha = 0.1};
   material.specular = Vec3(0.3);
   material.weights = {0, 1, 0};
-  material.cook = {1, 0.1, 1, 1};
   materials::fit(material);
   const pan::Model model = model_of(single(plate(1, 1), material));
   for (const double angle : {0.0, 0.4, 1.2}) {
@@ -147,7 +146,7 @@ TEST(Cells, GapsHaveNoGlass) {
         mixtures += mixture;
         const auto parts = materials::cell_parts(material);
         const double share[] = {shares.cell, shares.finger, shares.gap};
-        const materials::Local local{Vec3(0), materials::kSunAlpha2};
+        const materials::ShadingContext local{Vec3(0), materials::kSunAlpha2};
         Vec3 want(0);
         for (std::size_t k = 0; k < 3; ++k)
           want += share[k] * materials::f64::radiance(parts[k], to_sun, Vec3(0, 0, 1),
@@ -155,8 +154,8 @@ TEST(Cells, GapsHaveNoGlass) {
         double& error = mixture ? worst_mixture : worst;
         error = std::max(error, glm::length(pixel(image, x, y) - want) / glm::length(want));
       }
-    // measured 2.4e-6, and 2e-3: diffuse light goes back and forth between the glass and each part by
-    // itself, what facets reflect as between it and their mean
+    // measured 2.4e-6, and 2e-3: diffuse light goes back and forth between the glass and each part
+    // by itself, what facets reflect as between it and their mean
     std::printf("%.1e, %d mixtures %.1e\n", worst, mixtures, worst_mixture);
     EXPECT_LE(worst, 5e-6) << angle;
     EXPECT_LE(worst_mixture, 3e-3) << angle;

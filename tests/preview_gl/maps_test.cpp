@@ -9,7 +9,7 @@ namespace panwright::preview {
 namespace {
 
 // pictures show glints as wide as the Sun's disc makes them
-const materials::Local kUnderTheSun{Vec3(0), materials::kSunAlpha2};
+const materials::ShadingContext kUnderTheSun{Vec3(0), materials::kSunAlpha2};
 
 using namespace testing_support;
 
@@ -62,22 +62,20 @@ TEST(AlbedoMap, MultipliesTextureAndColours) {
 TEST(RoughnessMap, ConstantIsAScaledMaterial) {
   for (const int code : {0, 1, 100, 255}) {
     materials::Material material;
-    material.diffuse_law = materials::DiffuseLaw::oren_nayar;
-    material.specular_law = materials::SpecularLaw::cook_torrance;
+    material.diffuse_brdf = materials::OrenNayar{0.5};
+    material.specular_brdf = materials::CookTorrance{.alpha = 0.25};
     material.diffuse = {0.8, 0.4, 0.1};
     material.specular = Vec3(1);
     material.weights = {0.6, 0.4, 0};
     material.refract = Vec3(1.5);
-    material.cook = {1, 0.25, 1, 1};
-    material.oren = 0.5;
     Pictured with(single(sphere(30, 40, true), material));
     with.materials[0].maps.roughness = with.add(4, 4, false, [&](auto, auto) {
       return Texel{std::uint8_t(code), 9, 77, 0};
     });
     pan::Contents scaled = single(sphere(30, 40, true), material);
     const double k = code / 255.0;
-    scaled.materials[0].cook[1] = std::max(0.25 * k, 1e-4);
-    scaled.materials[0].oren = 0.5 * k;
+    scaled.materials[0].specular_brdf = materials::CookTorrance{.alpha = std::max(0.25 * k, 1e-4)};
+    scaled.materials[0].diffuse_brdf = materials::OrenNayar{0.5 * k};
     const View view = looking_from({1, -2, 0.6}, 6, 0.4, 128, 0.5);
     const Image a = rendered(model_of(with), view);
     const Image b = rendered(model_of(scaled), view);
@@ -108,12 +106,11 @@ Vec3 decoded(const Texel& texel) {
 
 materials::Material glossy() {
   materials::Material material;
-  material.specular_law = materials::SpecularLaw::cook_torrance;
+  material.specular_brdf = materials::CookTorrance{.alpha = 0.3};
   material.diffuse = Vec3(0.7);
   material.specular = Vec3(1);
   material.weights = {0.5, 0.5, 0};
   material.refract = Vec3(1.6);
-  material.cook = {1, 0.3, 1, 1};
   return material;
 }
 
@@ -195,7 +192,7 @@ TEST(NormalMap, MeanOfGlossyBumpsAtAnyRange) {
     for (const auto& [m, far] : {std::pair{0.05, 0.0}, {0.15, 0.0}, {0.15, 0.4}}) {
       Pictured contents(single(plate(1, 1), glossy()));
       contents.materials[0].weights = {0, 1, 0};
-      contents.materials[0].cook[1] = m;
+      contents.materials[0].specular_brdf = materials::CookTorrance{.alpha = m};
       std::uint32_t state = 1;
       const auto deviate = [&] {
         double sum = -6;
@@ -233,14 +230,12 @@ TEST(NormalMap, MeanOfGlossyBumpsAtAnyRange) {
 // An aluminium-like metal in red, one that dips below F0 in green, glass in blue.
 materials::Material metal(double slope) {
   materials::Material material;
-  material.specular_law = materials::SpecularLaw::ggx;
+  material.specular_brdf = materials::Ggx{slope, slope};
   material.diffuse = Vec3(0.3, 0.2, 0.1);
   material.specular = Vec3(1);
   material.weights = {0.2, 0.8, 0};
   material.refract = Vec3(1.37, 3.5, 1.5);
   material.extinction = Vec3(7.6, 3.3, 0);
-  material.cook = {1, slope, 1, 1};
-  material.alpha_y = slope;
   materials::fit(material);
   return material;
 }
@@ -272,7 +267,7 @@ TEST(ReflectanceMap, ConstantIsTheLaw) {
         for (const double tilt : {0.1, 0.8, 1.4}) {
           const Vec3 to_sun(std::sin(tilt), 0, std::cos(tilt));
           const Image image = rendered(model, above(5, 5, to_sun));
-          materials::Local local{Vec3(0), materials::kSunAlpha2, reflectance_of(texel)};
+          materials::ShadingContext local{Vec3(0), materials::kSunAlpha2, reflectance_of(texel)};
           for (const std::size_t x : {std::size_t{2}, std::size_t{4}}) {
             if (alone && x == 4) continue;
             if (x == 4) local.reflectance.reset();

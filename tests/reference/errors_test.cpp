@@ -18,8 +18,7 @@ pan::Model scene_in_its_own_shadow(bool with_gloss) {
   if (with_gloss) {
     glossy.specular = Vec3(0.6, 0.5, 0.4);
     glossy.weights = Vec3(0.6, 0.4, 0);
-    glossy.specular_law = materials::SpecularLaw::cook_torrance;
-    glossy.cook = {1, 0.2, 1, 1};
+    glossy.specular_brdf = materials::CookTorrance{.alpha = 0.2};
   }
   contents.materials.push_back(glossy);
   contents.instances.push_back({1, 1, 1, -1});

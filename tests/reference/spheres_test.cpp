@@ -11,7 +11,7 @@ using namespace testing_support;
 // so fine that its outline encloses 1 − 7e-6 of the disc
 const pan::Model& fine_sphere(const materials::Material& material) {
   static std::map<double, pan::Model> models;
-  const double key = material.weights.y + material.cook[1];
+  const double key = material.weights.y + materials::slopes_of(material).value_or(Vec2(0.5)).x;
   const auto found = models.find(key);
   if (found != models.end()) return found->second;
   return models.emplace(key, model_of(single(sphere(700, 700), material))).first->second;
@@ -21,8 +21,7 @@ materials::Material beckmann(double slope) {
   materials::Material material;
   material.weights = Vec3(0, 1, 0);
   material.specular = Vec3(1);
-  material.specular_law = materials::SpecularLaw::cook_torrance;
-  material.cook = {1, slope, 1, 1};
+  material.specular_brdf = materials::CookTorrance{.alpha = slope};
   return material;
 }
 
@@ -83,8 +82,7 @@ TEST(ReferenceSpheres, BeckmannMirror) {
 
 TEST(ReferenceSpheres, LommelSeeliger) {
   materials::Material material;
-  material.diffuse_law = materials::DiffuseLaw::lommel_seeliger;
-  material.hapke[0] = 1;
+  material.diffuse_brdf = materials::LommelSeeliger{1};
   material.diffuse = Vec3(1);
   materials::fit(material);
   const pan::Model model = model_of(single(sphere(700, 700), material));
@@ -106,8 +104,7 @@ TEST(ReferenceSpheres, LommelSeeliger) {
 // The law itself is held by the tests of materials: here it is summed over the sphere.
 TEST(ReferenceSpheres, Eon) {
   materials::Material material = lambert(0.8);
-  material.diffuse_law = materials::DiffuseLaw::eon;
-  material.oren = 0.7;
+  material.diffuse_brdf = materials::Eon{0.7};
   materials::fit(material);
   const pan::Model model = model_of(single(sphere(700, 700), material));
   for (const double degrees : {0.0, 60.0}) {
@@ -143,7 +140,7 @@ TEST(ReferenceSpheres, Mirror) {
   materials::Material material;
   material.weights = Vec3(0, 1, 0);
   material.specular = Vec3(1, 0.5, 0.25);
-  material.specular_law = materials::SpecularLaw::mirror;
+  material.specular_brdf = materials::Mirror{};
   const pan::Model model = model_of(single(sphere(700, 700), material));
   View view = looking_from({0, -1, 0}, kDistance, 0.0014 * kDegree, 64);
   const double radius = 32 / 0.006;  // pixels

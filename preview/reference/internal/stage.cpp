@@ -26,10 +26,7 @@ Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
 
 // Whether its laws look different along u and along v.
 bool has_direction(const materials::Material& material) {
-  const bool facets = material.specular_law == materials::SpecularLaw::beckmann ||
-                      material.specular_law == materials::SpecularLaw::ggx;
-  return (facets && material.cook[1] != material.alpha_y) ||
-         (material.cells && material.cells->tilt != Vec2(0));
+  return materials::is_anisotropic(material);
 }
 
 }  // namespace
