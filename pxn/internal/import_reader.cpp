@@ -85,14 +85,14 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
   const bool cleaned = word(attribute::import_clean) != "no";
   const std::string scene = word(attribute::import_scene);
   clean.keep_normals = word(attribute::import_normals) != "crease";
-  clean.tolerance = values.real(element, attribute::import_weld).value_or(0);
+  clean.tolerance = values.real_or_default(element, attribute::import_weld);
   options.crease_angle =
       values.real(element, attribute::import_crease).value_or(options.crease_angle);
   clean.crease_angle = options.crease_angle;
   if (!scene.empty()) options.scene = scene;
   options.primitives =
       static_cast<std::uint32_t>(values.integer(element, attribute::import_primitives).value_or(0));
-  options.deflection = values.real(element, attribute::import_deflection).value_or(0);
+  options.deflection = values.real_or_default(element, attribute::import_deflection);
   options.limits.nodes = options_.limits.nodes;
   options.limits.texture_bytes = options_.limits.texture_bytes - texture_bytes_;
 

@@ -49,6 +49,10 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> positions_of(const xml::Doc
   return positions;
 }
 
+bool is_shape(ElementId id) {
+  return id != schemas::kNoElement && schemas::kPxn.elements[static_cast<std::size_t>(id)].shape;
+}
+
 // Whether an element stands among the items of its part.
 bool makes_item(ElementId id) {
   switch (id) {
@@ -66,24 +70,9 @@ bool makes_item(ElementId id) {
     case ElementId::frame:
     case ElementId::keypoint:
     case ElementId::decal:
-    case ElementId::sphere:
-    case ElementId::sphere_1:
-    case ElementId::ellipsoid:
-    case ElementId::box:
-    case ElementId::cylinder:
-    case ElementId::cone:
-    case ElementId::disc:
-    case ElementId::torus:
-    case ElementId::dish:
-    case ElementId::plane:
-    case ElementId::tube:
-    case ElementId::lathe:
-    case ElementId::extrude:
-    case ElementId::polygons:
-    case ElementId::mesh:
       return true;
     default:
-      return false;
+      return is_shape(id);
   }
 }
 
@@ -273,24 +262,8 @@ void Loader::walk(Work& work, std::uint32_t element, std::uint32_t depth) {
     case ElementId::decal:
       read_decal(work, element);
       break;
-    case ElementId::sphere:
-    case ElementId::sphere_1:
-    case ElementId::ellipsoid:
-    case ElementId::box:
-    case ElementId::cylinder:
-    case ElementId::cone:
-    case ElementId::disc:
-    case ElementId::torus:
-    case ElementId::dish:
-    case ElementId::plane:
-    case ElementId::tube:
-    case ElementId::lathe:
-    case ElementId::extrude:
-    case ElementId::polygons:
-    case ElementId::mesh:
-      read_shape(work, element);
-      break;
-    default:  // definitions, and what has been reported
+    default:  // else definitions, and what has been reported
+      if (is_shape(work.file.document.elements[element].id)) read_shape(work, element);
       break;
   }
 }
@@ -308,8 +281,9 @@ void Loader::read_node(Work& work, std::uint32_t element, std::uint32_t depth,
 void Loader::read_appearance(Work& work, std::uint32_t element, std::uint32_t depth) {
   const xml::Document& document = work.file.document;
   const std::uint32_t material = child_of(document, element, ElementId::material);
-  work.part.fields.push_back(material == 0 ? materials::Fields{}
-                                           : read_material(document, material, *work.file.values, reporter_));
+  work.part.fields.push_back(material == 0
+                                 ? materials::Fields{}
+                                 : read_material(document, material, *work.file.values, reporter_));
   const auto item = add_item(work, ItemKind::appearance, element,
                              static_cast<std::uint32_t>(work.part.fields.size() - 1));
   if (!item) return;
@@ -378,12 +352,12 @@ bool Loader::fits_in_model(Work& work, std::uint32_t element, std::uint64_t coun
   const std::uint64_t inside = least_items(work.file, element, limit);
   if (inside == 0 || count < (limit + inside - 1) / inside) return true;
   const xml::Document& document = work.file.document;
-  reporter_.report(
-      Code::E1313, work.file.values->value_place(element, attribute::repeat_count), document,
-      element, [&] {
-        return Reporter::Text(fmt::format("{} repetitions of {} or more; a model has at most {} with its root",
-                                          count, counted(inside, "node"), limit));
-      });
+  reporter_.report(Code::E1313, work.file.values->value_place(element, attribute::repeat_count),
+                   document, element, [&] {
+                     return Reporter::Text(fmt::format(
+                         "{} repetitions of {} or more; a model has at most {} with its root",
+                         count, counted(inside, "node"), limit));
+                   });
   return false;
 }
 

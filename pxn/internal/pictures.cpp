@@ -88,7 +88,8 @@ materials::Maps Loader::read_maps(Work& work, std::uint32_t element, const mater
   values.numbers(element, attribute::named_material_map_repeat, std::span(&maps.repeat.x, 2));
   if (const std::uint32_t cutout = child_of(document, element, ElementId::cutout)) {
     read(cutout, attribute::cutout_image, Picture::cutout, maps.cutout);
-    maps.threshold = values.real(cutout, attribute::cutout_threshold).value_or(0.5);
+    maps.threshold =
+        values.real(cutout, attribute::cutout_threshold).value_or(materials::Maps{}.threshold);
   }
   return maps;
 }

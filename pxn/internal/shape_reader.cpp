@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 
 #include "pxn/internal/loader.h"
 #include "pxn/internal/shapes.h"
@@ -51,23 +52,21 @@ class ShapeReader {
       case ElementId::box: {
         geometry::Box s;
         numbers("size", std::span(&s.size.x, 3));
-        s.bevel = real("bevel", 0);
-        s.round = word("edges", "flat") == "round";
+        s.bevel = real("bevel");
+        s.round = word("edges") == "round";
         return s;
       }
       case ElementId::cylinder:
-        return geometry::Cylinder{real("radius", 0), real("height", 0), caps(), sector(), counts()};
+        return geometry::Cylinder{real("radius"), real("height"), caps(), sector(), counts()};
       case ElementId::cone:
-        return geometry::Cone{real("radius", 0), real("top_radius", 0),
-                              real("height", 0), caps(),
-                              sector(),          counts()};
+        return geometry::Cone{real("radius"), real("top_radius"), real("height"),
+                              caps(),         sector(),           counts()};
       case ElementId::disc:
-        return geometry::Disc{real("radius", 0), real("inner_radius", 0), sector(), counts()};
+        return geometry::Disc{real("radius"), real("inner_radius"), sector(), counts()};
       case ElementId::torus:
-        return geometry::Torus{real("radius", 0), real("tube_radius", 0), sector(), counts()};
+        return geometry::Torus{real("radius"), real("tube_radius"), sector(), counts()};
       case ElementId::dish:
-        return geometry::Dish{real("diameter", 0), real("focal_length", 0), real("thickness", 0),
-                              counts()};
+        return geometry::Dish{real("diameter"), real("focal_length"), real("thickness"), counts()};
       case ElementId::plane: {
         double size[2] = {0, 0};
         numbers("size", size);
@@ -77,7 +76,7 @@ class ShapeReader {
         return tube();
       case ElementId::lathe:
         return geometry::Lathe{points_2d(child_of(doc_, element_, ElementId::profile)),
-                               word("curve", "polyline") == "spline", sector(), counts()};
+                               word("curve") == "spline", sector(), counts()};
       case ElementId::extrude:
         return extrude();
       case ElementId::polygons:
@@ -98,7 +97,7 @@ class ShapeReader {
   geometry::Shape sphere() {
     geometry::Sphere s;
     s.radius = real("radius", units_.length);
-    double latitude[2] = {s.latitude_min, s.latitude_max};
+    double latitude[2];
     numbers("latitude", latitude);
     s.latitude_min = latitude[0];
     s.latitude_max = latitude[1];
@@ -114,10 +113,10 @@ class ShapeReader {
     const std::vector<double> list = list_of(child_of(doc_, element_, ElementId::path));
     for (std::size_t i = 0; i + 2 < list.size(); i += 3)
       s.path.emplace_back(list[i], list[i + 1], list[i + 2]);
-    s.radius = real("radius", 0);
-    s.inner_radius = real("inner_radius", 0);
-    s.spline = word("curve", "polyline") == "spline";
-    s.closed = word("closed", "0") == "1";
+    s.radius = real("radius");
+    s.inner_radius = real("inner_radius");
+    s.spline = word("curve") == "spline";
+    s.closed = word("closed") == "1";
     s.caps = caps();
     s.counts = counts();
     return s;
@@ -127,8 +126,8 @@ class ShapeReader {
     geometry::Extrude s;
     s.outline = points_2d(child_of(doc_, element_, ElementId::outline));
     each(element_, ElementId::hole, [&](std::uint32_t c) { s.holes.push_back(points_2d(c)); });
-    s.height = real("height", 0);
-    s.smooth = real("smooth", 0);
+    s.height = real("height");
+    s.smooth = real("smooth");
     s.caps = caps();
     return s;
   }
@@ -138,7 +137,7 @@ class ShapeReader {
     const std::vector<double> list = list_of(child_of(doc_, element_, ElementId::vertices));
     for (std::size_t i = 0; i + 2 < list.size(); i += 3)
       s.positions.emplace_back(list[i], list[i + 1], list[i + 2]);
-    s.smooth = real("smooth", 0);
+    s.smooth = real("smooth");
     each(element_, ElementId::face, [&](std::uint32_t face) {
       geometry::Polygons::Face& f = s.faces.emplace_back();
       if (const std::uint32_t c = child_of(doc_, face, ElementId::face_outline))
@@ -163,11 +162,25 @@ class ShapeReader {
 
   void numbers(std::string_view name, std::span<double> out) {
     const auto which = given(name);
+    std::ranges::copy(entry(name).initial, out.begin());
     if (which && !values_.numbers(element_, *which, out)) ok_ = false;
     // note: one that must be there and is not has been reported
     if (!which && attribute_is_required(name)) ok_ = false;
   }
 
+  // The schema's entry of an attribute of this element.
+  const schemas::Attribute& entry(std::string_view name) const {
+    const auto which = attribute_of(doc_, element_, name);
+    assert(which);
+    return schemas::kPxn.elements[static_cast<std::size_t>(doc_.elements[element_].id)]
+        .attributes[*which];
+  }
+
+  // One number; its default by the schema where it is absent.
+  double real(std::string_view name) {
+    const std::span<const double> initial = entry(name).initial;
+    return real(name, initial.empty() ? 0 : initial[0]);
+  }
   double real(std::string_view name, double otherwise) {
     double out = otherwise;
     const auto which = given(name);
@@ -189,7 +202,8 @@ class ShapeReader {
     return static_cast<std::uint32_t>(value.value_or(0));
   }
 
-  std::string word(std::string_view name, std::string_view otherwise) {
+  std::string word(std::string_view name) {
+    const std::string_view otherwise = entry(name).initial_word;
     const auto which = given(name);
     if (!which) return std::string(otherwise);
     const auto value = values_.text(element_, *which);
@@ -204,7 +218,7 @@ class ShapeReader {
   }
 
   geometry::Caps caps() {
-    const std::string text = word("caps", "both");
+    const std::string text = word("caps");
     return text == "none"     ? geometry::Caps::none
            : text == "bottom" ? geometry::Caps::bottom
            : text == "top"    ? geometry::Caps::top
@@ -212,8 +226,7 @@ class ShapeReader {
   }
 
   geometry::Sector sector() {
-    geometry::Sector s;
-    double ends[2] = {s.begin, s.end};
+    double ends[2];
     numbers("sector", ends);
     return {ends[0], ends[1]};
   }

@@ -18,13 +18,13 @@ namespace panwright::pxn {
 
 // Reads values of one document. What cannot be read is reported and comes back empty or false.
 //
-// In files of level 1 a number may have a unit ("12mm"), and may be an expression in braces over the
-// names of a scope ("{span/2 - 5mm}"), whose value is in SI; labels and paths may hold expressions
-// in braces ("bolt{i}"), written as whole numbers where they are. Results are in metres and radians
-// where the tables give a dimension: there a bare number has the root's unit; the value of an
-// expression has none, so that {5} is 5 m. A unit must be of the table's dimension, and so must the
-// value of an expression as far as it is known (Expressions). A value of an expression that leaves a
-// range by 1e-15 of its limit, as {3*30deg} may, is the limit.
+// In files of level 1 a number may have a unit ("12mm"), and may be an expression in braces over
+// the names of a scope ("{span/2 - 5mm}"), whose value is in SI; labels and paths may hold
+// expressions in braces ("bolt{i}"), written as whole numbers where they are. Results are in metres
+// and radians where the tables give a dimension: there a bare number has the root's unit; the value
+// of an expression has none, so that {5} is 5 m. A unit must be of the table's dimension, and so
+// must the value of an expression as far as it is known (Expressions). A value of an expression
+// that leaves a range by 1e-15 of its limit, as {3*30deg} may, is the limit.
 //
 // Expects: elements have passed the grammar check, and their entry in the tables has the value that
 // is asked for. Attributes are named by their index in the tables (schemas::attribute).
@@ -44,8 +44,8 @@ class Values {
 
   // The numbers between the tags, as many as the tables say: out.size().
   bool numbers(std::uint32_t element, std::span<double> out);
-  // The same of an attribute; where the tables let one number stand for all, it does. False without a
-  // report when the attribute is not there.
+  // The same of an attribute; where the tables let one number stand for all, it does. False without
+  // a report when the attribute is not there.
   bool numbers(std::uint32_t element, std::size_t attribute, std::span<double> out);
 
   // A list of numbers between the tags; replaces `out`. E1203 also where they make no whole tuples,
@@ -58,6 +58,11 @@ class Values {
 
   // Nothing, without a report, when the attribute is not there.
   std::optional<double> real(std::uint32_t element, std::size_t attribute);
+  // The default of the tables where it is absent or cannot be read. Expects: there is one.
+  double real_or_default(std::uint32_t element, std::size_t attribute) {
+    const double initial = schema(element).attributes[attribute].initial[0];
+    return real(element, attribute).value_or(initial);
+  }
   std::optional<std::uint64_t> integer(std::uint32_t element, std::size_t attribute);
   std::optional<Quantity> quantity(std::uint32_t element, std::size_t attribute);
 
