@@ -199,8 +199,39 @@ HalfSpace own_space(const Material& material, const f64::SurfaceFields& s) {
   return space_of(facets_of(material));
 }
 
+// ∫ f(l) cos_l dω over lights about the viewer, in steps of equal shares of the lobe.
+template <class F>
+Vec3 over_retro_lobe(double concentration, const Vec3& v, int order, F f) {
+  const std::span<const Node> nodes = gauss(order);
+  const double all = f64::one_minus_exp(2 * concentration);
+  Vec3 side = std::fabs(v.z) < 0.9 ? kUp : kTangent;
+  side -= v * glm::dot(v, side);
+  side /= std::sqrt(glm::dot(side, side));
+  const Vec3 across = glm::cross(v, side);
+  Vec3 sum(0);
+  for (const Node& a : nodes) {
+    const double apart = std::min(-det::log(1 - a.x * all) / concentration, 2.0);  // 1 − cosine
+    const double sine = std::sqrt(std::max(apart * (2 - apart), 0.0));
+    const double density = f64::retro_spread(concentration, 2 * apart);
+    if (!(density > 0)) continue;
+    for (int k = 0; k < order; ++k) {
+      const det::SinCos turn = det::sincos(2 * kPi * (k + 0.5) / order);
+      const Vec3 l = (1 - apart) * v + sine * (turn.cos * side + turn.sin * across);
+      if (l.z > 0) sum += a.weight / order / density * l.z * f(l);
+    }
+  }
+  return sum;
+}
+
 Vec3 facets_part(const Material& material, const f64::SurfaceFields& s, f64::Composition laws,
                  const Vec3& v, int order) {
+  if (laws.laws.specular == SpecularModel::retroreflector) {
+    const double wider = s.coat_index * s.coat_index;
+    return over_retro_lobe(f64::retro_concentration(s) / wider, v, order, [&](const Vec3& l) {
+      return laws.laws.coated ? laws.coated_facets(s, l, v, kUp)
+                              : s.weights.y * laws.mirrored(s, l, v, kUp, 1.0);
+    });
+  }
   const HalfSpace space = own_space(material, s);
   if (!laws.laws.coated)
     return over_lights<Vec3>(space, v, order, [&](const Vec3& l) {

@@ -82,6 +82,22 @@ struct HalfVectors {
   }
 };
 
+// Directions about the viewer, as retroreflectors return light: von Mises and Fisher's.
+struct RetroLobe {
+  double concentration = 1;
+
+  Vec3 sample(const Vec3& v, const Vec2& u) const {
+    const double all = f64::one_minus_exp(2 * concentration);
+    const double apart = std::min(-det::log(1 - u.y * all) / concentration, 2.0);  // 1 − cosine
+    const double sine = std::sqrt(std::max(apart * (2 - apart), 0.0));
+    const auto [sin_phi, cos_phi] = det::sincos(2 * kPi * u.x);
+    return Frame(v, Vec3(0)).world({sine * cos_phi, sine * sin_phi, 1 - apart});
+  }
+  double pdf(const Vec3& l, const Vec3& v) const {
+    return f64::retro_spread(concentration, glm::dot(l - v, l - v));
+  }
+};
+
 // Chances of what sample() may do; they add up to 1 (to 0 on a black surface).
 struct Chances {
   double diffuse = 0;
@@ -103,6 +119,9 @@ double narrowest_slope(const Material& material) {
   if (const auto slopes = slopes_of(material)) slope = std::min(slopes->x, slopes->y);
   if (const auto* phong = std::get_if<BlinnPhong>(&material.specular_brdf))
     slope = std::sqrt(2 / (phong->shine + 2));
+  // slopes turn light by twice their angle, and their variance is half of its square
+  if (const auto* retro = std::get_if<Retroreflector>(&material.specular_brdf))
+    slope = retro->width * std::sqrt(0.5);
   // a mirror below a rough coat, which blurs it
   if (material.specular_model() == SpecularModel::mirror && material.coat)
     slope = (material.coat->index - 1) * std::sqrt(0.5) * material.coat->alpha;
@@ -151,6 +170,12 @@ struct Scattering::Parts {
     return surface.weights.y * surface.specular * composition.fresnel(surface, tilted, 1.0);
   }
   Vec3 mirror_below(double cosine) const { return mirror_below(cosine, cosine, cosine); }
+
+  bool retro() const { return composition.laws.specular == SpecularModel::retroreflector; }
+  // through a coat the lobe is wider by its index
+  RetroLobe retro_lobe(const f64::SurfaceFields& s) const {
+    return {f64::retro_concentration(s) / (s.coat_index * s.coat_index)};
+  }
 
   HalfVectors peak() const {
     const double slope = f64::facet_slope(surface.coat_alpha, 0);
@@ -221,7 +246,9 @@ struct Scattering::Parts {
     const double cosine = glm::dot(normal, to_light);
     if (!(cosine > 0)) return 0;
     double density = c.diffuse * cosine / kPi;
-    if (c.facets > 0) {
+    if (c.facets > 0 && retro()) {
+      density += c.facets * retro_lobe(s).pdf(to_light, to_viewer);
+    } else if (c.facets > 0) {
       const Below in = below(s, to_viewer, normal);
       const Frame frame(in.normal, s.tangent);
       const Vec3 l = in.refracted ? f64::under_coat(to_light, normal, s.coat_index) : to_light;
@@ -249,6 +276,7 @@ struct Scattering::Parts {
 
   Vec3 drawn_by_facets(const f64::SurfaceFields& s, const Vec3& to_viewer, const Vec3& normal,
                        const Vec2& u) const {
+    if (retro()) return retro_lobe(s).sample(to_viewer, u);
     const Below in = below(s, to_viewer, normal);
     const Vec3 l = drawn(facets(s), Frame(in.normal, s.tangent), in.to_viewer, u);
     if (!in.refracted || !(glm::dot(normal, l) > 0)) return l;

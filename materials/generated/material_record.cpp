@@ -55,6 +55,12 @@ void append(std::vector<double>& key, const Ggx& b) {
   append(key, std::span<const double>(&b.alpha_y, 1));
 }
 void append(std::vector<double>&, const Mirror&) {}
+void append(std::vector<double>& key, const Retroreflector& b) {
+  append(key, std::span<const double>(&b.index, 1));
+  append(key, std::span<const double>(&b.depth, 1));
+  append(key, std::span<const double>(&b.cutoff, 1));
+  append(key, std::span<const double>(&b.width, 1));
+}
 void append(std::vector<double>& key, const Coat& b) {
   append(key, std::span<const double>(&b.index, 1));
   append(key, std::span<const double>(&b.alpha, 1));
@@ -206,6 +212,26 @@ void edit_one(Ggx& b, const ParameterEditor& call) {
 }
 void visit_one(const Mirror&, const ParameterVisitor&) {}
 void edit_one(Mirror&, const ParameterEditor&) {}
+void visit_one(const Retroreflector& b, const ParameterVisitor& call) {
+  call({"index", "", "index", 1, 1},
+       {&b.index, 1});
+  call({"depth", "", "depth", 1, 0.7071067811865476},
+       {&b.depth, 1});
+  call({"cutoff", "rad", "cutoff", 1, 1.5707963267948966},
+       {&b.cutoff, 1});
+  call({"width", "rad", "width", 1, 0.0005},
+       {&b.width, 1});
+}
+void edit_one(Retroreflector& b, const ParameterEditor& call) {
+  call({"index", "", "index", 1, 1},
+       {&b.index, 1});
+  call({"depth", "", "depth", 1, 0.7071067811865476},
+       {&b.depth, 1});
+  call({"cutoff", "rad", "cutoff", 1, 1.5707963267948966},
+       {&b.cutoff, 1});
+  call({"width", "rad", "width", 1, 0.0005},
+       {&b.width, 1});
+}
 constexpr ModelInfo kDiffuse[] = {
     {"lambert", "Lambert", "lambert", false, false},
     {"oren_nayar", "Oren-Nayar 1994", "oren", false, false},
@@ -220,6 +246,7 @@ constexpr ModelInfo kSpecular[] = {
     {"beckmann", "Beckmann microfacets (Smith)", "beckmann", true, true},
     {"ggx", "GGX microfacets (Smith)", "ggx", true, true},
     {"mirror", "mirror", "mirror", true, false},
+    {"retroreflector", "corner-cube retroreflector", "retroreflector", false, false},
 };
 
 }  // namespace
@@ -319,6 +346,8 @@ SpecularBrdf default_brdf(SpecularModel model) {
       return Ggx{};
     case SpecularModel::mirror:
       return Mirror{};
+    case SpecularModel::retroreflector:
+      return Retroreflector{};
   }
   return NoSpecular{};
 }
@@ -328,6 +357,7 @@ std::optional<SpecularModel> specular_model_of_tag(std::string_view tag) {
   if (tag == "beckmann") return SpecularModel::beckmann;
   if (tag == "ggx") return SpecularModel::ggx;
   if (tag == "mirror") return SpecularModel::mirror;
+  if (tag == "retroreflector") return SpecularModel::retroreflector;
   return std::nullopt;
 }
 
@@ -343,6 +373,8 @@ SpecularBrdf brdf_of(const Fields& fields, SpecularModel model) {
       return fields.ggx.value_or(Ggx{});
     case SpecularModel::mirror:
       return fields.mirror.value_or(Mirror{});
+    case SpecularModel::retroreflector:
+      return fields.retroreflector.value_or(Retroreflector{});
     default:
       break;
   }
@@ -361,6 +393,8 @@ bool has_brdf(const Fields& fields, SpecularModel model) {
       return fields.ggx.has_value();
     case SpecularModel::mirror:
       return fields.mirror.has_value();
+    case SpecularModel::retroreflector:
+      return fields.retroreflector.has_value();
     default:
       break;
   }
@@ -373,6 +407,7 @@ void set_brdf(Fields& fields, const SpecularBrdf& brdf) {
   if (const auto* given = std::get_if<Beckmann>(&brdf)) fields.beckmann = *given;
   if (const auto* given = std::get_if<Ggx>(&brdf)) fields.ggx = *given;
   if (const auto* given = std::get_if<Mirror>(&brdf)) fields.mirror = *given;
+  if (const auto* given = std::get_if<Retroreflector>(&brdf)) fields.retroreflector = *given;
 }
 
 void visit_parameters(const SpecularBrdf& brdf, const ParameterVisitor& visit) {
@@ -435,7 +470,8 @@ Fields Fields::overridden_by(const Fields& inner) const {
   replace(merged.beckmann, inner.beckmann);
   replace(merged.ggx, inner.ggx);
   replace(merged.mirror, inner.mirror);
-  if (inner.blinn_phong || inner.cook_torrance || inner.beckmann || inner.ggx || inner.mirror || inner.specular_model)
+  replace(merged.retroreflector, inner.retroreflector);
+  if (inner.blinn_phong || inner.cook_torrance || inner.beckmann || inner.ggx || inner.mirror || inner.retroreflector || inner.specular_model)
     merged.specular_model = inner.specular_model;
   if (inner.hapke) merged.hapke_named = inner.hapke_named;
   replace(merged.preset, inner.preset);
@@ -483,6 +519,7 @@ std::vector<double> key_of(const Fields& f) {
   append(key, f.beckmann);
   append(key, f.ggx);
   append(key, f.mirror);
+  append(key, f.retroreflector);
   key.push_back(f.diffuse_model ? static_cast<double>(*f.diffuse_model) : -1);
   key.push_back(f.specular_model ? static_cast<double>(*f.specular_model) : -1);
   key.push_back(f.hapke_named ? 1 : 0);

@@ -99,6 +99,20 @@ struct Mirror {
   bool operator==(const Mirror&) const = default;
 };
 
+// Corner cubes with a circular face: light goes back to where it comes from.
+struct Retroreflector {
+  double index = 1;  // Refractive index of a solid cube; 1: hollow
+  // Distance of the corner from the face over the face's diameter; 0.7071: the circle in the
+  // triangular face of a cube, 0: the whole face works at any angle
+  double depth = 0.7071067811865476;
+  // Angle of incidence from which nothing comes back, whatever the aperture: total reflection
+  // lost, the rim of a mount. Over the last twentieth of the way of its cosine the light falls
+  // off evenly, rad
+  double cutoff = 1.5707963267948966;
+  double width = 0.0005;  // Width of the returned lobe: standard deviation along each axis, rad
+  bool operator==(const Retroreflector&) const = default;
+};
+
 // The diffuse BRDF models; the values are those of the pan and of the variant.
 enum class DiffuseModel : std::uint32_t {
   lambert,
@@ -121,9 +135,11 @@ enum class SpecularModel : std::uint32_t {
   beckmann,
   ggx,
   mirror,
+  retroreflector,
 };
 
-using SpecularBrdf = std::variant<NoSpecular, BlinnPhong, CookTorrance, Beckmann, Ggx, Mirror>;
+using SpecularBrdf = std::variant<NoSpecular, BlinnPhong, CookTorrance, Beckmann, Ggx, Mirror,
+Retroreflector>;
 inline SpecularModel model_of(const SpecularBrdf& brdf) {
   return static_cast<SpecularModel>(brdf.index());
 }
@@ -234,6 +250,7 @@ struct Fields {
   std::optional<Beckmann> beckmann;
   std::optional<Ggx> ggx;
   std::optional<Mirror> mirror;
+  std::optional<Retroreflector> retroreflector;
   // a model that is named holds, whatever else is given
   std::optional<DiffuseModel> diffuse_model;
   std::optional<SpecularModel> specular_model;

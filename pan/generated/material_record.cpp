@@ -93,6 +93,18 @@ void read(const layout::Material& r, materials::Ggx& b) {
 }
 void store(layout::Material&, const materials::Mirror&) {}
 void read(const layout::Material&, materials::Mirror&) {}
+void store(layout::Material& r, const materials::Retroreflector& b) {
+  r.cook[0] = static_cast<float>(b.index);
+  r.cook[1] = static_cast<float>(b.depth);
+  r.cook[2] = static_cast<float>(det::cos(b.cutoff));
+  r.cook[3] = static_cast<float>(b.width);
+}
+void read(const layout::Material& r, materials::Retroreflector& b) {
+  b.index = double{r.cook[0]};
+  b.depth = double{r.cook[1]};
+  b.cutoff = det::acos(double{r.cook[2]});
+  b.width = double{r.cook[3]};
+}
 
 std::optional<std::string> broken(const char* name, float value, const char* limit) {
   return fmt::format("{} is {}, it must be {}", name, value, limit);
@@ -265,6 +277,10 @@ std::optional<std::string> material_limit_broken(const layout::Material& r) {
     case materials::SpecularModel::ggx:
       if (!(r.cook[1] > 0.0F)) return broken("alpha_x", r.cook[1], "above 0");
       if (!(r.alpha_y > 0.0F)) return broken("alpha_y", r.alpha_y, "above 0");
+      break;
+    case materials::SpecularModel::retroreflector:
+      if (!(r.cook[0] >= 1.0F)) return broken("index", r.cook[0], "at least 1");
+      if (!(r.cook[3] > 0.0F)) return broken("width", r.cook[3], "above 0");
       break;
     default:
       break;

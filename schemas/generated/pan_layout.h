@@ -41,6 +41,7 @@ enum class SpecularModel : std::uint32_t {
   beckmann = 3,  // Beckmann microfacets with Smith's masking
   ggx = 4,  // GGX microfacets (Trowbridge and Reitz 1975) with Smith's masking
   mirror = 5,  // A perfect mirror
+  retroreflector = 6,  // Corner cubes with a circular face: light goes back to where it comes from
 };
 
 // Which term of the need decided a tolerance.
@@ -659,7 +660,7 @@ inline constexpr FieldRule kFieldRules[] = {
     {SectionKind::materials, "diffuse_law", 256, FieldType::u32, 1,
      FieldRuleKind::range, SectionKind::build, 0u, 4u},
     {SectionKind::materials, "specular_law", 260, FieldType::u32, 1,
-     FieldRuleKind::range, SectionKind::build, 0u, 5u},
+     FieldRuleKind::range, SectionKind::build, 0u, 6u},
     {SectionKind::materials, "compensation", 264, FieldType::u32, 1,
      FieldRuleKind::range, SectionKind::build, 0u, 2u},
     {SectionKind::materials, "variant", 268, FieldType::u32, 1,

@@ -62,6 +62,7 @@ enum class ElementId : std::uint16_t {
   beckmann,
   ggx,
   mirror,
+  retroreflector,
   conductor,
   coat,
   cells,
@@ -234,6 +235,10 @@ inline constexpr std::size_t cutout_image = 0;
 inline constexpr std::size_t cutout_threshold = 1;
 inline constexpr std::size_t beckmann_energy = 0;
 inline constexpr std::size_t ggx_energy = 0;
+inline constexpr std::size_t retroreflector_index = 0;
+inline constexpr std::size_t retroreflector_depth = 1;
+inline constexpr std::size_t retroreflector_cutoff = 2;
+inline constexpr std::size_t retroreflector_width = 3;
 inline constexpr std::size_t conductor_metal = 0;
 inline constexpr std::size_t conductor_file = 1;
 inline constexpr std::size_t conductor_n = 2;
@@ -941,15 +946,18 @@ inline constexpr ElementId kChoice_named_material_14[] = {
     ElementId::mirror,
 };
 inline constexpr ElementId kChoice_named_material_15[] = {
-    ElementId::conductor,
+    ElementId::retroreflector,
 };
 inline constexpr ElementId kChoice_named_material_16[] = {
-    ElementId::coat,
+    ElementId::conductor,
 };
 inline constexpr ElementId kChoice_named_material_17[] = {
-    ElementId::cells,
+    ElementId::coat,
 };
 inline constexpr ElementId kChoice_named_material_18[] = {
+    ElementId::cells,
+};
+inline constexpr ElementId kChoice_named_material_19[] = {
     ElementId::provenance,
 };
 inline constexpr std::string_view kMembers_named_material_0[] = {
@@ -964,6 +972,7 @@ inline constexpr std::string_view kMembers_named_material_1[] = {
     "beckmann",
     "ggx",
     "mirror",
+    "retroreflector",
 };
 inline constexpr std::string_view kMembers_named_material_2[] = {
     "refract",
@@ -1004,6 +1013,7 @@ inline constexpr Slot kSlots_named_material[] = {
     {kChoice_named_material_16, "", 0, 1, ""},
     {kChoice_named_material_17, "", 0, 1, ""},
     {kChoice_named_material_18, "", 0, 1, ""},
+    {kChoice_named_material_19, "", 0, 1, ""},
 };
 inline constexpr Rule kRules_named_material[] = {
     {RuleKind::exclusive, kMembers_named_material_0},
@@ -1038,6 +1048,36 @@ inline constexpr Number kNumbers_beckmann[] = {
 };
 inline constexpr Attribute kAttributes_beckmann[] = {
     {"energy", 1, true, false, {ValueKind::word, 1, {}, kWords_beckmann_energy, Dimension::none, false, false, 1, 0}, {}, "auto"},
+};
+inline constexpr Number kNumbers_retroreflector_index[] = {
+    {"index", 1, 4, false, false},
+};
+inline constexpr double kInitial_retroreflector_index[] = {
+    1,
+};
+inline constexpr Number kNumbers_retroreflector_depth[] = {
+    {"depth", 0, 10, false, false},
+};
+inline constexpr double kInitial_retroreflector_depth[] = {
+    0.7071067811865476,
+};
+inline constexpr Number kNumbers_retroreflector_cutoff[] = {
+    {"cutoff", 0.01, 1.5707963267948966, false, false},
+};
+inline constexpr double kInitial_retroreflector_cutoff[] = {
+    1.5707963267948966,
+};
+inline constexpr Number kNumbers_retroreflector_width[] = {
+    {"width", 1e-05, 0.5, false, false},
+};
+inline constexpr double kInitial_retroreflector_width[] = {
+    0.0005,
+};
+inline constexpr Attribute kAttributes_retroreflector[] = {
+    {"index", 1, true, false, {ValueKind::real, 1, kNumbers_retroreflector_index, {}, Dimension::none, false, false, 1, 0}, kInitial_retroreflector_index, ""},
+    {"depth", 1, true, false, {ValueKind::real, 1, kNumbers_retroreflector_depth, {}, Dimension::none, false, false, 1, 0}, kInitial_retroreflector_depth, ""},
+    {"cutoff", 1, true, false, {ValueKind::real, 1, kNumbers_retroreflector_cutoff, {}, Dimension::angle, false, false, 1, 0}, kInitial_retroreflector_cutoff, ""},
+    {"width", 1, true, false, {ValueKind::real, 1, kNumbers_retroreflector_width, {}, Dimension::angle, false, false, 1, 0}, kInitial_retroreflector_width, ""},
 };
 inline constexpr Number kNumbers_conductor_n[] = {
     {"r", 0, 100, true, false},
@@ -1962,6 +2002,9 @@ inline constexpr Element kElements[] = {
     {"mirror", 1, true,
      {},
      {}, {}, {}, false},
+    {"retroreflector", 1, true,
+     {},
+     kAttributes_retroreflector, {}, {}, false},
     {"conductor", 1, true,
      {},
      kAttributes_conductor, {}, kRules_conductor, false},

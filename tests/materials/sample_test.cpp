@@ -81,6 +81,13 @@ std::vector<Case> cases() {
   film.material.maps.reflectance = 0;
   film.reflectance = Vec3(0.25, 1, 0);
   all.push_back(film);
+  Case cube = facets("retroreflector", SpecularModel::retroreflector, 0.5, 0.5);
+  cube.material.specular_brdf = Retroreflector{.index = 1.46, .width = 0.08};
+  all.push_back(cube);
+  Case tape = facets("wide retroreflector with a cut-off", SpecularModel::retroreflector, 0.5, 0.5);
+  tape.material.specular_brdf = Retroreflector{.depth = 0.2, .cutoff = 1.2, .width = 0.3};
+  tape.material.weights = {0.3, 0.7, 0};
+  all.push_back(tape);
   for (Case& c : all) fit(c.material);
   return all;
 }

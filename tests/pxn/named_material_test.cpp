@@ -85,6 +85,19 @@ TEST(NamedMaterial, Laws) {
   ASSERT_TRUE(worn(mirror).coat);
   EXPECT_EQ(worn(mirror).coat->index, 1.46);
 
+  const Reading cube = wearing(
+      "<retroreflector index=\"1.46\" cutoff=\"50deg\" width=\"0.2mrad\"/>"
+      "<specular>0.9 0.9 0.9</specular>");
+  EXPECT_EQ(cube.summary(), "");
+  const auto retro = std::get<materials::Retroreflector>(worn(cube).specular_brdf);
+  EXPECT_EQ(retro.index, 1.46);
+  EXPECT_EQ(retro.depth, materials::Retroreflector{}.depth) << "the schema's default";
+  EXPECT_NEAR(retro.cutoff, 50 * kDegree, 1e-15);
+  EXPECT_NEAR(retro.width, 2e-4, 1e-18);
+  EXPECT_EQ(worn(cube).specular, Vec3(0.9));
+  const Reading both = wearing("<mirror/><retroreflector/>");
+  EXPECT_NE(both.summary(), "") << "one kind of highlight";
+
   const Reading hapke =
       wearing("<hapke b=\"0.25\" c=\"-0.5\" porosity=\"0.3\">0.2 0.1 1 20</hapke>");
   EXPECT_EQ(hapke.summary(), "") << "level 1 says what the numbers are";

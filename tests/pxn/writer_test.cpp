@@ -182,6 +182,11 @@ class Maker {
     if (below(2) == 0) f.reflect = Vec3(unit(), unit(), below(2) * unit()) / 3.0;
     if (below(3) == 0)
       f.cook_torrance = materials::CookTorrance{unit(), unit() + 0.01, unit(), unit()};
+    if (below(6) == 0) {
+      f.retroreflector =
+          materials::Retroreflector{1 + unit(), unit(), 1.5 * unit() + 0.01, 0.4 * unit() + 1e-4};
+      f.specular_model = materials::SpecularModel::retroreflector;
+    }
     if (below(3) == 0) f.oren_nayar = materials::OrenNayar{unit()};
     if (below(3) == 0) f.hapke = materials::Hapke{unit(), unit(), unit(), 80 * unit() * kDegree};
     if (below(3) == 0) f.refract = Vec3(1) + color();

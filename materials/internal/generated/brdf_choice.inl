@@ -30,6 +30,8 @@ Real lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {
       return ggx_lobe(s, to_light, to_viewer, normal);
     case SpecularModel::mirror:
       return mirror_lobe(s, to_light, to_viewer, normal);
+    case SpecularModel::retroreflector:
+      return retroreflector_lobe(s, to_light, to_viewer, normal);
     default:
       break;
   }

@@ -22,6 +22,8 @@
 //
 #include "materials/formulas/facets.glsl"
 //
+#include "materials/formulas/retroreflector.glsl"
+//
 #include "materials/formulas/cells.glsl"
 //
 #include "materials/formulas/coat.glsl"

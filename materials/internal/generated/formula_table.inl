@@ -4,7 +4,7 @@
 constexpr const char* kDiffuseFunctions[] = {"lambert_law", "oren_nayar_law", "hapke_law",
 "eon_law", "lommel_seeliger_law"};
 constexpr const char* kSpecularFunctions[] = {"no_specular_lobe", "blinn_phong_lobe",
-"cook_torrance_lobe", "beckmann_lobe", "ggx_lobe", "mirror_lobe"};
+"cook_torrance_lobe", "beckmann_lobe", "ggx_lobe", "mirror_lobe", "retroreflector_lobe"};
 
 // A file of formulas, and the models that need it; a shared one stands in every shader.
 struct FormulaFile {
@@ -27,5 +27,6 @@ const FormulaFile kFormulaFiles[] = {
     {&blinn_phong_text, false, -1, 1},
     {&cook_torrance_text, true, -1, -1},
     {&facets_text, true, -1, -1},
+    {&retroreflector_text, false, -1, 6},
     {&coat_text, true, -1, -1},
 };

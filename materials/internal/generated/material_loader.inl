@@ -72,6 +72,10 @@ Surface surface_of(int row, float sun_alpha2) {
   s.f_scale = row5.z;
   s.g_scale = row5.w;
   s.alpha_y = row4.w;
+  s.retro_index = row5.x;
+  s.retro_depth = row5.y;
+  s.retro_cutoff = row5.z;
+  s.retro_width = row5.w;
   s.diffuse = row0.xyz;
   s.specular = row1.xyz;
   s.emissive = row2.xyz;

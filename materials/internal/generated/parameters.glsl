@@ -47,6 +47,17 @@ struct Surface {
   Real g_scale;
   // beckmann: RMS slope along v; ggx: α along v
   Real alpha_y;
+  // retroreflector: Refractive index of a solid cube; 1: hollow
+  Real retro_index;
+  // retroreflector: Distance of the corner from the face over the face's diameter; 0.7071: the
+  // circle in the triangular face of a cube, 0: the whole face works at any angle
+  Real retro_depth;
+  // retroreflector: cosine of Angle of incidence from which nothing comes back, whatever the
+  // aperture: total reflection lost, the rim of a mount. Over the last twentieth of the way of
+  // its cosine the light falls off evenly
+  Real retro_cutoff;
+  // retroreflector: Width of the returned lobe: standard deviation along each axis
+  Real retro_width;
   // refractive index
   Real coat_index;
   // RMS slope of its outer face

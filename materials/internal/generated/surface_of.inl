@@ -45,6 +45,12 @@ inline void load_brdf(SurfaceFields& s, const Ggx& b) {
   s.alpha_y = real(b.alpha_y);
 }
 inline void load_brdf(SurfaceFields&, const Mirror&) {}
+inline void load_brdf(SurfaceFields& s, const Retroreflector& b) {
+  s.retro_index = real(b.index);
+  s.retro_depth = real(b.depth);
+  s.retro_cutoff = real(det::cos(b.cutoff));
+  s.retro_width = real(b.width);
+}
 
 inline SurfaceFields surface_of(const Material& material, const Vec3& tangent = Vec3(Real(0)),
                                 Real sun_alpha2 = Real(0)) {
@@ -56,6 +62,10 @@ inline SurfaceFields surface_of(const Material& material, const Vec3& tangent = 
   s.f_scale = Real(1);
   s.g_scale = Real(1);
   s.alpha_y = Real(0.5);
+  s.retro_index = Real(1);
+  s.retro_depth = Real(0.5);
+  s.retro_cutoff = Real(1);
+  s.retro_width = Real(1);
   s.diffuse = rounded(material.diffuse);
   s.specular = rounded(material.specular);
   s.emissive = rounded(material.emissive);
