@@ -155,8 +155,8 @@ TEST(Cells, GapsHaveNoGlass) {
         double& error = mixture ? worst_mixture : worst;
         error = std::max(error, glm::length(pixel(image, x, y) - want) / glm::length(want));
       }
-    // measured 2.4e-6, and 2e-3: diffuse light goes back and forth between the glass and each part by
-    // itself, what facets reflect as between it and their mean
+    // measured 2.4e-6, and 2e-3: diffuse light goes back and forth between the glass and each part
+    // by itself, what facets reflect as between it and their mean
     std::printf("%.1e, %d mixtures %.1e\n", worst, mixtures, worst_mixture);
     EXPECT_LE(worst, 5e-6) << angle;
     EXPECT_LE(worst_mixture, 3e-3) << angle;
