@@ -3,7 +3,7 @@
 
 generate_pan.py            writes them
 generate_pan.py --check    fails, and names the file, when one of them differs from what it would write
-generate_pan.py --header LAYOUT FILE   makes the header of another layout: tests read files with that of a later format
+generate_pan.py --later GROWTH FILE   makes the header of a format that has grown: for tests of what later readers do
 """
 
 import pathlib
@@ -376,16 +376,27 @@ def docs_text(layout):
     return "\n".join(lines) + "\n"
 
 
+def grow(layout, path):
+    """Adds the fields of a table of growth to the ends of their records."""
+    growth = tomllib.loads(path.read_text(encoding="utf-8"))
+    layout["format"]["minor"] = growth["minor"]
+    for record in layout["record"]:
+        record["field"] += growth["record"].get(record["name"], [])
+        record["size"] = sum(SIZES[field["type"]] * field.get("count", 1) for field in record["field"])
+
+
 def main(arguments):
-    other = len(arguments) == 3 and arguments[0] == "--header"
-    if not other and arguments not in ([], ["--check"]):
-        print("usage: generate_pan.py [--check | --header LAYOUT FILE]", file=sys.stderr)
+    later = len(arguments) == 3 and arguments[0] == "--later"
+    if not later and arguments not in ([], ["--check"]):
+        print("usage: generate_pan.py [--check | --later GROWTH FILE]", file=sys.stderr)
         return 2
-    with open(arguments[1] if other else ROOT / "schemas" / "pan_layout.toml", "rb") as file:
+    with open(ROOT / "schemas" / "pan_layout.toml", "rb") as file:
         layout = tomllib.load(file)
+    if later:
+        grow(layout, pathlib.Path(arguments[1]))
     try:
         validate(layout)
-        if other:
+        if later:
             pathlib.Path(arguments[2]).write_text(header_text(layout), encoding="utf-8", newline="\n")
             return 0
         texts = {"schemas/generated/pan_layout.h": header_text(layout), "docs/pan-format.md": docs_text(layout)}
