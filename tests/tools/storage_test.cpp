@@ -161,8 +161,7 @@ TEST(Storage, FilesThatAreCutShortWhileTheyAreMappedAreNamed) {
   // the shell's open returns when the program has opened the pipe; the signal is what a touch of a
   // lost page sends
   const Outcome outcome = support::run(
-      {"/bin/sh", "-c",
-       "mkfifo \"$1\"; \"$0\" check \"$1\" & exec 3>\"$1\"; kill -BUS $!; wait $!",
+      {"/bin/sh", "-c", "mkfifo \"$1\"; \"$0\" check \"$1\" & exec 3>\"$1\"; kill -BUS $!; wait $!",
        PANWRIGHT_BIN_DIR "/panwright", folder / "pipe.pxn"});
   EXPECT_EQ(outcome.code, 3);
   EXPECT_THAT(outcome.err, HasSubstr("[E0102]"));
