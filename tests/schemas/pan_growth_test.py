@@ -7,6 +7,7 @@ import sys
 import tomllib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "schemas"))
+sys.dont_write_bytecode = True
 import generate_pan  # noqa: E402
 
 
