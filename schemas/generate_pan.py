@@ -376,13 +376,20 @@ def docs_text(layout):
     return "\n".join(lines) + "\n"
 
 
+def load_layout():
+    """The layout as the tables have it, not validated."""
+    with open(ROOT / "schemas" / "pan_layout.toml", "rb") as file:
+        return tomllib.load(file)
+
+
 def grow(layout, path):
     """Adds the fields of a table of growth to the ends of their records."""
     growth = tomllib.loads(path.read_text(encoding="utf-8"))
     layout["format"]["minor"] = growth["minor"]
-    for record in layout["record"]:
-        record["field"] += growth["record"].get(record["name"], [])
-        record["size"] = sum(SIZES[field["type"]] * field.get("count", 1) for field in record["field"])
+    records = {record["name"]: record for record in layout["record"]}
+    for name, fields in growth["record"].items():
+        records[name]["field"] += fields
+        records[name]["size"] += sum(SIZES[field["type"]] * field.get("count", 1) for field in fields)
 
 
 def main(arguments):
@@ -390,11 +397,10 @@ def main(arguments):
     if not later and arguments not in ([], ["--check"]):
         print("usage: generate_pan.py [--check | --later GROWTH FILE]", file=sys.stderr)
         return 2
-    with open(ROOT / "schemas" / "pan_layout.toml", "rb") as file:
-        layout = tomllib.load(file)
-    if later:
-        grow(layout, pathlib.Path(arguments[1]))
     try:
+        layout = load_layout()
+        if later:
+            grow(layout, pathlib.Path(arguments[1]))
         validate(layout)
         if later:
             pathlib.Path(arguments[2]).write_text(header_text(layout), encoding="utf-8", newline="\n")

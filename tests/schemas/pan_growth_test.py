@@ -4,7 +4,6 @@
 import copy
 import pathlib
 import sys
-import tomllib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "schemas"))
 sys.dont_write_bytecode = True
@@ -34,7 +33,7 @@ def field(name, **more):
     return {"name": name, "type": "u32", "doc": "", **more}
 
 
-LAYOUT = tomllib.loads((generate_pan.ROOT / "schemas" / "pan_layout.toml").read_text(encoding="utf-8"))
+LAYOUT = generate_pan.load_layout()
 new = {"since": 1, "default": 3}
 grown = layout_with("Instance", [field("a", **new), field("b", **new)])
 generate_pan.validate(grown)
