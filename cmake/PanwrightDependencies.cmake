@@ -18,6 +18,5 @@ find_package(draco REQUIRED)  # draco_static: the shared library exports a tinyg
 if(NOT TARGET PkgConfig::XXHASH)
   pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
   pkg_check_modules(SLEEF REQUIRED IMPORTED_TARGET sleef)
-  pkg_check_modules(MUPARSER REQUIRED IMPORTED_TARGET muparser)
   pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET libwebp)
 endif()
