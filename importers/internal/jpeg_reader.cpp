@@ -16,8 +16,11 @@ namespace panwright::importers {
 
 namespace {
 
-// Each scan may touch every pixel and cost a few bytes only. Encoders write about ten.
-constexpr int kMostScans = 200;
+// A scan may touch every pixel and cost few bytes: 4,096² pixels and 200 scans take 3 s of 200 kB.
+// Encoders write about ten.
+constexpr std::uint64_t kMostScans = 200;
+constexpr std::uint64_t kLeastMostScans = 16;       // whatever the size
+constexpr std::uint64_t kMostVisits = 1ull << 32;   // of pixels
 constexpr std::uint64_t kWorkingMemory = 16 << 20;  // bytes, beside coefficients
 
 // Whether a warning of the library says that pixels are lost or made up.
@@ -89,9 +92,15 @@ class JpegReader {
   static void print_nothing(j_common_ptr) {}
   static void count_scans(j_common_ptr jpeg) {
     JpegReader& reader = self(jpeg);
-    if (reader.jpeg_.input_scan_number <= kMostScans) return;
+    if (static_cast<std::uint64_t>(reader.jpeg_.input_scan_number) <= reader.most_scans()) return;
     reader.too_many_scans_ = true;
     stop(jpeg);
+  }
+
+  std::uint64_t most_scans() const {
+    const std::uint64_t pixels = std::uint64_t{jpeg_.image_width} * jpeg_.image_height;
+    return std::clamp(kMostVisits / std::max<std::uint64_t>(pixels, 1), kLeastMostScans,
+                      kMostScans);
   }
 
   void read_header() {
@@ -143,7 +152,7 @@ class JpegReader {
 
   ImageProblem problem_found() {
     if (too_many_scans_)
-      return {Code::E3002, fmt::format("the JPEG has more than {} scans", kMostScans)};
+      return {Code::E3002, fmt::format("the JPEG has more than {} scans", most_scans())};
     std::array<char, JMSG_LENGTH_MAX> text{};
     switch (jpeg_.err->msg_code) {
       case JERR_OUT_OF_MEMORY:
