@@ -34,6 +34,7 @@ TEST(Replay, PanOfOlderFormats) { replay(PANWRIGHT_SOURCE_DIR "/tests/pan/data",
 TEST(Replay, VrmlCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/vrml", fuzz::vrml); }
 TEST(Replay, GltfCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/gltf", fuzz::gltf); }
 TEST(Replay, MeshCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/mesh", fuzz::mesh); }
+TEST(Replay, ImageCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/image", fuzz::image); }
 TEST(Replay, DracoCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/draco", fuzz::draco); }
 
 }  // namespace
