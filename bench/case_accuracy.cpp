@@ -110,9 +110,9 @@ std::unique_ptr<pan::Model> compiled_model(const scene::Scene& scene, Diagnostic
 preview::View view_from(const Vec3& eye, const Vec3& target, double fov, const Vec3& to_sun,
                         std::uint32_t side, DiagnosticLog& log) {
   preview::View view;
-  preview::set_field_of_view(view.camera, side, side, fov);
+  world::set_field_of_view(view.camera, side, side, fov);
   view.camera.position = eye;
-  if (const auto turn = preview::looking_at(eye, target, {}, log))
+  if (const auto turn = world::looking_at(eye, target, {}, log))
     view.camera.world_from_camera = *turn;
   view.to_sun = to_sun;
   return view;
@@ -126,12 +126,12 @@ std::vector<float> shown(const preview::Image& image) {
 }
 
 // The irradiance that a picture holds, of its brightest channel.
-double flux_of(const preview::Image& image, const preview::Camera& camera) {
+double flux_of(const preview::Image& image, const world::Camera& camera) {
   Vec3 sum(0);
   for (std::uint32_t row = 0; row < image.height; ++row)
     for (std::uint32_t column = 0; column < image.width; ++column) {
       const std::size_t at = 3 * (std::size_t{row} * image.width + column);
-      const double solid_angle = preview::pixel_solid_angle(camera, column, row);
+      const double solid_angle = world::pixel_solid_angle(camera, column, row);
       for (int k = 0; k < 3; ++k)
         sum[k] +=
             solid_angle * static_cast<double>(image.radiance[at + static_cast<std::size_t>(k)]);

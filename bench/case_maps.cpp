@@ -170,9 +170,9 @@ void run_spheres(Context& context, preview::Context& gl) {
   DiagnosticLog log;
   const std::uint32_t size = context.quick() ? 200 : 1000;
   preview::View view;
-  preview::set_orthographic(view.camera, size, size, 2.05);
+  world::set_orthographic(view.camera, size, size, 2.05);
   view.camera.position = {0, 0, 10};
-  if (const auto turn = preview::looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log))
+  if (const auto turn = world::looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log))
     view.camera.world_from_camera = *turn;
   view.to_sun = glm::normalize(Vec3(0.5, 0.2, 1));
   const std::vector<Dress> all = spheres();
@@ -230,9 +230,9 @@ void run(Context& context) {
   const std::uint32_t size = context.quick() ? 200 : 1000;
   const std::uint32_t quads = context.quick() ? 50 : 300;
   preview::View view;
-  preview::set_orthographic(view.camera, size, size, 1);
+  world::set_orthographic(view.camera, size, size, 1);
   view.camera.position = {0, 0, 10};
-  if (const auto turn = preview::looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log))
+  if (const auto turn = world::looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log))
     view.camera.world_from_camera = *turn;
   view.to_sun = {0, 0, 1};
 

@@ -41,7 +41,7 @@ preview::View view_of(double radius, std::uint32_t size, double phase) {
   view.camera.focal = Vec2(radius * kDistance);
   view.camera.principal = Vec2(size / 2.0);
   view.camera.position = Vec3(0, -kDistance, 0);
-  view.camera.world_from_camera = *preview::looking_at(view.camera.position, Vec3(0), {}, log);
+  view.camera.world_from_camera = *world::looking_at(view.camera.position, Vec3(0), {}, log);
   view.to_sun = view.camera.world_from_camera * Vec3(det::sin(phase), 0, -det::cos(phase));
   return view;
 }

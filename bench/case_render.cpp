@@ -50,9 +50,9 @@ class Studio {
   // The camera on −y, the Sun at a phase angle towards +x, which is right in the image.
   static preview::View view(double phase, DiagnosticLog& log) {
     preview::View view;
-    preview::set_field_of_view(view.camera, 1024, 1024, kFieldOfView);
+    world::set_field_of_view(view.camera, 1024, 1024, kFieldOfView);
     view.camera.position = {0, -kRange, 0};
-    const auto turn = preview::looking_at(view.camera.position, Vec3(0), {}, log);
+    const auto turn = world::looking_at(view.camera.position, Vec3(0), {}, log);
     if (turn) view.camera.world_from_camera = *turn;
     view.to_sun = {std::sin(phase), -std::cos(phase), 0};
     return view;

@@ -26,9 +26,9 @@ constexpr double kFieldOfView = 47 * kDegree;
 
 preview::View view_of(const Side& side, std::uint32_t pixels, DiagnosticLog& log) {
   preview::View view;
-  preview::set_field_of_view(view.camera, pixels, pixels, kFieldOfView);
+  world::set_field_of_view(view.camera, pixels, pixels, kFieldOfView);
   view.camera.position = side.camera;
-  const auto turn = preview::looking_at(side.camera, Vec3(0), {}, log);
+  const auto turn = world::looking_at(side.camera, Vec3(0), {}, log);
   if (turn) view.camera.world_from_camera = *turn;
   view.to_sun = side.to_sun;
   return view;

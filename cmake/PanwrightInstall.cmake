@@ -10,7 +10,7 @@ install(TARGETS panwright_flags ${libraries} EXPORT panwright
         ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
 install(EXPORT panwright NAMESPACE panwright:: DESTINATION "${PANWRIGHT_CONFIG_DIR}"
         FILE panwright-targets.cmake)
-install(DIRECTORY base geometry materials scene pan importers compiler pxn preview schemas
+install(DIRECTORY base geometry materials scene pan world importers compiler pxn preview schemas
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright"
         FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE)
 install(FILES schemas/pxn-0.xsd schemas/pxn.xsd DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")

@@ -18,7 +18,7 @@ std::array<Vec3, 8> corners(const Vec3& low, const Vec3& high) {
   return points;
 }
 
-Mat4 camera_from(const Camera& camera, const Mat4& world_from_mesh) {
+Mat4 camera_from(const world::Camera& camera, const Mat4& world_from_mesh) {
   const Mat3 rotation = glm::mat3_cast(glm::conjugate(camera.world_from_camera));
   const Vec3 offset = rotation * (Vec3(world_from_mesh[3]) - camera.position);
   Mat4 result(rotation * Mat3(world_from_mesh));
@@ -26,7 +26,7 @@ Mat4 camera_from(const Camera& camera, const Mat4& world_from_mesh) {
   return result;
 }
 
-DepthRange fitted_depth(Projection projection, std::span<const PlacedBox> boxes) {
+DepthRange fitted_depth(world::Projection projection, std::span<const PlacedBox> boxes) {
   double low = INFINITY;
   double high = 0;
   double size = 0;
@@ -51,17 +51,17 @@ DepthRange fitted_depth(Projection projection, std::span<const PlacedBox> boxes)
   const double pad = std::max({(high - low) * 0x1p-10, size * 0x1p-16, high * 0x1p-44, 0x1p-900});
   DepthRange range;
   range.far = high + pad;
-  const double least = projection == Projection::perspective ? range.far * 0x1p-30 : 0.0;
+  const double least = projection == world::Projection::perspective ? range.far * 0x1p-30 : 0.0;
   range.near = std::max(low - pad, least);
   return range;
 }
 
-ClipRows clip_rows(const Camera& camera, const Tile& tile, const DepthRange& range) {
+ClipRows clip_rows(const world::Camera& camera, const Tile& tile, const DepthRange& range) {
   const Vec2 scale = 2.0 * camera.focal / Vec2(tile.width, tile.height);
   const Vec2 shift =
       2.0 * (camera.principal - Vec2(tile.x, tile.y)) / Vec2(tile.width, tile.height) - 1.0;
   const double span = range.far - range.near;
-  if (camera.projection == Projection::orthographic)
+  if (camera.projection == world::Projection::orthographic)
     return {{scale.x, 0, 0, shift.x},
             {0, scale.y, 0, shift.y},
             {0, 0, -1 / span, range.far / span},
@@ -73,7 +73,7 @@ ClipRows clip_rows(const Camera& camera, const Tile& tile, const DepthRange& ran
           {0, 0, 1, 0}};
 }
 
-Mat4 clip_from_mesh(const Camera& camera, const Tile& tile, const DepthRange& range,
+Mat4 clip_from_mesh(const world::Camera& camera, const Tile& tile, const DepthRange& range,
                     const Mat4& camera_from_mesh) {
   const ClipRows rows = clip_rows(camera, tile, range);
   Vec4 z = times(rows.z, camera_from_mesh);
@@ -82,7 +82,7 @@ Mat4 clip_from_mesh(const Camera& camera, const Tile& tile, const DepthRange& ra
                              times(rows.w, camera_from_mesh)));
 }
 
-bool may_touch(const Camera& camera, const Tile& tile, double margin, const PlacedBox& box) {
+bool may_touch(const world::Camera& camera, const Tile& tile, double margin, const PlacedBox& box) {
   const ClipRows rows = clip_rows(camera, tile, DepthRange{});
   const double edge_x = 1 + 2 * margin / tile.width;
   const double edge_y = 1 + 2 * margin / tile.height;
@@ -104,14 +104,14 @@ bool may_touch(const Camera& camera, const Tile& tile, double margin, const Plac
   return outside == 0;
 }
 
-Tile touched_part(const Camera& camera, const Tile& tile, std::span<const PlacedBox> boxes,
+Tile touched_part(const world::Camera& camera, const Tile& tile, std::span<const PlacedBox> boxes,
                   std::span<const std::uint32_t> which) {
   Vec2 low(INFINITY);
   Vec2 high(-INFINITY);
   for (const std::uint32_t index : which)
     for (const Vec3& corner : corners(boxes[index].low, boxes[index].high)) {
       const Vec3 p(boxes[index].camera_from_mesh * Vec4(corner, 1));
-      const bool perspective = camera.projection == Projection::perspective;
+      const bool perspective = camera.projection == world::Projection::perspective;
       if (perspective && !(p.z > 0)) return tile;
       const Vec2 pixel = camera.focal * (perspective ? Vec2(p) / p.z : Vec2(p)) + camera.principal;
       low = glm::min(low, pixel);

@@ -26,7 +26,7 @@ namespace {
 constexpr std::uint32_t kMaxSide = 16384;
 
 [[maybe_unused]] bool is_sound(const View& view, const RenderOptions& options) {
-  const Camera& camera = view.camera;
+  const world::Camera& camera = view.camera;
   const auto unit = [](const Quat& q) { return std::fabs(glm::dot(q, q) - 1) < 1e-6; };
   return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
          std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
@@ -52,12 +52,12 @@ void copy_cells(const materials::Cells& cells, const float coat_return[3], DrawB
 
 // what the fragments of a tile share
 ViewBlock view_block(const View& view, const Tile& tile, unsigned samples) {
-  const Camera& camera = view.camera;
+  const world::Camera& camera = view.camera;
   const Mat3 axes = glm::mat3_cast(camera.world_from_camera);
   Vec3 sight = axes[2];
   Vec3 right(0);
   Vec3 down(0);
-  if (camera.projection == Projection::perspective) {
+  if (camera.projection == world::Projection::perspective) {
     const Vec2 corner = (Vec2(tile.x, tile.y) - camera.principal) / camera.focal;
     sight = axes * Vec3(corner, 1);
     right = axes[0] / (camera.focal.x * samples);
@@ -479,7 +479,7 @@ bool Renderer::Impl::render_truth(const View& view, const Scenery& scenery,
 
 Result<Image> Renderer::render(const View& view, const RenderOptions& options, DiagnosticLog& log) {
   assert(is_sound(view, options));
-  const Camera& camera = view.camera;
+  const world::Camera& camera = view.camera;
   if (camera.width > kMaxSide || camera.height > kMaxSide) {
     log.report_file(Code::E5003, {},
                     fmt::format("an image of {} by {} pixels; a side may have {}", camera.width,

@@ -7,9 +7,9 @@
 #include "base/diagnostic.h"
 #include "base/result.h"
 #include "pan/model.h"
-#include "preview/camera.h"
 #include "preview/context.h"
 #include "preview/image.h"
+#include "preview/view.h"
 
 namespace panwright::preview {
 

@@ -13,9 +13,9 @@ struct PixelLine {
   Vec3 direction;
 };
 
-PixelLine line_through(const Camera& camera, const Vec2& pixel) {
+PixelLine line_through(const world::Camera& camera, const Vec2& pixel) {
   const Vec2 plane = (pixel - camera.principal) / camera.focal;
-  if (camera.projection == Projection::orthographic) return {Vec3(plane, 0), Vec3(0, 0, 1)};
+  if (camera.projection == world::Projection::orthographic) return {Vec3(plane, 0), Vec3(0, 0, 1)};
   return {Vec3(0), Vec3(plane, 1)};
 }
 
@@ -121,7 +121,7 @@ void fill_truth(const pan::Model& model, const View& view, bool flat,
       last = id;
       const PixelLine line = line_through(
           view.camera, Vec2(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5));
-      const bool perspective = view.camera.projection == Projection::perspective;
+      const bool perspective = view.camera.projection == world::Projection::perspective;
       const Vec3 weight = patch->weights(line, (perspective ? patch->nearest() : 1) / focal);
       const double depth = patch->depth(weight);
       const Vec3 normal = patch->normal(weight, line);

@@ -173,7 +173,7 @@ void tell(const Job& job, const preview::ReferenceImage& result, Session& sessio
   entry["seconds"] = result.seconds;
   if (session.options().json) return;
   const bool unresolved = result.image.unit == "1/sr";
-  const bool square = job.view.camera.projection == preview::Projection::orthographic;
+  const bool square = job.view.camera.projection == world::Projection::orthographic;
   fmt::print("{}: flux {:.6g} {:.6g} {:.6g} ± {:.1e} {:.1e} {:.1e} {}, {:.3g} M rays/s\n",
              job.output, result.flux.x, result.flux.y, result.flux.z, result.flux_error.x,
              result.flux_error.y, result.flux_error.z,

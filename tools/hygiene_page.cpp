@@ -101,10 +101,10 @@ class Camera {
     Vec3 outwards = spot.at - middle + Vec3(0.13, -0.29, 0.17) * (0.05 * size);
     outwards = glm::normalize(outwards);
     preview::View view;
-    preview::set_orthographic(view.camera, kSide, kSide,
+    world::set_orthographic(view.camera, kSide, kSide,
                               std::clamp(spot.length / kRing, 0.02 * size, size));
     view.camera.position = spot.at + outwards * size;
-    const auto rotation = preview::looking_at(view.camera.position, spot.at, std::nullopt, log_);
+    const auto rotation = world::looking_at(view.camera.position, spot.at, std::nullopt, log_);
     if (!rotation) return {};
     view.camera.world_from_camera = *rotation;
     view.to_sun = outwards + Vec3(0.3, -0.2, 0.5);

@@ -113,11 +113,11 @@ scene::Scene sample_scene(const materials::Material& material) {
 
 preview::View sample_view(std::uint32_t width) {
   preview::View view;
-  preview::set_field_of_view(view.camera, width, width / 3, 2 * det::atan(1.83 / kDistance));
+  world::set_field_of_view(view.camera, width, width / 3, 2 * det::atan(1.83 / kDistance));
   view.camera.position = {0, -kDistance, 0};
   DiagnosticLog log;
   view.camera.world_from_camera =
-      *preview::looking_at(view.camera.position, Vec3(0), std::nullopt, log);
+      *world::looking_at(view.camera.position, Vec3(0), std::nullopt, log);
   view.to_sun = kToSun;
   return view;
 }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "materials/material.h"
-#include "preview/camera.h"
+#include "preview/view.h"
 #include "scene/scene.h"
 
 namespace panwright::tools {

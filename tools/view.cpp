@@ -73,7 +73,7 @@ class Reader {
   bool ok_ = true;
 };
 
-void read_size(const ViewOptions& options, Reader& reader, preview::Camera& camera) {
+void read_size(const ViewOptions& options, Reader& reader, world::Camera& camera) {
   if (!options.size) return;
   const std::string& text = *options.size;
   const std::size_t cross = text.find_first_of("xX");
@@ -93,7 +93,7 @@ void read_size(const ViewOptions& options, Reader& reader, preview::Camera& came
 }
 
 // Focal lengths and principal point, when the options give them.
-bool read_lens(const ViewOptions& options, Reader& reader, preview::Camera& camera) {
+bool read_lens(const ViewOptions& options, Reader& reader, world::Camera& camera) {
   const int given = int(options.fov.has_value()) + int(options.ifov.has_value()) +
                     int(options.intrinsics.has_value()) + int(options.ortho.has_value());
   if (given > 1)
@@ -104,31 +104,31 @@ bool read_lens(const ViewOptions& options, Reader& reader, preview::Camera& came
     if (!angle || !(*angle > 0 && *angle < kPi))
       reader.fail("fov", *options.fov, "an angle above 0 and below 180 degrees");
     else
-      preview::set_field_of_view(camera, camera.width, camera.height, *angle);
+      world::set_field_of_view(camera, camera.width, camera.height, *angle);
   } else if (options.ifov) {
     const auto angle = parse_angle(*options.ifov);
     if (!angle || !(*angle > 0))
       reader.fail("ifov", *options.ifov, "an angle above 0, as 0.2mrad (a bare number is degrees)");
     else
-      preview::set_pixel_angle(camera, camera.width, camera.height, *angle);
+      world::set_pixel_angle(camera, camera.width, camera.height, *angle);
   } else if (options.intrinsics) {
     const auto numbers = parse_numbers(*options.intrinsics, 4);
     if (!numbers || !((*numbers)[0] > 0) || !((*numbers)[1] > 0)) {
       reader.fail("intrinsics", *options.intrinsics, "fx,fy,cx,cy in pixels, fx and fy above 0");
     } else {
-      camera.projection = preview::Projection::perspective;
+      camera.projection = world::Projection::perspective;
       camera.focal = Vec2((*numbers)[0], (*numbers)[1]);
       camera.principal = Vec2((*numbers)[2], (*numbers)[3]);
     }
   } else if (options.ortho) {
     if (const auto width = reader.positive("ortho", options.ortho, "a width in metres above 0"))
-      preview::set_orthographic(camera, camera.width, camera.height, *width);
+      world::set_orthographic(camera, camera.width, camera.height, *width);
   }
   return given > 0;
 }
 
 // The model's sphere fills the image, less a margin.
-void fit_lens(const BoundingSphere& sphere, preview::Camera& camera) {
+void fit_lens(const BoundingSphere& sphere, world::Camera& camera) {
   const double distance = glm::length(sphere.centre - camera.position);
   const double sine = std::min(1.0, kMargin * sphere.radius / std::max(distance, 1e-300));
   const double widest = 0.5 * kWidestDefault * kDegree;
@@ -136,10 +136,10 @@ void fit_lens(const BoundingSphere& sphere, preview::Camera& camera) {
   // the shorter side decides
   const double aspect = double(camera.width) / std::min(camera.width, camera.height);
   const double fov = std::min(2 * std::atan(aspect * std::tan(half)), 0.99 * kPi);
-  preview::set_field_of_view(camera, camera.width, camera.height, fov);
+  world::set_field_of_view(camera, camera.width, camera.height, fov);
 }
 
-void read_pose(const ViewOptions& options, Reader& reader, preview::Pose& pose) {
+void read_pose(const ViewOptions& options, Reader& reader, world::Pose& pose) {
   if (!options.pose) return;
   const auto numbers = parse_numbers(*options.pose, 7);
   if (!numbers) {
@@ -152,7 +152,7 @@ void read_pose(const ViewOptions& options, Reader& reader, preview::Pose& pose) 
 
 // Position and attitude. `sphere` stands in the world, the pose applied.
 void read_attitude(const ViewOptions& options, const BoundingSphere& sphere, Reader& reader,
-                   preview::Camera& camera, DiagnosticLog& log) {
+                   world::Camera& camera, DiagnosticLog& log) {
   const auto position = reader.vector("camera", options.camera, false);
   const auto target = reader.vector("look-at", options.look_at, false);
   const auto up = reader.vector("up", options.up, true);
@@ -172,7 +172,7 @@ void read_attitude(const ViewOptions& options, const BoundingSphere& sphere, Rea
     return;
   }
   const Vec3 aim = target.value_or(position ? Vec3(0) : sphere.centre);
-  if (auto attitude = preview::looking_at(camera.position, aim, up, log))
+  if (auto attitude = world::looking_at(camera.position, aim, up, log))
     camera.world_from_camera = *attitude;
 }
 
@@ -244,7 +244,7 @@ Result<preview::View> make_view(const ViewOptions& options, const pan::Model& mo
   preview::View view;
   read_size(options, reader, view.camera);
   read_pose(options, reader, view.world_from_model);
-  preview::set_field_of_view(view.camera, view.camera.width, view.camera.height,
+  world::set_field_of_view(view.camera, view.camera.width, view.camera.height,
                              kDefaultFieldOfView);
   const bool lens = read_lens(options, reader, view.camera);
   if (!reader.ok()) return failed;

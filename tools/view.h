@@ -8,7 +8,7 @@
 #include "base/math.h"
 #include "base/result.h"
 #include "pan/model.h"
-#include "preview/camera.h"
+#include "preview/view.h"
 #include "tools/options.h"
 
 namespace panwright::tools {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "preview/camera.h"
+#include "world/camera.h"
 
 namespace panwright::preview {
 
@@ -35,13 +35,13 @@ std::array<Vec3, 8> corners(const Vec3& low, const Vec3& high);
 
 // The camera's frame from the world, camera-relative: the translations are subtracted in double
 // before they are rotated.
-Mat4 camera_from(const Camera& camera, const Mat4& world_from_mesh);
+Mat4 camera_from(const world::Camera& camera, const Mat4& world_from_mesh);
 
 // The range that holds all boxes, or the part of them in front of the camera, a little widened: at
 // least by what float32 positions of the boxes' size leave open. A camera among the boxes gets a
 // near plane at 2^-30 of the far one, where reverse-Z float depth has the usual constant relative
 // resolution. No box in front: any valid range.
-DepthRange fitted_depth(Projection projection, std::span<const PlacedBox> boxes);
+DepthRange fitted_depth(world::Projection projection, std::span<const PlacedBox> boxes);
 
 // Rows x, y, z, w of clip space from the camera's frame for one tile. Window coordinates (0, 0)
 // fall on the tile's upper left corner and grow right and *down*, so that rows read back top first
@@ -52,19 +52,19 @@ DepthRange fitted_depth(Projection projection, std::span<const PlacedBox> boxes)
 struct ClipRows {
   Vec4 x, y, z, w;
 };
-ClipRows clip_rows(const Camera& camera, const Tile& tile, const DepthRange& range);
+ClipRows clip_rows(const world::Camera& camera, const Tile& tile, const DepthRange& range);
 
 // The whole matrix. camera_from_mesh is taken apart so that far − Z is formed before the product.
-Mat4 clip_from_mesh(const Camera& camera, const Tile& tile, const DepthRange& range,
+Mat4 clip_from_mesh(const world::Camera& camera, const Tile& tile, const DepthRange& range,
                     const Mat4& camera_from_mesh);
 
 // Whether some part of the box may fall on the tile, to within `margin` pixels around it, and in
 // front of the camera. May be true for a box just outside; never false for one that touches.
-bool may_touch(const Camera& camera, const Tile& tile, double margin, const PlacedBox& box);
+bool may_touch(const world::Camera& camera, const Tile& tile, double margin, const PlacedBox& box);
 
 // The part of a tile that boxes may fall on, whole pixels with one to spare; the whole tile when a
 // box reaches behind the camera. A width or height of 0: none.
-Tile touched_part(const Camera& camera, const Tile& tile, std::span<const PlacedBox> boxes,
+Tile touched_part(const world::Camera& camera, const Tile& tile, std::span<const PlacedBox> boxes,
                   std::span<const std::uint32_t> which);
 
 }  // namespace panwright::preview

@@ -27,7 +27,7 @@ constexpr double kWidestPsf = 64;  // pixels
 constexpr std::uint64_t kPixelBytes = 200;
 
 [[maybe_unused]] bool is_sound(const View& view, const ReferenceOptions& options) {
-  const Camera& camera = view.camera;
+  const world::Camera& camera = view.camera;
   const auto unit = [](const Quat& q) { return std::fabs(glm::dot(q, q) - 1) < 1e-6; };
   return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
          std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
@@ -46,9 +46,10 @@ void set_grid(Shot& shot, double samples) {
 }
 
 // Of a pixel in the total flux.
-double weight_of(const Camera& camera, std::uint32_t column, std::uint32_t row) {
-  return camera.projection == Projection::perspective ? pixel_solid_angle(camera, column, row)
-                                                      : pixel_area(camera);
+double weight_of(const world::Camera& camera, std::uint32_t column, std::uint32_t row) {
+  return camera.projection == world::Projection::perspective
+             ? pixel_solid_angle(camera, column, row)
+             : pixel_area(camera);
 }
 
 // The largest relative standard error of the channels that have any light; 0: none has.
@@ -106,7 +107,7 @@ void refine(Rounds& rounds, const Shot& shot, const ReferenceOptions& options, D
 struct Reference::Impl {
   explicit Impl(const pan::Model& model_in) : model(model_in), stage(model_in) {}
 
-  Shot shot_for(const View& view, const Camera& camera, const Sun& sun,
+  Shot shot_for(const View& view, const world::Camera& camera, const Sun& sun,
                 const ReferenceOptions& options) const;
   void add_truth(const View& view, const Shot& shot, bool flat, Image& image) const;
 
@@ -124,7 +125,7 @@ Result<Reference> Reference::create(const pan::Model& model, DiagnosticLog&) {
   return Reference(std::make_unique<Impl>(model));
 }
 
-Shot Reference::Impl::shot_for(const View& view, const Camera& camera, const Sun& sun,
+Shot Reference::Impl::shot_for(const View& view, const world::Camera& camera, const Sun& sun,
                                const ReferenceOptions& options) const {
   const Quat model_from_world = glm::conjugate(view.world_from_model.rotation);
   Shot shot{stage, sun, camera, Vec3(0), Mat3(1), {}};
@@ -165,7 +166,7 @@ Result<ReferenceImage> Reference::render(const View& view, const ReferenceOption
                                          DiagnosticLog& log) const {
   assert(is_sound(view, options));
   const auto start = std::chrono::steady_clock::now();
-  const Camera& camera = view.camera;
+  const world::Camera& camera = view.camera;
   if (camera.width > kMaxSide || camera.height > kMaxSide) {
     log.report_file(Code::E5003, {},
                     fmt::format("an image of {} by {} pixels; a side may have {}", camera.width,
@@ -187,10 +188,11 @@ Result<ReferenceImage> Reference::render(const View& view, const ReferenceOption
   const std::uint64_t bytes =
       image.pixels() * (options.truth ? 56 : 28) + cells.size() * kPixelBytes;
   if (bytes > options.max_bytes) {
-    log.report_file(Code::E5003, {},
-                    fmt::format("an image of {} by {} pixels takes {:.4g} MiB; the limit is {:.4g} MiB",
-                                camera.width, camera.height, static_cast<double>(bytes) / 0x1p20,
-                                static_cast<double>(options.max_bytes) / 0x1p20));
+    log.report_file(
+        Code::E5003, {},
+        fmt::format("an image of {} by {} pixels takes {:.4g} MiB; the limit is {:.4g} MiB",
+                    camera.width, camera.height, static_cast<double>(bytes) / 0x1p20,
+                    static_cast<double>(options.max_bytes) / 0x1p20));
     return failed;
   }
   image.radiance.resize(3 * image.pixels());

@@ -9,8 +9,8 @@
 #include "base/math.h"
 #include "base/result.h"
 #include "pan/model.h"
-#include "preview/camera.h"
 #include "preview/image.h"
+#include "preview/view.h"
 
 namespace panwright::preview {
 

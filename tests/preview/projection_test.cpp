@@ -30,12 +30,12 @@ class Numbers {
   std::mt19937_64 engine_{7};
 };
 
-Camera some_camera(Numbers& number, Projection projection) {
-  Camera camera;
+world::Camera some_camera(Numbers& number, world::Projection projection) {
+  world::Camera camera;
   camera.width = 640;
   camera.height = 480;
   camera.projection = projection;
-  camera.focal = projection == Projection::perspective ? Vec2(700, 650) : Vec2(70, 65);
+  camera.focal = projection == world::Projection::perspective ? Vec2(700, 650) : Vec2(70, 65);
   camera.principal = {300, 260};
   camera.position = 3.0 * number.vector();
   camera.world_from_camera = number.rotation();
@@ -44,9 +44,10 @@ Camera some_camera(Numbers& number, Projection projection) {
 
 TEST(Projection, WindowAgreesWithProject) {
   Numbers number;
-  for (const Projection projection : {Projection::perspective, Projection::orthographic})
+  for (const world::Projection projection :
+       {world::Projection::perspective, world::Projection::orthographic})
     for (int i = 0; i < 2000; ++i) {
-      const Camera camera = some_camera(number, projection);
+      const world::Camera camera = some_camera(number, projection);
       const Tile tile{128, 64, 100, 50};
       const Mat4 world_from_mesh =
           matrix_from_trs(number.vector(), number.rotation(), Vec3(0.5) + 0.3 * number.vector());
@@ -62,8 +63,9 @@ TEST(Projection, WindowAgreesWithProject) {
 }
 
 TEST(Projection, DepthIsOneAtNearAndZeroAtFar) {
-  Camera camera;
-  for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
+  world::Camera camera;
+  for (const world::Projection projection :
+       {world::Projection::perspective, world::Projection::orthographic}) {
     camera.projection = projection;
     for (const DepthRange range :
          {DepthRange{1, 2}, DepthRange{1e-3, 1e6}, DepthRange{1e8, 1e8 + 2}}) {
@@ -81,11 +83,11 @@ TEST(Projection, DepthIsOneAtNearAndZeroAtFar) {
 // apart at the resolution of the mesh. Oracle: the formula in long double.
 TEST(Projection, FloatDepthResolvesTheMeshAtAnyDistance) {
   for (const double distance : {1e1, 1e3, 1e5, 1e8}) {
-    Camera camera;
+    world::Camera camera;
     camera.position = {0, 0, -distance};
     const Mat4 camera_from_mesh = camera_from(camera, Mat4(1));
     const PlacedBox box{camera_from_mesh, Vec3(-1), Vec3(1)};
-    const DepthRange range = fitted_depth(Projection::perspective, std::span(&box, 1));
+    const DepthRange range = fitted_depth(world::Projection::perspective, std::span(&box, 1));
     const Mat4 exact = clip_from_mesh(camera, {0, 0, 1024, 1024}, range, camera_from_mesh);
     const glm::mat4 clip(exact);
     double worst = 0;
@@ -112,10 +114,11 @@ TEST(Projection, FittedDepthHoldsWhatIsInFront) {
       box.low = a - Vec3(0.5);
       box.high = a + Vec3(0.5);
     }
-    for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
+    for (const world::Projection projection :
+         {world::Projection::perspective, world::Projection::orthographic}) {
       const DepthRange range = fitted_depth(projection, boxes);
       EXPECT_LT(range.near, range.far);
-      EXPECT_GE(range.near, projection == Projection::perspective ? 1e-12 : 0);
+      EXPECT_GE(range.near, projection == world::Projection::perspective ? 1e-12 : 0);
       for (const PlacedBox& box : boxes)
         for (const Vec3& corner : corners(box.low, box.high)) {
           const double z = (box.camera_from_mesh * Vec4(corner, 1)).z;
@@ -130,7 +133,7 @@ TEST(Projection, FittedDepthOfAPlateAcrossTheBoresightIsNotEmpty) {
   for (const double distance : {1e-3, 1.0, 1e8}) {
     const PlacedBox box{matrix_from_trs({0, 0, distance}, Quat(1, 0, 0, 0), Vec3(1)),
                         Vec3(-1, -1, 0), Vec3(1, 1, 0)};
-    const DepthRange range = fitted_depth(Projection::perspective, std::span(&box, 1));
+    const DepthRange range = fitted_depth(world::Projection::perspective, std::span(&box, 1));
     EXPECT_LT(range.near, distance);
     EXPECT_GT(range.far, distance);
     EXPECT_GT(range.near, 0);
@@ -140,7 +143,7 @@ TEST(Projection, FittedDepthOfAPlateAcrossTheBoresightIsNotEmpty) {
 TEST(Projection, NothingInFrontIsStillAValidRange) {
   const PlacedBox behind{matrix_from_trs({0, 0, -9}, Quat(1, 0, 0, 0), Vec3(1)), Vec3(-1), Vec3(1)};
   for (const auto& boxes : {std::span<const PlacedBox>(), std::span(&behind, 1)}) {
-    const DepthRange range = fitted_depth(Projection::perspective, boxes);
+    const DepthRange range = fitted_depth(world::Projection::perspective, boxes);
     EXPECT_GT(range.near, 0);
     EXPECT_GT(range.far, range.near);
   }
@@ -153,8 +156,8 @@ TEST(Projection, TouchedPartsNeverMissAPoint) {
   int refused = 0;
   int smaller = 0;
   for (int i = 0; i < 3000; ++i) {
-    const Camera camera =
-        some_camera(number, i % 2 ? Projection::perspective : Projection::orthographic);
+    const world::Camera camera = some_camera(
+        number, i % 2 ? world::Projection::perspective : world::Projection::orthographic);
     const Tile tile{200, 150, 64, 64};
     PlacedBox box;
     box.camera_from_mesh =
@@ -166,7 +169,7 @@ TEST(Projection, TouchedPartsNeverMissAPoint) {
     for (int k = 0; k < 300 && !inside; ++k) {
       const Vec3 p = Vec3(box.camera_from_mesh * Vec4(0.5 * number.vector(), 1));
       if (!(p.z > 0)) continue;
-      const Vec2 pixel = camera.projection == Projection::perspective
+      const Vec2 pixel = camera.projection == world::Projection::perspective
                              ? camera.focal * Vec2(p) / p.z + camera.principal
                              : camera.focal * Vec2(p) + camera.principal;
       inside = pixel.x >= 200 && pixel.x < 264 && pixel.y >= 150 && pixel.y < 214;

@@ -101,15 +101,15 @@ geometry::Mesh mesh_in_double(const pan::Model& model, std::size_t index) {
   return mesh;
 }
 
-class Truth : public testing::TestWithParam<std::tuple<Projection, double>> {};
+class Truth : public testing::TestWithParam<std::tuple<world::Projection, double>> {};
 
 // Oracle: geometry::RayCaster, in double. Closed meshes show it no back faces either.
 TEST_P(Truth, AgreesWithRays) {
   const auto [projection, distance] = GetParam();
   const pan::Model model = model_of(assorted());
   View view = looking_from({1, -2, 0.7}, distance, 2 * std::atan(3.5 / distance), 200);
-  if (projection == Projection::orthographic) {
-    const Camera placed = view.camera;
+  if (projection == world::Projection::orthographic) {
+    const world::Camera placed = view.camera;
     set_orthographic(view.camera, 200, 160, 7);
     view.camera.position = placed.position;
     view.camera.world_from_camera = placed.world_from_camera;
@@ -175,11 +175,11 @@ TEST_P(Truth, AgreesWithRays) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Distances, Truth,
-                         testing::Values(std::tuple{Projection::perspective, 9.0},
-                                         std::tuple{Projection::perspective, 1e5},
-                                         std::tuple{Projection::perspective, 1e8},
-                                         std::tuple{Projection::orthographic, 9.0},
-                                         std::tuple{Projection::orthographic, 1e5}));
+                         testing::Values(std::tuple{world::Projection::perspective, 9.0},
+                                         std::tuple{world::Projection::perspective, 1e5},
+                                         std::tuple{world::Projection::perspective, 1e8},
+                                         std::tuple{world::Projection::orthographic, 9.0},
+                                         std::tuple{world::Projection::orthographic, 1e5}));
 
 // Smooth normals of a sphere: the interpolated normal of a fine mesh is the radius.
 TEST(TruthLayers, SmoothNormalsOfASphere) {

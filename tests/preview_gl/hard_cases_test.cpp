@@ -76,8 +76,8 @@ TEST(HardCases, CrossingTheNearPlane) {
     set_field_of_view(view.camera, 64, 64, 1.2);
     view.camera.position = Vec3(0, 0, 1e-3 * size);
     DiagnosticLog log;
-    view.camera.world_from_camera =
-        *looking_at(view.camera.position, view.camera.position + Vec3(0, 1, 0) * size, {}, log);
+    view.camera.world_from_camera = *world::looking_at(
+        view.camera.position, view.camera.position + Vec3(0, 1, 0) * size, {}, log);
     view.to_sun = {0, 0, 1};
     RenderOptions options;
     options.truth = true;
@@ -159,7 +159,7 @@ TEST(Orthographic, PlateCoversItsArea) {
   const pan::Model model = model_of(single(plate(2, 1), lambert(0.5)));
   for (const double distance : {1.0, 1e8}) {
     View view = looking_from({0, 0, 1}, distance, 0.1, 8);
-    const Camera placed = view.camera;
+    const world::Camera placed = view.camera;
     set_orthographic(view.camera, 300, 200, 3);
     view.camera.position = placed.position;
     view.camera.world_from_camera = placed.world_from_camera;
@@ -199,7 +199,8 @@ TEST(Textures, LieTheRightWayUp) {
   const pan::Model model = model_of(textured(plate(2, 2), rgba, 2, 2, true));
   View view = looking_from({0, 0, 1}, 100, 2 * std::atan(0.01), 64);
   DiagnosticLog log;
-  view.camera.world_from_camera = *looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log);
+  view.camera.world_from_camera =
+      *world::looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log);
   view.to_sun = {0, 0, 1};
   const Image image = rendered(model, view);
   const auto at = [&](std::size_t x, std::size_t y) {
@@ -258,7 +259,8 @@ TEST(Colours, MultiplyTheDiffuseColour) {
   const pan::Model model = model_of(single(mesh, lambert(0.5)));
   View view = looking_from({0, 0, 1}, 1e4, 2 * std::atan(1e-4), 64);
   DiagnosticLog log;
-  view.camera.world_from_camera = *looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log);
+  view.camera.world_from_camera =
+      *world::looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log);
   view.to_sun = {0, 0, 1};
   const Image image = rendered(model, view);
   for (std::size_t x = 0; x < 64; ++x) {

@@ -120,13 +120,13 @@ inline View looking_from(const Vec3& direction, double distance, double fov, std
   View view;
   set_field_of_view(view.camera, size, size, fov);
   view.camera.position = glm::normalize(direction) * distance;
-  view.camera.world_from_camera = *looking_at(view.camera.position, Vec3(0), {}, log);
+  view.camera.world_from_camera = *world::looking_at(view.camera.position, Vec3(0), {}, log);
   view.to_sun = view.camera.world_from_camera * Vec3(std::sin(phase), 0, -std::cos(phase));
   return view;
 }
 
 // Σ L·Ω·d² of the first channel: the intensity of what is in the image, W/sr per unit irradiance.
-inline double intensity(const Image& image, const Camera& camera, double distance) {
+inline double intensity(const Image& image, const world::Camera& camera, double distance) {
   double sum = 0;
   for (std::uint32_t j = 0; j < image.height; ++j)
     for (std::uint32_t i = 0; i < image.width; ++i) {

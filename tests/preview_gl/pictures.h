@@ -48,7 +48,8 @@ inline View above(std::uint32_t size, double width, const Vec3& to_sun = Vec3(0,
   View view;
   set_orthographic(view.camera, size, size, width);
   view.camera.position = {0, 0, 10 * side};
-  view.camera.world_from_camera = *looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log);
+  view.camera.world_from_camera =
+      *world::looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log);
   view.to_sun = to_sun;
   return view;
 }

@@ -103,7 +103,7 @@ TEST(Shadows, NoneOnAPlaneSeenCloseBy) {
           DiagnosticLog log;
           const Vec3 ahead(0.3 * std::cos(pitch), std::cos(pitch), -std::sin(pitch));
           view.camera.world_from_camera =
-              *looking_at(view.camera.position, view.camera.position + ahead, {}, log);
+              *world::looking_at(view.camera.position, view.camera.position + ahead, {}, log);
           view.to_sun = sun_at(angle, about);
           const Acne found = acne(model, view, {});
           EXPECT_EQ(found.dark, 0u) << height << ' ' << angle << ' ' << about << ' ' << pitch;
@@ -291,7 +291,7 @@ TEST(Shadows, TheSameFromAnyCameraAndAnyPlace) {
         View view = looking_from({0.3, -0.2, 1}, distance, 2 * std::atan(0.8 / distance), 300);
         view.to_sun = sun;
         view.world_from_model.translation = pose;
-        const Camera camera = view.camera;
+        const world::Camera camera = view.camera;
         view.camera.position += moved + pose;
         const Pair pair = both(model, view);
         const double s = texel(model, view, 2048);

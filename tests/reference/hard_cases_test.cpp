@@ -99,7 +99,7 @@ TEST(ReferenceHardCases, PlacementsKeepTheirAreas) {
     contents.instances[0].node = 1;
     const pan::Model model = model_of(contents);
     View view = looking_from({0, 0, 1}, 10, 0.1, 32);
-    view.camera.projection = Projection::orthographic;
+    view.camera.projection = world::Projection::orthographic;
     view.camera.focal = Vec2(10);
     view.to_sun = {0.6, 0, 0.8};
     ReferenceOptions options;

@@ -37,7 +37,7 @@ View slice(std::uint32_t columns, std::uint32_t rows, double width, double heigh
   View view;
   set_orthographic(view.camera, columns, rows, width);
   view.camera.position = {0, 0, height};
-  view.camera.world_from_camera = *looking_at(
+  view.camera.world_from_camera = *world::looking_at(
       view.camera.position, view.camera.position - Vec3(0, 0, sign), Vec3(0, 1, 0), log);
   return view;
 }

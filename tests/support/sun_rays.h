@@ -9,8 +9,8 @@
 #include "base/math.h"
 #include "geometry/ray.h"
 #include "pan/model.h"
-#include "preview/camera.h"
 #include "preview/internal/sun_frame.h"
+#include "preview/view.h"
 
 namespace panwright::support {
 
@@ -50,7 +50,7 @@ class SunRays {
     std::size_t instance = 0;
   };
   std::optional<Point> seen(const Vec2& pixel, bool flat = false) const {
-    const geometry::Ray ray = preview::pixel_ray(camera_, pixel);
+    const geometry::Ray ray = world::pixel_ray(camera_, pixel);
     const auto hit = caster_.closest(ray);
     if (!hit) return std::nullopt;
     const std::size_t mesh_index = model_.instances()[hit->instance].mesh;
@@ -104,7 +104,7 @@ class SunRays {
   static constexpr double kSkip = 1e-6;  // metres: a ray does not meet where it starts
 
   const pan::Model& model_;
-  preview::Camera camera_;
+  world::Camera camera_;
   Vec3 to_sun_;
   std::vector<Mat4> world_from_mesh_;
   geometry::RayCaster caster_;

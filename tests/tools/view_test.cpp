@@ -68,7 +68,7 @@ TEST(MakeView, TheDefaultSeesTheWholeModel) {
     for (int i = 0; i < 200; ++i) {  // a spiral over the sphere of radius 2 about (10, 20, 30)
       const double z = -1 + (i + 0.5) / 100, r = std::sqrt(1 - z * z);
       const Vec3 p = Vec3(10, 20, 30) + 2.0 * Vec3(r * std::cos(2.4 * i), r * std::sin(2.4 * i), z);
-      const auto pixel = preview::project(view.camera, p);
+      const auto pixel = world::project(view.camera, p);
       ASSERT_TRUE(pixel);
       EXPECT_GE(pixel->x, 0);
       EXPECT_GE(pixel->y, 0);

@@ -28,13 +28,13 @@ struct Area {
 // too, so that it may be anywhere.
 class Projected {
  public:
-  Projected(const Camera& camera, const Mat4& camera_from_mesh, double rounding)
+  Projected(const world::Camera& camera, const Mat4& camera_from_mesh, double rounding)
       : camera_(camera), camera_from_mesh_(camera_from_mesh), rounding_(rounding) {}
 
   void add(const Vec3& p) {
     const Vec3 at(camera_from_mesh_ * Vec4(p, 1));
     nearest_ = std::min(nearest_, at.z);
-    if (camera_.projection == Projection::orthographic)
+    if (camera_.projection == world::Projection::orthographic)
       area_.add(camera_.focal * Vec2(at) + camera_.principal);
     else if (at.z > 0)
       area_.add(camera_.focal * (Vec2(at) / at.z) + camera_.principal);
@@ -44,7 +44,7 @@ class Projected {
     const double focal = std::max(camera_.focal.x, camera_.focal.y);
     Area result = area_;
     double slack = focal * rounding_;
-    if (camera_.projection == Projection::perspective) {
+    if (camera_.projection == world::Projection::perspective) {
       if (!(nearest_ > 2 * rounding_)) return {Vec2(-kInfinity), Vec2(kInfinity)};
       slack /= nearest_ - rounding_;
     }
@@ -58,7 +58,7 @@ class Projected {
   }
 
  private:
-  const Camera& camera_;
+  const world::Camera& camera_;
   const Mat4& camera_from_mesh_;
   double rounding_;
   double nearest_ = kInfinity;

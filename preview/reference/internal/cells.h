@@ -6,8 +6,8 @@
 
 #include "base/math.h"
 #include "pan/model.h"
-#include "preview/camera.h"
 #include "preview/internal/draw_list.h"
+#include "preview/view.h"
 
 namespace panwright::preview::reference {
 

@@ -121,7 +121,7 @@ class BoxRounds final : public Rounds {
 
 geometry::Ray ray_through(const Shot& shot, const Vec2& place) {
   const Vec2 plane = (place - shot.camera.principal) / shot.camera.focal;
-  if (shot.camera.projection == Projection::orthographic)
+  if (shot.camera.projection == world::Projection::orthographic)
     return {shot.eye + shot.model_from_camera * Vec3(plane, 0), shot.model_from_camera[2]};
   return {shot.eye, shot.model_from_camera * glm::normalize(Vec3(plane, 1))};
 }

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "preview/camera.h"
+#include "world/camera.h"
 #include "preview/reference/internal/cells.h"
 #include "preview/reference/internal/path.h"
 #include "preview/reference/internal/tally.h"
@@ -20,7 +20,7 @@ namespace panwright::preview::reference {
 struct Shot {
   const Stage& stage;
   const Sun& sun;
-  Camera camera;              // its image may be larger than the one that is wanted
+  world::Camera camera;              // its image may be larger than the one that is wanted
   Vec3 eye{0};                // in the model's frame
   Mat3 model_from_camera{1};  // rotation
   PathOptions path;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/math.h"
-#include "preview/camera.h"
+#include "preview/view.h"
 
 namespace panwright::preview::reference {
 

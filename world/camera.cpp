@@ -1,10 +1,10 @@
-#include "preview/camera.h"
+#include "world/camera.h"
 
 #include <array>
 #include <cassert>
 #include <cmath>
 
-namespace panwright::preview {
+namespace panwright::world {
 namespace {
 
 // from docs/conventions.md 2
@@ -134,4 +134,4 @@ double pixel_area(const Camera& camera) {
   return 1 / (camera.focal.x * camera.focal.y);
 }
 
-}  // namespace panwright::preview
+}  // namespace panwright::world

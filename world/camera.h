@@ -1,5 +1,4 @@
-// Cameras and views: where the camera stands, how it sees, and where the Sun is
-// (docs/conventions.md 1–6). Everything in double; nothing here needs OpenGL.
+// Cameras: where one stands and how it sees (docs/conventions.md 2–4). Everything in double.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +9,7 @@
 #include "base/result.h"
 #include "geometry/ray.h"
 
-namespace panwright::preview {
+namespace panwright::world {
 
 enum class Projection { perspective, orthographic };
 
@@ -74,15 +73,7 @@ struct Pose {
   Vec3 translation{0};        // metres
   Quat rotation{1, 0, 0, 0};  // unit
   Mat4 matrix() const { return matrix_from_trs(translation, rotation, Vec3(1)); }
+  bool operator==(const Pose&) const = default;
 };
 
-// One camera and Sun state.
-struct View {
-  Camera camera;
-  Pose world_from_model;
-  Vec3 to_sun{0, 0, 1};                // world direction to the Sun, any non-zero length
-  std::optional<Vec3> sun_irradiance;  // W/m² per band at the target; none: 1, radiance in 1/sr
-  double sun_distance = 1;  // AU; sets the Sun's angular size, the irradiance stands as given
-};
-
-}  // namespace panwright::preview
+}  // namespace panwright::world

@@ -1,10 +1,10 @@
-#include "preview/camera.h"
+#include "world/camera.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace panwright::preview {
+namespace panwright::world {
 namespace {
 
 void expect_near(const Vec3& a, const Vec3& b, double tolerance) {
@@ -188,4 +188,4 @@ TEST(Camera, PoseIsRigid) {
 }
 
 }  // namespace
-}  // namespace panwright::preview
+}  // namespace panwright::world

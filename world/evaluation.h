@@ -1,0 +1,60 @@
+// Where everything of a world stands, worked out anew only where it changed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "world/world.h"
+
+namespace panwright::world {
+
+// An axis-aligned box.
+struct Bounds {
+  Vec3 min{0};
+  Vec3 max{0};
+};
+
+// One target, evaluated. All in the model's frame: the pose joins in where a camera does, so that
+// large translations of both cancel in double before the small ones of the nodes are added.
+struct EvaluatedInstance {
+  Stamp shape_stamp = 0;                   // of the state that this is evaluated from
+  std::vector<Mat4> model_from_nodes;      // one for each node of the model
+  std::vector<std::uint8_t> node_visible;  // 0 or 1, what is above a node included
+  // Of the boxes of all visible meshes: at least what is there, no less. None: nothing is visible.
+  std::optional<Bounds> bounds;
+};
+
+// The evaluated state of one world, or of copies of it one after the other.
+class Evaluation {
+ public:
+  // Brings everything up to date. Cost: O(targets), and O(nodes + meshes placed) for each whose
+  // shape stamp is new.
+  void update(const World& world);
+
+  // Expects: index below the size of the world of the last update.
+  const EvaluatedInstance& operator[](std::size_t index) const { return instances_[index]; }
+  std::size_t size() const { return instances_.size(); }
+  Stamp stamp() const { return stamp_; }  // of that world; 0: none yet
+
+ private:
+  std::vector<EvaluatedInstance> instances_;
+  Stamp stamp_ = 0;
+};
+
+// One target by itself.
+EvaluatedInstance evaluated(const Instance& instance);
+
+// The box of what is visible of a target in its model's frame, from its vertices as placed; nothing
+// when nothing is. Cost: O(vertices, meshes counted as often as they are placed).
+std::optional<Bounds> exact_bounds(const Instance& instance);
+
+// Puts a camera into a named frame of a target: where the frame's node stands in the world.
+//
+// Fails: E5005.
+bool place_in_frame(Camera& camera, const World& world, std::size_t index, std::string_view frame,
+                    DiagnosticLog& log);
+
+}  // namespace panwright::world

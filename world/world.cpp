@@ -1,0 +1,166 @@
+#include "world/world.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "base/text.h"
+#include "world/internal/missing_name.h"
+
+namespace panwright::world {
+namespace {
+
+// 1 is the stamp of every new, empty world and of the Sun that it begins with
+Stamp next_stamp() {
+  static std::atomic<Stamp> last{1};
+  return ++last;
+}
+
+[[maybe_unused]] bool is_unit(const Quat& q) { return std::fabs(glm::dot(q, q) - 1) < 1e-6; }
+
+[[maybe_unused]] bool is_sound(const Pose& pose) {
+  return is_finite(pose.translation) && is_unit(pose.rotation);
+}
+
+[[maybe_unused]] bool is_sound(const NodeTransform& t) {
+  return is_finite(t.translation) && is_unit(t.rotation) && is_finite(t.scale) && t.scale.x != 0 &&
+         t.scale.y != 0 && t.scale.z != 0;
+}
+
+[[maybe_unused]] bool is_sound(const Sun& sun) {
+  const bool light = !sun.irradiance || (is_finite(*sun.irradiance) && sun.irradiance->x >= 0 &&
+                                         sun.irradiance->y >= 0 && sun.irradiance->z >= 0);
+  return is_finite(sun.direction) && sun.direction != Vec3(0) && std::isfinite(sun.distance) &&
+         sun.distance > 0 && light && sun.limb_darkening >= 0 && sun.limb_darkening <= 1;
+}
+
+bool is_default(const NodeState& state) { return !state.transform && state.visible; }
+
+bool before(const NodeState& state, std::uint32_t node) { return state.node < node; }
+
+}  // namespace
+
+const NodeState* Instance::node_state(std::uint32_t node) const {
+  const auto at = std::lower_bound(node_states_.begin(), node_states_.end(), node, before);
+  return at != node_states_.end() && at->node == node ? &*at : nullptr;
+}
+
+Result<std::size_t> World::add(std::string name, ModelPtr model, DiagnosticLog& log) {
+  return add(std::move(name), std::move(model), Pose{}, log);
+}
+
+Result<std::size_t> World::add(std::string name, ModelPtr model, const Pose& pose,
+                               DiagnosticLog& log) {
+  assert(!name.empty() && model && model->checked() && is_sound(pose));
+  if (find(name)) {
+    log.report_file(Code::E5009, {},
+                    fmt::format("the world has a target named {} already", in_quotes(name)),
+                    "give one of them another name, as in OTHER=FILE");
+    return failed;
+  }
+  if (size() == kMaxInstances) {
+    log.report_file(Code::E5010, {},
+                    fmt::format("a world holds at most {} targets", kMaxInstances));
+    return failed;
+  }
+  Instance& instance = instances_.emplace_back();
+  instance.name_ = std::move(name);
+  instance.model_ = std::move(model);
+  instance.pose_ = pose;
+  instance.pose_stamp_ = next_stamp();
+  instance.shape_stamp_ = next_stamp();
+  stamp_ = next_stamp();
+  return size() - 1;
+}
+
+void World::remove(std::size_t index) {
+  assert(index < size());
+  instances_.erase(instances_.begin() + static_cast<std::ptrdiff_t>(index));
+  stamp_ = next_stamp();
+}
+
+std::optional<std::size_t> World::find(std::string_view name) const {
+  for (std::size_t i = 0; i < size(); ++i)
+    if (instances_[i].name_ == name) return i;
+  return std::nullopt;
+}
+
+Result<std::size_t> World::require(std::string_view name, DiagnosticLog& log) const {
+  if (const auto index = find(name)) return *index;
+  std::vector<std::string_view> names;
+  for (const Instance& instance : instances_) names.push_back(instance.name_);
+  report_missing(Code::E5011, {}, "the world has no target", name, names, log);
+  return failed;
+}
+
+void World::set_pose(std::size_t index, const Pose& world_from_model) {
+  assert(index < size() && is_sound(world_from_model));
+  Instance& instance = instances_[index];
+  if (instance.pose_ == world_from_model) return;
+  instance.pose_ = world_from_model;
+  instance.pose_stamp_ = next_stamp();
+  stamp_ = next_stamp();
+}
+
+void World::set_visible(std::size_t index, bool visible) {
+  assert(index < size());
+  if (instances_[index].visible_ == visible) return;
+  instances_[index].visible_ = visible;
+  shape_changed(instances_[index]);
+}
+
+void World::shape_changed(Instance& instance) {
+  instance.shape_stamp_ = next_stamp();
+  stamp_ = next_stamp();
+}
+
+NodeState& World::state_of(Instance& instance, std::uint32_t node) {
+  assert(node < instance.model_->nodes().size());
+  auto& states = instance.node_states_;
+  auto at = std::lower_bound(states.begin(), states.end(), node, before);
+  if (at == states.end() || at->node != node) {
+    NodeState state;
+    state.node = node;
+    at = states.insert(at, state);
+  }
+  return *at;
+}
+
+void World::set_node_transform(std::size_t index, std::uint32_t node,
+                               const std::optional<NodeTransform>& parent_from_node) {
+  assert(index < size() && (!parent_from_node || is_sound(*parent_from_node)));
+  Instance& instance = instances_[index];
+  const NodeState* old = instance.node_state(node);
+  if ((old ? old->transform : std::nullopt) == parent_from_node) return;
+  NodeState& state = state_of(instance, node);
+  state.transform = parent_from_node;
+  if (is_default(state))
+    instance.node_states_.erase(instance.node_states_.begin() +
+                                (&state - instance.node_states_.data()));
+  shape_changed(instance);
+}
+
+void World::set_node_visible(std::size_t index, std::uint32_t node, bool visible) {
+  assert(index < size());
+  Instance& instance = instances_[index];
+  const NodeState* old = instance.node_state(node);
+  if ((old ? old->visible : true) == visible) return;
+  NodeState& state = state_of(instance, node);
+  state.visible = visible;
+  if (is_default(state))
+    instance.node_states_.erase(instance.node_states_.begin() +
+                                (&state - instance.node_states_.data()));
+  shape_changed(instance);
+}
+
+void World::set_sun(const Sun& sun) {
+  assert(is_sound(sun));
+  if (sun_ == sun) return;
+  sun_ = sun;
+  sun_stamp_ = next_stamp();
+  stamp_ = next_stamp();
+}
+
+}  // namespace panwright::world

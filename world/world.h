@@ -1,0 +1,139 @@
+// What changes from frame to frame: where shared models stand, how their nodes are moved, and where
+// the Sun is. No OpenGL. A camera stands apart: one world is seen by many.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/math.h"
+#include "base/result.h"
+#include "pan/model.h"
+#include "world/camera.h"
+
+namespace panwright::world {
+
+// Tells states apart. A stamp is given once in a process: what has the stamp it had before is what
+// it was before, in this world or in a copy of it. 0 is never given.
+using Stamp = std::uint64_t;
+
+// A model that worlds, renderers and threads share. It never changes and lives as long as one of
+// them holds it.
+using ModelPtr = std::shared_ptr<const pan::Model>;
+
+// The Sun, as one directional light from a disc.
+struct Sun {
+  Vec3 direction{0, 0, 1};  // world, from the origin to the Sun, any non-zero length
+  double distance = 1;      // AU, > 0; sets the disc's angular size, the irradiance stands as given
+  std::optional<Vec3> irradiance;  // W/m² per band on a plane that faces it; none: 1, radiance in
+                                   // 1/sr
+  double limb_darkening = 0;       // u of I = 1 − u·(1 − μ), 0 to 1; OpenGL does not read it
+  bool operator==(const Sun&) const = default;
+};
+
+// Where a node stands in its parent: p' = T·R·S·p.
+struct NodeTransform {
+  Vec3 translation{0};        // metres
+  Quat rotation{1, 0, 0, 0};  // unit
+  Vec3 scale{1};              // not 0; negative mirrors
+  Mat4 matrix() const { return matrix_from_trs(translation, rotation, scale); }
+  bool operator==(const NodeTransform&) const = default;
+};
+
+// What a node of one instance has in place of what its model says.
+struct NodeState {
+  std::uint32_t node = 0;                  // index in the model
+  std::optional<NodeTransform> transform;  // parent_from_node; none: the model's
+  bool visible = true;                     // false: neither it nor what is below it is there
+  bool operator==(const NodeState&) const = default;
+};
+
+// A target: a model, placed.
+class Instance {
+ public:
+  const std::string& name() const { return name_; }
+  const ModelPtr& model() const { return model_; }
+  const Pose& pose() const { return pose_; }  // world_from_model
+  bool visible() const { return visible_; }
+  // Those that differ from the model, ascending by node.
+  std::span<const NodeState> node_states() const { return node_states_; }
+  const NodeState* node_state(std::uint32_t node) const;  // null: as the model says
+
+  // Changes with the model, the node states and visible(), but not with the pose: with what lies
+  // where in the model's frame.
+  Stamp shape_stamp() const { return shape_stamp_; }
+  Stamp pose_stamp() const { return pose_stamp_; }
+
+ private:
+  friend class World;
+  std::string name_;
+  ModelPtr model_;
+  Pose pose_;
+  bool visible_ = true;
+  std::vector<NodeState> node_states_;
+  Stamp shape_stamp_ = 0;
+  Stamp pose_stamp_ = 0;
+};
+
+// Any number of targets under one Sun. Copies are cheap (models are shared) and independent; equal
+// stamps in copies mean equal states. A setter that is given what is there already changes no
+// stamp. Distinct worlds may be used on distinct threads; one world is like a vector: many readers,
+// or one writer.
+//
+// Lamps, planets and stars will stand beside the Sun, joint values beside the node states.
+class World {
+ public:
+  // Adds a target at the origin, or at `pose`.
+  //
+  //   name     not empty; what options, diagnostics and ids call it
+  //   returns  its index: targets keep theirs until one before them is removed
+  // Expects: model is not null and checked(); a finite pose of unit rotation.
+  // Fails: E5009 when a target has this name, E5010 beyond kMaxInstances.
+  Result<std::size_t> add(std::string name, ModelPtr model, DiagnosticLog& log);
+  Result<std::size_t> add(std::string name, ModelPtr model, const Pose& pose, DiagnosticLog& log);
+  void remove(std::size_t index);
+
+  static constexpr std::size_t kMaxInstances = 4096;
+
+  std::size_t size() const { return instances_.size(); }
+  bool empty() const { return instances_.empty(); }
+  const Instance& operator[](std::size_t index) const { return instances_[index]; }
+  std::span<const Instance> instances() const { return instances_; }
+  std::optional<std::size_t> find(std::string_view name) const;
+  // find(), with a diagnostic that lists near names. Fails: E5011.
+  Result<std::size_t> require(std::string_view name, DiagnosticLog& log) const;
+
+  // Expects, all of these: an index below size(), a node of the model; finite numbers, unit
+  // rotations, scales that are not 0.
+  void set_pose(std::size_t index, const Pose& world_from_model);
+  void set_visible(std::size_t index, bool visible);
+  // nullopt: as the model says.
+  void set_node_transform(std::size_t index, std::uint32_t node,
+                          const std::optional<NodeTransform>& parent_from_node);
+  void set_node_visible(std::size_t index, std::uint32_t node, bool visible);
+
+  // Expects: a direction that is finite and not 0, a distance above 0, irradiances >= 0.
+  void set_sun(const Sun& sun);
+  const Sun& sun() const { return sun_; }
+
+  Stamp stamp() const { return stamp_; }          // changes with anything
+  Stamp sun_stamp() const { return sun_stamp_; }  // changes with the Sun
+
+ private:
+  NodeState& state_of(Instance& instance, std::uint32_t node);
+  void shape_changed(Instance& instance);
+
+  std::vector<Instance> instances_;
+  Sun sun_;
+  Stamp stamp_ = 1;
+  Stamp sun_stamp_ = 1;
+};
+
+}  // namespace panwright::world
