@@ -5,15 +5,31 @@
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
+#include "tools/command_context.h"
 #include "tools/commands.h"
-#include "tools/load.h"
-#include "tools/session.h"
+#include "workspace/open.h"
 
 namespace panwright::tools {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+struct Options {
+  CommonOptions common;
+  ReadOptions read;
+  std::string a;
+  std::string b;
+  bool all = false;  // provenance too
+};
+
+void declare_all(Arguments& arguments, Options& options) {
+  arguments.add("a", options.a, "A .pan or .pxn file").required().type("A");
+  arguments.add("b", options.b, "A .pan or .pxn file").required().type("B");
+  arguments.flag("--all", options.all, "Count differences of provenance too");
+  declare(arguments, options.read);
+  declare(arguments, options.common);
+}
 
 Json as_json(const std::vector<pan::Difference>& list) {
   Json out = Json::array();
@@ -26,19 +42,21 @@ void print(const std::vector<pan::Difference>& list, const char* prefix) {
   for (const pan::Difference& each : list) fmt::print("{}{}: {}\n", prefix, each.where, each.what);
 }
 
-}  // namespace
-
-int diff(const DiffOptions& options) {
-  Session session("diff", options.common);
-  const auto a = load_model(options.a, options.read, session);
-  const auto b = load_model(options.b, options.read, session);
-  if (!a || !b) return session.finish();
-  session.step("compare");
-  const pan::Differences differences = pan::diff(*a, *b);
+int run(const Options& options, const Host& host) {
+  CommandContext context("diff", options.common, host);
+  const auto read = options.read.opening(context.log());
+  if (!read) return context.finish();
+  workspace::OpenReport report;
+  const auto a = workspace::open(options.a, *read, context.log(), context.job(), &report);
+  const auto b = workspace::open(options.b, *read, context.log(), context.job(), &report);
+  context.add_timings(report.steps);
+  if (!a || !b) return context.finish();
+  context.step("compare");
+  const pan::Differences differences = pan::diff(**a, **b);
   const bool equal = options.all ? differences.empty() : differences.same_model();
-  session.result()["equal"] = equal;
-  session.result()["model"] = as_json(differences.model);
-  session.result()["provenance"] = as_json(differences.provenance);
+  context.result()["equal"] = equal;
+  context.result()["model"] = as_json(differences.model);
+  context.result()["provenance"] = as_json(differences.provenance);
   if (!options.common.json) {
     print(differences.model, "");
     if (options.all || !differences.same_model()) print(differences.provenance, "provenance: ");
@@ -48,7 +66,13 @@ int diff(const DiffOptions& options) {
       fmt::print("the models are equal{}\n",
                  differences.empty() ? "" : " (their provenance differs: --all shows it)");
   }
-  return session.finish(equal ? 0 : 1);
+  return context.finish(equal ? 0 : 1);
+}
+
+}  // namespace
+
+Command diff_command() {
+  return command("diff", "Compare two models; exit code 1 when they differ", declare_all, run);
 }
 
 }  // namespace panwright::tools

@@ -28,11 +28,28 @@ struct HalfEdgeTraits : OpenMesh::DefaultTraits {
 };
 using HalfEdges = OpenMesh::TriMesh_ArrayKernelT<HalfEdgeTraits>;
 
-// faces that do not fit are left out; that is expected, and nothing to print
-void be_quiet() {
-  static std::once_flag once;
-  std::call_once(once, [] { omerr().disable(); });
-}
+// Faces that do not fit are left out; that is expected, and nothing to print. OpenMesh has one
+// stream for all threads: the last one to need it quiet leaves it as the first one found it.
+class Quiet {
+ public:
+  Quiet() {
+    const std::lock_guard lock(mutex);
+    if (users++ > 0) return;
+    was_enabled = omerr().is_enabled();
+    omerr().disable();
+  }
+  ~Quiet() {
+    const std::lock_guard lock(mutex);
+    if (--users == 0 && was_enabled) omerr().enable();
+  }
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
+
+ private:
+  static inline std::mutex mutex;
+  static inline std::size_t users = 0;
+  static inline bool was_enabled = true;
+};
 
 class RimFinder {
  public:
@@ -41,7 +58,7 @@ class RimFinder {
 
   std::vector<BorderLoop> run() {
     if (edges_.border.empty()) return {};
-    be_quiet();
+    const Quiet quiet;
     add_faces();
     mark_borders();
     std::vector<BorderLoop> rims;

@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "base/progress.h"
 #include "preview/reference/internal/rounds.h"
 
 namespace panwright::preview {
@@ -70,7 +69,7 @@ void refine(Rounds& rounds, const Shot& shot, const ReferenceOptions& options, D
       std::max<std::uint64_t>(rounds.rounds(), options.max_samples / shot.round_samples());
   constexpr std::uint32_t kSlices = 16;  // of what is added at once, for a terminal to show
   constexpr double kParts = 1000;
-  Progress progress("tracing", static_cast<std::size_t>(kParts));
+  Phase phase(rounds.job, "tracing", static_cast<std::uint64_t>(kParts));
   double shown = 0;
   for (;;) {
     const double error = relative_error(rounds);
@@ -96,7 +95,7 @@ void refine(Rounds& rounds, const Shot& shot, const ReferenceOptions& options, D
       rounds.add(some);
       left -= some;
       const double done = std::floor(std::min(1.0, rounds.rounds() / all) * kParts);
-      progress.advance(static_cast<std::size_t>(std::max(0.0, done - shown)));
+      phase.advance(static_cast<std::uint64_t>(std::max(0.0, done - shown)));
       shown = std::max(shown, done);
     }
   }
@@ -109,7 +108,7 @@ struct Reference::Impl {
 
   Shot shot_for(const View& view, const world::Camera& camera, const Sun& sun,
                 const ReferenceOptions& options) const;
-  void add_truth(const View& view, const Shot& shot, bool flat, Image& image) const;
+  void add_truth(const View& view, const Shot& shot, bool flat, Image& image, const Job& job) const;
 
   const pan::Model& model;
   Stage stage;
@@ -138,7 +137,8 @@ Shot Reference::Impl::shot_for(const View& view, const world::Camera& camera, co
 }
 
 // what lies at the pixels' centres
-void Reference::Impl::add_truth(const View& view, const Shot& shot, bool flat, Image& image) const {
+void Reference::Impl::add_truth(const View& view, const Shot& shot, bool flat, Image& image,
+                                const Job& job) const {
   image.depth.resize(image.pixels(), INFINITY);
   image.range.resize(image.pixels(), INFINITY);
   image.normal.resize(3 * image.pixels());
@@ -150,6 +150,7 @@ void Reference::Impl::add_truth(const View& view, const Shot& shot, bool flat, I
   std::vector<TriangleId> ids;
   for (std::uint32_t top = 0; top < image.height; top += kBand) {
     const Tile tile{0, top, image.width, std::min(kBand, image.height - top)};
+    job.poll();
     ids.assign(std::size_t{tile.width} * tile.height, {});
     parallel_for(tile.height, [&](std::size_t row) {
       for (std::uint32_t column = 0; column < tile.width; ++column) {
@@ -163,7 +164,12 @@ void Reference::Impl::add_truth(const View& view, const Shot& shot, bool flat, I
 }
 
 Result<ReferenceImage> Reference::render(const View& view, const ReferenceOptions& options,
-                                         DiagnosticLog& log) const {
+                                         DiagnosticLog& log, const Job& job) const {
+  return run_job(job, log, [&] { return rendered(view, options, log, job); });
+}
+
+Result<ReferenceImage> Reference::rendered(const View& view, const ReferenceOptions& options,
+                                           DiagnosticLog& log, const Job& job) const {
   assert(is_sound(view, options));
   const auto start = std::chrono::steady_clock::now();
   const world::Camera& camera = view.camera;
@@ -219,6 +225,7 @@ Result<ReferenceImage> Reference::render(const View& view, const ReferenceOption
       for (const Cell& cell : cells) weights.push_back(weight(cell.column, cell.row));
       rounds = box_rounds(shot, cells, std::move(weights));
     }
+    rounds->job = job;
     const std::uint32_t wanted =
         (options.samples + shot.round_samples() - 1) / shot.round_samples();
     const bool until = options.until_error > 0;
@@ -235,7 +242,7 @@ Result<ReferenceImage> Reference::render(const View& view, const ReferenceOption
   }
   if (options.truth) {
     const Shot plain = impl_->shot_for(view, camera, sun, options);
-    impl_->add_truth(view, plain, options.flat, image);
+    impl_->add_truth(view, plain, options.flat, image, job);
   }
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
     log.report_file(Code::W5006, {},

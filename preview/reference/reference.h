@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "base/math.h"
 #include "base/result.h"
 #include "pan/model.h"
@@ -78,12 +79,14 @@ class Reference {
   // Expects: options as documented; a camera of 1 pixel or more, finite and with unit rotations; a
   // Sun direction that is not 0, a Sun distance above 0.
   // Reports: W5006 when every pixel stays empty, W5008 when until_error was not reached.
-  // Fails: E5003 over max_bytes.
+  // Fails: E0001; E5003 over max_bytes.
   // Cost: O(samples · (bounces + 1)) rays; pixels that the model cannot reach cost nothing.
   Result<ReferenceImage> render(const View& view, const ReferenceOptions& options,
-                                DiagnosticLog& log) const;
+                                DiagnosticLog& log, const Job& job = {}) const;
 
  private:
+  Result<ReferenceImage> rendered(const View& view, const ReferenceOptions& options,
+                                  DiagnosticLog& log, const Job& job) const;
   struct Impl;
   explicit Reference(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;

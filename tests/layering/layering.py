@@ -19,8 +19,9 @@ ALLOWED = {
     "world": ["pan"],
     "preview": ["world"],
     "pxn": ["scene", "importers", "schemas"],
-    "studio": ["pxn", "compiler", "preview"],
-    "tools": ["pxn", "importers", "compiler", "preview", "studio", "mli"],
+    "workspace": ["pxn", "importers", "compiler", "world", "preview"],
+    "studio": ["workspace", "preview"],
+    "tools": ["workspace", "studio", "mli"],
 }
 UNRESTRICTED = ["bench", "tests", "examples"]
 NEVER_INCLUDED = ["tools", "bench"]

@@ -36,13 +36,14 @@ class BoxRounds final : public Rounds {
   void add(std::uint32_t rounds) override {
     const bool whole = shot_.round_samples() <= kUnitSamples;
     std::vector<UnitResult> results(units_.size());
-    parallel_for(units_.size(), [&](std::size_t i) {
+    const auto trace = [&](std::size_t i) {
       results[i] = traced_unit(units_[i], rounds);
       if (!whole) return;
       // cells of no other unit
       tally_cells(units_[i], results[i]);
       results[i].sums = {};
-    });
+    };
+    parallel_for(units_.size(), trace, job);
     if (!whole) join_parts(results, rounds);
     for (std::uint32_t r = 0; r < rounds; ++r) {
       Light total(0);

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "base/job.h"
 #include "world/camera.h"
 #include "preview/reference/internal/cells.h"
 #include "preview/reference/internal/path.h"
@@ -71,6 +72,8 @@ std::vector<Unit> units_of(std::size_t cells, std::uint32_t round_samples);
 class Rounds {
  public:
   virtual ~Rounds() = default;
+
+  Job job;  // asked while rays are traced: add() throws Cancelled
 
   virtual void add(std::uint32_t rounds) = 0;
   // Sets radiance, coverage and standard errors. Expects: layers of their size, all 0.

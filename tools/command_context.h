@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -9,25 +10,32 @@
 #include <vector>
 
 #include "base/diagnostic.h"
-#include "tools/options.h"
+#include "base/job.h"
+#include "tools/command.h"
+#include "tools/shared_options.h"
 
 namespace panwright::tools {
 
-class Session {
+class CommandContext {
  public:
-  Session(std::string command, const CommonOptions& options);
-  ~Session();
+  CommandContext(std::string command, const CommonOptions& options, const Host& host);
+  ~CommandContext();
 
   DiagnosticLog& log() { return log_; }
   const CommonOptions& options() const { return options_; }
+
+  // What libraries are given: the threads that were asked for, progress on the terminal. From the
+  // first call on, a signal cancels it.
+  const Job& job();
 
   // The object that --json prints; commands add their results to it.
   nlohmann::ordered_json& result() { return *result_; }
 
   // Ends the current step and starts one called `name`, for --timings.
   void step(std::string name);
-  // Adds a step whose time was taken elsewhere.
+  // Adds steps whose time was taken elsewhere.
   void add_timing(std::string name, double seconds);
+  void add_timings(const std::vector<workspace::Step>& steps);
 
   // Prints diagnostics (text on standard error, or the JSON object on standard output), timings
   // and the SARIF file. Returns the exit code: what the diagnostics ask for, or `clean` without
@@ -38,6 +46,8 @@ class Session {
   void end_step();
   std::string command_;
   CommonOptions options_;
+  std::function<void()> watch_signals_;  // empty: done
+  Job job_;
   DiagnosticLog log_;
   std::unique_ptr<nlohmann::ordered_json> result_;
   std::vector<std::pair<std::string, double>> timings_;

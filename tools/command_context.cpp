@@ -1,4 +1,4 @@
-#include "tools/session.h"
+#include "tools/command_context.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "tools/progress_line.h"
 
 namespace panwright::tools {
 
@@ -27,30 +28,43 @@ bool wants_color(const std::string& when) {
 
 }  // namespace
 
-Session::Session(std::string command, const CommonOptions& options)
-    : command_(std::move(command)), options_(options), result_(std::make_unique<Json>()) {
+CommandContext::CommandContext(std::string command, const CommonOptions& options, const Host& host)
+    : command_(std::move(command)),
+      options_(options),
+      watch_signals_(host.watch_signals),
+      job_(host.job.with({options.threads, ProgressLine()})),
+      result_(std::make_unique<Json>()) {
   (*result_)["schema"] = 1;
   (*result_)["command"] = command_;
 }
 
-Session::~Session() = default;
+CommandContext::~CommandContext() = default;
 
-void Session::end_step() {
+const Job& CommandContext::job() {
+  if (watch_signals_) std::exchange(watch_signals_, nullptr)();
+  return job_;
+}
+
+void CommandContext::end_step() {
   if (!step_.empty())
     timings_.emplace_back(step_, std::chrono::duration<double>(Clock::now() - step_start_).count());
 }
 
-void Session::step(std::string name) {
+void CommandContext::step(std::string name) {
   end_step();
   step_ = std::move(name);
   step_start_ = Clock::now();
 }
 
-void Session::add_timing(std::string name, double seconds) {
+void CommandContext::add_timing(std::string name, double seconds) {
   timings_.emplace_back(std::move(name), seconds);
 }
 
-int Session::finish(int clean) {
+void CommandContext::add_timings(const std::vector<workspace::Step>& steps) {
+  for (const workspace::Step& step : steps) add_timing(step.name, step.seconds);
+}
+
+int CommandContext::finish(int clean) {
   end_step();
   step_.clear();
   log_.sort_by_place();

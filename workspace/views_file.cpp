@@ -4,9 +4,9 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "tools/view.h"
+#include "workspace/views.h"
 
-namespace panwright::tools {
+namespace panwright::workspace {
 
 namespace {
 
@@ -17,26 +17,25 @@ constexpr std::size_t kMaxViews = 1'000'000;
 
 struct Field {
   std::string_view name;
-  std::optional<std::string> ViewOptions::*member;
+  std::optional<std::string> ViewText::*member;
 };
 
 constexpr Field kFields[] = {
-    {"camera", &ViewOptions::camera},
-    {"look-at", &ViewOptions::look_at},
-    {"up", &ViewOptions::up},
-    {"quat", &ViewOptions::quat},
-    {"pose", &ViewOptions::pose},
-    {"camera-frame", &ViewOptions::camera_frame},
-    {"sun", &ViewOptions::sun},
-    {"sun-distance", &ViewOptions::sun_distance},
-    {"sun-irradiance", &ViewOptions::sun_irradiance},
-    {"fov", &ViewOptions::fov},
-    {"ifov", &ViewOptions::ifov},
-    {"intrinsics", &ViewOptions::intrinsics},
-    {"ortho", &ViewOptions::ortho},
-    {"size", &ViewOptions::size},
-    {"ev", &ViewOptions::ev},
-    {"output", &ViewOptions::output},
+    {"camera", &ViewText::camera},
+    {"look-at", &ViewText::look_at},
+    {"up", &ViewText::up},
+    {"quat", &ViewText::quat},
+    {"camera-frame", &ViewText::camera_frame},
+    {"sun", &ViewText::sun},
+    {"sun-distance", &ViewText::sun_distance},
+    {"sun-irradiance", &ViewText::sun_irradiance},
+    {"fov", &ViewText::fov},
+    {"ifov", &ViewText::ifov},
+    {"intrinsics", &ViewText::intrinsics},
+    {"ortho", &ViewText::ortho},
+    {"size", &ViewText::size},
+    {"ev", &ViewText::ev},
+    {"output", &ViewText::output},
 };
 
 // Options of one group say the same thing in different ways: a view that gives one of them drops
@@ -46,6 +45,8 @@ constexpr std::string_view kGroups[][4] = {
     {"look-at", "quat", "camera-frame", ""},
     {"fov", "ifov", "intrinsics", "ortho"},
 };
+
+constexpr std::string_view kPose = "pose";
 
 const Field* find_field(std::string_view name) {
   for (const Field& field : kFields)
@@ -68,10 +69,10 @@ std::optional<std::string> as_typed(const Json& value) {
 
 class ViewsReader {
  public:
-  ViewsReader(const std::string& path, const ViewOptions& defaults, DiagnosticLog& log)
+  ViewsReader(const std::filesystem::path& path, const ViewText& defaults, DiagnosticLog& log)
       : path_(path), defaults_(defaults), log_(log) {}
 
-  Result<std::vector<ViewOptions>> read() {
+  Result<std::vector<ViewText>> read() {
     const auto text = read_file(path_, kMaxBytes, log_);
     if (!text) return failed;
     Json json;
@@ -85,7 +86,7 @@ class ViewsReader {
     if (!json.is_array() || json.empty()) return fail("a views file holds a list of objects");
     if (json.size() > kMaxViews)
       return fail(fmt::format("{} views are more than {}", json.size(), kMaxViews));
-    std::vector<ViewOptions> views;
+    std::vector<ViewText> views;
     for (const Json& item : json) views.push_back(one(item, views.size()));
     if (!ok_) return failed;
     return views;
@@ -99,13 +100,13 @@ class ViewsReader {
   }
 
   Failed fail(std::string message, std::string hint = {}) {
-    log_.report_file(Code::E0203, path_, std::move(message), std::move(hint));
+    log_.report_file(Code::E0203, path_.string(), std::move(message), std::move(hint));
     ok_ = false;
     return failed;
   }
 
-  ViewOptions one(const Json& item, std::size_t index) {
-    ViewOptions given;
+  ViewText one(const Json& item, std::size_t index) {
+    ViewText given;
     if (!item.is_object()) {
       fail(fmt::format("view {} is not an object", index));
       return given;
@@ -113,6 +114,10 @@ class ViewsReader {
     for (const auto& [key, value] : item.items()) {
       std::string name = key;
       std::replace(name.begin(), name.end(), '_', '-');
+      if (name == kPose) {
+        read_poses(value, index, given);
+        continue;
+      }
       const Field* field = find_field(name);
       if (field == nullptr) {
         unknown(index, key, name);
@@ -128,16 +133,35 @@ class ViewsReader {
     return given;
   }
 
+  // For the one target, or an object of targets.
+  void read_poses(const Json& value, std::size_t index, ViewText& given) {
+    if (value.is_object()) {
+      for (const auto& [target, pose] : value.items()) {
+        const auto text = as_typed(pose);
+        if (text)
+          given.poses.push_back({target, *text});
+        else
+          fail(fmt::format("view {}: the pose of {} is neither text nor a list of numbers", index,
+                           in_quotes(target)));
+      }
+    } else if (const auto text = as_typed(value)) {
+      given.poses.push_back({{}, *text});
+    } else {
+      fail(fmt::format("view {}: '{}' is neither text, a number nor a list of numbers", index,
+                       kPose));
+    }
+  }
+
   void unknown(std::size_t index, const std::string& key, const std::string& name) {
-    std::vector<std::string_view> names;
+    std::vector<std::string_view> names{kPose};
     for (const Field& field : kFields) names.push_back(field.name);
     const auto near = nearest_name(name, names);
     fail(fmt::format("view {} has {}, which is no option of a view", index, in_quotes(key)),
          near ? fmt::format("did you mean '{}'?", *near) : std::string());
   }
 
-  void inherit(ViewOptions& given) const {
-    ViewOptions base = defaults_;
+  void inherit(ViewText& given) const {
+    ViewText base = defaults_;
     for (const auto& group : kGroups) {
       bool any = false;
       for (const std::string_view name : group)
@@ -147,19 +171,21 @@ class ViewsReader {
     }
     for (const Field& field : kFields)
       if (!(given.*field.member)) given.*field.member = base.*field.member;
+    // the view's come later, so that they replace the default's
+    given.poses.insert(given.poses.begin(), base.poses.begin(), base.poses.end());
   }
 
-  const std::string& path_;
-  const ViewOptions& defaults_;
+  const std::filesystem::path& path_;
+  const ViewText& defaults_;
   DiagnosticLog& log_;
   bool ok_ = true;
 };
 
 }  // namespace
 
-Result<std::vector<ViewOptions>> read_views(const std::string& path, const ViewOptions& defaults,
-                                            DiagnosticLog& log) {
+Result<std::vector<ViewText>> read_views(const std::filesystem::path& path,
+                                         const ViewText& defaults, DiagnosticLog& log) {
   return ViewsReader(path, defaults, log).read();
 }
 
-}  // namespace panwright::tools
+}  // namespace panwright::workspace

@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/process.h"
-#include "tools/view.h"
+#include "workspace/views.h"
 
-namespace panwright::tools {
+namespace panwright::workspace {
 namespace {
 
-Result<std::vector<ViewOptions>> read(const std::string& text, DiagnosticLog& log,
-                                      const ViewOptions& defaults = {}) {
+Result<std::vector<ViewText>> read(const std::string& text, DiagnosticLog& log,
+                                   const ViewText& defaults = {}) {
   const support::TemporaryFolder folder;
   return read_views(folder.write("v.json", text), defaults, log);
 }
@@ -27,7 +27,7 @@ TEST(ReadViews, TakesTextNumbersAndLists) {
 }
 
 TEST(ReadViews, DefaultsFillInWithoutContradicting) {
-  ViewOptions defaults;
+  ViewText defaults;
   defaults.fov = "20";
   defaults.look_at = "1 1 1";
   defaults.size = "10x10";
@@ -46,6 +46,30 @@ TEST(ReadViews, DefaultsFillInWithoutContradicting) {
   EXPECT_EQ((*views)[1].fov, "20");
 }
 
+std::vector<std::string> poses_of(const ViewText& view) {
+  std::vector<std::string> out;
+  for (const PoseText& pose : view.poses) out.push_back(pose.target + "=" + pose.value);
+  return out;
+}
+
+TEST(ReadViews, PosesAreTextsListsOrObjectsOfTargets) {
+  ViewText defaults;
+  defaults.poses = {{"a", "9"}, {"b", "8"}};
+  DiagnosticLog log;
+  const auto views = read(R"([{"pose": [1, 2, 3, 1, 0, 0, 0], "output": "a.png"},
+                              {"pose": "1 2 3", "output": "b.png"},
+                              {"pose": {"b": "0 0 1", "c": [2]}, "output": "c.png"},
+                              {"output": "d.png"}])",
+                          log, defaults);
+  ASSERT_TRUE(views) << to_text(log);
+  using testing::ElementsAre;
+  // the view's own come last, so that they are what counts
+  EXPECT_THAT(poses_of((*views)[0]), ElementsAre("a=9", "b=8", "=1 2 3 1 0 0 0"));
+  EXPECT_THAT(poses_of((*views)[1]), ElementsAre("a=9", "b=8", "=1 2 3"));
+  EXPECT_THAT(poses_of((*views)[2]), ElementsAre("a=9", "b=8", "b=0 0 1", "c=2"));
+  EXPECT_THAT(poses_of((*views)[3]), ElementsAre("a=9", "b=8"));
+}
+
 TEST(ReadViews, SaysWhatIsWrong) {
   const std::pair<const char*, const char*> cases[] = {
       {"", "not JSON"},
@@ -56,6 +80,10 @@ TEST(ReadViews, SaysWhatIsWrong) {
       {"[{\"fov\": 3}]", "view 0 has no output"},
       {"[{\"fof\": 3, \"output\": \"a\"}]", "no option of a view"},
       {"[{\"fov\": {}, \"output\": \"a\"}]", "neither text, a number nor a list"},
+      {"[{\"pose\": 1e, \"output\": \"a\"}]", "not JSON"},
+      {"[{\"pose\": [], \"output\": \"a\"}]", "neither text, a number nor a list"},
+      {"[{\"pose\": {\"client\": {}}, \"output\": \"a\"}]", "the pose of 'client'"},
+      {"[{\"poses\": {}, \"output\": \"a\"}]", "no option of a view"},
       {"[{\"sun\": [1, \"x\"], \"output\": \"a\"}]", "neither text, a number nor a list"},
   };
   for (const auto& [text, words] : cases) {
@@ -74,4 +102,4 @@ TEST(ReadViews, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace panwright::tools
+}  // namespace panwright::workspace
