@@ -12,6 +12,7 @@
 #include "pan/model.h"
 #include "preview/image.h"
 #include "preview/internal/projection.h"
+#include "preview/view.h"
 
 namespace panwright::preview {
 
