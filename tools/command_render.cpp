@@ -144,7 +144,6 @@ Result<preview::ReferenceOptions> reference_options(const Options& options, Diag
   result.seed = options.seed;
   result.bounces = options.bounces;
   result.sun_disc = !options.no_sun_disc;
-  result.limb_darkening = options.limb_darkening;
   result.flat = options.flat;
   result.max_bytes = options.max_image_bytes;
   if (!options.until_error.empty()) {
@@ -210,7 +209,10 @@ Result<std::vector<workspace::View>> views_of(const Options& options, const worl
   workspace::ViewMaker maker(world);
   std::vector<workspace::View> views;
   for (const workspace::ViewText& text : texts)
-    if (auto view = maker.view(text, log)) views.push_back(*std::move(view));
+    if (auto view = maker.view(text, log)) {
+      view->sun->limb_darkening = options.limb_darkening;
+      views.push_back(*std::move(view));
+    }
   if (log.errors() != errors) return failed;
   return views;
 }

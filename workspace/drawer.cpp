@@ -10,7 +10,7 @@ namespace panwright::workspace {
 
 namespace {
 
-// note: both engines hold one model for now
+// note: OpenGL holds one model for now
 preview::View view_of(const world::World& world, const world::Camera& camera) {
   const world::Sun& sun = world.sun();
   return {camera, world[0].pose(), sun.direction, sun.irradiance, sun.distance};
@@ -25,7 +25,7 @@ struct Drawer::Impl {
   std::unique_ptr<preview::Context> context;  // null: the reference
   world::ModelPtr model;                      // that the engine holds
   std::optional<preview::Renderer> renderer;
-  std::optional<preview::Reference> reference;
+  preview::Reference reference;
 };
 
 Drawer::Drawer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -55,21 +55,19 @@ EngineInfo Drawer::info() const {
 }
 
 bool Drawer::prepare(const world::World& world, DiagnosticLog& log) {
+  if (impl_->context == nullptr) {
+    impl_->reference.prepare(world);
+    return true;
+  }
   const world::ModelPtr& model = world[0].model();
   if (impl_->model == model) return true;
   impl_->renderer.reset();
-  impl_->reference.reset();
+  impl_->model = nullptr;
+  auto renderer = preview::Renderer::create(*impl_->context, *model, log);
+  if (!renderer) return false;
+  impl_->renderer.emplace(*std::move(renderer));
   impl_->model = model;
-  if (impl_->context != nullptr) {
-    auto renderer = preview::Renderer::create(*impl_->context, *model, log);
-    if (renderer) impl_->renderer.emplace(*std::move(renderer));
-  } else {
-    auto reference = preview::Reference::create(*model, log);
-    if (reference) impl_->reference.emplace(*std::move(reference));
-  }
-  const bool ready = impl_->renderer.has_value() || impl_->reference.has_value();
-  if (!ready) impl_->model = nullptr;
-  return ready;
+  return true;
 }
 
 Result<Drawn> Drawer::draw(const world::World& world, const world::Camera& camera, bool truth,
@@ -84,7 +82,7 @@ Result<Drawn> Drawer::draw(const world::World& world, const world::Camera& camer
   }
   preview::ReferenceOptions options = impl_->options.reference;
   options.truth = truth;
-  auto traced = impl_->reference->render(view_of(world, camera), options, log, job);
+  auto traced = impl_->reference.render(world, camera, options, log, job);
   if (!traced) return failed;
   traced->image.standard_error = std::move(traced->standard_error);
   const std::uint64_t rays = traced->camera_rays + traced->shadow_rays + traced->bounce_rays;
