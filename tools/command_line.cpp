@@ -105,7 +105,8 @@ int run_panwright(std::vector<std::string> words, const Host& host) {
       "  panwright render f.pan -o f.png --camera \"0 -5 1\" --sun \"1 -1 1\"\n"
       "  panwright import iss.glb -o iss.pxn\n"
       "  panwright explain E1101\n"
-      "Exit codes: 0 ok, 1 errors in a model, 2 usage, 3 I/O, 4 damaged pan file, 70 internal.\n"
+      "Exit codes: 0 ok, 1 errors in a model, 2 usage, 3 I/O, 4 damaged pan file, 70 internal, "
+      "130 stopped.\n"
       "The language: docs/pxn-reference.md. Conventions of cameras, axes and units: "
       "docs/conventions.md.");
   app.require_subcommand(0, 1);
