@@ -303,7 +303,7 @@ Result<Report> compile(const scene::Scene& scene, const Options& options,
     Report report;
     const auto contents = contents_of(scene, options, report, log, job);
     const auto start = Clock::now();
-    const auto written = pan::write(contents, output, log, job);
+    const auto written = pan::write(contents, output, log, {.compress = options.compress}, job);
     if (!written) return failed;
     report.bytes = written->bytes;
     report.seconds_sync = written->seconds_sync;
@@ -318,7 +318,7 @@ Result<std::vector<std::byte>> compiled(const scene::Scene& scene, const Options
     Report report;
     const auto contents = contents_of(scene, options, report, log, job);
     job.poll();
-    return pan::write_to_memory(contents);
+    return pan::write_to_memory(contents, {.compress = options.compress});
   });
 }
 

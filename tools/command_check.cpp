@@ -29,11 +29,16 @@ void check_one(const std::string& path, const workspace::OpenOptions& read,
   DiagnosticLog& log = context.log();
   const std::string extension = workspace::extension_of(path);
   const std::size_t errors = log.errors(), warnings = log.warnings();
+  std::string format, how;  // of a .pan
   if (extension == ".pan" || extension == ".pxn" || workspace::is_cad(path)) {
     workspace::OpenReport report;
     // a text is compiled too, to find it all
-    (void)workspace::open(path, read, log, context.job(), &report);
+    const auto model = workspace::open(path, read, log, context.job(), &report);
     context.add_timings(report.steps);
+    if (model && extension == ".pan") {
+      format = fmt::format("{}.{}", (*model)->header().major, (*model)->header().minor);
+      if ((*model)->compressed()) how = " (compressed)";
+    }
   } else {
     log.report(Code::E0202, {},
                fmt::format("{} is no file of a model: .pan, .pxn and CAD files are checked",
@@ -44,7 +49,11 @@ void check_one(const std::string& path, const workspace::OpenOptions& read,
                                        {"ok", found == 0},
                                        {"errors", found},
                                        {"warnings", log.warnings() - warnings}});
-  if (!context.options().json && found == 0) fmt::print("{}: ok\n", path);
+  if (!format.empty()) {
+    context.result()["files"].back()["format"] = format;
+    context.result()["files"].back()["compressed"] = !how.empty();
+  }
+  if (!context.options().json && found == 0) fmt::print("{}: ok{}\n", path, how);
 }
 
 int run(const Options& options, const Host& host) {

@@ -21,6 +21,7 @@ struct Options {
   std::string depfile;
   std::string license;  // of the original tools: accepted, ignored, noted
   bool strip_sources = false;
+  bool compress = false;
 };
 
 void declare_all(Arguments& arguments, Options& options) {
@@ -32,6 +33,8 @@ void declare_all(Arguments& arguments, Options& options) {
            "Write the files that were read, as a Make and Ninja dependency file")
       .type("FILE");
   arguments.flag("--strip-sources", options.strip_sources, "Leave out where parts were written");
+  arguments.flag("--compress", options.compress,
+                 "A smaller file, slower to load, that programs of format 1.0 refuse");
   declare(arguments, options.read);
   declare(arguments, options.common);
 }
@@ -109,9 +112,12 @@ int run(const Options& options, const Host& host) {
     return context.finish();
   }
   const std::vector<scene::Input> inputs = scene->inputs;
-  const auto report = workspace::write_pan(
-      *scene, *read, {.output = output, .strip_sources = options.strip_sources, .origin = {}}, log,
-      context.job(), &steps);
+  const auto report = workspace::write_pan(*scene, *read,
+                                           {.output = output,
+                                            .strip_sources = options.strip_sources,
+                                            .compress = options.compress,
+                                            .origin = {}},
+                                           log, context.job(), &steps);
   context.add_timings(steps.steps);
   // what was cancelled has made nothing that could depend on the inputs
   if (!options.depfile.empty() && !context.job().cancelled())

@@ -26,7 +26,7 @@ struct Options {
 void declare_all(Arguments& arguments, Options& options) {
   arguments.add("a", options.a, "A .pan or .pxn file").required().type("A");
   arguments.add("b", options.b, "A .pan or .pxn file").required().type("B");
-  arguments.flag("--all", options.all, "Count differences of provenance too");
+  arguments.flag("--all", options.all, "Count differences of provenance and storage too");
   declare(arguments, options.read);
   declare(arguments, options.common);
 }
@@ -40,6 +40,15 @@ Json as_json(const std::vector<pan::Difference>& list) {
 
 void print(const std::vector<pan::Difference>& list, const char* prefix) {
   for (const pan::Difference& each : list) fmt::print("{}{}: {}\n", prefix, each.where, each.what);
+}
+
+// What equal models differ in all the same.
+std::string unseen_words(const pan::Differences& differences) {
+  if (differences.empty()) return {};
+  const char* what = differences.provenance.empty() ? "storage"
+                     : differences.storage.empty()  ? "provenance"
+                                                    : "provenance and storage";
+  return fmt::format(" (their {} differs: --all shows it)", what);
 }
 
 int run(const Options& options, const Host& host) {
@@ -57,14 +66,16 @@ int run(const Options& options, const Host& host) {
   context.result()["equal"] = equal;
   context.result()["model"] = as_json(differences.model);
   context.result()["provenance"] = as_json(differences.provenance);
+  context.result()["storage"] = as_json(differences.storage);
   if (!options.common.json) {
     print(differences.model, "");
-    if (options.all || !differences.same_model()) print(differences.provenance, "provenance: ");
+    if (options.all || !differences.same_model()) {
+      print(differences.provenance, "provenance: ");
+      print(differences.storage, "storage: ");
+    }
     if (differences.hidden > 0)
       fmt::print("{} not shown\n", counted(differences.hidden, "more difference"));
-    if (equal)
-      fmt::print("the models are equal{}\n",
-                 differences.empty() ? "" : " (their provenance differs: --all shows it)");
+    if (equal) fmt::print("the models are equal{}\n", unseen_words(differences));
   }
   return context.finish(equal ? 0 : 1);
 }

@@ -26,6 +26,7 @@ struct Options {
   std::string input;
   std::string output;  // .pan or .pxn; empty: none
   std::string report;  // .txt, .json or .html; empty: none
+  bool compress = false;
 };
 
 void declare_all(Arguments& arguments, Options& options) {
@@ -43,6 +44,8 @@ void declare_all(Arguments& arguments, Options& options) {
       .add("--report", options.report,
            "Write what cleaning found: .txt, .json, or .html with pictures")
       .type("FILE");
+  arguments.flag("--compress", options.compress,
+                 "A smaller .pan, slower to load, that programs of format 1.0 refuse");
   arguments
       .add("--root", cad.root,
            "Folder that files named by the model must lie in (default: the model's)")
@@ -218,10 +221,12 @@ int run(const Options& options, const Host& host) {
                       fmt::format("{} left out: a .pan does not hold them yet",
                                   counted(imported->scene.joints.size(), "joint")));
     context.step({});
-    const auto report = workspace::write_pan(
-        imported->scene, options.open,
-        {.output = options.output, .strip_sources = false, .origin = origin_of(options.open.cad)},
-        log, context.job(), &found);
+    const auto report = workspace::write_pan(imported->scene, options.open,
+                                             {.output = options.output,
+                                              .strip_sources = false,
+                                              .compress = options.compress,
+                                              .origin = origin_of(options.open.cad)},
+                                             log, context.job(), &found);
     context.add_timings(found.steps);
     if (found.hidden) context.result()["removed"] = as_json(*found.hidden);
     if (!report) return context.finish();

@@ -1,13 +1,25 @@
+#include <unistd.h>
+
 #include <csignal>
 
 #include "tools/run.h"
 
 namespace {
 
+// A file that is mapped, and that another program cuts short in place, ends a program with SIGBUS.
+// It says so, and ends as for other files that cannot be read (docs/conventions.md 18).
+extern "C" void mapped_file_is_gone(int) {
+  constexpr char kText[] =
+      "panwright: error: a file was cut short while it was in use: another program writes it in "
+      "place [E0102]\n";
+  [[maybe_unused]] const auto written = write(STDERR_FILENO, kText, sizeof kText - 1);
+  _exit(3);
+}
+
 const panwright::Job* g_job = nullptr;  // that signals cancel
 volatile std::sig_atomic_t g_signal = 0;
 
-void cancel(int signal) {
+extern "C" void cancel(int signal) {
   g_signal = signal;
   g_job->cancel();
 }
@@ -29,6 +41,7 @@ void watch_signals() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGBUS, mapped_file_is_gone);
   const panwright::Job job(panwright::JobOptions{});
   g_job = &job;
   const int code = panwright::tools::run(argc, argv, {job, watch_signals});

@@ -219,6 +219,7 @@ Result<compiler::Report> write_pan(scene::Scene& scene, const OpenOptions& optio
   if (options.prune && !prune(scene, options, log, job, report)) return failed;
   compiler::Options compile = compile_options(options);
   compile.strip_sources = write.strip_sources;
+  compile.compress = write.compress;
   compile.origin = write.origin;
   const auto done = compiler::compile(scene, compile, write.output, log, job);
   if (done && report != nullptr) {

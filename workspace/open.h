@@ -107,7 +107,8 @@ Result<bool> prune(scene::Scene& scene, const OpenOptions& options, DiagnosticLo
 struct WriteOptions {
   std::string output;  // .pan; "-": standard output
   bool strip_sources = false;
-  std::string origin;  // how the scene was made of its inputs, where they do not say
+  bool compress = false;  // pan::WriteOptions
+  std::string origin;     // how the scene was made of its inputs, where they do not say
 };
 
 // Prunes a scene and writes it as a pan file: there it is whole, or not at all.

@@ -28,27 +28,27 @@ struct HalfEdgeTraits : OpenMesh::DefaultTraits {
 };
 using HalfEdges = OpenMesh::TriMesh_ArrayKernelT<HalfEdgeTraits>;
 
-// Faces that do not fit are left out; that is expected, and nothing to print. OpenMesh has one
-// stream for all threads: the last one to need it quiet leaves it as the first one found it.
-class Quiet {
+// Faces that do not fit are left out: that is expected, and nothing to print. OpenMesh's stream is
+// the host program's too, and is as it was when the last of these is gone.
+class QuietOpenMesh {
  public:
-  Quiet() {
+  QuietOpenMesh() {
     const std::lock_guard lock(mutex);
     if (users++ > 0) return;
     was_enabled = omerr().is_enabled();
     omerr().disable();
   }
-  ~Quiet() {
+  ~QuietOpenMesh() {
     const std::lock_guard lock(mutex);
     if (--users == 0 && was_enabled) omerr().enable();
   }
-  Quiet(const Quiet&) = delete;
-  Quiet& operator=(const Quiet&) = delete;
+  QuietOpenMesh(const QuietOpenMesh&) = delete;
+  QuietOpenMesh& operator=(const QuietOpenMesh&) = delete;
 
  private:
   static inline std::mutex mutex;
-  static inline std::size_t users = 0;
-  static inline bool was_enabled = true;
+  static inline int users = 0;
+  static inline bool was_enabled = false;
 };
 
 class RimFinder {
@@ -58,8 +58,10 @@ class RimFinder {
 
   std::vector<BorderLoop> run() {
     if (edges_.border.empty()) return {};
-    const Quiet quiet;
-    add_faces();
+    {
+      const QuietOpenMesh quiet;
+      add_faces();
+    }
     mark_borders();
     std::vector<BorderLoop> rims;
     for (const std::uint32_t side : edges_.border) walk(side, rims);

@@ -85,8 +85,9 @@ TEST(Cancel, ACompilationWritesAWholeFileOrNone) {
       [&](DiagnosticLog& log, const Job& job) {
         auto scene = read_scene(kExamples + "cubesat/cubesat.pxn", {}, log, job);
         if (!scene) return false;
-        if (!write_pan(*scene, {}, {.output = output, .strip_sources = false, .origin = {}}, log,
-                       job))
+        if (!write_pan(*scene, {},
+                       {.output = output, .strip_sources = false, .compress = false, .origin = {}},
+                       log, job))
           return false;
         if (whole.empty()) whole = support::contents(output);
         EXPECT_TRUE(support::contents(output) == whole);
