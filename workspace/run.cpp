@@ -161,10 +161,11 @@ class Run {
       write(std::move(drawn->image), ev, *writing_);
       return retire();
     }
-    pending_ = std::async(std::launch::async,
-                          [image = std::move(drawn->image), ev, &writing = *writing_]() mutable {
-                            write(std::move(image), ev, writing);
-                          });
+    // one thread beside those that draw the next image
+    pending_ = std::async(
+        std::launch::async, [image = std::move(drawn->image), ev, &writing = *writing_]() mutable {
+          run_on_threads(Job({1, {}}), [&] { write(std::move(image), ev, writing); });
+        });
     return true;
   }
 
