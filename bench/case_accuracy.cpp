@@ -17,6 +17,7 @@
 #include "preview/reference/reference.h"
 #include "preview/renderer.h"
 #include "pxn/pxn.h"
+#include "tests/support/model_renderer.h"
 
 namespace panwright::bench {
 namespace {
@@ -142,18 +143,18 @@ double flux_of(const preview::Image& image, const world::Camera& camera) {
   return std::max({sum.x, sum.y, sum.z});
 }
 
-void compare(Context& context, preview::Context& gl, const std::string& setting,
-             const pan::Model& model, const preview::View& view, std::uint32_t bounces,
-             double until_error, DiagnosticLog& log) {
-  auto renderer = preview::Renderer::create(gl, model, log);
+void compare(Context& context, const std::shared_ptr<preview::Device>& gl,
+             const std::string& setting, const pan::Model& model, const preview::View& view,
+             std::uint32_t bounces, double until_error, DiagnosticLog& log) {
+  support::ModelRenderer renderer(gl, model);
   auto reference = preview::Reference::create(model, log);
-  if (!renderer || !reference) return;
+  if (!reference) return;
   preview::RenderOptions fast;
   fast.samples = kSamples;
   std::optional<preview::Image> image;
   const Timing timing = timed(
       [&] {
-        auto drawn = renderer->render(view, fast, log);
+        auto drawn = renderer.render(view, fast, log);
         if (drawn) image = *std::move(drawn);
       },
       context.runs());
@@ -202,12 +203,12 @@ void compare(Context& context, preview::Context& gl, const std::string& setting,
 
 void run_accuracy(Context& context) {
   DiagnosticLog log;
-  auto gl = preview::Context::create(preview::ContextKind::automatic, log);
+  auto gl = preview::Device::create(preview::ContextKind::automatic, log);
   if (!gl) {
     context.note("there is no OpenGL context, so nothing was measured");
     return;
   }
-  context.set_renderer((*gl)->renderer());
+  context.set_renderer((*gl)->context().renderer());
   const std::uint32_t side = context.quick() ? 64 : 256;
   const Vec3 to_sun(0.8, -0.5, 0.33);
   for (const auto& [name, material] : all_laws()) {
@@ -216,7 +217,7 @@ void run_accuracy(Context& context) {
     // the sphere fills nine tenths of the picture
     const preview::View view =
         view_from({0, -20, 0}, Vec3(0), 2 * std::asin(1.0 / 18), to_sun, side, log);
-    compare(context, **gl, "sphere, " + name, *model, view, 0, 5e-4, log);
+    compare(context, *gl, "sphere, " + name, *model, view, 0, 5e-4, log);
     if (context.quick()) break;
   }
   const auto path = context.source("examples/servicer/servicer.pxn");
@@ -227,8 +228,8 @@ void run_accuracy(Context& context) {
   const preview::View view =
       view_from({9, -11, 6}, {0, 0, 0.4}, 24 * kDegree, {1, 0.2, 0.5}, side, log);
   if (!authored) return;
-  compare(context, **gl, "servicer, as authored", *authored, view, 0, 2e-3, log);
-  compare(context, **gl, "servicer, as authored, with light between surfaces", *authored, view, 3,
+  compare(context, *gl, "servicer, as authored", *authored, view, 0, 2e-3, log);
+  compare(context, *gl, "servicer, as authored, with light between surfaces", *authored, view, 3,
           2e-3, log);
   if (context.quick()) return;
   for (const auto& [name, material] : all_laws()) {
@@ -242,7 +243,7 @@ void run_accuracy(Context& context) {
       each.name = own;
     }
     const auto model = compiled_model(worn, log);
-    if (model) compare(context, **gl, "servicer, " + name, *model, view, 0, 2e-3, log);
+    if (model) compare(context, *gl, "servicer, " + name, *model, view, 0, 2e-3, log);
   }
 }
 

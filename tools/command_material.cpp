@@ -225,37 +225,38 @@ bool write_plots(const std::string& folder, const materials::Material& material,
 
 // One picture of a material's samples.
 Result<preview::Image> sample_picture(const materials::Material& material,
-                                      const MaterialOptions& options, preview::Context* context,
+                                      const MaterialOptions& options,
+                                      const std::shared_ptr<preview::Device>& device,
                                       Session& session) {
   DiagnosticLog& log = session.log();
   const auto bytes = compiler::compiled(sample_scene(material), {}, log);
   if (!bytes) return failed;
-  auto model = pan::Model::from_bytes(*bytes, material.name, log);
-  if (!model || !model->check(log)) return failed;
+  auto opened = pan::Model::from_bytes(*bytes, material.name, log);
+  if (!opened || !opened->check(log)) return failed;
+  const auto model = std::make_shared<const pan::Model>(std::move(*opened));
   const preview::View view = sample_view(options.width);
-  if (context == nullptr) {
+  if (!device) {
     const auto reference = preview::Reference::create(*model, log);
     if (!reference) return failed;
     auto image = reference->render(view, {}, log);
     if (!image) return failed;
     return std::move(image->image);
   }
-  auto renderer = preview::Renderer::create(*context, *model, log);
-  if (!renderer) return failed;
+  preview::Renderer renderer(device);
   preview::RenderOptions render;
   render.samples = 4;
-  return renderer->render(view, render, log);
+  return renderer.render(preview::world_of(model, view), view.camera, render, log);
 }
 
 // All pictures on one sheet, in columns, with their names.
 bool write_sheet(const std::vector<DescribedMaterial>& all, const MaterialOptions& options,
                  Session& session) {
-  std::unique_ptr<preview::Context> context;
+  std::shared_ptr<preview::Device> device;
   if (options.engine != "reference") {
     auto opened =
-        preview::Context::create(*preview::context_kind_from_name(options.gl), session.log());
+        preview::Device::create(*preview::context_kind_from_name(options.gl), session.log());
     if (!opened) return false;
-    context = std::move(*opened);
+    device = std::move(*opened);
   }
   constexpr std::uint32_t kLabelHeight = 26;
   const std::uint32_t columns = all.size() > 12 ? 3 : all.size() > 4 ? 2 : 1;
@@ -278,7 +279,7 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const MaterialOption
   sheet.coverage.assign(sheet.pixels(), 0.0f);
   for (std::size_t i = 0; i < all.size(); ++i) {
     session.step("render " + all[i].material.name);
-    const auto picture = sample_picture(all[i].material, options, context.get(), session);
+    const auto picture = sample_picture(all[i].material, options, device, session);
     if (!picture) return false;
     const auto x = static_cast<std::uint32_t>(i % columns) * options.width;
     const auto y = static_cast<std::uint32_t>(i / columns) * cell_height;

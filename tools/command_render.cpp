@@ -98,7 +98,7 @@ bool write(const Job& job, const preview::Image& image, Session& session) {
   return true;
 }
 
-bool render_one(const Job& job, const RenderOptions& options, const pan::Model& model,
+bool render_one(const Job& job, const RenderOptions& options, world::World& world,
                 preview::Renderer& renderer, Session& session) {
   preview::RenderOptions render;
   render.samples = options.samples;
@@ -107,9 +107,10 @@ bool render_one(const Job& job, const RenderOptions& options, const pan::Model& 
   render.max_bytes = options.max_image_bytes;
   render.truth = preview::stores_truth(*preview::image_format(job.output));
   session.step("render " + job.output);
-  auto image = renderer.render(job.view, render, session.log());
+  preview::set_view(world, job.view);
+  auto image = renderer.render(world, job.view.camera, render, session.log());
   if (!image) return false;
-  describe(job, options, model, *image);
+  describe(job, options, *world[0].model(), *image);
   return write(job, *image, session);
 }
 
@@ -242,25 +243,29 @@ int render(const RenderOptions& typed) {
   // what nobody outside sees costs a picture less than its removal
   ReadOptions read = options.read;
   read.prune = false;
-  const auto model = load_model(options.input, read, session);
-  if (!model) return session.finish();
+  auto loaded = load_model(options.input, read, session);
+  if (!loaded) return session.finish();
+  const auto model = std::make_shared<const pan::Model>(std::move(*loaded));
   const auto jobs = make_jobs(options, *model, log);
   if (!jobs) return session.finish();
 
   if (options.reference) return render_reference(options, *model, *jobs, session);
 
   session.step("open an OpenGL context");
-  auto context = preview::Context::create(*preview::context_kind_from_name(options.gl), log);
-  if (!context) return session.finish();
+  auto device = preview::Device::create(*preview::context_kind_from_name(options.gl), log);
+  if (!device) return session.finish();
   session.step("upload " + options.input);
-  auto renderer = preview::Renderer::create(**context, *model, log);
-  if (!renderer) return session.finish();
-  session.result()["gl"] = {{"renderer", (*context)->renderer()},
-                            {"version", (*context)->version()},
-                            {"hardware", (*context)->is_hardware()}};
+  const auto resources = (*device)->resources(model, log);
+  if (!resources) return session.finish();
+  preview::Renderer renderer(*device);
+  world::World world = preview::world_of(model, {});
+  const preview::Context& context = (*device)->context();
+  session.result()["gl"] = {{"renderer", context.renderer()},
+                            {"version", context.version()},
+                            {"hardware", context.is_hardware()}};
   Progress progress("rendering", jobs->size());
   for (const Job& job : *jobs) {
-    if (!render_one(job, options, *model, *renderer, session)) break;
+    if (!render_one(job, options, world, renderer, session)) break;
     progress.advance();
   }
   return session.finish();

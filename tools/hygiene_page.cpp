@@ -76,12 +76,11 @@ class Camera {
     if (!bytes) return;
     auto model = pan::Model::from_bytes(*bytes, "model", log_);
     if (!model || !model->check(log_)) return;
-    model_.emplace(std::move(*model));
-    auto context = preview::Context::create(*preview::context_kind_from_name(options.gl), log_);
-    if (!context) return;
-    context_ = std::move(*context);
-    auto renderer = preview::Renderer::create(*context_, *model_, log_);
-    if (renderer) renderer_.emplace(std::move(*renderer));
+    auto device = preview::Device::create(*preview::context_kind_from_name(options.gl), log_);
+    if (!device) return;
+    renderer_.emplace(std::move(*device));
+    static_cast<void>(
+        world_.add("model", std::make_shared<const pan::Model>(std::move(*model)), log_));
     file_ = std::filesystem::temp_directory_path() /
             fmt::format("panwright-report-{}.png", static_cast<long>(::getpid()));
   }
@@ -100,18 +99,20 @@ class Camera {
     const double size = glm::length(bounds_.high - bounds_.low);
     Vec3 outwards = spot.at - middle + Vec3(0.13, -0.29, 0.17) * (0.05 * size);
     outwards = glm::normalize(outwards);
-    preview::View view;
-    world::set_orthographic(view.camera, kSide, kSide,
-                              std::clamp(spot.length / kRing, 0.02 * size, size));
-    view.camera.position = spot.at + outwards * size;
-    const auto rotation = world::looking_at(view.camera.position, spot.at, std::nullopt, log_);
+    world::Camera camera;
+    world::set_orthographic(camera, kSide, kSide,
+                            std::clamp(spot.length / kRing, 0.02 * size, size));
+    camera.position = spot.at + outwards * size;
+    const auto rotation = world::looking_at(camera.position, spot.at, std::nullopt, log_);
     if (!rotation) return {};
-    view.camera.world_from_camera = *rotation;
-    view.to_sun = outwards + Vec3(0.3, -0.2, 0.5);
+    camera.world_from_camera = *rotation;
+    world::Sun sun;
+    sun.direction = outwards + Vec3(0.3, -0.2, 0.5);
+    world_.set_sun(sun);
     preview::RenderOptions options;
     options.samples = 2;
     options.shadow_side = 0;
-    auto image = renderer_->render(view, options, log_);
+    auto image = renderer_->render(world_, camera, options, log_);
     if (!image) return {};
     draw_ring(*image);
     if (!preview::write_image(file_, *image, 0.5, log_)) return {};
@@ -122,8 +123,7 @@ class Camera {
  private:
   DiagnosticLog log_;  // what the report cannot show is no error of the import
   importers::Bounds bounds_;
-  std::optional<pan::Model> model_;
-  std::unique_ptr<preview::Context> context_;
+  world::World world_;
   std::optional<preview::Renderer> renderer_;
   std::filesystem::path file_;
 };

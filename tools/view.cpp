@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/text.h"
-#include "preview/renderer.h"
+#include "world/evaluation.h"
 
 namespace panwright::tools {
 
@@ -244,8 +244,7 @@ Result<preview::View> make_view(const ViewOptions& options, const pan::Model& mo
   preview::View view;
   read_size(options, reader, view.camera);
   read_pose(options, reader, view.world_from_model);
-  world::set_field_of_view(view.camera, view.camera.width, view.camera.height,
-                             kDefaultFieldOfView);
+  world::set_field_of_view(view.camera, view.camera.width, view.camera.height, kDefaultFieldOfView);
   const bool lens = read_lens(options, reader, view.camera);
   if (!reader.ok()) return failed;
   BoundingSphere sphere = bounding_sphere(model);
@@ -254,7 +253,9 @@ Result<preview::View> make_view(const ViewOptions& options, const pan::Model& mo
     if (options.camera || options.quat || options.look_at)
       reader.fail("camera-frame", *options.camera_frame,
                   "its place alone: not with --camera, --quat or --look-at");
-    preview::place_in_frame(view, model, *options.camera_frame, log);
+    // note: the model is only looked at
+    const world::World world = preview::world_of({world::ModelPtr(), &model}, view);
+    world::place_in_frame(view.camera, world, 0, *options.camera_frame, log);
   } else {
     read_attitude(options, sphere, reader, view.camera, log);
   }

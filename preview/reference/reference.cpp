@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "preview/internal/truth.h"
 #include "preview/reference/internal/rounds.h"
 
 namespace panwright::preview {
@@ -142,10 +143,13 @@ void Reference::Impl::add_truth(const View& view, const Shot& shot, bool flat, I
   image.depth.resize(image.pixels(), INFINITY);
   image.range.resize(image.pixels(), INFINITY);
   image.normal.resize(3 * image.pixels());
+  image.target_id.resize(image.pixels());
   image.node_id.resize(image.pixels());
   image.material_id.resize(image.pixels());
-  const Scenery seen = scenery(view, stage.items());
-  const std::vector<Placement> placed = placements(view, seen, stage.items());
+  Scenery seen = scenery(view, stage.items());
+  const TruthTarget target =
+      truth_target(model, stage.items(), {0, 0, std::move(seen.items), std::move(seen.boxes)},
+                   view.world_from_model);
   constexpr std::uint32_t kBand = 64;  // rows
   std::vector<TriangleId> ids;
   for (std::uint32_t top = 0; top < image.height; top += kBand) {
@@ -158,7 +162,7 @@ void Reference::Impl::add_truth(const View& view, const Shot& shot, bool flat, I
         if (hit) ids[row * tile.width + column] = {hit->instance + 1, hit->triangle};
       }
     });
-    fill_truth(model, view, flat, stage.items(), placed, tile, ids, image);
+    fill_truth(view.camera, flat, std::span(&target, 1), tile, ids, image);
   }
 }
 
