@@ -4,9 +4,11 @@
 #include <bit>
 #include <cstdlib>
 
+#include "base/file.h"
 #include "bench/bench.h"
 #include "bench/scenes.h"
 #include "compiler/compile.h"
+#include "pan/diff.h"
 #include "pan/model.h"
 
 namespace panwright::bench {
@@ -73,6 +75,53 @@ void run_size(Context& context, std::uint32_t side, int wrong) {
   context.add(row);
 }
 
+// The same model as it is and compressed: bytes, and the time to write and to load each.
+void run_compressed(Context& context, std::uint32_t side) {
+  DiagnosticLog log;
+  const scene::Scene scene = sphere_scene({side, side}, lambert_material(0.8));
+  compiler::Options packing;
+  packing.compress = true;
+  const auto plain = compiler::compiled(scene, {}, log);
+  const auto packed = compiler::compiled(scene, packing, log);
+  const auto plain_path = context.scratch() / "plain.pan",
+             packed_path = context.scratch() / "z.pan";
+  if (!plain || !packed || !write_file(plain_path, *plain, log) ||
+      !write_file(packed_path, *packed, log)) {
+    context.note("a sphere could not be compiled");
+    return;
+  }
+  const auto load = [](const std::filesystem::path& path) {
+    DiagnosticLog inner;
+    auto model = pan::Model::load(path, inner);
+    if (!model) std::abort();
+    return *std::move(model);
+  };
+  const auto differences = pan::diff(load(plain_path), load(packed_path));
+  const std::vector<Timing> timings =
+      interleaved({{"plain", [&] { static_cast<void>(load(plain_path)); }},
+                   {"compressed", [&] { static_cast<void>(load(packed_path)); }},
+                   {"compile", [&] { static_cast<void>(compiler::compiled(scene, {}, log)); }},
+                   {"compile and compress",
+                    [&] { static_cast<void>(compiler::compiled(scene, packing, log)); }}},
+                  context.quick() ? 3 : 7);
+  const char* const settings[] = {"load stored=as it is", "load stored=compressed",
+                                  "compile stored=as it is", "compile stored=compressed"};
+  for (std::size_t i = 0; i < timings.size(); ++i) {
+    Row row{.case_name = "pan",
+            .setting = fmt::format("{} size={:.3g} MB file={:.3g} MB", settings[i],
+                                   1e-6 * static_cast<double>(plain->size()),
+                                   1e-6 * static_cast<double>((i % 2 ? packed : plain)->size())),
+            .speed_unit = "ms",
+            .error = static_cast<double>(differences.model.size() + differences.provenance.size()),
+            .error_unit = "differences of the models",
+            .reference = "the file that is not compressed",
+            .must_is_least = false,
+            .must_error = 0.5};
+    set_time(row, timings[i], 1e3);
+    context.add(row);
+  }
+}
+
 void run(Context& context) {
   DiagnosticLog log;
   const auto small = compiler::compiled(sphere_scene({20, 30}, lambert_material(0.8)), {}, log);
@@ -85,6 +134,8 @@ void run(Context& context) {
     if (context.quick() && side > 460) continue;
     run_size(context, side, wrong);
   }
+  for (const std::uint32_t side : {60u, 460u, 1500u})
+    if (!context.quick() || side <= 60) run_compressed(context, side);
 }
 
 const bool kAdded = add_case({"pan", "opening and checking compiled files", run});

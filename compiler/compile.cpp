@@ -304,7 +304,7 @@ Result<Report> compile(const scene::Scene& scene, const Options& options,
   Report report;
   const auto contents = contents_of(scene, options, report, log);
   const auto start = Clock::now();
-  const auto written = pan::write(contents, output, log);
+  const auto written = pan::write(contents, output, log, {.compress = options.compress});
   if (!written) return failed;
   report.bytes = written->bytes;
   report.seconds_sync = written->seconds_sync;
@@ -316,7 +316,7 @@ Result<std::vector<std::byte>> compiled(const scene::Scene& scene, const Options
                                         DiagnosticLog& log) {
   Report report;
   const auto contents = contents_of(scene, options, report, log);
-  return pan::write_to_memory(contents);
+  return pan::write_to_memory(contents, {.compress = options.compress});
 }
 
 }  // namespace panwright::compiler

@@ -17,6 +17,7 @@ struct Options {
   std::optional<double> max_error;           // metres in the world: overrides the scene's need
   std::uint64_t max_triangles = 1ull << 27;  // of all meshes in the file together
   bool strip_sources = false;                // leaves out the source map
+  bool compress = false;                     // pan::WriteOptions; the identity does not know it
   std::string origin;  // how the scene was made of its inputs, where they do not say: " units=mm"
 };
 

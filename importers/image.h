@@ -1,4 +1,4 @@
-// Pictures of PPM, PNG and JPEG files.
+// Images of PPM, PNG and JPEG files.
 #pragma once
 
 #include <cstddef>
@@ -25,11 +25,12 @@ struct ImageProblem {
   std::string message;
 };
 
-// Decodes a picture, at most max_bytes of pixels (four bytes each). The kind is told by the first
+// Decodes an image, at most max_bytes of pixels (four bytes each). The format is told by the first
 // bytes. Sizes are checked before anything is allocated. PNG checksums are verified; 16-bit
-// channels keep their upper half. Same bytes, same pixels, on any processor.
+// channels keep their upper half. JPEG files of which pixels are lost are refused. Same bytes, same
+// pixels, on any processor. Nothing is printed, and settings of libpng and libjpeg stay as they are.
 //
-// Problems: E3001, E3002.
+// Problems: E3001 with the place in the file, E3002. Cost: O(bytes + pixels); JPEG: for each scan.
 ImageProblem decode_image(std::span<const std::byte> bytes, std::uint64_t max_bytes,
                           DecodedImage& out);
 

@@ -8,9 +8,10 @@ bool Model::check(DiagnosticLog& log) {
   checked_ = false;
   // tables first: what the arrays hold can be judged only by sound tables
   internal::Problems problems = internal::section_problems(*this, Part::tables, false);
+  if (problems.empty()) problems = internal::unpack_tables(*this);
   if (problems.empty()) problems = internal::table_problems(*this);
-  const internal::Problems arrays =
-      internal::section_problems(*this, Part::arrays, problems.empty());
+  internal::Problems arrays = internal::section_problems(*this, Part::arrays, problems.empty());
+  if (problems.empty() && arrays.empty()) arrays = internal::unpack_arrays(*this);
   problems.insert(problems.end(), arrays.begin(), arrays.end());
   for (const internal::Problem& problem : problems)
     log.report_file(problem.code, name_, problem.message);

@@ -303,22 +303,22 @@ Hash128 build_identity(std::span<const InputContent> inputs, std::string_view ve
 }
 
 Result<WriteReport> write(const Contents& contents, const std::filesystem::path& path,
-                          DiagnosticLog& log) {
+                          DiagnosticLog& log, const WriteOptions& options) {
   WriteReport report;
   if (path == "-") {
-    const std::vector<std::byte> bytes = write_to_memory(contents);
+    const std::vector<std::byte> bytes = write_to_memory(contents, options);
     report.bytes = bytes.size();
     if (!write_file(path, bytes, log)) return failed;
     return report;
   }
-  auto writer = Writer::create(path, log);
+  auto writer = Writer::create(path, log, options);
   if (!writer || !write_sections(contents, *writer, log, &report.seconds_sync)) return failed;
   report.bytes = writer->bytes();
   return report;
 }
 
-std::vector<std::byte> write_to_memory(const Contents& contents) {
-  Writer writer = Writer::in_memory();
+std::vector<std::byte> write_to_memory(const Contents& contents, const WriteOptions& options) {
+  Writer writer = Writer::in_memory(options);
   DiagnosticLog unused;
   [[maybe_unused]] const bool done = write_sections(contents, writer, unused, nullptr);
   assert(done);

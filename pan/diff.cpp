@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "pan/internal/report.h"
 
 namespace panwright::pan {
 
@@ -133,6 +134,8 @@ class Comparison {
   void build();
   void sources();
   void unknown_sections();
+  void storage();
+  bool same_contents() const;
 
   Side a_, b_;
   std::size_t limit_;
@@ -485,9 +488,7 @@ void Comparison::unknown_sections() {
                        std::vector<std::uint64_t>& hashes) {
     Numbering number;
     for (const layout::DirectoryEntry& entry : model.directory()) {
-      if (entry.kind >= 1 && entry.kind <= layout::kSectionKinds &&
-          model.entry(SectionKind{entry.kind}) == &entry)
-        continue;
+      if (model.reads(entry)) continue;
       keys.push_back(number({entry.kind, entry.version}));
       kinds.push_back(entry.kind);
       hashes.push_back(entry.hash);
@@ -506,6 +507,41 @@ void Comparison::unknown_sections() {
   });
 }
 
+// "compressed, 12 of 64 bytes", "not compressed": how a model's file holds a section.
+std::string storage_words(const layout::DirectoryEntry& entry) {
+  std::string words =
+      internal::has_codec(entry)
+          ? fmt::format("compressed, {} of {} bytes", entry.packed_length, entry.raw_length)
+          : std::string("not compressed");
+  if (entry.stride != layout::kSections[entry.kind - 1].stride)
+    words += fmt::format(", records of {} bytes", entry.stride);
+  return words;
+}
+
+void Comparison::storage() {
+  const auto version = [](const Model& model) {
+    return fmt::format("{}.{}", model.header().major, model.header().minor);
+  };
+  if (version(a_.model) != version(b_.model))
+    add(out_.storage, "format",
+        fmt::format("{} in a, {} in b", version(a_.model), version(b_.model)));
+  for (const layout::SectionInfo& info : layout::kSections) {
+    const layout::DirectoryEntry* a = a_.model.entry(info.kind);
+    const layout::DirectoryEntry* b = b_.model.entry(info.kind);
+    if (!a || !b) continue;  // the lists of what they hold say it
+    const std::string in_a = storage_words(*a), in_b = storage_words(*b);
+    if (in_a != in_b)
+      add(out_.storage, fmt::format("section '{}'", info.name),
+          fmt::format("{} in a, {} in b", in_a, in_b));
+  }
+}
+
+bool Comparison::same_contents() const {
+  return std::ranges::all_of(layout::kSections, [&](const layout::SectionInfo& info) {
+    return std::ranges::equal(a_.model.section(info.kind), b_.model.section(info.kind));
+  });
+}
+
 Differences Comparison::run() {
   nodes();
   meshes();
@@ -520,7 +556,9 @@ Differences Comparison::run() {
   build();
   inputs();
   sources();
-  if (out_.empty())
+  storage();
+  const bool named = !out_.same_model() || !out_.provenance.empty();
+  if (!named && (out_.storage.empty() || !same_contents()))
     add("file", "the same things stand in another order or are stored in another way");
   return std::move(out_);
 }

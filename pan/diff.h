@@ -18,9 +18,10 @@ struct Difference {
 struct Differences {
   std::vector<Difference> model;       // what can be seen or addressed
   std::vector<Difference> provenance;  // inputs, version, options, source places, build identity
+  std::vector<Difference> storage;     // compression, sizes of records, the format's version
   std::size_t hidden = 0;              // more than the limit, counted and not kept
 
-  bool empty() const { return model.empty() && provenance.empty(); }
+  bool empty() const { return model.empty() && provenance.empty() && storage.empty(); }
   bool same_model() const { return model.empty(); }
 };
 

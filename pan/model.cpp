@@ -2,253 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <bit>
 #include <cassert>
 #include <cmath>
-#include <cstring>
 
-#include "base/text.h"
-#include "pan/internal/block_hash.h"
+#include "pan/internal/report.h"
 
 namespace panwright::pan {
 
-namespace {
-
 using layout::SectionKind;
-
-static_assert(std::endian::native == std::endian::little, "pan files are little endian");
-
-bool begins_with(std::span<const std::byte> bytes, std::string_view text) {
-  return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
-}
-
-// What transfers that take a file for text make of the magic.
-bool damaged_by_text_mode(std::span<const std::byte> bytes) {
-  constexpr std::string_view kSeen[] = {
-      "\x89PAN\r\r\n\x1a\r\n",  // line feeds became CR LF
-      "\x89PAN\n\x1a\n",        // CR LF became line feeds
-      "\x89PAN\n\n\x1a\n",      // carriage returns became line feeds
-      "\x89PAN\r\r\x1a\r",      // line feeds became carriage returns
-      "\tPAN\r\n\x1a\n",        // the eighth bit was lost
-      "\xc2\x89PAN",            // read as ISO-8859-1, written as UTF-8
-      "\xef\xbf\xbdPAN",        // read as UTF-8, bad bytes replaced
-  };
-  for (const std::string_view seen : kSeen)
-    if (begins_with(bytes, seen)) return true;
-  return false;
-}
-
-template <class T>
-bool all_zero(const T& values) {
-  for (const auto value : values)
-    if (value != 0) return false;
-  return true;
-}
-
-bool known(std::uint32_t kind) { return kind >= 1 && kind <= layout::kSectionKinds; }
-
-// Steps 1 and 2 of docs/pan-format.md, Reading: one complaint, or none.
-struct Complaint {
-  Code code;
-  std::string message;
-  std::string hint;
-};
-
-std::optional<Complaint> check_magic(std::span<const std::byte> bytes) {
-  if (bytes.empty()) return Complaint{Code::E4001, "the file is empty", {}};
-  const std::string_view magic(reinterpret_cast<const char*>(layout::kMagic),
-                               sizeof layout::kMagic);
-  if (begins_with(bytes, magic.substr(0, std::min(bytes.size(), magic.size())))) {
-    if (bytes.size() >= sizeof(layout::Header)) return {};
-    return Complaint{Code::E4005,
-                     fmt::format("the file is {} bytes long, the header alone takes {}",
-                                 bytes.size(), sizeof(layout::Header)),
-                     {}};
-  }
-  if (damaged_by_text_mode(bytes))
-    return Complaint{Code::E4002, "the first bytes show that the file was transferred as text",
-                     "transfer the file again in binary mode"};
-  std::string seen;
-  for (const std::byte byte : bytes.first(std::min<std::size_t>(bytes.size(), 8)))
-    seen += fmt::format(" {:02x}", static_cast<unsigned>(byte));
-  return Complaint{
-      Code::E4001,
-      fmt::format("the file begins with{}, a pan file with 89 50 41 4e 0d 0a 1a 0a", seen),
-      {}};
-}
-
-std::optional<Complaint> check_header(const layout::Header& header, std::uint64_t size) {
-  constexpr std::uint32_t kSwapped = 0x01020304;
-  if (header.endian == kSwapped)
-    return Complaint{Code::E4003, "the file is big endian, pan files are little endian", {}};
-  if (header.header_hash != internal::header_hash(header))
-    return Complaint{Code::E4007, "the header (bytes 0 to 127) does not match its checksum", {}};
-  if (header.complete != layout::kComplete)
-    return Complaint{Code::E4006, "the complete mark is missing: the writer was stopped", {}};
-  if (header.endian != layout::kEndianTag || header.major != layout::kMajor)
-    return Complaint{Code::E4003,
-                     fmt::format("the file has format {}.{}, this program reads {}.x", header.major,
-                                 header.minor, layout::kMajor),
-                     "compile the model again with this version of panwright"};
-  const std::uint64_t unknown = header.required_features & ~layout::kKnownRequiredFeatures;
-  if (unknown != 0)
-    return Complaint{Code::E4004,
-                     fmt::format("the file (format {}.{}) needs the features {:#x}, which this "
-                                 "program does not have",
-                                 header.major, header.minor, unknown),
-                     "update panwright, or compile the model again with this version"};
-  if (!all_zero(header.reserved))
-    return Complaint{Code::E4012, "reserved words of the header (bytes 80 to 119) are not 0", {}};
-  if (header.total_length != size)
-    return Complaint{
-        Code::E4005,
-        fmt::format("the file is {} bytes long, its header says {}", size, header.total_length),
-        {}};
-  // note: compared so that nothing can overflow; total_length is the size of real bytes here
-  const std::uint64_t offset = header.directory_offset;
-  const std::uint64_t count = header.section_count;
-  if (count > layout::kMaxSections || offset < sizeof(layout::Header) || offset > size ||
-      offset % layout::kSectionAlignment != 0 ||
-      size - offset != count * sizeof(layout::DirectoryEntry))
-    return Complaint{Code::E4008,
-                     fmt::format("the directory of {} sections at byte {} does not end with the "
-                                 "file at byte {}",
-                                 count, offset, size),
-                     {}};
-  return {};
-}
-
-std::string section_name(const layout::DirectoryEntry& entry) {
-  return known(entry.kind) ? fmt::format("section '{}'", layout::kSections[entry.kind - 1].name)
-                           : fmt::format("the section of kind {}", entry.kind);
-}
-
-// Step 3, for one entry of any kind.
-std::optional<std::string> misplaced(const layout::DirectoryEntry& entry, std::uint64_t begin,
-                                     std::uint64_t end) {
-  const std::string name = section_name(entry);
-  if (entry.offset != begin)
-    return fmt::format("{} begins at byte {}, the one before it ends at {}", name, entry.offset,
-                       begin);
-  if (entry.stored_length > end - begin)
-    return fmt::format("{} at byte {} has {} bytes, {} are left before the directory", name,
-                       entry.offset, entry.stored_length, end - begin);
-  if (entry.stride == 0 || entry.count > entry.stored_length / entry.stride ||
-      entry.raw_length != entry.count * entry.stride)
-    return fmt::format("{} has {} bytes, which is not {} elements of {}", name, entry.raw_length,
-                       entry.count, entry.stride);
-  constexpr std::uint64_t kAlignment = layout::kSectionAlignment;
-  if (entry.stored_length % kAlignment != 0 || entry.stored_length - entry.raw_length >= kAlignment)
-    return fmt::format("{} stores {} bytes, {} rounded up to a multiple of {} are needed", name,
-                       entry.stored_length, entry.raw_length, kAlignment);
-  if (entry.reserved != 0 || entry.reserved_2 != 0 ||
-      (entry.flags & ~layout::kSectionOptional) != 0)
-    return fmt::format("{} has reserved bits that are not 0", name);
-  return {};
-}
-
-}  // namespace
-
-Result<Model> Model::open(const std::filesystem::path& path, DiagnosticLog& log) {
-  auto mapped = MappedFile::open(path, log);
-  if (!mapped) return failed;
-  Model model;
-  model.name_ = path.string();
-  model.mapped_.emplace(*std::move(mapped));
-  model.bytes_ = model.mapped_->bytes();
-  // the file may have shrunk since its length was taken; pages past its end cannot be touched
-  std::error_code error;
-  const std::uint64_t now = std::filesystem::file_size(path, error);
-  if (!error && now < model.bytes_.size()) {
-    log.report_file(Code::E4005, model.name_,
-                    fmt::format("the file shrank from {} to {} bytes while it was opened",
-                                model.bytes_.size(), now));
-    return failed;
-  }
-  if (!model.parse(log)) return failed;
-  return model;
-}
-
-Result<Model> Model::read(const std::filesystem::path& path, std::uint64_t max_bytes,
-                          DiagnosticLog& log) {
-  const auto text = read_file(path, max_bytes, log);
-  if (!text) return failed;
-  return from_bytes(as_bytes(*text), path.string(), log);
-}
-
-Result<Model> Model::from_bytes(std::span<const std::byte> bytes, std::string name,
-                                DiagnosticLog& log) {
-  Model model;
-  model.name_ = std::move(name);
-  model.owned_ = std::make_unique_for_overwrite<std::byte[]>(bytes.size());
-  if (!bytes.empty()) std::memcpy(model.owned_.get(), bytes.data(), bytes.size());
-  model.bytes_ = {model.owned_.get(), bytes.size()};
-  if (!model.parse(log)) return failed;
-  return model;
-}
-
-Result<Model> Model::load(const std::filesystem::path& path, DiagnosticLog& log) {
-  auto model = open(path, log);
-  if (!model || !model->check(log)) return failed;
-  return model;
-}
-
-bool Model::parse(DiagnosticLog& log) {
-  auto complaint = check_magic(bytes_);
-  if (!complaint) complaint = check_header(header(), bytes_.size());
-  if (!complaint &&
-      header().directory_hash != internal::block_hash(bytes_.subspan(header().directory_offset)))
-    complaint = Complaint{Code::E4007,
-                          fmt::format("the directory (from byte {}) does not match its checksum",
-                                      header().directory_offset),
-                          {}};
-  if (complaint) {
-    log.report_file(complaint->code, name_, complaint->message, complaint->hint);
-    return false;
-  }
-  std::uint64_t begin = sizeof(layout::Header);
-  std::uint32_t number = 0;
-  for (const layout::DirectoryEntry& found : directory()) {
-    ++number;
-    if (const auto problem = misplaced(found, begin, header().directory_offset)) {
-      log.report_file(Code::E4008, name_, *problem);
-      return false;
-    }
-    begin += found.stored_length;
-    if (!known(found.kind) || found.version != 1) {
-      if (found.flags & layout::kSectionOptional) continue;
-      log.report_file(Code::E4004, name_,
-                      fmt::format("{} has version {}, which this program does not read",
-                                  section_name(found), found.version),
-                      "update panwright, or compile the model again with this version");
-      return false;
-    }
-    const layout::SectionInfo& info = layout::kSections[found.kind - 1];
-    if (found.stride != info.stride || entry_of_kind_[found.kind] != 0) {
-      const std::string problem =
-          found.stride != info.stride
-              ? fmt::format("section '{}' has elements of {} bytes, {} are needed", info.name,
-                            found.stride, info.stride)
-              : fmt::format("section '{}' stands twice", info.name);
-      log.report_file(Code::E4008, name_, problem);
-      return false;
-    }
-    entry_of_kind_[found.kind] = number;
-  }
-  if (begin != header().directory_offset) {
-    log.report_file(Code::E4008, name_,
-                    fmt::format("the sections end at byte {}, the directory begins at {}", begin,
-                                header().directory_offset));
-    return false;
-  }
-  bool complete = true;
-  for (const layout::SectionInfo& info : layout::kSections) {
-    if (info.optional || entry(info.kind)) continue;
-    log.report_file(Code::E4008, name_, fmt::format("section '{}' is missing", info.name));
-    complete = false;
-  }
-  return complete;
-}
 
 const layout::Header& Model::header() const {
   return *reinterpret_cast<const layout::Header*>(bytes_.data());
@@ -264,10 +25,14 @@ const layout::DirectoryEntry* Model::entry(SectionKind kind) const {
   return number == 0 ? nullptr : &directory()[number - 1];
 }
 
-std::span<const std::byte> Model::section(SectionKind kind) const {
-  const layout::DirectoryEntry* found = entry(kind);
-  if (!found) return {};
-  return bytes_.subspan(found->offset, found->raw_length);
+bool Model::reads(const layout::DirectoryEntry& entry) const {
+  return internal::known(entry.kind) && this->entry(SectionKind{entry.kind}) == &entry;
+}
+
+bool Model::compressed() const {
+  for (const layout::DirectoryEntry& entry : directory())
+    if (internal::has_codec(entry)) return true;
+  return false;
 }
 
 Hash128 Model::build_id() const { return {header().build_id[0], header().build_id[1]}; }
@@ -451,6 +216,13 @@ Mat4 parent_from_node(const layout::Node& node) {
 
 Mat4 node_from_frame(const layout::Frame& frame) {
   return matrix_from_trs(vec3(frame.origin), quat(frame.rotation), Vec3(1));
+}
+
+std::string kind_name(std::uint32_t kind) {
+  if (internal::known(kind)) return layout::kSections[kind - 1].name;
+  for (const layout::ReservedKind& reserved : layout::kReservedKinds)
+    if (kind == reserved.value) return reserved.name;
+  return fmt::format("kind {}", kind);
 }
 
 std::string_view reason_name(layout::NeedReason reason) {

@@ -40,25 +40,39 @@ struct MeshView {
   Indices indices;                            // 3*T, each < V
 };
 
+namespace internal {
+struct Unpacked;
+}
+
 // A pan file in memory. What holds:
 //
-//   after open()   the header and the directory are sound: every span that takes no index lies
-//                  within the file and has whole, aligned elements. Their contents are any bytes.
+//   after open()   the header and the directory are sound: every span that takes no index has
+//                  whole, aligned elements. Their contents are any bytes.
 //   after check()  every rule of docs/pan-format.md holds, so every index, offset, number and
 //                  string of the file can be used as it is, and every function below is safe.
 //
-// The spans live as long as the model; moving the model does not move them.
+// Sections that are stored as this program uses them are read where they lie in the file. Those
+// that are compressed, or whose records have another size than here, are empty after open():
+// check() unpacks them into memory of the model's own, bounded by 256 times the file and by
+// kMaxUnpackedBytes.
+//
+// The spans live as long as the model; moving the model does not move them. A model that is done
+// with check() never changes: its const functions hold no hidden state, so any number of threads
+// may call them at once, and owners share it as std::shared_ptr<const Model>. The file may be
+// renamed, replaced or deleted meanwhile: the mapping keeps what was opened.
 class Model {
  public:
   // Maps a file and reads its header and directory. Only those pages are touched.
   //
-  // Fails: E0101, E0102, E4001 to E4008, E4012. Cost: O(sections), whatever the size of the file.
+  // Fails: E0101, E0102, E4001 to E4008, E4012, E4015. Cost: O(sections), whatever the size of
+  // the file.
   // note: a file that another program cuts short while it is mapped ends the process with SIGBUS,
   // as for any mapping; Panwright's writers replace files by rename and never do so. Use read()
   // for files that others write in place.
   static Result<Model> open(const std::filesystem::path& path, DiagnosticLog& log);
 
-  // The same from a copy in memory, of at most max_bytes.
+  // The same from a copy in memory. max_bytes: what the file may have, and what its compressed
+  // sections may come to.
   //
   // Fails: also E0104.
   static Result<Model> read(const std::filesystem::path& path, std::uint64_t max_bytes,
@@ -76,9 +90,11 @@ class Model {
 
   // Checks every byte: checksums, then every rule of docs/pan-format.md. Reports the first
   // problem of each kind in each section; which one does not depend on the number of threads.
+  // Compressed sections are unpacked when their checksum is right. A second call checks anew, and
+  // spans stay where they are unless it fails.
   //
   // returns  whether the file is sound
-  // Fails: E4008 to E4014. Cost: one pass over the file.
+  // Fails: E4008 to E4015. Cost: one pass over the file, and over what it unpacks to.
   bool check(DiagnosticLog& log);
   bool checked() const { return checked_; }
 
@@ -87,7 +103,17 @@ class Model {
   const layout::Header& header() const;
   std::span<const layout::DirectoryEntry> directory() const;  // sections of unknown kinds included
   const layout::DirectoryEntry* entry(layout::SectionKind kind) const;  // null: absent
-  std::span<const std::byte> section(layout::SectionKind kind) const;   // without its padding
+  // A section as this program knows its elements, without padding. Empty: absent, without
+  // elements, or not unpacked yet.
+  std::span<const std::byte> section(layout::SectionKind kind) const {
+    return content_[static_cast<std::uint32_t>(kind)];
+  }
+  // Bytes that check() takes for compressed sections and for records of other sizes: the least
+  // that the model holds besides the file.
+  std::uint64_t unpacked_bytes() const { return unpacked_bytes_; }
+  // Whether a section of the directory is one that this program reads.
+  bool reads(const layout::DirectoryEntry& entry) const;
+  bool compressed() const;  // whether any section is
   Hash128 build_id() const;
 
   std::span<const layout::Node> nodes() const;  // parents before children; [0] is the root
@@ -149,8 +175,10 @@ class Model {
   std::optional<Bounds> world_bounds() const;
 
  private:
+  friend struct internal::Unpacked;
   Model() = default;
   bool parse(DiagnosticLog& log);
+  bool take_section(const layout::DirectoryEntry& found, std::uint32_t number, DiagnosticLog& log);
   template <class T>
   std::span<const T> array(layout::SectionKind kind) const;
 
@@ -159,6 +187,9 @@ class Model {
   std::unique_ptr<std::byte[]> owned_;
   std::span<const std::byte> bytes_;
   std::array<std::uint32_t, layout::kSectionKinds + 1> entry_of_kind_{};  // 1-based; 0: absent
+  std::array<std::span<const std::byte>, layout::kSectionKinds + 1> content_{};
+  std::array<std::unique_ptr<std::byte[]>, layout::kSectionKinds + 1> unpacked_;
+  std::uint64_t unpacked_bytes_ = 0;
   bool checked_ = false;
 };
 
@@ -166,6 +197,9 @@ class Model {
 materials::Material material_from(const layout::Material& record, std::string_view name);
 // The record of a material, rounded to float. The name is a string id.
 layout::Material record_from(const materials::Material& material, std::uint32_t name);
+
+// "positions", "lights", "kind 1000": how a section's kind is called.
+std::string kind_name(std::uint32_t kind);
 
 // "flux", "pixels"…: a value's name in the format.
 std::string_view reason_name(layout::NeedReason reason);

@@ -5,6 +5,8 @@
 #include <cstring>
 
 #include "pan/internal/block_hash.h"
+#include "pan/internal/packing.h"
+#include "pan/internal/report.h"
 
 namespace panwright::pan {
 
@@ -29,6 +31,9 @@ struct Writer::State {
   bool open = false;               // a section is open
   bool broken = false;             // a call has failed
   bool finished = false;           // finish() was called
+  bool compress = false;           //
+  std::uint64_t features = 0;      // what the sections need of a reader
+  std::vector<std::byte> held;     // of the open section, all of it, when it may be compressed
   std::vector<std::byte> pending;  // of the open section: less than a block
   std::vector<std::uint64_t> block_hashes;
 
@@ -46,6 +51,26 @@ struct Writer::State {
     return put(bytes, log);
   }
 
+  // Bytes of the open section as they are stored, block by block.
+  bool store(std::span<const std::byte> bytes, DiagnosticLog& log) {
+    while (!bytes.empty()) {
+      if (pending.empty() && bytes.size() >= layout::kHashBlock) {
+        if (!put_block(bytes.first(layout::kHashBlock), log)) return false;
+        bytes = bytes.subspan(layout::kHashBlock);
+        continue;
+      }
+      const std::size_t room = layout::kHashBlock - pending.size();
+      const auto piece = bytes.first(std::min(room, bytes.size()));
+      pending.insert(pending.end(), piece.begin(), piece.end());
+      bytes = bytes.subspan(piece.size());
+      if (pending.size() == layout::kHashBlock) {
+        if (!put_block(pending, log)) return false;
+        pending.clear();
+      }
+    }
+    return !broken;
+  }
+
   bool put_header(const layout::Header& header, DiagnosticLog& log) {
     const auto bytes = std::as_bytes(std::span(&header, 1));
     if (file)
@@ -58,12 +83,19 @@ struct Writer::State {
 
 namespace {
 
-layout::Header empty_header() {
+// The lowest minor version that has what the sections need.
+std::uint16_t minor_of(std::uint64_t features) {
+  if (features & layout::kFeatureRecordSizes) return layout::kMinor;
+  return features & layout::kFeatureCompressed ? 1 : 0;
+}
+
+layout::Header empty_header(std::uint64_t features) {
   layout::Header header{};
   std::memcpy(header.magic, layout::kMagic, sizeof header.magic);
   header.endian = layout::kEndianTag;
   header.major = layout::kMajor;
-  header.minor = layout::kMinor;
+  header.minor = minor_of(features);
+  header.required_features = features;
   header.header_hash = internal::header_hash(header);
   return header;
 }
@@ -74,21 +106,24 @@ Writer::Writer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Writer::Writer(Writer&&) noexcept = default;
 Writer::~Writer() = default;
 
-Result<Writer> Writer::create(const std::filesystem::path& path, DiagnosticLog& log) {
+Result<Writer> Writer::create(const std::filesystem::path& path, DiagnosticLog& log,
+                              const WriteOptions& options) {
   auto file = AtomicFile::create(path, log);
   if (!file) return failed;
   auto state = std::make_unique<State>();
   state->file.emplace(*std::move(file));
+  state->compress = options.compress;
   // a header without the complete mark: what a copy of the unfinished file is recognised by
-  const layout::Header header = empty_header();
+  const layout::Header header = empty_header(0);
   if (!state->put(std::as_bytes(std::span(&header, 1)), log)) return failed;
   return Writer(std::move(state));
 }
 
-Writer Writer::in_memory() {
+Writer Writer::in_memory(const WriteOptions& options) {
   auto state = std::make_unique<State>();
+  state->compress = options.compress;
   DiagnosticLog unused;
-  const layout::Header header = empty_header();
+  const layout::Header header = empty_header(0);
   state->put(std::as_bytes(std::span(&header, 1)), unused);
   return Writer(std::move(state));
 }
@@ -102,6 +137,8 @@ bool Writer::begin(std::uint32_t kind, std::uint32_t stride, bool optional, Diag
   entry.flags = optional ? static_cast<std::uint16_t>(layout::kSectionOptional) : 0;
   entry.offset = s.written;
   entry.stride = stride;
+  if (internal::known(kind) && stride != layout::kSections[kind - 1].first_stride)
+    s.features |= layout::kFeatureRecordSizes;
   s.entries.push_back(entry);
   s.open = true;
   return !s.broken;
@@ -112,21 +149,8 @@ bool Writer::append(std::span<const std::byte> bytes, DiagnosticLog& log) {
   assert(s.open);
   if (s.broken) return false;
   s.entries.back().raw_length += bytes.size();
-  while (!bytes.empty()) {
-    if (s.pending.empty() && bytes.size() >= layout::kHashBlock) {
-      if (!s.put_block(bytes.first(layout::kHashBlock), log)) return false;
-      bytes = bytes.subspan(layout::kHashBlock);
-      continue;
-    }
-    const std::size_t room = layout::kHashBlock - s.pending.size();
-    const auto piece = bytes.first(std::min(room, bytes.size()));
-    s.pending.insert(s.pending.end(), piece.begin(), piece.end());
-    bytes = bytes.subspan(piece.size());
-    if (s.pending.size() == layout::kHashBlock) {
-      if (!s.put_block(s.pending, log)) return false;
-      s.pending.clear();
-    }
-  }
+  if (!s.compress) return s.store(bytes, log);
+  s.held.insert(s.held.end(), bytes.begin(), bytes.end());
   return true;
 }
 
@@ -138,11 +162,21 @@ bool Writer::end(DiagnosticLog& log) {
   layout::DirectoryEntry& entry = s.entries.back();
   assert(entry.raw_length % entry.stride == 0);
   entry.count = entry.raw_length / entry.stride;
-  const std::uint64_t over = entry.raw_length % layout::kSectionAlignment;
-  const std::uint64_t padding = over == 0 ? 0 : layout::kSectionAlignment - over;
-  entry.stored_length = entry.raw_length + padding;
-  // note: a block is a multiple of the alignment, so padding never crosses into another block
-  s.pending.resize(s.pending.size() + padding);
+  std::uint64_t used = entry.raw_length;
+  entry.stored_length = internal::plain_stored_length(used);
+  if (s.compress) {
+    auto packed = internal::pack_section(s.held, internal::plane_count(entry.kind, entry.stride));
+    if (!packed.empty()) {
+      s.held = std::move(packed);
+      used = entry.packed_length = s.held.size();
+      entry.stored_length = internal::packed_stored_length(used, entry.raw_length);
+      entry.codec = static_cast<std::uint32_t>(layout::Codec::chunks);
+      s.features |= layout::kFeatureCompressed;
+    }
+    if (!s.store(s.held, log)) return false;
+    s.held = {};
+  }
+  if (!s.store(std::vector<std::byte>(entry.stored_length - used), log)) return false;
   if (!s.pending.empty() && !s.put_block(s.pending, log)) return false;
   entry.hash = internal::combined(s.block_hashes);
   s.pending.clear();
@@ -164,7 +198,7 @@ bool Writer::finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds) 
   s.finished = true;
   if (s.broken) return false;
   const auto directory = std::as_bytes(std::span(s.entries));
-  layout::Header header = empty_header();
+  layout::Header header = empty_header(s.features);
   header.directory_offset = s.written;
   header.total_length = s.written + directory.size();
   header.section_count = static_cast<std::uint32_t>(s.entries.size());

@@ -135,15 +135,23 @@ struct WriteReport {
   double seconds_sync = 0;
 };
 
-// Writes a model atomically ("-": to standard output). Equal contents give equal bytes.
+struct WriteOptions {
+  // Sections that compression makes at least an eighth smaller are stored so. Readers of format
+  // 1.0 refuse such a file; ours unpack it when they check it.
+  bool compress = false;
+};
+
+// Writes a model atomically ("-": to standard output). Equal contents and options give equal
+// bytes, whatever the number of threads; the build identity does not depend on the options.
 //
 // Expects: contents as the comments above say, as scene::check makes sure of; fewer than 2^32
 // vertices and 4 GiB of names in all.
-// Fails: E0103. Cost: O(bytes); memory for one block besides the contents.
+// Fails: E0103. Cost: O(bytes); memory for one block besides the contents, and when it compresses,
+// for one section and what it comes to.
 Result<WriteReport> write(const Contents& contents, const std::filesystem::path& path,
-                          DiagnosticLog& log);
+                          DiagnosticLog& log, const WriteOptions& options = {});
 // The same bytes, in memory.
-std::vector<std::byte> write_to_memory(const Contents& contents);
+std::vector<std::byte> write_to_memory(const Contents& contents, const WriteOptions& options = {});
 
 // ---- sections
 
@@ -168,8 +176,9 @@ class StringTable {
 class Writer {
  public:
   // Fails: E0103.
-  static Result<Writer> create(const std::filesystem::path& path, DiagnosticLog& log);
-  static Writer in_memory();
+  static Result<Writer> create(const std::filesystem::path& path, DiagnosticLog& log,
+                               const WriteOptions& options = {});
+  static Writer in_memory(const WriteOptions& options = {});
 
   Writer(Writer&&) noexcept;
   ~Writer();
@@ -182,10 +191,11 @@ class Writer {
   bool append(std::span<const std::byte> bytes, DiagnosticLog& log);
   bool end(DiagnosticLog& log);
 
-  // A section of a kind of format 1.0 in one call.
+  // A section of a known kind in one call.
   bool section(layout::SectionKind kind, std::span<const std::byte> bytes, DiagnosticLog& log);
 
-  // Writes the directory, then the header with the complete mark, syncs and renames.
+  // Writes the directory, then the header with the complete mark, syncs and renames. The minor
+  // version is the lowest that has all that was written.
   //
   // Fails: E0103. sync_seconds: the time that fsync took is added, when given.
   bool finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds = nullptr);

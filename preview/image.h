@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/srgb.h"
 
 namespace panwright::preview {
 
@@ -64,12 +65,5 @@ bool stores_truth(ImageFormat format);
 // Fails: E0202 for another extension; E0103.
 bool write_image(const std::filesystem::path& path, const Image& image, double ev,
                  DiagnosticLog& log, double* sync_seconds = nullptr);
-
-// The 8-bit sRGB code nearest to a linear value (IEC 61966-2-1), ties upwards; values outside
-// [0, 1] are clamped, NaN gives 0. Exact: the thresholds are computed in double.
-std::uint8_t srgb_code(double linear);
-
-// The linear value of an 8-bit sRGB code.
-double srgb_decoded(std::uint8_t code);
 
 }  // namespace panwright::preview

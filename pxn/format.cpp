@@ -79,6 +79,8 @@ class Formatter {
         place(piece.kind);
         put_end_tag(xml::tag_name(piece.bytes));
         break;
+      case PieceKind::doctype:
+      case PieceKind::broken:  // not in a sound text
       case PieceKind::end:
         break;
     }

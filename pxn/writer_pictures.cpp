@@ -4,8 +4,8 @@
 #include <system_error>
 
 #include "base/file.h"
+#include "base/png.h"
 #include "importers/image.h"
-#include "pxn/internal/png_writer.h"
 #include "pxn/writer.h"
 
 namespace panwright::pxn {

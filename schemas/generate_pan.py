@@ -3,6 +3,7 @@
 
 generate_pan.py            writes them
 generate_pan.py --check    fails, and names the file, when one of them differs from what it would write
+generate_pan.py --later GROWTH FILE   makes the header of a format that has grown: for tests of what later readers do
 """
 
 import pathlib
@@ -23,6 +24,10 @@ CPP = {
 RULES = {"finite", "not_negative", "nonzero", "zero", "reference", "reference_or_none", "range", "mask"}
 
 
+# records that are elements of big arrays, which are used as they lie in the file
+ARRAY_ELEMENTS = ("Float2", "Float3")
+
+
 class LayoutError(Exception):
     """The layout table contradicts itself."""
 
@@ -31,9 +36,14 @@ def place_fields(record):
     """Gives every field its offset, and refuses implicit padding and wrong sizes."""
     offset = 0
     alignment = 1
+    since = 0
     for field in record["field"]:
         size = SIZES[field["type"]]
         field.setdefault("count", 1)
+        field.setdefault("since", 0)
+        if field["since"] < since or ("default" in field) != (field["since"] > 0):
+            raise LayoutError(f"{record['name']}.{field['name']}: records grow at their end, by fields with a default")
+        since = field["since"]
         if offset % size:
             raise LayoutError(f"{record['name']}.{field['name']}: offset {offset} is not aligned to {size}")
         field["offset"] = offset
@@ -41,6 +51,30 @@ def place_fields(record):
         alignment = max(alignment, size)
     if offset != record["size"] or offset % alignment:
         raise LayoutError(f"{record['name']}: fields take {offset} bytes, size says {record['size']}")
+    record["alignment"] = alignment
+    # of the first format that had it: what no file's records are shorter than
+    record["first_size"] = size_in(record, 0)
+
+
+def size_in(record, minor):
+    """The bytes of a record in format 1.minor."""
+    return sum(SIZES[field["type"]] * field["count"] for field in record["field"] if field["since"] <= minor)
+
+
+def check_growth(layout):
+    """Only records of tables grow, whole, and by no more than a reader takes."""
+    fixed = {"Header", "DirectoryEntry"} | set(ARRAY_ELEMENTS)
+    most = next(c["value"] for c in layout["constant"] if c["name"] == "kMaxRecordBytes")
+    for record in layout["record"]:
+        name = record["name"]
+        newest = record["field"][-1]["since"]
+        if newest > layout["format"]["minor"] or record["size"] > most:
+            raise LayoutError(f"{name} is newer or larger than the format allows")
+        if newest > 0 and name in fixed:
+            raise LayoutError(f"{name} keeps its size")
+        for minor in range(newest + 1):
+            if size_in(record, minor) % record["alignment"]:
+                raise LayoutError(f"{name} in format 1.{minor} is no multiple of {record['alignment']} bytes")
 
 
 def rule_parts(field):
@@ -55,10 +89,12 @@ def validate(layout):
     """Every record is placed; kinds, names and referred sections exist once."""
     for record in layout["record"]:
         place_fields(record)
-    kinds = [section["kind"] for section in layout["section"]]
-    values = [section["value"] for section in layout["section"]]
-    if len(set(kinds)) != len(kinds) or values != sorted(set(values)):
-        raise LayoutError("section kinds must be unique and their values rise")
+    check_growth(layout)
+    sections = layout["section"] + layout.get("reserved", [])
+    kinds = [section["kind"] for section in sections]
+    values = [section["value"] for section in sections]
+    if len(set(kinds)) != len(kinds) or values != list(range(1, len(values) + 1)):
+        raise LayoutError("section kinds must be unique and their values count from 1, reserved ones last")
     known = set(kinds) | {"strings"}
     flags = {flags["name"] for flags in layout["flags"]}
     for record in layout["record"]:
@@ -72,6 +108,33 @@ def validate(layout):
 
 def element_size(section, records):
     return SIZES.get(section["element"]) or records[section["element"]]["size"]
+
+
+def grows(section, records):
+    """Whether the section holds records of a table, which later versions may make longer."""
+    return section["element"] in records and section["element"] not in ARRAY_ELEMENTS
+
+
+def section_line(section, records):
+    """The SectionInfo of a kind."""
+    size = element_size(section, records)
+    record = records.get(section["element"], {})
+    alignment = record.get("alignment") or size
+    optional = "true" if section.get("optional") else "false"
+    table = "true" if grows(section, records) else "false"
+    return (f"    {{SectionKind::{section['kind']}, \"{section['kind']}\", {size}, "
+            f"{record.get('first_size', size)}, {alignment}, {table}, {optional}}},")
+
+
+def default_lines(layout, records):
+    """The FieldDefault of each field that some version added."""
+    out = []
+    for section in layout["section"]:
+        for field in records.get(section["element"], {"field": []})["field"]:
+            if field["since"] > 0:
+                out.append(f"    {{SectionKind::{section['kind']}, {field['offset']}, FieldType::{field['type']}, "
+                           f"{field['count']}, {field['default']}}},")
+    return out
 
 
 def mask_of(layout, name):
@@ -144,6 +207,7 @@ def header_text(layout):
         "// clang-format off",
         "#pragma once",
         "",
+        "#include <array>",
         "#include <cstddef>",
         "#include <cstdint>",
         "",
@@ -169,6 +233,8 @@ def header_text(layout):
         out += wrapped(flags["doc"], 98, "// ", "// ")
         for index, bit in enumerate(flags["bits"]):
             out.append(f"inline constexpr std::uint32_t {flags['prefix']}{bit['name']} = 1u << {index};  // {bit['doc']}")
+        if flags["name"] == "RequiredFeatures":
+            out.append(f"inline constexpr std::uint64_t kKnownRequiredFeatures = {hex_literal(mask_of(layout, flags['name']))};")
         out.append("")
     for record in layout["record"]:
         out += struct_lines(record)
@@ -181,18 +247,32 @@ def header_text(layout):
         "struct SectionInfo {",
         "  SectionKind kind;",
         "  const char* name;",
-        "  std::uint32_t stride;  // bytes of an element",
-        "  bool optional;         // may be absent",
+        "  std::uint32_t stride;        // bytes of an element",
+        "  std::uint32_t first_stride;  // the same in the first format that had the kind",
+        "  std::uint32_t alignment;     // of an element, bytes",
+        "  bool table;                  // records, which later formats may make longer",
+        "  bool optional;               // may be absent",
         "};",
         "",
-        "// Every kind of format 1.0, in the order in which the writer stores them.",
+        "// Every kind of this format, in the order in which the writer stores them.",
         "inline constexpr SectionInfo kSections[kSectionKinds] = {",
     ]
-    for section in layout["section"]:
-        optional = "true" if section.get("optional") else "false"
-        out.append(f"    {{SectionKind::{section['kind']}, \"{section['kind']}\", {element_size(section, records)}, {optional}}},")
+    out += [section_line(section, records) for section in layout["section"]]
+    reserved = layout.get("reserved", [])
     out += [
         "};",
+        "",
+        "// A kind that a later format will define: a file may hold it as one that readers may ignore.",
+        "struct ReservedKind {",
+        "  std::uint32_t value;",
+        "  const char* name;",
+        "};",
+        "",
+        f"inline constexpr std::array<ReservedKind, {len(reserved)}> kReservedKinds{{{{",
+    ]
+    out += [f"    {{{kind['value']}, \"{kind['kind']}\"}}," for kind in reserved]
+    out += [
+        "}};",
         "",
         "enum class FieldType { " + ", ".join(SIZES) + " };",
         "enum class FieldRuleKind { any, " + ", ".join(sorted(RULES)) + " };",
@@ -215,7 +295,23 @@ def header_text(layout):
     for section in layout["section"]:
         for field in records.get(section["element"], {"field": []})["field"]:
             out.append(rule_line(section, field, layout))
-    out += ["};", "", "}  // namespace panwright::pan::layout", ""]
+    defaults = default_lines(layout, records)
+    out += [
+        "};",
+        "",
+        "// What a field is taken for where the records of a file are too short to hold it; exact.",
+        "struct FieldDefault {",
+        "  SectionKind section;",
+        "  std::uint32_t offset;  // bytes from the record's beginning",
+        "  FieldType type;",
+        "  std::uint32_t count;",
+        "  double value;",
+        "};",
+        "",
+        f"inline constexpr std::array<FieldDefault, {len(defaults)}> kFieldDefaults{{{{",
+    ]
+    out += defaults
+    out += ["}};", "", "}  // namespace panwright::pan::layout", ""]
     return "\n".join(out)
 
 
@@ -237,12 +333,17 @@ def rule_words(field):
 
 
 def record_table(record):
-    lines = [f"### {record['name']}, {record['size']} bytes", "", record["doc"], ""]
+    sizes = [f"{size_in(record, field['since'])} in 1.{field['since']}" for field in record["field"] if field["since"]]
+    was = f" ({record['first_size']} in 1.0, {', '.join(sorted(set(sizes)))})" if sizes else ""
+    lines = [f"### {record['name']}, {record['size']} bytes{was}", "", record["doc"], ""]
     lines += ["| offset | field | type | unit | meaning | must be |", "|---:|---|---|---|---|---|"]
     for field in record["field"]:
         kind = field["type"] + (f"[{field['count']}]" if field["count"] > 1 else "")
+        doc = field["doc"]
+        if field["since"]:
+            doc += f" (since 1.{field['since']}; where a record is too short for it: {field['default']})"
         lines.append(f"| {field['offset']} | `{field['name']}` | {kind} | {field.get('unit', '')} "
-                     f"| {field['doc']} | {rule_words(field)} |")
+                     f"| {doc} | {rule_words(field)} |")
     return lines + [""]
 
 
@@ -260,6 +361,9 @@ def docs_text(layout):
         needed = "no" if section.get("optional") else "yes"
         lines.append(f"| {section['value']} | `{section['kind']}` | {section['element']} "
                      f"| {element_size(section, records)} | {needed} | {section['doc']} | {section.get('also', '')} |")
+    lines += ["", "**Reserved kinds**, which a later 1.x will define. Its writers mark such a section as one that readers may ignore "
+              "where the model can be shown without it.", ""]
+    lines += [f"* {kind['value']} `{kind['kind']}`: {kind['doc']}" for kind in layout.get("reserved", [])]
     lines += ["", "## Enumerations and flags", ""]
     for enum in layout["enum"]:
         lines += [f"**{enum['name']}**. {enum['doc']}", ""]
@@ -272,14 +376,35 @@ def docs_text(layout):
     return "\n".join(lines) + "\n"
 
 
-def main(arguments):
-    if arguments not in ([], ["--check"]):
-        print("usage: generate_pan.py [--check]", file=sys.stderr)
-        return 2
+def load_layout():
+    """The layout as the tables have it, not validated."""
     with open(ROOT / "schemas" / "pan_layout.toml", "rb") as file:
-        layout = tomllib.load(file)
+        return tomllib.load(file)
+
+
+def grow(layout, path):
+    """Adds the fields of a table of growth to the ends of their records."""
+    growth = tomllib.loads(path.read_text(encoding="utf-8"))
+    layout["format"]["minor"] = growth["minor"]
+    records = {record["name"]: record for record in layout["record"]}
+    for name, fields in growth["record"].items():
+        records[name]["field"] += fields
+        records[name]["size"] += sum(SIZES[field["type"]] * field.get("count", 1) for field in fields)
+
+
+def main(arguments):
+    later = len(arguments) == 3 and arguments[0] == "--later"
+    if not later and arguments not in ([], ["--check"]):
+        print("usage: generate_pan.py [--check | --later GROWTH FILE]", file=sys.stderr)
+        return 2
     try:
+        layout = load_layout()
+        if later:
+            grow(layout, pathlib.Path(arguments[1]))
         validate(layout)
+        if later:
+            pathlib.Path(arguments[2]).write_text(header_text(layout), encoding="utf-8", newline="\n")
+            return 0
         texts = {"schemas/generated/pan_layout.h": header_text(layout), "docs/pan-format.md": docs_text(layout)}
     except LayoutError as error:
         print(f"pan_layout.toml: {error}", file=sys.stderr)

@@ -83,6 +83,7 @@ int compile(const CompileOptions& options) {
   compile.max_error = options.read.max_error;
   compile.max_triangles = options.read.max_triangles;
   compile.strip_sources = options.strip_sources;
+  compile.compress = options.compress;
   session.step({});
   const auto report = compiler::compile(*scene, compile, output, log);
   if (!report) return session.finish();

@@ -26,6 +26,15 @@ void print(const std::vector<pan::Difference>& list, const char* prefix) {
   for (const pan::Difference& each : list) fmt::print("{}{}: {}\n", prefix, each.where, each.what);
 }
 
+// What equal models differ in all the same.
+std::string unseen_words(const pan::Differences& differences) {
+  if (differences.empty()) return {};
+  const char* what = differences.provenance.empty() ? "storage"
+                     : differences.storage.empty()  ? "provenance"
+                                                    : "provenance and storage";
+  return fmt::format(" (their {} differs: --all shows it)", what);
+}
+
 }  // namespace
 
 int diff(const DiffOptions& options) {
@@ -39,14 +48,16 @@ int diff(const DiffOptions& options) {
   session.result()["equal"] = equal;
   session.result()["model"] = as_json(differences.model);
   session.result()["provenance"] = as_json(differences.provenance);
+  session.result()["storage"] = as_json(differences.storage);
   if (!options.common.json) {
     print(differences.model, "");
-    if (options.all || !differences.same_model()) print(differences.provenance, "provenance: ");
+    if (options.all || !differences.same_model()) {
+      print(differences.provenance, "provenance: ");
+      print(differences.storage, "storage: ");
+    }
     if (differences.hidden > 0)
       fmt::print("{} not shown\n", counted(differences.hidden, "more difference"));
-    if (equal)
-      fmt::print("the models are equal{}\n",
-                 differences.empty() ? "" : " (their provenance differs: --all shows it)");
+    if (equal) fmt::print("the models are equal{}\n", unseen_words(differences));
   }
   return session.finish(equal ? 0 : 1);
 }

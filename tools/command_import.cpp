@@ -176,6 +176,7 @@ int import_cad(const ImportOptions& options) {
     compile.max_error = options.read.max_error;
     compile.max_triangles = options.read.max_triangles;
     compile.origin = origin_of(options.read.cad);
+    compile.compress = options.compress;
     session.step({});
     const auto report = compiler::compile(imported->scene, compile, options.output, log);
     if (!report) return session.finish();

@@ -398,6 +398,39 @@ void print_truth(const pan::Model& model) {
   }
 }
 
+// How the file holds its sections: those that this program reads, and the others.
+Json sections_json(const pan::Model& model) {
+  Json out = Json::array();
+  for (const pan::layout::DirectoryEntry& entry : model.directory())
+    out.push_back({{"kind", entry.kind},
+                   {"name", pan::kind_name(entry.kind)},
+                   {"read", model.reads(entry)},
+                   {"count", entry.count},
+                   {"element_bytes", entry.stride},
+                   {"bytes", entry.raw_length},
+                   {"stored_bytes", entry.stored_length},
+                   {"compressed", entry.codec != 0}});
+  return out;
+}
+
+void print_storage(const pan::Model& model) {
+  std::size_t compressed = 0;
+  std::uint64_t stored = 0, raw = 0;
+  std::string others;
+  for (const pan::layout::DirectoryEntry& entry : model.directory()) {
+    if (entry.codec != 0) {
+      ++compressed;
+      stored += entry.stored_length;
+      raw += entry.raw_length;
+    }
+    if (!model.reads(entry)) others += (others.empty() ? "" : ", ") + pan::kind_name(entry.kind);
+  }
+  if (compressed > 0)
+    fmt::print("format    {}.{}, {} compressed: {} bytes instead of {}\n", model.header().major,
+               model.header().minor, counted(compressed, "section"), stored, raw);
+  if (!others.empty()) fmt::print("ignored   sections of this file: {}\n", others);
+}
+
 void print_text(const std::string& path, const pan::Model& model, const Totals& totals,
                 bool all_meshes) {
   fmt::print("{}: {}, {}, {} in {}\n", path, counted(model.bytes().size(), "byte"),
@@ -413,6 +446,7 @@ void print_text(const std::string& path, const pan::Model& model, const Totals& 
   if (!truth.empty()) fmt::print("with      {}\n", truth);
   fmt::print("made by   {} ({})\n", model.version(), model.options());
   fmt::print("build id  {}\n", model.build_id().hex());
+  print_storage(model);
   if (const auto bounds = model.world_bounds())
     fmt::print("bounds    {:.6g} {:.6g} {:.6g} .. {:.6g} {:.6g} {:.6g} m\n", bounds->min.x,
                bounds->min.y, bounds->min.z, bounds->max.x, bounds->max.y, bounds->max.z);
@@ -439,6 +473,7 @@ int info(const InfoOptions& options) {
   out["file"] = options.input;
   out["bytes"] = model->bytes().size();
   out["format"] = fmt::format("{}.{}", model->header().major, model->header().minor);
+  out["compressed"] = model->compressed();
   out["build_id"] = model->build_id().hex();
   out["version"] = model->version();
   out["options"] = model->options();
@@ -456,6 +491,7 @@ int info(const InfoOptions& options) {
   out["budget"] = need_json(*model);
   out.update(tables_json(*model));
   out.update(truth_json(*model));
+  out["sections"] = sections_json(*model);
   if (!options.common.json) print_text(options.input, *model, totals, options.meshes);
   return session.finish();
 }

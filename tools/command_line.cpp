@@ -144,6 +144,8 @@ void add_import(CLI::App* app, ImportOptions& options) {
   app->add_option("--report", options.report,
                   "Write what cleaning found: .txt, .json, or .html with pictures")
       ->type_name("FILE");
+  app->add_flag("--compress", options.compress,
+                "A smaller .pan, slower to load, that programs of format 1.0 refuse");
   app->add_option("--root", options.read.cad.root,
                   "Folder that files named by the model must lie in (default: the model's)")
       ->type_name("DIR");
@@ -188,6 +190,8 @@ void add_compile(CLI::App* app, CompileOptions& options) {
                   "Write the files that were read, as a Make and Ninja dependency file")
       ->type_name("FILE");
   app->add_flag("--strip-sources", options.strip_sources, "Leave out where parts were written");
+  app->add_flag("--compress", options.compress,
+                "A smaller file, slower to load, that programs of format 1.0 refuse");
   add_read(app, options.read);
   add_common(app, options.common);
 }
@@ -478,7 +482,7 @@ void add_subcommands(CLI::App& app, AllOptions& all) {
   auto* diff_app = app.add_subcommand("diff", "Compare two models; exit code 1 when they differ");
   diff_app->add_option("a", all.diff.a, "A .pan or .pxn file")->required()->type_name("A");
   diff_app->add_option("b", all.diff.b, "A .pan or .pxn file")->required()->type_name("B");
-  diff_app->add_flag("--all", all.diff.all, "Count differences of provenance too");
+  diff_app->add_flag("--all", all.diff.all, "Count differences of provenance and storage too");
   add_read(diff_app, all.diff.read);
   add_common(diff_app, all.diff.common);
 

@@ -57,6 +57,7 @@ struct CompileOptions {
   std::string depfile;
   std::string license;  // of the original tools: accepted, ignored, noted
   bool strip_sources = false;
+  bool compress = false;
 };
 
 struct ImportOptions {
@@ -65,6 +66,7 @@ struct ImportOptions {
   std::string input;
   std::string output;  // .pan or .pxn; empty: none
   std::string report;  // .txt, .json or .html; empty: none
+  bool compress = false;
   std::string gl = "auto";
 };
 

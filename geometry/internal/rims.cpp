@@ -28,11 +28,28 @@ struct HalfEdgeTraits : OpenMesh::DefaultTraits {
 };
 using HalfEdges = OpenMesh::TriMesh_ArrayKernelT<HalfEdgeTraits>;
 
-// faces that do not fit are left out; that is expected, and nothing to print
-void be_quiet() {
-  static std::once_flag once;
-  std::call_once(once, [] { omerr().disable(); });
-}
+// Faces that do not fit are left out: that is expected, and nothing to print. OpenMesh's stream is
+// the host program's too, and is as it was when the last of these is gone.
+class QuietOpenMesh {
+ public:
+  QuietOpenMesh() {
+    const std::lock_guard lock(mutex);
+    if (users++ > 0) return;
+    was_enabled = omerr().is_enabled();
+    omerr().disable();
+  }
+  ~QuietOpenMesh() {
+    const std::lock_guard lock(mutex);
+    if (--users == 0 && was_enabled) omerr().enable();
+  }
+  QuietOpenMesh(const QuietOpenMesh&) = delete;
+  QuietOpenMesh& operator=(const QuietOpenMesh&) = delete;
+
+ private:
+  static inline std::mutex mutex;
+  static inline int users = 0;
+  static inline bool was_enabled = false;
+};
 
 class RimFinder {
  public:
@@ -41,8 +58,10 @@ class RimFinder {
 
   std::vector<BorderLoop> run() {
     if (edges_.border.empty()) return {};
-    be_quiet();
-    add_faces();
+    {
+      const QuietOpenMesh quiet;
+      add_faces();
+    }
     mark_borders();
     std::vector<BorderLoop> rims;
     for (const std::uint32_t side : edges_.border) walk(side, rims);

@@ -6,20 +6,17 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/srgb.h"
 
 namespace panwright::importers::gltf {
 
 namespace {
 
-double linear_of(double srgb) {
-  return srgb <= 0.04045 ? srgb / 12.92 : det::pow((srgb + 0.055) / 1.055, 2.4);
-}
-
 // What codes stand for, and the code nearest to a number.
 class Coding {
  public:
   explicit Coding(bool srgb) {
-    const auto value = [&](double code) { return srgb ? linear_of(code / 255) : code / 255; };
+    const auto value = [&](double code) { return srgb ? linear_from_srgb(code / 255) : code / 255; };
     for (std::size_t i = 0; i < 256; ++i) values_[i] = value(static_cast<double>(i));
     for (std::size_t i = 0; i < 255; ++i) edges_[i] = value(static_cast<double>(i) + 0.5);
   }

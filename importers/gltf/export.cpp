@@ -11,8 +11,9 @@
 #include <set>
 
 #include "base/parallel.h"
+#include "base/png.h"
+#include "base/srgb.h"
 #include "importers/gltf/export_materials.h"
-#include "importers/gltf/png.h"
 
 namespace panwright::importers {
 
@@ -286,9 +287,9 @@ class Exporter {
     std::array<std::uint8_t, 256> table;
     for (std::size_t i = 0; i < table.size(); ++i) {
       const double x = static_cast<double>(i) / 255;
-      const double srgb = x <= 0.0031308 ? 12.92 * x : 1.055 * det::pow(x, 1 / 2.4) - 0.055;
-      table[i] = static_cast<std::uint8_t>(
-          std::floor(255 * (channel == Channel::roughness ? std::sqrt(x) : srgb) + 0.5));
+      table[i] = channel == Channel::roughness
+                     ? static_cast<std::uint8_t>(std::floor(255 * std::sqrt(x) + 0.5))
+                     : srgb_code(x);
     }
     for (std::size_t i = 0; i < out.size(); i += 4) {
       if (channel == Channel::roughness) {
@@ -302,11 +303,11 @@ class Exporter {
   }
 
   void add_pictures() {
-    std::vector<std::vector<std::byte>> packed(wanted_.size());
+    std::vector<std::string> packed(wanted_.size());
     parallel_for(wanted_.size(), [&](std::size_t i) {
       const auto& record = model_.textures()[static_cast<std::size_t>(wanted_[i].first)];
       packed[i] =
-          gltf::png_of(texels(wanted_[i].first, wanted_[i].second), record.width, record.height);
+          png_file(record.width, record.height, texels(wanted_[i].first, wanted_[i].second));
     });
     for (std::size_t i = 0; i < wanted_.size(); ++i) {
       const std::size_t view = add_view(packed[i].data(), packed[i].size(), 0, 0);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/file.h"
+#include "base/srgb.h"
 #include "base/text.h"
 #include "importers/gltf/base64.h"
 
@@ -33,10 +34,6 @@ std::string decode_webp(std::span<const std::byte> bytes, std::uint64_t max_byte
   if (!WebPDecodeRGBAInto(data, bytes.size(), out.rgba.data(), out.rgba.size(), width * 4))
     return "the WebP picture is damaged";
   return {};
-}
-
-double linear_of(double srgb) {
-  return srgb <= 0.04045 ? srgb / 12.92 : det::pow((srgb + 0.055) / 1.055, 2.4);
 }
 
 }  // namespace
@@ -165,7 +162,7 @@ Vec4 Pictures::mean(int index, bool srgb) {
     for (std::size_t level = 0; level < 256; ++level) {
       const double value = static_cast<double>(level) / 255;
       sum[k] += static_cast<double>(counts[static_cast<std::size_t>(k)][level]) *
-                (srgb && k < 3 ? linear_of(value) : value);
+                (srgb && k < 3 ? linear_from_srgb(value) : value);
     }
   return sum / static_cast<double>(found->rgba.size() / 4);
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/srgb.h"
 #include "base/text.h"
 #include "geometry/strip.h"
 #include "importers/meshes/ply_values.h"
@@ -205,7 +206,7 @@ class PlyReader {
   static double colour_of(double value, PlyType type) {
     if (is_float(type)) return std::clamp(value, 0.0, 1.0);
     const double most = bytes_of(type) == 1 ? 255 : bytes_of(type) == 2 ? 65535 : 255;
-    return linear_of(std::clamp(value / most, 0.0, 1.0));
+    return linear_from_srgb(std::clamp(value / most, 0.0, 1.0));
   }
 
   void read_vertices(const PlyElement& element) {

@@ -145,11 +145,6 @@ bool is_usable(const Vec3& p) {
   return std::fabs(p.x) <= most && std::fabs(p.y) <= most && std::fabs(p.z) <= most;
 }
 
-// IEC 61966-2-1
-double linear_of(double srgb) {
-  return srgb <= 0.04045 ? srgb / 12.92 : det::pow((srgb + 0.055) / 1.055, 2.4);
-}
-
 void FaceCutter::cut(std::span<const std::uint32_t> face, const std::vector<Vec3>& positions,
                      std::vector<Triangle>& triangles) {
   if (face.size() == 3) {

@@ -91,9 +91,6 @@ class Session {
 // Whether a place can be a vertex.
 bool is_usable(const Vec3& p);
 
-// The linear value of an sRGB one, both 0 to 1.
-double linear_of(double srgb);
-
 // Cuts faces of any size.
 class FaceCutter {
  public:

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "base/parallel.h"
 #include "base/text.h"
 #include "pan/internal/block_hash.h"
 #include "pan/internal/report.h"
 #include "pan/internal/scan.h"
+#include "pan/internal/unpack.h"
 
 namespace panwright::pan::internal {
 
@@ -190,17 +192,6 @@ void describe(const Model& model, SectionKind kind, const Found& found, Problems
   }
 }
 
-bool known(std::uint32_t kind) { return kind >= 1 && kind <= layout::kSectionKinds; }
-
-bool is_array(std::uint32_t kind) {
-  return !known(kind) || (kind >= static_cast<std::uint32_t>(SectionKind::positions) &&
-                          kind <= static_cast<std::uint32_t>(SectionKind::texels));
-}
-
-bool read_by_this_version(const Model& model, const layout::DirectoryEntry& entry) {
-  return known(entry.kind) && model.entry(SectionKind{entry.kind}) == &entry;
-}
-
 // One section as it is looked at: its blocks, and what was found in each of them.
 struct Work {
   const layout::DirectoryEntry* entry;
@@ -223,30 +214,69 @@ void do_block(const Model& model, Work& work, std::size_t index) {
   if (begin < end) check_elements(model, SectionKind{entry.kind}, begin, end, work.found[index]);
 }
 
-void finish(const Model& model, const Work& work, Problems& problems) {
-  const layout::DirectoryEntry& entry = *work.entry;
-  const std::string name = known(entry.kind)
-                               ? fmt::format("section '{}'", layout::kSections[entry.kind - 1].name)
-                               : fmt::format("the section of kind {}", entry.kind);
-  const std::string place =
-      fmt::format("{} (bytes {} to {})", name, entry.offset, entry.offset + entry.stored_length);
-  if (combined(work.hashes) != entry.hash) {
-    problems.push_back({Code::E4009, place + " does not match its checksum"});
-    return;
-  }
-  const auto padding = model.bytes().subspan(entry.offset + entry.raw_length,
-                                             entry.stored_length - entry.raw_length);
-  if (std::any_of(padding.begin(), padding.end(), [](std::byte b) { return b != std::byte{0}; }))
-    problems.push_back({Code::E4008, place + " is padded with bytes that are not 0"});
+// What the blocks or chunks of a section hold that they must not.
+void describe_all(const Model& model, const layout::DirectoryEntry& entry,
+                  const std::vector<Found>& parts, Problems& problems) {
   Found all;
-  for (const Found& found : work.found) {
+  for (const Found& found : parts) {
     all.values.add(found.values);
     all.outside.add(found.outside);
   }
   describe(model, SectionKind{entry.kind}, all, problems);
 }
 
+void finish(const Model& model, const Work& work, Problems& problems) {
+  const layout::DirectoryEntry& entry = *work.entry;
+  if (combined(work.hashes) != entry.hash) {
+    problems.push_back({Code::E4009, section_words(entry) + " does not match its checksum"});
+    return;
+  }
+  const std::uint64_t used = has_codec(entry) ? entry.packed_length : entry.raw_length;
+  const auto padding = model.bytes().subspan(entry.offset + used, entry.stored_length - used);
+  if (std::any_of(padding.begin(), padding.end(), [](std::byte b) { return b != std::byte{0}; }))
+    problems.push_back(
+        {Code::E4008, section_words(entry) + " is padded with bytes that are not 0"});
+  describe_all(model, entry, work.found, problems);
+}
+
+// Unpacks one array, and looks at each chunk while it is in the cache.
+std::optional<Problem> unpack_array(Model& model, const layout::DirectoryEntry& entry,
+                                    Problems& problems) {
+  const SectionKind kind{entry.kind};
+  const auto chunks = chunks_of(model, entry);
+  if (!chunks)
+    return Problem{Code::E4015, section_words(entry) + " has chunks that do not fill it"};
+  const auto to = Unpacked::make(model, kind, entry.raw_length);
+  if (to.empty())
+    return Problem{Code::E4015, fmt::format("{} unpacks to {} bytes, and there is no memory for "
+                                            "them",
+                                            section_words(entry), entry.raw_length)};
+  std::vector<char> sound(chunks->count());
+  std::vector<Found> found(chunks->count());
+  parallel_for(chunks->count(), [&](std::size_t i) {
+    sound[i] = chunks->unpack(i, to);
+    if (sound[i])
+      check_elements(model, kind, chunks->begin(i) / entry.stride, chunks->end(i) / entry.stride,
+                     found[i]);
+  });
+  const auto bad = std::find(sound.begin(), sound.end(), 0);
+  if (bad != sound.end())
+    return Problem{Code::E4015,
+                   fmt::format("{} does not unpack: chunk {} of {} is damaged",
+                               section_words(entry), bad - sound.begin(), sound.size())};
+  describe_all(model, entry, found, problems);
+  return {};
+}
+
 }  // namespace
+
+std::string section_words(const layout::DirectoryEntry& entry) {
+  const std::string name = kind_name(entry.kind);
+  return fmt::format(
+      "{} (bytes {} to {})",
+      name.starts_with("kind ") ? "the section of " + name : "section '" + name + "'", entry.offset,
+      entry.offset + entry.stored_length);
+}
 
 Problems section_problems(const Model& model, Part part, bool contents) {
   std::vector<Work> works;
@@ -254,7 +284,7 @@ Problems section_problems(const Model& model, Part part, bool contents) {
   for (const layout::DirectoryEntry& entry : model.directory()) {
     if (is_array(entry.kind) != (part == Part::arrays)) continue;
     const std::size_t blocks = block_count(entry.stored_length);
-    const bool look = contents && read_by_this_version(model, entry);
+    const bool look = contents && model.reads(entry) && !has_codec(entry);
     works.push_back({&entry, look ? entry.stride : 0, jobs, std::vector<std::uint64_t>(blocks),
                      std::vector<Found>(look ? blocks : 0)});
     jobs += blocks;
@@ -267,6 +297,18 @@ Problems section_problems(const Model& model, Part part, bool contents) {
   });
   Problems problems;
   for (const Work& work : works) finish(model, work, problems);
+  return problems;
+}
+
+Problems unpack_arrays(Model& model) {
+  Problems problems;
+  for (const layout::DirectoryEntry& entry : model.directory()) {
+    if (!model.reads(entry) || !is_array(entry.kind) || !has_codec(entry)) continue;
+    if (auto problem = unpack_array(model, entry, problems)) {
+      Unpacked::drop(model, SectionKind{entry.kind});
+      problems.push_back(*std::move(problem));
+    }
+  }
   return problems;
 }
 

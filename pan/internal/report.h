@@ -39,14 +39,43 @@ inline std::string_view unchecked_string(const Model& model, std::uint32_t id) {
   return {model.string_bytes().data() + place[0], place[1] - place[0]};
 }
 
+inline bool known(std::uint32_t kind) { return kind >= 1 && kind <= layout::kSectionKinds; }
+
+inline bool has_codec(const layout::DirectoryEntry& entry) {
+  return entry.codec != static_cast<std::uint32_t>(layout::Codec::none);
+}
+
+// Whether a section is one of the big arrays, which tables are checked before; unknown ones too.
+inline bool is_array(std::uint32_t kind) {
+  using layout::SectionKind;
+  return !known(kind) || (kind >= static_cast<std::uint32_t>(SectionKind::positions) &&
+                          kind <= static_cast<std::uint32_t>(SectionKind::texels));
+}
+
+// A section and its place, for messages: "section 'nodes' (bytes 128 to 512)".
+std::string section_words(const layout::DirectoryEntry& entry);
+
 // Checks the records of all tables and the strings. When it finds nothing, the runs of every mesh
 // and texture lie within their arrays and every reference between tables holds.
 Problems table_problems(const Model& model);
 
-// Hashes every section, checks its padding, and, with contents, what stands in the arrays.
+// Hashes every section, checks its padding, and, with contents, what stands in the arrays that are
+// not compressed.
 //
 // Expects: contents only when table_problems found nothing.
 enum class Part { tables, arrays };
 Problems section_problems(const Model& model, Part part, bool contents);
+
+// Unpacks the compressed arrays and checks what stands in them. On a problem of a section it has
+// no contents.
+//
+// Expects: neither section_problems nor table_problems found anything.
+Problems unpack_arrays(Model& model);
+
+// Unpacks the compressed tables, and brings records of other sizes to the size that they have here.
+// On a problem of a section it has no contents.
+//
+// Expects: section_problems of the tables found nothing.
+Problems unpack_tables(Model& model);
 
 }  // namespace panwright::pan::internal

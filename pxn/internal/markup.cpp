@@ -13,7 +13,7 @@ namespace panwright::pxn::xml {
 
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool is_blank(char c) { return is(c, CharClass::blank); }
 
 // Past the end of a tag at `at`: a '>' in a value does not end it.
 std::size_t tag_end(std::string_view text, std::size_t at) {
@@ -24,11 +24,6 @@ std::size_t tag_end(std::string_view text, std::size_t at) {
     ++at;
   }
   return text.size();
-}
-
-std::size_t past(std::string_view text, std::string_view mark, std::size_t from) {
-  const std::size_t found = text.find(mark, from);
-  return found == std::string_view::npos ? text.size() : found + mark.size();
 }
 
 TagValues values_of(const schemas::Element& element) {
@@ -206,48 +201,41 @@ std::string attribute_difference(const Side& a, const Side& b,
 
 Piece Markup::next() {
   const std::size_t begin = at_;
-  if (begin >= text_.size()) return {};
-  PieceKind kind = PieceKind::text;
-  if (text_[begin] != '<') {
-    at_ = std::min(text_.find('<', begin), text_.size());
-  } else if (text_[begin + 1] == '/') {
-    kind = PieceKind::end_tag;
-    at_ = past(text_, ">", begin);
-  } else if (text_[begin + 1] == '?') {
-    kind = PieceKind::instruction;
-    at_ = past(text_, "?>", begin);
-  } else if (text_.substr(begin, 4) == "<!--") {
-    kind = PieceKind::comment;
-    at_ = past(text_, "-->", begin + 4);
-  } else if (text_[begin + 1] == '!') {
-    kind = PieceKind::cdata;
-    at_ = past(text_, "]]>", begin + 9);
-  } else {
-    at_ = tag_end(text_, begin);
-    kind = text_[at_ - 2] == '/' ? PieceKind::empty_tag : PieceKind::start_tag;
+  PieceKind kind = kind_at(text_, begin);
+  switch (kind) {
+    case PieceKind::end:
+      return {};
+    case PieceKind::text:
+      at_ = std::min(text_.find('<', begin), text_.size());
+      break;
+    case PieceKind::comment:
+    case PieceKind::cdata:
+    case PieceKind::instruction:
+      at_ = std::min(close_of(text_, begin, kind) + marks_of(kind).close.size(), text_.size());
+      break;
+    default:
+      at_ = tag_end(text_, begin);
+      if (kind == PieceKind::start_tag && text_[at_ - 2] == '/') kind = PieceKind::empty_tag;
+      break;
   }
   return {kind, text_.substr(begin, at_ - begin)};
 }
 
 std::string_view tag_name(std::string_view tag) {
   const std::size_t begin = tag[1] == '/' ? 2 : 1;
-  std::size_t end = begin;
-  while (end < tag.size() && !is_blank(tag[end]) && tag[end] != '>' && tag[end] != '/') ++end;
-  return tag.substr(begin, end - begin);
+  return tag.substr(begin, name_end(tag, begin) - begin);
 }
 
 void read_attributes(std::string_view tag, std::vector<TagAttribute>& out) {
   out.clear();
   std::size_t at = 1 + tag_name(tag).size();
   while (true) {
-    while (at < tag.size() && is_blank(tag[at])) ++at;
-    if (at >= tag.size() || tag[at] == '>' || tag[at] == '/') return;
-    const std::size_t name = at;
-    while (at < tag.size() && !is_blank(tag[at]) && tag[at] != '=') ++at;
-    const std::size_t name_end = at;
-    const std::size_t open = tag.find_first_of("\"'", at);
+    const std::size_t name = blanks_end(tag, at);
+    const std::size_t end = name_end(tag, name);
+    if (end == name) return;
+    const std::size_t open = tag.find_first_of("\"'", end);
     const std::size_t close = tag.find(tag[open], open + 1);
-    out.push_back({tag.substr(name, name_end - name), tag.substr(open + 1, close - open - 1)});
+    out.push_back({tag.substr(name, end - name), tag.substr(open + 1, close - open - 1)});
     at = close + 1;
   }
 }

@@ -6,18 +6,9 @@
 #include <string_view>
 #include <vector>
 
-namespace panwright::pxn::xml {
+#include "pxn/internal/tokens.h"
 
-enum class PieceKind : std::uint8_t {
-  text,         // up to the next '<'
-  start_tag,    // <a …>
-  empty_tag,    // <a …/>
-  end_tag,      // </a>
-  comment,      // <!--…-->
-  instruction,  // <?…?>, the XML declaration too
-  cdata,        // <![CDATA[…]]>
-  end,          // of the text
-};
+namespace panwright::pxn::xml {
 
 struct Piece {
   PieceKind kind = PieceKind::end;

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 
 #include "base/text.h"
 #include "pxn/internal/encoding.h"
 #include "pxn/internal/reference.h"
+#include "pxn/internal/tokens.h"
 
 namespace panwright::pxn::xml {
 
@@ -18,33 +18,6 @@ namespace {
 constexpr std::size_t kMostSyntaxErrors = 1000;
 constexpr std::size_t kLongestName = 0xffff;
 constexpr std::uint32_t kNobody = 0xffffffffu;
-
-enum Class : std::uint8_t {
-  kBlank = 1,
-  kNameStart = 2,
-  kName = 4,
-  kStopsText = 8,
-  kStopsValue = 16
-};
-
-constexpr std::array<std::uint8_t, 256> make_classes() {
-  std::array<std::uint8_t, 256> classes{};
-  for (const char c : {' ', '\t', '\n', '\r'}) classes[static_cast<unsigned char>(c)] |= kBlank;
-  for (int c = 0; c < 256; ++c) {
-    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == ':';
-    const auto i = static_cast<std::size_t>(c);
-    if (letter || c >= 0x80) classes[i] |= kNameStart | kName;
-    if ((c >= '0' && c <= '9') || c == '-' || c == '.') classes[i] |= kName;
-  }
-  for (const char c : {'<', '&', ']'}) classes[static_cast<unsigned char>(c)] |= kStopsText;
-  for (const char c : {'<', '&', '"', '\''}) classes[static_cast<unsigned char>(c)] |= kStopsValue;
-  return classes;
-}
-constexpr auto kClasses = make_classes();
-
-bool is(char c, std::uint8_t which) {
-  return (kClasses[static_cast<unsigned char>(c)] & which) != 0;
-}
 
 class Scanner {
  public:
@@ -94,19 +67,20 @@ class Scanner {
   bool follows(std::string_view what) const { return text_.substr(at_).starts_with(what); }
   bool follows_end_of(std::string_view name) const {
     const std::string_view rest = text_.substr(at_ + 2);
-    return rest.starts_with(name) && (rest.size() == name.size() || !is(rest[name.size()], kName));
+    return rest.starts_with(name) &&
+           (rest.size() == name.size() || !is(rest[name.size()], CharClass::name));
   }
-  void skip_blanks() {
-    while (at_ < size_ && is(text_[at_], kBlank)) ++at_;
-  }
+  void skip_blanks() { at_ = static_cast<std::uint32_t>(blanks_end(text_, at_)); }
   // The place of a text from `from` on, or the end.
   std::uint32_t find(std::string_view what, std::uint32_t from) const {
     return static_cast<std::uint32_t>(std::min<std::size_t>(text_.find(what, from), size_));
   }
   std::uint32_t name_end(std::uint32_t i) const {
-    if (i >= size_ || !is(text_[i], kNameStart)) return i;
-    while (i < size_ && is(text_[i], kName)) ++i;
-    return i;
+    return static_cast<std::uint32_t>(xml::name_end(text_, i));
+  }
+  // The place of the closing mark of what begins at the place at hand, or the end.
+  std::uint32_t close_of(PieceKind kind) const {
+    return static_cast<std::uint32_t>(xml::close_of(text_, at_, kind));
   }
   bool inside() const { return current_ != kNobody; }
   bool recording() const { return skipped_ == 0; }
@@ -138,7 +112,7 @@ class Scanner {
     }
     while (at_ < size_) {
       const char c = text_[at_];
-      if (!is(c, kStopsText)) {
+      if (!is(c, CharClass::stops_text)) {
         ++at_;
       } else if (c == '<') {
         break;
@@ -166,7 +140,7 @@ class Scanner {
     }
     const std::uint32_t begin = at_++;
     std::uint32_t end = at_ < size_ && text_[at_] == '#' ? at_ + 1 : at_;
-    while (end < size_ && is(text_[end], kName)) ++end;
+    while (end < size_ && is(text_[end], CharClass::name)) ++end;
     if (end == at_ || end >= size_ || text_[end] != ';') {
       report(Code::E1001, begin, begin + 1, "'&' begins no reference; write '&amp;'");
       return;
@@ -185,39 +159,39 @@ class Scanner {
   // ---- markup
 
   void markup() {
-    const char next = at_ + 1 < size_ ? text_[at_ + 1] : '\0';
-    if (is(next, kNameStart)) {
-      start_tag();
-    } else if (next == '/') {
-      end_tag();
-    } else if (next == '!') {
-      declaration();
-    } else if (next == '?') {
-      instruction();
+    switch (kind_at(text_, at_)) {
+      case PieceKind::start_tag:
+        return start_tag();
+      case PieceKind::end_tag:
+        return end_tag();
+      case PieceKind::comment:
+        return comment();
+      case PieceKind::cdata:
+        return cdata();
+      case PieceKind::doctype:
+        return doctype();
+      case PieceKind::instruction:
+        return instruction();
+      default:
+        return broken();
+    }
+  }
+
+  void broken() {
+    const std::uint32_t begin = at_;
+    if (follows("<!")) {
+      report(Code::E1001, begin, begin + 2, "'<!' begins neither a comment nor CDATA");
+      at_ = std::max(begin + 2, find(">", begin));
     } else {
       report(Code::E1001, at_, at_ + 1, "'<' is followed by no name; in text it is written '&lt;'");
       ++at_;
     }
   }
 
-  void declaration() {
-    const std::uint32_t begin = at_;
-    if (follows("<!--")) {
-      comment();
-    } else if (follows("<![CDATA[")) {
-      cdata();
-    } else if (follows("<!DOCTYPE")) {
-      doctype();
-    } else {
-      report(Code::E1001, begin, begin + 2, "'<!' begins neither a comment nor CDATA");
-      at_ = std::max(begin + 2, find(">", begin));
-    }
-  }
-
   void comment() {
     const std::uint32_t begin = at_;
     const std::uint32_t dashes = find("--", begin + 4);
-    at_ = find("-->", begin + 4);
+    at_ = close_of(PieceKind::comment);
     if (at_ == size_) {
       report(Code::E1001, begin, begin + 4, "the comment is not closed by '-->'");
     } else {
@@ -228,7 +202,7 @@ class Scanner {
 
   void cdata() {
     const std::uint32_t begin = at_;
-    const std::uint32_t end = find("]]>", begin + 9);
+    const std::uint32_t end = close_of(PieceKind::cdata);
     at_ = end;
     if (end == size_)
       report(Code::E1001, begin, begin + 9, "the CDATA section is not closed by ']]>'");
@@ -248,7 +222,7 @@ class Scanner {
       report(Code::E1001, begin, begin + 2, "'<?' is followed by no name");
     else if (target == "xml")
       report(Code::E1001, begin, end, "the XML declaration stands at the very beginning of a file");
-    at_ = find("?>", begin + 2);
+    at_ = close_of(PieceKind::instruction);
     if (at_ == size_)
       report(Code::E1001, begin, begin + 2, "the processing instruction is not closed by '?>'");
     else
@@ -389,8 +363,8 @@ class Scanner {
       ++value;
       if (!attribute_value(begin, end)) return;
     } else {
-      while (at_ < size_ && !is(text_[at_], kBlank) && text_[at_] != '>' && text_[at_] != '<' &&
-             !follows("/>"))
+      while (at_ < size_ && !is(text_[at_], CharClass::blank) && text_[at_] != '>' &&
+             text_[at_] != '<' && !follows("/>"))
         ++at_;
       report(Code::E1001, value, std::max(at_, value + 1),
              fmt::format("the value of {} needs quotes", quoted(begin, end)));
@@ -416,7 +390,7 @@ class Scanner {
     const char quote = text_[at_++];
     while (at_ < size_) {
       const char c = text_[at_];
-      if (!is(c, kStopsValue) || ((c == '"' || c == '\'') && c != quote)) {
+      if (!is(c, CharClass::stops_value) || ((c == '"' || c == '\'') && c != quote)) {
         ++at_;
       } else if (c == '&') {
         reference();

@@ -30,9 +30,11 @@ TEST(Replay, PxnCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/pxn", 
 TEST(Replay, PxnTestFiles) { replay(PANWRIGHT_SOURCE_DIR "/tests/pxn/data", fuzz::pxn); }
 TEST(Replay, Examples) { replay(PANWRIGHT_SOURCE_DIR "/examples", fuzz::pxn); }
 TEST(Replay, PanCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/pan", fuzz::pan); }
+TEST(Replay, PanOfOlderFormats) { replay(PANWRIGHT_SOURCE_DIR "/tests/pan/data", fuzz::pan); }
 TEST(Replay, VrmlCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/vrml", fuzz::vrml); }
 TEST(Replay, GltfCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/gltf", fuzz::gltf); }
 TEST(Replay, MeshCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/mesh", fuzz::mesh); }
+TEST(Replay, ImageCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/image", fuzz::image); }
 TEST(Replay, DracoCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/draco", fuzz::draco); }
 
 }  // namespace

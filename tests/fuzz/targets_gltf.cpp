@@ -8,7 +8,9 @@
 
 #include "compiler/compile.h"
 #include "importers/gltf/export.h"
+#include "importers/image.h"
 #include "importers/import.h"
+#include "importers/vrml/internal/gif.h"
 #include "pan/model.h"
 
 namespace panwright::fuzz {
@@ -104,6 +106,18 @@ void mesh(std::span<const std::byte> input) {
   if (bytes.starts_with("ply")) return;
   const importers::MemoryFile stl[] = {{"m.stl", bytes}};
   import_and_check(stl);
+}
+
+void image(std::span<const std::byte> input) {
+  constexpr std::uint64_t kMost = 1 << 22;
+  importers::DecodedImage out;
+  const auto problem = importers::vrml::is_gif(input)
+                           ? importers::vrml::decode_gif(input, kMost, out)
+                           : importers::decode_image(input, kMost, out);
+  require(problem.code.has_value() == !problem.message.empty(), "a message with each code");
+  if (problem.code) return;
+  require(out.rgba.size() == std::size_t{4} * out.width * out.height, "as many texels as its size");
+  require(out.rgba.size() <= kMost, "no more texels than allowed");
 }
 
 }  // namespace panwright::fuzz

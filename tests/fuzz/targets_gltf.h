@@ -1,5 +1,5 @@
-// What the fuzzers of glTF and mesh files run on each input. They abort when something that must
-// hold does not.
+// What the fuzzers of glTF, mesh and image files run on each input. They abort when something that
+// must hold does not.
 #pragma once
 
 #include <cstddef>
@@ -17,5 +17,8 @@ void draco(std::span<const std::byte> input);
 // Reads the bytes as an OBJ file that is its own material library and as an STL file, or as PLY
 // where they begin so; checks what comes of it.
 void mesh(std::span<const std::byte> input);
+
+// Decodes the bytes as an image; checks its size.
+void image(std::span<const std::byte> input);
 
 }  // namespace panwright::fuzz

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <OpenMesh/Core/System/omstream.hh>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "base/parallel.h"
 #include "geometry/internal/edges.h"
@@ -316,6 +318,27 @@ TEST(Clean, MoebiusStripsAreLeftAlone) {
   EXPECT_EQ(report.rims, 0u);  // half-edges need two sides
   EXPECT_EQ(report.border_edges, 2 * n);
   EXPECT_EQ(mesh.triangles.size(), before.size());
+}
+
+// A face that half-edges cannot hold is left out without a word, and the stream that OpenMesh
+// shares with the program around stays as it was set.
+TEST(Clean, OpenMeshIsQuietAndStaysAsItWas) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}};
+  mesh.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}};
+  const std::vector<std::uint32_t> place = {0, 1, 2, 3, 4};
+  std::ostringstream printed;
+  omerr().connect(printed);
+  for (const bool enabled : {true, false}) {
+    enabled ? omerr().enable() : omerr().disable();
+    (void)rims_of(mesh, place, edges_of(mesh, place));
+    EXPECT_EQ(omerr().is_enabled(), enabled);
+  }
+  omerr().enable();
+  EXPECT_EQ(printed.str(), "");
+  omerr() << "heard" << std::endl;
+  EXPECT_NE(printed.str(), "");
+  omerr().disconnect(printed);
 }
 
 TEST(Clean, HolesAreFoundMeasuredAndFilled) {

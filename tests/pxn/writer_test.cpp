@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <random>
 
+#include "base/png.h"
 #include "importers/image.h"
-#include "pxn/internal/png_writer.h"
 #include "tests/pxn/reading.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"

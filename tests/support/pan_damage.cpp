@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "pan/writer.h"
-#include "tests/support/pan_sample.h"
+#include "tests/support/pan_damage_collection.h"
 
 namespace panwright::support {
 
@@ -16,30 +16,6 @@ using namespace pan::layout;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint64_t kHuge = ~0ull;
-
-// A list of damaged files that grows by one call each.
-class Collection {
- public:
-  // Bytes as they are.
-  void raw(Code code, std::string what, std::vector<std::byte> bytes) {
-    list_.push_back({code, std::move(what), std::move(bytes)});
-  }
-  // Changes the small file and computes its checksums anew, those that still can be.
-  enum class Seal { all, directory, header, none };
-  void changed(Code code, std::string what, const std::function<void(OpenPan&)>& change,
-               Seal seal = Seal::all) {
-    OpenPan file(small_pan());
-    change(file);
-    if (seal == Seal::all) file.seal();
-    if (seal == Seal::directory) file.seal_directory();
-    if (seal == Seal::header) file.seal_header();
-    raw(code, std::move(what), file.bytes());
-  }
-  std::vector<DamagedPan> take() { return std::move(list_); }
-
- private:
-  std::vector<DamagedPan> list_;
-};
 
 std::vector<std::byte> bytes_of(std::string_view text) {
   const auto bytes = as_bytes(text);
@@ -150,7 +126,8 @@ void directory(Collection& add) {
     e.raw_length = 0;
   });
   entry("an unknown flag", [](DirectoryEntry& e) { e.flags = 2; });
-  entry("a reserved word", [](DirectoryEntry& e) { e.reserved_2 = 1; });
+  entry("a packed length without a codec", [](DirectoryEntry& e) { e.packed_length = 1; });
+  entry("a codec that the header does not speak of", [](DirectoryEntry& e) { e.codec = 1; });
   entry("a missing section", [](DirectoryEntry& e) {
     e.kind = 99;
     e.flags = 1;
@@ -503,6 +480,8 @@ std::vector<DamagedPan> damaged_pans() {
   Collection add;
   frame_of_file(add);
   directory(add);
+  record_sizes(add);
+  compression(add);
   nodes(add);
   meshes(add);
   arrays(add);

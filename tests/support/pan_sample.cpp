@@ -85,6 +85,45 @@ pan::Contents small_contents() {
 
 std::vector<std::byte> small_pan() { return pan::write_to_memory(small_contents()); }
 
+pan::Contents regular_contents() {
+  constexpr std::uint32_t kQuads = 24, kSide = kQuads + 1, kPicture = 40;
+  static const std::vector<std::uint8_t> kTexels = [] {
+    std::vector<std::uint8_t> texels;
+    for (std::uint32_t i = 0; i < 4 * kPicture * kPicture; ++i)
+      texels.push_back(static_cast<std::uint8_t>(i / 16));
+    return texels;
+  }();
+  geometry::Mesh mesh;
+  for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
+    const double x = 0.25 * (i % kSide), y = 0.25 * (i / kSide);
+    mesh.positions.emplace_back(x, y, 0);
+    mesh.texcoords.emplace_back(x, y);
+    mesh.colours.emplace_back(1, 0.5, 0.25);
+  }
+  mesh.normals.assign(mesh.positions.size(), {0, 0, 1});
+  for (std::uint32_t i = 0; i < kQuads * kQuads; ++i) {
+    const std::uint32_t a = i / kQuads * kSide + i % kQuads;
+    mesh.triangles.push_back({a, a + 1, a + kSide});
+    mesh.triangles.push_back({a + 1, a + kSide + 1, a + kSide});
+  }
+  pan::Contents contents = small_contents();
+  contents.meshes.push_back(pan::packed(mesh, "sheet"));
+  contents.mesh_needs.push_back({});
+  contents.textures.push_back({"ramp.png", kPicture, kPicture, false, kTexels});
+  for (std::uint32_t i = 0; i < 80; ++i) {
+    const auto node = static_cast<std::uint32_t>(contents.nodes.size());
+    contents.nodes.push_back({"knot " + std::to_string(i), 0, {1.0 * i, 0, 0}});
+    contents.instances.push_back({node, 2, i % 2, 1});
+    contents.sources.push_back({"craft.pxn", i + 1, 1});
+    contents.frames.push_back({"eye " + std::to_string(i), node, {0, 0, 1}});
+  }
+  return contents;
+}
+
+std::vector<std::byte> compressed_pan() {
+  return pan::write_to_memory(regular_contents(), {.compress = true});
+}
+
 pan::Contents large_contents(std::uint64_t bytes) {
   constexpr std::uint32_t kQuads = 512;
   constexpr std::uint32_t kSide = kQuads + 1;
@@ -153,14 +192,42 @@ void OpenPan::add_section(std::uint32_t kind, bool optional, std::size_t stride,
   header().total_length = bytes_.size();
 }
 
+void OpenPan::replace_section(SectionKind kind, const std::vector<std::byte>& stored) {
+  move_after(kind, stored.size());
+  std::copy(stored.begin(), stored.end(),
+            bytes_.begin() + static_cast<std::ptrdiff_t>(entry(kind).offset));
+}
+
+void OpenPan::restride_section(SectionKind kind, std::uint32_t stride, std::byte tail) {
+  const DirectoryEntry before = entry(kind);
+  std::vector<std::byte> records(before.count * stride, tail);
+  for (std::size_t i = 0; i < before.count; ++i)
+    std::memcpy(&records[i * stride], &at<std::byte>(kind, i * before.stride),
+                std::min(stride, before.stride));
+  const std::uint64_t raw = records.size();
+  records.resize((raw + 63) / 64 * 64);
+  replace_section(kind, records);
+  entry(kind).stride = stride;
+  entry(kind).raw_length = raw;
+  header().required_features |= 2;
+  header().minor = 1;
+}
+
 void OpenPan::resize_section(SectionKind kind, std::size_t count) {
   DirectoryEntry& found = entry(kind);
-  const std::uint64_t raw = count * found.stride;
+  const std::uint64_t raw = count * found.stride, old_raw = found.raw_length;
   const std::uint64_t stored = (raw + 63) / 64 * 64;
-  const std::uint64_t old = found.stored_length, old_raw = found.raw_length;
   const std::uint64_t offset = found.offset;
   found.count = count;
   found.raw_length = raw;
+  move_after(kind, stored);
+  const std::uint64_t kept = std::min(raw, old_raw);
+  std::memset(bytes_.data() + offset + kept, 0, stored - kept);
+}
+
+void OpenPan::move_after(SectionKind kind, std::uint64_t stored) {
+  DirectoryEntry& found = entry(kind);
+  const std::uint64_t old = found.stored_length, offset = found.offset;
   found.stored_length = stored;
   for (std::size_t i = 0; i < header().section_count; ++i)
     if (entry(i).offset > offset || (entry(i).offset == offset && &entry(i) > &found))
@@ -171,8 +238,6 @@ void OpenPan::resize_section(SectionKind kind, std::size_t count) {
   else
     bytes_.erase(first + static_cast<std::ptrdiff_t>(stored),
                  first + static_cast<std::ptrdiff_t>(old));
-  const std::uint64_t kept = std::min(raw, old_raw);
-  std::memset(bytes_.data() + offset + kept, 0, stored - kept);
   header().directory_offset += stored - old;
   header().total_length = bytes_.size();
 }

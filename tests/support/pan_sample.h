@@ -14,6 +14,11 @@ namespace panwright::support {
 pan::Contents small_contents();
 std::vector<std::byte> small_pan();
 
+// A sheet of 24 x 24 quads, a row of nodes with frames, and a picture: small, and most sections are
+// long and regular enough to be compressed.
+pan::Contents regular_contents();
+std::vector<std::byte> compressed_pan();  // of it
+
 // Wavy sheets of 512 x 512 quads, about 13 MB each with 4-byte indices, as many as come nearest to
 // a size. For speed: pan::write of it makes a file of that size.
 pan::Contents large_contents(std::uint64_t bytes);
@@ -38,6 +43,14 @@ class OpenPan {
   // Replaces a section by one of another length, and moves what follows.
   void resize_section(pan::layout::SectionKind kind, std::size_t count);
 
+  // Replaces the stored bytes of a section, a multiple of 64, and moves what follows. Its other
+  // lengths stay.
+  void replace_section(pan::layout::SectionKind kind, const std::vector<std::byte>& stored);
+  // Gives the records of a table another size: longer ones get bytes of the given value behind
+  // them, shorter ones lose their tails. The header says that record sizes differ.
+  void restride_section(pan::layout::SectionKind kind, std::uint32_t stride,
+                        std::byte tail = std::byte{0xa5});
+
   // Computes every checksum anew, by the words of docs/pan-format.md.
   OpenPan& seal();
   // The directory's and the header's alone: for entries that point nowhere.
@@ -47,6 +60,8 @@ class OpenPan {
   const std::vector<std::byte>& bytes() const { return bytes_; }
 
  private:
+  // Gives a section other stored bytes, and those behind it their new places.
+  void move_after(pan::layout::SectionKind kind, std::uint64_t stored);
   std::vector<std::byte> bytes_;
 };
 

@@ -149,7 +149,7 @@ TEST(Program, JsonIsOneObjectOnStandardOutput) {
     }
   }
   const json version = json::parse(panwright({"--version", "--json"}).out);
-  EXPECT_EQ(version["pan_format"], "1.0");
+  EXPECT_EQ(version["pan_format"], "1.1");
 }
 
 TEST(Program, ColourFollowsTheUserAndNoColor) {

@@ -16,6 +16,9 @@ bool is_gif(std::span<const std::byte> bytes);
 //
 //   Expects: is_gif
 //
+// A decoder of our own: giflib 5.2 gives the same texels for sound files, but of 60,000 damaged ones
+// it read 5,608 without a word whose codes stand for nothing, and took 1.2 to 1.4 times as long.
+//
 // Problems: E3001, E3002. Cost: O(pixels). "Graphics Interchange Format, Version 89a", 1990.
 ImageProblem decode_gif(std::span<const std::byte> bytes, std::uint64_t max_bytes,
                         DecodedImage& out);

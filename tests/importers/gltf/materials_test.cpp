@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "importers/gltf/png.h"
+#include "base/png.h"
 #include "materials/brdf.h"
 #include "tests/importers/gltf/sample.h"
 
@@ -82,9 +82,8 @@ Vec3 decoded(const Texel& t) { return {decoded(t[0]), decoded(t[1]), decoded(t[2
 int add_picture(Sample& sample, const std::vector<Texel>& texels) {
   std::vector<std::uint8_t> rgba;
   for (const Texel& t : texels) rgba.insert(rgba.end(), t.begin(), t.end());
-  std::vector<std::uint8_t> png;
-  for (const std::byte b : gltf::png_of(rgba, static_cast<std::uint32_t>(texels.size()), 1))
-    png.push_back(std::to_integer<std::uint8_t>(b));
+  const std::string file = png_file(static_cast<std::uint32_t>(texels.size()), 1, rgba);
+  const std::vector<std::uint8_t> png(file.begin(), file.end());
   nlohmann::json& json = sample.json;
   json["images"].push_back({{"bufferView", sample.view(png)}, {"mimeType", "image/png"}});
   json["textures"].push_back({{"source", json["images"].size() - 1}});

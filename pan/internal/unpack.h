@@ -1,0 +1,36 @@
+// Contents that a model holds in memory of its own: unpacked, or in records of another size.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "pan/internal/packing.h"
+#include "pan/model.h"
+
+namespace panwright::pan::internal {
+
+// What stands behind Model's const face while it is checked.
+struct Unpacked {
+  // Memory for a section's contents, which the model hands out from now on; the same memory each
+  // time. No bytes: there is not enough.
+  //
+  // Expects: bytes > 0.
+  static std::span<std::byte> make(Model& model, layout::SectionKind kind, std::uint64_t bytes);
+  static void drop(Model& model, layout::SectionKind kind);
+};
+
+// The chunks of a section of the model's file. Nothing: they do not fill it.
+std::optional<PackedChunks> chunks_of(const Model& model, const layout::DirectoryEntry& entry);
+
+// Copies records of one size to another: the tail of longer ones is dropped, what shorter ones
+// lack is 0 or its default. A field that a record holds in part is lacking.
+//
+//   from, to   whole records, equally many
+//   defaults   those of the section's fields, by their places
+void resize_records(std::span<const std::byte> from, std::uint32_t from_stride,
+                    std::span<std::byte> to, std::uint32_t to_stride,
+                    std::span<const layout::FieldDefault> defaults);
+
+}  // namespace panwright::pan::internal

@@ -1,0 +1,106 @@
+// What the texts of XML are made of: blanks, names, and where each piece of markup begins and ends.
+// The scanner (xml.h) and what walks through sound texts (markup.h) tell them here.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace panwright::pxn::xml {
+
+enum class CharClass : std::uint8_t {
+  blank = 1,
+  name_start = 2,
+  name = 4,
+  stops_text = 8,    // < & ]
+  stops_value = 16,  // < & and quotes
+};
+
+namespace internal {
+
+constexpr std::array<std::uint8_t, 256> make_classes() {
+  std::array<std::uint8_t, 256> classes{};
+  const auto add = [&](int c, CharClass which) {
+    classes[static_cast<unsigned char>(c)] |= static_cast<std::uint8_t>(which);
+  };
+  for (const char c : {' ', '\t', '\n', '\r'}) add(c, CharClass::blank);
+  for (int c = 0; c < 256; ++c) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == ':';
+    if (letter || c >= 0x80) add(c, CharClass::name_start);
+    if (letter || c >= 0x80 || (c >= '0' && c <= '9') || c == '-' || c == '.')
+      add(c, CharClass::name);
+  }
+  for (const char c : {'<', '&', ']'}) add(c, CharClass::stops_text);
+  for (const char c : {'<', '&', '"', '\''}) add(c, CharClass::stops_value);
+  return classes;
+}
+inline constexpr auto kClasses = make_classes();
+
+}  // namespace internal
+
+constexpr bool is(char c, CharClass which) {
+  return (internal::kClasses[static_cast<unsigned char>(c)] & static_cast<std::uint8_t>(which)) !=
+         0;
+}
+
+// Past the blanks at a place.
+inline std::size_t blanks_end(std::string_view text, std::size_t at) {
+  while (at < text.size() && is(text[at], CharClass::blank)) ++at;
+  return at;
+}
+
+// Past the name at a place; the place itself where no name begins.
+inline std::size_t name_end(std::string_view text, std::size_t at) {
+  if (at >= text.size() || !is(text[at], CharClass::name_start)) return at;
+  while (at < text.size() && is(text[at], CharClass::name)) ++at;
+  return at;
+}
+
+enum class PieceKind : std::uint8_t {
+  text,         // up to the next '<'
+  start_tag,    // <a …>
+  empty_tag,    // <a …/>
+  end_tag,      // </a>
+  comment,      // <!--…-->
+  instruction,  // <?…?>, the XML declaration too
+  cdata,        // <![CDATA[…]]>
+  doctype,      // <!DOCTYPE…>, which pxn does not read
+  broken,       // '<' and nothing that may follow it
+  end,          // of the text
+};
+
+// What begins at a place. A tag that may be empty is told by its end: start_tag.
+inline PieceKind kind_at(std::string_view text, std::size_t at) {
+  if (at >= text.size()) return PieceKind::end;
+  if (text[at] != '<') return PieceKind::text;
+  const std::string_view rest = text.substr(at + 1);
+  if (rest.empty()) return PieceKind::broken;
+  if (is(rest[0], CharClass::name_start)) return PieceKind::start_tag;
+  if (rest[0] == '/') return PieceKind::end_tag;
+  if (rest[0] == '?') return PieceKind::instruction;
+  if (rest.starts_with("!--")) return PieceKind::comment;
+  if (rest.starts_with("![CDATA[")) return PieceKind::cdata;
+  if (rest.starts_with("!DOCTYPE")) return PieceKind::doctype;
+  return PieceKind::broken;
+}
+
+// What a comment, CDATA section or instruction begins and ends with.
+struct Marks {
+  std::string_view open;
+  std::string_view close;
+};
+inline Marks marks_of(PieceKind kind) {
+  if (kind == PieceKind::comment) return {"<!--", "-->"};
+  if (kind == PieceKind::cdata) return {"<![CDATA[", "]]>"};
+  return {"<?", "?>"};
+}
+
+// The place of the closing mark of a comment, CDATA section or instruction that begins at `at`; the
+// size of the text where there is none.
+inline std::size_t close_of(std::string_view text, std::size_t at, PieceKind kind) {
+  const Marks marks = marks_of(kind);
+  return std::min(text.find(marks.close, at + marks.open.size()), text.size());
+}
+
+}  // namespace panwright::pxn::xml

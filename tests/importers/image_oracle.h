@@ -1,0 +1,23 @@
+// A second decoder and an encoder of images, stb's, to hold ours against.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace panwright::importers {
+
+struct OracleImage {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::vector<std::uint8_t> rgba;  // 4·width·height
+};
+
+// Decodes a sound PNG or JPEG file. Nothing for other files.
+std::optional<OracleImage> oracle_decoded(const std::string& bytes);
+
+// A baseline JPEG file of RGB texels without subsampling.
+std::string oracle_jpeg(int width, int height, const std::vector<std::uint8_t>& rgb, int quality);
+
+}  // namespace panwright::importers

@@ -1,0 +1,59 @@
+#!/usr/bin/env python3
+"""What schemas/generate_pan.py says of records that grow: rightly, and in ways that no reader could follow."""
+
+import copy
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "schemas"))
+sys.dont_write_bytecode = True
+import generate_pan  # noqa: E402
+
+
+def layout_with(name, fields, size=None, minor=1):
+    """The layout of today with more fields in a record."""
+    layout = copy.deepcopy(LAYOUT)
+    layout["format"]["minor"] = minor
+    record = next(record for record in layout["record"] if record["name"] == name)
+    record["field"] += fields
+    record["size"] += size if size is not None else 4 * len(fields)
+    return layout
+
+
+def refused(what, layout):
+    try:
+        generate_pan.validate(layout)
+    except generate_pan.LayoutError:
+        return True
+    print(f"accepted: {what}")
+    return False
+
+
+def field(name, **more):
+    return {"name": name, "type": "u32", "doc": "", **more}
+
+
+LAYOUT = generate_pan.load_layout()
+new = {"since": 1, "default": 3}
+grown = layout_with("Instance", [field("a", **new), field("b", **new)])
+generate_pan.validate(grown)
+header = generate_pan.header_text(grown)
+sound = all(text in header for text in [
+    '{SectionKind::instances, "instances", 24, 16, 4, true, false}',
+    "{SectionKind::instances, 16, FieldType::u32, 1, 3}",
+    "{SectionKind::instances, 20, FieldType::u32, 1, 3}",
+    "std::array<FieldDefault, 2> kFieldDefaults",
+])
+sound &= "24 bytes (16 in 1.0, 24 in 1.1)" in generate_pan.docs_text(grown)
+sound &= refused("a new field without a default", layout_with("Instance", [field("a", since=1)]))
+sound &= refused("a default of an old field", layout_with("Instance", [field("a", default=1)]))
+sound &= refused("an old field behind a new one", layout_with("Instance", [field("a", **new), field("b")]))
+sound &= refused("a field of a format to come", layout_with("Instance", [field("a", since=2, default=0)]))
+sound &= refused("a size off the alignment", layout_with("Node", [field("a", **new)]))
+sound &= refused("a larger size than a reader takes",
+                 layout_with("Instance", [field("a", count=1024, **new)], size=4096))
+for fixed in ("Header", "DirectoryEntry", "Float3"):
+    size = 8 if fixed != "Float3" else 4
+    more = {"type": "u64", **new} if size == 8 else new
+    sound &= refused(f"growth of {fixed}", layout_with(fixed, [field("a", **{**new, **more})], size=size))
+sys.exit(0 if sound else 1)
