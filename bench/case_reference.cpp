@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 #include "bench/bench.h"
-#include "bench/worlds.h"
+#include "preview/view.h"
 #include "geometry/instances.h"
 #include "geometry/tessellate.h"
 #include "pan/writer.h"

@@ -3,18 +3,11 @@
 
 #include <algorithm>
 #include <utility>
-
-#include "preview/view.h"
+#include <vector>
 
 namespace panwright::workspace {
 
 namespace {
-
-// note: OpenGL holds one model for now
-preview::View view_of(const world::World& world, const world::Camera& camera) {
-  const world::Sun& sun = world.sun();
-  return {camera, world[0].pose(), sun.direction, sun.irradiance, sun.distance};
-}
 
 constexpr unsigned kLeastSamples = 8;  // of the reference
 
@@ -22,9 +15,9 @@ constexpr unsigned kLeastSamples = 8;  // of the reference
 
 struct Drawer::Impl {
   DrawOptions options;
-  std::unique_ptr<preview::Context> context;  // null: the reference
-  world::ModelPtr model;                      // that the engine holds
+  // of OpenGL; empty: the reference
   std::optional<preview::Renderer> renderer;
+  std::vector<std::shared_ptr<const preview::ModelResources>> models;  // of the last world
   preview::Reference reference;
 };
 
@@ -41,42 +34,40 @@ Result<Drawer> Drawer::create(const DrawOptions& options, DiagnosticLog& log) {
     impl->options.reference.samples = std::max(options.samples * options.samples, kLeastSamples);
   }
   if (options.engine == Engine::gl) {
-    auto context = preview::Context::create(options.context, log);
-    if (!context) return failed;
-    impl->context = *std::move(context);
+    auto device = preview::Device::create(options.context, log);
+    if (!device) return failed;
+    impl->renderer.emplace(*std::move(device));
   }
   return Drawer(std::move(impl));
 }
 
 EngineInfo Drawer::info() const {
-  if (impl_->context == nullptr) return {Engine::reference, {}, {}, false};
-  return {Engine::gl, impl_->context->renderer(), impl_->context->version(),
-          impl_->context->is_hardware()};
+  if (!impl_->renderer) return {Engine::reference, {}, {}, false};
+  const preview::Context& context = impl_->renderer->device()->context();
+  return {Engine::gl, context.renderer(), context.version(), context.is_hardware()};
 }
 
 bool Drawer::prepare(const world::World& world, DiagnosticLog& log) {
-  if (impl_->context == nullptr) {
+  if (!impl_->renderer) {
     impl_->reference.prepare(world);
     return true;
   }
-  const world::ModelPtr& model = world[0].model();
-  if (impl_->model == model) return true;
-  impl_->renderer.reset();
-  impl_->model = nullptr;
-  auto renderer = preview::Renderer::create(*impl_->context, *model, log);
-  if (!renderer) return false;
-  impl_->renderer.emplace(*std::move(renderer));
-  impl_->model = model;
+  std::vector<std::shared_ptr<const preview::ModelResources>> models;
+  for (const world::Instance& target : world.instances()) {
+    auto resources = impl_->renderer->device()->resources(target.model(), log);
+    if (!resources) return false;
+    models.push_back(*std::move(resources));
+  }
+  impl_->models = std::move(models);
   return true;
 }
 
 Result<Drawn> Drawer::draw(const world::World& world, const world::Camera& camera, bool truth,
                            DiagnosticLog& log, const Job& job) {
-  if (!prepare(world, log)) return failed;
   if (impl_->renderer) {
     preview::RenderOptions options = impl_->options.gl;
     options.truth = truth;
-    auto image = impl_->renderer->render(view_of(world, camera), options, log);
+    auto image = impl_->renderer->render(world, camera, options, log, job);
     if (!image) return failed;
     return Drawn{*std::move(image), {}};
   }

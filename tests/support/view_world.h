@@ -32,16 +32,9 @@ inline world::Sun sun_of(const preview::View& view) {
   return sun;
 }
 
-// One target, "target", as a view shows it; the camera stays the view's.
-inline world::World world_of(world::ModelPtr model, const preview::View& view) {
-  DiagnosticLog log;
-  world::World world;
-  EXPECT_TRUE(world.add("target", std::move(model), view.world_from_model, log)) << to_text(log);
-  world.set_sun(sun_of(view));
-  return world;
-}
+// As preview::world_of, of a copy of a model.
 inline world::World world_of(const pan::Model& model, const preview::View& view) {
-  return world_of(shared(model), view);
+  return preview::world_of(shared(model), view);
 }
 
 }  // namespace panwright::testing_support
