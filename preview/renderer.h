@@ -59,8 +59,7 @@ class Renderer {
   // Expects: options as documented; a camera of 1 pixel or more, finite and with unit rotations.
   // Reports: W5006 when every pixel stays empty. Fails: E5001 when the context is lost or cannot be
   // made current; E0001, between tiles; E5003 when the image, a model or the shadows do not fit.
-  // After E0001 and E5003 the renderer
-  // and what was on the device before stay usable.
+  // After E0001 and E5003 the renderer and what was on the device before stay usable.
   // Cost: about one draw of what lies in view per tile of tile_side² samples.
   Result<Image> render(const world::World& world, const world::Camera& camera,
                        const RenderOptions& options, DiagnosticLog& log, const Job& job = {});
