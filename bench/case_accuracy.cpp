@@ -11,6 +11,7 @@
 #include "bench/bench.h"
 #include "bench/flip.h"
 #include "bench/scenes.h"
+#include "bench/worlds.h"
 #include "compiler/compile.h"
 #include "materials/spectra.h"
 #include "pan/model.h"
@@ -97,17 +98,12 @@ std::vector<std::pair<std::string, Material>> all_laws() {
   return all;
 }
 
-struct Subject {
-  std::unique_ptr<pan::Model> model;
-  preview::View view;
-};
-
-std::unique_ptr<pan::Model> compiled_model(const scene::Scene& scene, DiagnosticLog& log) {
+world::ModelPtr compiled_model(const scene::Scene& scene, DiagnosticLog& log) {
   const auto bytes = compiler::compiled(scene, {}, log);
   if (!bytes) return nullptr;
   auto model = pan::Model::from_bytes(*bytes, "bench", log);
   if (!model || !model->check(log)) return nullptr;
-  return std::make_unique<pan::Model>(*std::move(model));
+  return std::make_shared<const pan::Model>(*std::move(model));
 }
 
 preview::View view_from(const Vec3& eye, const Vec3& target, double fov, const Vec3& to_sun,
@@ -143,11 +139,10 @@ double flux_of(const preview::Image& image, const world::Camera& camera) {
 }
 
 void compare(Context& context, preview::Context& gl, const std::string& setting,
-             const pan::Model& model, const preview::View& view, std::uint32_t bounces,
+             const world::ModelPtr& model, const preview::View& view, std::uint32_t bounces,
              double until_error, DiagnosticLog& log) {
-  auto renderer = preview::Renderer::create(gl, model, log);
-  auto reference = preview::Reference::create(model, log);
-  if (!renderer || !reference) return;
+  auto renderer = preview::Renderer::create(gl, *model, log);
+  if (!renderer) return;
   preview::RenderOptions fast;
   fast.samples = kSamples;
   std::optional<preview::Image> image;
@@ -162,7 +157,7 @@ void compare(Context& context, preview::Context& gl, const std::string& setting,
   slow.until_error = context.quick() ? 0 : until_error;
   slow.samples = context.quick() ? 8 : 32;
   slow.max_samples = 256;
-  const auto truth = reference->render(view, slow, log);
+  const auto truth = preview::Reference().render(world_of(model, view), view.camera, slow, log);
   if (!image || !truth) return;
 
   const std::vector<float> seen = shown(*image);
@@ -211,12 +206,12 @@ void run_accuracy(Context& context) {
   const std::uint32_t side = context.quick() ? 64 : 256;
   const Vec3 to_sun(0.8, -0.5, 0.33);
   for (const auto& [name, material] : all_laws()) {
-    const auto model = compiled_model(sphere_scene({240, 480}, material), log);
+    const world::ModelPtr model = compiled_model(sphere_scene({240, 480}, material), log);
     if (!model) return;
     // the sphere fills nine tenths of the picture
     const preview::View view =
         view_from({0, -20, 0}, Vec3(0), 2 * std::asin(1.0 / 18), to_sun, side, log);
-    compare(context, **gl, "sphere, " + name, *model, view, 0, 5e-4, log);
+    compare(context, **gl, "sphere, " + name, model, view, 0, 5e-4, log);
     if (context.quick()) break;
   }
   const auto path = context.source("examples/servicer/servicer.pxn");
@@ -227,8 +222,8 @@ void run_accuracy(Context& context) {
   const preview::View view =
       view_from({9, -11, 6}, {0, 0, 0.4}, 24 * kDegree, {1, 0.2, 0.5}, side, log);
   if (!authored) return;
-  compare(context, **gl, "servicer, as authored", *authored, view, 0, 2e-3, log);
-  compare(context, **gl, "servicer, as authored, with light between surfaces", *authored, view, 3,
+  compare(context, **gl, "servicer, as authored", authored, view, 0, 2e-3, log);
+  compare(context, **gl, "servicer, as authored, with light between surfaces", authored, view, 3,
           2e-3, log);
   if (context.quick()) return;
   for (const auto& [name, material] : all_laws()) {
@@ -242,7 +237,7 @@ void run_accuracy(Context& context) {
       each.name = own;
     }
     const auto model = compiled_model(worn, log);
-    if (model) compare(context, **gl, "servicer, " + name, *model, view, 0, 2e-3, log);
+    if (model) compare(context, **gl, "servicer, " + name, model, view, 0, 2e-3, log);
   }
 }
 

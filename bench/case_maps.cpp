@@ -9,6 +9,7 @@
 
 #include "bench/bench.h"
 #include "bench/scenes.h"
+#include "bench/worlds.h"
 #include "geometry/tessellate.h"
 #include "pan/model.h"
 #include "pan/writer.h"
@@ -177,21 +178,21 @@ void run_spheres(Context& context, preview::Context& gl) {
     view.camera.world_from_camera = *turn;
   view.to_sun = glm::normalize(Vec3(0.5, 0.2, 1));
   const std::vector<Dress> all = spheres();
-  std::list<pan::Model> models;
+  std::list<world::ModelPtr> models;
   std::vector<preview::Renderer> renderers;
   std::vector<Vec3> truth;
   for (const Dress& dress : all) {
     auto model = pan::Model::from_bytes(pan::write_to_memory(dress.contents), dress.name, log);
     if (!model || !model->check(log)) return context.note("a sphere could not be built");
-    models.push_back(*std::move(model));
-    auto renderer = preview::Renderer::create(gl, models.back(), log);
-    const auto reference = preview::Reference::create(models.back(), log);
-    if (!renderer || !reference) return context.note("a sphere could not be set up");
+    models.push_back(std::make_shared<const pan::Model>(*std::move(model)));
+    auto renderer = preview::Renderer::create(gl, *models.back(), log);
+    if (!renderer) return context.note("a sphere could not be set up");
     renderers.push_back(*std::move(renderer));
     preview::ReferenceOptions slow;
     slow.bounces = 0;
     slow.samples = 32;
-    const auto image = reference->render(view, slow, log);
+    const auto image =
+        preview::Reference().render(world_of(models.back(), view), view.camera, slow, log);
     if (!image) return context.note("a sphere could not be traced");
     truth.push_back({image->flux.x, image->flux_error.x, 0});
   }

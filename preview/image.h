@@ -30,6 +30,7 @@ struct Image {
   std::vector<float> normal;               // 3*H*W unit, world, as shaded; background 0 0 0
   std::vector<std::uint32_t> node_id;      // H*W node index + 1; background 0
   std::vector<std::uint32_t> material_id;  // H*W material index + 1; background 0
+  std::vector<std::uint32_t> target_id;    // H*W index in the world + 1; background 0
 
   std::vector<float> standard_error;  // 3*H*W of the radiance; empty where it is not known
 

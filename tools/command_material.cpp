@@ -234,9 +234,11 @@ Result<preview::Image> sample_picture(const materials::Material& material,
   if (!model || !model->check(log)) return failed;
   const preview::View view = sample_view(options.width);
   if (context == nullptr) {
-    const auto reference = preview::Reference::create(*model, log);
-    if (!reference) return failed;
-    auto image = reference->render(view, {}, log);
+    world::World world;
+    if (!world.add("sample", std::make_shared<const pan::Model>(*std::move(model)), log))
+      return failed;
+    world.set_sun({view.to_sun, view.sun_distance, view.sun_irradiance, 0});
+    auto image = preview::Reference().render(world, view.camera, {}, log);
     if (!image) return failed;
     return std::move(image->image);
   }

@@ -132,7 +132,6 @@ Result<preview::ReferenceOptions> reference_options(const RenderOptions& options
   result.seed = options.seed;
   result.bounces = options.bounces;
   result.sun_disc = !options.no_sun_disc;
-  result.limb_darkening = options.limb_darkening;
   result.flat = options.flat;
   result.max_bytes = options.max_image_bytes;
   if (!options.until_error.empty()) {
@@ -182,30 +181,35 @@ void tell(const Job& job, const preview::ReferenceImage& result, Session& sessio
 }
 
 bool trace_one(const Job& job, const RenderOptions& options,
-               const preview::ReferenceOptions& traced, const pan::Model& model,
-               const preview::Reference& reference, Session& session) {
+               const preview::ReferenceOptions& traced, const world::World& world,
+               preview::Reference& reference, Session& session) {
   preview::ReferenceOptions render = traced;
   render.truth = preview::stores_truth(*preview::image_format(job.output));
   session.step("render " + job.output);
-  auto result = reference.render(job.view, render, session.log());
+  auto result = reference.render(world, job.view.camera, render, session.log());
   if (!result) return false;
   result->image.standard_error = std::move(result->standard_error);
-  describe(job, options, model, result->image);
+  describe(job, options, *world[0].model(), result->image);
   if (!write(job, result->image, session)) return false;
   tell(job, *result, session);
   return true;
 }
 
-int render_reference(const RenderOptions& options, const pan::Model& model,
+int render_reference(const RenderOptions& options, const world::ModelPtr& model,
                      const std::vector<Job>& jobs, Session& session) {
   const auto traced = reference_options(options, session.log());
   if (!traced) return session.finish();
   session.step("prepare " + options.input);
-  const auto reference = preview::Reference::create(model, session.log());
-  if (!reference) return session.finish();
+  preview::Reference reference;
+  world::World world;
+  if (!world.add("target", model, session.log())) return session.finish();
+  reference.prepare(world);
   Progress progress("rendering", jobs.size());
   for (const Job& job : jobs) {
-    if (!trace_one(job, options, *traced, model, *reference, session)) break;
+    world.set_pose(0, job.view.world_from_model);
+    world.set_sun(
+        {job.view.to_sun, job.view.sun_distance, job.view.sun_irradiance, options.limb_darkening});
+    if (!trace_one(job, options, *traced, world, reference, session)) break;
     progress.advance();
   }
   return session.finish();
@@ -242,12 +246,14 @@ int render(const RenderOptions& typed) {
   // what nobody outside sees costs a picture less than its removal
   ReadOptions read = options.read;
   read.prune = false;
-  const auto model = load_model(options.input, read, session);
+  auto model = load_model(options.input, read, session);
   if (!model) return session.finish();
   const auto jobs = make_jobs(options, *model, log);
   if (!jobs) return session.finish();
 
-  if (options.reference) return render_reference(options, *model, *jobs, session);
+  if (options.reference)
+    return render_reference(options, std::make_shared<const pan::Model>(*std::move(model)), *jobs,
+                            session);
 
   session.step("open an OpenGL context");
   auto context = preview::Context::create(*preview::context_kind_from_name(options.gl), log);

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "preview/reference/internal/view_rays.h"
 
 namespace panwright::preview::reference {
 namespace {
@@ -119,13 +120,6 @@ class BoxRounds final : public Rounds {
 
 }  // namespace
 
-geometry::Ray ray_through(const Shot& shot, const Vec2& place) {
-  const Vec2 plane = (place - shot.camera.principal) / shot.camera.focal;
-  if (shot.camera.projection == world::Projection::orthographic)
-    return {shot.eye + shot.model_from_camera * Vec3(plane, 0), shot.model_from_camera[2]};
-  return {shot.eye, shot.model_from_camera * glm::normalize(Vec3(plane, 1))};
-}
-
 CellSampler::CellSampler(const Shot& shot, const Cell& cell, std::uint32_t round)
     : shot_(shot), cell_(cell) {
   name_.pixel = cell.row * shot.camera.width + cell.column;
@@ -168,9 +162,9 @@ Sample CellSampler::operator()(std::uint32_t number, RayCounts& counts) const {
   first.lobe = v[2];
   Sample sample;
   sample.place = Vec2(cell_.column, cell_.row) + glm::mix(cell_.low, cell_.high, in_cell);
-  const Arrival arrival = traced(shot_.stage, shot_.sun, ray_through(shot_, sample.place), first,
-                                 name, shot_.path, counts);
-  sample.light = Light(arrival.radiance, arrival.covered ? 1 : 0);
+  const TraceRay ray{TraceRay::kCamera, view_ray(shot_.camera, sample.place)};
+  const PathResult path = traced(shot_.scene, shot_.suns, ray, first, name, shot_.path, counts);
+  sample.light = Light(path.radiance, path.covered ? 1 : 0);
   return sample;
 }
 

@@ -8,21 +8,19 @@
 #include <span>
 #include <vector>
 
-#include "world/camera.h"
 #include "preview/reference/internal/cells.h"
 #include "preview/reference/internal/path.h"
 #include "preview/reference/internal/tally.h"
 #include "preview/reference/reference.h"
+#include "world/camera.h"
 
 namespace panwright::preview::reference {
 
 // What all samples of a view share.
 struct Shot {
-  const Stage& stage;
-  const Sun& sun;
-  world::Camera camera;              // its image may be larger than the one that is wanted
-  Vec3 eye{0};                // in the model's frame
-  Mat3 model_from_camera{1};  // rotation
+  const TraceScene& scene;  // with the camera in it
+  std::span<const Sun> suns;
+  world::Camera camera;  // its image may be larger than the one that is wanted
   PathOptions path;
   std::uint64_t seed = 0;
   // powers of two: each round has columns·rows samples in every cell
@@ -31,9 +29,6 @@ struct Shot {
 
   std::uint32_t round_samples() const { return columns * rows; }
 };
-
-// The ray through a place on the image, in the model's frame.
-geometry::Ray ray_through(const Shot& shot, const Vec2& place);
 
 // One sample of a cell.
 struct Sample {
