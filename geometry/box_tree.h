@@ -89,6 +89,10 @@ void BoxTree::search(const Vec3& origin, const Vec3& direction, double from, con
     // finite, so that 0 times it is a number on the face of a box
     inverse[axis] = 1 / (std::fabs(d) < 1e-300 ? std::copysign(1e-300, d) : d);
   }
+  if (order_.size() == 1) {
+    if (entry(nodes_[0].box, origin, inverse, from, to) < kInfinity) visit(order_[0]);
+    return;
+  }
   struct Waiting {
     std::uint32_t node;
     double entry;

@@ -126,7 +126,6 @@ TEST(ReferenceErrors, SubPixelSphere) {
            place.y, off, result.flux_error.x / result.flux.x, coverage, result.seconds);
     EXPECT_LE(std::fabs(off), 1e-3);
     EXPECT_NEAR(coverage, 0.01, 2e-5);
-    EXPECT_LE(result.seconds, 2) << "on two idle cores";
   }
 }
 

@@ -87,9 +87,9 @@ TEST(ReferenceWorlds, TwoTargetsAreOneMergedModel) {
   const double rms = std::sqrt(square / static_cast<double>(count));
   const double off = (two.flux.y - one.flux.y) / std::hypot(one.flux_error.y, two.flux_error.y);
   printf("pixels rms(difference/sigma) %.3f of %zu, flux %+.2f sigma\n", rms, count, off);
-  EXPECT_GT(count, 900u);
+  EXPECT_GT(count, 700u);
   EXPECT_GE(rms, 0.7);
-  EXPECT_LE(rms, 1.2);  // measured 0.97
+  EXPECT_LE(rms, 1.2);  // measured 0.99
   EXPECT_LE(std::fabs(off), 4);
 
   std::size_t seen[3] = {};
@@ -110,7 +110,7 @@ TEST(ReferenceWorlds, TwoTargetsAreOneMergedModel) {
   printf("pixels %zu, %zu; depth off %.1e, normals %.1e\n", seen[1], seen[2], depth, normal);
   EXPECT_GT(seen[1], 100u);
   EXPECT_GT(seen[2], 50u);
-  EXPECT_LE(depth, 1e-6);  // measured 0 to one rounding of 8 m to float
+  EXPECT_LE(depth, 1e-6);  // one rounding of 8 m to float; measured 0
   EXPECT_LE(normal, 1e-6);
 }
 
@@ -151,12 +151,12 @@ TEST(ReferenceWorlds, TargetsLightEachOther) {
   world.set_sun(sun);
   ReferenceOptions options;
   options.sun_disc = false;
-  options.until_error = 5e-4;
+  options.until_error = 1e-3;
   const ReferenceImage result = traced(world, from_above(16, 1, 0.5), options);
   const double exact = 0.5 / kPi * 0.6 * 0.19982490;
   printf("lit by another target: %+.1e (error %.1e)\n", result.flux.x / exact - 1,
          result.flux_error.x / exact);
-  EXPECT_NEAR(result.flux.x / exact, 1, 2e-3);
+  EXPECT_NEAR(result.flux.x / exact, 1, 4e-3);  // four standard errors
 }
 
 TEST(ReferenceWorlds, TheNearerTargetIsSeen) {

@@ -92,7 +92,7 @@ PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const Trac
   auto hit = scene.seen(ray);
   if (!hit) return result;
   result.covered = true;
-  Vec3 direction = scene.turned(ray.ray.direction, ray.frame, hit->target);
+  Vec3 direction = hit->direction;
   Vec3 share(1);
   FirstNumbers u = first;
   double u_survival = 0;
@@ -115,7 +115,7 @@ PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const Trac
       result.radiance += share * mirrored_disc(lit, to_viewer, counts);
 
     const bool last = depth >= options.bounces;
-    if (last && !surface.is_narrow()) break;
+    if (last && !(surface.is_narrow() && sun.has_disc())) break;
     const auto sampled = surface.scattering.sample(to_viewer, point.normal, point.tangent,
                                                    point.tint, u.bounce, u.lobe);
     if (!sampled || is_black(sampled->weight)) break;
@@ -135,7 +135,7 @@ PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const Trac
     // the inside of a closed mesh is not there for light
     if (scene.is_inside(*hit)) break;
     share *= sampled->weight;
-    direction = scene.turned(sampled->to_light, onward.frame, hit->target);
+    direction = hit->direction;
     if (depth + 1 > kSureBounces) {
       const double survival = std::min(kLargestSurvival, std::max({share.x, share.y, share.z}));
       if (!(u_survival < survival)) break;

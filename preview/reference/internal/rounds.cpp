@@ -158,9 +158,12 @@ Sample CellSampler::operator()(std::uint32_t number, RayCounts& counts) const {
   const Vec2 in_cell = jittered(number, u[0], u[1]);
   FirstNumbers first;
   first.sun = jittered(shuffled(number, 0), u[2], u[3]);
-  const std::array<double, 4> v = numbers(name, 1);
-  first.bounce = jittered(shuffled(number, 1), v[0], v[1]);
-  first.lobe = v[2];
+  // without a disc to look for and without bounces no direction is drawn
+  if (shot_.path.bounces > 0 || (!shot_.suns.empty() && shot_.suns[0].has_disc())) {
+    const std::array<double, 4> v = numbers(name, 1);
+    first.bounce = jittered(shuffled(number, 1), v[0], v[1]);
+    first.lobe = v[2];
+  }
   Sample sample;
   sample.place = Vec2(cell_.column, cell_.row) + glm::mix(cell_.low, cell_.high, in_cell);
   const TraceRay ray{TraceRay::kCamera, view_ray(shot_.camera, sample.place)};

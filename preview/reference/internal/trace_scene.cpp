@@ -93,7 +93,7 @@ void TraceScene::update(const world::World& world) {
       frame = frame_of(instance.pose());
       ++work_.poses;
     }
-    if (!state->parts().empty()) targets_.push_back({state, frame, i});
+    if (!state->parts().empty()) targets_.push_back({state, frame, i, {}});
   }
   states_ = std::move(states);
   frames_ = std::move(frames);
@@ -103,7 +103,7 @@ void TraceScene::update(const world::World& world) {
 
 void TraceScene::place_camera(const world::Camera& camera) {
   camera_ = frame_of(camera);
-  if (targets_.size() == 1) return;
+  for (Placed& placed : targets_) placed.from_camera = between(placed.frame, camera_);
   std::vector<geometry::AxisBox> boxes(targets_.size());
   double far = 0;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
@@ -121,56 +121,60 @@ void TraceScene::place_camera(const world::Camera& camera) {
   tree_.build(std::move(boxes));
 }
 
-Vec3 TraceScene::turned(const Vec3& direction, std::uint32_t from, std::uint32_t target) const {
-  if (from == target) return direction;
+// A ray in the frame of a target's model. Expects: not that target's already.
+geometry::Ray TraceScene::local(const TraceRay& ray, std::uint32_t target) const {
+  const Placed& to = targets_[target];
+  if (ray.frame == TraceRay::kCamera)
+    return {to.from_camera(ray.ray.origin), to.from_camera.linear * ray.ray.direction,
+            ray.ray.min_distance, ray.ray.max_distance};
+  const RigidFrame& from = targets_[ray.frame].frame;
   // a row times a matrix: the inverse of a rotation is its transpose
-  return (frame(from).world_from * direction) * targets_[target].frame.world_from;
+  return {(from.world_from * ray.ray.origin + (from.position - to.frame.position)) *
+              to.frame.world_from,
+          (from.world_from * ray.ray.direction) * to.frame.world_from, ray.ray.min_distance,
+          ray.ray.max_distance};
 }
 
 // Calls look(target, ray in its frame) for the targets that a ray may hit, that whose frame it is
 // in first, until it returns true.
 template <class Look>
 void TraceScene::visit(const TraceRay& ray, const double& limit, const Look& look) const {
-  if (targets_.empty()) return;
-  const bool own = ray.frame != TraceRay::kCamera;
-  if (own) {
-    geometry::Ray local = ray.ray;
-    local.max_distance = limit;
-    if (look(ray.frame, local) || targets_.size() == 1) return;
-  }
-  const RigidFrame& from = frame(ray.frame);
-  const Vec3 origin = from.world_from * ray.ray.origin;
-  const Vec3 direction = from.world_from * ray.ray.direction;
-  const auto go = [&](std::uint32_t i) {
-    if (i == ray.frame) return false;
-    const RigidFrame& to = targets_[i].frame;
-    geometry::Ray local;
-    local.origin = (origin + (from.position - to.position)) * to.world_from;
-    local.direction = direction * to.world_from;
-    local.min_distance = ray.ray.min_distance;
-    local.max_distance = limit;
-    return look(i, local);
-  };
-  if (targets_.size() == 1)
-    go(0);
-  else
-    tree_.search(origin + (from.position - camera_.position), direction, ray.ray.min_distance,
-                 limit, go);
+  const bool by_camera = ray.frame == TraceRay::kCamera;
+  if (!by_camera && look(ray.frame, ray.ray)) return;
+  const RigidFrame& from = by_camera ? camera_ : targets_[ray.frame].frame;
+  tree_.search(from.world_from * ray.ray.origin + (from.position - camera_.position),
+               from.world_from * ray.ray.direction, ray.ray.min_distance, limit,
+               [&](std::uint32_t target) {
+                 if (target == ray.frame) return false;
+                 geometry::Ray there = local(ray, target);
+                 there.max_distance = limit;
+                 return look(target, there);
+               });
 }
 
 std::optional<TraceHit> TraceScene::nearest(const TraceRay& ray, bool by_camera) const {
   std::optional<TraceHit> best;
   double limit = ray.ray.max_distance;
-  visit(ray, limit, [&](std::uint32_t target, const geometry::Ray& local) {
-    const auto hit = targets_[target].target->closest(local, by_camera);
+  visit(ray, limit, [&](std::uint32_t target, const geometry::Ray& there) {
+    const auto hit = targets_[target].target->closest(there, by_camera);
     // at equal distances the lower target
     if (hit && (!best || hit->distance < limit || target < best->target)) {
-      best = TraceHit{target, *hit};
+      best = TraceHit{target, *hit, there.direction};
       limit = hit->distance;
     }
     return false;
   });
   return best;
+}
+
+std::optional<TraceHit> TraceScene::closest(const TraceRay& ray) const {
+  if (targets_.size() != 1) return nearest(ray, false);
+  const auto search = [&](const geometry::Ray& there) -> std::optional<TraceHit> {
+    const auto hit = targets_[0].target->closest(there, false);
+    if (!hit) return std::nullopt;
+    return TraceHit{0, *hit, there.direction};
+  };
+  return ray.frame == 0 ? search(ray.ray) : search(local(ray, 0));
 }
 
 std::optional<TraceHit> TraceScene::seen(const TraceRay& ray) const {
@@ -180,9 +184,13 @@ std::optional<TraceHit> TraceScene::seen(const TraceRay& ray) const {
 }
 
 bool TraceScene::any(const TraceRay& ray) const {
+  if (targets_.size() == 1) {
+    const TraceTarget& only = *targets_[0].target;
+    return ray.frame == 0 ? only.any(ray.ray) : only.any(local(ray, 0));
+  }
   bool found = false;
-  visit(ray, ray.ray.max_distance, [&](std::uint32_t target, const geometry::Ray& local) {
-    return found = targets_[target].target->any(local);
+  visit(ray, ray.ray.max_distance, [&](std::uint32_t target, const geometry::Ray& there) {
+    return found = targets_[target].target->any(there);
   });
   return found;
 }

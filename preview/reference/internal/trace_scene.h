@@ -66,6 +66,7 @@ struct TraceRay {
 struct TraceHit {
   std::uint32_t target = 0;  // into the scene's targets
   geometry::InstanceHit hit;
+  Vec3 direction{0};  // the ray's, in the frame of the target's model
 };
 
 // The targets that are to be seen, and a camera among them.
@@ -81,6 +82,7 @@ class TraceScene {
     std::shared_ptr<const TraceTarget> target;
     RigidFrame frame;
     std::uint32_t index = 0;  // in the world
+    Affine from_camera;       // to the model's frame
   };
 
   // Brings everything up to date: what has the stamps of the last world stays.
@@ -95,7 +97,7 @@ class TraceScene {
   // What the camera sees: not the insides of closed meshes, and through holes.
   std::optional<TraceHit> seen(const TraceRay& ray) const;
   // The nearest surface, holes apart; insides of closed meshes count.
-  std::optional<TraceHit> closest(const TraceRay& ray) const { return nearest(ray, false); }
+  std::optional<TraceHit> closest(const TraceRay& ray) const;
   bool any(const TraceRay& ray) const;
 
   bool is_inside(const TraceHit& hit) const {
@@ -104,15 +106,11 @@ class TraceScene {
   Point point(const TraceHit& hit, bool flat) const {
     return targets_[hit.target].target->point(hit.hit, flat);
   }
-  // A direction of one frame in that of a target.
-  Vec3 turned(const Vec3& direction, std::uint32_t frame, std::uint32_t target) const;
 
  private:
-  const RigidFrame& frame(std::uint32_t index) const {
-    return index == TraceRay::kCamera ? camera_ : targets_[index].frame;
-  }
   std::shared_ptr<const TraceModel> model_of(const world::ModelPtr& model);
   std::optional<TraceHit> nearest(const TraceRay& ray, bool by_camera) const;
+  geometry::Ray local(const TraceRay& ray, std::uint32_t target) const;
   template <class Look>
   void visit(const TraceRay& ray, const double& limit, const Look& look) const;
 

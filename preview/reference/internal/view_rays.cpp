@@ -10,8 +10,13 @@ namespace {
 // is known without cancellation.
 double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c, double twice_area) {
   const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-  return 2 * det::atan2(twice_area, la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la +
-                                        glm::dot(c, a) * lb);
+  const double other =
+      la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
+  const double t = twice_area / other;
+  const double t2 = t * t;
+  // the tangent of half of it: its series is exact where pixels are small
+  if (t > 0 && t < 1e-3) return 2 * t * (1 - t2 * (1.0 / 3 - t2 * (1.0 / 5 - t2 / 7)));
+  return 2 * det::atan2(twice_area, other);
 }
 
 }  // namespace
@@ -24,7 +29,7 @@ geometry::Ray view_ray(const world::Camera& camera, const Vec2& place) {
     ray.direction = Vec3(0, 0, 1);
   } else {
     ray.origin = Vec3(0);
-    ray.direction = Vec3(plane, 1) / std::sqrt(1 + plane.x * plane.x + plane.y * plane.y);
+    ray.direction = Vec3(plane, 1) * (1 / std::sqrt(1 + plane.x * plane.x + plane.y * plane.y));
   }
   return ray;
 }
