@@ -32,7 +32,7 @@ using Work = std::function<bool(DiagnosticLog&, const Job&)>;
 
 // Runs work to its end, then again and again, cancelled after more and more of its progress, and at
 // random times. `look` is called after each time that it was cancelled.
-void cancel_everywhere(const Work& work, const std::function<void()>& look) {
+void cancel_everywhere(const Work& work, const std::function<void()>& look, std::size_t times = 8) {
   std::atomic<std::size_t> events = 0;
   const auto start = std::chrono::steady_clock::now();
   {
@@ -48,9 +48,8 @@ void cancel_everywhere(const Work& work, const std::function<void()>& look) {
     }
     if (!done) look();
   };
-  constexpr std::size_t kTimes = 12;
-  for (std::size_t i = 0; i < kTimes; ++i) {
-    const std::size_t at = 1 + i * events / kTimes;
+  for (std::size_t i = 0; i < times; ++i) {
+    const std::size_t at = 1 + i * events / times;
     std::atomic<std::size_t> seen = 0;
     Job job;
     const Job cancelling({0, [&](const Progress&) {
@@ -63,7 +62,7 @@ void cancel_everywhere(const Work& work, const std::function<void()>& look) {
   }
   std::mt19937 random(7);
   std::uniform_real_distribution<double> part(0, 1);
-  for (std::size_t i = 0; i < kTimes; ++i) {
+  for (std::size_t i = 0; i < times; ++i) {
     const Job job(JobOptions{});
     const std::chrono::duration<double> wait(part(random) * whole);
     std::thread other([&] {
@@ -103,7 +102,7 @@ TEST(Cancel, AnImportThatLosesHiddenPartsStops) {
       [&](DiagnosticLog& log, const Job& job) {
         return open(kExamples + "cad/relay.pxn", {}, log, job).ok();
       },
-      [] {});
+      [] {}, 3);
 }
 
 TEST(Cancel, ViewsAreWholeOrNotThere) {
