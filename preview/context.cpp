@@ -41,8 +41,9 @@ bool Context::make_current() {
   if (current_context == this) return true;
   if (current_context) current_context->release();
   // note: drivers differ in what they do with a context that another thread has
-  std::thread::id nobody{};
-  if (!holder_.compare_exchange_strong(nobody, std::this_thread::get_id())) return false;
+  const std::thread::id here = std::this_thread::get_id();
+  std::thread::id holder{};
+  if (!holder_.compare_exchange_strong(holder, here) && holder != here) return false;
   if (!bind()) {
     holder_ = std::thread::id();
     return false;

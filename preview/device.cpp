@@ -97,11 +97,8 @@ Result<std::shared_ptr<const ModelResources>> Device::resources(const world::Mod
     impl->triangles += model->meshes()[item.mesh].triangle_count;
     impl->layers |= layers_of(item.variant);
   }
-  const Families families = families_of(*model);
-  for (std::size_t i = 0; i < families.of_variant.size(); ++i)
-    if (!families.of_variant[i].empty())
-      impl->family_sets[i] = impl_->programs.family_set(families.of_variant[i]);
-  const bool good = impl->gpu.upload(*impl_->context, *model, impl->list, families, log);
+  impl->families = families_of(*model);
+  const bool good = impl->gpu.upload(*impl_->context, *model, impl->list, impl->families, log);
   impl_->model_bytes += impl->gpu.bytes();
   if (!good || !impl_->went_well(log)) return failed;
   ++impl_->models_uploaded;

@@ -37,22 +37,16 @@ auto order(const DrawItem& item) {
 }  // namespace
 
 Families families_of(const pan::Model& model) {
+  std::vector<materials::Laws> of_material;
+  for (const pan::layout::Material& record : model.materials())
+    of_material.push_back(materials::laws_of(pan::material_from(record, {})));
   Families families;
-  for (const pan::layout::Material& record : model.materials()) {
-    const materials::Laws laws = materials::laws_of(pan::material_from(record, {}));
-    std::vector<materials::Laws>& served = families.of_variant[record.variant];
-    const auto at = std::find(served.begin(), served.end(), laws);
-    if (at == served.end()) served.push_back(laws);
-  }
-  // sorted, so that models with the same families share programs
-  for (std::vector<materials::Laws>& served : families.of_variant)
-    std::sort(served.begin(), served.end());
-  for (const pan::layout::Material& record : model.materials()) {
-    const materials::Laws laws = materials::laws_of(pan::material_from(record, {}));
-    const std::vector<materials::Laws>& served = families.of_variant[record.variant];
-    const auto at = std::lower_bound(served.begin(), served.end(), laws);
-    families.of_material.push_back(static_cast<std::uint32_t>(at - served.begin()));
-  }
+  families.all = of_material;
+  std::sort(families.all.begin(), families.all.end());
+  families.all.erase(std::unique(families.all.begin(), families.all.end()), families.all.end());
+  for (const materials::Laws& laws : of_material)
+    families.of_material.push_back(static_cast<std::uint32_t>(
+        std::lower_bound(families.all.begin(), families.all.end(), laws) - families.all.begin()));
   return families;
 }
 

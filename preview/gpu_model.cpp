@@ -93,8 +93,8 @@ bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawIte
   std::vector<std::uint32_t> items;
   for (const DrawItem& item : list) {
     items.push_back(item.material);
-    items.push_back(item.variant.shading);
     items.push_back(families.of_material[item.material]);
+    items.push_back(0);
     items.push_back(0);
   }
   items_ = uploaded(std::span<const std::uint32_t>(items));
@@ -270,12 +270,13 @@ void GpuModel::bind_one_material(std::uint32_t material) const {
   gl_->BindBufferRange(GL_UNIFORM_BUFFER, kMaterialBinding, padded_materials_.id(),
                        static_cast<GLintptr>(material * material_stride_),
                        sizeof(layout::Material));
-  gl_->BindTextureUnit(kItemsUnit, items_texture_.id());
 }
+
+void GpuModel::bind_items() const { gl_->BindTextureUnit(kItemsUnit, items_texture_.id()); }
 
 void GpuModel::bind_materials() const {
   gl_->BindTextureUnit(kMaterialsUnit, materials_texture_.id());
-  gl_->BindTextureUnit(kItemsUnit, items_texture_.id());
+  bind_items();
 }
 
 void GpuModel::bind_maps(std::size_t item) const {

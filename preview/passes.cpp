@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "materials/brdf.h"
 #include "preview/internal/blocks.h"
@@ -71,20 +72,20 @@ TileScene tile_scene(const FrameScene& scene, const Tile& tile) {
     TileTarget target;
     target.visible = v;
     target.first_block = blocks;
-    std::array<bool, materials::kMostVariants> has{};
+    const Families& families = scene.state(v).model().families;
+    std::vector<std::optional<TileTarget::ShadingClass>> classes(families.all.size());
     for (std::uint32_t i = 0; i < visible.items.size(); ++i) {
       if (!may_touch(scene.camera, tile, 1.0, visible.boxes[i])) continue;
       const DrawItem& item = list[visible.items[i]];
-      if (!target.drawn.empty())
-        target.one_material = target.one_material &&
-                              item.material == list[visible.items[target.drawn.front()]].material;
       target.drawn.push_back(i);
-      has[item.variant.shading] = true;
+      const std::uint32_t family = families.of_material[item.material];
+      if (!classes[family]) classes[family] = {family, item.material, true};
+      if (classes[family]->material != item.material) classes[family]->one_material = false;
     }
     target.part = touched_part(scene.camera, tile, visible.boxes, target.drawn);
     if (target.part.width == 0 || target.part.height == 0) continue;
-    for (std::uint32_t variant = 0; variant < has.size(); ++variant)
-      if (has[variant]) target.variants.push_back(variant);
+    for (const auto& one : classes)
+      if (one) target.classes.push_back(*one);
     result.tile = around(result.tile, target.part);
     blocks += target.drawn.size();
     result.targets.push_back(std::move(target));
@@ -129,15 +130,18 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
     const DrawItem* last = nullptr;
     for (const std::uint32_t index : scene.visible.targets[v].items) {
       const DrawItem& item = state.items[index];
-      if (last && item.variant == last->variant) continue;
+      if (last && item.variant == last->variant && item.material == last->material) continue;
       last = &item;
       std::string problem;
       bool good = program(model, item.variant, pass, shadows, &problem) != 0;
       if (is_shaded(pass)) {
         if (!model.gpu.decals().empty()) good = good && device_.programs.decal(&problem) != 0;
+        const materials::Laws& family =
+            model.families.all[model.families.of_material[item.material]];
+        good = good && device_.programs.classes(&problem) != 0;
         for (const bool one : {false, true})
-          good = good && device_.programs.shading(model.family_sets[item.variant.shading],
-                                                  model.layers, one, shadows, &problem) != 0;
+          good =
+              good && device_.programs.shading(family, model.layers, one, shadows, &problem) != 0;
       }
       if (good) continue;
       log.report_file(Code::E5001, {},
@@ -283,13 +287,21 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target) {
   gl_.DepthFunc(GL_GREATER);
 }
 
+void Passes::scissor(const Tile& tile, const Tile& part, unsigned samples) const {
+  const auto sample = [&](std::uint32_t pixels) { return static_cast<GLint>(pixels * samples); };
+  gl_.Scissor(sample(part.x - tile.x), sample(part.y - tile.y), sample(part.width),
+              sample(part.height));
+}
+
 void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samples,
                    const RenderTarget& seen, const RenderTarget& color) {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, color.framebuffer.id());
   gl_.Viewport(0, 0, static_cast<GLsizei>(tile.tile.width * samples),
                static_cast<GLsizei>(tile.tile.height * samples));
-  gl_.Disable(GL_DEPTH_TEST);
+  gl_.Enable(GL_DEPTH_TEST);
   gl_.Disable(GL_CULL_FACE);
+  const float nothing = 0;
+  gl_.ClearBufferfv(GL_DEPTH, 0, &nothing);
   constexpr float kNothing[4] = {};
   gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
   constexpr std::pair<Layer, GLuint> kUnits[] = {{kSeenLayer, kSeenUnit},
@@ -302,27 +314,41 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
     if (seen.colors[layer]) gl_.BindTextureUnit(unit, seen.colors[layer].id());
   gl_.BindVertexArray(screen_.id());
   gl_.Enable(GL_SCISSOR_TEST);
+  // where no class is asked for, the depth test leaves nothing to run
+  GLuint first_class = 0;
+  std::vector<GLuint> first_classes;
+  gl_.DepthFunc(GL_ALWAYS);
+  gl_.UseProgram(device_.programs.classes(nullptr));
   for (const TileTarget& target : tile.targets) {
-    const TargetState& state = scene.state(target.visible);
-    const ModelResources::Impl& model = state.model();
-    const VisibleTarget& visible = scene.visible.targets[target.visible];
-    const auto sample = [&](std::uint32_t pixels) { return static_cast<GLint>(pixels * samples); };
-    gl_.Scissor(sample(target.part.x - tile.tile.x), sample(target.part.y - tile.tile.y),
-                sample(target.part.width), sample(target.part.height));
+    const ModelResources::Impl& model = scene.state(target.visible).model();
+    scissor(tile.tile, target.part, samples);
+    model.gpu.bind_items();
+    gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id,
+                   static_cast<GLuint>(scene.state(target.visible).items.size()), first_class, 0);
+    gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+    first_classes.push_back(first_class);
+    first_class += static_cast<GLuint>(model.families.all.size());
+  }
+  gl_.DepthFunc(GL_EQUAL);
+  gl_.DepthMask(GL_FALSE);
+  for (std::size_t t = 0; t < tile.targets.size(); ++t) {
+    const TileTarget& target = tile.targets[t];
+    const ModelResources::Impl& model = scene.state(target.visible).model();
+    scissor(tile.tile, target.part, samples);
     if (scene.shadows) scene.shadows->bind(gl_, target.visible);
-    if (target.one_material)
-      model.gpu.bind_one_material(state.items[visible.items[target.drawn.front()]].material);
-    else
-      model.gpu.bind_materials();
-    for (const std::uint32_t variant : target.variants) {
-      gl_.UseProgram(device_.programs.shading(model.family_sets[variant], model.layers,
-                                              target.one_material, scene.shadows != nullptr,
-                                              nullptr));
-      gl_.Uniform4ui(kRangeLocation, visible.first_id, static_cast<GLuint>(state.items.size()),
-                     variant, 0);
+    model.gpu.bind_materials();
+    for (const TileTarget::ShadingClass& one : target.classes) {
+      if (one.one_material) model.gpu.bind_one_material(one.material);
+      gl_.UseProgram(device_.programs.shading(model.families.all[one.family], model.layers,
+                                              one.one_material, scene.shadows != nullptr, nullptr));
+      gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
+      gl_.Uniform1f(kDepthLocation,
+                    static_cast<float>(first_classes[t] + one.family + 1) * (1.0f / 1048576.0f));
       gl_.DrawArrays(GL_TRIANGLES, 0, 3);
     }
   }
+  gl_.DepthFunc(GL_GREATER);
+  gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_SCISSOR_TEST);
 }
 

@@ -29,11 +29,6 @@ std::string cutout_text(bool cutout) {
 
 }  // namespace
 
-unsigned Programs::family_set(const std::vector<materials::Laws>& families) {
-  return family_sets_.try_emplace(families, static_cast<unsigned>(family_sets_.size()))
-      .first->second;
-}
-
 GlProgram Programs::made(const std::string& vertex, const std::string& fragment,
                          std::string* problem) {
   ++built_;
@@ -65,26 +60,25 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
   return program.id();
 }
 
-GLuint Programs::shading(unsigned family_set, LayerSet layers, bool one_material, bool shadows,
-                         std::string* problem) {
-  const std::uint64_t key =
-      (((std::uint64_t{family_set} << kLayers) + layers) * 2 + one_material) * 2 + shadows;
-  GlProgram& program = shading_[key];
+GLuint Programs::shading(const materials::Laws& family, LayerSet layers, bool one_material,
+                         bool shadows, std::string* problem) {
+  GlProgram& program = shading_[{family, (layers * 2 + one_material) * 2 + shadows}];
   if (!program) {
-    const std::vector<materials::Laws>& laws =
-        std::find_if(family_sets_.begin(), family_sets_.end(), [&](const auto& entry) {
-          return entry.second == family_set;
-        })->first;
-    const bool reflecting =
-        std::any_of(laws.begin(), laws.end(), [](const auto& each) { return each.mapped; });
     std::string head = kVersion;
-    head += layer_names(layers) + defined("REFLECTING", reflecting) +
+    head += layer_names(layers) + defined("REFLECTING", family.mapped) +
             defined("ONE_MATERIAL", one_material);
-    head += materials::glsl_formulas(laws) + materials::glsl_material_loader();
+    head += materials::glsl_formulas(family) + materials::glsl_material_loader();
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
     program = made(std::string(kVersion) + screen_vert, head + shading_frag, problem);
   }
   return program.id();
+}
+
+GLuint Programs::classes(std::string* problem) {
+  if (!classes_)
+    classes_ =
+        made(std::string(kVersion) + screen_vert, std::string(kVersion) + classes_frag, problem);
+  return classes_.id();
 }
 
 GLuint Programs::shadow(bool cutout, std::string* problem) {

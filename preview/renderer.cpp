@@ -169,7 +169,7 @@ bool Renderer::Impl::render_radiance(FrameScene scene, const RenderOptions& opti
   const bool shadows = options.shadow_side > 0;
   const auto formats = layer_formats(layers, shadows);
   if (!ensure_target(seen_target, formats, true, width, height, log) ||
-      !ensure_target(color_target, kRadianceFormats, false, width, height, log))
+      !ensure_target(color_target, kRadianceFormats, true, width, height, log))
     return false;
   if (shadows) scene.shadows = &shadow_maps;
   if (!passes->prepare(scene, pass, log)) return false;

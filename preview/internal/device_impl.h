@@ -21,9 +21,8 @@ struct ModelResources::Impl {
   std::shared_ptr<Device> device;
   world::ModelPtr model;
   std::vector<DrawItem> list;  // as the model stands by itself
-  // of programs, one for each shading variant that the model has
-  std::array<unsigned, materials::kMostVariants> family_sets{};
-  LayerSet layers = 0;  // that its items need
+  Families families;           // shading classes
+  LayerSet layers = 0;         // that its items need
   GpuModel gpu;
   std::uint64_t triangles = 0;
 };

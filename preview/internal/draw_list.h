@@ -17,10 +17,10 @@
 
 namespace panwright::preview {
 
-// The families of materials that each shading program serves, and which a material belongs to.
+// The families of materials that a model has; each is shaded by a program of its own.
 struct Families {
-  std::array<std::vector<materials::Laws>, materials::kMostVariants> of_variant;  // sorted
-  std::vector<std::uint32_t> of_material;  // into its variant's, one for each material
+  std::vector<materials::Laws> all;        // sorted
+  std::vector<std::uint32_t> of_material;  // into all, one for each material
 };
 Families families_of(const pan::Model& model);
 

@@ -33,6 +33,7 @@ class GpuModel {
   void bind_vertices(const pan::layout::Mesh& mesh, std::size_t mesh_index) const;
   void bind_maps(std::size_t item) const;
   void bind_one_material(std::uint32_t material) const;
+  void bind_items() const;
   // Materials and items as textures, for shading that looks them up.
   void bind_materials() const;
 

@@ -32,12 +32,17 @@ struct FrameScene {
 
 // One target on one tile.
 struct TileTarget {
-  std::uint32_t visible = 0;            // into VisibleSet::targets
-  std::vector<std::uint32_t> drawn;     // into its items, ascending
-  std::vector<std::uint32_t> variants;  // of shading, ascending
-  bool one_material = true;
-  std::size_t first_block = 0;  // in the buffer of blocks
-  Tile part;                    // of the tile that it may fall on
+  std::uint32_t visible = 0;         // into VisibleSet::targets
+  std::vector<std::uint32_t> drawn;  // into its items, ascending
+  // what is shaded by one program: a family of materials of the model
+  struct ShadingClass {
+    std::uint32_t family = 0;
+    std::uint32_t material = 0;  // the first
+    bool one_material = true;
+  };
+  std::vector<ShadingClass> classes;  // ascending by family
+  std::size_t first_block = 0;        // in the buffer of blocks
+  Tile part;                          // of the tile that it may fall on
 };
 
 // What falls on one tile.
@@ -70,6 +75,7 @@ class Passes {
   GLuint program(const ModelResources::Impl& model, const Variant& variant, Pass pass, bool shadows,
                  std::string* problem);
   void draw_items(const FrameScene& scene, const TileTarget& target, Pass pass);
+  void scissor(const Tile& tile, const Tile& part, unsigned samples) const;
   void draw_decals(const FrameScene& scene, const TileTarget& target);
 
   Device::Impl& device_;

@@ -37,6 +37,7 @@ inline constexpr GLuint kTangentUnit = 15;
 inline constexpr GLuint kReflectanceMapUnit = 16;
 inline constexpr GLuint kReflectanceUnit = 17;
 inline constexpr GLint kRangeLocation = 0;  // uniforms
+inline constexpr GLint kDepthLocation = 1;
 
 // What is kept of each sample between the two steps of a drawing.
 enum Layer : unsigned {
@@ -85,15 +86,13 @@ class Programs {
  public:
   explicit Programs(const GladGLContext& gl) : gl_(gl) {}
 
-  // The number of a set of families that one shading program serves.
-  unsigned family_set(const std::vector<materials::Laws>& families);
-
   // Each returns 0 when the driver refuses a shader: *problem says why.
   //
   GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows,
                   std::string* problem);
-  GLuint shading(unsigned family_set, LayerSet layers, bool one_material, bool shadows,
+  GLuint shading(const materials::Laws& family, LayerSet layers, bool one_material, bool shadows,
                  std::string* problem);
+  GLuint classes(std::string* problem);
   GLuint shadow(bool cutout, std::string* problem);
   GLuint ids(bool cutout, std::string* problem);
   GLuint decal(std::string* problem);
@@ -105,9 +104,9 @@ class Programs {
   GlProgram made(const std::string& vertex, const std::string& fragment, std::string* problem);
 
   const GladGLContext& gl_;
-  std::map<std::vector<materials::Laws>, unsigned> family_sets_;
   std::map<unsigned, GlProgram> geometry_;
-  std::map<std::uint64_t, GlProgram> shading_;
+  std::map<std::pair<materials::Laws, unsigned>, GlProgram> shading_;
+  GlProgram classes_;
   std::array<GlProgram, 2> shadow_;
   std::array<GlProgram, 2> ids_;
   GlProgram decal_;

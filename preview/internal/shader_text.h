@@ -7,6 +7,7 @@ extern const char* const draw_glsl;
 extern const char* const cutout_glsl;
 extern const char* const model_vert;
 extern const char* const screen_vert;
+extern const char* const classes_frag;
 extern const char* const geometry_frag;
 extern const char* const shading_frag;
 extern const char* const ids_frag;

@@ -1,5 +1,5 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, any of PAINTED
-// ROUGH BRUSHED REFLECTING ONE_MATERIAL SHADOWED (with shadow.glsl), and the formulas of its families
+// ROUGH BRUSHED REFLECTING ONE_MATERIAL SHADOWED (with shadow.glsl), and the formulas of its family
 // (materials/formulas), with what reads a material (materials/formula_text.h).
 
 layout(std140, binding = 0) uniform View {
@@ -11,9 +11,9 @@ layout(std140, binding = 0) uniform View {
 }
 view;
 
-// of the target that this pass shades: its first item, how many it has; the variant
+// of the target that this pass shades: its first item
 layout(location = 0) uniform uvec4 range;
-layout(binding = 5) uniform usamplerBuffer items;  // x: material, y: variant, z: family
+layout(binding = 5) uniform usamplerBuffer items;  // x: material, y: class
 layout(binding = 2) uniform sampler2D seen_samples;  // as geometry.frag leaves them
 #ifdef PAINTED
 layout(binding = 3) uniform sampler2D paints;
@@ -74,12 +74,10 @@ void roughen(inout Surface surface, float length_of_mean, vec2 rough) {
 
 void main() {
   vec4 seen = texelFetch(seen_samples, ivec2(gl_FragCoord.xy), 0);
-  int item = int(seen.w) - 1 - int(range.x);
-  if (item < 0 || item >= int(range.y)) discard;
-  uvec4 of_item = texelFetch(items, item);
+  // note: what is here belongs to the class of this pass, by the depth test (classes.frag)
 #ifndef ONE_MATERIAL
-  if (of_item.y != range.z) discard;
-  int first_row = kMaterialRows * int(of_item.x);
+  int item = int(seen.w) - 1 - int(range.x);
+  int first_row = kMaterialRows * int(texelFetch(items, item).x);
 #endif
 
   // the line of sight of this sample, free of where the surface is and how far
@@ -114,7 +112,7 @@ void main() {
 
   // where the normal faces away from the viewer, at the limb of a smooth mesh, surface_brdf takes
   // the viewer to the horizon
-  radiance = vec4(surface_radiance(of_item.z, surface, view.to_sun.xyz, to_viewer, unit_or_zero(seen.xyz),
+  radiance = vec4(surface_radiance(surface, view.to_sun.xyz, to_viewer, unit_or_zero(seen.xyz),
                                    view.irradiance.rgb),
                   1.0);
 #ifdef ROUGH

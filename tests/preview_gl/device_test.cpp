@@ -17,12 +17,12 @@ bool was_reset = false;    // as a driver reports it
 int errors_to_report = 0;  // out of memory, one for each question
 PFNGLGETERRORPROC real_get_error = nullptr;
 
-GLenum APIENTRY get_error() {
+GLenum GLAD_API_PTR get_error() {
   if (errors_to_report == 0) return real_get_error();
   --errors_to_report;
   return GL_OUT_OF_MEMORY;
 }
-GLenum APIENTRY reset_status() { return was_reset ? GL_UNKNOWN_CONTEXT_RESET : GL_NO_ERROR; }
+GLenum GLAD_API_PTR reset_status() { return was_reset ? GL_UNKNOWN_CONTEXT_RESET : GL_NO_ERROR; }
 
 class FaultyContext final : public Context {
  public:
