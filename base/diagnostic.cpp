@@ -90,15 +90,16 @@ void DiagnosticLog::sort_by_place() {
 }
 
 int exit_code(const DiagnosticLog& log) {
-  bool usage = false, io = false, damaged = false;
+  bool usage = false, io = false, damaged = false, cancelled = false;
   for (const Diagnostic& entry : log.entries()) {
     const std::string_view name = code_info(entry.code).name;
+    if (name.starts_with("E00")) cancelled = true;
     if (name.starts_with("E02")) usage = true;
     if (name.starts_with("E01")) io = true;
     if (name.starts_with("E4")) damaged = true;
   }
   if (!log.has_errors()) return 0;
-  return usage ? 2 : io ? 3 : damaged ? 4 : 1;
+  return cancelled ? 130 : usage ? 2 : io ? 3 : damaged ? 4 : 1;
 }
 
 std::optional<std::string_view> nearest_name(std::string_view name,

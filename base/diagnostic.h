@@ -81,7 +81,7 @@ class DiagnosticLog {
 };
 
 // The process exit code that a log asks for (docs/conventions.md 15): 0 without errors; otherwise
-// 2 usage, 3 I/O, 4 a damaged pan, 1 anything else, the first of these that occurs.
+// 130 cancelled, 2 usage, 3 I/O, 4 a damaged pan, 1 anything else, the first of these that occurs.
 int exit_code(const DiagnosticLog& log);
 
 struct TextStyle {

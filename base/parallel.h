@@ -4,14 +4,17 @@
 #include <cstddef>
 #include <functional>
 
+#include "base/job.h"
+
 namespace panwright {
 
-// The threads that parallel_for uses: 0 means all cores. The result of a computation never
-// depends on it.
-void set_thread_count(std::size_t threads);
-std::size_t thread_count();
-
-// Calls body(i) for i in [0, count), in any order, on several threads; body must not throw.
-void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
+// Calls body(i) for i in [0, count), in any order, on the threads of the job, or, without one, of
+// the job that the caller runs in (run_on_threads): else on all cores. The result of a computation
+// never depends on their number.
+//
+//   body  throws nothing but Cancelled
+//   job   asked before each call; throws Cancelled once it is, when no body runs any more
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body,
+                  const Job& job = {});
 
 }  // namespace panwright

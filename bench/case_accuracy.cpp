@@ -11,12 +11,14 @@
 #include "bench/bench.h"
 #include "bench/flip.h"
 #include "bench/scenes.h"
+#include "preview/view.h"
 #include "compiler/compile.h"
 #include "materials/spectra.h"
 #include "pan/model.h"
 #include "preview/reference/reference.h"
 #include "preview/renderer.h"
 #include "pxn/pxn.h"
+#include "tests/support/model_renderer.h"
 
 namespace panwright::bench {
 namespace {
@@ -94,17 +96,12 @@ std::vector<std::pair<std::string, Material>> all_laws() {
   return all;
 }
 
-struct Subject {
-  std::unique_ptr<pan::Model> model;
-  preview::View view;
-};
-
-std::unique_ptr<pan::Model> compiled_model(const scene::Scene& scene, DiagnosticLog& log) {
+world::ModelPtr compiled_model(const scene::Scene& scene, DiagnosticLog& log) {
   const auto bytes = compiler::compiled(scene, {}, log);
   if (!bytes) return nullptr;
   auto model = pan::Model::from_bytes(*bytes, "bench", log);
   if (!model || !model->check(log)) return nullptr;
-  return std::make_unique<pan::Model>(*std::move(model));
+  return std::make_shared<const pan::Model>(*std::move(model));
 }
 
 preview::View view_from(const Vec3& eye, const Vec3& target, double fov, const Vec3& to_sun,
@@ -139,18 +136,16 @@ double flux_of(const preview::Image& image, const world::Camera& camera) {
   return std::max({sum.x, sum.y, sum.z});
 }
 
-void compare(Context& context, preview::Context& gl, const std::string& setting,
-             const pan::Model& model, const preview::View& view, std::uint32_t bounces,
-             double until_error, DiagnosticLog& log) {
-  auto renderer = preview::Renderer::create(gl, model, log);
-  auto reference = preview::Reference::create(model, log);
-  if (!renderer || !reference) return;
+void compare(Context& context, const std::shared_ptr<preview::Device>& gl,
+             const std::string& setting, const world::ModelPtr& model, const preview::View& view,
+             std::uint32_t bounces, double until_error, DiagnosticLog& log) {
+  support::ModelRenderer renderer(gl, *model);
   preview::RenderOptions fast;
   fast.samples = kSamples;
   std::optional<preview::Image> image;
   const Timing timing = timed(
       [&] {
-        auto drawn = renderer->render(view, fast, log);
+        auto drawn = renderer.render(view, fast, log);
         if (drawn) image = *std::move(drawn);
       },
       context.runs());
@@ -159,7 +154,7 @@ void compare(Context& context, preview::Context& gl, const std::string& setting,
   slow.until_error = context.quick() ? 0 : until_error;
   slow.samples = context.quick() ? 8 : 32;
   slow.max_samples = 256;
-  const auto truth = reference->render(view, slow, log);
+  const auto truth = preview::Reference().render(world_of(model, view), view.camera, slow, log);
   if (!image || !truth) return;
 
   const std::vector<float> seen = shown(*image);
@@ -199,21 +194,21 @@ void compare(Context& context, preview::Context& gl, const std::string& setting,
 
 void run_accuracy(Context& context) {
   DiagnosticLog log;
-  auto gl = preview::Context::create(preview::ContextKind::automatic, log);
+  auto gl = preview::Device::create(preview::ContextKind::automatic, log);
   if (!gl) {
     context.note("there is no OpenGL context, so nothing was measured");
     return;
   }
-  context.set_renderer((*gl)->renderer());
+  context.set_renderer((*gl)->context().renderer());
   const std::uint32_t side = context.quick() ? 64 : 256;
   const Vec3 to_sun(0.8, -0.5, 0.33);
   for (const auto& [name, material] : all_laws()) {
-    const auto model = compiled_model(sphere_scene({240, 480}, material), log);
+    const world::ModelPtr model = compiled_model(sphere_scene({240, 480}, material), log);
     if (!model) return;
     // the sphere fills nine tenths of the picture
     const preview::View view =
         view_from({0, -20, 0}, Vec3(0), 2 * std::asin(1.0 / 18), to_sun, side, log);
-    compare(context, **gl, "sphere, " + name, *model, view, 0, 5e-4, log);
+    compare(context, *gl, "sphere, " + name, model, view, 0, 5e-4, log);
     if (context.quick()) break;
   }
   const auto path = context.source("examples/servicer/servicer.pxn");
@@ -224,8 +219,8 @@ void run_accuracy(Context& context) {
   const preview::View view =
       view_from({9, -11, 6}, {0, 0, 0.4}, 24 * kDegree, {1, 0.2, 0.5}, side, log);
   if (!authored) return;
-  compare(context, **gl, "servicer, as authored", *authored, view, 0, 2e-3, log);
-  compare(context, **gl, "servicer, as authored, with light between surfaces", *authored, view, 3,
+  compare(context, *gl, "servicer, as authored", authored, view, 0, 2e-3, log);
+  compare(context, *gl, "servicer, as authored, with light between surfaces", authored, view, 3,
           2e-3, log);
   if (context.quick()) return;
   for (const auto& [name, material] : all_laws()) {
@@ -239,7 +234,7 @@ void run_accuracy(Context& context) {
       each.name = own;
     }
     const auto model = compiled_model(worn, log);
-    if (model) compare(context, **gl, "servicer, " + name, *model, view, 0, 2e-3, log);
+    if (model) compare(context, *gl, "servicer, " + name, model, view, 0, 2e-3, log);
   }
 }
 

@@ -184,7 +184,7 @@ void add_shapes(Context& context) {
   geometry::Sphere sphere;
   const std::pair<geometry::Shape, double> shapes[] = {
       {sphere, 2e-6}, {torus, 2e-6}, {ellipsoid, 2e-6}, {dish, 5e-7}};
-  set_thread_count(1);
+  const Job one_core({1, {}});
   for (const auto& [shape, tolerance] : shapes) {
     scene::Scene scene = sphere_scene({8, 8}, lambert_material(0.8));
     scene.shapes = {shape};
@@ -193,7 +193,8 @@ void add_shapes(Context& context) {
     const Timing timing = timed(
         [&] {
           DiagnosticLog log;
-          const auto done = compiler::compile(scene, {}, context.scratch() / "shape.pan", log);
+          const auto done = compiler::compile(scene, {}, context.scratch() / "shape.pan", log,
+                                               one_core);
           if (done) report = *done;
         },
         context.runs());
@@ -209,7 +210,6 @@ void add_shapes(Context& context) {
     set_rate(row, timing, 1e-6 * static_cast<double>(report.triangles));
     context.add(row);
   }
-  set_thread_count(0);
 }
 
 void run(Context& context) {

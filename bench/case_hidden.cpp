@@ -141,7 +141,7 @@ void run_assembly(Context& context, const Assembly& assembly) {
       [&] {
         after = assembly.scene;
         DiagnosticLog log;
-        report = compiler::prune_hidden(after, options_of(context), log);
+        report = *compiler::prune_hidden(after, options_of(context), log);
       },
       context.quick() ? 1 : 3);
   const Known share = known(assembly, after);
@@ -176,13 +176,13 @@ void run_model(Context& context, const std::string& name) {
     context.note(name + " could not be read");
     return;
   }
-  importers::clean_up(model->scene, {}, log);
+  (void)importers::clean_up(model->scene, {}, log);
   scene::Scene after;
   HiddenReport report;
   const Timing timing = timed(
       [&] {
         after = model->scene;
-        report = compiler::prune_hidden(after, options_of(context), log);
+        report = *compiler::prune_hidden(after, options_of(context), log);
       },
       1);
   const Seen seen =

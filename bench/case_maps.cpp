@@ -9,11 +9,13 @@
 
 #include "bench/bench.h"
 #include "bench/scenes.h"
+#include "preview/view.h"
 #include "geometry/tessellate.h"
 #include "pan/model.h"
 #include "pan/writer.h"
 #include "preview/reference/reference.h"
 #include "preview/renderer.h"
+#include "tests/support/model_renderer.h"
 
 namespace panwright::bench {
 
@@ -166,7 +168,7 @@ std::vector<Dress> spheres() {
   return all;
 }
 
-void run_spheres(Context& context, preview::Context& gl) {
+void run_spheres(Context& context, const std::shared_ptr<preview::Device>& gl) {
   DiagnosticLog log;
   const std::uint32_t size = context.quick() ? 200 : 1000;
   preview::View view;
@@ -176,21 +178,19 @@ void run_spheres(Context& context, preview::Context& gl) {
     view.camera.world_from_camera = *turn;
   view.to_sun = glm::normalize(Vec3(0.5, 0.2, 1));
   const std::vector<Dress> all = spheres();
-  std::list<pan::Model> models;
-  std::vector<preview::Renderer> renderers;
+  std::list<world::ModelPtr> models;
+  std::list<support::ModelRenderer> renderers;
   std::vector<Vec3> truth;
   for (const Dress& dress : all) {
     auto model = pan::Model::from_bytes(pan::write_to_memory(dress.contents), dress.name, log);
     if (!model || !model->check(log)) return context.note("a sphere could not be built");
-    models.push_back(*std::move(model));
-    auto renderer = preview::Renderer::create(gl, models.back(), log);
-    const auto reference = preview::Reference::create(models.back(), log);
-    if (!renderer || !reference) return context.note("a sphere could not be set up");
-    renderers.push_back(*std::move(renderer));
+    models.push_back(std::make_shared<const pan::Model>(*std::move(model)));
+    renderers.emplace_back(gl, *models.back());
     preview::ReferenceOptions slow;
     slow.bounces = 0;
     slow.samples = 32;
-    const auto image = reference->render(view, slow, log);
+    const auto image =
+        preview::Reference().render(world_of(models.back(), view), view.camera, slow, log);
     if (!image) return context.note("a sphere could not be traced");
     truth.push_back({image->flux.x, image->flux_error.x, 0});
   }
@@ -199,7 +199,7 @@ void run_spheres(Context& context, preview::Context& gl) {
   std::vector<Variant> variants;
   for (std::size_t i = 0; i < all.size(); ++i)
     variants.push_back({all[i].name, [&, i] {
-                          const auto image = renderers[i].render(view, {}, log);
+                          const auto image = std::next(renderers.begin(), i)->render(view, {}, log);
                           if (!image) return;
                           flux[i] = 0;
                           for (std::size_t pixel = 0; pixel < image->pixels(); ++pixel)
@@ -223,10 +223,10 @@ void run_spheres(Context& context, preview::Context& gl) {
 
 void run(Context& context) {
   DiagnosticLog log;
-  auto gl = preview::Context::create(preview::ContextKind::automatic, log);
+  auto gl = preview::Device::create(preview::ContextKind::automatic, log);
   if (!gl) return context.note("no OpenGL context: nothing measured");
-  context.set_renderer((*gl)->renderer());
-  run_spheres(context, **gl);
+  context.set_renderer((*gl)->context().renderer());
+  run_spheres(context, *gl);
   const std::uint32_t size = context.quick() ? 200 : 1000;
   const std::uint32_t quads = context.quick() ? 50 : 300;
   preview::View view;
@@ -238,20 +238,18 @@ void run(Context& context) {
 
   const std::vector<Dress> all = dresses(quads);
   std::list<pan::Model> models;
-  std::vector<preview::Renderer> renderers;
+  std::list<support::ModelRenderer> renderers;
   for (const Dress& dress : all) {
     auto model = pan::Model::from_bytes(pan::write_to_memory(dress.contents), dress.name, log);
     if (!model || !model->check(log)) return context.note("a plate could not be built");
     models.push_back(*std::move(model));
-    auto renderer = preview::Renderer::create(**gl, models.back(), log);
-    if (!renderer) return context.note("a plate could not be set up");
-    renderers.push_back(*std::move(renderer));
+    renderers.emplace_back(*gl, models.back());
   }
   std::vector<double> mean(all.size());
   std::vector<Variant> variants;
   for (std::size_t i = 0; i < all.size(); ++i)
     variants.push_back({all[i].name, [&, i] {
-                          const auto image = renderers[i].render(view, {}, log);
+                          const auto image = std::next(renderers.begin(), i)->render(view, {}, log);
                           if (!image) return;
                           mean[i] = 0;
                           for (std::size_t pixel = 0; pixel < image->pixels(); ++pixel)

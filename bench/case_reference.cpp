@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "bench/bench.h"
+#include "preview/view.h"
 #include "geometry/instances.h"
 #include "geometry/tessellate.h"
 #include "pan/writer.h"
@@ -19,7 +20,7 @@ namespace {
 
 constexpr double kDistance = 1e5;  // radii
 
-pan::Model ball(std::uint32_t rings) {
+world::ModelPtr ball(std::uint32_t rings) {
   DiagnosticLog log;
   const auto mesh =
       geometry::tessellated(geometry::Sphere{1, geometry::SphereCounts{rings, rings}}, {}, {}, log);
@@ -30,7 +31,7 @@ pan::Model ball(std::uint32_t rings) {
   contents.instances.push_back({0, 0, 0, -1});
   auto model = pan::Model::from_bytes(pan::write_to_memory(contents), "ball.pan", log);
   model->check(log);
-  return std::move(*model);
+  return std::make_shared<const pan::Model>(std::move(*model));
 }
 
 // The ball fills the image but for its corners; radius in pixels.
@@ -53,25 +54,25 @@ double flux_error(const preview::ReferenceImage& image, double phase) {
 
 // Whole pictures: camera rays are those of a ball that is lit from behind, where nothing else is
 // to do; shadow rays come with the camera rays of a ball that is lit from the camera.
-void pictures(Context& context, const pan::Model& model, double mesh_error) {
+void pictures(Context& context, const world::ModelPtr& model, double mesh_error) {
   DiagnosticLog log;
-  const auto reference = preview::Reference::create(model, log);
+  preview::Reference reference;
   const std::uint32_t size = context.quick() ? 64 : 512;
   preview::ReferenceOptions options;
   options.samples = context.quick() ? 8 : 16;
   options.sun_disc = false;
   options.bounces = 0;
   preview::ReferenceImage lit, dark, full;
-  const preview::View front = view_of(0.41 * size, size, 0);
-  const preview::View behind = view_of(0.41 * size, size, kPi);
-  const preview::View aside = view_of(0.41 * size, size, kPi / 3);
+  const auto render = [&](double phase, const preview::ReferenceOptions& how) {
+    const preview::View view = view_of(0.41 * size, size, phase);
+    return *reference.render(world_of(model, view), view.camera, how, log);
+  };
   preview::ReferenceOptions all;
   all.samples = options.samples;
-  const std::vector<Timing> timings =
-      interleaved({{"dark", [&] { dark = *reference->render(behind, options, log); }},
-                   {"lit", [&] { lit = *reference->render(front, options, log); }},
-                   {"full", [&] { full = *reference->render(aside, all, log); }}},
-                  context.quick() ? 2 : 5);
+  const std::vector<Timing> timings = interleaved({{"dark", [&] { dark = render(kPi, options); }},
+                                                   {"lit", [&] { lit = render(0, options); }},
+                                                   {"full", [&] { full = render(kPi / 3, all); }}},
+                                                  context.quick() ? 2 : 5);
   const auto row = [&](std::string setting, const Timing& timing, double rays, double error,
                        double uncertainty) {
     Row result{.case_name = "reference",
@@ -152,16 +153,17 @@ void rays(Context& context, std::uint32_t rings) {
 }
 
 // A ball whose disc is 1 % of a pixel, to 0.1 %.
-void small_ball(Context& context, const pan::Model& model, double mesh_error) {
+void small_ball(Context& context, const world::ModelPtr& model, double mesh_error) {
   DiagnosticLog log;
-  const auto reference = preview::Reference::create(model, log);
+  preview::Reference reference;
   preview::ReferenceOptions options;
   options.until_error = context.quick() ? 1e-2 : 1e-3 / 3;
   preview::ReferenceImage image;
   preview::View view = view_of(0.1 / std::sqrt(kPi), 16, kPi / 3);
   view.camera.principal = Vec2(8.13, 8.81);
-  const Timing timing =
-      timed([&] { image = *reference->render(view, options, log); }, context.quick() ? 2 : 5);
+  const world::World world = world_of(model, view);
+  const Timing timing = timed([&] { image = *reference.render(world, view.camera, options, log); },
+                              context.quick() ? 2 : 5);
   Row row{.case_name = "reference",
           .setting = fmt::format("a ball over 1 % of a pixel, --until-error {:.2g}%",
                                  100 * options.until_error),
@@ -179,7 +181,7 @@ void small_ball(Context& context, const pan::Model& model, double mesh_error) {
 
 void run(Context& context) {
   const std::uint32_t rings = context.quick() ? 60 : 400;
-  const pan::Model model = ball(rings);
+  const world::ModelPtr model = ball(rings);
   // what chords take off the disc
   const double mesh_error = 1 - std::sin(2 * kPi / rings) / (2 * kPi / rings);
   rays(context, rings);

@@ -11,6 +11,7 @@
 #include "geometry/tessellate.h"
 #include "pan/model.h"
 #include "preview/renderer.h"
+#include "tests/support/model_renderer.h"
 #include "tests/support/oracles.h"
 
 namespace panwright::bench {
@@ -32,7 +33,7 @@ struct Measured {
 
 class Studio {
  public:
-  Studio(preview::Context& gl, const geometry::SphereCounts& counts,
+  Studio(const std::shared_ptr<preview::Device>& gl, const geometry::SphereCounts& counts,
          const materials::Material& material, DiagnosticLog& log)
       : log_(log) {
     auto bytes = compiler::compiled(sphere_scene(counts, material), {}, log);
@@ -40,12 +41,11 @@ class Studio {
     auto model = pan::Model::from_bytes(*bytes, "sphere", log);
     if (!model || !model->check(log)) return;
     model_ = std::make_unique<pan::Model>(*std::move(model));
-    auto renderer = preview::Renderer::create(gl, *model_, log);
-    if (renderer) renderer_ = std::make_unique<preview::Renderer>(*std::move(renderer));
+    renderer_ = std::make_unique<support::ModelRenderer>(gl, *model_);
   }
 
   bool ready() const { return renderer_ != nullptr; }
-  preview::Renderer& renderer() { return *renderer_; }
+  support::ModelRenderer& renderer() { return *renderer_; }
 
   // The camera on −y, the Sun at a phase angle towards +x, which is right in the image.
   static preview::View view(double phase, DiagnosticLog& log) {
@@ -88,7 +88,7 @@ class Studio {
  private:
   DiagnosticLog& log_;
   std::unique_ptr<pan::Model> model_;
-  std::unique_ptr<preview::Renderer> renderer_;
+  std::unique_ptr<support::ModelRenderer> renderer_;
 };
 
 double worst_relative(const Vec3& measured, const Vec3& expected) {
@@ -117,7 +117,7 @@ Vec3 figure8_closed_form(double phase_deg) {
          material.weights.y * material.specular * *oracles::seed_lobe_intensity(phase_deg);
 }
 
-void run_figure8(Context& context, preview::Context& gl, DiagnosticLog& log) {
+void run_figure8(Context& context, const std::shared_ptr<preview::Device>& gl, DiagnosticLog& log) {
   const geometry::SphereCounts counts{100, 60};
   const materials::Material material = figure8_material();
   Studio studio(gl, counts, material, log);
@@ -148,8 +148,8 @@ void run_figure8(Context& context, preview::Context& gl, DiagnosticLog& log) {
   }
 }
 
-void run_lambert(Context& context, preview::Context& gl, DiagnosticLog& log, std::uint32_t side,
-                 unsigned samples, bool bound) {
+void run_lambert(Context& context, const std::shared_ptr<preview::Device>& gl, DiagnosticLog& log,
+                 std::uint32_t side, unsigned samples, bool bound) {
   Studio studio(gl, {side, side}, lambert_material(1), log);
   if (!studio.ready()) return context.note("a Lambert sphere could not be set up");
   for (const double phase_deg : {0.0, 60.0, 90.0}) {
@@ -176,7 +176,8 @@ void run_lambert(Context& context, preview::Context& gl, DiagnosticLog& log, std
 
 // Without shadows, against the same context's draw of the same triangles with the shortest shader
 // there is.
-void run_throughput(Context& context, preview::Context& gl, DiagnosticLog& log) {
+void run_throughput(Context& context, const std::shared_ptr<preview::Device>& gl,
+                    DiagnosticLog& log) {
   const std::uint32_t side = context.quick() ? 100 : 708;  // 708: 1,001,112 triangles
   Studio studio(gl, {side, side}, lambert_material(1), log);
   if (!studio.ready()) return context.note("the throughput model could not be set up");
@@ -205,19 +206,19 @@ void run_throughput(Context& context, preview::Context& gl, DiagnosticLog& log) 
 
 void run(Context& context) {
   DiagnosticLog log;
-  auto gl = preview::Context::create(preview::ContextKind::automatic, log);
+  auto gl = preview::Device::create(preview::ContextKind::automatic, log);
   if (!gl) {
     context.note("no OpenGL context: nothing measured");
     return;
   }
-  context.set_renderer((*gl)->renderer());
-  run_figure8(context, **gl, log);
-  run_lambert(context, **gl, log, context.quick() ? 100 : 400, 4, !context.quick());
+  context.set_renderer((*gl)->context().renderer());
+  run_figure8(context, *gl, log);
+  run_lambert(context, *gl, log, context.quick() ? 100 : 400, 4, !context.quick());
   for (const std::uint32_t side : {25u, 50u, 100u, 200u, 800u})
-    if (!context.quick()) run_lambert(context, **gl, log, side, 4, false);
+    if (!context.quick()) run_lambert(context, *gl, log, side, 4, false);
   for (const unsigned samples : {1u, 2u, 8u})
-    if (!context.quick()) run_lambert(context, **gl, log, 400, samples, false);
-  run_throughput(context, **gl, log);
+    if (!context.quick()) run_lambert(context, *gl, log, 400, samples, false);
+  run_throughput(context, *gl, log);
 }
 
 const bool kAdded =

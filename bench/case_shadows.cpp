@@ -10,6 +10,7 @@
 #include "pan/model.h"
 #include "preview/renderer.h"
 #include "pxn/pxn.h"
+#include "tests/support/model_renderer.h"
 #include "tests/support/sun_rays.h"
 
 namespace panwright::bench {
@@ -71,7 +72,7 @@ Errors errors(const pan::Model& model, const preview::View& view, const preview:
 }
 
 // renderers: the second keeps its map
-void run_side(Context& context, std::array<preview::Renderer, 2>& renderers,
+void run_side(Context& context, std::array<support::ModelRenderer, 2>& renderers,
               const pan::Model& model, const Side& side, DiagnosticLog& log) {
   const preview::View small = view_of(side, 256, log);
   const preview::View large = view_of(side, context.quick() ? 256 : 1024, log);
@@ -125,18 +126,16 @@ void run_side(Context& context, std::array<preview::Renderer, 2>& renderers,
 
 void run(Context& context) {
   DiagnosticLog log;
-  auto gl = preview::Context::create(preview::ContextKind::automatic, log);
+  auto gl = preview::Device::create(preview::ContextKind::automatic, log);
   if (!gl) return context.note("no OpenGL context: nothing measured");
-  context.set_renderer((*gl)->renderer());
+  context.set_renderer((*gl)->context().renderer());
   const auto scene = pxn::read(context.source("examples/servicer/servicer.pxn"), {}, log);
   if (!scene) return context.note("the servicer could not be read");
   const auto bytes = compiler::compiled(*scene, {}, log);
   auto model = bytes ? pan::Model::from_bytes(*bytes, "servicer", log) : Result<pan::Model>(failed);
   if (!model || !model->check(log)) return context.note("the servicer could not be compiled");
-  auto first = preview::Renderer::create(**gl, *model, log);
-  auto second = preview::Renderer::create(**gl, *model, log);
-  if (!first || !second) return context.note("the servicer could not be drawn");
-  std::array<preview::Renderer, 2> renderers{*std::move(first), *std::move(second)};
+  std::array<support::ModelRenderer, 2> renderers{support::ModelRenderer(*gl, *model),
+                                                  support::ModelRenderer(*gl, *model)};
   for (const Side& side : {Side{"front", {8, -8.5, 5.5}, {1, -0.6, 0.6}},
                            Side{"back", {-8, 8.5, 3.5}, {-1, 1.2, 1.6}}})
     run_side(context, renderers, *model, side, log);

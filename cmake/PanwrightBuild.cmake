@@ -16,12 +16,16 @@ endif()
 
 add_library(panwright_flags INTERFACE)
 add_library(panwright::flags ALIAS panwright_flags)
+# note: all of this is for our own code. Whoever uses the installed libraries keeps their own flags: no
+# public header depends on these, as the test "install" checks.
 # note: -ffp-contract=off keeps results equal whatever the processor's FMA
-target_compile_options(panwright_flags INTERFACE -ffp-contract=off)
+target_compile_options(panwright_flags INTERFACE $<BUILD_INTERFACE:-ffp-contract=off>)
 # note: GCC 12 at -O2 drops double → float → double of neighbouring components in its straight-line
 # vectoriser, and with it roundings that decide bytes and measured errors
-target_compile_options(panwright_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
-target_compile_definitions(panwright_flags INTERFACE GLM_FORCE_CTOR_INIT GLM_FORCE_DEPTH_ZERO_TO_ONE)
+target_compile_options(panwright_flags INTERFACE
+  $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>>)
+target_compile_definitions(panwright_flags INTERFACE $<BUILD_INTERFACE:GLM_FORCE_CTOR_INIT>)
+target_compile_features(panwright_flags INTERFACE cxx_std_20)
 target_include_directories(panwright_flags INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/panwright>)
 set(PANWRIGHT_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Werror=return-type)

@@ -10,14 +10,17 @@ install(TARGETS panwright_flags ${libraries} EXPORT panwright
         ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
 install(EXPORT panwright NAMESPACE panwright:: DESTINATION "${PANWRIGHT_CONFIG_DIR}"
         FILE panwright-targets.cmake)
-install(DIRECTORY base geometry materials scene pan world importers compiler pxn preview schemas
+# public headers only: those of one format each are the importers' own, but for what writes glTF
+install(DIRECTORY base geometry materials scene pan world importers compiler pxn preview workspace schemas
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright"
-        FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE)
+        FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE
+        REGEX "/importers/(vrml|gltf|meshes|step)$" EXCLUDE)
+install(FILES importers/gltf/export.h DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright/importers/gltf")
 install(FILES schemas/pxn-0.xsd schemas/pxn.xsd DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
 install(DIRECTORY materials/presets DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright"
         FILES_MATCHING PATTERN "*.pxn")
 install(DIRECTORY examples DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
-install(FILES LICENSE docs/pxn-reference.md docs/pan-format.md docs/conventions.md
+install(FILES LICENSE docs/pxn-reference.md docs/pan-format.md docs/conventions.md docs/using-the-library.md
         DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 
 install(TARGETS panwright_tool RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")

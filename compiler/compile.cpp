@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <mutex>
 #include <optional>
 #include <set>
 
 #include "base/parallel.h"
-#include "base/progress.h"
 #include "base/text.h"
 #include "compiler/internal/decals.h"
 #include "compiler/internal/jobs.h"
@@ -22,14 +20,14 @@ namespace panwright::compiler {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using internal::Job;
+using internal::MeshJob;
 using internal::Plan;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-std::string mesh_name(const Job& job, std::size_t index) {
+std::string mesh_name(const MeshJob& job, std::size_t index) {
   return fmt::format("{}{}", geometry::kind_name(*job.shape), index + 1);
 }
 
@@ -56,7 +54,7 @@ struct Product {
   std::vector<char> hidden;  // decals that show nothing
 };
 
-void place_decals(const scene::Scene& scene, const Job& job, const geometry::Mesh& mesh,
+void place_decals(const scene::Scene& scene, const MeshJob& job, const geometry::Mesh& mesh,
                   Product& out) {
   for (const std::uint32_t decal : job.decals) {
     out.decals[decal] = internal::placed(scene.decals[decal], mesh);
@@ -66,7 +64,7 @@ void place_decals(const scene::Scene& scene, const Job& job, const geometry::Mes
 
 void make_job(const scene::Scene& scene, const Plan& plan, std::size_t index,
               const Options& options, Product& out, DiagnosticLog& log) {
-  const Job& job = plan.jobs[index];
+  const MeshJob& job = plan.jobs[index];
   const geometry::TessellationOptions tessellation = internal::tessellation_of(job, options);
   const auto* authored = std::get_if<geometry::MeshShape>(job.shape);
   if (authored && !job.projected() && !job.boxed) {  // nothing to change, so nothing to copy
@@ -113,8 +111,8 @@ void report_hidden(const scene::Scene& scene, const Product& product, Diagnostic
 // Makes the meshes, all of them together within the limit. What cannot be made is reported and
 // left empty.
 Product make_all(const scene::Scene& scene, const Plan& plan, const Options& options,
-                 DiagnosticLog& log) {
-  const std::vector<Job>& jobs = plan.jobs;
+                 DiagnosticLog& log, const Job& job) {
+  const std::vector<MeshJob>& jobs = plan.jobs;
   Product out;
   out.meshes.resize(jobs.size());
   out.decals.resize(scene.decals.size());
@@ -137,28 +135,28 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
                                  "limit of {} for a model (--max-triangles)",
                                  more, planned, options.max_triangles));
   }
-  Progress progress("tessellating", jobs.size());
-  std::mutex mutex;
-  parallel_for(jobs.size(), [&](std::size_t i) {
+  Phase phase(job, "tessellating", jobs.size());
+  const auto make = [&](std::size_t i) {
     if (allowed[i]) make_job(scene, plan, i, options, out, logs[i]);
-    const std::lock_guard lock(mutex);
-    progress.advance();
-  });
+    phase.advance();
+  };
+  parallel_for(jobs.size(), make, job);
   for (std::size_t i = 0; i < jobs.size(); ++i) pass_on(logs[i], jobs[i].user->source, log);
   report_hidden(scene, out, log);
   return out;
 }
 
 // Warns of laws that give back more light than they get.
-void certify(const scene::Scene& scene, DiagnosticLog& log) {
+void certify(const scene::Scene& scene, DiagnosticLog& log, const Job& job) {
   // what quadrature and fits may be off by
   constexpr double kTolerance = 1e-3;
   std::vector<std::optional<materials::Gain>> gains(scene.materials.size());
-  parallel_for(gains.size(), [&](std::size_t i) {
+  const auto certify_one = [&](std::size_t i) {
     const materials::Material& material = scene.materials[i];
     if (materials::may_gain(material))
       gains[i] = materials::gain_above(material, kTolerance + material.fits.error);
-  });
+  };
+  parallel_for(gains.size(), certify_one, job);
   for (std::size_t i = 0; i < gains.size(); ++i) {
     if (!gains[i]) continue;
     const materials::Material& material = scene.materials[i];
@@ -204,8 +202,8 @@ void copy_tables(const scene::Scene& scene, pan::Contents& out) {
 // Says where texture coordinates were made up.
 void report_boxed(const scene::Scene& scene, const Plan& plan, DiagnosticLog& log) {
   std::size_t count = 0;
-  const Job* first = nullptr;
-  for (const Job& job : plan.jobs) {
+  const MeshJob* first = nullptr;
+  for (const MeshJob& job : plan.jobs) {
     if (!job.boxed) continue;
     ++count;
     if (first == nullptr) first = &job;
@@ -232,7 +230,7 @@ pan::layout::Need need_record(const scene::Need& need, const Options& options, d
   return record;
 }
 
-pan::layout::MeshNeed mesh_need(const Job& job) {
+pan::layout::MeshNeed mesh_need(const MeshJob& job) {
   const bool counts = job.reason == pan::layout::NeedReason::explicit_counts;
   return {counts ? 0 : job.max_error, static_cast<std::uint32_t>(job.reason), 0};
 }
@@ -265,11 +263,11 @@ void place_instances(const scene::Scene& scene, const Plan& plan, const Options&
 }
 
 pan::Contents contents_of(const scene::Scene& scene, const Options& options, Report& report,
-                          DiagnosticLog& log) {
+                          DiagnosticLog& log, const Job& job) {
   const auto start = Clock::now();
   const Plan plan = internal::plan_of(scene, scene::world_from_nodes(scene), options);
   report_boxed(scene, plan, log);
-  Product product = make_all(scene, plan, options, log);
+  Product product = make_all(scene, plan, options, log, job);
 
   pan::Contents out;
   out.version = "panwright " PANWRIGHT_VERSION;
@@ -283,7 +281,7 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
   }
   if (plan.asked) out.need = need_record(scene.need, options, plan.smallest);
   copy_tables(scene, out);
-  certify(scene, log);
+  certify(scene, log, job);
   place_instances(scene, plan, options, mesh_of_job, product, out);
   for (const pan::InstanceContent& instance : out.instances)
     report.triangles += out.meshes[instance.mesh].triangle_count();
@@ -300,23 +298,28 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
 }  // namespace
 
 Result<Report> compile(const scene::Scene& scene, const Options& options,
-                       const std::filesystem::path& output, DiagnosticLog& log) {
-  Report report;
-  const auto contents = contents_of(scene, options, report, log);
-  const auto start = Clock::now();
-  const auto written = pan::write(contents, output, log, {.compress = options.compress});
-  if (!written) return failed;
-  report.bytes = written->bytes;
-  report.seconds_sync = written->seconds_sync;
-  report.seconds_write = seconds_since(start) - written->seconds_sync;
-  return report;
+                       const std::filesystem::path& output, DiagnosticLog& log, const Job& job) {
+  return run_job(job, log, [&]() -> Result<Report> {
+    Report report;
+    const auto contents = contents_of(scene, options, report, log, job);
+    const auto start = Clock::now();
+    const auto written = pan::write(contents, output, log, {.compress = options.compress}, job);
+    if (!written) return failed;
+    report.bytes = written->bytes;
+    report.seconds_sync = written->seconds_sync;
+    report.seconds_write = seconds_since(start) - written->seconds_sync;
+    return report;
+  });
 }
 
 Result<std::vector<std::byte>> compiled(const scene::Scene& scene, const Options& options,
-                                        DiagnosticLog& log) {
-  Report report;
-  const auto contents = contents_of(scene, options, report, log);
-  return pan::write_to_memory(contents, {.compress = options.compress});
+                                        DiagnosticLog& log, const Job& job) {
+  return run_job(job, log, [&]() -> Result<std::vector<std::byte>> {
+    Report report;
+    const auto contents = contents_of(scene, options, report, log, job);
+    job.poll();
+    return pan::write_to_memory(contents, {.compress = options.compress});
+  });
 }
 
 }  // namespace panwright::compiler

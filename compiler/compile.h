@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "base/result.h"
 #include "scene/scene.h"
 
@@ -44,14 +45,15 @@ struct Report {
 // get the same vertices there. The need, and what each mesh was made to, are stored when the scene,
 // an instance or max_error asks for something.
 //
-// Fails: E0103, E2003, E2010.
+// Fails: E0001, E0103, E2003, E2010.
 Result<Report> compile(const scene::Scene& scene, const Options& options,
-                       const std::filesystem::path& output, DiagnosticLog& log);
+                       const std::filesystem::path& output, DiagnosticLog& log,
+                       const Job& job = {});
 
 // The same bytes, in memory.
 //
-// Fails: E2003, E2010.
+// Fails: E0001, E2003, E2010.
 Result<std::vector<std::byte>> compiled(const scene::Scene& scene, const Options& options,
-                                        DiagnosticLog& log);
+                                        DiagnosticLog& log, const Job& job = {});
 
 }  // namespace panwright::compiler

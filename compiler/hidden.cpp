@@ -22,11 +22,11 @@ constexpr std::uint32_t kUnused = 0xffffffffu;
 
 // The meshes that the model will be made of, one for each instance; none: it cannot be made.
 std::vector<MeshShape> meshes_of(const scene::Scene& scene, const std::vector<Mat4>& world,
-                                 const Options& options) {
+                                 const Options& options, const Job& job_of_all) {
   const internal::Plan plan = internal::plan_of(scene, world, options);
   std::vector<MeshShape> made(plan.jobs.size());
-  parallel_for(made.size(), [&](std::size_t i) {
-    const internal::Job& job = plan.jobs[i];
+  const auto make = [&](std::size_t i) {
+    const internal::MeshJob& job = plan.jobs[i];
     if (const auto* mesh = std::get_if<MeshShape>(job.shape)) {
       made[i] = *mesh;
       return;
@@ -38,7 +38,8 @@ std::vector<MeshShape> meshes_of(const scene::Scene& scene, const std::vector<Ma
       return;
     if (auto mesh = geometry::tessellated(*job.shape, tessellation, {}, ignored))
       made[i] = std::make_shared<const Mesh>(std::move(*mesh));
-  });
+  };
+  parallel_for(made.size(), make, job_of_all);
   std::vector<MeshShape> out;
   for (const std::uint32_t job : plan.job_of) out.push_back(made[job]);
   return out;
@@ -46,12 +47,13 @@ std::vector<MeshShape> meshes_of(const scene::Scene& scene, const std::vector<Ma
 
 class Pruner {
  public:
-  Pruner(scene::Scene& scene, const HiddenOptions& options) : scene_(scene), options_(options) {}
+  Pruner(scene::Scene& scene, const HiddenOptions& options, const Job& job)
+      : scene_(scene), options_(options), job_(job) {}
 
   HiddenReport run() {
     const auto start = std::chrono::steady_clock::now();
     world_from_node_ = scene::world_from_nodes(scene_);
-    meshes_ = meshes_of(scene_, world_from_node_, options_.compile);
+    meshes_ = meshes_of(scene_, world_from_node_, options_.compile, job_);
     for (const MeshShape& mesh : meshes_)
       report_.triangles_before += mesh ? mesh->triangles.size() : 0;
     report_.triangles_after = report_.triangles_before;
@@ -79,7 +81,8 @@ class Pruner {
     find_allowed();
     if (std::find(allowed_.begin(), allowed_.end(), 1) == allowed_.end()) return;
     const internal::Sight sight = internal::sight_of(
-        world(), {options_.rays_from_outside, options_.rays_per_triangle, options_.max_probes});
+        world(), {options_.rays_from_outside, options_.rays_per_triangle, options_.max_probes},
+        job_);
     report_.rays = sight.rays;
     report_.reached = sight.last_found;
     report_.doubtful = sight.doubtful;
@@ -230,6 +233,7 @@ class Pruner {
 
   scene::Scene& scene_;
   const HiddenOptions& options_;
+  const Job& job_;
   HiddenReport report_;
   std::vector<Mat4> world_from_node_;
   std::vector<MeshShape> meshes_;   // one for each instance
@@ -239,8 +243,12 @@ class Pruner {
 
 }  // namespace
 
-HiddenReport prune_hidden(scene::Scene& scene, const HiddenOptions& options, DiagnosticLog& log) {
-  const HiddenReport report = Pruner(scene, options).run();
+Result<HiddenReport> prune_hidden(scene::Scene& scene, const HiddenOptions& options,
+                                  DiagnosticLog& log, const Job& job) {
+  const auto found = run_job(
+      job, log, [&]() -> Result<HiddenReport> { return Pruner(scene, options, job).run(); });
+  if (!found) return failed;
+  const HiddenReport& report = *found;
   const std::uint64_t gone = report.triangles_before - report.triangles_after;
   if (gone > 0)
     log.report_file(

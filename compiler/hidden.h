@@ -57,10 +57,11 @@ struct HiddenReport {
 // stays whole. A mesh that was closed stays marked so: its back is seen no more than before. Shapes
 // that nothing uses any more go; nodes stay. Deterministic, whatever the number of threads.
 //
-//   scene  sound (scene::check), and sound afterwards
+//   scene  sound (scene::check), and sound afterwards; as it was when it fails
 //
-// Reports: N6304.
+// Reports: N6304. Fails: E0001.
 // Cost: about 1 µs a ray on two cores; 400 bytes a triangle, instances counted.
-HiddenReport prune_hidden(scene::Scene& scene, const HiddenOptions& options, DiagnosticLog& log);
+Result<HiddenReport> prune_hidden(scene::Scene& scene, const HiddenOptions& options,
+                                  DiagnosticLog& log, const Job& job = {});
 
 }  // namespace panwright::compiler

@@ -45,7 +45,8 @@ std::uint64_t hashed(std::uint64_t h, const V& v) {
 
 class Cleaner {
  public:
-  Cleaner(Mesh& mesh, const CleanOptions& options) : mesh_(mesh), options_(options) {}
+  Cleaner(Mesh& mesh, const CleanOptions& options, const Job& job)
+      : mesh_(mesh), options_(options), job_(job) {}
 
   CleanReport run() {
     report_.vertices_before = mesh_.positions.size();
@@ -54,11 +55,15 @@ class Cleaner {
     weld();
     if (options_.drop_degenerate) drop_collapsed();
     if (options_.drop_duplicates) drop_duplicates();
+    job_.poll();
     edges_ = edges_of(mesh_, place_);
     if (options_.drop_degenerate) drop_slivers();
+    job_.poll();
     turn();
     if (options_.orient && !mesh_.normals.empty()) turn_normals();
+    job_.poll();
     examine();
+    job_.poll();
     mesh_.closed = !mesh_.triangles.empty() && edges_.border.empty() && edges_.many.empty() &&
                    edges_.misoriented == 0 && has_edges();
     mesh_.error += report_.largest_move;
@@ -67,6 +72,7 @@ class Cleaner {
     piece_of_ = std::vector<std::uint32_t>();
     if (mesh_.normals.empty()) compute_normals(mesh_, options_.crease_angle, place_);
     place_ = std::vector<std::uint32_t>();
+    job_.poll();
     if (options_.reorder) reorder_triangles(mesh_);
     compact_vertices(mesh_, !options_.reorder);
     report_.vertices_after = mesh_.positions.size();
@@ -360,6 +366,7 @@ class Cleaner {
 
   Mesh& mesh_;
   const CleanOptions& options_;
+  const Job& job_;
   CleanReport report_;
   std::vector<std::uint32_t> place_;  // V: the vertex that stands for all at its place
   Edges edges_;
@@ -369,9 +376,9 @@ class Cleaner {
 
 }  // namespace
 
-CleanReport clean(Mesh& mesh, const CleanOptions& options) {
+CleanReport clean(Mesh& mesh, const CleanOptions& options, const Job& job) {
   assert(mesh.positions.size() + 3 * mesh.triangles.size() < 0xffffffffull);
-  return Cleaner(mesh, options).run();
+  return Cleaner(mesh, options, job).run();
 }
 
 }  // namespace panwright::geometry

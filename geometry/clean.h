@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/job.h"
 #include "geometry/mesh.h"
 
 namespace panwright::geometry {
@@ -74,10 +75,12 @@ struct CleanReport {
 // Equal meshes give equal bytes, whatever the number of threads.
 //
 //   mesh  closed is set anew; error grows by the largest move
+//   job   polled between the steps; once it is cancelled, Cancelled is thrown and the mesh is of no
+//         more use
 //
 // Expects: a mesh without bad lengths, bad indices or numbers that are not finite (check()); V +
 // 3*T < 2^32. Cost: O(V + T) expected; 250 bytes a triangle. Reordering: Sander, Nehab, Barczak,
 // "Fast triangle reordering for vertex locality and reduced overdraw", 2007, in whole numbers.
-CleanReport clean(Mesh& mesh, const CleanOptions& options);
+CleanReport clean(Mesh& mesh, const CleanOptions& options, const Job& job = {});
 
 }  // namespace panwright::geometry

@@ -8,8 +8,8 @@
 namespace panwright::geometry {
 
 struct SurfacePoint {
-  Vec3 position;    // on the mesh, metres
-  Vec3 normal;      // unit: of the vertices, interpolated, or of the facet
+  Vec3 position{0};    // on the mesh, metres
+  Vec3 normal{0};      // unit: of the vertices, interpolated, or of the facet
   double distance;  // metres
 };
 

@@ -10,8 +10,8 @@
 namespace panwright::geometry {
 
 struct Ray {
-  Vec3 origin;
-  Vec3 direction;              // any non-zero length
+  Vec3 origin{0};
+  Vec3 direction{0};              // any non-zero length
   double min_distance = 0;     // metres along the unit direction
   double max_distance = 1e30;  // metres
 };
@@ -20,8 +20,8 @@ struct RayHit {
   double distance;         // metres from the ray's origin, recomputed in double
   std::uint32_t instance;  // as returned by add()
   std::uint32_t triangle;  // in the mesh
-  Vec2 barycentric;        // weights of the second and third corner, in the triangle
-  Vec3 normal;  // geometric, unit, world, outwards (counter-clockwise in the mesh's frame)
+  Vec2 barycentric{0};        // weights of the second and third corner, in the triangle
+  Vec3 normal{0};  // geometric, unit, world, outwards (counter-clockwise in the mesh's frame)
 };
 
 // A set of placed meshes that answers rays.

@@ -56,9 +56,9 @@ double planned_triangles(const Shape& shape, const TessellationOptions& options)
 
 // A round edge or end of a shape, where another shape may stand against it.
 struct Rim {
-  Vec3 centre;
-  Vec3 axis;   // unit; the rim runs counter-clockwise about it
-  Vec3 start;  // from the centre to the rim's first point: its length is the radius
+  Vec3 centre{0};
+  Vec3 axis{0};   // unit; the rim runs counter-clockwise about it
+  Vec3 start{0};  // from the centre to the rim's first point: its length is the radius
   double sector = 2 * kPi;
 };
 

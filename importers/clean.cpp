@@ -59,13 +59,14 @@ void add(const CleanReport& from, CleanReport& to) {
 
 class SceneCleaner {
  public:
-  SceneCleaner(scene::Scene& scene, const geometry::CleanOptions& options)
-      : scene_(scene), options_(options) {}
+  SceneCleaner(scene::Scene& scene, const geometry::CleanOptions& options, const Job& job)
+      : scene_(scene), options_(options), job_(job) {}
 
   Hygiene run() {
     const std::vector<Mat4> world = scene::world_from_nodes(scene_);
     list_meshes(world);
-    parallel_for(out_.meshes.size(), [&](std::size_t i) {
+    Phase phase(job_, "cleaning", out_.meshes.size());
+    const auto clean_one = [&](std::size_t i) {
       geometry::Shape& shape = scene_.shapes[out_.meshes[i].shape];
       Mesh mesh = *std::get<MeshShape>(shape);
       std::get<MeshShape>(shape).reset();  // cleaning needs the room
@@ -75,11 +76,13 @@ class SceneCleaner {
       if (stretch > 0) options.tolerance /= stretch;
       if (stretch > 0) options.junction /= stretch;
       CleanReport& report = out_.meshes[i].report;
-      report = geometry::clean(mesh, options);
+      report = geometry::clean(mesh, options, job_);
       report.largest_move *= stretch;
       report.hole_length *= stretch;
       shape = std::make_shared<const Mesh>(std::move(mesh));
-    });
+      phase.advance();
+    };
+    parallel_for(out_.meshes.size(), clean_one, job_);
     for (std::uint32_t i = 0; i < out_.meshes.size(); ++i) collect(i, world);
     std::stable_sort(out_.spots.begin(), out_.spots.end(),
                      [](const WorldSpot& a, const WorldSpot& b) {
@@ -140,6 +143,7 @@ class SceneCleaner {
 
   scene::Scene& scene_;
   const geometry::CleanOptions& options_;
+  const Job& job_;
   std::vector<double> stretch_;  // of shapes into the world: the largest of their instances
   Hygiene out_;
 };
@@ -230,10 +234,13 @@ void insert_model_node(scene::Scene& scene, const scene::Transform& transform) {
 
 }  // namespace
 
-Hygiene clean_up(scene::Scene& scene, const geometry::CleanOptions& options, DiagnosticLog& log) {
-  Hygiene hygiene = SceneCleaner(scene, options).run();
-  report(hygiene, log);
-  return hygiene;
+Result<Hygiene> clean_up(scene::Scene& scene, const geometry::CleanOptions& options,
+                         DiagnosticLog& log, const Job& job) {
+  return run_job(job, log, [&]() -> Result<Hygiene> {
+    Hygiene hygiene = SceneCleaner(scene, options, job).run();
+    report(hygiene, log);
+    return hygiene;
+  });
 }
 
 double Bounds::largest_extent() const {

@@ -5,6 +5,8 @@
 #include <string_view>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
+#include "base/result.h"
 #include "geometry/clean.h"
 #include "importers/hygiene.h"
 #include "importers/import.h"
@@ -17,8 +19,10 @@ namespace panwright::importers {
 //   scene    in its place (see place()): lengths and spots are told in its world
 //   options  lengths in the world; a mesh takes the smallest that its instances ask for
 //
-// Reports: N6301, W6302, W6303, W6305, once each for the scene.
-Hygiene clean_up(scene::Scene& scene, const geometry::CleanOptions& options, DiagnosticLog& log);
+// Reports: N6301, W6302, W6303, W6305, once each for the scene. Fails: E0001, with a scene that is
+// of no more use.
+Result<Hygiene> clean_up(scene::Scene& scene, const geometry::CleanOptions& options,
+                         DiagnosticLog& log, const Job& job = {});
 
 // Bounds in the world, of meshes by their vertices and of exact shapes by their tessellation to
 // a hundredth of their size.

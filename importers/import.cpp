@@ -134,8 +134,10 @@ UpAxis usual_up(Format format) {
   return z ? UpAxis::z : UpAxis::y;
 }
 
-Result<Imported> import_from(Files& files, const std::string& path, const Options& options,
-                             DiagnosticLog& log, SourceSpan included_at) {
+namespace {
+
+Result<Imported> imported_from(Files& files, const std::string& path, const Options& options,
+                               DiagnosticLog& log, SourceSpan included_at, const Job& job) {
   SharedText bytes;
   const std::string name = files.display_name(path);
   switch (files.read(path, bytes)) {
@@ -176,7 +178,8 @@ Result<Imported> import_from(Files& files, const std::string& path, const Option
     return failed;
   }
   const auto first = static_cast<FileId>(log.sources().size());
-  const InputFile file{path, name, unpacked.bytes, included_at};
+  const InputFile file{path, name, unpacked.bytes, included_at, job};
+  job.poll();
   auto imported = read_as(format_of(text, path, options.assume), files, file, options, log);
   drop_texts(first, log);
   if (text.size() >= kHuge) give_back_memory();
@@ -184,7 +187,16 @@ Result<Imported> import_from(Files& files, const std::string& path, const Option
   return imported;
 }
 
-Result<Imported> import_file(const fs::path& path, const Options& options, DiagnosticLog& log) {
+}  // namespace
+
+Result<Imported> import_from(Files& files, const std::string& path, const Options& options,
+                             DiagnosticLog& log, SourceSpan included_at, const Job& job) {
+  return run_job(job, log,
+                 [&] { return imported_from(files, path, options, log, included_at, job); });
+}
+
+Result<Imported> import_file(const fs::path& path, const Options& options, DiagnosticLog& log,
+                             const Job& job) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) {
     log.report_file(Code::E0101, path.string(),
@@ -203,14 +215,14 @@ Result<Imported> import_file(const fs::path& path, const Options& options, Diagn
     name = relative.generic_string();
   }
   const auto files = files_in_folder(folder, options.limits.bytes);
-  return import_from(*files, name, options, log);
+  return import_from(*files, name, options, log, {}, job);
 }
 
 Result<Imported> import_memory(std::span<const MemoryFile> files, const Options& options,
-                               DiagnosticLog& log) {
+                               DiagnosticLog& log, const Job& job) {
   const auto store = files_in_memory(files, options.limits.bytes);
   return import_from(*store, fs::path(files[0].path).lexically_normal().generic_string(), options,
-                     log);
+                     log, {}, job);
 }
 
 }  // namespace panwright::importers

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "base/result.h"
 #include "importers/files.h"
 #include "scene/scene.h"
@@ -74,21 +75,23 @@ struct Imported {
 //
 //   returns  what could be read, sound by scene::check; the log says whether that is all of it.
 //
-// Fails: E01…, E6001, E6002, E6003, E6101, E6201 to E6205, E6209, E6501, E6601. Reports E6…, W6…,
+// Fails: E0001, E01…, E6001, E6002, E6003, E6101, E6201 to E6205, E6209, E6501, E6601. Reports E6…, W6…,
 // N6….
 // Cost: O(bytes); memory about 3 times the scene's arrays.
 [[nodiscard]] Result<Imported> import_file(const std::filesystem::path& path,
-                                           const Options& options, DiagnosticLog& log);
+                                           const Options& options, DiagnosticLog& log,
+                                           const Job& job = {});
 
 // The same for files in memory, for tests and fuzzing: the first is the model.
 //
 // Expects: files not empty.
 [[nodiscard]] Result<Imported> import_memory(std::span<const MemoryFile> files,
-                                             const Options& options, DiagnosticLog& log);
+                                             const Options& options, DiagnosticLog& log,
+                                             const Job& job = {});
 
 // The same for the file at `path` among `files`.
 [[nodiscard]] Result<Imported> import_from(Files& files, const std::string& path,
                                            const Options& options, DiagnosticLog& log,
-                                           SourceSpan included_at = {});
+                                           SourceSpan included_at = {}, const Job& job = {});
 
 }  // namespace panwright::importers

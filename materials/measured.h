@@ -14,8 +14,8 @@ namespace panwright::materials {
 
 // One reading: directions are unit vectors about the normal +z, away from the surface.
 struct Reading {
-  Vec3 to_light;
-  Vec3 to_viewer;
+  Vec3 to_light{0};
+  Vec3 to_viewer{0};
   double reflectance = 0;  // 1/sr, one band
 };
 

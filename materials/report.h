@@ -14,7 +14,7 @@ namespace panwright::materials {
 struct MaterialReport {
   struct Albedo {
     double mu;  // cosine of the direction
-    Vec3 rgb;   // directional albedo
+    Vec3 rgb{0};   // directional albedo
   };
   std::vector<Albedo> directional;
   Vec3 hemispherical{0};  // 2∫E μ dμ

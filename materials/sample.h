@@ -12,8 +12,8 @@ namespace panwright::materials {
 
 // A direction drawn for a viewer.
 struct Sampled {
-  Vec3 to_light;       // unit
-  Vec3 weight;         // f cosθ over the density: what its radiance is multiplied by
+  Vec3 to_light{0};       // unit
+  Vec3 weight{0};         // f cosθ over the density: what its radiance is multiplied by
   double pdf = 0;      // 1/sr; 0 where delta
   bool delta = false;  // a mirror's direction: nothing else leads there
 };
@@ -24,8 +24,8 @@ struct Sampled {
 
 // What a mirror shows of one direction.
 struct Mirrored {
-  Vec3 to_light;     // unit
-  Vec3 reflectance;  // of radiance
+  Vec3 to_light{0};     // unit
+  Vec3 reflectance{0};  // of radiance
 };
 
 // At most two: a smooth coat's, and that of a mirror below, which may be tilted against it.

@@ -3,20 +3,23 @@
 
 namespace panwright::pan {
 
-bool Model::check(DiagnosticLog& log) {
+bool Model::check(DiagnosticLog& log, const Job& job) {
   using internal::Part;
   checked_ = false;
-  // tables first: what the arrays hold can be judged only by sound tables
-  internal::Problems problems = internal::section_problems(*this, Part::tables, false);
-  if (problems.empty()) problems = internal::unpack_tables(*this);
-  if (problems.empty()) problems = internal::table_problems(*this);
-  internal::Problems arrays = internal::section_problems(*this, Part::arrays, problems.empty());
-  if (problems.empty() && arrays.empty()) arrays = internal::unpack_arrays(*this);
-  problems.insert(problems.end(), arrays.begin(), arrays.end());
-  for (const internal::Problem& problem : problems)
-    log.report_file(problem.code, name_, problem.message);
-  checked_ = problems.empty();
-  return checked_;
+  return run_job(job, log, [&] {
+    // tables first: what the arrays hold can be judged only by sound tables
+    internal::Problems problems = internal::section_problems(*this, Part::tables, false, job);
+    if (problems.empty()) problems = internal::unpack_tables(*this);
+    if (problems.empty()) problems = internal::table_problems(*this);
+    internal::Problems arrays =
+        internal::section_problems(*this, Part::arrays, problems.empty(), job);
+    if (problems.empty() && arrays.empty()) arrays = internal::unpack_arrays(*this);
+    problems.insert(problems.end(), arrays.begin(), arrays.end());
+    for (const internal::Problem& problem : problems)
+      log.report_file(problem.code, name_, problem.message);
+    checked_ = problems.empty();
+    return checked_;
+  });
 }
 
 }  // namespace panwright::pan

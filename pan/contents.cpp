@@ -196,7 +196,8 @@ std::span<const std::byte> bytes_of(const std::vector<T>& values) {
 
 // One array of every mesh in turn.
 bool write_array(const Contents& contents, std::vector<float> PackedMesh::*array, SectionKind kind,
-                 Writer& writer, DiagnosticLog& log) {
+                 Writer& writer, DiagnosticLog& log, const Job& job) {
+  job.poll();
   const auto value = static_cast<std::uint32_t>(kind);
   if (!writer.begin(value, layout::kSections[value - 1].stride, false, log)) return false;
   for (const PackedMesh& mesh : contents.meshes)
@@ -204,7 +205,8 @@ bool write_array(const Contents& contents, std::vector<float> PackedMesh::*array
   return writer.end(log);
 }
 
-bool write_indices(const Contents& contents, Writer& writer, DiagnosticLog& log) {
+bool write_indices(const Contents& contents, Writer& writer, DiagnosticLog& log, const Job& job) {
+  job.poll();
   if (!writer.begin(static_cast<std::uint32_t>(SectionKind::indices), 1, false, log)) return false;
   std::vector<std::uint16_t> shorts;
   for (const PackedMesh& mesh : contents.meshes) {
@@ -219,7 +221,8 @@ bool write_indices(const Contents& contents, Writer& writer, DiagnosticLog& log)
   return writer.end(log);
 }
 
-bool write_texels(const Contents& contents, Writer& writer, DiagnosticLog& log) {
+bool write_texels(const Contents& contents, Writer& writer, DiagnosticLog& log, const Job& job) {
+  job.poll();
   if (!writer.begin(static_cast<std::uint32_t>(SectionKind::texels), 1, false, log)) return false;
   for (const TextureContent& texture : contents.textures)
     if (!writer.append(std::as_bytes(texture.rgba), log)) return false;
@@ -227,7 +230,7 @@ bool write_texels(const Contents& contents, Writer& writer, DiagnosticLog& log) 
 }
 
 bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log,
-                    double* sync_seconds) {
+                    double* sync_seconds, const Job& job) {
   assert(!contents.nodes.empty());
   const Tables tables = tables_of(contents);
   const auto strings = tables.strings.bytes();
@@ -244,15 +247,18 @@ bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log
        writer.section(SectionKind::sources, bytes_of(tables.sources), log)) &&
       writer.section(SectionKind::string_offsets, std::as_bytes(tables.strings.offsets()), log) &&
       writer.section(SectionKind::string_bytes, std::as_bytes(std::span(strings)), log) &&
-      write_array(contents, &PackedMesh::positions, SectionKind::positions, writer, log) &&
-      write_array(contents, &PackedMesh::normals, SectionKind::normals, writer, log) &&
-      write_array(contents, &PackedMesh::texcoords, SectionKind::texcoords, writer, log) &&
-      write_array(contents, &PackedMesh::colours, SectionKind::colours, writer, log) &&
-      write_indices(contents, writer, log) && write_texels(contents, writer, log) &&
+      write_array(contents, &PackedMesh::positions, SectionKind::positions, writer, log,
+                  job) &&
+      write_array(contents, &PackedMesh::normals, SectionKind::normals, writer, log, job) &&
+      write_array(contents, &PackedMesh::texcoords, SectionKind::texcoords, writer, log,
+                  job) &&
+      write_array(contents, &PackedMesh::colours, SectionKind::colours, writer, log, job) &&
+      write_indices(contents, writer, log, job) && write_texels(contents, writer, log, job) &&
       writer.section(SectionKind::need, bytes_of(tables.need), log) &&
       writer.section(SectionKind::mesh_needs, bytes_of(contents.mesh_needs), log) &&
       writer.section(SectionKind::keypoints, bytes_of(tables.keypoints), log) &&
       writer.section(SectionKind::decals, bytes_of(tables.decals), log);
+  job.poll();
   return sections &&
          writer.finish(build_identity(contents.inputs, contents.version, contents.options), log,
                        sync_seconds);
@@ -303,7 +309,7 @@ Hash128 build_identity(std::span<const InputContent> inputs, std::string_view ve
 }
 
 Result<WriteReport> write(const Contents& contents, const std::filesystem::path& path,
-                          DiagnosticLog& log, const WriteOptions& options) {
+                          DiagnosticLog& log, const WriteOptions& options, const Job& job) {
   WriteReport report;
   if (path == "-") {
     const std::vector<std::byte> bytes = write_to_memory(contents, options);
@@ -311,16 +317,19 @@ Result<WriteReport> write(const Contents& contents, const std::filesystem::path&
     if (!write_file(path, bytes, log)) return failed;
     return report;
   }
-  auto writer = Writer::create(path, log, options);
-  if (!writer || !write_sections(contents, *writer, log, &report.seconds_sync)) return failed;
-  report.bytes = writer->bytes();
-  return report;
+  return run_job(job, log, [&]() -> Result<WriteReport> {
+    auto writer = Writer::create(path, log, options);
+    if (!writer || !write_sections(contents, *writer, log, &report.seconds_sync, job))
+      return failed;
+    report.bytes = writer->bytes();
+    return report;
+  });
 }
 
 std::vector<std::byte> write_to_memory(const Contents& contents, const WriteOptions& options) {
   Writer writer = Writer::in_memory(options);
   DiagnosticLog unused;
-  [[maybe_unused]] const bool done = write_sections(contents, writer, unused, nullptr);
+  [[maybe_unused]] const bool done = write_sections(contents, writer, unused, nullptr, {});
   assert(done);
   return std::move(writer).take();
 }

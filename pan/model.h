@@ -15,6 +15,7 @@
 #include "base/diagnostic.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/job.h"
 #include "base/math.h"
 #include "base/result.h"
 #include "materials/material.h"
@@ -83,7 +84,8 @@ class Model {
                                   DiagnosticLog& log);
 
   // open() and check().
-  static Result<Model> load(const std::filesystem::path& path, DiagnosticLog& log);
+  static Result<Model> load(const std::filesystem::path& path, DiagnosticLog& log,
+                            const Job& job = {});
 
   Model(Model&&) noexcept = default;
   Model& operator=(Model&&) noexcept = default;
@@ -94,8 +96,8 @@ class Model {
   // spans stay where they are unless it fails.
   //
   // returns  whether the file is sound
-  // Fails: E4008 to E4015. Cost: one pass over the file, and over what it unpacks to.
-  bool check(DiagnosticLog& log);
+  // Fails: E0001, E4008 to E4015. Cost: one pass over the file, and over what it unpacks to.
+  bool check(DiagnosticLog& log, const Job& job = {});
   bool checked() const { return checked_; }
 
   const std::string& name() const { return name_; }
@@ -169,8 +171,8 @@ class Model {
   // The axis-aligned box of all instances in world axes, from their transformed vertices; nothing
   // without instances. Cost: O(vertices, instances counted).
   struct Bounds {
-    Vec3 min;
-    Vec3 max;
+    Vec3 min{0};
+    Vec3 max{0};
   };
   std::optional<Bounds> world_bounds() const;
 

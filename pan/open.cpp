@@ -226,9 +226,9 @@ Result<Model> Model::from_bytes(std::span<const std::byte> bytes, std::string na
   return model;
 }
 
-Result<Model> Model::load(const std::filesystem::path& path, DiagnosticLog& log) {
+Result<Model> Model::load(const std::filesystem::path& path, DiagnosticLog& log, const Job& job) {
   auto model = open(path, log);
-  if (!model || !model->check(log)) return failed;
+  if (!model || !model->check(log, job)) return failed;
   return model;
 }
 

@@ -15,6 +15,7 @@
 #include "base/diagnostic.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/job.h"
 #include "base/math.h"
 #include "base/result.h"
 #include "geometry/mesh.h"
@@ -146,10 +147,11 @@ struct WriteOptions {
 //
 // Expects: contents as the comments above say, as scene::check makes sure of; fewer than 2^32
 // vertices and 4 GiB of names in all.
-// Fails: E0103. Cost: O(bytes); memory for one block besides the contents, and when it compresses,
-// for one section and what it comes to.
+// Fails: E0001, E0103. Cost: O(bytes); memory for one block besides the contents, and when it
+// compresses, for one section and what it comes to.
 Result<WriteReport> write(const Contents& contents, const std::filesystem::path& path,
-                          DiagnosticLog& log, const WriteOptions& options = {});
+                          DiagnosticLog& log, const WriteOptions& options = {},
+                          const Job& job = {});
 // The same bytes, in memory.
 std::vector<std::byte> write_to_memory(const Contents& contents, const WriteOptions& options = {});
 

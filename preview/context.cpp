@@ -40,7 +40,13 @@ Context::~Context() {
 bool Context::make_current() {
   if (current_context == this) return true;
   if (current_context) current_context->release();
-  if (!bind()) return false;
+  // note: drivers differ in what they do with a context that another thread has
+  std::thread::id nobody{};
+  if (!holder_.compare_exchange_strong(nobody, std::this_thread::get_id())) return false;
+  if (!bind()) {
+    holder_ = std::thread::id();
+    return false;
+  }
   current_context = this;
   return true;
 }
@@ -48,6 +54,7 @@ bool Context::make_current() {
 void Context::release() {
   if (current_context != this) return;
   unbind();
+  holder_ = std::thread::id();
   current_context = nullptr;
 }
 

@@ -1,11 +1,13 @@
 // Off-screen OpenGL contexts, chosen at run time.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include "base/diagnostic.h"
 #include "base/result.h"
@@ -45,7 +47,7 @@ class Context {
   Context& operator=(const Context&) = delete;
 
   // Makes the context current on this thread; whichever was current before is released. False
-  // when the driver refuses. Cost: nothing when it is current already.
+  // when the driver refuses, or another thread has it. Cost: nothing when it is current already.
   bool make_current();
 
   // Leaves this thread without a current context, if this one is current.
@@ -77,6 +79,7 @@ class Context {
   std::string version_;
   ContextLimits limits_;
   bool hardware_ = false;
+  std::atomic<std::thread::id> holder_{};  // the thread on which it is current
 };
 
 }  // namespace panwright::preview

@@ -20,6 +20,15 @@ bool is_brushed(const pan::layout::Material& material) {
   return materials::is_anisotropic(pan::material_from(material, {}));
 }
 
+void place(DrawItem& item, const pan::Model& model, const Mat4& model_from_node) {
+  const pan::layout::Mesh& mesh = model.meshes()[item.mesh];
+  const Vec3 origin(mesh.origin[0], mesh.origin[1], mesh.origin[2]);
+  item.model_from_mesh = model_from_node;
+  item.model_from_mesh[3] = model_from_node * Vec4(origin, 1);
+  item.mirrored = glm::determinant(Mat3(model_from_node)) < 0;
+  item.model_normal_from_mesh = outward_normals(Mat3(model_from_node));
+}
+
 auto order(const DrawItem& item) {
   return std::tie(item.variant, item.closed, item.mirrored, item.texture, item.material, item.mesh,
                   item.instance);
@@ -33,8 +42,16 @@ Families families_of(const pan::Model& model) {
     const materials::Laws laws = materials::laws_of(pan::material_from(record, {}));
     std::vector<materials::Laws>& served = families.of_variant[record.variant];
     const auto at = std::find(served.begin(), served.end(), laws);
-    families.of_material.push_back(static_cast<std::uint32_t>(at - served.begin()));
     if (at == served.end()) served.push_back(laws);
+  }
+  // sorted, so that models with the same families share programs
+  for (std::vector<materials::Laws>& served : families.of_variant)
+    std::sort(served.begin(), served.end());
+  for (const pan::layout::Material& record : model.materials()) {
+    const materials::Laws laws = materials::laws_of(pan::material_from(record, {}));
+    const std::vector<materials::Laws>& served = families.of_variant[record.variant];
+    const auto at = std::lower_bound(served.begin(), served.end(), laws);
+    families.of_material.push_back(static_cast<std::uint32_t>(at - served.begin()));
   }
   return families;
 }
@@ -67,12 +84,7 @@ std::vector<DrawItem> draw_list(const pan::Model& model) {
     item.material = instance.material;
     item.mesh = instance.mesh;
     item.instance = i;
-    const Mat4& world = world_from_nodes[instance.node];
-    const Vec3 origin(mesh.origin[0], mesh.origin[1], mesh.origin[2]);
-    item.model_from_mesh = world;
-    item.model_from_mesh[3] = world * Vec4(origin, 1);
-    item.mirrored = glm::determinant(Mat3(world)) < 0;
-    item.model_normal_from_mesh = outward_normals(Mat3(world));
+    place(item, model, world_from_nodes[instance.node]);
     item.repeat = Vec2(material.map_repeat[0], material.map_repeat[1]);
     item.diffuse = Vec3(material.diffuse[0], material.diffuse[1], material.diffuse[2]);
     if (item.variant.cells) {
@@ -87,6 +99,17 @@ std::vector<DrawItem> draw_list(const pan::Model& model) {
   std::sort(list.begin(), list.end(),
             [](const DrawItem& a, const DrawItem& b) { return order(a) < order(b); });
   return list;
+}
+
+std::vector<DrawItem> placed(std::span<const DrawItem> list, const pan::Model& model,
+                             const world::EvaluatedInstance& at) {
+  std::vector<DrawItem> items(list.begin(), list.end());
+  for (DrawItem& item : items) {
+    const std::uint32_t node = model.instances()[item.instance].node;
+    item.visible = at.node_visible[node] != 0;
+    place(item, model, at.model_from_nodes[node]);
+  }
+  return items;
 }
 
 Scenery scenery(const View& view, std::span<const DrawItem> list) {

@@ -68,9 +68,9 @@ bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log) {
   return good;
 }
 
-Target make_target(const GladGLContext& gl, std::span<const GLenum> color_formats, bool depth,
-                   GLsizei width, GLsizei height) {
-  Target target;
+RenderTarget make_render_target(const GladGLContext& gl, std::span<const GLenum> color_formats,
+                                bool depth, GLsizei width, GLsizei height) {
+  RenderTarget target;
   GLuint id = 0;
   gl.CreateFramebuffers(1, &id);
   target.framebuffer = GlFramebuffer(gl, id);
@@ -79,6 +79,7 @@ Target make_target(const GladGLContext& gl, std::span<const GLenum> color_format
                                      GL_COLOR_ATTACHMENT4, GL_COLOR_ATTACHMENT5};
   for (std::size_t i = 0; i < color_formats.size(); ++i) {
     if (color_formats[i] == GL_NONE) continue;
+    target.formats[i] = color_formats[i];
     target.colors[i] = make_texture_2d(gl, 1, color_formats[i], width, height);
     gl.TextureParameteri(target.colors[i].id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     gl.TextureParameteri(target.colors[i].id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);

@@ -18,11 +18,6 @@ constexpr GLuint kTangentAttribute = 4;
 // OpenGL counts the indices of a draw in 31 bits
 constexpr std::uint64_t kMeshTriangles = 0x7fffffff / 3;
 
-template <class T>
-GlBuffer uploaded(const GladGLContext& gl, std::span<const T> values) {
-  return make_buffer(gl, values.data(), values.size_bytes());
-}
-
 std::uint64_t rounded_up(std::uint64_t value, std::uint64_t step) {
   return (value + step - 1) / step * step;
 }
@@ -35,8 +30,15 @@ std::uint64_t integer(const GladGLContext& gl, GLenum name) {
 
 }  // namespace
 
+template <class T>
+GlBuffer GpuModel::uploaded(std::span<const T> values) {
+  bytes_ += values.size_bytes();
+  return make_buffer(*gl_, values.data(), values.size_bytes());
+}
+
 bool GpuModel::upload(const Context& context, const pan::Model& model,
-                      std::span<const DrawItem> list, DiagnosticLog& log) {
+                      std::span<const DrawItem> list, const Families& families,
+                      DiagnosticLog& log) {
   context_ = &context;
   gl_ = &context.gl();
   const GladGLContext& gl = *gl_;
@@ -48,11 +50,11 @@ bool GpuModel::upload(const Context& context, const pan::Model& model,
                       model.meshes()[i].triangle_count, kMeshTriangles));
       return false;
     }
-  positions_ = uploaded(gl, model.positions());
-  normals_ = uploaded(gl, model.normals());
-  texcoords_ = uploaded(gl, model.texcoords());
-  colours_ = uploaded(gl, model.colours());
-  indices_ = uploaded(gl, model.index_bytes());
+  positions_ = uploaded(model.positions());
+  normals_ = uploaded(model.normals());
+  texcoords_ = uploaded(model.texcoords());
+  colours_ = uploaded(model.colours());
+  indices_ = uploaded(model.index_bytes());
 
   vertex_array_ = make_vertex_array(gl);
   const GLuint array = vertex_array_.id();
@@ -65,13 +67,13 @@ bool GpuModel::upload(const Context& context, const pan::Model& model,
   attribute(1, 3);
   attribute(2, 2);
   attribute(3, 3);
-  return fits(gl, "vertices", log) && upload_materials(model, list, log) &&
+  return fits(gl, "vertices", log) && upload_materials(model, list, families, log) &&
          upload_decals(model, list, log) && upload_textures(model, list, log) &&
          upload_tangents(model, list, log);
 }
 
 bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawItem> list,
-                                DiagnosticLog& log) {
+                                const Families& families, DiagnosticLog& log) {
   const GladGLContext& gl = *gl_;
   const std::uint64_t texels = integer(gl, GL_MAX_TEXTURE_BUFFER_SIZE);
   const std::uint64_t rows = sizeof(layout::Material) / (4 * sizeof(float));
@@ -84,11 +86,10 @@ bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawIte
                     counted(model.materials().size(), "material"), most_items, texels / rows));
     return false;
   }
-  materials_ = uploaded(gl, model.materials());
+  materials_ = uploaded(model.materials());
   materials_texture_ = make_buffer_texture(gl);
   gl.TextureBuffer(materials_texture_.id(), GL_RGBA32F, materials_.id());
 
-  const Families families = families_of(model);
   std::vector<std::uint32_t> items;
   for (const DrawItem& item : list) {
     items.push_back(item.material);
@@ -96,7 +97,7 @@ bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawIte
     items.push_back(families.of_material[item.material]);
     items.push_back(0);
   }
-  items_ = uploaded(gl, std::span<const std::uint32_t>(items));
+  items_ = uploaded(std::span<const std::uint32_t>(items));
   items_texture_ = make_buffer_texture(gl);
   gl.TextureBuffer(items_texture_.id(), GL_RGBA32UI, items_.id());
 
@@ -106,7 +107,7 @@ bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawIte
   for (std::size_t i = 0; i < model.materials().size(); ++i)
     std::memcpy(records.data() + i * material_stride_, &model.materials()[i],
                 sizeof(layout::Material));
-  padded_materials_ = make_buffer(gl, records.data(), records.size());
+  padded_materials_ = uploaded(std::span<const std::byte>(records));
   return fits(gl, "materials", log);
 }
 
@@ -135,7 +136,9 @@ bool GpuModel::upload_textures(const pan::Model& model, std::span<const DrawItem
         {static_cast<std::int32_t>(decals_[i].texture), TextureRole::premultiplied, 0});
   map_sampler_ = make_sampler(*gl_, GL_REPEAT);
   decal_sampler_ = make_sampler(*gl_, GL_CLAMP_TO_EDGE);
-  return textures_.upload(*context_, model, log);
+  const bool good = textures_.upload(*context_, model, log);
+  bytes_ += textures_.bytes();
+  return good;
 }
 
 bool GpuModel::upload_tangents(const pan::Model& model, std::span<const DrawItem> list,
@@ -155,7 +158,7 @@ bool GpuModel::upload_tangents(const pan::Model& model, std::span<const DrawItem
     all.insert(all.end(), found.tangents.begin(), found.tangents.end());
     if (!found.repeats.empty()) repeated_[i] = repeated(model.mesh(i), found);
   }
-  tangents_ = uploaded(*gl_, std::span<const float>(all));
+  tangents_ = uploaded(std::span<const float>(all));
   const GLuint array = vertex_array_.id();
   gl_->EnableVertexArrayAttrib(array, kTangentAttribute);
   gl_->VertexArrayAttribFormat(array, kTangentAttribute, 4, GL_FLOAT, GL_FALSE, 0);
@@ -163,15 +166,15 @@ bool GpuModel::upload_tangents(const pan::Model& model, std::span<const DrawItem
   return fits(*gl_, "tangents", log);
 }
 
-GpuModel::Repeated GpuModel::repeated(const pan::MeshView& mesh, const Tangents& tangents) const {
+GpuModel::Repeated GpuModel::repeated(const pan::MeshView& mesh, const Tangents& tangents) {
   const auto longer = [&]<class T>(std::span<const T> values) {
     std::vector<T> all(values.begin(), values.end());
     if (!all.empty())
       for (const std::uint32_t vertex : tangents.repeats) all.push_back(values[vertex]);
-    return uploaded(*gl_, std::span<const T>(all));
+    return uploaded(std::span<const T>(all));
   };
   return {longer(mesh.positions), longer(mesh.normals), longer(mesh.texcoords),
-          longer(mesh.colours), uploaded(*gl_, std::span<const std::uint32_t>(tangents.indices))};
+          longer(mesh.colours), uploaded(std::span<const std::uint32_t>(tangents.indices))};
 }
 
 bool GpuModel::upload_decals(const pan::Model& model, std::span<const DrawItem> list,
@@ -194,8 +197,8 @@ bool GpuModel::upload_decals(const pan::Model& model, std::span<const DrawItem> 
     indices.insert(indices.end(), decal.indices.begin(), decal.indices.end());
     decal.indices = {};
   }
-  decal_blocks_ = make_buffer(*gl_, blocks.data(), blocks.size());
-  decal_indices_ = uploaded(*gl_, std::span<const std::uint32_t>(indices));
+  decal_blocks_ = uploaded(std::span<const std::byte>(blocks));
+  decal_indices_ = uploaded(std::span<const std::uint32_t>(indices));
   return fits(*gl_, "decals", log);
 }
 
@@ -226,6 +229,7 @@ bool GpuModel::upload_triangle_normals(const pan::Model& model, DiagnosticLog& l
     gl_->NamedBufferSubData(triangle_normals_.id(), static_cast<GLintptr>(triangle_normals_at_[i]),
                             static_cast<GLsizeiptr>(normals.size() * sizeof(float)),
                             normals.data());
+    bytes_ += normals.size() * sizeof(float);
   }
   return true;
 }
@@ -266,6 +270,7 @@ void GpuModel::bind_one_material(std::uint32_t material) const {
   gl_->BindBufferRange(GL_UNIFORM_BUFFER, kMaterialBinding, padded_materials_.id(),
                        static_cast<GLintptr>(material * material_stride_),
                        sizeof(layout::Material));
+  gl_->BindTextureUnit(kItemsUnit, items_texture_.id());
 }
 
 void GpuModel::bind_materials() const {

@@ -88,6 +88,7 @@ bool GpuTextures::upload(const Context& context, const pan::Model& model, Diagno
     textures_.push_back(
         made(gl, levels, format_of(use.role, bytes <= kFloatTextureBytes), repeated[i] != 0));
     if (!fits(gl, "textures", log)) return false;
+    for (const TextureLevel& level : levels) bytes_ += level.rgba.size() * sizeof(float);
   }
   return true;
 }

@@ -16,10 +16,10 @@ namespace {
 [[maybe_unused]] bool is_consistent(const Image& image) {
   const std::size_t pixels = image.pixels();
   const bool none = image.depth.empty() && image.range.empty() && image.normal.empty() &&
-                    image.node_id.empty() && image.material_id.empty();
+                    image.target_id.empty() && image.node_id.empty() && image.material_id.empty();
   const bool all = image.depth.size() == pixels && image.range.size() == pixels &&
-                   image.normal.size() == 3 * pixels && image.node_id.size() == pixels &&
-                   image.material_id.size() == pixels;
+                   image.normal.size() == 3 * pixels && image.target_id.size() == pixels &&
+                   image.node_id.size() == pixels && image.material_id.size() == pixels;
   return image.width > 0 && image.height > 0 && image.radiance.size() == 3 * pixels &&
          image.coverage.size() == pixels && (none || all);
 }

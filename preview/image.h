@@ -28,8 +28,9 @@ struct Image {
   std::vector<float> depth;                // H*W metres along the boresight; background +inf
   std::vector<float> range;                // H*W metres from the camera; background +inf
   std::vector<float> normal;               // 3*H*W unit, world, as shaded; background 0 0 0
-  std::vector<std::uint32_t> node_id;      // H*W node index + 1; background 0
-  std::vector<std::uint32_t> material_id;  // H*W material index + 1; background 0
+  std::vector<std::uint32_t> target_id;    // H*W index in the world + 1; background 0
+  std::vector<std::uint32_t> node_id;      // H*W index of the node in its target's model + 1; or 0
+  std::vector<std::uint32_t> material_id;  // H*W material index there + 1; background 0
 
   std::vector<float> standard_error;  // 3*H*W of the radiance; empty where it is not known
 
@@ -41,9 +42,11 @@ struct Image {
 
 enum class ImageFormat {
   png,  // 8 bits a channel, sRGB(clamp(π·L·2^EV)): a white Lambert plate at normal Sun is white
-  exr,  // R G B A Z range N.X N.Y N.Z error.R error.G error.B float, id.node id.material uint
+  exr,  // R G B A Z range N.X N.Y N.Z error.R error.G error.B float,
+        // id.target id.node id.material uint
   npy,  // (H, W, 3) float32 radiance
-  npz,  // radiance, coverage; depth, range, normal, node_id, material_id; standard_error
+  npz,  // radiance, coverage; depth, range, normal, target_id, node_id, material_id;
+        // standard_error
 };
 
 // The format that a file name's extension asks for, in any letter case.

@@ -84,6 +84,7 @@ bool write_exr(AtomicFile& file, const Image& image, DiagnosticLog& log) {
       layers.add("N.X", image.normal, 0, 3);
       layers.add("N.Y", image.normal, 1, 3);
       layers.add("N.Z", image.normal, 2, 3);
+      layers.add("id.target", image.target_id, 0, 1);
       layers.add("id.node", image.node_id, 0, 1);
       layers.add("id.material", image.material_id, 0, 1);
     }

@@ -46,7 +46,8 @@ bool write_npz(AtomicFile& file, const Image& image, DiagnosticLog& log) {
       add("radiance", "<f4", 3, image.radiance) && add("coverage", "<f4", 0, image.coverage);
   if (good && image.has_truth())
     good = add("depth", "<f4", 0, image.depth) && add("range", "<f4", 0, image.range) &&
-           add("normal", "<f4", 3, image.normal) && add("node_id", "<u4", 0, image.node_id) &&
+           add("normal", "<f4", 3, image.normal) && add("target_id", "<u4", 0, image.target_id) &&
+           add("node_id", "<u4", 0, image.node_id) &&
            add("material_id", "<u4", 0, image.material_id);
   if (good && !image.standard_error.empty())
     good = add("standard_error", "<f4", 3, image.standard_error);

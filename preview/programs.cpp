@@ -29,6 +29,17 @@ std::string cutout_text(bool cutout) {
 
 }  // namespace
 
+unsigned Programs::family_set(const std::vector<materials::Laws>& families) {
+  return family_sets_.try_emplace(families, static_cast<unsigned>(family_sets_.size()))
+      .first->second;
+}
+
+GlProgram Programs::made(const std::string& vertex, const std::string& fragment,
+                         std::string* problem) {
+  ++built_;
+  return make_program(gl_, vertex, fragment, problem);
+}
+
 GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool shadows,
                           std::string* problem) {
   unsigned key = layers;
@@ -48,25 +59,30 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
         defined("FLAT", flat) + defined("SHADOWED", shadows) + draw_glsl;
     const std::string pattern = v.cells ? materials::glsl_cells() : std::string();
     const std::string place = shadows ? shadow_place_glsl : "";
-    program = make_program(gl_, head + model_vert,
-                           head + pattern + cutout_text(v.cutout) + place + geometry_frag, problem);
+    program = made(head + model_vert,
+                   head + pattern + cutout_text(v.cutout) + place + geometry_frag, problem);
   }
   return program.id();
 }
 
-GLuint Programs::shading(std::uint32_t variant, LayerSet layers, bool one_material, bool shadows,
+GLuint Programs::shading(unsigned family_set, LayerSet layers, bool one_material, bool shadows,
                          std::string* problem) {
-  GlProgram& program = shading_[(((variant << kLayers) + layers) * 2 + one_material) * 2 + shadows];
+  const std::uint64_t key =
+      (((std::uint64_t{family_set} << kLayers) + layers) * 2 + one_material) * 2 + shadows;
+  GlProgram& program = shading_[key];
   if (!program) {
-    const std::vector<materials::Laws>& laws = families_.of_variant[variant];
+    const std::vector<materials::Laws>& laws =
+        std::find_if(family_sets_.begin(), family_sets_.end(), [&](const auto& entry) {
+          return entry.second == family_set;
+        })->first;
     const bool reflecting =
         std::any_of(laws.begin(), laws.end(), [](const auto& each) { return each.mapped; });
-    std::string head = fmt::format("{}#define VARIANT {}u\n", kVersion, variant);
+    std::string head = kVersion;
     head += layer_names(layers) + defined("REFLECTING", reflecting) +
             defined("ONE_MATERIAL", one_material);
     head += materials::glsl_formulas(laws) + materials::glsl_material_loader();
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
-    program = make_program(gl_, std::string(kVersion) + screen_vert, head + shading_frag, problem);
+    program = made(std::string(kVersion) + screen_vert, head + shading_frag, problem);
   }
   return program.id();
 }
@@ -75,8 +91,7 @@ GLuint Programs::shadow(bool cutout, std::string* problem) {
   GlProgram& program = shadow_[cutout];
   if (!program) {
     const std::string head = kVersion + defined("MAPPED", cutout) + draw_glsl;
-    program =
-        make_program(gl_, head + model_vert, head + cutout_text(cutout) + shadow_frag, problem);
+    program = made(head + model_vert, head + cutout_text(cutout) + shadow_frag, problem);
   }
   return program.id();
 }
@@ -85,22 +100,22 @@ GLuint Programs::ids(bool cutout, std::string* problem) {
   GlProgram& program = ids_[cutout];
   if (!program) {
     const std::string head = kVersion + defined("MAPPED", cutout) + draw_glsl;
-    program = make_program(gl_, head + model_vert, head + cutout_text(cutout) + ids_frag, problem);
+    program = made(head + model_vert, head + cutout_text(cutout) + ids_frag, problem);
   }
   return program.id();
 }
 
 GLuint Programs::decal(std::string* problem) {
   if (!decal_)
-    decal_ = make_program(gl_, kVersion + defined("DECAL", true) + draw_glsl + model_vert,
-                          std::string(kVersion) + decal_frag, problem);
+    decal_ = made(kVersion + defined("DECAL", true) + draw_glsl + model_vert,
+                  std::string(kVersion) + decal_frag, problem);
   return decal_.id();
 }
 
 GLuint Programs::bare(std::string* problem) {
   if (!bare_)
-    bare_ = make_program(gl_, std::string(kVersion) + draw_glsl + model_vert,
-                         std::string(kVersion) + bare_frag, problem);
+    bare_ = made(std::string(kVersion) + draw_glsl + model_vert, std::string(kVersion) + bare_frag,
+                 problem);
   return bare_.id();
 }
 

@@ -1,15 +1,16 @@
-// Pan → pixels.
+// World → pixels.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "base/result.h"
-#include "pan/model.h"
-#include "preview/context.h"
+#include "preview/device.h"
 #include "preview/image.h"
-#include "preview/view.h"
+#include "world/camera.h"
+#include "world/world.h"
 
 namespace panwright::preview {
 
@@ -22,60 +23,66 @@ struct RenderOptions {
                                    // pixels' centres
   std::uint32_t tile_side = 2048;  // samples that are drawn at once, a side; ≥ samples
   std::uint64_t max_bytes = 12ull << 30;  // of the image in memory
+  // of shadow maps, 8 a texel: 16 maps of 2048; targets that are seen share maps beyond, and one
+  // map there is always
+  std::uint64_t max_shadow_bytes = 1ull << 29;
 };
 
-// Draws one model into images of linear radiance, many views one after the other. Vertices,
-// textures and shaders are kept on the context between views.
+// Draws worlds into images of linear radiance, one after the other. What it derives from a world
+// is kept from frame to frame, keyed by the world's stamps: a target that moves uploads nothing,
+// and a shadow map is drawn again only where it would be another one.
 //
 // What a pixel is (docs/conventions.md): the mean over its square of the radiance towards the
 // camera, one directional Sun; a point is lit where its shading normal faces the Sun and nothing
-// of the model stands in between. The edges of shadows are hard and right to a texel of the shadow
-// map, which spans the model as the Sun sees it; a point of a smooth mesh is moved out past the
-// mesh's error before it is asked, so that facets cast no shadows on the shape they stand for.
+// of any target stands in between. The edges of shadows are hard and right to a texel of the shadow
+// map, which spans the target that is lit as the Sun sees it; a point of a smooth mesh is moved out
+// past the mesh's error before it is asked, so that facets cast no shadows on the shape they stand
+// for. The Sun is a point to shadows: those of targets far off have no penumbra either.
 // The back faces of closed meshes are not drawn; open meshes have two equal sides, and so have
 // those with holes (a cutout map), through which one sees what is behind. A decal lies on the side
 // that is seen: its z must point out of that side. Bumps are an instance's own: mirrored and
 // stretched with it. Whatever decides
 // where something is, is formed in double and camera-relative and rounded to float once, so the
-// distance of the camera costs no precision. Same model, view and options on the same context kind:
-// the same bits.
+// distance of the camera costs no precision; targets that stand apart in depth cost each other
+// none. Same world, camera and options on the same context kind: the same bits, whatever was drawn
+// before.
 class Renderer {
  public:
-  // Puts a model onto a context.
-  //
-  // Expects: model.checked(); context and model outlive the renderer.
-  // Fails: E5003 when a texture or the whole is too large for the context; E5007.
-  static Result<Renderer> create(Context& context, const pan::Model& model, DiagnosticLog& log);
-
+  // Expects: not null. Cost: nothing; models are uploaded when a world with them is drawn first.
+  explicit Renderer(std::shared_ptr<Device> device);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
 
-  // Renders one view.
+  // Renders one view. A world without targets, or with hidden ones only, gives the background.
   //
-  // Expects: options as documented; a camera of 1 pixel or more, finite and with unit rotations; a
-  // Sun direction that is not 0.
-  // Reports: W5006 when every pixel stays empty. Fails: E5003.
+  // Expects: options as documented; a camera of 1 pixel or more, finite and with unit rotations.
+  // Reports: W5006 when every pixel stays empty. Fails: E5001 when the context is lost or cannot be
+  // made current; E0001, between tiles; E5003 when the image, a model or the shadows do not fit.
+  // After E0001 and E5003 the renderer and what was on the device before stay usable.
   // Cost: about one draw of what lies in view per tile of tile_side² samples.
-  Result<Image> render(const View& view, const RenderOptions& options, DiagnosticLog& log);
+  Result<Image> render(const world::World& world, const world::Camera& camera,
+                       const RenderOptions& options, DiagnosticLog& log, const Job& job = {});
 
-  std::uint64_t triangles() const;  // instances counted
+  const std::shared_ptr<Device>& device() const;
+
+  // What was done so far; what frames from caches leave as it is.
+  struct Counts {
+    std::uint64_t targets_placed = 0;  // targets whose items were placed in their model's frame
+    std::uint64_t shadow_maps = 0;     // drawn
+  };
+  Counts counts() const;
 
   // Draws what render() would draw for one sample a pixel, with the shortest shader there is, into
-  // the same kind of framebuffer, and waits. Returns seconds: what the context needs at least.
+  // the same kind of framebuffer, and waits. Returns seconds: what the context needs at least; 0
+  // when it cannot be done.
   //
   // Expects: an image that the context can hold in one framebuffer.
-  double seconds_of_bare_draw(const View& view);
+  double seconds_of_bare_draw(const world::World& world, const world::Camera& camera);
 
  private:
   struct Impl;
-  explicit Renderer(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
-
-// Puts the camera of a view into a named frame of the model, at the view's pose of the model.
-//
-// Expects: model.checked(). Fails: E5005.
-bool place_in_frame(View& view, const pan::Model& model, std::string_view name, DiagnosticLog& log);
 
 }  // namespace panwright::preview

@@ -1,26 +1,50 @@
-// The build without OpenGL: there is no context, so nothing here is ever rendered.
+// The build without OpenGL: there is no context, so no device, and nothing here is ever rendered.
 #include "preview/renderer.h"
 
 namespace panwright::preview {
 
-struct Renderer::Impl {};
+struct ModelResources::Impl {
+  world::ModelPtr model;
+};
+struct Device::Impl {};
+struct Renderer::Impl {
+  std::shared_ptr<Device> device;
+};
 
-Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ModelResources::ModelResources(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ModelResources::~ModelResources() = default;
+const world::ModelPtr& ModelResources::model() const { return impl_->model; }
+std::uint64_t ModelResources::triangles() const { return 0; }
+std::uint64_t ModelResources::bytes() const { return 0; }
+
+Device::Device(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Device::~Device() = default;
+Result<std::shared_ptr<Device>> Device::create(ContextKind kind, DiagnosticLog& log) {
+  static_cast<void>(Context::create(kind, log));  // says why
+  return failed;
+}
+Result<std::shared_ptr<const ModelResources>> Device::resources(const world::ModelPtr&,
+                                                                DiagnosticLog& log, const Job&) {
+  log.report_file(Code::E5007, {}, "this program was built without OpenGL");
+  return failed;
+}
+std::shared_ptr<const ModelResources> Device::find(const world::ModelPtr&) const { return nullptr; }
+Device::Counts Device::counts() const { return {}; }
+
+Renderer::Renderer(std::shared_ptr<Device> device)
+    : impl_(std::make_unique<Impl>(Impl{std::move(device)})) {}
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
+const std::shared_ptr<Device>& Renderer::device() const { return impl_->device; }
+Renderer::Counts Renderer::counts() const { return {}; }
 
-Result<Renderer> Renderer::create(Context&, const pan::Model&, DiagnosticLog& log) {
+Result<Image> Renderer::render(const world::World&, const world::Camera&, const RenderOptions&,
+                               DiagnosticLog& log) {
   log.report_file(Code::E5007, {}, "this program was built without OpenGL");
   return failed;
 }
 
-Result<Image> Renderer::render(const View&, const RenderOptions&, DiagnosticLog& log) {
-  log.report_file(Code::E5007, {}, "this program was built without OpenGL");
-  return failed;
-}
-
-std::uint64_t Renderer::triangles() const { return 0; }
-double Renderer::seconds_of_bare_draw(const View&) { return 0; }
+double Renderer::seconds_of_bare_draw(const world::World&, const world::Camera&) { return 0; }
 
 }  // namespace panwright::preview

@@ -34,9 +34,11 @@ struct Box {
 
 Box box_along(std::span<const DrawItem> list, const Mat3& axes_from_model) {
   Box box;
-  for (const DrawItem& item : list)
+  for (const DrawItem& item : list) {
+    if (!item.visible) continue;
     for (const Vec3& corner : corners(item.low, item.high))
       box.add(axes_from_model * Vec3(item.model_from_mesh * Vec4(corner, 1)));
+  }
   return box;
 }
 
@@ -44,7 +46,8 @@ Box box_along(std::span<const DrawItem> list, const Mat3& axes_from_model) {
 
 SunFrame fitted_sun_frame(std::span<const DrawItem> list, const Vec3& to_sun, unsigned side) {
   SunFrame frame;
-  if (list.empty()) return frame;
+  if (std::none_of(list.begin(), list.end(), [](const DrawItem& item) { return item.visible; }))
+    return frame;
   const Box whole = box_along(list, Mat3(1));
   const Vec3 right = longest_across(whole.high - whole.low, to_sun);
   const Mat3 axes_from_model = glm::transpose(Mat3(right, glm::cross(to_sun, right), to_sun));

@@ -1,8 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/parallel.h"
-#include "preview/internal/draw_list.h"
+#include "preview/internal/truth.h"
 
 namespace panwright::preview {
 namespace {
@@ -22,7 +23,7 @@ PixelLine line_through(const world::Camera& camera, const Vec2& pixel) {
 // One triangle with what it takes to answer for its pixels.
 class Patch {
  public:
-  Patch(const pan::Model& model, const View& view, bool flat, const DrawItem& item,
+  Patch(const pan::Model& model, const world::Camera& camera, bool flat, const DrawItem& item,
         const Placement& placement, std::uint32_t triangle)
       : flat_(flat), closed_(item.closed) {
     const pan::MeshView mesh = model.mesh(item.mesh);
@@ -36,7 +37,7 @@ class Patch {
     edge_1_ = corner_[1] - corner_[0];
     edge_2_ = corner_[2] - corner_[0];
     outward_ = glm::cross(edge_1_, edge_2_) * (item.mirrored ? -1.0 : 1.0);
-    geometric_ = unit_or_zero(view.camera.world_from_camera * outward_);
+    geometric_ = unit_or_zero(camera.world_from_camera * outward_);
   }
 
   // weights of the three corners at the point that the line sees; footprint: metres that a pixel
@@ -90,38 +91,45 @@ class Patch {
 
 }  // namespace
 
-std::vector<Placement> placements(const View& view, const Scenery& scenery,
-                                  std::span<const DrawItem> list) {
-  std::vector<Placement> result(list.size());
-  const Mat3 rotation = glm::mat3_cast(view.world_from_model.rotation);
-  for (std::size_t k = 0; k < scenery.items.size(); ++k) {
-    Placement& placement = result[scenery.items[k]];
-    placement.camera_from_mesh = scenery.boxes[k].camera_from_mesh;
-    placement.world_normal_from_mesh = rotation * list[scenery.items[k]].model_normal_from_mesh;
+TruthTarget truth_target(const pan::Model& model, std::span<const DrawItem> items,
+                         const VisibleTarget& visible, const world::Pose& pose) {
+  TruthTarget result{&model, items, visible.target, visible.first_id,
+                     std::vector<Placement>(items.size())};
+  const Mat3 rotation = glm::mat3_cast(pose.rotation);
+  for (std::size_t k = 0; k < visible.items.size(); ++k) {
+    Placement& placement = result.placements[visible.items[k]];
+    placement.camera_from_mesh = visible.boxes[k].camera_from_mesh;
+    placement.world_normal_from_mesh = rotation * items[visible.items[k]].model_normal_from_mesh;
   }
   return result;
 }
 
-void fill_truth(const pan::Model& model, const View& view, bool flat,
-                std::span<const DrawItem> list, std::span<const Placement> placed, const Tile& tile,
-                std::span<const TriangleId> ids, Image& image) {
-  const double focal = std::max(view.camera.focal.x, view.camera.focal.y);
+void fill_truth(const world::Camera& camera, bool flat, std::span<const TruthTarget> targets,
+                const Tile& tile, std::span<const TriangleId> ids, Image& image) {
+  const double focal = std::max(camera.focal.x, camera.focal.y);
+  const bool perspective = camera.projection == world::Projection::perspective;
   parallel_for(tile.height, [&](std::size_t row) {
     std::optional<Patch> patch;
     TriangleId last;
+    const TruthTarget* target = nullptr;
+    const DrawItem* item = nullptr;
     for (std::size_t column = 0; column < tile.width; ++column) {
       const TriangleId id = ids[row * tile.width + column];
       const std::size_t x = tile.x + column;
       const std::size_t y = tile.y + row;
       const std::size_t pixel = y * image.width + x;
       if (id.item == 0) continue;
-      const DrawItem& item = list[id.item - 1];
-      if (id.item != last.item || id.triangle != last.triangle)
-        patch.emplace(model, view, flat, item, placed[id.item - 1], id.triangle);
+      if (id.item != last.item || id.triangle != last.triangle) {
+        target = &*std::prev(std::upper_bound(
+            targets.begin(), targets.end(), id.item,
+            [](std::uint32_t value, const TruthTarget& one) { return value <= one.first_id; }));
+        const std::size_t index = id.item - target->first_id - 1;
+        item = &target->items[index];
+        patch.emplace(*target->model, camera, flat, *item, target->placements[index], id.triangle);
+      }
       last = id;
-      const PixelLine line = line_through(
-          view.camera, Vec2(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5));
-      const bool perspective = view.camera.projection == world::Projection::perspective;
+      const PixelLine line =
+          line_through(camera, Vec2(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5));
       const Vec3 weight = patch->weights(line, (perspective ? patch->nearest() : 1) / focal);
       const double depth = patch->depth(weight);
       const Vec3 normal = patch->normal(weight, line);
@@ -130,8 +138,9 @@ void fill_truth(const pan::Model& model, const View& view, bool flat,
           static_cast<float>(perspective ? depth * glm::length(line.direction) : depth);
       for (int k = 0; k < 3; ++k)
         image.normal[3 * pixel + static_cast<std::size_t>(k)] = static_cast<float>(normal[k]);
-      image.node_id[pixel] = model.instances()[item.instance].node + 1;
-      image.material_id[pixel] = item.material + 1;
+      image.target_id[pixel] = target->target + 1;
+      image.node_id[pixel] = target->model->instances()[item->instance].node + 1;
+      image.material_id[pixel] = item->material + 1;
     }
   });
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "world/camera.h"
+#include "world/world.h"
 
 namespace panwright::preview {
 
@@ -14,5 +16,24 @@ struct View {
   std::optional<Vec3> sun_irradiance;  // W/m² per band at the target; none: 1, radiance in 1/sr
   double sun_distance = 1;  // AU; sets the Sun's angular size, the irradiance stands as given
 };
+
+// Places target 0 of a world and its Sun as a view says.
+inline void set_view(world::World& world, const View& view) {
+  world.set_pose(0, view.world_from_model);
+  world::Sun sun = world.sun();
+  sun.direction = view.to_sun;
+  sun.distance = view.sun_distance;
+  sun.irradiance = view.sun_irradiance;
+  world.set_sun(sun);
+}
+
+// A world of one target.
+inline world::World world_of(world::ModelPtr model, const View& view) {
+  world::World world;
+  DiagnosticLog log;
+  static_cast<void>(world.add("target", std::move(model), log));
+  set_view(world, view);
+  return world;
+}
 
 }  // namespace panwright::preview

@@ -38,21 +38,26 @@ Result<DescribedMaterial> preset(std::string_view name, DiagnosticLog& log) {
 }
 
 Result<std::vector<DescribedMaterial>> read_materials(const std::filesystem::path& path,
-                                                      const Options& options, DiagnosticLog& log) {
+                                                      const Options& options, DiagnosticLog& log,
+                                                      const Job& job) {
   FoundFile top;
   const auto files = files_on_disk(path, options, top);
-  Reporter reporter(log);
-  scene::Scene scene;
-  Loader loader(*files, options, reporter, scene);
-  if (!loader.load_top(top)) return failed;
-  std::vector<DescribedMaterial> all;
-  for (const NamedMaterial& material : loader.materials()) {
-    all.push_back({materials::resolved(material.fields, material.place, log), material.provenance});
-    all.back().material.name = material.name;
-  }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const auto& a, const auto& b) { return a.material.name < b.material.name; });
-  return all;
+  return run_job(job, log, [&]() -> Result<std::vector<DescribedMaterial>> {
+    Reporter reporter(log);
+    scene::Scene scene;
+    Loader loader(*files, options, reporter, scene, job);
+    if (!loader.load_top(top)) return failed;
+    std::vector<DescribedMaterial> all;
+    for (const NamedMaterial& material : loader.materials()) {
+      all.push_back(
+          {materials::resolved(material.fields, material.place, log), material.provenance});
+      all.back().material.name = material.name;
+    }
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
+      return a.material.name < b.material.name;
+    });
+    return all;
+  });
 }
 
 }  // namespace panwright::pxn

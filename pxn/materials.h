@@ -49,6 +49,7 @@ Result<DescribedMaterial> preset(std::string_view name, DiagnosticLog& log);
 //
 // Fails: as read().
 Result<std::vector<DescribedMaterial>> read_materials(const std::filesystem::path& path,
-                                                      const Options& options, DiagnosticLog& log);
+                                                      const Options& options, DiagnosticLog& log,
+                                                      const Job& job = {});
 
 }  // namespace panwright::pxn

@@ -11,30 +11,32 @@
 namespace panwright::pxn {
 
 Result<scene::Scene> read_from(Files& files, const FoundFile& top, const Options& options,
-                               DiagnosticLog& log) {
+                               DiagnosticLog& log, const Job& job) {
   assert(options.limits.depth <= 1024);
-  Reporter reporter(log);
-  scene::Scene scene;
-  Loader loader(files, options, reporter, scene);
-  const auto part = loader.load_top(top);
-  if (!part) return failed;
-  if (!assemble(loader, *part, options, reporter, scene)) return failed;
-  return scene;
+  return run_job(job, log, [&]() -> Result<scene::Scene> {
+    Reporter reporter(log);
+    scene::Scene scene;
+    Loader loader(files, options, reporter, scene, job);
+    const auto part = loader.load_top(top);
+    if (!part) return failed;
+    if (!assemble(loader, *part, options, reporter, scene)) return failed;
+    return scene;
+  });
 }
 
 Result<scene::Scene> read(const std::filesystem::path& path, const Options& options,
-                          DiagnosticLog& log) {
+                          DiagnosticLog& log, const Job& job) {
   FoundFile top;
   const auto files = files_on_disk(path, options, top);
-  return read_from(*files, top, options, log);
+  return read_from(*files, top, options, log, job);
 }
 
 Result<scene::Scene> read_memory(std::span<const MemoryFile> files, const Options& options,
-                                 DiagnosticLog& log) {
+                                 DiagnosticLog& log, const Job& job) {
   assert(!files.empty());
   FoundFile top;
   const auto store = files_in_memory(files, options, top);
-  return read_from(*store, top, options, log);
+  return read_from(*store, top, options, log, job);
 }
 
 }  // namespace panwright::pxn

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "base/math.h"
 #include "base/result.h"
 #include "scene/scene.h"
@@ -46,10 +47,10 @@ struct Options {
 // its own, named "group1", "mesh2"… in the order of their kind, or by the stem of the included
 // file.
 //
-// Fails: E01…, E1001, E1003, E1008, E1107. Reports E1…, W1…, N1…, E2…, W2…, N2…, E3….
+// Fails: E0001, E01…, E1001, E1003, E1008, E1107. Reports E1…, W1…, N1…, E2…, W2…, N2…, E3….
 // Cost: O(bytes); memory about 3 times the text.
 [[nodiscard]] Result<scene::Scene> read(const std::filesystem::path& path, const Options& options,
-                                        DiagnosticLog& log);
+                                        DiagnosticLog& log, const Job& job = {});
 
 struct MemoryFile {
   std::string path;  // relative, '/' between parts
@@ -61,6 +62,7 @@ struct MemoryFile {
 //
 // Expects: files not empty.
 [[nodiscard]] Result<scene::Scene> read_memory(std::span<const MemoryFile> files,
-                                               const Options& options, DiagnosticLog& log);
+                                               const Options& options, DiagnosticLog& log,
+                                               const Job& job = {});
 
 }  // namespace panwright::pxn

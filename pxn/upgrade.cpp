@@ -54,8 +54,14 @@ class ChangedFiles : public Files {
 
 class Upgrader {
  public:
-  Upgrader(std::span<const std::string> paths, const Options& options, DiagnosticLog& log)
-      : paths_(paths), options_(options), log_(log), out_(paths.size()), done_(paths.size()) {}
+  Upgrader(std::span<const std::string> paths, const Options& options, DiagnosticLog& log,
+           const Job& job)
+      : paths_(paths),
+        options_(options),
+        log_(log),
+        job_(job),
+        out_(paths.size()),
+        done_(paths.size()) {}
 
   Result<std::vector<UpgradedFile>> run() {
     for (std::size_t i = 0; i < paths_.size(); ++i)
@@ -69,7 +75,7 @@ class Upgrader {
     FoundFile top;
     const auto files = files_on_disk(paths_[first], options_, top);
     const std::size_t errors = log_.errors();
-    const auto before = read_from(*files, top, options_, log_);
+    const auto before = read_from(*files, top, options_, log_, job_);
     if (!before || log_.errors() > errors) return false;
 
     const fs::path folder = fs::path(top.key).parent_path();
@@ -136,7 +142,8 @@ class Upgrader {
     FoundFile again;
     ChangedFiles files(files_on_disk(paths_[first], options_, again), texts);
     DiagnosticLog log;
-    const auto after = read_from(files, again, options_, log);
+    const auto after = read_from(files, again, options_, log, job_);
+    job_.poll();
     std::string difference;
     if (!after || log.has_errors()) {
       const auto& entries = log.entries();
@@ -156,6 +163,7 @@ class Upgrader {
   std::span<const std::string> paths_;
   const Options& options_;
   DiagnosticLog& log_;
+  const Job& job_;
   std::vector<UpgradedFile> out_;
   std::vector<bool> done_;
 };
@@ -163,8 +171,9 @@ class Upgrader {
 }  // namespace
 
 Result<std::vector<UpgradedFile>> upgraded(std::span<const std::string> paths,
-                                           const Options& options, DiagnosticLog& log) {
-  return Upgrader(paths, options, log).run();
+                                           const Options& options, DiagnosticLog& log,
+                                           const Job& job) {
+  return run_job(job, log, [&] { return Upgrader(paths, options, log, job).run(); });
 }
 
 }  // namespace panwright::pxn

@@ -32,6 +32,6 @@ struct UpgradedFile {
 // Reports: N1318. Cost: that of reading the models twice.
 [[nodiscard]] Result<std::vector<UpgradedFile>> upgraded(std::span<const std::string> paths,
                                                          const Options& options,
-                                                         DiagnosticLog& log);
+                                                         DiagnosticLog& log, const Job& job = {});
 
 }  // namespace panwright::pxn

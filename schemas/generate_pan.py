@@ -391,7 +391,9 @@ def docs_text(layout):
 def load_layout():
     """The layout as the tables have it, not validated."""
     with open(ROOT / "schemas" / "pan_layout.toml", "rb") as file:
-        return tomllib.load(file)
+        layout = tomllib.load(file)
+    add_materials(layout)
+    return layout
 
 
 def grow(layout, path):
@@ -411,7 +413,6 @@ def main(arguments):
         return 2
     try:
         layout = load_layout()
-        add_materials(layout)
         if later:
             grow(layout, pathlib.Path(arguments[1]))
         validate(layout)

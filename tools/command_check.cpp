@@ -3,26 +3,41 @@
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
+#include "tools/command_context.h"
 #include "tools/commands.h"
-#include "tools/load.h"
-#include "tools/session.h"
+#include "workspace/open.h"
 
 namespace panwright::tools {
 
 namespace {
 
-void check_one(const std::string& path, const ReadOptions& options, Session& session) {
-  DiagnosticLog& log = session.log();
-  const std::string extension = extension_of(path);
+struct Options {
+  CommonOptions common;
+  ReadOptions read;
+  std::vector<std::string> inputs;
+};
+
+void declare_all(Arguments& arguments, Options& options) {
+  arguments.add("inputs", options.inputs, "Files to check").required().type("FILE…");
+  declare(arguments, options.read);
+  declare(arguments, options.read.open.cad);
+  declare(arguments, options.common);
+}
+
+void check_one(const std::string& path, const workspace::OpenOptions& read,
+               CommandContext& context) {
+  DiagnosticLog& log = context.log();
+  const std::string extension = workspace::extension_of(path);
   const std::size_t errors = log.errors(), warnings = log.warnings();
   std::string format, how;  // of a .pan
-  if (extension == ".pan" || extension == ".pxn" || is_cad(path)) {
-    ReadOptions read = options;
-    read.prune = false;
-    const auto model = load_model(path, read, session);  // a text is compiled too, to find it all
+  if (extension == ".pan" || extension == ".pxn" || workspace::is_cad(path)) {
+    workspace::OpenReport report;
+    // a text is compiled too, to find it all
+    const auto model = workspace::open(path, read, log, context.job(), &report);
+    context.add_timings(report.steps);
     if (model && extension == ".pan") {
-      format = fmt::format("{}.{}", model->header().major, model->header().minor);
-      if (model->compressed()) how = " (compressed)";
+      format = fmt::format("{}.{}", (*model)->header().major, (*model)->header().minor);
+      if ((*model)->compressed()) how = " (compressed)";
     }
   } else {
     log.report(Code::E0202, {},
@@ -30,23 +45,31 @@ void check_one(const std::string& path, const ReadOptions& options, Session& ses
                            in_quotes(path)));
   }
   const std::size_t found = log.errors() - errors;
-  session.result()["files"].push_back({{"file", path},
+  context.result()["files"].push_back({{"file", path},
                                        {"ok", found == 0},
                                        {"errors", found},
                                        {"warnings", log.warnings() - warnings}});
   if (!format.empty()) {
-    session.result()["files"].back()["format"] = format;
-    session.result()["files"].back()["compressed"] = !how.empty();
+    context.result()["files"].back()["format"] = format;
+    context.result()["files"].back()["compressed"] = !how.empty();
   }
-  if (!session.options().json && found == 0) fmt::print("{}: ok{}\n", path, how);
+  if (!context.options().json && found == 0) fmt::print("{}: ok{}\n", path, how);
+}
+
+int run(const Options& options, const Host& host) {
+  CommandContext context("check", options.common, host);
+  auto read = options.read.opening(context.log());
+  if (!read) return context.finish();
+  read->prune = false;
+  for (const std::string& path : options.inputs) check_one(path, *read, context);
+  return context.finish();
 }
 
 }  // namespace
 
-int check(const CheckOptions& options) {
-  Session session("check", options.common);
-  for (const std::string& path : options.inputs) check_one(path, options.read, session);
-  return session.finish();
+Command check_command() {
+  return command("check", "Say everything that is wrong with pxn, pan and CAD files", declare_all,
+                 run);
 }
 
 }  // namespace panwright::tools

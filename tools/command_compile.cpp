@@ -5,14 +5,45 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "compiler/compile.h"
+#include "tools/command_context.h"
 #include "tools/commands.h"
-#include "tools/load.h"
-#include "tools/session.h"
+#include "workspace/open.h"
 
 namespace panwright::tools {
 
 namespace {
+
+struct Options {
+  CommonOptions common;
+  ReadOptions read;
+  std::string input;
+  std::string output;
+  std::string depfile;
+  std::string license;  // of the original tools: accepted, ignored, noted
+  bool strip_sources = false;
+  bool compress = false;
+};
+
+void declare_all(Arguments& arguments, Options& options) {
+  arguments.add("input", options.input, "The model, a .pxn file").required().type("FILE.pxn");
+  arguments.add("-o,--output", options.output, "The pan file (default: the input's name with .pan)")
+      .type("FILE.pan");
+  arguments
+      .add("-M,--depfile", options.depfile,
+           "Write the files that were read, as a Make and Ninja dependency file")
+      .type("FILE");
+  arguments.flag("--strip-sources", options.strip_sources, "Leave out where parts were written");
+  arguments.flag("--compress", options.compress,
+                 "A smaller file, slower to load, that programs of format 1.0 refuse");
+  declare(arguments, options.read);
+  declare(arguments, options.common);
+}
+
+void declare_converter(Arguments& arguments, Options& options) {
+  declare_all(arguments, options);
+  arguments.add("--lic", options.license, "A licence file (-lic FILE): accepted and ignored")
+      .type("FILE");
+}
 
 // A file name in a Makefile rule.
 std::string make_escaped(const std::string& path) {
@@ -30,11 +61,11 @@ bool same_file(const std::string& a, const std::string& b) {
   return std::filesystem::equivalent(a, b, ignored);
 }
 
-void write_depfile(const CompileOptions& options, const std::string& output,
-                   const scene::Scene& scene, DiagnosticLog& log) {
+void write_depfile(const Options& options, const std::string& output,
+                   const std::vector<scene::Input>& inputs, DiagnosticLog& log) {
   const auto folder = std::filesystem::path(options.input).parent_path();
   std::string text = make_escaped(output) + ":";
-  for (const scene::Input& input : scene.inputs)
+  for (const scene::Input& input : inputs)
     text += " \\\n  " + make_escaped((folder / input.path).lexically_normal().string());
   text += "\n";
   write_file(options.depfile, as_bytes(text), log);
@@ -49,52 +80,68 @@ nlohmann::ordered_json as_json(const compiler::Report& report) {
           {"worst_error", report.worst_error}};
 }
 
-}  // namespace
-
-int compile(const CompileOptions& options) {
-  Session session("compile", options.common);
-  DiagnosticLog& log = session.log();
+int run(const Options& options, const Host& host) {
+  CommandContext context("compile", options.common, host);
+  DiagnosticLog& log = context.log();
   if (!options.license.empty())
     log.report(Code::N0205, {}, "-lic is ignored: no licence file is needed");
-  if (extension_of(options.input) != ".pxn") {
+  if (workspace::extension_of(options.input) != ".pxn") {
     log.report(Code::E0202, {}, fmt::format("{} is not a .pxn file", in_quotes(options.input)));
-    return session.finish();
+    return context.finish();
   }
   const std::string output =
       options.output.empty()
           ? std::filesystem::path(options.input).replace_extension(".pan").string()
           : options.output;
 
-  if (extension_of(output) != ".pan" && output != "-") {
+  if (workspace::extension_of(output) != ".pan" && output != "-") {
     log.report(Code::E0202, {}, fmt::format("{} is not a .pan file", in_quotes(output)));
-    return session.finish();
+    return context.finish();
   }
   if (!options.depfile.empty() && same_file(options.depfile, options.input)) {
     log.report(Code::E0201, {}, "--depfile names the input: it would be overwritten");
-    return session.finish();
+    return context.finish();
   }
-  auto scene = read_scene(options.input, options.read, session);
+  const auto read = options.read.opening(log);
+  if (!read) return context.finish();
+  workspace::OpenReport steps;
+  auto scene = workspace::read_scene(options.input, *read, log, context.job(), &steps);
   // what could be read is written only where the user said where to
-  if (!scene || (log.has_errors() && options.output.empty())) return session.finish();
-  if (!options.depfile.empty()) write_depfile(options, output, *scene, log);
-
-  prune(*scene, options.read, session);
-  compiler::Options compile;
-  compile.max_error = options.read.max_error;
-  compile.max_triangles = options.read.max_triangles;
-  compile.strip_sources = options.strip_sources;
-  compile.compress = options.compress;
-  session.step({});
-  const auto report = compiler::compile(*scene, compile, output, log);
-  if (!report) return session.finish();
-  session.add_timing("tessellate", report->seconds_tessellate);
-  session.add_timing("write", report->seconds_write);
-  session.add_timing("sync to disk", report->seconds_sync);
-  session.result()["output"] = output;
-  session.result().update(as_json(*report));
+  if (!scene || (log.has_errors() && options.output.empty())) {
+    context.add_timings(steps.steps);
+    return context.finish();
+  }
+  const std::vector<scene::Input> inputs = scene->inputs;
+  const auto report = workspace::write_pan(*scene, *read,
+                                           {.output = output,
+                                            .strip_sources = options.strip_sources,
+                                            .compress = options.compress,
+                                            .origin = {}},
+                                           log, context.job(), &steps);
+  context.add_timings(steps.steps);
+  // what was cancelled has made nothing that could depend on the inputs
+  if (!options.depfile.empty() && !context.job().cancelled())
+    write_depfile(options, output, inputs, log);
+  if (!report) return context.finish();
+  context.result()["output"] = output;
+  context.result().update(as_json(*report));
   if (!options.common.json && log.has_errors())
     fmt::print(stderr, "panwright: wrote {} without what could not be read or made\n", output);
-  return session.finish();
+  return context.finish();
+}
+
+}  // namespace
+
+Command compile_command() {
+  return command("compile", "Compile a pxn model into a pan file", declare_all, run);
+}
+
+Command converter_command(const std::string& name) {
+  return command(
+      name,
+      fmt::format("{}: compiles a pxn model into a pan file; the same as 'panwright compile'",
+                  name),
+      declare_converter, run);
 }
 
 }  // namespace panwright::tools

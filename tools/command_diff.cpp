@@ -5,15 +5,31 @@
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
+#include "tools/command_context.h"
 #include "tools/commands.h"
-#include "tools/load.h"
-#include "tools/session.h"
+#include "workspace/open.h"
 
 namespace panwright::tools {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+struct Options {
+  CommonOptions common;
+  ReadOptions read;
+  std::string a;
+  std::string b;
+  bool all = false;  // provenance too
+};
+
+void declare_all(Arguments& arguments, Options& options) {
+  arguments.add("a", options.a, "A .pan or .pxn file").required().type("A");
+  arguments.add("b", options.b, "A .pan or .pxn file").required().type("B");
+  arguments.flag("--all", options.all, "Count differences of provenance and storage too");
+  declare(arguments, options.read);
+  declare(arguments, options.common);
+}
 
 Json as_json(const std::vector<pan::Difference>& list) {
   Json out = Json::array();
@@ -35,20 +51,22 @@ std::string unseen_words(const pan::Differences& differences) {
   return fmt::format(" (their {} differs: --all shows it)", what);
 }
 
-}  // namespace
-
-int diff(const DiffOptions& options) {
-  Session session("diff", options.common);
-  const auto a = load_model(options.a, options.read, session);
-  const auto b = load_model(options.b, options.read, session);
-  if (!a || !b) return session.finish();
-  session.step("compare");
-  const pan::Differences differences = pan::diff(*a, *b);
+int run(const Options& options, const Host& host) {
+  CommandContext context("diff", options.common, host);
+  const auto read = options.read.opening(context.log());
+  if (!read) return context.finish();
+  workspace::OpenReport report;
+  const auto a = workspace::open(options.a, *read, context.log(), context.job(), &report);
+  const auto b = workspace::open(options.b, *read, context.log(), context.job(), &report);
+  context.add_timings(report.steps);
+  if (!a || !b) return context.finish();
+  context.step("compare");
+  const pan::Differences differences = pan::diff(**a, **b);
   const bool equal = options.all ? differences.empty() : differences.same_model();
-  session.result()["equal"] = equal;
-  session.result()["model"] = as_json(differences.model);
-  session.result()["provenance"] = as_json(differences.provenance);
-  session.result()["storage"] = as_json(differences.storage);
+  context.result()["equal"] = equal;
+  context.result()["model"] = as_json(differences.model);
+  context.result()["provenance"] = as_json(differences.provenance);
+  context.result()["storage"] = as_json(differences.storage);
   if (!options.common.json) {
     print(differences.model, "");
     if (options.all || !differences.same_model()) {
@@ -59,7 +77,13 @@ int diff(const DiffOptions& options) {
       fmt::print("{} not shown\n", counted(differences.hidden, "more difference"));
     if (equal) fmt::print("the models are equal{}\n", unseen_words(differences));
   }
-  return session.finish(equal ? 0 : 1);
+  return context.finish(equal ? 0 : 1);
+}
+
+}  // namespace
+
+Command diff_command() {
+  return command("diff", "Compare two models; exit code 1 when they differ", declare_all, run);
 }
 
 }  // namespace panwright::tools

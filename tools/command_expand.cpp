@@ -6,45 +6,78 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "pxn/writer.h"
+#include "tools/command_context.h"
 #include "tools/commands.h"
-#include "tools/load.h"
-#include "tools/session.h"
+#include "workspace/open.h"
 
 namespace panwright::tools {
 
-int expand(const ExpandOptions& options) {
-  Session session("expand", options.common);
-  DiagnosticLog& log = session.log();
+namespace {
+
+struct Options {
+  CommonOptions common;
+  ReadOptions read;
+  std::string input;
+  std::string output;
+};
+
+void declare_all(Arguments& arguments, Options& options) {
+  arguments.add("input", options.input, "The model, a .pxn file").required().type("FILE.pxn");
+  arguments
+      .add("-o,--output", options.output,
+           "The text; pictures are written beside it as PNG, unless they are there (-: standard "
+           "output, without pictures)")
+      .required()
+      .type("FILE.pxn");
+  declare(arguments, options.read);
+  declare(arguments, options.common);
+}
+
+int run(const Options& options, const Host& host) {
+  CommandContext context("expand", options.common, host);
+  DiagnosticLog& log = context.log();
   const bool standard = options.output == "-";
   for (const std::string& path : {options.input, options.output})
-    if (extension_of(path) != ".pxn" && !(standard && path == options.output))
+    if (workspace::extension_of(path) != ".pxn" && !(standard && path == options.output))
       log.report(Code::E0202, {}, fmt::format("{} is not a .pxn file", in_quotes(path)));
   std::error_code ignored;
   if (std::filesystem::equivalent(options.input, options.output, ignored))
     log.report(Code::E0201, {}, "-o names the input: it would be overwritten");
-  if (log.has_errors()) return session.finish();
+  if (log.has_errors()) return context.finish();
 
-  const auto scene = read_scene(options.input, options.read, session);
-  if (!scene) return session.finish();
+  const auto read = options.read.opening(log);
+  if (!read) return context.finish();
+  workspace::OpenReport report;
+  const auto scene = workspace::read_scene(options.input, *read, log, context.job(), &report);
+  context.add_timings(report.steps);
+  if (!scene) return context.finish();
   const std::size_t errors = log.errors();
-  session.step("write");
+  context.step("write");
   std::vector<std::string> pictures;
   if (!standard) {
     auto written = pxn::write_pictures(*scene, options.output, log);
-    if (!written) return session.finish();
+    if (!written) return context.finish();
     pictures = std::move(*written);
   }
   const std::string text = standard
                                ? pxn::to_text(*scene)
                                : pxn::to_text(*scene, [&](std::size_t i) { return pictures[i]; });
   const bool done = write_file(options.output, as_bytes(text), log);
-  session.result()["output"] = options.output;
-  session.result()["nodes"] = scene->nodes.size();
-  session.result()["shapes"] = scene->instances.size();
-  session.result()["pictures"] = pictures;
+  context.result()["output"] = options.output;
+  context.result()["nodes"] = scene->nodes.size();
+  context.result()["shapes"] = scene->instances.size();
+  context.result()["pictures"] = pictures;
   if (!options.common.json && done && errors > 0)
     fmt::print(stderr, "panwright: wrote {} without what could not be read\n", options.output);
-  return session.finish();
+  return context.finish();
+}
+
+}  // namespace
+
+Command expand_command() {
+  return command("expand",
+                 "Write a model as one pxn file without parts, repeats, includes and expressions",
+                 declare_all, run);
 }
 
 }  // namespace panwright::tools

@@ -6,29 +6,56 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "importers/gltf/export.h"
+#include "tools/command_context.h"
 #include "tools/commands.h"
-#include "tools/load.h"
-#include "tools/session.h"
+#include "workspace/open.h"
 
 namespace panwright::tools {
 
-int export_cad(const ExportOptions& options) {
-  Session session("export", options.common);
-  DiagnosticLog& log = session.log();
-  if (extension_of(options.output) != ".glb")
+namespace {
+
+struct Options {
+  CommonOptions common;
+  ReadOptions read;
+  std::string input;
+  std::string output;  // .glb
+};
+
+void declare_all(Arguments& arguments, Options& options) {
+  arguments.add("input", options.input, "A .pan, .pxn or CAD file").required().type("FILE");
+  arguments.add("-o,--output", options.output, "The glTF file").required().type("FILE.glb");
+  declare(arguments, options.read);
+  declare(arguments, options.read.open.cad);
+  declare(arguments, options.common);
+}
+
+int run(const Options& options, const Host& host) {
+  CommandContext context("export", options.common, host);
+  DiagnosticLog& log = context.log();
+  if (workspace::extension_of(options.output) != ".glb")
     log.report(Code::E0202, {}, fmt::format("{} is not a .glb file", in_quotes(options.output)));
   std::error_code ignored;
   if (std::filesystem::equivalent(options.input, options.output, ignored))
     log.report(Code::E0201, {}, "-o names the input: it would be overwritten");
-  if (log.has_errors()) return session.finish();
-  const auto model = load_model(options.input, options.read, session);
-  if (!model) return session.finish();
-  session.step("write");
-  const auto bytes = importers::glb_from(*model, log);
-  if (!bytes || !write_file(options.output, *bytes, log)) return session.finish();
-  session.result()["output"] = options.output;
-  session.result()["bytes"] = bytes->size();
-  return session.finish();
+  if (log.has_errors()) return context.finish();
+  const auto read = options.read.opening(log);
+  if (!read) return context.finish();
+  workspace::OpenReport report;
+  const auto model = workspace::open(options.input, *read, log, context.job(), &report);
+  context.add_timings(report.steps);
+  if (!model) return context.finish();
+  context.step("write");
+  const auto bytes = importers::glb_from(**model, log);
+  if (!bytes || !write_file(options.output, *bytes, log)) return context.finish();
+  context.result()["output"] = options.output;
+  context.result()["bytes"] = bytes->size();
+  return context.finish();
+}
+
+}  // namespace
+
+Command export_command() {
+  return command("export", "Write a model as a glTF file", declare_all, run);
 }
 
 }  // namespace panwright::tools

@@ -6,22 +6,44 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "pxn/format.h"
+#include "tools/command_context.h"
 #include "tools/commands.h"
-#include "tools/session.h"
 
 namespace panwright::tools {
 
 namespace {
 
+struct Options {
+  CommonOptions common;
+  std::uint64_t max_input = 128ull << 20;  // bytes of each file
+  std::vector<std::string> inputs;         // "-": standard input
+  std::string output;                      // empty: each file itself; "-": standard output
+  bool check = false;                      // write nothing, name the files that would change
+};
+
+void declare_all(Arguments& arguments, Options& options) {
+  arguments.add("inputs", options.inputs, "Files to format; -: standard input to standard output")
+      .required()
+      .type("FILE.pxn…");
+  arguments.flag("--check", options.check,
+                 "Write nothing; name the files that would change, with exit code 1");
+  arguments
+      .add("-o,--output", options.output, "Write here instead (-: standard output); for one file")
+      .type("FILE");
+  declare_max_input(arguments, options.max_input);
+  declare(arguments, options.common);
+}
+
 class Formatting {
  public:
-  Formatting(const FmtOptions& options, Session& session) : options_(options), session_(session) {}
+  Formatting(const Options& options, CommandContext& context)
+      : options_(options), context_(context) {}
 
   void one(const std::string& input) {
-    DiagnosticLog& log = session_.log();
+    DiagnosticLog& log = context_.log();
     const bool standard = input == "-";
     const std::string name = standard ? "<standard input>" : input;
-    session_.step("format " + name);
+    context_.step("format " + name);
     auto bytes = read_file(standard ? "/dev/stdin" : input, options_.max_input, log);
     if (!bytes) return;
     const auto original = std::make_shared<const std::string>(std::move(*bytes));
@@ -30,7 +52,7 @@ class Formatting {
     const auto text = pxn::formatted(name, original, limits, log);
     if (!text) return;
     const bool changed = *text != *original;
-    session_.result()["files"].push_back({{"file", name}, {"changed", changed}});
+    context_.result()["files"].push_back({{"file", name}, {"changed", changed}});
     any_changed_ = any_changed_ || changed;
     if (options_.check) {
       if (changed && !options_.common.json) fmt::print("{}\n", name);
@@ -45,24 +67,29 @@ class Formatting {
   bool any_changed() const { return any_changed_; }
 
  private:
-  const FmtOptions& options_;
-  Session& session_;
+  const Options& options_;
+  CommandContext& context_;
   bool any_changed_ = false;
 };
 
-}  // namespace
-
-int format(const FmtOptions& options) {
-  Session session("fmt", options.common);
+int run(const Options& options, const Host& host) {
+  CommandContext context("fmt", options.common, host);
   if (!options.output.empty() && (options.inputs.size() > 1 || options.check)) {
-    session.log().report(Code::E0201, {},
+    context.log().report(Code::E0201, {},
                          options.check ? "--check writes nothing, so there is no -o with it"
                                        : "-o takes one file; several are formatted in place");
-    return session.finish();
+    return context.finish();
   }
-  Formatting formatting(options, session);
+  Formatting formatting(options, context);
   for (const std::string& input : options.inputs) formatting.one(input);
-  return session.finish(options.check && formatting.any_changed() ? 1 : 0);
+  return context.finish(options.check && formatting.any_changed() ? 1 : 0);
+}
+
+}  // namespace
+
+Command fmt_command() {
+  return command("fmt", "Lay pxn files out in their canonical form, comments and all", declare_all,
+                 run);
 }
 
 }  // namespace panwright::tools

@@ -2,21 +2,72 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/file.h"
 #include "base/text.h"
 #include "importers/clean.h"
 #include "pxn/skeleton.h"
+#include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/hygiene_page.h"
-#include "tools/load.h"
-#include "tools/session.h"
+#include "workspace/open.h"
 
 namespace panwright::tools {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+using workspace::CadOptions;
+
+struct Options {
+  CommonOptions common;
+  workspace::OpenOptions open;
+  std::string input;
+  std::string output;  // .pan or .pxn; empty: none
+  std::string report;  // .txt, .json or .html; empty: none
+  bool compress = false;
+};
+
+void declare_all(Arguments& arguments, Options& options) {
+  CadOptions& cad = options.open.cad;
+  arguments
+      .add("input", options.input,
+           "VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY (STEP where built in), packed or not")
+      .required()
+      .type("FILE");
+  arguments
+      .add("-o,--output", options.output,
+           "The compiled model (.pan), or a pxn text that imports and dresses it (.pxn)")
+      .type("OUT");
+  arguments
+      .add("--report", options.report,
+           "Write what cleaning found: .txt, .json, or .html with pictures")
+      .type("FILE");
+  arguments.flag("--compress", options.compress,
+                 "A smaller .pan, slower to load, that programs of format 1.0 refuse");
+  arguments
+      .add("--root", cad.root,
+           "Folder that files named by the model must lie in (default: the model's)")
+      .type("DIR");
+  arguments
+      .add("--max-error", options.open.max_error,
+           "Metres that a mesh may lie from an exact shape (default 0.001)")
+      .finite()
+      .positive()
+      .type("METRES");
+  arguments.add("--max-triangles", options.open.max_triangles, "Most triangles in the file")
+      .range(1.0, 1e12)
+      .type("N");
+  declare(arguments, cad);
+  // the camera has no say here, so that the short name is free
+  arguments.find("--up-axis").group("CAD files");
+  arguments.add("--up", cad.up, "The same as --up-axis")
+      .one_of({"auto", "y", "z"})
+      .type("AXIS")
+      .group("CAD files");
+  declare(arguments, options.common);
+}
 
 // What the command line said of the file, as attributes of <import>.
 std::string attributes_of(const CadOptions& cad) {
@@ -62,11 +113,11 @@ Json as_json(const compiler::HiddenReport& hidden) {
 
 constexpr const char* kFormats[] = {"VRML 97", "VRML 1.0", "glTF", "OBJ", "STL", "PLY", "STEP"};
 
-void describe(const importers::Imported& imported, Session& session) {
+void describe(const importers::Imported& imported, CommandContext& context) {
   const scene::Scene& scene = imported.scene;
   const importers::Bounds bounds = importers::bounds_of(scene);
   const Vec3 size = bounds.any ? bounds.high - bounds.low : Vec3(0);
-  Json& out = session.result();
+  Json& out = context.result();
   out["format"] = kFormats[static_cast<std::size_t>(imported.format)];
   out["nodes"] = scene.nodes.size();
   out["instances"] = scene.instances.size();
@@ -85,7 +136,7 @@ void describe(const importers::Imported& imported, Session& session) {
                          {"lost", material.lost}});
   }
   out["materials"] = std::move(materials);
-  if (session.options().json) return;
+  if (context.options().json) return;
   fmt::print("{}: {}, {}, {}, {}\n", kFormats[static_cast<std::size_t>(imported.format)],
              counted(scene.nodes.size(), "node"), counted(scene.instances.size(), "instance"),
              counted(triangles_of(scene), "mesh triangle"), counted(scene.joints.size(), "joint"));
@@ -97,22 +148,22 @@ void describe(const importers::Imported& imported, Session& session) {
 }
 
 bool write_report(const importers::Hygiene& hygiene, const scene::Scene& scene,
-                  const ImportOptions& options, Session& session) {
-  session.step("report");
-  const std::string extension = extension_of(options.report);
+                  const Options& options, CommandContext& context) {
+  context.step("report");
+  const std::string extension = workspace::extension_of(options.report);
   std::string text;
   if (extension == ".json")
     text = importers::to_json(hygiene);
   else if (extension == ".html")
-    text = hygiene_page(hygiene, scene, options);
+    text = hygiene_page(hygiene, scene, options.input, options.open);
   else
     text = importers::to_text(hygiene);
-  return write_file(options.report, as_bytes(text), session.log());
+  return write_file(options.report, as_bytes(text), context.log());
 }
 
 // The pxn text that stands around the file; the file's path as seen from the text's folder.
-void write_skeleton(const importers::Imported& imported, const ImportOptions& options,
-                    Session& session) {
+void write_skeleton(const importers::Imported& imported, const Options& options,
+                    CommandContext& context) {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::path folder = fs::absolute(options.output, error).parent_path();
@@ -121,80 +172,96 @@ void write_skeleton(const importers::Imported& imported, const ImportOptions& op
                       .lexically_relative(folder.lexically_normal());
   if (file.empty()) file = options.input;
   if (*file.begin() == "..")
-    session.log().report(
+    context.log().report(
         Code::E0201, {},
         fmt::format("{} does not lie in the folder of {} or below it, where imports are found",
                     in_quotes(options.input), in_quotes(options.output)));
   else
     write_file(
         options.output,
-        as_bytes(pxn::skeleton(imported, file.generic_string(), attributes_of(options.read.cad))),
-        session.log());
+        as_bytes(pxn::skeleton(imported, file.generic_string(), attributes_of(options.open.cad))),
+        context.log());
 }
 
-}  // namespace
-
-int import_cad(const ImportOptions& options) {
-  Session session("import", options.common);
-  DiagnosticLog& log = session.log();
-  const std::string extension = extension_of(options.output);
+int run(const Options& options, const Host& host) {
+  CommandContext context("import", options.common, host);
+  DiagnosticLog& log = context.log();
+  const std::string extension = workspace::extension_of(options.output);
   if (!options.output.empty() && extension != ".pan" && extension != ".pxn") {
     log.report(Code::E0202, {},
                fmt::format("{} is neither a .pan nor a .pxn file", in_quotes(options.output)));
-    return session.finish();
+    return context.finish();
   }
   std::error_code ignored;
   for (const std::string& output : {options.output, options.report})
     if (!output.empty() && std::filesystem::equivalent(options.input, output, ignored)) {
       log.report(Code::E0201, {}, "-o or --report names the input: it would be overwritten");
-      return session.finish();
+      return context.finish();
     }
-  importers::Hygiene hygiene;
-  auto imported = read_cad(options.input, options.read, session, &hygiene);
-  if (!imported) return session.finish();
+  workspace::OpenReport found;
+  auto imported = workspace::read_cad(options.input, options.open, log, context.job(), &found);
+  context.add_timings(std::exchange(found.steps, {}));
+  if (!imported) return context.finish();
   std::size_t errors = log.errors();
-  if (!options.report.empty() && !write_report(hygiene, imported->scene, options, session))
-    return session.finish();
+  if (!options.report.empty() && !write_report(found.hygiene.value_or(importers::Hygiene{}),
+                                               imported->scene, options, context))
+    return context.finish();
   if (options.output.empty()) {
-    session.step({});
-    describe(*imported, session);
-    return session.finish();
+    context.step({});
+    describe(*imported, context);
+    return context.finish();
   }
-  session.result()["output"] = options.output;
+  context.result()["output"] = options.output;
   if (extension == ".pxn") {
-    session.step("write");
-    write_skeleton(*imported, options, session);
+    context.step("write");
+    write_skeleton(*imported, options, context);
   } else {
     if (!imported->scene.joints.empty())
       log.report_file(Code::N6007, options.input,
                       fmt::format("{} left out: a .pan does not hold them yet",
                                   counted(imported->scene.joints.size(), "joint")));
-    compiler::HiddenReport hidden;
-    if (prune(imported->scene, options.read, session, &hidden))
-      session.result()["removed"] = as_json(hidden);
-    compiler::Options compile;
-    compile.max_error = options.read.max_error;
-    compile.max_triangles = options.read.max_triangles;
-    compile.origin = origin_of(options.read.cad);
-    compile.compress = options.compress;
-    session.step({});
-    const auto report = compiler::compile(imported->scene, compile, options.output, log);
-    if (!report) return session.finish();
+    context.step({});
+    const auto report = workspace::write_pan(imported->scene, options.open,
+                                             {.output = options.output,
+                                              .strip_sources = false,
+                                              .compress = options.compress,
+                                              .origin = origin_of(options.open.cad)},
+                                             log, context.job(), &found);
+    context.add_timings(found.steps);
+    if (found.hidden) context.result()["removed"] = as_json(*found.hidden);
+    if (!report) return context.finish();
     if (report->triangles == 0)
       log.report_file(Code::W6009, options.input,
                       "no surface is left of the model: the file holds none, or none that is seen");
     errors = log.errors();
-    session.add_timing("tessellate", report->seconds_tessellate);
-    session.add_timing("write", report->seconds_write);
-    session.add_timing("sync to disk", report->seconds_sync);
-    session.result()["bytes"] = report->bytes;
-    session.result()["triangles"] = report->triangles;
-    session.result()["unique_triangles"] = report->unique_triangles;
+    context.result()["bytes"] = report->bytes;
+    context.result()["triangles"] = report->triangles;
+    context.result()["unique_triangles"] = report->unique_triangles;
   }
   if (!options.common.json && errors > 0)
     fmt::print(stderr, "panwright: wrote {} without what could not be read or made\n",
                options.output);
-  return session.finish();
+  return context.finish();
+}
+
+int run_importer(const Options& typed, const Host& host) {
+  Options options = typed;
+  if (options.output.empty())
+    options.output = std::filesystem::path(options.input).replace_extension(".pan").string();
+  return run(options, host);
+}
+
+}  // namespace
+
+Command import_command() {
+  return command("import", "Read a CAD file: VRML or glTF, into a pan or pxn file", declare_all,
+                 run);
+}
+
+Command importer_command(const std::string& name) {
+  return command(
+      name, fmt::format("{}: makes a pan file of a CAD file; the same as 'panwright import'", name),
+      declare_all, run_importer);
 }
 
 }  // namespace panwright::tools

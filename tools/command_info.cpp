@@ -8,15 +8,30 @@
 
 #include "base/text.h"
 #include "compiler/need.h"
+#include "tools/command_context.h"
 #include "tools/commands.h"
-#include "tools/load.h"
-#include "tools/session.h"
+#include "workspace/open.h"
 
 namespace panwright::tools {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+struct Options {
+  CommonOptions common;
+  ReadOptions read;
+  std::string input;
+  bool meshes = false;  // all of them
+};
+
+void declare_all(Arguments& arguments, Options& options) {
+  arguments.add("input", options.input, "A .pan, .pxn or CAD file").required().type("FILE");
+  arguments.flag("--meshes", options.meshes, "List all meshes, not the heaviest only");
+  declare(arguments, options.read);
+  declare(arguments, options.read.open.cad);
+  declare(arguments, options.common);
+}
 
 Json as_json(const Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -486,14 +501,17 @@ void print_text(const std::string& path, const pan::Model& model, const Totals& 
     fmt::print("input     {}, {} bytes\n", model.string(input.path), input.bytes);
 }
 
-}  // namespace
-
-int info(const InfoOptions& options) {
-  Session session("info", options.common);
-  const auto model = load_model(options.input, options.read, session);
-  if (!model) return session.finish();
+int run(const Options& options, const Host& host) {
+  CommandContext context("info", options.common, host);
+  const auto read = options.read.opening(context.log());
+  if (!read) return context.finish();
+  workspace::OpenReport report;
+  const auto opened = workspace::open(options.input, *read, context.log(), context.job(), &report);
+  context.add_timings(report.steps);
+  if (!opened) return context.finish();
+  const world::ModelPtr& model = *opened;
   const Totals totals = totals_of(*model);
-  Json& out = session.result();
+  Json& out = context.result();
   out["file"] = options.input;
   out["bytes"] = model->bytes().size();
   out["format"] = fmt::format("{}.{}", model->header().major, model->header().minor);
@@ -517,7 +535,11 @@ int info(const InfoOptions& options) {
   out.update(truth_json(*model));
   out["sections"] = sections_json(*model);
   if (!options.common.json) print_text(options.input, *model, totals, options.meshes);
-  return session.finish();
+  return context.finish();
 }
+
+}  // namespace
+
+Command info_command() { return command("info", "Show what is in a model", declare_all, run); }
 
 }  // namespace panwright::tools

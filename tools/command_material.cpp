@@ -14,49 +14,86 @@
 #include "materials/brdf.h"
 #include "materials/report.h"
 #include "materials/spectra.h"
-#include "preview/context.h"
-#include "preview/reference/reference.h"
-#include "preview/renderer.h"
 #include "pxn/materials.h"
+#include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/label.h"
-#include "tools/load.h"
 #include "tools/material_plots.h"
 #include "tools/material_scene.h"
-#include "tools/session.h"
-#include "tools/view.h"
+#include "workspace/drawer.h"
+#include "workspace/open.h"
+#include "workspace/views.h"
 
 namespace panwright::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
 using pxn::DescribedMaterial;
+using workspace::parse_numbers;
+
+struct Options {
+  CommonOptions common;
+  std::vector<std::string> inputs;  // pxn files, and materials of the library
+  std::string name;                 // of one in the files; empty: all
+  bool all = false;                 // the whole library too
+  bool list = false;
+  bool show = false;          // the text of a library's material
+  std::string albedo;         // cosines, with commas
+  std::string svg;            // folder for plots
+  std::string fit;            // table of measured reflectance
+  std::string render;         // image of samples
+  std::uint32_t width = 480;  // of one material in the image, pixels
+  std::string engine = "gl";
+};
+
+void declare_all(Arguments& arguments, Options& options) {
+  arguments.add("inputs", options.inputs, "A .pxn file, or a material of the library")
+      .type("FILE|PRESET…");
+  arguments.add("--name", options.name, "Only this material of the files").type("NAME");
+  arguments.flag("--all", options.all, "Every material of the library");
+  arguments.flag("--list", options.list, "List the library");
+  arguments.flag("--show", options.show, "Print the text of a library's material");
+  arguments.add("--albedo", options.albedo, "Cosines of the directions whose albedo is printed")
+      .type("MU,MU…");
+  arguments.add("--svg", options.svg, "Write plots of albedo and lobes into this folder")
+      .folder()
+      .type("FOLDER");
+  arguments.add("--fit", options.fit, "Fit our laws to a table of measured reflectance")
+      .type("TABLE");
+  arguments
+      .add("--render", options.render, "Draw a sphere, a tilted tile and a wrinkled tile of each")
+      .type("FILE.png");
+  arguments.add("--width", options.width, "Pixels across one material's picture")
+      .range(60, 4096)
+      .type("PIXELS");
+  arguments.add("--engine", options.engine, "gl or reference")
+      .one_of({"gl", "reference"})
+      .type("ENGINE");
+  declare(arguments, options.common);
+}
 
 Json as_json(const Vec3& v) { return Json::array({v.x, v.y, v.z}); }
 
 std::string rgb_words(const Vec3& v) { return fmt::format("{:.4f} {:.4f} {:.4f}", v.x, v.y, v.z); }
 
 // The materials that the command is about: of files, of the library, or all of that.
-std::vector<DescribedMaterial> chosen(const MaterialOptions& options, Session& session) {
+std::vector<DescribedMaterial> chosen(const Options& options, CommandContext& context) {
   std::vector<DescribedMaterial> all;
   std::vector<std::string> inputs = options.inputs;
   if (options.all)
     for (const std::string_view name : pxn::preset_names()) inputs.emplace_back(name);
   for (const std::string& input : inputs) {
-    if (extension_of(input) != ".pxn") {
-      if (auto preset = pxn::preset(input, session.log())) all.push_back(std::move(*preset));
+    if (workspace::extension_of(input) != ".pxn") {
+      if (auto preset = pxn::preset(input, context.log())) all.push_back(std::move(*preset));
       continue;
     }
-    pxn::Options read;
-    read.root = options.read.root;
-    read.limits.bytes = options.read.max_input;
-    auto found = pxn::read_materials(input, read, session.log());
+    auto found = pxn::read_materials(input, {}, context.log(), context.job());
     if (!found) continue;
     std::vector<std::string_view> names;
     for (const DescribedMaterial& each : *found) names.push_back(each.material.name);
     if (options.name.empty()) {
       if (names.empty())
-        session.log().report_file(Code::E1311, input, "the file defines no material");
+        context.log().report_file(Code::E1311, input, "the file defines no material");
       for (DescribedMaterial& each : *found) all.push_back(std::move(each));
       continue;
     }
@@ -66,21 +103,21 @@ std::vector<DescribedMaterial> chosen(const MaterialOptions& options, Session& s
       continue;
     }
     const auto near = nearest_name(options.name, names);
-    session.log().report_file(Code::E1311, input,
+    context.log().report_file(Code::E1311, input,
                               fmt::format("no material is called {}", in_quotes(options.name)),
                               near ? fmt::format("did you mean '{}'?", *near) : "");
   }
   return all;
 }
 
-std::optional<std::vector<double>> cosines(const MaterialOptions& options, Session& session) {
+std::optional<std::vector<double>> cosines(const Options& options, CommandContext& context) {
   if (options.albedo.empty()) return std::vector<double>{0.02, 0.05, 0.1, 0.25, 0.5, 0.75, 1};
   std::vector<double> mus;
   for (std::size_t at = 0; at <= options.albedo.size();) {
     const std::size_t comma = std::min(options.albedo.find(',', at), options.albedo.size());
     const auto number = parse_numbers(options.albedo.substr(at, comma - at), 1);
     if (!number || !((*number)[0] > 0 && (*number)[0] <= 1)) {
-      session.log().report(Code::E0201, {},
+      context.log().report(Code::E0201, {},
                            fmt::format("--albedo is {}: it takes cosines above 0 and up to 1, with "
                                        "commas between them",
                                        in_quotes(options.albedo)));
@@ -211,52 +248,44 @@ void print_certificate(const DescribedMaterial& described, const materials::Mate
                published ? fmt::format(" (published {:.2f})", *published) : std::string());
 }
 
-bool write_plots(const std::string& folder, const materials::Material& material, Session& session) {
+bool write_plots(const std::string& folder, const materials::Material& material,
+                 CommandContext& context) {
   std::string stem = material.name;
   for (char& c : stem)
     if (c == '/' || c == '\\' || c == '\0') c = '_';
   if (stem.starts_with('.')) stem.front() = '_';
   const std::filesystem::path base = std::filesystem::path(folder) / stem;
   const auto write = [&](const char* suffix, const std::string& text) {
-    return write_file(base.string() + suffix, std::as_bytes(std::span(text)), session.log());
+    return write_file(base.string() + suffix, std::as_bytes(std::span(text)), context.log());
   };
   return write("-albedo.svg", albedo_plot(material)) && write("-slices.svg", slices_plot(material));
 }
 
 // One picture of a material's samples.
-Result<preview::Image> sample_picture(const materials::Material& material,
-                                      const MaterialOptions& options, preview::Context* context,
-                                      Session& session) {
-  DiagnosticLog& log = session.log();
-  const auto bytes = compiler::compiled(sample_scene(material), {}, log);
+Result<preview::Image> sample_picture(const materials::Material& material, const Options& options,
+                                      workspace::Drawer& drawer, CommandContext& context) {
+  DiagnosticLog& log = context.log();
+  const auto bytes = compiler::compiled(sample_scene(material), {}, log, context.job());
   if (!bytes) return failed;
   auto model = pan::Model::from_bytes(*bytes, material.name, log);
   if (!model || !model->check(log)) return failed;
-  const preview::View view = sample_view(options.width);
-  if (context == nullptr) {
-    const auto reference = preview::Reference::create(*model, log);
-    if (!reference) return failed;
-    auto image = reference->render(view, {}, log);
-    if (!image) return failed;
-    return std::move(image->image);
-  }
-  auto renderer = preview::Renderer::create(*context, *model, log);
-  if (!renderer) return failed;
-  preview::RenderOptions render;
-  render.samples = 4;
-  return renderer->render(view, render, log);
+  world::World world;
+  if (!world.add("samples", std::make_shared<const pan::Model>(*std::move(model)), log))
+    return failed;
+  world.set_sun(sample_sun());
+  auto drawn = drawer.draw(world, sample_camera(options.width), false, log, context.job());
+  if (!drawn) return failed;
+  return std::move(drawn->image);
 }
 
 // All pictures on one sheet, in columns, with their names.
-bool write_sheet(const std::vector<DescribedMaterial>& all, const MaterialOptions& options,
-                 Session& session) {
-  std::unique_ptr<preview::Context> context;
-  if (options.engine != "reference") {
-    auto opened =
-        preview::Context::create(*preview::context_kind_from_name(options.gl), session.log());
-    if (!opened) return false;
-    context = std::move(*opened);
-  }
+bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& options,
+                 CommandContext& context) {
+  workspace::DrawOptions draw;
+  draw.gl.samples = 4;
+  if (options.engine == "reference") draw.engine = workspace::Engine::reference;
+  auto drawer = workspace::Drawer::create(draw, context.log());
+  if (!drawer) return false;
   constexpr std::uint32_t kLabelHeight = 26;
   const std::uint32_t columns = all.size() > 12 ? 3 : all.size() > 4 ? 2 : 1;
   const auto rows = static_cast<std::uint32_t>((all.size() + columns - 1) / columns);
@@ -267,7 +296,7 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const MaterialOption
   sheet.unit = "1/sr";
   constexpr std::size_t kMostPixels = 100'000'000;
   if (sheet.pixels() > kMostPixels) {
-    session.log().report(
+    context.log().report(
         Code::E5003, {},
         fmt::format("a sheet of {} by {} pixels is more than {} megapixels; take a "
                     "smaller --width or fewer materials",
@@ -277,8 +306,8 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const MaterialOption
   sheet.radiance.assign(3 * sheet.pixels(), 0.0f);
   sheet.coverage.assign(sheet.pixels(), 0.0f);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    session.step("render " + all[i].material.name);
-    const auto picture = sample_picture(all[i].material, options, context.get(), session);
+    context.step("render " + all[i].material.name);
+    const auto picture = sample_picture(all[i].material, options, *drawer, context);
     if (!picture) return false;
     const auto x = static_cast<std::uint32_t>(i % columns) * options.width;
     const auto y = static_cast<std::uint32_t>(i / columns) * cell_height;
@@ -292,30 +321,30 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const MaterialOption
                   sheet.coverage.begin() + static_cast<std::ptrdiff_t>(to));
     }
   }
-  session.step("write " + options.render);
-  return preview::write_image(options.render, sheet, 0, session.log());
+  context.step("write " + options.render);
+  return preview::write_image(options.render, sheet, 0, context.log());
 }
 
 // Laws fitted to a table, the best first, and the best as text.
-void fit_table(const MaterialOptions& options, Session& session) {
-  session.step("read " + options.fit);
-  const auto readings = materials::read_measured(options.fit, session.log());
+void fit_table(const Options& options, CommandContext& context) {
+  context.step("read " + options.fit);
+  const auto readings = materials::read_measured(options.fit, context.log());
   if (!readings) return;
-  session.step("fit");
+  context.step("fit");
   // where the surface is black all over, instruments see less of their own noise
   double brightest = 0;
   for (const materials::Reading& reading : *readings)
     brightest = std::max(brightest, reading.reflectance);
   const double floor = std::min(1e-3, 0.01 * brightest);
   if (!(floor > 0)) {
-    session.log().report_file(Code::E1409, options.fit, "every reading is 0");
+    context.log().report_file(Code::E1409, options.fit, "every reading is 0");
     return;
   }
   const std::vector<materials::Fit> fits = materials::fitted_laws(*readings, floor);
-  Json& out = session.result();
+  Json& out = context.result();
   out["readings"] = readings->size();
   out["fits"] = Json::array();
-  if (!session.options().json)
+  if (!context.options().json)
     fmt::print(
         "{} of {}, those below {:.2g}/sr taken as that\n"
         "RMS of log10(law/reading), largest, RMS of the difference in 1/sr\n",
@@ -326,62 +355,64 @@ void fit_table(const MaterialOptions& options, Session& session) {
                            {"max_decades", fit.max_decades},
                            {"rms", fit.rms},
                            {"text", fit.text}});
-    if (!session.options().json)
+    if (!context.options().json)
       fmt::print("{:<30} {:.3f}  {:.3f}  {:.4g}\n", fit.law, fit.rms_decades, fit.max_decades,
                  fit.rms);
   }
-  if (!session.options().json)
+  if (!context.options().json)
     fmt::print("\n<material name=\"measured\">\n{}\n</material>\n", fits.front().text);
   if (options.svg.empty()) return;
   const std::string text = fit_plot(*readings, fits.front());
   const auto path = std::filesystem::path(options.svg) /
                     (std::filesystem::path(options.fit).stem().string() + "-fit.svg");
-  write_file(path, std::as_bytes(std::span(text)), session.log());
+  write_file(path, std::as_bytes(std::span(text)), context.log());
 }
 
-void list(const Session& session) {
+void list(const CommandContext& context) {
   for (const std::string_view name : pxn::preset_names()) {
     DiagnosticLog log;
     const auto preset = pxn::preset(name, log);
-    if (preset && !session.options().json)
+    if (preset && !context.options().json)
       fmt::print("{:<24} {}\n", name, materials::laws_in_words(preset->material));
   }
 }
 
-}  // namespace
-
-int material(const MaterialOptions& options) {
-  Session session("material", options.common);
-  Json& out = session.result();
+int run(const Options& options, const Host& host) {
+  CommandContext context("material", options.common, host);
+  Json& out = context.result();
   if (options.list) {
     out["presets"] = pxn::preset_names();
-    list(session);
-    return session.finish();
+    list(context);
+    return context.finish();
   }
   if (!options.fit.empty()) {
-    fit_table(options, session);
-    return session.finish();
+    fit_table(options, context);
+    return context.finish();
   }
   if (options.inputs.empty() && !options.all) {
-    session.log().report(Code::E0201, {}, "name a pxn file or a material of the library",
+    context.log().report(Code::E0201, {}, "name a pxn file or a material of the library",
                          "`panwright material --list` shows what it has");
-    return session.finish();
+    return context.finish();
   }
   if (options.show) {
     for (const std::string& name : options.inputs)
       if (const auto text = pxn::preset_text(name))
         fmt::print("{}", *text);
       else
-        (void)pxn::preset(name, session.log());
-    return session.finish();
+        (void)pxn::preset(name, context.log());
+    return context.finish();
   }
-  const auto mus = cosines(options, session);
-  if (!mus) return session.finish();
-  const std::vector<DescribedMaterial> all = chosen(options, session);
+  const auto mus = cosines(options, context);
+  if (!mus) return context.finish();
+  const std::vector<DescribedMaterial> all = chosen(options, context);
   out["materials"] = Json::array();
   for (const DescribedMaterial& each : all) {
     if (!options.render.empty() && all.size() > 4) break;  // a sheet is asked for, not its numbers
-    session.step("certify " + each.material.name);
+    if (context.job().cancelled()) {
+      report_cancelled(context.log());
+      break;
+    }
+    context.step("certify " + each.material.name);
     const materials::MaterialReport certificate = materials::material_report(each.material, *mus);
     const Speed speed = speed_of(each.material);
     out["materials"].push_back(certificate_json(each, certificate, speed));
@@ -389,12 +420,19 @@ int material(const MaterialOptions& options) {
       if (&each != &all.front()) fmt::print("\n");
       print_certificate(each, certificate, speed);
     }
-    if (!options.svg.empty() && !write_plots(options.svg, each.material, session)) break;
+    if (!options.svg.empty() && !write_plots(options.svg, each.material, context)) break;
   }
   // what one material says stands where a reader of one looks
   if (out["materials"].size() == 1) out.update(Json(out["materials"][0]));
-  if (!options.render.empty() && !all.empty()) write_sheet(all, options, session);
-  return session.finish();
+  if (!options.render.empty() && !all.empty()) write_sheet(all, options, context);
+  return context.finish();
+}
+
+}  // namespace
+
+Command material_command() {
+  return command("material", "Certify materials: albedo, energy, reciprocity, precision",
+                 declare_all, run);
 }
 
 }  // namespace panwright::tools

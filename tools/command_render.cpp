@@ -1,142 +1,153 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "base/progress.h"
 #include "base/text.h"
-#include "preview/context.h"
-#include "preview/image.h"
-#include "preview/reference/reference.h"
-#include "preview/renderer.h"
+#include "tools/command_context.h"
 #include "tools/commands.h"
-#include "tools/load.h"
-#include "tools/session.h"
-#include "tools/view.h"
+#include "workspace/run.h"
 
 namespace panwright::tools {
 
 namespace {
 
-// One picture to make.
-struct Job {
-  preview::View view;
-  std::string output;
-  double ev = 0;
+using workspace::Engine;
+
+struct Options {
+  CommonOptions common;
+  ReadOptions read;
+  std::vector<std::string> targets;  // FILE or NAME=FILE
+  ViewOptions view;
+  std::string views;  // JSON file of many views
+  std::string gl = "auto";
+  unsigned samples = 0;  // N; 0: the engine's own
+  bool flat = false;
+  bool no_shadows = false;
+  unsigned shadow_side = 2048;  // texels
+  std::uint64_t max_image_bytes = 12ull << 30;
+
+  std::string engine = "gl";  // or reference, the path tracer; what follows is for it alone
+  std::string until_error;    // "0.1%" or a fraction; empty: none
+  std::uint64_t seed = 0;
+  unsigned max_samples = 1u << 26;  // of a pixel, with until_error
+  unsigned bounces = 3;
+  std::string filter = "box";  // or "gaussian:σ" in pixels
+  double limb_darkening = 0;   // u, 0 to 1
+  bool no_sun_disc = false;
+
+  bool is_traced() const { return engine == "reference"; }
 };
 
-// A PNG shows a white plate as white whatever the irradiance is measured in.
-double stops_of_sun(const preview::View& view) {
-  if (!view.sun_irradiance) return 0;
-  const Vec3& e = *view.sun_irradiance;
-  const double strongest = std::max({e.x, e.y, e.z});
-  return strongest > 0 ? std::log2(strongest) : 0;
+void declare_reference(Arguments& arguments, Options& options) {
+  arguments
+      .add("--engine", options.engine,
+           "gl: OpenGL (default); reference: path tracing on the CPU, slow and with error bars")
+      .one_of({"gl", "reference"})
+      .type("NAME");
+  arguments
+      .add("--until-error", options.until_error,
+           "Reference: go on until the flux is known this well, as 0.1%")
+      .type("SHARE");
+  arguments
+      .add("--max-samples", options.max_samples,
+           "Reference: most samples of a pixel with --until-error (default 67108864)")
+      .range(32u, 1u << 30)
+      .type("N");
+  arguments
+      .add("--bounces", options.bounces,
+           "Reference: interreflections that are followed (default 3)")
+      .range(0u, 1000u)
+      .type("N");
+  arguments.add("--seed", options.seed, "Reference: which random numbers (default 0)")
+      .no_minus()
+      .type("N");
+  arguments
+      .add("--filter", options.filter,
+           "Reference: box, a pixel is the mean over its square (default), or gaussian:SIGMA, of "
+           "the image blurred by that many pixels")
+      .type("FILTER");
+  arguments
+      .add("--limb-darkening", options.limb_darkening,
+           "Reference: u of I = 1 - u (1 - cos) over the Sun's disc (default 0)")
+      .finite()
+      .range(0.0, 1.0)
+      .type("U");
+  arguments.flag("--no-sun-disc", options.no_sun_disc, "Reference: the Sun is a point");
 }
 
-Result<std::vector<Job>> make_jobs(const RenderOptions& options, const pan::Model& model,
-                                   DiagnosticLog& log) {
-  const std::size_t errors = log.errors();
-  std::vector<ViewOptions> views{options.view};
-  if (!options.views.empty()) {
-    if (options.view.output)
-      log.report(Code::E0201, {}, "-o stands beside --views, whose views name their own outputs");
-    auto read = read_views(options.views, options.view, log);
-    if (!read) return failed;
-    views = std::move(*read);
+void declare_all(Arguments& arguments, Options& options) {
+  arguments
+      .add("input", options.targets,
+           "The targets: .pan files, or .pxn or CAD files to compile on the way; NAME=FILE gives "
+           "one another name than its file's")
+      .required()
+      .type("[NAME=]FILE…");
+  arguments
+      .add("-o,--output", options.view.text.output,
+           "The image: .png, .exr, .npy (radiance) or .npz (radiance and ground truth)")
+      .type("FILE");
+  declare(arguments, options.view);
+  arguments
+      .add("--views", options.views,
+           "JSON list of views, each an object of camera and Sun options, poses and an output")
+      .type("FILE.json");
+  arguments
+      .add("--samples", options.samples,
+           "N x N samples in each pixel (default 1; with --engine reference 8)")
+      .range(1u, 64u)
+      .type("N");
+  declare_reference(arguments, options);
+  arguments.flag("--flat", options.flat, "Shade with the triangles' own normals");
+  const Argument no_shadows =
+      arguments.flag("--no-shadows", options.no_shadows, "Let the Sun shine through everything");
+  arguments
+      .add("--shadow-side", options.shadow_side,
+           "Texels a side of the shadow map that spans the model (default 2048)")
+      .range(16u, 16384u)
+      .excludes(no_shadows)
+      .type("N");
+  arguments
+      .add("--max-image-memory", options.max_image_bytes,
+           "Most memory of one image, e.g. 2GB (default 12GB)")
+      .bytes()
+      .type("BYTES");
+  arguments.add("--gl", options.gl, "OpenGL context: auto, egl or osmesa")
+      .one_of({"auto", "egl", "osmesa"})
+      .type("KIND");
+  declare(arguments, options.read);
+  declare(arguments, options.read.open.cad);
+  declare(arguments, options.common);
+}
+
+// An option of the other engine; nullptr: none.
+const char* stray_option(const Options& options) {
+  const Options none;
+  if (options.is_traced()) {
+    if (options.no_shadows) return "--no-shadows";
+    return options.shadow_side != none.shadow_side ? "--shadow-side" : nullptr;
   }
-  std::vector<Job> jobs;
-  for (const ViewOptions& typed : views) {
-    auto view = make_view(typed, model, log);
-    const auto ev = parse_numbers(typed.ev.value_or("0"), 1);
-    if (!ev)
-      log.report(Code::E0201, {},
-                 fmt::format("--ev is {}: it takes a number of stops", in_quotes(*typed.ev)));
-    const std::string output = typed.output.value_or(
-        std::filesystem::path(options.input).replace_extension(".png").string());
-    if (!preview::image_format(output))
-      log.report(Code::E0202, {},
-                 fmt::format("{} is not a .png, .exr, .npy or .npz file", in_quotes(output)));
-    if (view && ev) jobs.push_back({*view, output, (*ev)[0] - stops_of_sun(*view)});
-  }
-  if (log.errors() != errors) return failed;
-  return jobs;
+  if (options.until_error != none.until_error) return "--until-error";
+  if (options.filter != none.filter) return "--filter";
+  if (options.bounces != none.bounces) return "--bounces";
+  if (options.seed != none.seed) return "--seed";
+  if (options.limb_darkening != none.limb_darkening) return "--limb-darkening";
+  return options.no_sun_disc ? "--no-sun-disc" : nullptr;
 }
 
-std::string words(const Vec3& v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
-
-// What made a picture, for its header.
-void describe(const Job& job, const RenderOptions& options, const pan::Model& model,
-              preview::Image& image) {
-  const Quat& q = job.view.camera.world_from_camera;
-  const auto add = [&](const char* name, std::string value) {
-    image.metadata.emplace_back(name, std::move(value));
-  };
-  add("panwright.build_id", model.build_id().hex());
-  add("panwright.camera", words(job.view.camera.position));
-  add("panwright.quat", fmt::format("{} {} {} {}", q.w, q.x, q.y, q.z));
-  add("panwright.intrinsics",
-      fmt::format("{},{},{},{}", job.view.camera.focal.x, job.view.camera.focal.y,
-                  job.view.camera.principal.x, job.view.camera.principal.y));
-  add("panwright.sun", words(job.view.to_sun));
-  add("panwright.samples", fmt::format("{}", options.samples));
-  if (options.reference) return;
-  add("panwright.shadow_side", fmt::format("{}", options.no_shadows ? 0 : options.shadow_side));
-}
-
-bool write(const Job& job, const preview::Image& image, Session& session) {
-  session.step("write " + job.output);
-  double sync = 0;
-  if (!preview::write_image(job.output, image, job.ev, session.log(), &sync)) return false;
-  session.step({});
-  session.add_timing("sync to disk", sync);
-  session.result()["images"].push_back({{"output", job.output},
-                                        {"width", image.width},
-                                        {"height", image.height},
-                                        {"unit", image.unit}});
-  return true;
-}
-
-bool render_one(const Job& job, const RenderOptions& options, const pan::Model& model,
-                preview::Renderer& renderer, Session& session) {
-  preview::RenderOptions render;
-  render.samples = options.samples;
-  render.flat = options.flat;
-  render.shadow_side = options.no_shadows ? 0 : options.shadow_side;
-  render.max_bytes = options.max_image_bytes;
-  render.truth = preview::stores_truth(*preview::image_format(job.output));
-  session.step("render " + job.output);
-  auto image = renderer.render(job.view, render, session.log());
-  if (!image) return false;
-  describe(job, options, model, *image);
-  return write(job, *image, session);
-}
-
-// A share as typed: "0.1%" or "0.001".
-std::optional<double> parse_share(std::string text) {
-  const bool percent = !text.empty() && text.back() == '%';
-  if (percent) text.pop_back();
-  const auto number = parse_numbers(text, 1);
-  if (!number) return std::nullopt;
-  return percent ? (*number)[0] / 100 : (*number)[0];
-}
-
-Result<preview::ReferenceOptions> reference_options(const RenderOptions& options,
-                                                    DiagnosticLog& log) {
+Result<preview::ReferenceOptions> reference_options(const Options& options, DiagnosticLog& log) {
   constexpr double kWidestPsf = 64;  // pixels
   const std::size_t errors = log.errors();
   preview::ReferenceOptions result;
-  result.samples = std::max(options.samples * options.samples, 8u);
   result.max_samples = options.max_samples;
   result.seed = options.seed;
   result.bounces = options.bounces;
   result.sun_disc = !options.no_sun_disc;
-  result.limb_darkening = options.limb_darkening;
   result.flat = options.flat;
   result.max_bytes = options.max_image_bytes;
   if (!options.until_error.empty()) {
-    const auto share = parse_share(options.until_error);
+    const auto share = workspace::parse_share(options.until_error);
     if (share && *share > 0 && *share < 1)
       result.until_error = *share;
     else
@@ -147,7 +158,7 @@ Result<preview::ReferenceOptions> reference_options(const RenderOptions& options
   if (options.filter != "box") {
     const std::string prefix = "gaussian:";
     const auto sigma = options.filter.starts_with(prefix)
-                           ? parse_numbers(options.filter.substr(prefix.size()), 1)
+                           ? workspace::parse_numbers(options.filter.substr(prefix.size()), 1)
                            : std::nullopt;
     if (sigma && (*sigma)[0] > 0 && (*sigma)[0] <= kWidestPsf)
       result.psf_sigma = (*sigma)[0];
@@ -160,110 +171,123 @@ Result<preview::ReferenceOptions> reference_options(const RenderOptions& options
   return result;
 }
 
-// Flux and error of each channel, and how fast.
-void tell(const Job& job, const preview::ReferenceImage& result, Session& session) {
-  const std::uint64_t rays = result.camera_rays + result.shadow_rays + result.bounce_rays;
-  const double rate = static_cast<double>(rays) / std::max(result.seconds, 1e-9);
+// What is to be drawn with, as typed.
+Result<workspace::DrawOptions> draw_options(const Options& options, DiagnosticLog& log) {
+  workspace::DrawOptions draw;
+  draw.context = *preview::context_kind_from_name(options.gl);
+  draw.samples = options.samples > 0 ? options.samples : options.is_traced() ? 8 : 1;
+  draw.gl.flat = options.flat;
+  draw.gl.shadow_side = options.no_shadows ? 0 : options.shadow_side;
+  draw.gl.max_bytes = options.max_image_bytes;
+  if (!options.is_traced()) return draw;
+  draw.engine = Engine::reference;
+  const auto traced = reference_options(options, log);
+  if (!traced) return failed;
+  draw.reference = *traced;
+  return draw;
+}
+
+// The views that are asked for, on the command line or in a file. All that is wrong is reported.
+Result<std::vector<workspace::View>> views_of(const Options& options, const world::World& world,
+                                              const std::filesystem::path& first_file,
+                                              DiagnosticLog& log) {
+  const std::size_t errors = log.errors();
+  auto typed = options.view.typed(log);
+  if (!typed) return failed;
+  std::vector<workspace::ViewText> texts;
+  if (options.views.empty()) {
+    if (!typed->output)
+      typed->output = std::filesystem::path(first_file).replace_extension(".png").string();
+    texts.push_back(*std::move(typed));
+  } else {
+    if (typed->output)
+      log.report(Code::E0201, {}, "-o stands beside --views, whose views name their own outputs");
+    auto read = workspace::read_views(options.views, *typed, log);
+    if (!read) return failed;
+    texts = *std::move(read);
+  }
+  workspace::ViewMaker maker(world);
+  std::vector<workspace::View> views;
+  for (const workspace::ViewText& text : texts)
+    if (auto view = maker.view(text, log)) {
+      view->sun->limb_darkening = options.limb_darkening;
+      views.push_back(*std::move(view));
+    }
+  if (log.errors() != errors) return failed;
+  return views;
+}
+
+// One image that is written: what the reference measured, in words.
+void tell(const workspace::Written& image, bool orthographic, CommandContext& context) {
+  nlohmann::ordered_json& images = context.result()["images"];
+  images.push_back({{"output", image.output},
+                    {"width", image.width},
+                    {"height", image.height},
+                    {"unit", image.unit}});
+  if (!image.measured) return;
+  const workspace::Measured& measured = *image.measured;
   const auto numbers = [](const Vec3& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
-  nlohmann::ordered_json& entry = session.result()["images"].back();
-  entry["flux"] = numbers(result.flux);
-  entry["flux_error"] = numbers(result.flux_error);
-  entry["samples"] = result.samples;
-  entry["rays"] = rays;
-  entry["seconds"] = result.seconds;
-  if (session.options().json) return;
-  const bool unresolved = result.image.unit == "1/sr";
-  const bool square = job.view.camera.projection == world::Projection::orthographic;
-  fmt::print("{}: flux {:.6g} {:.6g} {:.6g} ± {:.1e} {:.1e} {:.1e} {}, {:.3g} M rays/s\n",
-             job.output, result.flux.x, result.flux.y, result.flux.z, result.flux_error.x,
-             result.flux_error.y, result.flux_error.z,
-             square ? (unresolved ? "m^2/sr" : "W/sr") : (unresolved ? "of the Sun's" : "W/m^2"),
-             1e-6 * rate);
+  nlohmann::ordered_json& entry = images.back();
+  entry["flux"] = numbers(measured.flux);
+  entry["flux_error"] = numbers(measured.flux_error);
+  entry["samples"] = measured.samples;
+  entry["rays"] = measured.rays;
+  entry["seconds"] = measured.seconds;
+  if (context.options().json) return;
+  const bool unresolved = image.unit == "1/sr";
+  const Vec3& flux = measured.flux;
+  const Vec3& error = measured.flux_error;
+  fmt::print(
+      "{}: flux {:.6g} {:.6g} {:.6g} ± {:.1e} {:.1e} {:.1e} {}, {:.3g} M rays/s\n", image.output,
+      flux.x, flux.y, flux.z, error.x, error.y, error.z,
+      orthographic ? (unresolved ? "m^2/sr" : "W/sr") : (unresolved ? "of the Sun's" : "W/m^2"),
+      1e-6 * static_cast<double>(measured.rays) / std::max(measured.seconds, 1e-9));
 }
 
-bool trace_one(const Job& job, const RenderOptions& options,
-               const preview::ReferenceOptions& traced, const pan::Model& model,
-               const preview::Reference& reference, Session& session) {
-  preview::ReferenceOptions render = traced;
-  render.truth = preview::stores_truth(*preview::image_format(job.output));
-  session.step("render " + job.output);
-  auto result = reference.render(job.view, render, session.log());
-  if (!result) return false;
-  result->image.standard_error = std::move(result->standard_error);
-  describe(job, options, model, result->image);
-  if (!write(job, result->image, session)) return false;
-  tell(job, *result, session);
-  return true;
-}
-
-int render_reference(const RenderOptions& options, const pan::Model& model,
-                     const std::vector<Job>& jobs, Session& session) {
-  const auto traced = reference_options(options, session.log());
-  if (!traced) return session.finish();
-  session.step("prepare " + options.input);
-  const auto reference = preview::Reference::create(model, session.log());
-  if (!reference) return session.finish();
-  Progress progress("rendering", jobs.size());
-  for (const Job& job : jobs) {
-    if (!trace_one(job, options, *traced, model, *reference, session)) break;
-    progress.advance();
+int run(const Options& options, const Host& host) {
+  CommandContext context("render", options.common, host);
+  DiagnosticLog& log = context.log();
+  if (const char* stray = stray_option(options)) {
+    log.report(Code::E0201, {},
+               fmt::format("{} means nothing to --engine {}", stray, options.engine));
+    return context.finish();
   }
-  return session.finish();
-}
+  auto read = options.read.opening(log);
+  if (!read) return context.finish();
+  // what nobody outside sees costs a picture less than its removal
+  read->prune = false;
+  std::vector<workspace::TargetFile> targets;
+  for (const std::string& text : options.targets) targets.push_back(workspace::target_file(text));
+  workspace::OpenReport report;
+  const auto world = workspace::open_world(targets, *read, log, context.job(), &report);
+  context.add_timings(report.steps);
+  if (!world) return context.finish();
+  const auto views = views_of(options, *world, targets[0].file, log);
+  if (!views) return context.finish();
+  const auto draw = draw_options(options, log);
+  if (!draw) return context.finish();
 
-// An option of the other engine; nullptr: none.
-const char* stray_option(const RenderOptions& options) {
-  const RenderOptions none;
-  if (options.reference) {
-    if (options.no_shadows) return "--no-shadows";
-    return options.shadow_side != none.shadow_side ? "--shadow-side" : nullptr;
-  }
-  if (options.until_error != none.until_error) return "--until-error";
-  if (options.filter != none.filter) return "--filter";
-  if (options.bounces != none.bounces) return "--bounces";
-  if (options.seed != none.seed) return "--seed";
-  if (options.limb_darkening != none.limb_darkening) return "--limb-darkening";
-  return options.no_sun_disc ? "--no-sun-disc" : nullptr;
+  workspace::RunOptions run{*draw, {}};
+  run.listener.step = [&](const workspace::Step& step) {
+    context.add_timing(step.name, step.seconds);
+  };
+  run.listener.ready = [&](const workspace::EngineInfo& info) {
+    if (info.engine == Engine::gl)
+      context.result()["gl"] = {
+          {"renderer", info.renderer}, {"version", info.version}, {"hardware", info.hardware}};
+  };
+  run.listener.written = [&](const workspace::Written& image) {
+    const world::Camera& camera = (*views)[image.view].camera;
+    tell(image, camera.projection == world::Projection::orthographic, context);
+  };
+  (void)workspace::run_views(*world, *views, run, log, context.job());
+  return context.finish();
 }
 
 }  // namespace
 
-int render(const RenderOptions& typed) {
-  RenderOptions options = typed;
-  if (options.samples == 0) options.samples = options.reference ? 8 : 1;
-  Session session("render", options.common);
-  DiagnosticLog& log = session.log();
-  if (const char* stray = stray_option(options)) {
-    log.report(Code::E0201, {},
-               fmt::format("{} means nothing to --engine {}", stray,
-                           options.reference ? "reference" : "gl"));
-    return session.finish();
-  }
-  // what nobody outside sees costs a picture less than its removal
-  ReadOptions read = options.read;
-  read.prune = false;
-  const auto model = load_model(options.input, read, session);
-  if (!model) return session.finish();
-  const auto jobs = make_jobs(options, *model, log);
-  if (!jobs) return session.finish();
-
-  if (options.reference) return render_reference(options, *model, *jobs, session);
-
-  session.step("open an OpenGL context");
-  auto context = preview::Context::create(*preview::context_kind_from_name(options.gl), log);
-  if (!context) return session.finish();
-  session.step("upload " + options.input);
-  auto renderer = preview::Renderer::create(**context, *model, log);
-  if (!renderer) return session.finish();
-  session.result()["gl"] = {{"renderer", (*context)->renderer()},
-                            {"version", (*context)->version()},
-                            {"hardware", (*context)->is_hardware()}};
-  Progress progress("rendering", jobs->size());
-  for (const Job& job : *jobs) {
-    if (!render_one(job, options, *model, *renderer, session)) break;
-    progress.advance();
-  }
-  return session.finish();
+Command render_command() {
+  return command("render", "Render one or more models as a camera sees them", declare_all, run);
 }
 
 }  // namespace panwright::tools

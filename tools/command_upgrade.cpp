@@ -5,35 +5,59 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "pxn/upgrade.h"
+#include "tools/command_context.h"
 #include "tools/commands.h"
-#include "tools/load.h"
-#include "tools/session.h"
+#include "workspace/open.h"
 
 namespace panwright::tools {
 
-int upgrade(const UpgradeOptions& options) {
-  Session session("upgrade", options.common);
-  DiagnosticLog& log = session.log();
+namespace {
+
+struct Options {
+  CommonOptions common;
+  std::string root;
+  std::uint64_t max_input = 128ull << 20;  // bytes of a model
+  std::vector<std::string> inputs;
+  std::string output;  // empty: each file itself
+};
+
+void declare_all(Arguments& arguments, Options& options) {
+  arguments
+      .add("inputs", options.inputs,
+           "Files to upgrade: a model, and those of its included files that are meant too")
+      .required()
+      .type("FILE.pxn…");
+  arguments
+      .add("-o,--output", options.output, "Write here instead (-: standard output); for one file")
+      .type("FILE");
+  declare_root(arguments, options.root);
+  declare_max_input(arguments, options.max_input);
+  declare(arguments, options.common);
+}
+
+int run(const Options& options, const Host& host) {
+  CommandContext context("upgrade", options.common, host);
+  DiagnosticLog& log = context.log();
   if (!options.output.empty() && options.inputs.size() > 1) {
     log.report(Code::E0201, {}, "-o takes one file; several are upgraded in place");
-    return session.finish();
+    return context.finish();
   }
   for (const std::string& input : options.inputs)
-    if (extension_of(input) != ".pxn")
+    if (workspace::extension_of(input) != ".pxn")
       log.report(Code::E0202, {}, fmt::format("{} is not a .pxn file", in_quotes(input)));
-  if (log.has_errors()) return session.finish();
+  if (log.has_errors()) return context.finish();
 
-  session.step("upgrade and compare");
+  context.step("upgrade and compare");
   pxn::Options read;
   read.root = options.root;
   read.limits.bytes = options.max_input;
-  const auto files = pxn::upgraded(options.inputs, read, log);
+  const auto files = pxn::upgraded(options.inputs, read, log, context.job());
   // nothing is written when one of them cannot be
-  if (!files) return session.finish();
-  session.step("write");
+  if (!files) return context.finish();
+  context.step("write");
   for (const pxn::UpgradedFile& file : *files) {
     const bool already = file.text.empty();
-    session.result()["files"].push_back(
+    context.result()["files"].push_back(
         {{"file", file.path}, {"upgraded", !already}, {"paths_changed", file.paths}});
     if (already) {
       if (!options.common.json) fmt::print(stderr, "{}: is of level 1 already\n", file.path);
@@ -41,7 +65,13 @@ int upgrade(const UpgradeOptions& options) {
     }
     write_file(options.output.empty() ? file.path : options.output, as_bytes(file.text), log);
   }
-  return session.finish();
+  return context.finish();
+}
+
+}  // namespace
+
+Command upgrade_command() {
+  return command("upgrade", "Rewrite pxn files of level 0 in level 1", declare_all, run);
 }
 
 }  // namespace panwright::tools

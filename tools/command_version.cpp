@@ -7,7 +7,7 @@
 
 namespace panwright::tools {
 
-int version(bool json) {
+int print_version(bool json) {
   if (!json) {
     fmt::print("panwright {}\n", PANWRIGHT_VERSION);
     return 0;

@@ -1,22 +1,29 @@
-// The subcommands: each does one job, reports, and returns the process's exit code.
+// The subcommands. Each stands in a file of its own name, command_….cpp, with its options.
 #pragma once
 
-#include "tools/options.h"
+#include <string>
+
+#include "tools/command.h"
 
 namespace panwright::tools {
 
-int compile(const CompileOptions& options);
-int import_cad(const ImportOptions& options);
-int export_cad(const ExportOptions& options);
-int check(const CheckOptions& options);
-int info(const InfoOptions& options);
-int render(const RenderOptions& options);
-int material(const MaterialOptions& options);
-int diff(const DiffOptions& options);
-int format(const FmtOptions& options);
-int upgrade(const UpgradeOptions& options);
-int expand(const ExpandOptions& options);
-int explain(const ExplainOptions& options);
-int version(bool json);
+Command compile_command();
+Command import_command();
+Command export_command();
+Command check_command();
+Command info_command();
+Command render_command();
+Command material_command();
+Command diff_command();
+Command fmt_command();
+Command upgrade_command();
+Command expand_command();
+Command explain_command();
+
+// Programs of other names that do one thing: pxntopan and pxn2pan, vrmltopan and gltftopan.
+Command converter_command(const std::string& name);
+Command importer_command(const std::string& name);
+
+int print_version(bool json);
 
 }  // namespace panwright::tools

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 #include "base/file.h"
@@ -14,7 +15,7 @@
 #include "compiler/compile.h"
 #include "importers/clean.h"
 #include "pan/model.h"
-#include "preview/renderer.h"
+#include "workspace/drawer.h"
 
 namespace panwright::tools {
 
@@ -68,20 +69,20 @@ void draw_ring(preview::Image& image) {
 // Pictures of places on one model.
 class Camera {
  public:
-  Camera(const scene::Scene& scene, const ImportOptions& options)
+  Camera(const scene::Scene& scene, const workspace::OpenOptions& options)
       : bounds_(importers::bounds_of(scene)) {
     compiler::Options compile;
-    compile.max_error = options.read.max_error;
+    compile.max_error = options.max_error;
     const auto bytes = compiler::compiled(scene, compile, log_);
     if (!bytes) return;
     auto model = pan::Model::from_bytes(*bytes, "model", log_);
     if (!model || !model->check(log_)) return;
-    model_.emplace(std::move(*model));
-    auto context = preview::Context::create(*preview::context_kind_from_name(options.gl), log_);
-    if (!context) return;
-    context_ = std::move(*context);
-    auto renderer = preview::Renderer::create(*context_, *model_, log_);
-    if (renderer) renderer_.emplace(std::move(*renderer));
+    if (!world_.add("model", std::make_shared<const pan::Model>(*std::move(model)), log_)) return;
+    workspace::DrawOptions draw;
+    draw.gl.samples = 2;
+    draw.gl.shadow_side = 0;
+    auto drawer = workspace::Drawer::create(draw, log_);
+    if (drawer && drawer->prepare(world_, log_)) drawer_.emplace(*std::move(drawer));
     file_ = std::filesystem::temp_directory_path() /
             fmt::format("panwright-report-{}.png", static_cast<long>(::getpid()));
   }
@@ -92,7 +93,7 @@ class Camera {
   Camera(const Camera&) = delete;
   Camera& operator=(const Camera&) = delete;
 
-  bool works() const { return renderer_.has_value() && bounds_.any; }
+  bool works() const { return drawer_.has_value() && bounds_.any; }
 
   // A PNG, as base64; empty when it cannot be had.
   std::string picture(const importers::WorldSpot& spot) {
@@ -100,21 +101,21 @@ class Camera {
     const double size = glm::length(bounds_.high - bounds_.low);
     Vec3 outwards = spot.at - middle + Vec3(0.13, -0.29, 0.17) * (0.05 * size);
     outwards = glm::normalize(outwards);
-    preview::View view;
-    world::set_orthographic(view.camera, kSide, kSide,
-                              std::clamp(spot.length / kRing, 0.02 * size, size));
-    view.camera.position = spot.at + outwards * size;
-    const auto rotation = world::looking_at(view.camera.position, spot.at, std::nullopt, log_);
+    world::Camera camera;
+    world::set_orthographic(camera, kSide, kSide,
+                            std::clamp(spot.length / kRing, 0.02 * size, size));
+    camera.position = spot.at + outwards * size;
+    const auto rotation = world::looking_at(camera.position, spot.at, std::nullopt, log_);
     if (!rotation) return {};
-    view.camera.world_from_camera = *rotation;
-    view.to_sun = outwards + Vec3(0.3, -0.2, 0.5);
-    preview::RenderOptions options;
-    options.samples = 2;
-    options.shadow_side = 0;
-    auto image = renderer_->render(view, options, log_);
-    if (!image) return {};
-    draw_ring(*image);
-    if (!preview::write_image(file_, *image, 0.5, log_)) return {};
+    camera.world_from_camera = *rotation;
+    world::Sun sun;
+    sun.direction = outwards + Vec3(0.3, -0.2, 0.5);
+    world_.set_sun(sun);
+    auto drawn = drawer_->draw(world_, camera, false, log_);
+    if (!drawn) return {};
+    preview::Image& image = drawn->image;
+    draw_ring(image);
+    if (!preview::write_image(file_, image, 0.5, log_)) return {};
     const auto bytes = read_file(file_, 1u << 24, log_);
     return bytes ? base64(*bytes) : std::string();
   }
@@ -122,13 +123,12 @@ class Camera {
  private:
   DiagnosticLog log_;  // what the report cannot show is no error of the import
   importers::Bounds bounds_;
-  std::optional<pan::Model> model_;
-  std::unique_ptr<preview::Context> context_;
-  std::optional<preview::Renderer> renderer_;
+  world::World world_;
+  std::optional<workspace::Drawer> drawer_;
   std::filesystem::path file_;
 };
 
-std::string head(const ImportOptions& options) {
+std::string head(const std::string& input) {
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<title>{0}: hygiene</title>\n<style>\n"
@@ -142,7 +142,7 @@ std::string head(const ImportOptions& options) {
       "}}\n"
       "figcaption {{ font-size: 13px; }}\n"
       "</style></head>\n<body>\n<h1>{0}</h1>\n",
-      escaped(std::filesystem::path(options.input).filename().string()), kSide);
+      escaped(std::filesystem::path(input).filename().string()), kSide);
 }
 
 std::string totals(const geometry::CleanReport& total) {
@@ -186,8 +186,8 @@ std::string mesh_rows(const importers::Hygiene& hygiene) {
 }  // namespace
 
 std::string hygiene_page(const importers::Hygiene& hygiene, const scene::Scene& scene,
-                         const ImportOptions& options) {
-  std::string out = head(options) + totals(hygiene.total);
+                         const std::string& input, const workspace::OpenOptions& options) {
+  std::string out = head(input) + totals(hygiene.total);
   if (!hygiene.spots.empty()) {
     Camera camera(scene, options);
     out += "<h2>Places to look at</h2>\n";

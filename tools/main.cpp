@@ -7,7 +7,7 @@
 namespace {
 
 // A file that is mapped, and that another program cuts short in place, ends a program with SIGBUS.
-// It says so, and ends as for other files that cannot be read (docs/conventions.md 15).
+// It says so, and ends as for other files that cannot be read (docs/conventions.md 18).
 extern "C" void mapped_file_is_gone(int) {
   constexpr char kText[] =
       "panwright: error: a file was cut short while it was in use: another program writes it in "
@@ -16,9 +16,40 @@ extern "C" void mapped_file_is_gone(int) {
   _exit(3);
 }
 
+const panwright::Job* g_job = nullptr;  // that signals cancel
+volatile std::sig_atomic_t g_signal = 0;
+
+extern "C" void cancel(int signal) {
+  g_signal = signal;
+  g_job->cancel();
+}
+
+// The first signal asks the work to stop, so that nothing half-written is left; a second one ends
+// the process. What is ignored, as below nohup, stays so.
+void watch_signals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {};
+    if (sigaction(signal, nullptr, &before) != 0 || before.sa_handler == SIG_IGN) continue;
+    struct sigaction action {};
+    action.sa_handler = cancel;
+    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+    sigemptyset(&action.sa_mask);
+    sigaction(signal, &action, nullptr);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   std::signal(SIGBUS, mapped_file_is_gone);
-  return panwright::tools::run(argc, argv);
+  const panwright::Job job(panwright::JobOptions{});
+  g_job = &job;
+  const int code = panwright::tools::run(argc, argv, {job, watch_signals});
+  constexpr int kCancelled = 130;
+  if (code == kCancelled && g_signal != 0) {
+    // what started the program learns that a signal ended it
+    std::signal(g_signal, SIG_DFL);
+    std::raise(g_signal);
+  }
+  return code;
 }

@@ -101,8 +101,8 @@ scene::Scene sample_scene(const materials::Material& material) {
     scene.instances.push_back(std::move(instance));
   };
   add("sphere", geometry::Sphere{kSide / 2}, -kPitch, Quat(1, 0, 0, 0));
-  // halfway between the Sun and the viewer, and 12 degrees back towards the viewer: a mirror's glint
-  // misses the tile, a rough surface shows the flank of its highlight
+  // halfway between the Sun and the viewer, and 12 degrees back towards the viewer: a mirror's
+  // glint misses the tile, a rough surface shows the flank of its highlight
   const Vec3 to_viewer(0, -1, 0);
   const Vec3 halfway = glm::normalize(glm::normalize(kToSun) + to_viewer);
   const Quat tilt = facing(halfway + 1.2 * to_viewer);
@@ -111,15 +111,19 @@ scene::Scene sample_scene(const materials::Material& material) {
   return scene;
 }
 
-preview::View sample_view(std::uint32_t width) {
-  preview::View view;
-  world::set_field_of_view(view.camera, width, width / 3, 2 * det::atan(1.83 / kDistance));
-  view.camera.position = {0, -kDistance, 0};
+world::Camera sample_camera(std::uint32_t width) {
+  world::Camera camera;
+  world::set_field_of_view(camera, width, width / 3, 2 * det::atan(1.83 / kDistance));
+  camera.position = {0, -kDistance, 0};
   DiagnosticLog log;
-  view.camera.world_from_camera =
-      *world::looking_at(view.camera.position, Vec3(0), std::nullopt, log);
-  view.to_sun = kToSun;
-  return view;
+  camera.world_from_camera = *world::looking_at(camera.position, Vec3(0), std::nullopt, log);
+  return camera;
+}
+
+world::Sun sample_sun() {
+  world::Sun sun;
+  sun.direction = kToSun;
+  return sun;
 }
 
 }  // namespace panwright::tools

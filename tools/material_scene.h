@@ -5,16 +5,17 @@
 #include <vector>
 
 #include "materials/material.h"
-#include "preview/view.h"
 #include "scene/scene.h"
+#include "world/world.h"
 
 namespace panwright::tools {
 
 // One material's samples side by side, within 3.6 × 1.2 m about the origin, seen from −y.
 scene::Scene sample_scene(const materials::Material& material);
 
-// The view of them, `width` pixels across and a third of it high. The tiles are turned
+// What sees them, `width` pixels across and a third of it high. The tiles are turned
 // so that a mirror's glint just misses the viewer.
-preview::View sample_view(std::uint32_t width);
+world::Camera sample_camera(std::uint32_t width);
+world::Sun sample_sun();
 
 }  // namespace panwright::tools

@@ -19,7 +19,7 @@ constexpr double kMostError = 1e30;
 
 using JobKey = std::tuple<Hash128, bool, bool, bool, std::array<double, 16>>;
 
-JobKey key_of(const Job& job, const Hash128& shape) {
+JobKey key_of(const MeshJob& job, const Hash128& shape) {
   std::array<double, 16> matrix{};
   if (job.projected())
     for (int i = 0; i < 16; ++i)
@@ -36,7 +36,7 @@ bool needs_texcoords(const scene::Scene& scene, const scene::Instance& instance)
 }
 
 // Lowers the job's error to what one of its instances asks for.
-void refine(Job& job, const Tolerance& tolerance, const Stretch& stretch) {
+void refine(MeshJob& job, const Tolerance& tolerance, const Stretch& stretch) {
   const double local = stretch.largest > 0 ? tolerance.metres / stretch.largest : kMostError;
   if (job.max_error > 0 && !(local < job.max_error)) return;
   job.max_error = std::clamp(local, kLeastError, kMostError);
@@ -56,7 +56,7 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
   std::map<JobKey, std::uint32_t> known;
   for (const scene::Instance& instance : scene.instances) {
     const auto shape = static_cast<std::size_t>(instance.shape);
-    Job job;
+    MeshJob job;
     job.shape = &scene.shapes[shape];
     job.textured = needs_texcoords(scene, instance);
     job.mapping = instance.mapping;
@@ -86,7 +86,7 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
   return plan;
 }
 
-geometry::TessellationOptions tessellation_of(const Job& job, const Options& options) {
+geometry::TessellationOptions tessellation_of(const MeshJob& job, const Options& options) {
   geometry::TessellationOptions out;
   out.max_error = job.max_error;
   out.max_triangles = options.max_triangles;

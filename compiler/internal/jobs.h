@@ -12,7 +12,7 @@
 namespace panwright::compiler::internal {
 
 // One mesh that the file will hold: a shape, with texture coordinates if something needs them.
-struct Job {
+struct MeshJob {
   const geometry::Shape* shape = nullptr;
   bool textured = false;
   scene::Mapping mapping = scene::Mapping::texcoords;
@@ -27,7 +27,7 @@ struct Job {
 };
 
 struct Plan {
-  std::vector<Job> jobs;
+  std::vector<MeshJob> jobs;
   std::vector<std::uint32_t> job_of;  // one for each instance
   bool asked = false;                 // by a need, an instance or the command line
   double smallest = 0;                // tolerance in the world, metres; 0: nothing was left open
@@ -39,7 +39,7 @@ struct Plan {
 // Cost: O(instances + bytes of the shapes).
 Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Options& options);
 
-geometry::TessellationOptions tessellation_of(const Job& job, const Options& options);
+geometry::TessellationOptions tessellation_of(const MeshJob& job, const Options& options);
 
 // Gives jobs whose rims meet in the world as many segments as the most that one of them needs, so
 // that their vertices meet too. Rims meet that have centre, axis and radius in common to 1e-6 of

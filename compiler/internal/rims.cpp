@@ -135,7 +135,7 @@ struct JobRims {
   std::uint32_t shared = 0;  // segments it needs when its vertices stand on the rims
 };
 
-std::vector<JobRims> rims_of_jobs(const std::vector<Job>& jobs) {
+std::vector<JobRims> rims_of_jobs(const std::vector<MeshJob>& jobs) {
   std::vector<JobRims> out(jobs.size());
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     out[i].rims = geometry::rims_of(*jobs[i].shape);
@@ -245,7 +245,7 @@ std::vector<double> phases_of(const Family& family) {
 }
 
 // Sets the segments of a family; false: none were found.
-bool settle(const Family& family, const std::vector<JobRims>& rims, std::vector<Job>& jobs) {
+bool settle(const Family& family, const std::vector<JobRims>& rims, std::vector<MeshJob>& jobs) {
   const std::vector<double> phases = phases_of(family);
   const JobRims& first = rims[family.jobs.front()];
   if (family.jobs.size() == 1 && aligned(phases, first.own * (2 * kPi / first.sector)))

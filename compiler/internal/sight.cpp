@@ -108,7 +108,8 @@ std::pair<std::vector<std::uint32_t>, std::uint32_t> places_of(const std::vector
 
 class Looker {
  public:
-  Looker(World world, const SightOptions& options) : world_(std::move(world)), options_(options) {}
+  Looker(World world, const SightOptions& options, const Job& job)
+      : world_(std::move(world)), options_(options), job_(job) {}
 
   Sight run() {
     const std::size_t count = world_.triangles.size();
@@ -149,20 +150,27 @@ class Looker {
     has_clear_ = std::find(world_.clear.begin(), world_.clear.end(), 1) != world_.clear.end();
     caster_.add(caster_.add_mesh(world_.positions, world_.triangles), Mat4(1), true);
     caster_.build();
+    job_.poll();
     list_neighbours();
     return true;
   }
 
   void look() {
+    Phase phase(job_, "looking for hidden parts", kSteps + 5);
     std::vector<Find> late;
     for (std::size_t step = 0; step < kSteps; ++step) {
       const std::vector<Find> found = from_outside(options_.rays_from_outside / kSteps);
       if (step >= kSteps / 2) late.insert(late.end(), found.begin(), found.end());
+      phase.advance();
     }
     explore(late, true);
+    phase.advance();
     probe_all();
+    phase.advance();
     search_frontier();
+    phase.advance();
     search_by_area();
+    phase.advance();
     for (int i = 0; i < kConfirmations; ++i) {
       last_rays_ = options_.rays_from_outside;
       const std::vector<Find> found = from_outside(last_rays_);
@@ -429,12 +437,13 @@ class Looker {
     if (round_ < 0xffff) ++round_;
     const auto chunks = static_cast<std::size_t>((count + kChunk - 1) / kChunk);
     std::vector<std::vector<Find>> parts(chunks);
-    parallel_for(chunks, [&](std::size_t c) {
+    const auto cast_chunk = [&](std::size_t c) {
       const std::uint64_t end = std::min<std::uint64_t>(count, (c + 1) * kChunk);
       for (std::uint64_t i = c * kChunk; i < end; ++i)
         if (const std::optional<Line> line = make(i))
           follow(*line, static_cast<std::uint32_t>(i), thorough, parts[c]);
-    });
+    };
+    parallel_for(chunks, cast_chunk, job_);
     rays_ += count;
     std::vector<Find> found;
     for (const auto& one : parts) found.insert(found.end(), one.begin(), one.end());
@@ -658,6 +667,7 @@ class Looker {
 
   World world_;
   SightOptions options_;
+  const Job& job_;
   geometry::InstanceCaster caster_;
   Vec3 centre_{0};
   double radius_ = 0;
@@ -706,7 +716,7 @@ std::vector<std::uint32_t> firsts_of(const World& world) {
 
 }  // namespace
 
-Sight sight_of(World world, const SightOptions& options) {
+Sight sight_of(World world, const SightOptions& options, const Job& job) {
   // what lies in one place is looked for once: all of it is seen, or none
   const std::vector<std::uint32_t> firsts = firsts_of(world);
   const std::vector<char> wanted = world.wanted;
@@ -726,7 +736,7 @@ Sight sight_of(World world, const SightOptions& options) {
   world.triangles.resize(count);
   world.clear.resize(count);
   world.wanted.resize(count);
-  const Sight once = Looker(std::move(world), options).run();
+  const Sight once = Looker(std::move(world), options, job).run();
   Sight out = once;
   out.seen.resize(firsts.size());
   out.kept.resize(firsts.size());

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/job.h"
 #include "geometry/mesh.h"
 
 namespace panwright::compiler::internal {
@@ -32,7 +33,7 @@ struct Sight {
   std::uint64_t doubtful = 0;    // not met, and kept
 };
 
-// See prune_hidden().
-Sight sight_of(World world, const SightOptions& options);
+// See prune_hidden(). Throws Cancelled.
+Sight sight_of(World world, const SightOptions& options, const Job& job);
 
 }  // namespace panwright::compiler::internal

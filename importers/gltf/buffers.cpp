@@ -234,7 +234,8 @@ class BufferLoader {
   }
 
   void decode() {
-    parallel_for(packed_.size(), [&](std::size_t i) { decode_one(packed_[i]); });
+    parallel_for(
+        packed_.size(), [&](std::size_t i) { decode_one(packed_[i]); }, d_.file.job);
     for (const Packed& packed : packed_)
       if (!packed.good) refuse(pointer("bufferViews", packed.view), "the stream is damaged");
   }

@@ -320,6 +320,7 @@ class SceneBuilder {
     const auto [place, is_new] = loaded_.try_emplace(surface_key(primitive, weights, texcoords));
     Loaded& loaded = place->second;
     if (!is_new) return loaded;
+    d_.file.job.poll();
     const std::string object = fmt::format("/meshes/{}/primitives/{}", mesh, p);
     Surface surface = surface_of(d_, primitive, weights, texcoords, object);
     if (surface.skipped) {

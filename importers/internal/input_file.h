@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "base/job.h"
 #include "base/source.h"
 
 namespace panwright::importers {
@@ -12,6 +13,7 @@ struct InputFile {
   std::string name;  // as the user would type it
   SharedText bytes;  // unpacked
   SourceSpan included_at;
+  Job job{};  // of the reading; readers poll it
 };
 
 }  // namespace panwright::importers

@@ -92,6 +92,7 @@ bool Session::charge(std::uint64_t bytes) {
 }
 
 void Session::served(std::size_t offset) {
+  file.job.poll();
   constexpr std::size_t kStep = std::size_t{16} << 20;  // bytes that are worth a call
   if (offset < served_ + kStep && offset < file.bytes->size()) return;
   file.bytes.forget(served_, offset);
@@ -267,6 +268,7 @@ bool Assembly::has_room_for(std::uint64_t triangles, SourceSpan where) {
 }
 
 void Assembly::add_part(std::int32_t node, Mesh mesh, std::int32_t material, SourceSpan where) {
+  session_.file.job.poll();
   triangles_ += mesh.triangles.size();
   scene::Instance instance;
   instance.node = node;

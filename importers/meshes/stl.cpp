@@ -63,7 +63,9 @@ class BinaryReader {
     Mesh mesh;
     mesh.triangles.reserve(count);
     Welder welder;
+    constexpr std::uint64_t kPoll = 1u << 16;  // triangles
     for (std::uint64_t i = 0; i < count; ++i) {
+      if (i % kPoll == 0) s_.file.job.poll();
       const std::size_t begin = kHeader + kRecord * i;
       std::array<Vec3, 3> corners;
       bool usable = true;

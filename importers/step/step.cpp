@@ -33,7 +33,8 @@ Result<Imported> read(const InputFile& file, const Options& options, DiagnosticL
     while (text.usable) {
       const std::string_view bytes = text.repaired.empty() ? *file.bytes : text.repaired;
       try {
-        return read_document(text, bytes, file.path, file.name, options, log);
+        return read_document(text, bytes, file.path, file.name, options, log,
+                             file.job);
       } catch (const Torn& torn) {
         // what they stand in may be torn by it in turn
         for (const std::uint64_t number : torn.numbers)

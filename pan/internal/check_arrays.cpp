@@ -278,7 +278,7 @@ std::string section_words(const layout::DirectoryEntry& entry) {
       entry.offset + entry.stored_length);
 }
 
-Problems section_problems(const Model& model, Part part, bool contents) {
+Problems section_problems(const Model& model, Part part, bool contents, const Job& cancel) {
   std::vector<Work> works;
   std::size_t jobs = 0;
   for (const layout::DirectoryEntry& entry : model.directory()) {
@@ -289,12 +289,13 @@ Problems section_problems(const Model& model, Part part, bool contents) {
                      std::vector<Found>(look ? blocks : 0)});
     jobs += blocks;
   }
-  parallel_for(jobs, [&](std::size_t job) {
+  const auto check_block = [&](std::size_t job) {
     const auto after =
         std::upper_bound(works.begin(), works.end(), job,
                          [](std::size_t j, const Work& work) { return j < work.first_job; });
     do_block(model, *(after - 1), job - (after - 1)->first_job);
-  });
+  };
+  parallel_for(jobs, check_block, cancel);
   Problems problems;
   for (const Work& work : works) finish(model, work, problems);
   return problems;

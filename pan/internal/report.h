@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "pan/model.h"
 
 namespace panwright::pan::internal {
@@ -64,7 +65,7 @@ Problems table_problems(const Model& model);
 //
 // Expects: contents only when table_problems found nothing.
 enum class Part { tables, arrays };
-Problems section_problems(const Model& model, Part part, bool contents);
+Problems section_problems(const Model& model, Part part, bool contents, const Job& job);
 
 // Unpacks the compressed arrays and checks what stands in them. On a problem of a section it has
 // no contents.

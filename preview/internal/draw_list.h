@@ -13,12 +13,13 @@
 #include "preview/image.h"
 #include "preview/internal/projection.h"
 #include "preview/view.h"
+#include "world/evaluation.h"
 
 namespace panwright::preview {
 
 // The families of materials that each shading program serves, and which a material belongs to.
 struct Families {
-  std::array<std::vector<materials::Laws>, materials::kMostVariants> of_variant;
+  std::array<std::vector<materials::Laws>, materials::kMostVariants> of_variant;  // sorted
   std::vector<std::uint32_t> of_material;  // into its variant's, one for each material
 };
 Families families_of(const pan::Model& model);
@@ -57,11 +58,16 @@ struct DrawItem {
   materials::Cells cells;  // where the variant has them
   Vec3 low{0};             // bounds in the mesh's frame
   Vec3 high{0};
+  bool visible = true;
 };
 
 // All instances, sorted so that neighbours share as much state as possible: by variant, sides,
 // texture, material, mesh, then as they stand in the model.
 std::vector<DrawItem> draw_list(const pan::Model& model);
+
+// The list as a target of a world stands: same order, other places and visibilities.
+std::vector<DrawItem> placed(std::span<const DrawItem> list, const pan::Model& model,
+                             const world::EvaluatedInstance& at);
 
 // The items that may be seen, placed.
 struct Scenery {
@@ -70,32 +76,6 @@ struct Scenery {
   DepthRange depth;
 };
 Scenery scenery(const View& view, std::span<const DrawItem> list);
-
-// Where an item stands, for its triangles one by one.
-struct Placement {
-  Mat4 camera_from_mesh{1};
-  Mat3 world_normal_from_mesh{1};
-};
-// One for each item of the list; those out of view are left as they are.
-std::vector<Placement> placements(const View& view, const Scenery& scenery,
-                                  std::span<const DrawItem> list);
-
-// The triangles that an id buffer holds at the pixels' centres.
-struct TriangleId {
-  std::uint32_t item = 0;  // into the draw list, + 1; 0: background
-  std::uint32_t triangle = 0;
-};
-
-// Fills the truth layers of a tile's pixels: each centre's ray is intersected, in double, with the
-// triangle that the context found there. A ray that passes the triangle by, which happens within
-// the context's sub-pixel grid, takes the point on the triangle's plane, or, where that lies
-// further off than a pixel spans, the nearest point of the triangle.
-//
-//   ids    tile.width*tile.height, rows from the top
-//   image  its truth layers hold background where nothing was written yet
-void fill_truth(const pan::Model& model, const View& view, bool flat,
-                std::span<const DrawItem> list, std::span<const Placement> placed, const Tile& tile,
-                std::span<const TriangleId> ids, Image& image);
 
 // The geometric unit normals of a mesh's triangles in its own frame, by cross products in double of
 // the stored positions; 0 0 0 for triangles without area. 3*T

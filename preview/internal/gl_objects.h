@@ -68,16 +68,17 @@ GlSampler make_sampler(const GladGLContext& gl, GLint wrap);
 bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log);
 
 // A framebuffer over textures, with or without a D32F depth buffer.
-struct Target {
+struct RenderTarget {
   std::array<GlTexture, 6> colors;  // those behind the first may be empty
+  std::array<GLenum, 6> formats{};  // GL_NONE: empty
   GlRenderbuffer depth;
   GlFramebuffer framebuffer;
   GLsizei width = 0;  // 0: the context could not make it
   GLsizei height = 0;
 };
 // color_formats: GL_NONE leaves a place empty.
-Target make_target(const GladGLContext& gl, std::span<const GLenum> color_formats, bool depth,
-                   GLsizei width, GLsizei height);
+RenderTarget make_render_target(const GladGLContext& gl, std::span<const GLenum> color_formats,
+                                bool depth, GLsizei width, GLsizei height);
 
 // Compiles and links. Our shaders are part of the program, so a failure is a bug or a broken
 // driver: an empty program, and the compiler's words in *problem.

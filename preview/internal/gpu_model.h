@@ -24,7 +24,8 @@ class GpuModel {
   // that have normal maps, and decals.
   // Fails: E5003.
   bool upload(const Context& context, const pan::Model& model, std::span<const DrawItem> list,
-              DiagnosticLog& log);
+              const Families& families, DiagnosticLog& log);
+  std::uint64_t bytes() const { return bytes_; }  // uploaded so far
 
   // Computes and uploads the triangles' normals, once. Fails: E5003.
   bool upload_triangle_normals(const pan::Model& model, DiagnosticLog& log);
@@ -52,13 +53,15 @@ class GpuModel {
     GlBuffer positions, normals, texcoords, colours, indices;
   };
 
+  template <class T>
+  GlBuffer uploaded(std::span<const T> values);
   bool upload_materials(const pan::Model& model, std::span<const DrawItem> list,
-                        DiagnosticLog& log);
+                        const Families& families, DiagnosticLog& log);
   bool upload_textures(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log);
   bool upload_tangents(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log);
   bool upload_decals(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log);
   const Repeated* own_vertices(std::size_t mesh_index) const;  // null: the model's
-  Repeated repeated(const pan::MeshView& mesh, const Tangents& tangents) const;
+  Repeated repeated(const pan::MeshView& mesh, const Tangents& tangents);
   void draw_range(const pan::layout::Mesh& mesh, std::size_t mesh_index,
                   std::uint64_t first_triangle, std::uint64_t triangles) const;
 
@@ -70,6 +73,7 @@ class GpuModel {
 
   const Context* context_ = nullptr;
   const GladGLContext* gl_ = nullptr;
+  std::uint64_t bytes_ = 0;
   GlVertexArray vertex_array_;
   GlBuffer positions_, normals_, texcoords_, colours_, indices_;
   GlBuffer materials_, padded_materials_, items_;

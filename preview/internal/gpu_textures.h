@@ -32,11 +32,13 @@ class GpuTextures {
   bool upload(const Context& context, const pan::Model& model, DiagnosticLog& log);
 
   GLuint id(std::uint32_t number) const { return textures_[number].id(); }
+  std::uint64_t bytes() const { return bytes_; }  // uploaded
 
  private:
   std::vector<TextureUse> uses_;
   std::map<TextureUse, std::uint32_t> numbers_;
   std::vector<GlTexture> textures_;  // one for each use
+  std::uint64_t bytes_ = 0;
 };
 
 }  // namespace panwright::preview

@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "base/diagnostic.h"
 #include "preview/internal/draw_list.h"
@@ -35,6 +36,7 @@ inline constexpr GLuint kShadowSlopesUnit = 14;
 inline constexpr GLuint kTangentUnit = 15;
 inline constexpr GLuint kReflectanceMapUnit = 16;
 inline constexpr GLuint kReflectanceUnit = 17;
+inline constexpr GLint kRangeLocation = 0;  // uniforms
 
 // What is kept of each sample between the two steps of a drawing.
 enum Layer : unsigned {
@@ -78,31 +80,39 @@ struct alignas(16) DecalBlock {
   float outwards[4];
 };
 
+// All programs of a device, shared by its models: what tells them apart is what they do.
 class Programs {
  public:
-  Programs(const GladGLContext& gl, const pan::Model& model)
-      : gl_(gl), families_(families_of(model)) {}
+  explicit Programs(const GladGLContext& gl) : gl_(gl) {}
+
+  // The number of a set of families that one shading program serves.
+  unsigned family_set(const std::vector<materials::Laws>& families);
 
   // Each returns 0 when the driver refuses a shader: *problem says why.
   //
   GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows,
                   std::string* problem);
-  GLuint shading(std::uint32_t variant, LayerSet layers, bool one_material, bool shadows,
+  GLuint shading(unsigned family_set, LayerSet layers, bool one_material, bool shadows,
                  std::string* problem);
   GLuint shadow(bool cutout, std::string* problem);
   GLuint ids(bool cutout, std::string* problem);
   GLuint decal(std::string* problem);
   GLuint bare(std::string* problem);
 
+  std::uint64_t built() const { return built_; }
+
  private:
+  GlProgram made(const std::string& vertex, const std::string& fragment, std::string* problem);
+
   const GladGLContext& gl_;
-  Families families_;
+  std::map<std::vector<materials::Laws>, unsigned> family_sets_;
   std::map<unsigned, GlProgram> geometry_;
-  std::map<unsigned, GlProgram> shading_;
+  std::map<std::uint64_t, GlProgram> shading_;
   std::array<GlProgram, 2> shadow_;
   std::array<GlProgram, 2> ids_;
   GlProgram decal_;
   GlProgram bare_;
+  std::uint64_t built_ = 0;
 };
 
 }  // namespace panwright::preview

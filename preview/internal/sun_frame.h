@@ -16,8 +16,8 @@ struct SunFrame {
   Vec3 extent{1};                 // of the box, metres
 };
 
-// Fits the box to the corners of the items' boxes, two texels wider all round. x lies along that
-// axis of the model that is longest as the Sun sees it.
+// Fits the box to the corners of the visible items' boxes, two texels wider all round. x lies along
+// that axis of the model that is longest as the Sun sees it.
 //
 //   to_sun  model frame, unit
 //   side    texels, > 4

@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "base/progress.h"
 #include "preview/reference/internal/rounds.h"
+#include "preview/reference/internal/view_rays.h"
 
 namespace panwright::preview {
 namespace {
@@ -23,19 +23,15 @@ constexpr std::uint32_t kFewestRounds = 8;
 // samples of a round with until_error: fewer would cost more in threads than in rays
 constexpr double kRoundWork = 8192;
 constexpr double kWidestPsf = 64;  // pixels
-// bytes for each pixel that the model may fall on, while it is rendered
+// bytes for each pixel that a target may fall on, while it is rendered
 constexpr std::uint64_t kPixelBytes = 200;
 
-[[maybe_unused]] bool is_sound(const View& view, const ReferenceOptions& options) {
-  const world::Camera& camera = view.camera;
+[[maybe_unused]] bool is_sound(const world::Camera& camera, const ReferenceOptions& options) {
   const auto unit = [](const Quat& q) { return std::fabs(glm::dot(q, q) - 1) < 1e-6; };
   return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
          std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
          std::isfinite(camera.principal.x + camera.principal.y) && unit(camera.world_from_camera) &&
-         unit(view.world_from_model.rotation) && is_finite(view.world_from_model.translation) &&
-         is_finite(view.to_sun) && view.to_sun != Vec3(0) && view.sun_distance > 0 &&
-         options.samples >= kFewestRounds && options.until_error >= 0 &&
-         options.limb_darkening >= 0 && options.limb_darkening <= 1 && options.psf_sigma >= 0 &&
+         options.samples >= kFewestRounds && options.until_error >= 0 && options.psf_sigma >= 0 &&
          options.psf_sigma <= kWidestPsf;
 }
 
@@ -43,13 +39,6 @@ constexpr std::uint64_t kPixelBytes = 200;
 void set_grid(Shot& shot, double samples) {
   while (2.0 * shot.round_samples() <= samples && shot.round_samples() < 1u << 20)
     (shot.columns == shot.rows ? shot.columns : shot.rows) *= 2;
-}
-
-// Of a pixel in the total flux.
-double weight_of(const world::Camera& camera, std::uint32_t column, std::uint32_t row) {
-  return camera.projection == world::Projection::perspective
-             ? pixel_solid_angle(camera, column, row)
-             : pixel_area(camera);
 }
 
 // The largest relative standard error of the channels that have any light; 0: none has.
@@ -70,7 +59,7 @@ void refine(Rounds& rounds, const Shot& shot, const ReferenceOptions& options, D
       std::max<std::uint64_t>(rounds.rounds(), options.max_samples / shot.round_samples());
   constexpr std::uint32_t kSlices = 16;  // of what is added at once, for a terminal to show
   constexpr double kParts = 1000;
-  Progress progress("tracing", static_cast<std::size_t>(kParts));
+  Phase phase(rounds.job, "tracing", static_cast<std::uint64_t>(kParts));
   double shown = 0;
   for (;;) {
     const double error = relative_error(rounds);
@@ -96,77 +85,80 @@ void refine(Rounds& rounds, const Shot& shot, const ReferenceOptions& options, D
       rounds.add(some);
       left -= some;
       const double done = std::floor(std::min(1.0, rounds.rounds() / all) * kParts);
-      progress.advance(static_cast<std::size_t>(std::max(0.0, done - shown)));
+      phase.advance(static_cast<std::uint64_t>(std::max(0.0, done - shown)));
       shown = std::max(shown, done);
     }
   }
 }
 
-}  // namespace
-
-struct Reference::Impl {
-  explicit Impl(const pan::Model& model_in) : model(model_in), stage(model_in) {}
-
-  Shot shot_for(const View& view, const world::Camera& camera, const Sun& sun,
-                const ReferenceOptions& options) const;
-  void add_truth(const View& view, const Shot& shot, bool flat, Image& image) const;
-
-  const pan::Model& model;
-  Stage stage;
-};
-
-Reference::Reference(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Reference::Reference(Reference&&) noexcept = default;
-Reference& Reference::operator=(Reference&&) noexcept = default;
-Reference::~Reference() = default;
-
-Result<Reference> Reference::create(const pan::Model& model, DiagnosticLog&) {
-  assert(model.checked());
-  return Reference(std::make_unique<Impl>(model));
-}
-
-Shot Reference::Impl::shot_for(const View& view, const world::Camera& camera, const Sun& sun,
-                               const ReferenceOptions& options) const {
-  const Quat model_from_world = glm::conjugate(view.world_from_model.rotation);
-  Shot shot{stage, sun, camera, Vec3(0), Mat3(1), {}};
-  // note: the difference first, so that large translations cancel once
-  shot.eye = model_from_world * (camera.position - view.world_from_model.translation);
-  shot.model_from_camera = glm::mat3_cast(model_from_world * camera.world_from_camera);
-  shot.path = {options.bounces, options.flat};
-  shot.seed = options.seed;
-  return shot;
-}
-
 // what lies at the pixels' centres
-void Reference::Impl::add_truth(const View& view, const Shot& shot, bool flat, Image& image) const {
+void add_truth(const TraceScene& scene, const world::World& world, const world::Camera& camera,
+               bool flat, Image& image, const Job& job) {
   image.depth.resize(image.pixels(), INFINITY);
   image.range.resize(image.pixels(), INFINITY);
   image.normal.resize(3 * image.pixels());
   image.node_id.resize(image.pixels());
   image.material_id.resize(image.pixels());
-  const Scenery seen = scenery(view, stage.items());
-  const std::vector<Placement> placed = placements(view, seen, stage.items());
-  constexpr std::uint32_t kBand = 64;  // rows
-  std::vector<TriangleId> ids;
-  for (std::uint32_t top = 0; top < image.height; top += kBand) {
-    const Tile tile{0, top, image.width, std::min(kBand, image.height - top)};
-    ids.assign(std::size_t{tile.width} * tile.height, {});
-    parallel_for(tile.height, [&](std::size_t row) {
-      for (std::uint32_t column = 0; column < tile.width; ++column) {
-        const Vec2 centre(column + 0.5, static_cast<double>(top + row) + 0.5);
-        const auto hit = stage.seen(ray_through(shot, centre));
-        if (hit) ids[row * tile.width + column] = {hit->instance + 1, hit->triangle};
-      }
-    });
-    fill_truth(model, view, flat, stage.items(), placed, tile, ids, image);
-  }
+  image.target_id.resize(image.pixels());
+  const auto trace_row = [&](std::size_t row) {
+    for (std::uint32_t column = 0; column < image.width; ++column) {
+      const TraceRay ray{TraceRay::kCamera,
+                         view_ray(camera, {column + 0.5, static_cast<double>(row) + 0.5})};
+      const auto hit = scene.seen(ray);
+      if (!hit) continue;
+      const TraceScene::Placed& placed = scene.targets()[hit->target];
+      const std::uint32_t part = placed.target->parts()[hit->hit.instance];
+      const std::size_t pixel = row * image.width + column;
+      // the ray is of unit length: its part along the boresight is the depth's
+      image.range[pixel] = static_cast<float>(hit->hit.distance);
+      image.depth[pixel] = static_cast<float>(hit->hit.distance * ray.ray.direction.z);
+      const Vec3 normal = placed.frame.world_from * placed.target->normal(hit->hit, flat);
+      for (std::size_t k = 0; k < 3; ++k)
+        image.normal[3 * pixel + k] = static_cast<float>(normal[static_cast<int>(k)]);
+      const pan::layout::Instance& instance = world[placed.index].model()->instances()[part];
+      image.node_id[pixel] = instance.node + 1;
+      image.material_id[pixel] = instance.material + 1;
+      image.target_id[pixel] = placed.index + 1;
+    }
+  };
+  parallel_for(image.height, trace_row, job);
 }
 
-Result<ReferenceImage> Reference::render(const View& view, const ReferenceOptions& options,
-                                         DiagnosticLog& log) const {
-  assert(is_sound(view, options));
-  const auto start = std::chrono::steady_clock::now();
-  const world::Camera& camera = view.camera;
+// Why an image is empty.
+const char* empty_because(const world::World& world, const TraceScene& scene,
+                          std::span<const Cell> cells) {
+  if (world.empty()) return "nothing is in view: the world has no targets";
+  if (scene.targets().empty())
+    return "nothing is in view: all targets are hidden, or have nothing to show";
+  if (cells.empty()) return "nothing is in view: no part of the model lies inside the image";
+  return "nothing is in view: the camera may be inside a closed mesh, which shows its outside only";
+}
+
+}  // namespace
+
+struct Reference::Impl {
+  TraceScene scene;
+};
+
+Reference::Reference() : impl_(std::make_unique<Impl>()) {}
+Reference::Reference(Reference&&) noexcept = default;
+Reference& Reference::operator=(Reference&&) noexcept = default;
+Reference::~Reference() = default;
+
+void Reference::prepare(const world::World& world) { impl_->scene.update(world); }
+
+const ReferenceWork& Reference::work() const { return impl_->scene.work(); }
+
+Result<ReferenceImage> Reference::render(const world::World& world, const world::Camera& camera,
+                                         const ReferenceOptions& options, DiagnosticLog& log,
+                                         const Job& job) {
+  return run_job(job, log, [&] { return rendered(world, camera, options, log, job); });
+}
+
+Result<ReferenceImage> Reference::rendered(const world::World& world, const world::Camera& camera,
+                                           const ReferenceOptions& options, DiagnosticLog& log,
+                                           const Job& job) {
+  assert(is_sound(camera, options));
   if (camera.width > kMaxSide || camera.height > kMaxSide) {
     log.report_file(Code::E5003, {},
                     fmt::format("an image of {} by {} pixels; a side may have {}", camera.width,
@@ -174,19 +166,23 @@ Result<ReferenceImage> Reference::render(const View& view, const ReferenceOption
     return failed;
   }
   const std::uint32_t margin = options.psf_sigma > 0 ? blur_margin(options.psf_sigma) : 0;
-  View wide = view;
-  wide.camera.width += 2 * margin;
-  wide.camera.height += 2 * margin;
-  wide.camera.principal += static_cast<double>(margin);
+  world::Camera wide = camera;
+  wide.width += 2 * margin;
+  wide.height += 2 * margin;
+  wide.principal += static_cast<double>(margin);
+  TraceScene& scene = impl_->scene;
+  scene.update(world);
+  const auto start = std::chrono::steady_clock::now();
+  scene.place_camera(camera);
 
   ReferenceImage result;
   Image& image = result.image;
   image.width = camera.width;
   image.height = camera.height;
-  image.unit = view.sun_irradiance ? "W/(m^2 sr)" : "1/sr";
-  const std::vector<Cell> cells = cells_of(impl_->model, wide, impl_->stage.items());
+  image.unit = world.sun().irradiance ? "W/(m^2 sr)" : "1/sr";
+  const std::vector<Cell> cells = cells_of(scene, wide);
   const std::uint64_t bytes =
-      image.pixels() * (options.truth ? 56 : 28) + cells.size() * kPixelBytes;
+      image.pixels() * (options.truth ? 60 : 28) + cells.size() * kPixelBytes;
   if (bytes > options.max_bytes) {
     log.report_file(
         Code::E5003, {},
@@ -199,9 +195,10 @@ Result<ReferenceImage> Reference::render(const View& view, const ReferenceOption
   image.coverage.resize(image.pixels());
   result.standard_error.resize(3 * image.pixels());
 
-  const Mat3 model_from_world = glm::mat3_cast(glm::conjugate(view.world_from_model.rotation));
-  const Sun sun(view, model_from_world, options.sun_disc, options.limb_darkening);
-  Shot shot = impl_->shot_for(view, wide.camera, sun, options);
+  std::vector<Sun> suns;
+  for (const TraceScene::Placed& placed : scene.targets())
+    suns.emplace_back(world.sun(), placed.frame.world_from, options.sun_disc);
+  Shot shot{scene, suns, wide, {options.bounces, options.flat}, options.seed};
   if (!cells.empty()) {
     double each = options.samples / static_cast<double>(kLeastRounds);
     if (options.until_error > 0)
@@ -209,7 +206,7 @@ Result<ReferenceImage> Reference::render(const View& view, const ReferenceOption
                         std::max<double>(each, options.max_samples / kLeastRounds));
     set_grid(shot, each);
     const auto weight = [&](std::uint32_t column, std::uint32_t row) {
-      return weight_of(camera, column, row);
+      return pixel_weight(camera, column, row);
     };
     std::unique_ptr<Rounds> rounds;
     if (margin > 0) {
@@ -219,6 +216,7 @@ Result<ReferenceImage> Reference::render(const View& view, const ReferenceOption
       for (const Cell& cell : cells) weights.push_back(weight(cell.column, cell.row));
       rounds = box_rounds(shot, cells, std::move(weights));
     }
+    rounds->job = job;
     const std::uint32_t wanted =
         (options.samples + shot.round_samples() - 1) / shot.round_samples();
     const bool until = options.until_error > 0;
@@ -233,15 +231,9 @@ Result<ReferenceImage> Reference::render(const View& view, const ReferenceOption
     result.shadow_rays = rounds->counts().shadow;
     result.bounce_rays = rounds->counts().bounce;
   }
-  if (options.truth) {
-    const Shot plain = impl_->shot_for(view, camera, sun, options);
-    impl_->add_truth(view, plain, options.flat, image);
-  }
+  if (options.truth) add_truth(scene, world, camera, options.flat, image, job);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
-    log.report_file(Code::W5006, {},
-                    cells.empty() ? "nothing is in view: no part of the model lies inside the image"
-                                  : "nothing is in view: the camera may be inside a closed mesh, "
-                                    "which shows its outside only");
+    log.report_file(Code::W5006, {}, empty_because(world, scene, cells));
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

@@ -1,6 +1,6 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, any of PAINTED
-// ROUGH BRUSHED REFLECTING ONE_MATERIAL SHADOWED (with shadow.glsl), VARIANT (its number), and the formulas of its
-// families (materials/formulas), with what reads a material (materials/formula_text.h).
+// ROUGH BRUSHED REFLECTING ONE_MATERIAL SHADOWED (with shadow.glsl), and the formulas of its families
+// (materials/formulas), with what reads a material (materials/formula_text.h).
 
 layout(std140, binding = 0) uniform View {
   vec4 sight;        // world direction through the tile's upper left corner, any length
@@ -11,6 +11,8 @@ layout(std140, binding = 0) uniform View {
 }
 view;
 
+// of the target that this pass shades: its first item, how many it has; the variant
+layout(location = 0) uniform uvec4 range;
 layout(binding = 5) uniform usamplerBuffer items;  // x: material, y: variant, z: family
 layout(binding = 2) uniform sampler2D seen_samples;  // as geometry.frag leaves them
 #ifdef PAINTED
@@ -72,11 +74,11 @@ void roughen(inout Surface surface, float length_of_mean, vec2 rough) {
 
 void main() {
   vec4 seen = texelFetch(seen_samples, ivec2(gl_FragCoord.xy), 0);
-  int item = int(seen.w) - 1;
-  if (item < 0) discard;
+  int item = int(seen.w) - 1 - int(range.x);
+  if (item < 0 || item >= int(range.y)) discard;
   uvec4 of_item = texelFetch(items, item);
 #ifndef ONE_MATERIAL
-  if (of_item.y != VARIANT) discard;
+  if (of_item.y != range.z) discard;
   int first_row = kMaterialRows * int(of_item.x);
 #endif
 

@@ -22,6 +22,8 @@ const float kMostDown = 16.0;
 // whichever way it bends, so no bias is needed that grows with the slope.
 bool hides(ivec2 texel, vec3 place, vec2 slope) {
   float depth = texelFetch(shadow_depths, texel, 0).r;
+  // sunward of the box: another target, above all that asks here
+  if (depth >= 1.0) return true;
   vec2 there = (vec2(texel) + 0.5) / shadow.half_side - 1.0;
   vec2 step = there - place.xy;
   vec2 reach = vec2(kTexelSlack / shadow.half_side);

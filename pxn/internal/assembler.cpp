@@ -98,6 +98,7 @@ class Assembler {
   }
 
   void item(Use& use, std::uint32_t index, const Context& context) {
+    loader_.job().poll();
     const Item& item = use.part->items[index];
     Context inner = context;
     switch (item.kind) {

@@ -106,14 +106,16 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
   ImportFiles files(files_, found);
   auto imported = importers::import_from(
       files, std::filesystem::path(found.path).filename().generic_string(), options,
-      reporter_.log(), values.value_place(element, attribute::import_file));
+      reporter_.log(), values.value_place(element, attribute::import_file), job_);
+  job_.poll();
   if (!imported) return std::nullopt;
   note_unused(work, element, imported->format, cleaned);
   // first, as lengths of cleaning are metres of the world
   const std::size_t nodes = imported->scene.nodes.size();
   importers::place(*imported, importers::unit_of(units), importers::up_of(up), false,
                    reporter_.log());
-  if (cleaned) importers::clean_up(imported->scene, clean, reporter_.log());
+  if (cleaned && !importers::clean_up(imported->scene, clean, reporter_.log(), job_))
+    throw Cancelled();
   index = static_cast<std::uint32_t>(models_.size());
   ImportedModel& model = models_.emplace_back();
   model.imported = std::move(*imported);

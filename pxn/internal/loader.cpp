@@ -213,6 +213,7 @@ void Loader::walk_children(Work& work, std::uint32_t element, std::uint32_t dept
 
 // Reads a node, or what holds one. depth: of the element's parents, the root included.
 void Loader::walk(Work& work, std::uint32_t element, std::uint32_t depth) {
+  job_.poll();
   if (work.part.element != 0) work.part.height = std::max(work.part.height, depth + 1);
   switch (work.file.document.elements[element].id) {
     case ElementId::group:

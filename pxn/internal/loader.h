@@ -27,8 +27,12 @@ struct Preset;
 // where.
 class Loader {
  public:
-  Loader(Files& files, const Options& options, Reporter& reporter, scene::Scene& scene)
-      : files_(files), options_(options), reporter_(reporter), scene_(scene) {}
+  Loader(Files& files, const Options& options, Reporter& reporter, scene::Scene& scene,
+         const Job& job)
+      : files_(files), options_(options), reporter_(reporter), scene_(scene), job_(job) {}
+
+  // All of what reads throws Cancelled.
+  const Job& job() const { return job_; }
 
   // The index of the part, or nothing when there is no root element that is understood, or more
   // elements or nodes than the limits.
@@ -143,6 +147,7 @@ class Loader {
   const Options& options_;
   Reporter& reporter_;
   scene::Scene& scene_;
+  const Job job_;
   // note: addresses stay while these grow
   std::deque<File> loaded_files_;
   std::deque<Part> parts_;

@@ -19,7 +19,7 @@ Preset read_preset(const PresetText& text) {
   const Options options;
   const auto files = files_in_memory({&file, 1}, options, top);
   scene::Scene scene;
-  Loader loader(*files, options, reporter, scene);
+  Loader loader(*files, options, reporter, scene, {});
   (void)loader.load_top(top);
   // note: a test reads every one of them without a diagnostic
   assert(loader.materials().size() == 1);

@@ -8,6 +8,6 @@ namespace panwright::pxn {
 
 // As pxn::read.
 Result<scene::Scene> read_from(Files& files, const FoundFile& top, const Options& options,
-                               DiagnosticLog& log);
+                               DiagnosticLog& log, const Job& job = {});
 
 }  // namespace panwright::pxn

@@ -100,12 +100,11 @@ TEST(Hasher, PiecesGiveTheHashOfTheWhole) {
 
 TEST(ParallelFor, VisitsEachIndexOnce) {
   for (const std::size_t threads : {1, 2, 7}) {
-    set_thread_count(threads);
     std::vector<int> visits(10007);
-    parallel_for(visits.size(), [&](std::size_t i) { ++visits[i]; });
+    parallel_for(
+        visits.size(), [&](std::size_t i) { ++visits[i]; }, Job({threads, {}}));
     EXPECT_TRUE(std::all_of(visits.begin(), visits.end(), [](int v) { return v == 1; }));
   }
-  set_thread_count(0);
 }
 
 TEST(Math, StretchIsThatOfTheScales) {

@@ -72,14 +72,11 @@ TEST(Compile, BytesDoNotDependOnThreads) {
     scene.instances.push_back(at(i + 1, i));
   }
   DiagnosticLog log;
-  set_thread_count(1);
-  const auto one = compiled(scene, {}, log);
+  const auto one = compiled(scene, {}, log, Job({1, {}}));
   for (const std::size_t threads : {2, 5}) {
-    set_thread_count(threads);
-    const auto many = compiled(scene, {}, log);
+    const auto many = compiled(scene, {}, log, Job({threads, {}}));
     EXPECT_EQ(*one, *many) << threads << " threads";
   }
-  set_thread_count(0);
 }
 
 TEST(Compile, FileAndMemoryAreTheSameBytes) {

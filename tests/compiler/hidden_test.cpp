@@ -117,7 +117,7 @@ TEST_P(Assemblies, LoseWhatIsHiddenAndNothingElse) {
   const Assembly assembly = make();
   scene::Scene scene = assembly.scene;
   DiagnosticLog log;
-  const HiddenReport report = prune_hidden(scene, {}, log);
+  const HiddenReport report = *prune_hidden(scene, {}, log);
   EXPECT_EQ(scene::check(scene), "");
   EXPECT_TRUE(log.contains(Code::N6304));
   const Outcome outcome = compare(assembly, scene);
@@ -141,12 +141,10 @@ TEST_P(Assemblies, TheSameWhateverTheThreads) {
   options.max_probes = GetParam() == 1 ? 0 : 1'000'000;
   std::vector<scene::Scene> results;
   for (const std::size_t threads : {1u, 2u, 5u}) {
-    set_thread_count(threads);
     results.push_back(assembly.scene);
     DiagnosticLog log;
-    prune_hidden(results.back(), options, log);
+    ASSERT_TRUE(prune_hidden(results.back(), options, log, Job({threads, {}})));
   }
-  set_thread_count(0);
   for (const scene::Scene& other : results) {
     ASSERT_EQ(other.instances.size(), results[0].instances.size());
     for (std::size_t i = 0; i < other.instances.size(); ++i) {
@@ -166,7 +164,7 @@ Assembly two_boxes() { return assemblies::nested_boxes(2, 2); }
 HiddenReport prune(scene::Scene& scene, HiddenOptions options = {}) {
   options.rays_from_outside = 50'000;
   DiagnosticLog log;
-  return prune_hidden(scene, options, log);
+  return *prune_hidden(scene, options, log);
 }
 
 TEST(Hidden, CutOutMaterialsHideNothing) {

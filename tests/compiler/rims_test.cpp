@@ -301,11 +301,8 @@ TEST(Rims, BytesDoNotDependOnThreads) {
     stack.add(cone(1 + 0.1 * i, 1.1 + 0.1 * i, 1), {{0, 0, 2 * i + 1}, kStraight, Vec3(1)});
   }
   DiagnosticLog log;
-  set_thread_count(1);
-  const auto one = compiled(stack.scene(), {}, log);
-  set_thread_count(4);
-  const auto four = compiled(stack.scene(), {}, log);
-  set_thread_count(0);
+  const auto one = compiled(stack.scene(), {}, log, Job({1, {}}));
+  const auto four = compiled(stack.scene(), {}, log, Job({4, {}}));
   EXPECT_EQ(*one, *four);
 }
 

@@ -512,11 +512,9 @@ TEST(Clean, TheSameWhateverTheThreads) {
   options.tolerance = 1e-3;
   std::vector<Mesh> results;
   for (const std::size_t threads : {1u, 2u, 5u}) {
-    set_thread_count(threads);
     results.push_back(mesh);
-    clean(results.back(), options);
+    run_on_threads(Job({threads, {}}), [&] { clean(results.back(), options); });
   }
-  set_thread_count(0);
   EXPECT_TRUE(same(results[0], results[1]));
   EXPECT_TRUE(same(results[0], results[2]));
 }

@@ -192,5 +192,33 @@ TEST(InstanceCaster, NothingToHit) {
   EXPECT_FALSE(pointless.closest({{1, 2, 0}, {0, 0, 1}}));
 }
 
+// A mesh that several casters share, flattened in one of them, gives the hits of a mesh of its own.
+TEST(InstanceCaster, MeshesMayBeShared) {
+  const Mesh mesh = ball(8);
+  const SearchMesh shared = search_mesh(mesh.positions, mesh.triangles);
+  for (const double depth : {1.0, 0.0}) {
+    const Mat4 place = matrix_from_trs({1, 2, 3}, Quat(1, 0, 0, 0), {1, 2, depth});
+    InstanceCaster own, sharing;
+    own.add(own.add_mesh(mesh.positions, mesh.triangles), place, false);
+    sharing.add(sharing.add_mesh(shared), place, false);
+    own.build();
+    sharing.build();
+    std::mt19937_64 random(11);
+    int hits = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3 d = direction(random);
+      const Ray ray{Vec3(1, 2, 3) - 5.0 * d + 0.5 * direction(random), d};
+      const auto a = own.closest(ray);
+      const auto b = sharing.closest(ray);
+      ASSERT_EQ(a.has_value(), b.has_value());
+      if (!a) continue;
+      ++hits;
+      EXPECT_EQ(a->distance, b->distance);
+      EXPECT_EQ(a->triangle, b->triangle);
+    }
+    EXPECT_GT(hits, 100);
+  }
+}
+
 }  // namespace
 }  // namespace panwright::geometry

@@ -309,9 +309,8 @@ TEST(RoundShapes, OutlinesKeepTheirArea) {
 
 TEST(RoundShapes, BytesDoNotDependOnThreads) {
   const auto hash = [](std::size_t threads, const Shape& shape) {
-    set_thread_count(threads);
-    const Mesh mesh = made(shape, 1e-5, true);
-    set_thread_count(0);
+    Mesh mesh;
+    run_on_threads(Job({threads, {}}), [&] { mesh = made(shape, 1e-5, true); });
     return std::tuple{hash64(std::as_bytes(std::span(mesh.positions))),
                       hash64(std::as_bytes(std::span(mesh.normals))),
                       hash64(std::as_bytes(std::span(mesh.texcoords))),

@@ -61,7 +61,7 @@ const Mesh& first_mesh(const scene::Scene& scene) {
 TEST(CleanScene, EachMeshOnceAndExactShapesAsTheyAre) {
   Imported model = sample(2);
   DiagnosticLog log;
-  const Hygiene hygiene = clean_up(model.scene, {}, log);
+  const Hygiene hygiene = *clean_up(model.scene, {}, log);
   EXPECT_EQ(scene::check(model.scene), "");
   ASSERT_EQ(hygiene.meshes.size(), 1u);
   EXPECT_EQ(hygiene.meshes[0].instances, 2u);
@@ -81,7 +81,7 @@ TEST(CleanScene, SpotsStandInTheWorld) {
   mesh.triangles.push_back({30, 31, 32});
   model.scene.shapes[0] = std::make_shared<const Mesh>(mesh);
   DiagnosticLog log;
-  const Hygiene hygiene = clean_up(model.scene, {}, log);
+  const Hygiene hygiene = *clean_up(model.scene, {}, log);
   ASSERT_FALSE(hygiene.spots.empty());
   const WorldSpot& spot = hygiene.spots[0];
   EXPECT_EQ(spot.kind, geometry::SpotKind::non_manifold_edge);
@@ -109,7 +109,7 @@ TEST(CleanScene, HolesAndJunctionsAreWarnedOf) {
     mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
   model.scene.shapes[0] = std::make_shared<const Mesh>(mesh);
   DiagnosticLog log;
-  const Hygiene hygiene = clean_up(model.scene, {}, log);
+  const Hygiene hygiene = *clean_up(model.scene, {}, log);
   // the rim of the gap: two sides of it, and along the side of the cube and back
   EXPECT_EQ(hygiene.total.t_junctions, 1u);
   EXPECT_TRUE(log.contains(Code::W6305));
@@ -128,7 +128,7 @@ TEST(CleanScene, TolerancesAreMetresInTheWorld) {
     DiagnosticLog log;
     geometry::CleanOptions options;
     options.tolerance = tolerance;
-    const Hygiene hygiene = clean_up(model.scene, options, log);
+    const Hygiene hygiene = *clean_up(model.scene, options, log);
     EXPECT_EQ(hygiene.total.largest_move > 0, tolerance > 1e-6);
     EXPECT_LE(hygiene.total.largest_move, tolerance);
   }
@@ -147,7 +147,7 @@ TEST(CleanScene, MeshesWithoutTrianglesGoWithTheirDecals) {
   decal.instance = 2;
   model.scene.decals.push_back(decal);
   DiagnosticLog log;
-  clean_up(model.scene, {}, log);
+  ASSERT_TRUE(clean_up(model.scene, {}, log));
   ASSERT_EQ(model.scene.instances.size(), 1u);
   EXPECT_EQ(model.scene.instances[0].shape, 1);
   ASSERT_EQ(model.scene.decals.size(), 1u);

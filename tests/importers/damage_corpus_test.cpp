@@ -65,7 +65,7 @@ void read_damaged(const std::string& name, const std::string& bytes, double& slo
   if (imported) {
     ASSERT_EQ(scene::check(imported->scene), "") << name;
     ASSERT_EQ(imported->materials.size(), imported->scene.materials.size());
-    clean_up(imported->scene, {}, log);
+    (void)clean_up(imported->scene, {}, log);
     ASSERT_EQ(scene::check(imported->scene), "") << name << ", cleaned";
   } else {
     ASSERT_TRUE(log.has_errors()) << name << " is refused without a reason";

@@ -19,11 +19,23 @@ ALLOWED = {
     "world": ["pan"],
     "preview": ["world"],
     "pxn": ["scene", "importers", "schemas"],
-    "studio": ["pxn", "compiler", "preview"],
-    "tools": ["pxn", "importers", "compiler", "preview", "studio", "mli"],
+    "workspace": ["pxn", "importers", "compiler", "world", "preview"],
+    "studio": ["workspace", "preview"],
+    "tools": ["workspace", "studio", "mli"],
 }
 UNRESTRICTED = ["bench", "tests", "examples"]
 NEVER_INCLUDED = ["tools", "bench"]
+# The reference renderer is an oracle of the preview: of what the two could share it includes these
+# alone, and calls none of what follows.
+REFERENCE = "preview/reference/"
+REFERENCE_INCLUDES = {
+    "preview": ("image.h", "reference/"),
+    "world": ("world.h", "camera.h"),
+    "geometry": ("box_tree.h", "instances.h", "ray.h", "mesh.h"),
+}
+REFERENCE_CALLS = re.compile(
+    r"\b(world_from_nodes|world_from_frame|parent_from_node|pixel_ray|pixel_solid_angle|pixel_area|project"
+    r"|srgb_decoded|srgb_code|matrix_from_trs|cofactor|mat3_cast)\(")
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([a-z_]+)/([^"]+)"', re.M)
 
 
@@ -56,10 +68,16 @@ def problems(root):
             where = f"{path.relative_to(root)}:{line}"
             if allowed is not None and target in list(ALLOWED) + UNRESTRICTED and target not in allowed:
                 yield f"{where}: {folder} must not include {target}/{rest}"
+            if where.startswith(REFERENCE) and not rest.startswith(REFERENCE_INCLUDES.get(target, ("",))):
+                yield f"{where}: the reference renderer must not include {target}/{rest}"
             if target in NEVER_INCLUDED and target != folder and folder not in ("tests",):
                 yield f"{where}: nothing includes {target}/"
             if rest.startswith("internal/") and target != folder and folder != "tests":
                 yield f"{where}: {target}/internal is private"
+        if str(path.relative_to(root)).startswith(REFERENCE):
+            for match in REFERENCE_CALLS.finditer(text):
+                line = text.count("\n", 0, match.start()) + 1
+                yield f"{path.relative_to(root)}:{line}: the reference renderer has its own {match.group(1)}()"
         if re.search(r"embree", text) and folder != "geometry" and "embree3/" in text:
             yield f"{path.relative_to(root)}: Embree is reached through geometry/ray.h"
 

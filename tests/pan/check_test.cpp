@@ -156,14 +156,12 @@ TEST(Check, ReportsDoNotDependOnThreads) {
   file.seal();
   std::vector<std::string> texts;
   for (const std::size_t threads : {1u, 2u, 7u, 7u}) {
-    set_thread_count(threads);
     DiagnosticLog log;
     auto model = Model::from_bytes(file.bytes(), "x", log);
-    ASSERT_TRUE(model && !model->check(log));
+    ASSERT_TRUE(model && !model->check(log, Job({threads, {}})));
     texts.push_back(to_text(log));
     EXPECT_EQ(log.entries().size(), 3u);
   }
-  set_thread_count(0);
   EXPECT_NE(texts[0].find(std::to_string(vertices / 3)), std::string::npos) << texts[0];
   EXPECT_NE(texts[0].find("(2 more like it)"), std::string::npos) << texts[0];
   for (const std::string& text : texts) EXPECT_EQ(text, texts[0]);

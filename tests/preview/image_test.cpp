@@ -61,6 +61,7 @@ Image numbered(std::uint32_t width, std::uint32_t height, bool truth) {
     image.depth.push_back(i ? 10 + static_cast<float>(i) : kInfinity);
     image.range.push_back(i ? 11 + static_cast<float>(i) : kInfinity);
     for (int k = 0; k < 3; ++k) image.normal.push_back(static_cast<float>(3 * i) + k);
+    image.target_id.push_back(static_cast<std::uint32_t>(i % 3));
     image.node_id.push_back(static_cast<std::uint32_t>(4000000000u + i));
     image.material_id.push_back(static_cast<std::uint32_t>(i));
   }
@@ -157,6 +158,7 @@ TEST_F(ImageFiles, NpzHoldsEveryLayer) {
             "depth.npy 3x5 <f4 inf\n"            //
             "range.npy 3x5 <f4 inf\n"            //
             "normal.npy 3x5x3 <f4 990.0\n"       // 0+…+44
+            "target_id.npy 3x5 <u4 15.0\n"
             "node_id.npy 3x5 <u4 60000000105.0\n"
             "material_id.npy 3x5 <u4 105.0\n");
 }
@@ -225,8 +227,11 @@ TEST_F(ImageFiles, ExrHoldsEveryLayerBitForBit) {
   expect_float("N.X", image.normal, 0, 3);
   expect_float("N.Y", image.normal, 1, 3);
   expect_float("N.Z", image.normal, 2, 3);
-  for (const char* name : {"id.node", "id.material"}) {
-    const auto& layer = name[3] == 'n' ? image.node_id : image.material_id;
+  const std::pair<const char*, const std::vector<std::uint32_t>&> ids[] = {
+      {"id.target", image.target_id},
+      {"id.node", image.node_id},
+      {"id.material", image.material_id}};
+  for (const auto& [name, layer] : ids) {
     ASSERT_EQ(header.channels()[name].type, Imf::UINT) << name;
     std::vector<std::uint32_t> read(image.pixels());
     Imf::FrameBuffer buffer;

@@ -1,7 +1,7 @@
 // A build without OpenGL says so.
 #include <gtest/gtest.h>
 
-#include "preview/context.h"
+#include "preview/renderer.h"
 
 namespace panwright::preview {
 namespace {
@@ -11,6 +11,9 @@ TEST(WithoutOpenGL, NoContextCanBeHad) {
     DiagnosticLog log;
     EXPECT_FALSE(Context::create(kind, log));
     EXPECT_TRUE(log.contains(Code::E5007));
+    DiagnosticLog other;
+    EXPECT_FALSE(Device::create(kind, other));
+    EXPECT_TRUE(other.contains(Code::E5007));
   }
 }
 

@@ -11,12 +11,10 @@ TEST(HardCases, EmptyModel) {
   contents.nodes.push_back({"root", -1, Vec3(0), Quat(1, 0, 0, 0), Vec3(1)});
   const pan::Model model = model_of(contents);
   DiagnosticLog log;
-  auto renderer = Renderer::create(shared_context(), model, log);
-  ASSERT_TRUE(renderer);
-  EXPECT_EQ(renderer->triangles(), 0u);
+  support::ModelRenderer renderer(shared_device(), model);
   RenderOptions options;
   options.truth = true;
-  const auto image = renderer->render(looking_from({0, 0, 1}, 1, 0.5, 16), options, log);
+  const auto image = renderer.render(looking_from({0, 0, 1}, 1, 0.5, 16), options, log);
   ASSERT_TRUE(image);
   EXPECT_TRUE(log.contains(Code::W5006));
   expect_no_nan(*image);
@@ -26,17 +24,16 @@ TEST(HardCases, EmptyModel) {
 TEST(HardCases, NothingInViewSaysWhy) {
   const pan::Model model = model_of(single(sphere(8, 8), lambert(1)));
   DiagnosticLog log;
-  auto renderer = Renderer::create(shared_context(), model, log);
-  ASSERT_TRUE(renderer);
+  support::ModelRenderer renderer(shared_device(), model);
   View view = looking_from({0, 0, 1}, 10, 0.5, 16);
   view.camera.world_from_camera =
       view.camera.world_from_camera * glm::angleAxis(kPi, Vec3(0, 1, 0));
-  ASSERT_TRUE(renderer->render(view, {}, log));
+  ASSERT_TRUE(renderer.render(view, {}, log));
   ASSERT_TRUE(log.contains(Code::W5006));
   EXPECT_NE(log.entries()[0].message.find("no part of the model"), std::string::npos);
   // far smaller than a pixel, between the centres
   DiagnosticLog small;
-  ASSERT_TRUE(renderer->render(looking_from({0, 0, 1}, 1e6, 0.5, 16), {}, small));
+  ASSERT_TRUE(renderer.render(looking_from({0, 0, 1}, 1e6, 0.5, 16), {}, small));
   ASSERT_TRUE(small.contains(Code::W5006));
   EXPECT_NE(small.entries()[0].message.find("--samples"), std::string::npos);
 }
@@ -50,8 +47,8 @@ TEST(HardCases, CameraInside) {
   options.truth = true;
   DiagnosticLog log;
   const pan::Model closed = model_of(single(room, lambert(1)));
-  auto renderer = Renderer::create(shared_context(), closed, log);
-  ASSERT_TRUE(renderer && renderer->render(view, options, log));
+  support::ModelRenderer renderer(shared_device(), closed);
+  ASSERT_TRUE(renderer.render(view, options, log));
   EXPECT_TRUE(log.contains(Code::W5006));
 
   room.closed = false;
@@ -277,36 +274,17 @@ TEST(Colours, MultiplyTheDiffuseColour) {
 TEST(Refused, ImagesOverTheLimits) {
   const pan::Model model = model_of(single(sphere(8, 8), lambert(1)));
   DiagnosticLog log;
-  auto renderer = Renderer::create(shared_context(), model, log);
-  ASSERT_TRUE(renderer);
+  support::ModelRenderer renderer(shared_device(), model);
   View view = looking_from({0, 0, 1}, 10, 0.5, 16);
   view.camera.width = 16385;
-  EXPECT_FALSE(renderer->render(view, {}, log));
+  EXPECT_FALSE(renderer.render(view, {}, log));
   view.camera.width = 1000;
   view.camera.height = 1000;
   RenderOptions options;
   options.max_bytes = 1000 * 1000 * 16 - 1;
-  EXPECT_FALSE(renderer->render(view, options, log));
+  EXPECT_FALSE(renderer.render(view, options, log));
   EXPECT_EQ(log.errors(), 2u);
   EXPECT_TRUE(log.contains(Code::E5003));
-}
-
-TEST(Frames, CameraRidesOnANamedFrame) {
-  pan::Contents contents = single(sphere(8, 8), lambert(1));
-  contents.nodes.push_back({"arm", 0, Vec3(0, 0, 5), Quat(1, 0, 0, 0), Vec3(2)});
-  contents.frames.push_back({"nav_cam", 1, Vec3(1, 0, 0), glm::angleAxis(0.3, Vec3(0, 1, 0))});
-  const pan::Model model = model_of(contents);
-  View view;
-  view.world_from_model.translation = {10, 0, 0};
-  DiagnosticLog log;
-  ASSERT_TRUE(place_in_frame(view, model, "nav_cam", log));
-  EXPECT_LE(glm::length(view.camera.position - Vec3(12, 0, 5)), 1e-14);
-  EXPECT_LE(glm::length(view.camera.world_from_camera * Vec3(0, 0, 1) -
-                        Vec3(std::sin(0.3), 0, std::cos(0.3))),
-            1e-15);
-  EXPECT_FALSE(place_in_frame(view, model, "navcam", log));
-  ASSERT_TRUE(log.contains(Code::E5005));
-  EXPECT_EQ(log.entries().back().hint, "did you mean 'nav_cam'?");
 }
 
 }  // namespace

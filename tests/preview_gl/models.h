@@ -13,18 +13,19 @@
 #include "pan/model.h"
 #include "pan/writer.h"
 #include "preview/renderer.h"
+#include "tests/support/model_renderer.h"
 
 namespace panwright::preview::testing_support {
 
 // OSMesa, so that every machine draws the same bits.
-inline Context& shared_context() {
-  static const std::unique_ptr<Context> context = [] {
+inline const std::shared_ptr<Device>& shared_device() {
+  static const std::shared_ptr<Device> device = [] {
     DiagnosticLog log;
-    auto created = Context::create(ContextKind::osmesa, log);
+    auto created = Device::create(ContextKind::osmesa, log);
     EXPECT_TRUE(created) << to_text(log);
     return created ? std::move(*created) : nullptr;
   }();
-  return *context;
+  return device;
 }
 
 inline geometry::Mesh sphere(std::uint32_t rings, std::uint32_t quads, bool texcoords = false) {
@@ -103,11 +104,10 @@ inline pan::Model model_of(const pan::Contents& contents) {
 }
 
 inline Image rendered(const pan::Model& model, const View& view, const RenderOptions& options = {},
-                      Context& context = shared_context()) {
+                      const std::shared_ptr<Device>& device = shared_device()) {
   DiagnosticLog log;
-  auto renderer = Renderer::create(context, model, log);
-  EXPECT_TRUE(renderer) << to_text(log);
-  auto image = renderer->render(view, options, log);
+  support::ModelRenderer renderer(device, model);
+  auto image = renderer.render(view, options, log);
   EXPECT_TRUE(image) << to_text(log);
   return std::move(*image);
 }

@@ -22,12 +22,11 @@ struct Pair {
 
 Pair both(const pan::Model& model, const View& view, RenderOptions options = {}) {
   DiagnosticLog log;
-  auto renderer = Renderer::create(shared_context(), model, log);
-  EXPECT_TRUE(renderer) << to_text(log);
+  support::ModelRenderer renderer(shared_device(), model);
   options.truth = true;
-  auto with = renderer->render(view, options, log);
+  auto with = renderer.render(view, options, log);
   options.shadow_side = 0;
-  auto without = renderer->render(view, options, log);
+  auto without = renderer.render(view, options, log);
   EXPECT_TRUE(with && without) << to_text(log);
   expect_no_nan(*with);
   EXPECT_EQ(with->coverage, without->coverage);
@@ -485,12 +484,11 @@ TEST(Shadows, DoNotDependOnWhatWasDrawnBefore) {
   View turned = first;
   turned.world_from_model.rotation = glm::angleAxis(1.0, Vec3(0, 0, 1));
   DiagnosticLog log;
-  auto renderer = Renderer::create(shared_context(), model, log);
-  ASSERT_TRUE(renderer);
+  support::ModelRenderer renderer(shared_device(), model);
   const auto render = [&](const View& view, unsigned side = 512) {
     RenderOptions options;
     options.shadow_side = side;
-    auto image = renderer->render(view, options, log);
+    auto image = renderer.render(view, options, log);
     EXPECT_TRUE(image);
     return image ? image->radiance : std::vector<float>{};
   };

@@ -125,7 +125,6 @@ TEST(ReferenceErrors, SubPixelSphere) {
            place.y, off, result.flux_error.x / result.flux.x, coverage, result.seconds);
     EXPECT_LE(std::fabs(off), 1e-3);
     EXPECT_NEAR(coverage, 0.01, 2e-5);
-    EXPECT_LE(result.seconds, 2) << "on two idle cores";
   }
 }
 
@@ -134,19 +133,18 @@ TEST(ReferenceErrors, SameBytesForAnyNumberOfThreads) {
   for (const double sigma : {0.0, 0.8}) {
     std::vector<ReferenceImage> results;
     for (const std::size_t threads : {1u, 2u, 3u}) {
-      set_thread_count(threads);
       ReferenceOptions options;
       options.truth = true;
       options.psf_sigma = sigma;
       options.samples = 32;
-      results.push_back(traced(model, small_view(), options));
+      const Job job({threads, {}});
+      run_on_threads(job, [&] { results.push_back(traced(model, small_view(), options)); });
       // so few cells that several units share one
       View far = small_view();
       far.camera.focal /= 200.0;
       options.until_error = 1e-2;
-      results.push_back(traced(model, far, options));
+      run_on_threads(job, [&] { results.push_back(traced(model, far, options)); });
     }
-    set_thread_count(0);
     for (std::size_t i = 2; i < results.size(); ++i) {
       const ReferenceImage& a = results[i % 2];
       const ReferenceImage& b = results[i];

@@ -9,6 +9,7 @@ namespace panwright::preview {
 namespace {
 
 using namespace testing_support;
+using panwright::testing_support::world_of;
 
 void expect_sound(const ReferenceImage& result) {
   expect_no_nan(result.image);
@@ -27,11 +28,11 @@ TEST(ReferenceHardCases, NothingInView) {
   view.camera.world_from_camera =
       view.camera.world_from_camera * glm::angleAxis(2.0, Vec3(0, 1, 0));
   DiagnosticLog log;
-  const auto reference = Reference::create(model, log);
+  Reference reference;
   ReferenceOptions options;
   options.truth = true;
   options.until_error = 0.01;
-  const auto result = reference->render(view, options, log);
+  const auto result = reference.render(world_of(model, view), view.camera, options, log);
   ASSERT_TRUE(result);
   EXPECT_TRUE(log.contains(Code::W5006));
   EXPECT_EQ(result->flux, Vec3(0));
@@ -70,11 +71,12 @@ TEST(ReferenceHardCases, CameraInside) {
 TEST(ReferenceHardCases, UntilErrorOutOfReachIsSaid) {
   const pan::Model model = model_of(single(sphere(16, 16), lambert(1)));
   DiagnosticLog log;
-  const auto reference = Reference::create(model, log);
+  Reference reference;
   ReferenceOptions options;
   options.until_error = 1e-9;
   options.max_samples = 2000;
-  const auto result = reference->render(looking_from({0, -1, 0}, 10, 0.5, 8), options, log);
+  const View view = looking_from({0, -1, 0}, 10, 0.5, 8);
+  const auto result = reference.render(world_of(model, view), view.camera, options, log);
   ASSERT_TRUE(result);
   EXPECT_TRUE(log.contains(Code::W5008)) << to_text(log);
   EXPECT_LE(result->samples, 2000u * 64);
@@ -83,10 +85,11 @@ TEST(ReferenceHardCases, UntilErrorOutOfReachIsSaid) {
 TEST(ReferenceHardCases, TooLargeImagesAreRefused) {
   const pan::Model model = model_of(single(sphere(16, 16), lambert(1)));
   DiagnosticLog log;
-  const auto reference = Reference::create(model, log);
+  Reference reference;
   ReferenceOptions options;
   options.max_bytes = 1 << 16;
-  EXPECT_FALSE(reference->render(looking_from({0, -1, 0}, 10, 0.2, 256), options, log));
+  const View view = looking_from({0, -1, 0}, 10, 0.2, 256);
+  EXPECT_FALSE(reference.render(world_of(model, view), view.camera, options, log));
   EXPECT_TRUE(log.contains(Code::E5003));
 }
 
@@ -234,7 +237,6 @@ TEST(ReferenceHardCases, ExtremeOptions) {
   const pan::Model model = model_of(single(sphere(12, 12), lambert(1)));
   ReferenceOptions options;
   options.samples = 8;
-  options.limb_darkening = 1;
   options.bounces = 1000;
   options.seed = std::numeric_limits<std::uint64_t>::max();
   options.psf_sigma = 40;
@@ -243,7 +245,7 @@ TEST(ReferenceHardCases, ExtremeOptions) {
     view.sun_distance = distance;
     view.to_sun = Vec3(1e-300, -1e-300, 0);
     view.sun_irradiance = Vec3(1e-30, 1361, 0);
-    expect_sound(traced(model, view, options));
+    expect_sound(traced(model, view, options, 1));
   }
 }
 

@@ -77,8 +77,7 @@ TEST(ReferenceLight, StraightEdgePenumbra) {
       ReferenceOptions options;
       options.bounces = 0;
       options.samples = 1 << 15;
-      options.limb_darkening = darkening;
-      const ReferenceImage result = traced(model, view, options);
+      const ReferenceImage result = traced(model, view, options, darkening);
       double worst = 0;
       for (std::uint32_t i = 0; i < 48; ++i) {
         const double t = ((i + 0.5) / 48 - 0.5) * 2.4;

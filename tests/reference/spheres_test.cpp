@@ -149,8 +149,7 @@ TEST(ReferenceSpheres, Mirror) {
     ReferenceOptions options;
     options.bounces = 1;
     options.samples = 256;
-    options.limb_darkening = darkening;
-    const ReferenceImage result = traced(model, view, options);
+    const ReferenceImage result = traced(model, view, options, darkening);
     const Vec3 flux = result.flux * (kDistance * kDistance);
     printf("u = %.1f: flux %+.2e (error %.1e)\n", darkening, 4 * flux.x - 1,
            result.flux_error.x / result.flux.x);
@@ -191,8 +190,7 @@ TEST(ReferenceSpheres, SunDiscHardlyChangesALambertSphere) {
   const ReferenceImage point = traced(model, view, options);
   options.sun_disc = true;
   const ReferenceImage disc = traced(model, view, options);
-  options.limb_darkening = 0.6;
-  const ReferenceImage darkened = traced(model, view, options);
+  const ReferenceImage darkened = traced(model, view, options, 0.6);
   const double error = std::hypot(point.flux_error.x, disc.flux_error.x) / point.flux.x;
   printf("disc %+.2e, darkened %+.2e (error %.1e)\n", disc.flux.x / point.flux.x - 1,
          darkened.flux.x / point.flux.x - 1, error);

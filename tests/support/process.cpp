@@ -51,6 +51,17 @@ bool run_and_kill(const std::vector<std::string>& words, unsigned microseconds) 
   return WIFSIGNALED(status);
 }
 
+Outcome run_and_signal(const std::vector<std::string>& words, int signal, unsigned microseconds) {
+  const TemporaryFolder folder;
+  const pid_t child = start(words, {}, folder / "out", folder / "err");
+  if (child < 0) throw std::runtime_error("cannot fork");
+  usleep(microseconds);
+  kill(child, signal);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return {code_of(status), contents(folder / "out"), contents(folder / "err")};
+}
+
 TemporaryFolder::TemporaryFolder() {
   std::string name = (std::filesystem::temp_directory_path() / "panwright-test-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a folder");

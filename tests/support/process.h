@@ -21,6 +21,9 @@ Outcome run(const std::vector<std::string>& words,
 // Returns whether it was still running then.
 bool run_and_kill(const std::vector<std::string>& words, unsigned microseconds);
 
+// Starts a program, sends it a signal after so many microseconds, and waits for its end.
+Outcome run_and_signal(const std::vector<std::string>& words, int signal, unsigned microseconds);
+
 // A folder that exists as long as this does.
 class TemporaryFolder {
  public:

@@ -85,6 +85,21 @@ class Silence {
   Message_SequenceOfPrinters printers_;
 };
 
+// OpenCASCADE's unit of length, which the host may have set to another one.
+class Millimetres {
+ public:
+  Millimetres() : before_(Interface_Static::CVal(kName)) {
+    Interface_Static::SetCVal(kName, "MM");
+  }
+  ~Millimetres() { Interface_Static::SetCVal(kName, before_.c_str()); }
+  Millimetres(const Millimetres&) = delete;
+  Millimetres& operator=(const Millimetres&) = delete;
+
+ private:
+  static constexpr const char* kName = "xstep.cascade.unit";
+  const std::string before_;
+};
+
 struct Colour {
   Vec3 rgb{0.8};
   double opacity = 1;
@@ -188,8 +203,8 @@ class Reading {
   struct Cyclic {};
 
   Reading(const Text& text, const std::string& path, const std::string& name,
-          const Options& options, DiagnosticLog& log)
-      : text_(text), path_(path), name_(name), options_(options), log_(log) {
+          const Options& options, DiagnosticLog& log, const Job& job)
+      : text_(text), path_(path), name_(name), options_(options), log_(log), job_(job) {
     scene::Node root;
     root.name = "root";
     root.source = {path, 0, 0};
@@ -200,7 +215,7 @@ class Reading {
 
   Result<Imported> run(std::string_view bytes) {
     STEPCAFControl_Controller::Init();
-    Interface_Static::SetCVal("xstep.cascade.unit", "MM");
+    const Millimetres unit;
     STEPCAFControl_Reader reader;
     reader.SetColorMode(Standard_True);
     reader.SetNameMode(Standard_True);
@@ -217,7 +232,9 @@ class Reading {
     if (auto numbers = torn(model_); !numbers.empty()) throw Torn{std::move(numbers)};
     check_assembly();
     Handle(TDocStd_Document) document = new TDocStd_Document("XmlXCAF");
+    job_.poll();
     const bool done = reader.Transfer(document);
+    job_.poll();
     note_failures(reader);
     if (!done) return refused("there is no product in it");
     return build(document);
@@ -644,6 +661,7 @@ class Reading {
     const auto left = static_cast<double>(options_.limits.triangles - triangles_);
     // note: what is expected may be twice what comes
     if (expected_triangles(body.shape, deflection_) > 4 * left + 1000) throw OverLimit{"triangles"};
+    job_.poll();
     const Meshed mesh = meshed(body.shape, body.colours, deflection_);
     for (const TopoDS_Face& face : mesh.lost)
       report_lost(number_of(face), fmt::format("a face of {} cannot be meshed", in_quotes(part)));
@@ -694,6 +712,7 @@ class Reading {
   const std::string& name_;
   const Options& options_;
   DiagnosticLog& log_;
+  const Job& job_;
   Imported out_;
   Handle(StepData_StepModel) model_;
   Handle(XCAFDoc_ShapeTool) shapes_;
@@ -717,10 +736,10 @@ class Reading {
 
 Result<Imported> read_document(const Text& text, std::string_view bytes, const std::string& path,
                                const std::string& name, const Options& options,
-                               DiagnosticLog& log) {
+                               DiagnosticLog& log, const Job& job) {
   const Silence silence;
   try {
-    return Reading(text, path, name, options, log).run(bytes);
+    return Reading(text, path, name, options, log, job).run(bytes);
   } catch (const Reading::Cyclic&) {
     return failed;
   } catch (const Standard_Failure& failure) {

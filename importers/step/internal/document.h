@@ -25,9 +25,10 @@ struct Torn {
 //   path  of the file, for the sources of nodes
 //   name  as the user would type it
 //
-// Fails: E6601. Throws OverLimit, and Torn before anything is reported. Not to be called by two
+// Fails: E6601. Throws OverLimit, Cancelled, and Torn before anything is reported. Not to be called by two
 // threads at once: OpenCASCADE keeps its settings in one place.
 Result<Imported> read_document(const Text& text, std::string_view bytes, const std::string& path,
-                               const std::string& name, const Options& options, DiagnosticLog& log);
+                               const std::string& name, const Options& options, DiagnosticLog& log,
+                               const Job& job);
 
 }  // namespace panwright::importers::step

@@ -56,6 +56,7 @@ scene::Source Builder::source_of(SourceSpan where) {
 
 std::int32_t Builder::add_node(std::int32_t parent, const Mat4& parent_from_node,
                                std::string_view name, std::string_view kind, SourceSpan where) {
+  session.job.poll();
   std::optional<scene::Decomposed> parts = scene::Decomposed{};
   if (parent_from_node != Mat4(1)) parts = scene::decomposed(parent_from_node);
   if (!parts) {
@@ -74,6 +75,7 @@ std::int32_t Builder::add_node(std::int32_t parent, const Mat4& parent_from_node
 }
 
 std::int32_t Builder::add_shape(geometry::Shape shape, SourceSpan where) {
+  session.job.poll();
   if (const auto* mesh = std::get_if<geometry::MeshShape>(&shape)) {
     const std::uint64_t count = (*mesh)->triangles.size();
     if (count > session.options.limits.triangles - triangles_) throw OverLimit{"triangles", where};

@@ -166,6 +166,7 @@ SourceSpan Parser::here() {
 }
 
 void Parser::forget() {
+  session_.job.poll();
   document_.text.forget(static_cast<std::size_t>(forgotten_ - begin_),
                         static_cast<std::size_t>(p_ - begin_));
   forgotten_ = p_;
@@ -266,6 +267,7 @@ Node* Parser::use() {
 }
 
 Node* Parser::typed_node(std::string_view def) {
+  session_.job.poll();
   skip_blanks();
   if (!at_word()) {
     report(Code::E6103, here(), "the type of a node is missing");

@@ -112,7 +112,10 @@ std::optional<Format> guessed(std::string_view text) {
 
 }  // namespace
 
-Document* Session::open(const InputFile& file) { return load(file, true); }
+Document* Session::open(const InputFile& file) {
+  job = file.job;
+  return load(file, true);
+}
 
 const std::string& Session::path_of(FileId file) const { return paths_.at(file); }
 

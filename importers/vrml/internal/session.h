@@ -27,6 +27,7 @@ class Session {
   Files& files;
   const Options& options;
   DiagnosticLog& log;
+  Job job;                                   // of the model, from open() on
   std::uint64_t memory_used = 0;             // by documents, bytes
   std::vector<scene::Input> further_inputs;  // in order of first use, without the model itself
 

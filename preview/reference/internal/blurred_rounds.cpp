@@ -169,8 +169,8 @@ class BlurredRounds final : public Rounds {
     constexpr std::size_t kWave = 256;
     for (std::size_t first = 0; first < units_.size(); first += kWave) {
       std::vector<Patch> patches(std::min(kWave, units_.size() - first));
-      parallel_for(patches.size(),
-                   [&](std::size_t i) { patches[i] = traced_unit(units_[first + i]); });
+      parallel_for(
+          patches.size(), [&](std::size_t i) { patches[i] = traced_unit(units_[first + i]); }, job);
       for (const Patch& patch : patches) merge(patch);
     }
     ++rounds_;

@@ -1,11 +1,11 @@
 #include "preview/reference/internal/cells.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "base/parallel.h"
-#include "preview/internal/projection.h"
 
 namespace panwright::preview::reference {
 namespace {
@@ -28,11 +28,11 @@ struct Area {
 // too, so that it may be anywhere.
 class Projected {
  public:
-  Projected(const world::Camera& camera, const Mat4& camera_from_mesh, double rounding)
+  Projected(const world::Camera& camera, const Affine& camera_from_mesh, double rounding)
       : camera_(camera), camera_from_mesh_(camera_from_mesh), rounding_(rounding) {}
 
   void add(const Vec3& p) {
-    const Vec3 at(camera_from_mesh_ * Vec4(p, 1));
+    const Vec3 at = camera_from_mesh_(p);
     nearest_ = std::min(nearest_, at.z);
     if (camera_.projection == world::Projection::orthographic)
       area_.add(camera_.focal * Vec2(at) + camera_.principal);
@@ -59,27 +59,55 @@ class Projected {
 
  private:
   const world::Camera& camera_;
-  const Mat4& camera_from_mesh_;
+  const Affine& camera_from_mesh_;
   double rounding_;
   double nearest_ = kInfinity;
   Area area_;
 };
 
-Area area_of(const pan::Model& model, const View& view, const DrawItem& item,
-             const PlacedBox& box) {
+std::array<Vec3, 8> corners_of(const TraceModel::Part& part) {
+  std::array<Vec3, 8> corners;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      corners[i][axis] = (i >> axis & 1 ? part.high : part.low)[axis];
+  return corners;
+}
+
+// Whether all corners lie behind the camera or beyond one side of the image and a pixel more.
+bool is_out_of_view(const world::Camera& camera, std::span<const Vec3> corners) {
+  const bool perspective = camera.projection == world::Projection::perspective;
+  bool behind = true, left = true, right = true, above = true, below = true;
+  for (const Vec3& p : corners) {
+    // in pixels times the depth, so that what is behind needs no division
+    const double depth = perspective ? p.z : 1;
+    const Vec2 at = camera.focal * Vec2(p) + camera.principal * depth;
+    behind = behind && !(p.z > 0);
+    left = left && at.x < -depth;
+    right = right && at.x > (camera.width + 1.0) * depth;
+    above = above && at.y < -depth;
+    below = below && at.y > (camera.height + 1.0) * depth;
+  }
+  return behind || left || right || above || below;
+}
+
+Area area_of(const world::Camera& camera, const TraceModel::Part& part,
+             const Affine& camera_from_mesh, const Vec3& target) {
+  std::array<Vec3, 8> corners = corners_of(part);
   const Vec3 far =
-      glm::max(glm::abs(Vec3(box.camera_from_mesh[3])),
-               glm::abs(view.camera.position) + glm::abs(view.world_from_model.translation));
+      glm::max(glm::abs(camera_from_mesh.offset), glm::abs(camera.position) + glm::abs(target));
   // metres: some roundings of the largest numbers on the way
   const double rounding = 1e-15 * std::max({far.x, far.y, far.z});
-  Projected whole(view.camera, box.camera_from_mesh, rounding);
-  for (const Vec3& corner : corners(box.low, box.high)) whole.add(corner);
+  Projected whole(camera, camera_from_mesh, rounding);
+  for (Vec3& corner : corners) {
+    whole.add(corner);
+    corner = camera_from_mesh(corner);
+  }
+  if (is_out_of_view(camera, corners)) return {};
   const Area area = whole.area();
   const Vec2 size = area.high - area.low;
   if (!(std::max(size.x, size.y) <= kSmall)) return area;
-  Projected vertices(view.camera, box.camera_from_mesh, rounding);
-  for (const pan::layout::Float3& p : model.mesh(item.mesh).positions)
-    vertices.add(Vec3(p.x, p.y, p.z));
+  Projected vertices(camera, camera_from_mesh, rounding);
+  for (const pan::layout::Float3& p : part.mesh.positions) vertices.add(Vec3(p.x, p.y, p.z));
   return vertices.area();
 }
 
@@ -168,13 +196,20 @@ class Grid {
 
 }  // namespace
 
-std::vector<Cell> cells_of(const pan::Model& model, const View& view,
-                           std::span<const DrawItem> list) {
-  const Scenery seen = scenery(view, list);
-  std::vector<Area> areas(seen.items.size());
-  parallel_for(areas.size(), [&](std::size_t i) {
-    areas[i] = area_of(model, view, list[seen.items[i]], seen.boxes[i]);
-  });
+std::vector<Cell> cells_of(const TraceScene& scene, const world::Camera& camera) {
+  std::vector<Area> areas;
+  for (const TraceScene::Placed& placed : scene.targets()) {
+    const Affine camera_from_model = between(scene.camera(), placed.frame);
+    const TraceTarget& target = *placed.target;
+    const std::size_t first = areas.size();
+    areas.resize(first + target.parts().size());
+    parallel_for(target.parts().size(), [&](std::size_t i) {
+      // the positions of the camera and of the model have cancelled before that of the part joins
+      const Affine camera_from_mesh = camera_from_model * target.placements()[i].model_from_mesh;
+      areas[first + i] = area_of(camera, target.model().parts()[target.parts()[i]],
+                                 camera_from_mesh, placed.frame.position);
+    });
+  }
   Area bounds;
   for (const Area& area : areas) {
     if (area.empty()) continue;
@@ -182,7 +217,7 @@ std::vector<Cell> cells_of(const pan::Model& model, const View& view,
     bounds.add(area.high);
   }
   if (bounds.empty()) return {};
-  Grid grid(view.camera.width, view.camera.height, bounds);
+  Grid grid(camera.width, camera.height, bounds);
   for (const Area& area : areas)
     if (!area.empty()) grid.add(area);
   return grid.cells();

@@ -1,13 +1,12 @@
-// The parts of an image where a model may be seen. Private to preview/reference.
+// The parts of an image where a target may be seen. Private to preview/reference.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "base/math.h"
-#include "pan/model.h"
-#include "preview/internal/draw_list.h"
-#include "preview/view.h"
+#include "preview/reference/internal/trace_scene.h"
+#include "world/camera.h"
 
 namespace panwright::preview::reference {
 
@@ -19,11 +18,9 @@ struct Cell {
   Vec2 high{1};  // > low
 };
 
-// Cells by rows, from the left: in each pixel the bounding rectangle of what of the instances'
-// own may fall there, by their boxes, or, where those are smaller than a few pixels, by their
-// vertices.
-// Cost: O(instances + pixels); O(vertices) for small instances.
-std::vector<Cell> cells_of(const pan::Model& model, const View& view,
-                           std::span<const DrawItem> list);
+// Cells by rows, from the left: in each pixel the bounding rectangle of what of the targets' parts
+// may fall there, by their boxes, or, where those are smaller than a few pixels, by their vertices.
+// Cost: O(parts + pixels); O(vertices) for small parts.
+std::vector<Cell> cells_of(const TraceScene& scene, const world::Camera& camera);
 
 }  // namespace panwright::preview::reference

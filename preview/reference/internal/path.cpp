@@ -20,9 +20,20 @@ double power_weight(double pdf, double other) {
 
 bool is_black(const Vec3& v) { return !(v.x > 0 || v.y > 0 || v.z > 0); }
 
+// A point of a target, in its frame as the Sun is there.
+struct Lit {
+  const TraceScene& scene;
+  std::uint32_t target;
+  const Sun& sun;
+  const Point& point;
+
+  bool reaches(const Vec3& to_light) const { return !scene.any({target, {point.start, to_light}}); }
+};
+
 // The Sun's light that a surface sends to a viewer, its disc sampled.
-Vec3 sunlight(const Stage& stage, const Sun& sun, const Point& point, const Vec3& to_viewer,
-              const Vec2& u, RayCounts& counts) {
+Vec3 sunlight(const Lit& lit, const Vec3& to_viewer, const Vec2& u, RayCounts& counts) {
+  const Sun& sun = lit.sun;
+  const Point& point = lit.point;
   const Sun::Sample light = sun.sample(u);
   const double cosine = glm::dot(point.normal, light.to_light);
   if (!(cosine > 0)) return Vec3(0);
@@ -36,13 +47,13 @@ Vec3 sunlight(const Stage& stage, const Sun& sun, const Point& point, const Vec3
         sun.pdf(light.to_light),
         surface.scattering.pdf(light.to_light, to_viewer, point.normal, point.tangent, point.tint));
   ++counts.shadow;
-  if (stage.any({point.start, light.to_light})) return Vec3(0);
-  return result;
+  return lit.reaches(light.to_light) ? result : Vec3(0);
 }
 
 // The Sun's disc as mirrors show it.
-Vec3 mirrored_disc(const Stage& stage, const Sun& sun, const Point& point, const Vec3& to_viewer,
-                   RayCounts& counts) {
+Vec3 mirrored_disc(const Lit& lit, const Vec3& to_viewer, RayCounts& counts) {
+  const Sun& sun = lit.sun;
+  const Point& point = lit.point;
   Vec3 result(0);
   const materials::Mirrors mirrors =
       point.surface().scattering.mirrors(to_viewer, point.normal, point.tangent);
@@ -51,7 +62,7 @@ Vec3 mirrored_disc(const Stage& stage, const Sun& sun, const Point& point, const
     const Vec3 shown = sun.radiance(one.to_light) * one.reflectance;
     if (is_black(shown) || !(glm::dot(one.to_light, point.normal) > 0)) continue;
     ++counts.shadow;
-    if (!stage.any({point.start, one.to_light})) result += shown;
+    if (lit.reaches(one.to_light)) result += shown;
   }
   return result;
 }
@@ -73,21 +84,23 @@ std::array<double, 4> numbers(const SampleName& name, std::uint32_t use) {
   return {in_unit(words[0]), in_unit(words[1]), in_unit(words[2]), in_unit(words[3])};
 }
 
-Arrival traced(const Stage& stage, const Sun& sun, const geometry::Ray& ray,
-               const FirstNumbers& first, const SampleName& name, const PathOptions& options,
-               RayCounts& counts) {
-  Arrival arrival;
+PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const TraceRay& ray,
+                  const FirstNumbers& first, const SampleName& name, const PathOptions& options,
+                  RayCounts& counts) {
+  PathResult result;
   ++counts.camera;
-  auto hit = stage.seen(ray);
-  if (!hit) return arrival;
-  arrival.covered = true;
-  Vec3 direction = ray.direction;
+  auto hit = scene.seen(ray);
+  if (!hit) return result;
+  result.covered = true;
+  Vec3 direction = hit->direction;
   Vec3 share(1);
   FirstNumbers u = first;
   double u_survival = 0;
   for (std::uint32_t depth = 0;; ++depth) {
-    const Point point = stage.point(*hit, options.flat);
-    arrival.radiance += share * point.emitted * sun.irradiance();
+    const Sun& sun = suns[hit->target];
+    const Point point = scene.point(*hit, options.flat);
+    const Lit lit{scene, hit->target, sun, point};
+    result.radiance += share * point.emitted * sun.irradiance();
     const Scatter& surface = point.surface();
     if (point.normal == Vec3(0)) break;
     if (depth > 0) {
@@ -97,39 +110,39 @@ Arrival traced(const Stage& stage, const Sun& sun, const geometry::Ray& ray,
       u_survival = b[3];
     }
     const Vec3 to_viewer = -direction;
-    arrival.radiance += share * sunlight(stage, sun, point, to_viewer, u.sun, counts);
+    result.radiance += share * sunlight(lit, to_viewer, u.sun, counts);
     if (surface.has_mirror && sun.has_disc())
-      arrival.radiance += share * mirrored_disc(stage, sun, point, to_viewer, counts);
+      result.radiance += share * mirrored_disc(lit, to_viewer, counts);
 
     const bool last = depth >= options.bounces;
-    if (last && !surface.is_narrow()) break;
+    if (last && !(surface.is_narrow() && sun.has_disc())) break;
     const auto sampled = surface.scattering.sample(to_viewer, point.normal, point.tangent,
                                                    point.tint, u.bounce, u.lobe);
     if (!sampled || is_black(sampled->weight)) break;
     const Vec3 disc = surface.is_narrow() && sun.has_disc() ? disc_seen(sun, *sampled) : Vec3(0);
     if (last && is_black(disc)) break;
-    const geometry::Ray onward{point.start, sampled->to_light};
+    const TraceRay onward{hit->target, {point.start, sampled->to_light}};
     ++counts.bounce;
     if (last) {
-      if (!stage.any(onward)) arrival.radiance += share * disc;
+      if (!scene.any(onward)) result.radiance += share * disc;
       break;
     }
-    hit = stage.closest(onward);
+    hit = scene.closest(onward);
     if (!hit) {
-      arrival.radiance += share * disc;
+      result.radiance += share * disc;
       break;
     }
     // the inside of a closed mesh is not there for light
-    if (stage.is_inside(*hit)) break;
+    if (scene.is_inside(*hit)) break;
     share *= sampled->weight;
-    direction = sampled->to_light;
+    direction = hit->direction;
     if (depth + 1 > kSureBounces) {
       const double survival = std::min(kLargestSurvival, std::max({share.x, share.y, share.z}));
       if (!(u_survival < survival)) break;
       share /= survival;
     }
   }
-  return arrival;
+  return result;
 }
 
 }  // namespace panwright::preview::reference

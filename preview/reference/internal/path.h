@@ -3,11 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "base/math.h"
-#include "geometry/ray.h"
-#include "preview/reference/internal/stage.h"
 #include "preview/reference/internal/sun.h"
+#include "preview/reference/internal/trace_scene.h"
 
 namespace panwright::preview::reference {
 
@@ -25,7 +25,7 @@ struct RayCounts {
   std::uint64_t bounce = 0;
 };
 
-struct Arrival {
+struct PathResult {
   Vec3 radiance{0};
   bool covered = false;  // something was seen
 };
@@ -46,10 +46,10 @@ struct PathOptions {
 // where a lobe is narrow, by the lobe (balanced by the power heuristic of E. Veach, "Robust Monte
 // Carlo methods for light transport simulation", 1997, 9.2), and what the surfaces emit.
 //
-//   ray    in the model's frame, unit direction
-Arrival traced(const Stage& stage, const Sun& sun, const geometry::Ray& ray,
-               const FirstNumbers& first, const SampleName& name, const PathOptions& options,
-               RayCounts& counts);
+//   suns   one for each of the scene's targets
+PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const TraceRay& ray,
+                  const FirstNumbers& first, const SampleName& name, const PathOptions& options,
+                  RayCounts& counts);
 
 // The numbers in (0, 1) of a sample for one use.
 std::array<double, 4> numbers(const SampleName& name, std::uint32_t use);

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "preview/reference/internal/view_rays.h"
 
 namespace panwright::preview::reference {
 namespace {
@@ -36,13 +37,14 @@ class BoxRounds final : public Rounds {
   void add(std::uint32_t rounds) override {
     const bool whole = shot_.round_samples() <= kUnitSamples;
     std::vector<UnitResult> results(units_.size());
-    parallel_for(units_.size(), [&](std::size_t i) {
+    const auto trace = [&](std::size_t i) {
       results[i] = traced_unit(units_[i], rounds);
       if (!whole) return;
       // cells of no other unit
       tally_cells(units_[i], results[i]);
       results[i].sums = {};
-    });
+    };
+    parallel_for(units_.size(), trace, job);
     if (!whole) join_parts(results, rounds);
     for (std::uint32_t r = 0; r < rounds; ++r) {
       Light total(0);
@@ -119,13 +121,6 @@ class BoxRounds final : public Rounds {
 
 }  // namespace
 
-geometry::Ray ray_through(const Shot& shot, const Vec2& place) {
-  const Vec2 plane = (place - shot.camera.principal) / shot.camera.focal;
-  if (shot.camera.projection == world::Projection::orthographic)
-    return {shot.eye + shot.model_from_camera * Vec3(plane, 0), shot.model_from_camera[2]};
-  return {shot.eye, shot.model_from_camera * glm::normalize(Vec3(plane, 1))};
-}
-
 CellSampler::CellSampler(const Shot& shot, const Cell& cell, std::uint32_t round)
     : shot_(shot), cell_(cell) {
   name_.pixel = cell.row * shot.camera.width + cell.column;
@@ -163,14 +158,17 @@ Sample CellSampler::operator()(std::uint32_t number, RayCounts& counts) const {
   const Vec2 in_cell = jittered(number, u[0], u[1]);
   FirstNumbers first;
   first.sun = jittered(shuffled(number, 0), u[2], u[3]);
-  const std::array<double, 4> v = numbers(name, 1);
-  first.bounce = jittered(shuffled(number, 1), v[0], v[1]);
-  first.lobe = v[2];
+  // without a disc to look for and without bounces no direction is drawn
+  if (shot_.path.bounces > 0 || (!shot_.suns.empty() && shot_.suns[0].has_disc())) {
+    const std::array<double, 4> v = numbers(name, 1);
+    first.bounce = jittered(shuffled(number, 1), v[0], v[1]);
+    first.lobe = v[2];
+  }
   Sample sample;
   sample.place = Vec2(cell_.column, cell_.row) + glm::mix(cell_.low, cell_.high, in_cell);
-  const Arrival arrival = traced(shot_.stage, shot_.sun, ray_through(shot_, sample.place), first,
-                                 name, shot_.path, counts);
-  sample.light = Light(arrival.radiance, arrival.covered ? 1 : 0);
+  const TraceRay ray{TraceRay::kCamera, view_ray(shot_.camera, sample.place)};
+  const PathResult path = traced(shot_.scene, shot_.suns, ray, first, name, shot_.path, counts);
+  sample.light = Light(path.radiance, path.covered ? 1 : 0);
   return sample;
 }
 

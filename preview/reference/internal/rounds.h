@@ -8,21 +8,20 @@
 #include <span>
 #include <vector>
 
-#include "world/camera.h"
+#include "base/job.h"
 #include "preview/reference/internal/cells.h"
 #include "preview/reference/internal/path.h"
 #include "preview/reference/internal/tally.h"
 #include "preview/reference/reference.h"
+#include "world/camera.h"
 
 namespace panwright::preview::reference {
 
 // What all samples of a view share.
 struct Shot {
-  const Stage& stage;
-  const Sun& sun;
-  world::Camera camera;              // its image may be larger than the one that is wanted
-  Vec3 eye{0};                // in the model's frame
-  Mat3 model_from_camera{1};  // rotation
+  const TraceScene& scene;  // with the camera in it
+  std::span<const Sun> suns;
+  world::Camera camera;  // its image may be larger than the one that is wanted
   PathOptions path;
   std::uint64_t seed = 0;
   // powers of two: each round has columns·rows samples in every cell
@@ -31,9 +30,6 @@ struct Shot {
 
   std::uint32_t round_samples() const { return columns * rows; }
 };
-
-// The ray through a place on the image, in the model's frame.
-geometry::Ray ray_through(const Shot& shot, const Vec2& place);
 
 // One sample of a cell.
 struct Sample {
@@ -71,6 +67,8 @@ std::vector<Unit> units_of(std::size_t cells, std::uint32_t round_samples);
 class Rounds {
  public:
   virtual ~Rounds() = default;
+
+  Job job;  // asked while rays are traced: add() throws Cancelled
 
   virtual void add(std::uint32_t rounds) = 0;
   // Sets radiance, coverage and standard errors. Expects: layers of their size, all 0.

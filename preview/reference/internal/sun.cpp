@@ -13,16 +13,17 @@ constexpr double kSineAtOneAu = 695700e3 / 149597870700.0;
 
 }  // namespace
 
-Sun::Sun(const View& view, const Mat3& model_from_world, bool disc, double limb_darkening)
-    : irradiance_(view.sun_irradiance.value_or(Vec3(1))), darkening_(limb_darkening) {
-  const Vec3 to_sun = view.to_sun;
+Sun::Sun(const world::Sun& sun, const Mat3& world_from_model, bool disc)
+    : irradiance_(sun.irradiance.value_or(Vec3(1))), darkening_(sun.limb_darkening) {
+  const Vec3 to_sun = sun.direction;
   const double largest = std::max({std::fabs(to_sun.x), std::fabs(to_sun.y), std::fabs(to_sun.z)});
-  centre_ = glm::normalize(model_from_world * (to_sun / largest));
+  // a row times a rotation: its inverse
+  centre_ = glm::normalize((to_sun / largest) * world_from_model);
   const Frame frame = frame_about(centre_);
   across_[0] = frame.x;
   across_[1] = frame.y;
   // closer than its radius the Sun would be more than half the sky
-  if (disc) sine_ = std::min(kSineAtOneAu / view.sun_distance, 0.999);
+  if (disc) sine_ = std::min(kSineAtOneAu / sun.distance, 0.999);
 }
 
 double Sun::brightness(double square) const {

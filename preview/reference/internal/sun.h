@@ -2,15 +2,16 @@
 #pragma once
 
 #include "base/math.h"
-#include "preview/view.h"
+#include "world/world.h"
 
 namespace panwright::preview::reference {
 
-// In the model's frame. The whole disc gives `irradiance` to a plane that faces its centre.
+// In the frame of a target's model. The whole disc gives `irradiance` to a plane that faces its
+// centre.
 class Sun {
  public:
-  // disc: false makes it a point. limb_darkening: u of I = 1 − u·(1 − μ).
-  Sun(const View& view, const Mat3& model_from_world, bool disc, double limb_darkening);
+  // disc: false makes it a point.
+  Sun(const world::Sun& sun, const Mat3& world_from_model, bool disc);
 
   bool has_disc() const { return sine_ > 0; }
   const Vec3& irradiance() const { return irradiance_; }

@@ -1,0 +1,128 @@
+// Axis-aligned boxes that rays are tested against, in double.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "base/math.h"
+
+namespace panwright::geometry {
+
+// An axis-aligned box; as made, without any point.
+struct AxisBox {
+  Vec3 low{std::numeric_limits<double>::infinity()};
+  Vec3 high{-std::numeric_limits<double>::infinity()};
+
+  bool empty() const { return !(low.x <= high.x && low.y <= high.y && low.z <= high.z); }
+  void add(const Vec3& p) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  void add(const AxisBox& box) {
+    low = glm::min(low, box.low);
+    high = glm::max(high, box.high);
+  }
+  void widen(double by) {
+    low -= by;
+    high += by;
+  }
+};
+
+// A tree over boxes, halved by number along the longest side of their centres. Whoever makes the
+// boxes widens them by what rounding is worth: the slabs here are not.
+//
+// Cost: about 130 bytes a box; O(log boxes) a ray, expected.
+class BoxTree {
+ public:
+  // Empty boxes are left out; the others keep their indices.
+  void build(std::vector<AxisBox> boxes);
+
+  // Calls visit(index) for every box that a ray enters at a distance in [from, to], the near ones
+  // first where that is cheap to know, until it returns true.
+  //
+  //   to  may shrink while visit() runs: what begins further off is then left out
+  template <class Visit>
+  void search(const Vec3& origin, const Vec3& direction, double from, const double& to,
+              Visit&& visit) const;
+
+ private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+  // Children, or boxes order_[first, first + count).
+  struct Node {
+    AxisBox box;
+    std::uint32_t first = 0;  // count 0: the left child; the right one follows it
+    std::uint32_t count = 0;
+  };
+
+  void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end);
+
+  // Distance at which a ray enters a box; infinity: not within [from, to].
+  static double entry(const AxisBox& box, const Vec3& origin, const Vec3& inverse, double from,
+                      double to) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double a = (box.low[axis] - origin[axis]) * inverse[axis];
+      const double b = (box.high[axis] - origin[axis]) * inverse[axis];
+      from = std::max(from, std::min(a, b));
+      to = std::min(to, std::max(a, b));
+    }
+    return from <= to ? from : kInfinity;
+  }
+
+  std::vector<AxisBox> boxes_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;  // 0: the root
+};
+
+template <class Visit>
+void BoxTree::search(const Vec3& origin, const Vec3& direction, double from, const double& to,
+                     Visit&& visit) const {
+  if (order_.empty()) return;
+  Vec3 inverse;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double d = direction[axis];
+    // finite, so that 0 times it is a number on the face of a box
+    inverse[axis] = 1 / (std::fabs(d) < 1e-300 ? std::copysign(1e-300, d) : d);
+  }
+  if (order_.size() == 1) {
+    if (entry(nodes_[0].box, origin, inverse, from, to) < kInfinity) visit(order_[0]);
+    return;
+  }
+  struct Waiting {
+    std::uint32_t node;
+    double entry;
+  };
+  // note: the tree is halved at each level, so 2^32 boxes need no more
+  std::array<Waiting, 40> waiting;
+  std::size_t count = 0;
+  const auto enter = [&](std::uint32_t node) {
+    return entry(nodes_[node].box, origin, inverse, from, to);
+  };
+  const double first = enter(0);
+  if (first < kInfinity) waiting[count++] = {0, first};
+  while (count > 0) {
+    const Waiting next = waiting[--count];
+    if (next.entry > to) continue;
+    const Node& node = nodes_[next.node];
+    if (node.count == 0) {
+      Waiting near{node.first, enter(node.first)};
+      Waiting far{node.first + 1, enter(node.first + 1)};
+      if (far.entry < near.entry) std::swap(near, far);
+      if (far.entry < kInfinity) waiting[count++] = far;
+      if (near.entry < kInfinity) waiting[count++] = near;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      const std::uint32_t box = order_[i];
+      if (node.count > 1 && entry(boxes_[box], origin, inverse, from, to) == kInfinity) continue;
+      if (visit(box)) return;
+    }
+  }
+}
+
+}  // namespace panwright::geometry

@@ -1,0 +1,85 @@
+#include "preview/reference/internal/placement.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace panwright::preview::reference {
+namespace {
+
+Affine from_trs(const Vec3& translation, const Quat& rotation, const Vec3& scale) {
+  Affine result{rotation_matrix(rotation), translation};
+  for (int axis = 0; axis < 3; ++axis) result.linear[axis] *= scale[axis];
+  return result;
+}
+
+Affine parent_from(const pan::layout::Node& node) {
+  const double* q = node.rotation;
+  return from_trs({node.translation[0], node.translation[1], node.translation[2]},
+                  Quat(q[0], q[1], q[2], q[3]), {node.scale[0], node.scale[1], node.scale[2]});
+}
+
+}  // namespace
+
+// Each axis turned by itself: v + 2 (w u×v + u×(u×v)) / |q|², u the vector part.
+Mat3 rotation_matrix(const Quat& q) {
+  const Vec3 u(q.x, q.y, q.z);
+  const double twice = 2 / (q.w * q.w + glm::dot(u, u));
+  Mat3 result(1);
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3& v = result[axis];
+    const Vec3 across = glm::cross(u, v);
+    v += twice * (q.w * across + glm::cross(u, across));
+  }
+  return result;
+}
+
+RigidFrame frame_of(const world::Pose& pose) {
+  return {rotation_matrix(pose.rotation), pose.translation};
+}
+
+RigidFrame frame_of(const world::Camera& camera) {
+  return {rotation_matrix(camera.world_from_camera), camera.position};
+}
+
+Affine between(const RigidFrame& to, const RigidFrame& from) {
+  const Mat3 to_from_world = glm::transpose(to.world_from);
+  return {to_from_world * from.world_from, to_from_world * (from.position - to.position)};
+}
+
+PlacedNodes placed_nodes(const world::Instance& instance) {
+  const auto nodes = instance.model()->nodes();
+  PlacedNodes result;
+  result.model_from_node.reserve(nodes.size());
+  result.visible.reserve(nodes.size());
+  // parents stand before their children
+  for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+    const world::NodeState* state = instance.node_state(i);
+    Affine place = state && state->transform
+                       ? from_trs(state->transform->translation, state->transform->rotation,
+                                  state->transform->scale)
+                       : parent_from(nodes[i]);
+    bool visible = instance.visible() && (!state || state->visible);
+    if (nodes[i].parent >= 0) {
+      const auto parent = static_cast<std::size_t>(nodes[i].parent);
+      place = result.model_from_node[parent] * place;
+      visible = visible && result.visible[parent] != 0;
+    }
+    result.model_from_node.push_back(place);
+    result.visible.push_back(visible);
+  }
+  return result;
+}
+
+Mat3 normal_matrix(const Mat3& linear) {
+  // a normal is the cross product of two directions in its plane: those of the axes' planes
+  Mat3 normals;
+  for (int axis = 0; axis < 3; ++axis)
+    normals[axis] = glm::cross(linear[(axis + 1) % 3], linear[(axis + 2) % 3]);
+  double largest = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int row = 0; row < 3; ++row) largest = std::max(largest, std::fabs(normals[axis][row]));
+  const double inwards = glm::dot(linear[0], normals[0]) < 0 ? -1 : 1;
+  return largest > 0 ? normals * (inwards / largest) : normals;
+}
+
+}  // namespace panwright::preview::reference

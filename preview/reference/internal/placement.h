@@ -1,0 +1,51 @@
+// Where things stand, from the records of a pan and the state of a world. Private to
+// preview/reference.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/math.h"
+#include "world/camera.h"
+#include "world/world.h"
+
+namespace panwright::preview::reference {
+
+// p' = linear·p + offset.
+struct Affine {
+  Mat3 linear{1};
+  Vec3 offset{0};
+  Vec3 operator()(const Vec3& p) const { return linear * p + offset; }
+};
+
+// `outer` after `inner`.
+inline Affine operator*(const Affine& outer, const Affine& inner) {
+  return {outer.linear * inner.linear, outer(inner.offset)};
+}
+
+// The rotation of a quaternion of any length but zero.
+Mat3 rotation_matrix(const Quat& q);
+
+// A rigid frame in the world: where a target or a camera stands.
+struct RigidFrame {
+  Mat3 world_from{1};
+  Vec3 position{0};
+};
+RigidFrame frame_of(const world::Pose& pose);
+RigidFrame frame_of(const world::Camera& camera);
+
+// `to`'s frame from `from`'s. The positions are subtracted first, so that large ones cancel.
+Affine between(const RigidFrame& to, const RigidFrame& from);
+
+// Every node of a target in its model's frame, and whether it is to be seen.
+struct PlacedNodes {
+  std::vector<Affine> model_from_node;
+  std::vector<std::uint8_t> visible;  // 0 or 1, what is above a node included
+};
+PlacedNodes placed_nodes(const world::Instance& instance);
+
+// Takes outward normals to outward normals, of any length: the inverse transposed but for its
+// length, finite where there is no inverse.
+Mat3 normal_matrix(const Mat3& linear);
+
+}  // namespace panwright::preview::reference

@@ -1,0 +1,137 @@
+// A model with its textures, ready for rays: what does not change with a world. Private to
+// preview/reference.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/instances.h"
+#include "pan/model.h"
+#include "preview/reference/internal/placement.h"
+#include "preview/reference/internal/scatter.h"
+#include "preview/reference/internal/tangents.h"
+#include "preview/reference/internal/texture.h"
+#include "world/world.h"
+
+namespace panwright::preview::reference {
+
+// A point of a model that a ray has hit, in the model's frame.
+struct Point {
+  Vec3 start{0};    // where rays leave it: past the chord error, towards the smooth surface
+  Vec3 normal{0};   // as shaded, unit, on the side that is seen
+  Vec3 tangent{0};  // along u of the texture coordinates, unit and perpendicular to the normal;
+                    // 0: none
+  Vec3 tint{1};     // multiplies the diffuse colour
+  const Scatter* scatter = nullptr;
+  std::optional<Scatter> own;  // of maps of roughness and reflectance, in the place of scatter
+  Vec3 emitted{0};             // radiance for an irradiance of 1
+
+  const Scatter& surface() const { return own ? *own : *scatter; }
+};
+
+// Where an instance of a model stands in the model's frame.
+struct Placement {
+  Affine model_from_mesh;  // of float positions, the mesh's origin included
+  Mat3 normals{1};         // takes outward normals to outward normals of any length
+};
+
+class TraceModel {
+ public:
+  // What of an instance does not move. They are numbered as in the model.
+  struct Part {
+    pan::MeshView mesh;
+    std::uint32_t mesh_index = 0;
+    std::uint32_t node = 0;
+    std::uint32_t material = 0;
+    Vec3 origin{0};        // of the mesh
+    Vec3 low{0}, high{0};  // bounds of the float positions
+    bool closed = false;   // its inside is not seen: closed, and without holes to see it
+    bool has_holes = false;
+    const TangentField* tangents = nullptr;  // with a normal map, or a BRDF that has a direction
+    double offset = 0;       // mesh metres: past its chord error and float's rounding
+    double flat_offset = 0;  // past float's rounding
+    Vec3 diffuse{0};         // colour of the material
+    Vec3 emitted{0};         // radiance for an irradiance of 1
+    std::uint32_t scatter = 0;
+    std::uint32_t cell_parts = 0;        // of scatters_: cell, grid line, gap; 0: no solar cells
+    bool diffuse_in_tint = false;        // the tint is the whole diffuse colour, decals over it
+    std::array<Vec3, 2> part_diffuse{};  // then of cells and grid lines; weights included
+    Vec2 repeat{1};                      // of the texture coordinates, for maps
+    std::int32_t texture = -1, albedo = -1, normal = -1, roughness = -1, reflectance = -1,
+                 cutout = -1;           // textures
+    double threshold = 0;               // of the cutout
+    std::vector<std::uint32_t> decals;  // from the lowest
+  };
+
+  // Expects: checked. Cost: about 150 bytes a triangle; textures are read where they lie.
+  explicit TraceModel(world::ModelPtr model);
+  TraceModel(const TraceModel&) = delete;
+  TraceModel& operator=(const TraceModel&) = delete;
+
+  const world::ModelPtr& model() const { return model_; }
+  std::span<const Part> parts() const { return parts_; }
+  // Of the meshes that are placed; null for others.
+  const geometry::SearchMesh& search_mesh(std::uint32_t mesh) const { return meshes_[mesh]; }
+  Placement placement(std::uint32_t part, const PlacedNodes& nodes) const;
+
+  // Not in a hole.
+  bool is_there(std::uint32_t part, const geometry::InstanceHit& hit) const;
+
+  // flat: by the triangles' own normals.
+  Point point(std::uint32_t part, const Placement& placement, const geometry::InstanceHit& hit,
+              bool flat) const;
+
+  // The normal on the side that is seen, without a normal map, in the model's frame: unit, or 0.
+  Vec3 normal(std::uint32_t part, const Placement& placement, const geometry::InstanceHit& hit,
+              bool flat) const;
+
+ private:
+  // Where a hit lies in its triangle.
+  struct Place {
+    std::array<std::uint32_t, 3> corner{};
+    Vec3 weight{0};
+  };
+  // A place on a mesh, in its own frame.
+  struct Surface {
+    Vec3 position;  // relative to the mesh's origin
+    Vec3 facet;     // unit
+    Vec3 smooth;    // interpolated; facet where it is flat
+  };
+  struct Decal {
+    Mat4 decal_from_mesh;  // the mesh's coordinates, its origin added
+    Vec3 size;             // width, height, depth
+    std::uint32_t texture;
+  };
+
+  void add_parts();
+  void add_meshes();
+  void add_decals();
+  Place place(const Part& part, const geometry::InstanceHit& hit) const;
+  Surface surface(const Part& part, const Place& place, bool flat) const;
+  // of a solar cell: 0, a cell or no cells at all, 1 a grid line, 2 a gap
+  std::uint32_t cell_part_at(const Part& part, const Place& place) const;
+  Vec2 texcoord(const Part& part, const Place& place) const;
+  Vec3 bumped(const Part& part, const TangentField::At& tangent, const Vec3& normal, const Vec2& at,
+              double& length) const;
+  Vec3 texel_color(const Part& part, std::int32_t texture, const Vec2& at) const;
+  Vec3 colour(const Part& part, const Place& place) const;
+  Vec3 decorated(const Part& part, const Vec3& position, const Vec3& normal, bool front,
+                 Vec3 colour) const;
+
+  world::ModelPtr model_;
+  std::vector<Texture> textures_;               // the model's
+  std::vector<materials::Material> materials_;  // the model's
+  // one for each of materials_, then the parts of solar cells and those of parts with decals
+  std::vector<Scatter> scatters_;
+  std::vector<std::uint32_t> parts_of_;  // Part::cell_parts of each of materials_
+  std::vector<Part> parts_;
+  std::vector<Decal> decals_;                            // the model's
+  std::vector<std::unique_ptr<TangentField>> tangents_;  // one for each mesh; null: none
+  std::vector<geometry::SearchMesh> meshes_;             // one for each mesh
+};
+
+}  // namespace panwright::preview::reference

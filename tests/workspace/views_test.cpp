@@ -1,0 +1,227 @@
+#include "workspace/views.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "compiler/compile.h"
+#include "world/evaluation.h"
+
+namespace panwright::workspace {
+namespace {
+
+// A ball of radius 2 about (10, 20, 30), with a frame "camera" on it.
+world::ModelPtr model_with_frame() {
+  static const world::ModelPtr model = [] {
+    scene::Scene scene;
+    scene.nodes.push_back({"root", scene::kNone, {}, {}});
+    scene.nodes.push_back({"body", 0, {{10, 20, 30}, {1, 0, 0, 0}, Vec3(2)}, {}});
+    scene.shapes = {geometry::Sphere{1, {{16, 16}}}};
+    scene.materials.emplace_back();
+    scene::Instance instance;
+    instance.node = 1;
+    scene.instances = {instance};
+    scene.frames.push_back({"camera", 1, {0, 0, 1}, {1, 0, 0, 0}, {}});
+    DiagnosticLog log;
+    const auto bytes = compiler::compiled(scene, {}, log);
+    auto opened = pan::Model::from_bytes(*bytes, "m.pan", log);
+    EXPECT_TRUE(opened->check(log));
+    return std::make_shared<const pan::Model>(std::move(*opened));
+  }();
+  return model;
+}
+
+world::World world_of(const std::vector<std::string>& names) {
+  world::World world;
+  DiagnosticLog log;
+  for (const std::string& name : names) EXPECT_TRUE(world.add(name, model_with_frame(), log));
+  return world;
+}
+
+View view_of(const ViewText& text, const world::World& world = world_of({"m"})) {
+  DiagnosticLog log;
+  const auto view = ViewMaker(world).view(text, log);
+  EXPECT_TRUE(view) << to_text(log);
+  return view ? *view : View{};
+}
+
+Code error_of(const ViewText& text, const world::World& world = world_of({"m"})) {
+  DiagnosticLog log;
+  EXPECT_FALSE(ViewMaker(world).view(text, log));
+  return log.entries().empty() ? Code::E0101 : log.entries()[0].code;
+}
+
+// Whether every point of the ball of a target, posed, falls onto the image.
+void expect_in_view(const View& view, const world::Pose& pose) {
+  for (int i = 0; i < 200; ++i) {  // a spiral over the sphere
+    const double z = -1 + (i + 0.5) / 100, r = std::sqrt(1 - z * z);
+    const Vec3 p = Vec3(10, 20, 30) + 2.0 * Vec3(r * std::cos(2.4 * i), r * std::sin(2.4 * i), z);
+    const auto pixel = world::project(view.camera, Vec3(pose.matrix() * Vec4(p, 1)));
+    ASSERT_TRUE(pixel);
+    EXPECT_GE(pixel->x, 0);
+    EXPECT_GE(pixel->y, 0);
+    EXPECT_LE(pixel->x, view.camera.width);
+    EXPECT_LE(pixel->y, view.camera.height);
+  }
+}
+
+TEST(ParseNumbers, TakesBlanksAndCommas) {
+  EXPECT_EQ(*parse_numbers("0 -5 1", 3), (std::vector<double>{0, -5, 1}));
+  EXPECT_EQ(*parse_numbers(" 1,2 ,3e2 ", 3), (std::vector<double>{1, 2, 300}));
+  EXPECT_FALSE(parse_numbers("1 2", 3));
+  EXPECT_FALSE(parse_numbers("1 2 3 4", 3));
+  EXPECT_FALSE(parse_numbers("1 2 nan", 3));
+}
+
+TEST(ParseAngle, BareNumbersAreDegrees) {
+  EXPECT_DOUBLE_EQ(*parse_angle("180"), kPi);
+  EXPECT_DOUBLE_EQ(*parse_angle("180deg"), kPi);
+  EXPECT_DOUBLE_EQ(*parse_angle("0.2mrad"), 2e-4);
+  EXPECT_DOUBLE_EQ(*parse_angle("3urad"), 3e-6);
+  EXPECT_DOUBLE_EQ(*parse_angle("1.5rad"), 1.5);
+  EXPECT_DOUBLE_EQ(*parse_angle("60arcmin"), kDegree);
+  EXPECT_DOUBLE_EQ(*parse_angle("3600arcsec"), kDegree);
+  EXPECT_FALSE(parse_angle("1 turn"));
+  EXPECT_FALSE(parse_angle("mrad"));
+}
+
+TEST(MakeView, TheDefaultSeesTheWholeModel) {
+  ViewText wide, tall;
+  wide.size = "800x300";
+  tall.size = "300x800";
+  for (const ViewText& options : {ViewText{}, wide, tall}) expect_in_view(view_of(options), {});
+}
+
+TEST(MakeView, TheDefaultSeesAllVisibleTargets) {
+  world::World world = world_of({"a", "b", "far"});
+  world.set_visible(2, false);
+  const world::Pose near{{30, -5, 2}, {0, 0, 0, 1}};
+  ViewText text;
+  text.poses = {{"b", "30 -5 2 0 0 0 1"}, {"far", "1000 0 0 1 0 0 0"}};
+  const View view = view_of(text, world);
+  expect_in_view(view, {});
+  expect_in_view(view, near);
+  // what is not visible has no say
+  EXPECT_LT(glm::length(view.camera.position), 300);
+  world.set_visible(2, true);
+  EXPECT_GT(glm::length(view_of(text, world).camera.position), 1000);
+}
+
+TEST(MakeView, FieldOfViewIsHorizontalAndFull) {
+  ViewText options;
+  options.fov = "40";
+  options.size = "640x480";
+  const View view = view_of(options);
+  EXPECT_DOUBLE_EQ(view.camera.focal.x, 320 / std::tan(20 * kDegree));
+  EXPECT_EQ(view.camera.principal, Vec2(320, 240));
+  options.fov.reset();
+  options.ifov = "0.5mrad";
+  EXPECT_DOUBLE_EQ(view_of(options).camera.focal.x, 2000);
+  options.ifov.reset();
+  options.intrinsics = "1000,1100,300,200";
+  EXPECT_EQ(view_of(options).camera.focal, Vec2(1000, 1100));
+}
+
+TEST(MakeView, LooksAtTheOriginAndSeesTheSunOverTheLeftShoulder) {
+  ViewText options;
+  options.camera = "0 -100 0";
+  const View view = view_of(options);
+  const Vec3 boresight = view.camera.world_from_camera * Vec3(0, 0, 1);
+  EXPECT_NEAR(boresight.y, 1, 1e-15);
+  const Vec3 right = view.camera.world_from_camera * Vec3(1, 0, 0);
+  EXPECT_LT(glm::dot(view.sun->direction, right), 0);
+  EXPECT_LT(glm::dot(view.sun->direction, boresight), 0);
+  EXPECT_GT(view.sun->direction.z, 0);
+}
+
+TEST(MakeView, ACameraCanSitInAFrame) {
+  ViewText options;
+  options.camera_frame = "camera";
+  EXPECT_EQ(view_of(options).camera.position, Vec3(10, 20, 32));
+  options.camera_frame = "m/camera";
+  EXPECT_EQ(view_of(options).camera.position, Vec3(10, 20, 32));
+  options.camera_frame = "camra";
+  EXPECT_EQ(error_of(options), Code::E5005);
+  options.camera_frame = "m/camra";
+  EXPECT_EQ(error_of(options), Code::E5005);
+}
+
+TEST(MakeView, AFrameOfOneOfSeveralTargetsIsNamedWithIt) {
+  const world::World world = world_of({"chaser", "client"});
+  ViewText options;
+  options.poses = {{"client", "1 2 3 1 0 0 0"}};
+  options.camera_frame = "client/camera";
+  EXPECT_EQ(view_of(options, world).camera.position, Vec3(11, 22, 35));
+  options.camera_frame = "camera";  // of which?
+  EXPECT_EQ(error_of(options, world), Code::E5005);
+  options.camera_frame = "clien/camera";
+  EXPECT_EQ(error_of(options, world), Code::E5005);
+}
+
+TEST(MakeView, ThePoseMovesTheModelNotTheCamera) {
+  ViewText options;
+  options.camera = "0 -5 0";
+  for (const char* name : {"", "m"}) {
+    options.poses = {{name, "1 2 3 0 0 0 1"}};
+    const View view = view_of(options);
+    EXPECT_EQ(view.camera.position, Vec3(0, -5, 0));
+    ASSERT_EQ(view.poses.size(), 1u);
+    EXPECT_EQ(view.poses[0].target, "m");
+    const world::Pose& pose = view.poses[0].pose;
+    EXPECT_EQ(pose.translation, Vec3(1, 2, 3));
+    const Vec4 p = pose.matrix() * Vec4(1, 0, 0, 1);
+    EXPECT_NEAR(p.x, 0, 1e-15);
+    EXPECT_NEAR(p.y, 2, 1e-15);
+  }
+}
+
+TEST(MakeView, PosesAreOfTargetsThatAreThere) {
+  const world::World world = world_of({"chaser", "client"});
+  const auto with = [](const char* name) {
+    ViewText text;
+    text.poses = {{name, "1 2 3 1 0 0 0"}};
+    return text;
+  };
+  EXPECT_EQ(view_of(with("client"), world).poses[0].target, "client");
+  EXPECT_EQ(error_of(with("clients"), world), Code::E5011);
+  EXPECT_EQ(error_of(with(""), world), Code::E0201) << "of which target?";
+  EXPECT_EQ(error_of(with("n")), Code::E5011);
+  EXPECT_EQ(pose_text("client=1 2 3 1 0 0 0").target, "client");
+  EXPECT_EQ(pose_text("client=1 2 3 1 0 0 0").value, "1 2 3 1 0 0 0");
+  EXPECT_EQ(pose_text("1 2 3 1 0 0 0").target, "");
+}
+
+TEST(MakeView, RefusesWhatCannotBe) {
+  const auto with = [](std::optional<std::string> ViewText::*member, const char* value) {
+    ViewText options;
+    options.*member = value;
+    return options;
+  };
+  EXPECT_EQ(error_of(with(&ViewText::camera, "0 0")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::sun, "0 0 0")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::fov, "0")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::fov, "180")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::size, "0x10")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::size, "99999x1")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::quat, "2 0 0 0")), Code::E0201);
+  ViewText posed;
+  posed.poses = {{"", "1 2 3"}};
+  EXPECT_EQ(error_of(posed), Code::E0201);
+  posed.poses = {{"m", "1 2 3 2 0 0 0"}};
+  EXPECT_EQ(error_of(posed), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::ev, "bright")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::output, "a.gif")), Code::E0202);
+  EXPECT_EQ(error_of(with(&ViewText::ortho, "-1")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::sun_irradiance, "-1")), Code::E0201);
+  EXPECT_EQ(error_of(with(&ViewText::sun_distance, "0")), Code::E0201);
+  ViewText both = with(&ViewText::fov, "10");
+  both.ortho = "3";
+  EXPECT_EQ(error_of(both), Code::E0201);
+  ViewText here;
+  here.camera = "1 2 3";
+  here.look_at = "1 2 3";
+  EXPECT_EQ(error_of(here), Code::E0201);
+}
+
+}  // namespace
+}  // namespace panwright::workspace

@@ -1,0 +1,95 @@
+#include "tools/command_context.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "base/text.h"
+#include "tools/progress_line.h"
+
+namespace panwright::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+bool wants_color(const std::string& when) {
+  if (when != "auto") return when == "always";
+  const char* no_color = std::getenv("NO_COLOR");
+  if (no_color != nullptr && no_color[0] != '\0') return false;
+  const char* term = std::getenv("TERM");
+  return isatty(STDERR_FILENO) == 1 && term != nullptr && std::string_view(term) != "dumb";
+}
+
+}  // namespace
+
+CommandContext::CommandContext(std::string command, const CommonOptions& options, const Host& host)
+    : command_(std::move(command)),
+      options_(options),
+      watch_signals_(host.watch_signals),
+      job_(host.job.with({options.threads, ProgressLine()})),
+      result_(std::make_unique<Json>()) {
+  (*result_)["schema"] = 1;
+  (*result_)["command"] = command_;
+}
+
+CommandContext::~CommandContext() = default;
+
+const Job& CommandContext::job() {
+  if (watch_signals_) std::exchange(watch_signals_, nullptr)();
+  return job_;
+}
+
+void CommandContext::end_step() {
+  if (!step_.empty())
+    timings_.emplace_back(step_, std::chrono::duration<double>(Clock::now() - step_start_).count());
+}
+
+void CommandContext::step(std::string name) {
+  end_step();
+  step_ = std::move(name);
+  step_start_ = Clock::now();
+}
+
+void CommandContext::add_timing(std::string name, double seconds) {
+  timings_.emplace_back(std::move(name), seconds);
+}
+
+void CommandContext::add_timings(const std::vector<workspace::Step>& steps) {
+  for (const workspace::Step& step : steps) add_timing(step.name, step.seconds);
+}
+
+int CommandContext::finish(int clean) {
+  end_step();
+  step_.clear();
+  log_.sort_by_place();
+  if (!options_.sarif.empty()) write_file(options_.sarif, as_bytes(to_sarif(log_)), log_);
+  const int code = log_.has_errors() ? exit_code(log_) : clean;
+  if (options_.json) {
+    Json& out = *result_;
+    out["exit_code"] = code;
+    if (options_.timings)
+      for (const auto& [name, seconds] : timings_) out["timings_ms"][name] = 1e3 * seconds;
+    Json diagnostics = Json::parse(to_json(log_));
+    for (const char* key : {"errors", "warnings", "notes", "hidden", "diagnostics"})
+      out[key] = std::move(diagnostics[key]);
+    fmt::print("{}\n", out.dump(2, ' ', false, Json::error_handler_t::replace));
+  } else {
+    fmt::print(stderr, "{}",
+               to_text(log_, {.color = wants_color(options_.color), .notes = !options_.quiet}));
+    if (log_.errors() > 1)
+      fmt::print(stderr, "panwright: {}{}\n", counted(log_.errors(), "error"),
+                 log_.warnings() > 0 ? ", " + counted(log_.warnings(), "warning") : "");
+    if (options_.timings)
+      for (const auto& [name, seconds] : timings_)
+        fmt::print(stderr, "{:>10.3f} ms  {}\n", 1e3 * seconds, name);
+  }
+  return code;
+}
+
+}  // namespace panwright::tools

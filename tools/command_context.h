@@ -1,0 +1,58 @@
+// What every command does around its work: diagnostics out, timings, exit code.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/job.h"
+#include "tools/command.h"
+#include "tools/shared_options.h"
+
+namespace panwright::tools {
+
+class CommandContext {
+ public:
+  CommandContext(std::string command, const CommonOptions& options, const Host& host);
+  ~CommandContext();
+
+  DiagnosticLog& log() { return log_; }
+  const CommonOptions& options() const { return options_; }
+
+  // What libraries are given: the threads that were asked for, progress on the terminal. From the
+  // first call on, a signal cancels it.
+  const Job& job();
+
+  // The object that --json prints; commands add their results to it.
+  nlohmann::ordered_json& result() { return *result_; }
+
+  // Ends the current step and starts one called `name`, for --timings.
+  void step(std::string name);
+  // Adds steps whose time was taken elsewhere.
+  void add_timing(std::string name, double seconds);
+  void add_timings(const std::vector<workspace::Step>& steps);
+
+  // Prints diagnostics (text on standard error, or the JSON object on standard output), timings
+  // and the SARIF file. Returns the exit code: what the diagnostics ask for, or `clean` without
+  // errors.
+  int finish(int clean = 0);
+
+ private:
+  void end_step();
+  std::string command_;
+  CommonOptions options_;
+  std::function<void()> watch_signals_;  // empty: done
+  Job job_;
+  DiagnosticLog log_;
+  std::unique_ptr<nlohmann::ordered_json> result_;
+  std::vector<std::pair<std::string, double>> timings_;
+  std::string step_;
+  std::chrono::steady_clock::time_point step_start_;
+};
+
+}  // namespace panwright::tools

@@ -1,0 +1,170 @@
+#include "tools/shared_options.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "base/text.h"
+
+namespace panwright::tools {
+
+void declare(Arguments& arguments, CommonOptions& common) {
+  arguments.flag("--json", common.json, "Print the result and the diagnostics as one JSON object");
+  arguments.add("--sarif", common.sarif, "Also write the diagnostics to FILE as SARIF 2.1.0")
+      .type("FILE");
+  arguments.flag("-q,--quiet", common.quiet, "Leave out notes");
+  arguments.flag("--timings", common.timings, "Say how long each step took");
+  arguments.add("--color", common.color, "auto, always or never (auto respects NO_COLOR)")
+      .one_of({"auto", "always", "never"})
+      .type("WHEN");
+  arguments.add("-j,--threads", common.threads, "Threads to use; 0: all cores")
+      .range(0, 1024)
+      .type("N");
+}
+
+void declare_max_input(Arguments& arguments, std::uint64_t& bytes) {
+  arguments.add("--max-input", bytes, "Most bytes of input to read, e.g. 512MB")
+      .bytes()
+      .type("BYTES");
+}
+
+void declare_root(Arguments& arguments, std::string& root) {
+  arguments.add("--root", root, "Folder that included files must lie in (default: the file's)")
+      .type("DIR");
+}
+
+void declare(Arguments& arguments, ReadOptions& read) {
+  declare_root(arguments, read.open.root);
+  arguments
+      .add("-D,--define", read.parameters,
+           "Give a <param> of the model another value, as -D span=2.4m; may stand often")
+      .type("NAME=VALUE")
+      .one_value();
+  declare_max_input(arguments, read.open.max_input);
+  arguments
+      .add("--max-error", read.open.max_error,
+           "Metres that a mesh may lie from its shape, in the world: overrides the model's "
+           "budget (default: the budget, or 0.001)")
+      .finite()
+      .positive()
+      .type("METRES");
+  arguments.add("--max-triangles", read.open.max_triangles, "Most triangles in the file")
+      .range(1.0, 1e12)
+      .type("N");
+}
+
+Result<workspace::OpenOptions> ReadOptions::opening(DiagnosticLog& log) const {
+  workspace::OpenOptions out = open;
+  for (const std::string& parameter : parameters) {
+    const std::size_t sign = parameter.find('=');
+    if (sign == std::string::npos || sign == 0) {
+      log.report(
+          Code::E0201, {},
+          fmt::format("-D {}: NAME=VALUE is needed, as in -D span=2.4m", in_quotes(parameter)));
+      return failed;
+    }
+    out.parameters.emplace_back(parameter.substr(0, sign), parameter.substr(sign + 1));
+  }
+  return out;
+}
+
+void declare(Arguments& arguments, workspace::CadOptions& cad) {
+  constexpr const char* kGroup = "CAD files";
+  const auto option = [&](const char* name, auto& value, const char* type, const char* help) {
+    return arguments.add(name, value, help).type(type).group(kGroup);
+  };
+  option("--units", cad.units, "UNIT",
+         "What a number of the file measures: auto (default), m, mm, cm, dm, km, um, in or ft")
+      .one_of({"auto", "m", "mm", "cm", "dm", "km", "um", "in", "ft"});
+  // not "--up", which is the camera's
+  option("--up-axis", cad.up, "AXIS",
+         "The file's axis that points up: y or z (default auto: z in STL, PLY and STEP, else y)")
+      .one_of({"auto", "y", "z"});
+  arguments.flag("--keep-hidden", cad.keep_hidden, "Keep faces that nobody outside can see")
+      .group(kGroup);
+  const Argument no_weld =
+      arguments.flag("--no-weld", cad.no_weld, "Leave meshes as they are").group(kGroup);
+  option("--weld", cad.weld, "METRES",
+         "Vertices this far apart in the file become one (default 0: at one place)")
+      .finite()
+      .not_negative()
+      .excludes(no_weld);
+  option("--crease", cad.crease_deg, "DEG",
+         "Faces without normals look smooth where they meet at no more (default 30)")
+      .finite()
+      .range(0.0, 180.0);
+  arguments
+      .flag("--crease-normals", cad.crease_normals,
+            "Compute all normals anew with the crease angle, not only those that are missing")
+      .excludes(no_weld)
+      .group(kGroup);
+  option("--scene", cad.scene, "NAME|N", "glTF: the scene (default: the file's own)");
+  option("--primitives", cad.primitives, "N",
+         "VRML: segments around spheres, cylinders and cones (default 0: exact shapes)")
+      .range(0u, 100000u);
+  option("--deflection", cad.deflection, "METRES",
+         "STEP: triangles lie this close to their surfaces (default 0: 1e-4 of the model's size)")
+      .finite()
+      .not_negative();
+  option("--assume", cad.assume, "KIND",
+         "What a file is that does not say: vrml97, vrml1, gltf, obj, stl, ply or step")
+      .one_of({"vrml97", "vrml1", "gltf", "obj", "stl", "ply", "step"});
+  arguments.flag("--recentre", cad.recentre, "Put the middle of the model at the origin")
+      .group(kGroup);
+}
+
+void declare(Arguments& arguments, ViewOptions& options) {
+  workspace::ViewText& view = options.text;
+  constexpr const char* kGroup = "Camera and Sun";
+  const auto add = [&](const char* name, std::optional<std::string>& value, const char* type,
+                       const char* help) {
+    arguments.add(name, value, help).type(type).group(kGroup);
+  };
+  add("--camera", view.camera, "\"X Y Z\"",
+      "Where the camera is, metres, world axes (default: in front of the targets)");
+  add("--look-at", view.look_at, "\"X Y Z\"",
+      "The point that the boresight passes through (default: the origin)");
+  add("--up", view.up, "\"X Y Z\"", "Direction that is up in the image (default 0 0 1)");
+  add("--quat", view.quat, "\"W X Y Z\"",
+      "Attitude world_from_camera instead of --look-at; x right, y down, z boresight");
+  add("--camera-frame", view.camera_frame, "[NAME/]FRAME",
+      "Put the camera into a frame of a target");
+  arguments
+      .add("--pose", options.poses,
+           "Position and attitude world_from_model of a target, NAME=\"X Y Z W I J K\"; without "
+           "NAME= of the only one; may stand often")
+      .type("[NAME=]\"X Y Z W I J K\"")
+      .one_value()
+      .group(kGroup);
+  add("--sun", view.sun, "\"X Y Z\"",
+      "Direction to the Sun, world axes (default: from behind the camera's left shoulder)");
+  add("--sun-distance", view.sun_distance, "AU", "Distance to the Sun (default 1)");
+  add("--sun-irradiance", view.sun_irradiance, "E|R,G,B",
+      "In-band irradiance at the target, W/m²; radiance is then W/(m² sr), otherwise per unit "
+      "irradiance, 1/sr");
+  add("--fov", view.fov, "DEG",
+      "Full horizontal field of view, degrees (default: the targets fill the image)");
+  add("--ifov", view.ifov, "ANGLE",
+      "Angle of the pixel on the axis, as 0.2mrad; a bare number is degrees");
+  add("--intrinsics", view.intrinsics, "FX,FY,CX,CY", "Pinhole intrinsics in pixels");
+  add("--ortho", view.ortho, "METRES", "Orthographic image of this width");
+  add("--size", view.size, "WxH", "Image size in pixels (default 1024x1024)");
+  add("--ev", view.ev, "STOPS", "Exposure of PNG output: 2^EV (default 0)");
+}
+
+Result<workspace::ViewText> ViewOptions::typed(DiagnosticLog& log) const {
+  workspace::ViewText out = text;
+  std::set<std::string> targets;
+  for (const std::string& pose : poses) {
+    out.poses.push_back(workspace::pose_text(pose));
+    const std::string& target = out.poses.back().target;
+    if (targets.insert(target).second) continue;
+    log.report(Code::E0201, {},
+               target.empty() ? "--pose stands twice without the name of a target"
+                              : fmt::format("--pose stands twice for {}", in_quotes(target)));
+    return failed;
+  }
+  return out;
+}
+
+}  // namespace panwright::tools

@@ -1,0 +1,52 @@
+// Options that several commands have.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/result.h"
+#include "tools/arguments.h"
+#include "workspace/open.h"
+#include "workspace/views.h"
+
+namespace panwright::tools {
+
+// Options that every command has.
+struct CommonOptions {
+  bool json = false;           // one JSON object on standard output
+  std::string sarif;           // also write the diagnostics here, as SARIF 2.1.0
+  bool quiet = false;          // no notes
+  bool timings = false;        // how long each step took, on standard error
+  std::string color = "auto";  // auto, always, never
+  std::uint64_t threads = 0;   // 0: all cores
+};
+void declare(Arguments& arguments, CommonOptions& options);
+
+// Options of what reads models.
+struct ReadOptions {
+  workspace::OpenOptions open;          // but for the parameters
+  std::vector<std::string> parameters;  // NAME=VALUE
+
+  // All of it. Fails: E0201 for a parameter without a value.
+  Result<workspace::OpenOptions> opening(DiagnosticLog& log) const;
+};
+void declare(Arguments& arguments, ReadOptions& options);
+void declare_max_input(Arguments& arguments, std::uint64_t& bytes);
+void declare_root(Arguments& arguments, std::string& root);
+
+// Options of CAD files.
+void declare(Arguments& arguments, workspace::CadOptions& options);
+
+// Camera, Sun and poses of one view.
+struct ViewOptions {
+  workspace::ViewText text;        // but for the poses
+  std::vector<std::string> poses;  // "NAME=x y z w i j k", or without a name
+
+  // All of it. Fails: E0201 for two poses of one target.
+  Result<workspace::ViewText> typed(DiagnosticLog& log) const;
+};
+void declare(Arguments& arguments, ViewOptions& options);
+
+}  // namespace panwright::tools

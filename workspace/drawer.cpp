@@ -1,0 +1,84 @@
+// The one file that knows how the engines are set up and called.
+#include "workspace/drawer.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace panwright::workspace {
+
+namespace {
+
+constexpr unsigned kLeastSamples = 8;  // of the reference
+
+}  // namespace
+
+struct Drawer::Impl {
+  DrawOptions options;
+  // of OpenGL; empty: the reference
+  std::optional<preview::Renderer> renderer;
+  std::vector<std::shared_ptr<const preview::ModelResources>> models;  // of the last world
+  preview::Reference reference;
+};
+
+Drawer::Drawer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Drawer::Drawer(Drawer&&) noexcept = default;
+Drawer& Drawer::operator=(Drawer&&) noexcept = default;
+Drawer::~Drawer() = default;
+
+Result<Drawer> Drawer::create(const DrawOptions& options, DiagnosticLog& log) {
+  auto impl = std::make_unique<Impl>();
+  impl->options = options;
+  if (options.samples > 0) {
+    impl->options.gl.samples = options.samples;
+    impl->options.reference.samples = std::max(options.samples * options.samples, kLeastSamples);
+  }
+  if (options.engine == Engine::gl) {
+    auto device = preview::Device::create(options.context, log);
+    if (!device) return failed;
+    impl->renderer.emplace(*std::move(device));
+  }
+  return Drawer(std::move(impl));
+}
+
+EngineInfo Drawer::info() const {
+  if (!impl_->renderer) return {Engine::reference, {}, {}, false};
+  const preview::Context& context = impl_->renderer->device()->context();
+  return {Engine::gl, context.renderer(), context.version(), context.is_hardware()};
+}
+
+bool Drawer::prepare(const world::World& world, DiagnosticLog& log) {
+  if (!impl_->renderer) {
+    impl_->reference.prepare(world);
+    return true;
+  }
+  std::vector<std::shared_ptr<const preview::ModelResources>> models;
+  for (const world::Instance& target : world.instances()) {
+    auto resources = impl_->renderer->device()->resources(target.model(), log);
+    if (!resources) return false;
+    models.push_back(*std::move(resources));
+  }
+  impl_->models = std::move(models);
+  return true;
+}
+
+Result<Drawn> Drawer::draw(const world::World& world, const world::Camera& camera, bool truth,
+                           DiagnosticLog& log, const Job& job) {
+  if (impl_->renderer) {
+    preview::RenderOptions options = impl_->options.gl;
+    options.truth = truth;
+    auto image = impl_->renderer->render(world, camera, options, log, job);
+    if (!image) return failed;
+    return Drawn{*std::move(image), {}};
+  }
+  preview::ReferenceOptions options = impl_->options.reference;
+  options.truth = truth;
+  auto traced = impl_->reference.render(world, camera, options, log, job);
+  if (!traced) return failed;
+  traced->image.standard_error = std::move(traced->standard_error);
+  const std::uint64_t rays = traced->camera_rays + traced->shadow_rays + traced->bounce_rays;
+  return Drawn{std::move(traced->image),
+               Measured{traced->flux, traced->flux_error, traced->samples, rays, traced->seconds}};
+}
+
+}  // namespace panwright::workspace

@@ -1,0 +1,90 @@
+// One engine, ready to draw worlds into images in memory.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "base/diagnostic.h"
+#include "base/job.h"
+#include "base/math.h"
+#include "base/result.h"
+#include "preview/context.h"
+#include "preview/image.h"
+#include "preview/reference/reference.h"
+#include "preview/renderer.h"
+#include "world/world.h"
+
+namespace panwright::workspace {
+
+enum class Engine {
+  gl,         // the preview: OpenGL
+  reference,  // the path tracer: no OpenGL, slow, with error bars
+};
+
+struct DrawOptions {
+  Engine engine = Engine::gl;
+  preview::ContextKind context = preview::ContextKind::automatic;
+  unsigned samples = 0;  // N: N×N in each pixel; 0: as many as the engine's own options say
+  // `truth` of both is that of the call.
+  preview::RenderOptions gl;
+  preview::ReferenceOptions reference;
+};
+
+// What draws.
+struct EngineInfo {
+  Engine engine = Engine::gl;
+  // of the OpenGL context; empty and false for the reference
+  std::string renderer;
+  std::string version;
+  bool hardware = false;
+};
+
+// What the reference measures: see preview::ReferenceImage.
+struct Measured {
+  Vec3 flux{0};
+  Vec3 flux_error{0};
+  std::uint64_t samples = 0;
+  std::uint64_t rays = 0;
+  double seconds = 0;
+};
+
+struct Drawn {
+  preview::Image image;
+  std::optional<Measured> measured;  // by the reference alone
+};
+
+// Keeps what does not change from image to image: the context, the models of the last world.
+class Drawer {
+ public:
+  // Fails: E5001, E5007. Reports: N5002.
+  static Result<Drawer> create(const DrawOptions& options, DiagnosticLog& log);
+
+  Drawer(Drawer&&) noexcept;
+  Drawer& operator=(Drawer&&) noexcept;
+  ~Drawer();
+
+  EngineInfo info() const;
+
+  // Uploads the models of a world, or builds what they are traced by. draw() does it where it is
+  // missing.
+  //
+  // Expects: targets. Fails: E5003.
+  bool prepare(const world::World& world, DiagnosticLog& log);
+
+  // Draws a world.
+  //
+  //   truth  whether the truth layers are wanted
+  // Expects: targets; camera, Sun and options as the engine wants them.
+  // Fails: E0001, E5003. Reports: W5006, W5008.
+  Result<Drawn> draw(const world::World& world, const world::Camera& camera, bool truth,
+                     DiagnosticLog& log, const Job& job = {});
+
+ private:
+  struct Impl;
+  explicit Drawer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace panwright::workspace

@@ -1,0 +1,233 @@
+#include "workspace/open.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <string_view>
+
+#include "base/text.h"
+#include "importers/clean.h"
+#include "pxn/pxn.h"
+#include "workspace/internal/stopwatch.h"
+
+namespace panwright::workspace {
+
+namespace {
+
+constexpr std::pair<std::string_view, importers::Format> kFormats[] = {
+    {"vrml97", importers::Format::vrml97}, {"vrml1", importers::Format::vrml1},
+    {"gltf", importers::Format::gltf},     {"obj", importers::Format::obj},
+    {"stl", importers::Format::stl},       {"ply", importers::Format::ply},
+    {"step", importers::Format::step}};
+
+void note_unused(const std::vector<std::string_view>& names, const std::string& path,
+                 std::string_view kind, DiagnosticLog& log) {
+  for (const std::string_view name : names)
+    log.report_file(Code::N1405, path, fmt::format("{} has no effect on a {} file", name, kind));
+}
+
+// Options that are for files of another format.
+void note_other_formats(const CadOptions& cad, importers::Format format, const std::string& path,
+                        DiagnosticLog& log) {
+  using importers::Format;
+  std::vector<std::string_view> unused;
+  if (!cad.scene.empty() && format != Format::gltf) unused.push_back("--scene");
+  if (cad.primitives > 0 && format != Format::vrml97 && format != Format::vrml1)
+    unused.push_back("--primitives");
+  if (cad.deflection > 0 && format != Format::step) unused.push_back("--deflection");
+  constexpr std::string_view kKinds[] = {"VRML", "VRML", "glTF", "OBJ", "STL", "PLY", "STEP"};
+  note_unused(unused, path, kKinds[static_cast<std::size_t>(format)], log);
+}
+
+// Options of CAD files, for a file that is none.
+void note_cad_options(const CadOptions& cad, const std::filesystem::path& path,
+                      DiagnosticLog& log) {
+  const CadOptions usual;
+  std::vector<std::string_view> unused;
+  const auto look = [&](bool given, std::string_view name) {
+    if (given) unused.push_back(name);
+  };
+  look(cad.units != usual.units, "--units");
+  look(cad.up != usual.up, "--up-axis");
+  look(!cad.scene.empty(), "--scene");
+  look(!cad.assume.empty(), "--assume");
+  look(cad.no_weld, "--no-weld");
+  look(cad.weld != usual.weld, "--weld");
+  look(cad.crease_deg != usual.crease_deg, "--crease");
+  look(cad.primitives != usual.primitives, "--primitives");
+  look(cad.deflection != usual.deflection, "--deflection");
+  look(cad.crease_normals, "--crease-normals");
+  look(cad.keep_hidden, "--keep-hidden");
+  look(cad.recentre, "--recentre");
+  note_unused(unused, path.string(), extension_of(path), log);
+}
+
+// Names that the importers do not know. The program's own options cannot hold them.
+bool are_known(const CadOptions& cad, DiagnosticLog& log) {
+  const auto require = [&](bool known, const char* name, const std::string& value) {
+    if (!known)
+      log.report(Code::E0201, {},
+                 fmt::format("the option '{}' of CAD files is {}, which is none of its values",
+                             name, in_quotes(value)));
+    return known;
+  };
+  const bool format =
+      cad.assume.empty() || std::any_of(std::begin(kFormats), std::end(kFormats),
+                                        [&](const auto& each) { return each.first == cad.assume; });
+  const bool units =
+      require(cad.units == "auto" || importers::unit_of(cad.units), "units", cad.units);
+  const bool up = require(cad.up == "auto" || importers::up_of(cad.up), "up", cad.up);
+  return require(format, "assume", cad.assume) && units && up;
+}
+
+importers::Options import_options(const OpenOptions& options) {
+  const CadOptions& cad = options.cad;
+  importers::Options read;
+  read.root = cad.root;
+  read.limits.triangles = options.max_triangles;
+  read.crease_angle = cad.crease_deg * kDegree;
+  read.primitives = cad.primitives;
+  read.deflection = cad.deflection;
+  if (!cad.scene.empty()) read.scene = cad.scene;
+  for (const auto& [name, format] : kFormats)
+    if (cad.assume == name) read.assume = format;
+  return read;
+}
+
+compiler::Options compile_options(const OpenOptions& options) {
+  compiler::Options compile;
+  compile.max_error = options.max_error;
+  compile.max_triangles = options.max_triangles;
+  return compile;
+}
+
+Result<world::ModelPtr> open_pan(const std::filesystem::path& path, const OpenOptions& options,
+                                 DiagnosticLog& log, const Job& job, OpenReport* report) {
+  note_cad_options(options.cad, path, log);
+  auto model = [&] {
+    const Stopwatch watch(report, "open " + path.string());
+    return pan::Model::open(path, log);
+  }();
+  if (!model) return failed;
+  const Stopwatch watch(report, "check " + path.string());
+  if (!model->check(log, job)) return failed;
+  return world::ModelPtr(std::make_shared<const pan::Model>(*std::move(model)));
+}
+
+}  // namespace
+
+std::string extension_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
+bool is_cad(const std::filesystem::path& path) {
+  std::string extension = extension_of(path);
+  if (extension == ".gz") extension = extension_of(path.stem());
+  for (const char* known :
+       {".wrl", ".wrz", ".vrml", ".glb", ".gltf", ".obj", ".stl", ".ply", ".stp", ".step"})
+    if (extension == known) return true;
+  return false;
+}
+
+Result<importers::Imported> read_cad(const std::filesystem::path& path, const OpenOptions& options,
+                                     DiagnosticLog& log, const Job& job, OpenReport* report) {
+  const CadOptions& cad = options.cad;
+  if (!are_known(cad, log)) return failed;
+  auto imported = [&] {
+    const Stopwatch watch(report, "read " + path.string());
+    return importers::import_file(path, import_options(options), log, job);
+  }();
+  if (!imported) return failed;
+  note_other_formats(cad, imported->format, path.string(), log);
+  // first, as lengths of cleaning are metres of the world
+  importers::place(*imported, importers::unit_of(cad.units), importers::up_of(cad.up), cad.recentre,
+                   log);
+  if (!cad.no_weld) {
+    const Stopwatch watch(report, "clean");
+    geometry::CleanOptions clean;
+    clean.tolerance = cad.weld;
+    clean.keep_normals = !cad.crease_normals;
+    clean.crease_angle = cad.crease_deg * kDegree;
+    auto found = importers::clean_up(imported->scene, clean, log, job);
+    if (!found) return failed;
+    if (report != nullptr) report->hygiene = *std::move(found);
+  }
+  for (scene::Instance& instance : imported->scene.instances) instance.prunable = !cad.keep_hidden;
+  return imported;
+}
+
+Result<bool> prune(scene::Scene& scene, const OpenOptions& options, DiagnosticLog& log,
+                   const Job& job, OpenReport* report) {
+  compiler::HiddenOptions hidden;
+  for (const scene::Instance& instance : scene.instances)
+    hidden.may_lose.push_back(static_cast<char>(instance.prunable));
+  if (std::find(hidden.may_lose.begin(), hidden.may_lose.end(), 1) == hidden.may_lose.end())
+    return false;
+  const Stopwatch watch(report, "remove hidden parts");
+  hidden.compile = compile_options(options);
+  const auto found = compiler::prune_hidden(scene, hidden, log, job);
+  if (!found) return failed;
+  if (report != nullptr) report->hidden = *found;
+  return true;
+}
+
+Result<scene::Scene> read_scene(const std::filesystem::path& path, const OpenOptions& options,
+                                DiagnosticLog& log, const Job& job, OpenReport* report) {
+  if (is_cad(path)) {
+    auto imported = read_cad(path, options, log, job, report);
+    if (!imported) return failed;
+    return std::move(imported->scene);
+  }
+  note_cad_options(options.cad, path, log);
+  const Stopwatch watch(report, "read " + path.string());
+  pxn::Options read;
+  read.root = options.root;
+  read.limits.bytes = options.max_input;
+  read.parameters = options.parameters;
+  return pxn::read(path, read, log, job);
+}
+
+Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOptions& options,
+                             DiagnosticLog& log, const Job& job, OpenReport* report) {
+  const std::string extension = extension_of(path);
+  if (extension == ".pan") return open_pan(path, options, log, job, report);
+  if (extension != ".pxn" && !is_cad(path)) {
+    log.report(Code::E0202, {},
+               fmt::format("{} is no file of a model: .pan, .pxn, .wrl, .wrz, .vrml, .glb, "
+                           ".gltf, .obj, .stl, .ply and .step are read",
+                           in_quotes(path.string())));
+    return failed;
+  }
+  auto scene = read_scene(path, options, log, job, report);
+  if (!scene) return failed;
+  if (options.prune && !prune(*scene, options, log, job, report)) return failed;
+  const Stopwatch watch(report, "compile " + path.string());
+  const auto bytes = compiler::compiled(*scene, compile_options(options), log, job);
+  if (!bytes) return failed;
+  auto model = pan::Model::from_bytes(*bytes, path.string(), log);
+  if (!model || !model->check(log, job)) return failed;
+  return world::ModelPtr(std::make_shared<const pan::Model>(*std::move(model)));
+}
+
+Result<compiler::Report> write_pan(scene::Scene& scene, const OpenOptions& options,
+                                   const WriteOptions& write, DiagnosticLog& log, const Job& job,
+                                   OpenReport* report) {
+  if (options.prune && !prune(scene, options, log, job, report)) return failed;
+  compiler::Options compile = compile_options(options);
+  compile.strip_sources = write.strip_sources;
+  compile.compress = write.compress;
+  compile.origin = write.origin;
+  const auto done = compiler::compile(scene, compile, write.output, log, job);
+  if (done && report != nullptr) {
+    report->steps.push_back({"tessellate", done->seconds_tessellate});
+    report->steps.push_back({"write", done->seconds_write});
+    report->steps.push_back({"sync to disk", done->seconds_sync});
+  }
+  return done;
+}
+
+}  // namespace panwright::workspace

@@ -1,0 +1,121 @@
+// Any file as a model: pan files mapped and checked, pxn and CAD files read, cleaned, compiled.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/job.h"
+#include "base/result.h"
+#include "compiler/compile.h"
+#include "compiler/hidden.h"
+#include "importers/hygiene.h"
+#include "importers/import.h"
+#include "scene/scene.h"
+#include "world/world.h"
+
+namespace panwright::workspace {
+
+// How a CAD file is taken. The values that stand here are what the importers take by default.
+struct CadOptions {
+  std::string units = "auto";  // or m, mm, cm, dm, km, um, in, ft, yd
+  std::string up = "auto";     // or y, z
+  std::string root;            // folder of what it names; empty: the file's
+  std::string scene;           // glTF: name or number; empty: the default one
+  std::string assume;          // of files that do not say: vrml97, vrml1, gltf, obj, stl, ply, step
+  bool no_weld = false;        // meshes stay as they are
+  double weld = 0;             // metres in the world
+  double crease_deg = 30;
+  std::uint32_t primitives = 0;  // VRML; 0: exact shapes
+  double deflection = 0;         // STEP; metres, 0: by the model's size
+  bool crease_normals = false;   // those of the file are computed anew
+  bool keep_hidden = false;
+  bool recentre = false;
+};
+
+struct OpenOptions {
+  std::string root;                        // folder that includes may not leave; empty: the file's
+  std::uint64_t max_input = 128ull << 20;  // bytes of pxn files in all
+  // Values that replace those of <param>: name, and text as in its attribute.
+  std::vector<std::pair<std::string, std::string>> parameters;
+  std::optional<double> max_error;  // metres in the world; none: what the model needs
+  std::uint64_t max_triangles = 1ull << 27;
+  CadOptions cad;  // for models that are CAD files
+  // Whether imports with hidden="remove" (the default), and CAD files unless keep_hidden, lose what
+  // no picture from outside shows. A model that is shown once and not stored may do without.
+  bool prune = true;
+};
+
+// One thing that was done, and how long it took.
+struct Step {
+  std::string name;  // "compile cubesat.pxn"
+  double seconds = 0;
+};
+
+// What opening a file, or part of it, has found. Calls add to it.
+struct OpenReport {
+  std::vector<Step> steps;
+  std::optional<importers::Hygiene> hygiene;     // of a CAD file that was cleaned
+  std::optional<compiler::HiddenReport> hidden;  // where something might have gone
+};
+
+// The extension in lower case, with its point. Empty: none.
+std::string extension_of(const std::filesystem::path& path);
+
+// Whether a file is one for the importers, by its extension.
+bool is_cad(const std::filesystem::path& path);
+
+// Opens a file as a model that worlds, renderers and threads share. The reader is chosen by the
+// extension: .pan is mapped and checked; .pxn and CAD files are read, cleaned, pruned and compiled
+// in memory, to the same bytes as `panwright compile` and `import` write.
+//
+//   returns  a model that is checked()
+// Fails: E0001, E0202; .pan: E01…, E4…; else E01…, E1…, E2…, E3…, E6…. Where a text or CAD file can
+// be read in part, that part is returned, and the log has errors.
+Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOptions& options,
+                             DiagnosticLog& log, const Job& job = {}, OpenReport* report = nullptr);
+
+// ---- the steps of it
+
+// Reads a pxn or CAD file. Of the latter, instances may be pruned unless keep_hidden.
+//
+// Fails: E0001, E01…, E1…, E6…; E0201 for a CAD option that is none. A scene is returned whenever
+// something could be read; the log says whether all of it could. Reports N1405 for options that
+// mean nothing to the file.
+Result<scene::Scene> read_scene(const std::filesystem::path& path, const OpenOptions& options,
+                                DiagnosticLog& log, const Job& job = {},
+                                OpenReport* report = nullptr);
+
+// Reads a CAD file, puts it in its place and cleans it.
+Result<importers::Imported> read_cad(const std::filesystem::path& path, const OpenOptions& options,
+                                     DiagnosticLog& log, const Job& job = {},
+                                     OpenReport* report = nullptr);
+
+// Takes away what nobody outside can see, of those instances that may lose it.
+//
+//   returns  whether there was any such instance
+// Fails: E0001, with the scene as it was.
+Result<bool> prune(scene::Scene& scene, const OpenOptions& options, DiagnosticLog& log,
+                   const Job& job = {}, OpenReport* report = nullptr);
+
+// What a compilation is to do that opening does not ask.
+struct WriteOptions {
+  std::string output;  // .pan; "-": standard output
+  bool strip_sources = false;
+  bool compress = false;  // pan::WriteOptions
+  std::string origin;     // how the scene was made of its inputs, where they do not say
+};
+
+// Prunes a scene and writes it as a pan file: there it is whole, or not at all.
+//
+// Fails: E0001, E0103, E2003, E2010.
+Result<compiler::Report> write_pan(scene::Scene& scene, const OpenOptions& options,
+                                   const WriteOptions& write, DiagnosticLog& log,
+                                   const Job& job = {}, OpenReport* report = nullptr);
+
+}  // namespace panwright::workspace

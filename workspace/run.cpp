@@ -1,0 +1,223 @@
+#include "workspace/run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <future>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "base/text.h"
+#include "workspace/internal/stopwatch.h"
+
+namespace panwright::workspace {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// A PNG shows a white plate as white whatever the irradiance is measured in.
+double stops_of_sun(const world::Sun& sun) {
+  if (!sun.irradiance) return 0;
+  const Vec3& e = *sun.irradiance;
+  const double strongest = std::max({e.x, e.y, e.z});
+  return strongest > 0 ? std::log2(strongest) : 0;
+}
+
+std::string words(const Vec3& v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
+std::string words(const Quat& q) { return fmt::format("{} {} {} {}", q.w, q.x, q.y, q.z); }
+
+// What made an image, for its header.
+void describe(const world::World& world, const world::Camera& camera, const DrawOptions& options,
+              preview::Image& image) {
+  const auto add = [&](std::string name, std::string value) {
+    image.metadata.emplace_back(std::move(name), std::move(value));
+  };
+  if (world.size() == 1) {
+    add("panwright.build_id", world[0].model()->build_id().hex());
+  } else {
+    std::string names;
+    for (const world::Instance& target : world.instances()) {
+      names += (names.empty() ? "" : "\n") + target.name();
+      add("panwright.build_id." + target.name(), target.model()->build_id().hex());
+      add("panwright.pose." + target.name(),
+          words(target.pose().translation) + " " + words(target.pose().rotation));
+    }
+    add("panwright.targets", names);
+  }
+  add("panwright.camera", words(camera.position));
+  add("panwright.quat", words(camera.world_from_camera));
+  add("panwright.intrinsics", fmt::format("{},{},{},{}", camera.focal.x, camera.focal.y,
+                                          camera.principal.x, camera.principal.y));
+  add("panwright.sun", words(world.sun().direction));
+  const bool traced = options.engine == Engine::reference;
+  const unsigned own = traced ? options.reference.samples : options.gl.samples;
+  add("panwright.samples", fmt::format("{}", options.samples > 0 ? options.samples : own));
+  if (!traced) add("panwright.shadow_side", fmt::format("{}", options.gl.shadow_side));
+}
+
+// Everything that can be wrong with the views and is seen without drawing them.
+bool are_sound(const world::World& world, std::span<const View> views, DiagnosticLog& log) {
+  const std::size_t errors = log.errors();
+  if (world.empty())
+    log.report(Code::E5030, {}, "the world has no target: there is nothing to render");
+  for (const View& view : views) {
+    if (!preview::image_format(view.output))
+      log.report(Code::E0202, {},
+                 fmt::format("{} is not a .png, .exr, .npy or .npz file", in_quotes(view.output)));
+    for (const TargetPose& pose : view.poses) (void)world.require(pose.target, log);
+  }
+  return log.errors() == errors;
+}
+
+// An image on its way into its file.
+struct Writing {
+  Written what;
+  double seconds = 0;
+  double sync = 0;
+  bool ok = false;
+  DiagnosticLog log;
+};
+
+void write(preview::Image image, double ev, Writing& writing) {
+  const auto start = Clock::now();
+  writing.ok = preview::write_image(writing.what.output, image, ev, writing.log, &writing.sync);
+  writing.seconds = seconds_since(start);
+}
+
+class Run {
+ public:
+  Run(const world::World& world, std::span<const View> views, const RunOptions& options,
+      DiagnosticLog& log, const Job& job)
+      : world_(world), views_(views), options_(options), log_(log), job_(job), current_(world) {}
+
+  Result<std::size_t> run() {
+    if (!are_sound(world_, views_, log_)) return failed;
+    if (!prepare()) return failed;
+    if (options_.listener.ready) options_.listener.ready(drawer_->info());
+    Phase phase(job_, "rendering", views_.size());
+    try {
+      for (std::size_t i = 0; i < views_.size(); ++i) {
+        job_.poll();
+        if (!one(i)) break;
+        phase.advance();
+      }
+    } catch (const Cancelled&) {
+      (void)retire();
+      throw;
+    }
+    // note: asked for first, so that the last image is told of whatever happened
+    const bool last = retire();
+    if (!last || done_ < views_.size()) return failed;
+    return done_;
+  }
+
+ private:
+  bool prepare() {
+    OpenReport report;
+    const bool gl = options_.draw.engine == Engine::gl;
+    {
+      const Stopwatch watch(gl ? &report : nullptr, "open an OpenGL context");
+      auto drawer = Drawer::create(options_.draw, log_);
+      if (!drawer) return false;
+      drawer_.emplace(*std::move(drawer));
+    }
+    job_.poll();
+    std::string models;
+    for (const world::Instance& target : world_.instances())
+      models += (models.empty() ? "" : ", ") + target.model()->name();
+    {
+      const Stopwatch watch(&report, (gl ? "upload " : "prepare ") + models);
+      if (!drawer_->prepare(world_, log_)) return false;
+    }
+    for (const Step& step : report.steps) tell(step);
+    return true;
+  }
+
+  // False: nothing after it is drawn.
+  bool one(std::size_t index) {
+    const View& view = views_[index];
+    pose(view);
+    const bool truth = preview::stores_truth(*preview::image_format(view.output));
+    const auto start = Clock::now();
+    auto drawn = drawer_->draw(current_, view.camera, truth, log_, job_);
+    if (drawn) tell({"render " + view.output, seconds_since(start)});
+    if (!retire() || !drawn) return false;
+    describe(current_, view.camera, options_.draw, drawn->image);
+    auto writing = std::make_unique<Writing>();
+    writing->what = {
+        index,          view.output, drawn->image.width, drawn->image.height, drawn->image.unit,
+        drawn->measured};
+    const double ev = view.ev - stops_of_sun(current_.sun());
+    writing_ = std::move(writing);
+    if (index + 1 == views_.size() || job_.threads() == 1) {
+      write(std::move(drawn->image), ev, *writing_);
+      return retire();
+    }
+    // one thread beside those that draw the next image
+    pending_ = std::async(
+        std::launch::async, [image = std::move(drawn->image), ev, &writing = *writing_]() mutable {
+          run_on_threads(Job({1, {}}), [&] { write(std::move(image), ev, writing); });
+        });
+    return true;
+  }
+
+  // The state of one view. Setters that change nothing leave what is cached.
+  void pose(const View& view) {
+    std::vector<world::Pose> poses;
+    for (const world::Instance& target : world_.instances()) poses.push_back(target.pose());
+    for (const TargetPose& each : view.poses) poses[*world_.find(each.target)] = each.pose;
+    for (std::size_t i = 0; i < poses.size(); ++i) current_.set_pose(i, poses[i]);
+    current_.set_sun(view.sun.value_or(world_.sun()));
+  }
+
+  // Waits for the image that is being written. False: it could not be.
+  bool retire() {
+    if (pending_.valid()) pending_.get();
+    const std::unique_ptr<Writing> writing = std::move(writing_);
+    if (writing == nullptr) return true;
+    for (const Diagnostic& each : writing->log.entries())
+      log_.report_file(each.code,
+                       each.where.file == kNoFile
+                           ? std::string()
+                           : writing->log.sources().file(each.where.file).name,
+                       each.message, each.hint);
+    if (!writing->ok) return false;
+    ++done_;
+    tell({"write " + writing->what.output, writing->seconds});
+    tell({"sync to disk", writing->sync});
+    if (options_.listener.written) options_.listener.written(writing->what);
+    return true;
+  }
+
+  void tell(const Step& step) const {
+    if (options_.listener.step) options_.listener.step(step);
+  }
+
+  const world::World& world_;
+  const std::span<const View> views_;
+  const RunOptions& options_;
+  DiagnosticLog& log_;
+  const Job& job_;
+  world::World current_;
+  std::optional<Drawer> drawer_;
+  std::size_t done_ = 0;
+  std::unique_ptr<Writing> writing_;
+  std::future<void> pending_;  // after writing_: it is waited for first
+};
+
+}  // namespace
+
+Result<std::size_t> run_views(const world::World& world, std::span<const View> views,
+                              const RunOptions& options, DiagnosticLog& log, const Job& job) {
+  return run_job(job, log, [&] { return Run(world, views, options, log, job).run(); });
+}
+
+}  // namespace panwright::workspace

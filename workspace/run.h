@@ -1,0 +1,56 @@
+// Views → images in files.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "base/diagnostic.h"
+#include "base/job.h"
+#include "base/result.h"
+#include "workspace/drawer.h"
+#include "workspace/open.h"
+#include "workspace/views.h"
+#include "world/world.h"
+
+namespace panwright::workspace {
+
+// One image that is written.
+struct Written {
+  std::size_t view = 0;  // its index
+  std::string output;
+  std::uint32_t width = 0;  // pixels
+  std::uint32_t height = 0;
+  std::string unit;  // of radiance: "1/sr" or "W/(m^2 sr)"
+
+  std::optional<Measured> measured;  // by the reference alone
+};
+
+// Called one at a time, on the thread that called run_views; each may be empty.
+struct RunListener {
+  std::function<void(const EngineInfo&)> ready;  // before the first image
+  std::function<void(const Written&)> written;
+  std::function<void(const Step&)> step;  // after it
+};
+
+struct RunOptions {
+  DrawOptions draw;
+  RunListener listener;
+};
+
+// Renders views of a world and writes them, in order, each whole or not at all. Models are uploaded
+// once; what does not change from view to view is not worked out again. While one image is written,
+// the next one is drawn.
+//
+//   returns  the number of images that were written: all of them
+// Expects: cameras, Suns and options as the engines want them; targets of unit rotation.
+// Fails, before anything is drawn: E0202 for an output of another kind, E5011 for a pose of no
+// target, E5030 for a world without targets, E5001 and E5007 without OpenGL. Then: E0001, E0103,
+// E5003; what was written before stays. Reports: W5006, W5008, N5002.
+Result<std::size_t> run_views(const world::World& world, std::span<const View> views,
+                              const RunOptions& options, DiagnosticLog& log, const Job& job = {});
+
+}  // namespace panwright::workspace

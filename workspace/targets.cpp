@@ -1,0 +1,105 @@
+#include "workspace/targets.h"
+
+#include <algorithm>
+#include <map>
+
+#include "base/text.h"
+#include "world/evaluation.h"
+
+namespace panwright::workspace {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// What a sphere around nothing is made of.
+constexpr double kLeastRadius = 1e-30;
+
+std::string stem_of(const fs::path& path) {
+  fs::path name = path.filename();
+  if (extension_of(name) == ".gz") name = name.stem();
+  const std::string stem = name.stem().string();
+  return stem.empty() ? path.string() : stem;
+}
+
+}  // namespace
+
+TargetFile target_file(std::string_view text) {
+  const std::size_t sign = text.find('=');
+  std::error_code ignored;
+  const bool named = sign != text.npos && sign > 0 && sign + 1 < text.size() &&
+                     text.substr(0, sign).find('/') == text.npos && !fs::exists(text, ignored);
+  if (!named) return {stem_of(text), text};
+  return {std::string(text.substr(0, sign)), text.substr(sign + 1)};
+}
+
+Result<world::World> open_world(std::span<const TargetFile> targets, const OpenOptions& options,
+                                DiagnosticLog& log, const Job& job, OpenReport* report) {
+  if (targets.empty()) {
+    log.report(Code::E5030, {}, "no file of a model is given");
+    return failed;
+  }
+  // what takes long is begun only where it can be used
+  std::map<std::string_view, const fs::path*> names;
+  for (const TargetFile& target : targets) {
+    const auto [known, added] = names.emplace(target.name, &target.file);
+    if (added) continue;
+    log.report(Code::E5009, {},
+               "two targets are called " + in_quotes(target.name) + ": " +
+                   in_quotes(known->second->string()) + " and " + in_quotes(target.file.string()),
+               "NAME=FILE gives a target another name");
+    return failed;
+  }
+  world::World world;
+  std::map<fs::path, world::ModelPtr> models;
+  for (const TargetFile& target : targets) {
+    std::error_code error;
+    fs::path key = fs::canonical(target.file, error);
+    if (error) key = target.file;
+    world::ModelPtr& model = models[key];
+    if (model == nullptr) {
+      const auto opened = open(target.file, options, log, job, report);
+      if (!opened) return failed;
+      model = *opened;
+    }
+    if (!world.add(target.name, model, log)) return failed;
+  }
+  return world;
+}
+
+BoundingSphere BoundingSpheres::of(const world::Instance& target) {
+  auto known = std::find_if(known_.begin(), known_.end(),
+                            [&](const Known& each) { return each.stamp == target.shape_stamp(); });
+  if (known == known_.end()) {
+    constexpr std::size_t kMost = 2 * world::World::kMaxInstances;
+    if (known_.size() >= kMost) known_.clear();
+    std::optional<BoundingSphere> sphere;
+    if (const auto bounds = target.visible() ? exact_bounds(target) : std::nullopt)
+      sphere = {0.5 * (bounds->min + bounds->max),
+                std::max(0.5 * glm::length(bounds->max - bounds->min), kLeastRadius)};
+    known = known_.insert(known_.end(), {target.shape_stamp(), sphere});
+  }
+  BoundingSphere sphere = known->sphere.value_or(BoundingSphere{});
+  sphere.centre = Vec3(target.pose().matrix() * Vec4(sphere.centre, 1));
+  return sphere;
+}
+
+BoundingSphere BoundingSpheres::of(const world::World& world) {
+  std::vector<BoundingSphere> spheres;
+  for (const world::Instance& target : world.instances())
+    if (target.visible()) spheres.push_back(of(target));
+  if (spheres.empty()) return {};
+  if (spheres.size() == 1) return spheres[0];
+  Vec3 low = spheres[0].centre;
+  Vec3 high = low;
+  for (const BoundingSphere& each : spheres) {
+    low = glm::min(low, each.centre - Vec3(each.radius));
+    high = glm::max(high, each.centre + Vec3(each.radius));
+  }
+  BoundingSphere all{0.5 * low + 0.5 * high, 0};
+  for (const BoundingSphere& each : spheres)
+    all.radius = std::max(all.radius, glm::length(each.centre - all.centre) + each.radius);
+  return all;
+}
+
+}  // namespace panwright::workspace

@@ -1,0 +1,334 @@
+#include "workspace/views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "base/text.h"
+#include "preview/image.h"
+#include "world/evaluation.h"
+
+namespace panwright::workspace {
+
+namespace {
+
+constexpr double kDefaultFieldOfView = 30 * kDegree;
+constexpr double kMargin = 1.1;        // of the targets' radius, around it in the image
+constexpr double kWidestDefault = 90;  // degrees
+constexpr std::uint32_t kMaxSide = 16384;
+
+// Reads texts one by one and remembers whether any of them failed.
+class Reader {
+ public:
+  explicit Reader(DiagnosticLog& log) : log_(log) {}
+  bool ok() const { return ok_; }
+
+  void fail(const std::string& name, const std::string& value, const char* accepted) {
+    log_.report(Code::E0201, {},
+                fmt::format("--{} is {}: it takes {}", name, in_quotes(value), accepted));
+    ok_ = false;
+  }
+  void failed_elsewhere() { ok_ = false; }
+
+  std::optional<Vec3> vector(const char* name, const std::optional<std::string>& text,
+                             bool direction) {
+    if (!text) return std::nullopt;
+    const auto numbers = parse_numbers(*text, 3);
+    if (!numbers) {
+      fail(name, *text, "three numbers, as \"0 -5 1\"");
+      return std::nullopt;
+    }
+    const Vec3 v((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+    if (!direction) return v;
+    // squares of the largest and the smallest numbers have no place in a double
+    const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+    if (largest > 0) return v / largest;
+    fail(name, *text, "a direction, not all zeros");
+    return std::nullopt;
+  }
+
+  std::optional<Quat> quaternion(const std::string& name, const std::string& text,
+                                 const std::vector<double>& numbers, std::size_t first) {
+    const Quat q(numbers[first], numbers[first + 1], numbers[first + 2], numbers[first + 3]);
+    const double length = glm::length(q);
+    if (!(std::abs(length - 1) <= 1e-3)) {
+      fail(name, text, "a unit quaternion w x y z");
+      return std::nullopt;
+    }
+    return q / length;
+  }
+
+  std::optional<double> positive(const char* name, const std::optional<std::string>& text,
+                                 const char* accepted) {
+    if (!text) return std::nullopt;
+    const auto value = parse_double(*text);
+    if (!value || !(*value > 0)) {
+      fail(name, *text, accepted);
+      return std::nullopt;
+    }
+    return value;
+  }
+
+ private:
+  DiagnosticLog& log_;
+  bool ok_ = true;
+};
+
+void read_size(const ViewText& text, Reader& reader, world::Camera& camera) {
+  if (!text.size) return;
+  const std::string_view size = *text.size;
+  const std::size_t cross = size.find_first_of("xX");
+  const auto side = [&](std::string_view digits) -> std::uint32_t {
+    std::uint32_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    const bool whole = error == std::errc() && end == digits.data() + digits.size();
+    return whole && value <= kMaxSide ? value : 0;
+  };
+  const std::uint32_t width = side(size.substr(0, std::min(cross, size.size())));
+  const std::uint32_t height = cross == size.npos ? width : side(size.substr(cross + 1));
+  if (width == 0 || height == 0)
+    reader.fail("size", *text.size, "WIDTHxHEIGHT, each from 1 to 16384 pixels");
+  camera.width = std::max(width, 1u);
+  camera.height = std::max(height, 1u);
+}
+
+// Focal lengths and principal point, when the text gives them.
+bool read_lens(const ViewText& text, Reader& reader, world::Camera& camera) {
+  const int given = int(text.fov.has_value()) + int(text.ifov.has_value()) +
+                    int(text.intrinsics.has_value()) + int(text.ortho.has_value());
+  if (given > 1)
+    reader.fail("fov", text.fov.value_or("given with another"),
+                "its place alone: one of --fov, --ifov, --intrinsics and --ortho");
+  if (text.fov) {
+    const auto angle = parse_angle(*text.fov);
+    if (!angle || !(*angle > 0 && *angle < kPi))
+      reader.fail("fov", *text.fov, "an angle above 0 and below 180 degrees");
+    else
+      world::set_field_of_view(camera, camera.width, camera.height, *angle);
+  } else if (text.ifov) {
+    const auto angle = parse_angle(*text.ifov);
+    if (!angle || !(*angle > 0))
+      reader.fail("ifov", *text.ifov, "an angle above 0, as 0.2mrad (a bare number is degrees)");
+    else
+      world::set_pixel_angle(camera, camera.width, camera.height, *angle);
+  } else if (text.intrinsics) {
+    const auto numbers = parse_numbers(*text.intrinsics, 4);
+    if (!numbers || !((*numbers)[0] > 0) || !((*numbers)[1] > 0)) {
+      reader.fail("intrinsics", *text.intrinsics, "fx,fy,cx,cy in pixels, fx and fy above 0");
+    } else {
+      camera.projection = world::Projection::perspective;
+      camera.focal = Vec2((*numbers)[0], (*numbers)[1]);
+      camera.principal = Vec2((*numbers)[2], (*numbers)[3]);
+    }
+  } else if (text.ortho) {
+    if (const auto width = reader.positive("ortho", text.ortho, "a width in metres above 0"))
+      world::set_orthographic(camera, camera.width, camera.height, *width);
+  }
+  return given > 0;
+}
+
+// The sphere fills the image, less a margin.
+void fit_lens(const BoundingSphere& sphere, world::Camera& camera) {
+  const double distance = glm::length(sphere.centre - camera.position);
+  const double sine = std::min(1.0, kMargin * sphere.radius / std::max(distance, 1e-300));
+  const double widest = 0.5 * kWidestDefault * kDegree;
+  const double half = std::min(widest, std::asin(sine));
+  // the shorter side decides
+  const double aspect = double(camera.width) / std::min(camera.width, camera.height);
+  const double fov = std::min(2 * std::atan(aspect * std::tan(half)), 0.99 * kPi);
+  world::set_field_of_view(camera, camera.width, camera.height, fov);
+}
+
+// A pose of the world's targets, into the view and into the world as it is seen.
+void read_pose(const PoseText& text, Reader& reader, world::World& world, View& view,
+               DiagnosticLog& log) {
+  std::size_t target = 0;
+  if (!text.target.empty()) {
+    const auto found = world.require(text.target, log);
+    if (!found) return reader.failed_elsewhere();
+    target = *found;
+  } else if (world.size() != 1) {
+    return reader.fail("pose", text.value,
+                       "the name of a target where there are several: NAME=\"X Y Z W I J K\"");
+  }
+  const std::string option = text.target.empty() ? "pose" : "pose " + text.target;
+  const auto numbers = parse_numbers(text.value, 7);
+  if (!numbers)
+    return reader.fail(option, text.value, "seven numbers: a position and a quaternion w x y z");
+  if (const auto q = reader.quaternion(option, text.value, *numbers, 3)) {
+    const world::Pose pose{Vec3((*numbers)[0], (*numbers)[1], (*numbers)[2]), *q};
+    world.set_pose(target, pose);
+    view.poses.push_back({world[target].name(), pose});
+  }
+}
+
+// Position and attitude; `sphere` returns what is around the targets.
+template <class Sphere>
+void read_attitude(const ViewText& text, const Sphere& sphere, Reader& reader,
+                   world::Camera& camera, DiagnosticLog& log) {
+  const auto position = reader.vector("camera", text.camera, false);
+  const auto target = reader.vector("look-at", text.look_at, false);
+  const auto up = reader.vector("up", text.up, true);
+  if (!reader.ok()) return;
+  if (position) {
+    camera.position = *position;
+  } else {
+    const BoundingSphere around = sphere();
+    const double distance = kMargin * around.radius / std::sin(0.5 * kDefaultFieldOfView);
+    camera.position = around.centre + distance * glm::normalize(Vec3(-0.5, -1, 0.4));
+  }
+  if (text.quat) {
+    const auto numbers = parse_numbers(*text.quat, 4);
+    if (!numbers) {
+      reader.fail("quat", *text.quat, "four numbers w x y z");
+    } else if (const auto q = reader.quaternion("quat", *text.quat, *numbers, 0)) {
+      camera.world_from_camera = *q;
+    }
+    if (text.look_at)
+      reader.fail("quat", *text.quat, "its place alone: --quat or --look-at, not both");
+    return;
+  }
+  const Vec3 aim = target ? *target : position ? Vec3(0) : sphere().centre;
+  if (auto attitude = world::looking_at(camera.position, aim, up, log))
+    camera.world_from_camera = *attitude;
+}
+
+// "TARGET/FRAME", or "FRAME" of the one target that has it.
+bool place_in_frame(const std::string& text, const world::World& world, world::Camera& camera,
+                    DiagnosticLog& log) {
+  // a frame may have a slash in its name, and so may a target
+  for (std::size_t at = text.find('/'); at != text.npos; at = text.find('/', at + 1))
+    if (const auto target = world.find(std::string_view(text).substr(0, at)))
+      return world::place_in_frame(camera, world, *target, std::string_view(text).substr(at + 1),
+                                   log);
+  if (world.size() == 1) return world::place_in_frame(camera, world, 0, text, log);
+  std::vector<std::size_t> having;
+  for (std::size_t i = 0; i < world.size(); ++i)
+    if (world[i].model()->find_frame(text)) having.push_back(i);
+  if (having.size() == 1) return world::place_in_frame(camera, world, having[0], text, log);
+  std::string names;
+  for (const std::size_t i : having)
+    names += (names.empty() ? "" : ", ") + in_quotes(world[i].name() + "/" + text);
+  log.report(Code::E5005, {},
+             having.empty()
+                 ? fmt::format("no target has a frame {}; TARGET/FRAME names one", in_quotes(text))
+                 : fmt::format("{} targets have a frame {}", having.size(), in_quotes(text)),
+             having.empty() ? std::string() : "name one of " + names);
+  return false;
+}
+
+void read_sun(const ViewText& text, Reader& reader, View& view) {
+  const Quat& q = view.camera.world_from_camera;
+  world::Sun sun;
+  // behind the camera, over its left shoulder: camera axes are x right, y down
+  sun.direction = q * glm::normalize(Vec3(-0.6, -0.6, -1));
+  if (const auto direction = reader.vector("sun", text.sun, true)) sun.direction = *direction;
+  if (const auto au = reader.positive("sun-distance", text.sun_distance, "AU above 0"))
+    sun.distance = *au;
+  view.sun = sun;
+  if (!text.sun_irradiance) return;
+  const std::string& typed = *text.sun_irradiance;
+  const auto one = parse_numbers(typed, 1);
+  const auto three = parse_numbers(typed, 3);
+  // what a float holds, with room for glints
+  const auto fits = [](double e) { return e >= 0 && e <= 1e20; };
+  if (one && fits((*one)[0]))
+    view.sun->irradiance = Vec3((*one)[0]);
+  else if (three && std::all_of(three->begin(), three->end(), fits))
+    view.sun->irradiance = Vec3((*three)[0], (*three)[1], (*three)[2]);
+  else
+    reader.fail("sun-irradiance", typed, "one number or three, W/m², 0 to 1e20");
+}
+
+void read_output(const ViewText& text, View& view, DiagnosticLog& log) {
+  const auto ev = parse_numbers(text.ev.value_or("0"), 1);
+  if (ev)
+    view.ev = (*ev)[0];
+  else
+    log.report(Code::E0201, {},
+               fmt::format("--ev is {}: it takes a number of stops", in_quotes(*text.ev)));
+  view.output = text.output.value_or("");
+  if (text.output && !preview::image_format(view.output))
+    log.report(Code::E0202, {},
+               fmt::format("{} is not a .png, .exr, .npy or .npz file", in_quotes(view.output)));
+}
+
+}  // namespace
+
+std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count) {
+  std::vector<double> numbers;
+  constexpr const char* kSeparators = " \t\n\r,";
+  for (std::size_t at = text.find_first_not_of(kSeparators); at != text.npos;) {
+    const std::size_t end = std::min(text.find_first_of(kSeparators, at), text.size());
+    const auto value = parse_double(text.substr(at, end - at));
+    if (!value || numbers.size() == count) return std::nullopt;
+    numbers.push_back(*value);
+    at = text.find_first_not_of(kSeparators, end);
+  }
+  if (numbers.size() != count) return std::nullopt;
+  return numbers;
+}
+
+std::optional<double> parse_angle(std::string_view text) {
+  constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"deg", kDegree}, {"mrad", 1e-3},           {"urad", 1e-6},
+      {"rad", 1.0},     {"arcmin", kDegree / 60}, {"arcsec", kDegree / 3600}};
+  std::string_view number = text;
+  double unit = kDegree;
+  for (const auto& [name, size] : kUnits) {
+    if (!number.ends_with(name)) continue;
+    number.remove_suffix(name.size());
+    unit = size;
+    break;
+  }
+  const auto value = parse_double(number);
+  if (!value) return std::nullopt;
+  return *value * unit;
+}
+
+std::optional<double> parse_share(std::string_view text) {
+  const bool percent = text.ends_with('%');
+  if (percent) text.remove_suffix(1);
+  const auto number = parse_numbers(text, 1);
+  if (!number) return std::nullopt;
+  return percent ? (*number)[0] / 100 : (*number)[0];
+}
+
+PoseText pose_text(std::string_view text) {
+  const std::size_t sign = text.find('=');
+  if (sign == text.npos) return {{}, std::string(text)};
+  return {std::string(text.substr(0, sign)), std::string(text.substr(sign + 1))};
+}
+
+Result<View> ViewMaker::view(const ViewText& text, DiagnosticLog& log) {
+  Reader reader(log);
+  const std::size_t errors = log.errors();
+  View view;
+  world::World posed = world_;
+  read_size(text, reader, view.camera);
+  for (const PoseText& pose : text.poses) read_pose(pose, reader, posed, view, log);
+  world::set_field_of_view(view.camera, view.camera.width, view.camera.height, kDefaultFieldOfView);
+  const bool lens = read_lens(text, reader, view.camera);
+  if (!reader.ok()) {
+    read_output(text, view, log);  // all that is wrong is said at once
+    return failed;
+  }
+  const auto sphere = [&] { return spheres_.of(posed); };
+  if (text.camera_frame) {
+    if (text.camera || text.quat || text.look_at)
+      reader.fail("camera-frame", *text.camera_frame,
+                  "its place alone: not with --camera, --quat or --look-at");
+    place_in_frame(*text.camera_frame, posed, view.camera, log);
+  } else {
+    read_attitude(text, sphere, reader, view.camera, log);
+  }
+  if (!lens && !text.camera_frame) fit_lens(sphere(), view.camera);
+  read_sun(text, reader, view);
+  read_output(text, view, log);
+  if (log.errors() != errors) return failed;
+  return view;
+}
+
+}  // namespace panwright::workspace

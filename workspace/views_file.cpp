@@ -1,0 +1,191 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "base/text.h"
+#include "workspace/views.h"
+
+namespace panwright::workspace {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::uint64_t kMaxBytes = 256ull << 20;
+constexpr std::size_t kMaxViews = 1'000'000;
+
+struct Field {
+  std::string_view name;
+  std::optional<std::string> ViewText::*member;
+};
+
+constexpr Field kFields[] = {
+    {"camera", &ViewText::camera},
+    {"look-at", &ViewText::look_at},
+    {"up", &ViewText::up},
+    {"quat", &ViewText::quat},
+    {"camera-frame", &ViewText::camera_frame},
+    {"sun", &ViewText::sun},
+    {"sun-distance", &ViewText::sun_distance},
+    {"sun-irradiance", &ViewText::sun_irradiance},
+    {"fov", &ViewText::fov},
+    {"ifov", &ViewText::ifov},
+    {"intrinsics", &ViewText::intrinsics},
+    {"ortho", &ViewText::ortho},
+    {"size", &ViewText::size},
+    {"ev", &ViewText::ev},
+    {"output", &ViewText::output},
+};
+
+// Options of one group say the same thing in different ways: a view that gives one of them drops
+// the default's others.
+constexpr std::string_view kGroups[][4] = {
+    {"camera", "camera-frame", "", ""},
+    {"look-at", "quat", "camera-frame", ""},
+    {"fov", "ifov", "intrinsics", "ortho"},
+};
+
+constexpr std::string_view kPose = "pose";
+
+const Field* find_field(std::string_view name) {
+  for (const Field& field : kFields)
+    if (field.name == name) return &field;
+  return nullptr;
+}
+
+// A JSON value as it would be typed: numbers and arrays of numbers become text.
+std::optional<std::string> as_typed(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number()) return format_double(value.get<double>());
+  if (!value.is_array() || value.empty()) return std::nullopt;
+  std::string out;
+  for (const Json& item : value) {
+    if (!item.is_number()) return std::nullopt;
+    out += (out.empty() ? "" : " ") + format_double(item.get<double>());
+  }
+  return out;
+}
+
+class ViewsReader {
+ public:
+  ViewsReader(const std::filesystem::path& path, const ViewText& defaults, DiagnosticLog& log)
+      : path_(path), defaults_(defaults), log_(log) {}
+
+  Result<std::vector<ViewText>> read() {
+    const auto text = read_file(path_, kMaxBytes, log_);
+    if (!text) return failed;
+    Json json;
+    try {
+      json = Json::parse(*text);
+    } catch (const Json::parse_error& error) {
+      return fail(not_json(*text, error.byte));
+    } catch (const Json::exception& error) {
+      return fail(fmt::format("this cannot be read: {}", error.what()));
+    }
+    if (!json.is_array() || json.empty()) return fail("a views file holds a list of objects");
+    if (json.size() > kMaxViews)
+      return fail(fmt::format("{} views are more than {}", json.size(), kMaxViews));
+    std::vector<ViewText> views;
+    for (const Json& item : json) views.push_back(one(item, views.size()));
+    if (!ok_) return failed;
+    return views;
+  }
+
+ private:
+  static std::string not_json(const std::string& text, std::size_t byte) {
+    const std::size_t end = std::min(byte, text.size());
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(end), '\n');
+    return fmt::format("this is not JSON: line {}, byte {}", line, byte);
+  }
+
+  Failed fail(std::string message, std::string hint = {}) {
+    log_.report_file(Code::E0203, path_.string(), std::move(message), std::move(hint));
+    ok_ = false;
+    return failed;
+  }
+
+  ViewText one(const Json& item, std::size_t index) {
+    ViewText given;
+    if (!item.is_object()) {
+      fail(fmt::format("view {} is not an object", index));
+      return given;
+    }
+    for (const auto& [key, value] : item.items()) {
+      std::string name = key;
+      std::replace(name.begin(), name.end(), '_', '-');
+      if (name == kPose) {
+        read_poses(value, index, given);
+        continue;
+      }
+      const Field* field = find_field(name);
+      if (field == nullptr) {
+        unknown(index, key, name);
+        continue;
+      }
+      given.*field->member = as_typed(value);
+      if (!(given.*field->member))
+        fail(fmt::format("view {}: '{}' is neither text, a number nor a list of numbers", index,
+                         key));
+    }
+    if (!given.output) fail(fmt::format("view {} has no output", index));
+    inherit(given);
+    return given;
+  }
+
+  // For the one target, or an object of targets.
+  void read_poses(const Json& value, std::size_t index, ViewText& given) {
+    if (value.is_object()) {
+      for (const auto& [target, pose] : value.items()) {
+        const auto text = as_typed(pose);
+        if (text)
+          given.poses.push_back({target, *text});
+        else
+          fail(fmt::format("view {}: the pose of {} is neither text nor a list of numbers", index,
+                           in_quotes(target)));
+      }
+    } else if (const auto text = as_typed(value)) {
+      given.poses.push_back({{}, *text});
+    } else {
+      fail(fmt::format("view {}: '{}' is neither text, a number nor a list of numbers", index,
+                       kPose));
+    }
+  }
+
+  void unknown(std::size_t index, const std::string& key, const std::string& name) {
+    std::vector<std::string_view> names{kPose};
+    for (const Field& field : kFields) names.push_back(field.name);
+    const auto near = nearest_name(name, names);
+    fail(fmt::format("view {} has {}, which is no option of a view", index, in_quotes(key)),
+         near ? fmt::format("did you mean '{}'?", *near) : std::string());
+  }
+
+  void inherit(ViewText& given) const {
+    ViewText base = defaults_;
+    for (const auto& group : kGroups) {
+      bool any = false;
+      for (const std::string_view name : group)
+        any = any || (!name.empty() && (given.*find_field(name)->member).has_value());
+      for (const std::string_view name : group)
+        if (any && !name.empty()) (base.*find_field(name)->member).reset();
+    }
+    for (const Field& field : kFields)
+      if (!(given.*field.member)) given.*field.member = base.*field.member;
+    // the view's come later, so that they replace the default's
+    given.poses.insert(given.poses.begin(), base.poses.begin(), base.poses.end());
+  }
+
+  const std::filesystem::path& path_;
+  const ViewText& defaults_;
+  DiagnosticLog& log_;
+  bool ok_ = true;
+};
+
+}  // namespace
+
+Result<std::vector<ViewText>> read_views(const std::filesystem::path& path,
+                                         const ViewText& defaults, DiagnosticLog& log) {
+  return ViewsReader(path, defaults, log).read();
+}
+
+}  // namespace panwright::workspace

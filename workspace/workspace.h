@@ -1,0 +1,17 @@
+// From files to images: what the program, and any host of the library, shares.
+//
+//   DiagnosticLog log;
+//   auto model = workspace::open("cubesat.pxn", {}, log);        // any file as a model
+//   world::World world;                                          // any number of targets
+//   world.add("cubesat", *model, log);
+//   workspace::View view{camera, sun, {{"cubesat", pose}}, "image.exr"};
+//   workspace::run_views(world, {&view, 1}, {}, log);            // images in files
+//
+// docs/using-the-library.md has a whole program.
+#pragma once
+
+#include "workspace/drawer.h"
+#include "workspace/open.h"
+#include "workspace/run.h"
+#include "workspace/targets.h"
+#include "workspace/views.h"
