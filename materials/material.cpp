@@ -208,6 +208,9 @@ bool is_anisotropic(const Material& material) {
 double exact_degrees(double radians) {
   if (radians == 0) return 0;
   const double near = radians / kDegree;
+  // several may do: the roundest is what an author writes
+  const double round = std::round(near * 1e9) / 1e9;
+  if (round * kDegree == radians) return round;
   double candidate = near;
   for (int step = 0; step < 4; ++step)
     candidate = std::nextafter(candidate, -std::numeric_limits<double>::infinity());
