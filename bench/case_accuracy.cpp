@@ -11,7 +11,6 @@
 #include "bench/bench.h"
 #include "bench/flip.h"
 #include "bench/scenes.h"
-#include "preview/view.h"
 #include "compiler/compile.h"
 #include "materials/spectra.h"
 #include "pan/model.h"
@@ -19,6 +18,7 @@
 #include "preview/renderer.h"
 #include "pxn/pxn.h"
 #include "tests/support/model_renderer.h"
+#include "tests/support/view.h"
 
 namespace panwright::bench {
 namespace {

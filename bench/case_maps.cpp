@@ -9,13 +9,13 @@
 
 #include "bench/bench.h"
 #include "bench/scenes.h"
-#include "preview/view.h"
 #include "geometry/tessellate.h"
 #include "pan/model.h"
 #include "pan/writer.h"
 #include "preview/reference/reference.h"
 #include "preview/renderer.h"
 #include "tests/support/model_renderer.h"
+#include "tests/support/view.h"
 
 namespace panwright::bench {
 

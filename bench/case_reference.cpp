@@ -7,12 +7,12 @@
 
 #include "base/parallel.h"
 #include "bench/bench.h"
-#include "preview/view.h"
 #include "geometry/instances.h"
 #include "geometry/tessellate.h"
 #include "pan/writer.h"
 #include "preview/reference/reference.h"
 #include "tests/support/oracles.h"
+#include "tests/support/view.h"
 
 namespace panwright::bench {
 

@@ -106,22 +106,6 @@ std::vector<DrawItem> placed(std::span<const DrawItem> list, const pan::Model& m
   return items;
 }
 
-Scenery scenery(const View& view, std::span<const DrawItem> list) {
-  // note: camera from model first, so that large translations of both cancel before the small ones
-  // of the nodes join in
-  const Mat4 camera_from_model = camera_from(view.camera, view.world_from_model.matrix());
-  const Tile whole{0, 0, view.camera.width, view.camera.height};
-  Scenery result;
-  for (std::uint32_t i = 0; i < list.size(); ++i) {
-    const PlacedBox box{camera_from_model * list[i].model_from_mesh, list[i].low, list[i].high};
-    if (!may_touch(view.camera, whole, 1.0, box)) continue;
-    result.items.push_back(i);
-    result.boxes.push_back(box);
-  }
-  result.depth = fitted_depth(view.camera.projection, result.boxes);
-  return result;
-}
-
 std::vector<float> triangle_normals(const pan::MeshView& mesh) {
   const auto position = [&](std::size_t index) {
     const pan::layout::Float3& p = mesh.positions[mesh.indices[index]];

@@ -12,7 +12,6 @@
 #include "pan/model.h"
 #include "preview/image.h"
 #include "preview/internal/projection.h"
-#include "preview/view.h"
 #include "world/evaluation.h"
 
 namespace panwright::preview {
@@ -68,14 +67,6 @@ std::vector<DrawItem> draw_list(const pan::Model& model);
 // The list as a target of a world stands: same order, other places and visibilities.
 std::vector<DrawItem> placed(std::span<const DrawItem> list, const pan::Model& model,
                              const world::EvaluatedInstance& at);
-
-// The items that may be seen, placed.
-struct Scenery {
-  std::vector<std::uint32_t> items;  // into the draw list, ascending
-  std::vector<PlacedBox> boxes;      // of these items
-  DepthRange depth;
-};
-Scenery scenery(const View& view, std::span<const DrawItem> list);
 
 // The geometric unit normals of a mesh's triangles in its own frame, by cross products in double of
 // the stored positions; 0 0 0 for triangles without area. 3*T

@@ -291,20 +291,20 @@ inline std::vector<Formula> formulas() {
   add(PANWRIGHT_FORMULA("blinn_phong", Vec3(blinn_phong(p[0], l, v, n))),
       with_parameters(grid(), singles(kShines)));
   add(PANWRIGHT_FORMULA("cook_torrance", Vec3(fresnel_dielectric(half_cosine(l, v), p[1]) *
-                                               cook_torrance(p[0], l, v, n))),
+                                              cook_torrance(p[0], l, v, n))),
       with_parameters(grid(), pairs_of(kSlopes, kIndices)));
   add(PANWRIGHT_FORMULA("eon", eon(Vec3(p[0], Real(0.5) * p[0], Real(0)), p[1], l, v, n)),
       with_parameters(grid(), pairs_of(std::array{1.0, 0.3}, kRoughnesses)));
   add(PANWRIGHT_FORMULA("fon", Vec3(fon(p[0], l, v, n))),
       with_parameters(grid(), singles(kRoughnesses)));
-  add(PANWRIGHT_FORMULA("fon_loss", Vec3(fon_loss(p[0], sqrt(max(Real(1) - p[0] * p[0], Real(0)))))),
+  add(PANWRIGHT_FORMULA("fon_loss",
+                        Vec3(fon_loss(p[0], sqrt(max(Real(1) - p[0] * p[0], Real(0)))))),
       numbers(1), false);
   add(PANWRIGHT_FORMULA(
-          "hapke",
-          Vec3(hapke(hapke_surface(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), l, v, n))),
+          "hapke", Vec3(hapke(hapke_surface(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), l, v, n))),
       with_parameters(grid(), kHapke));
-  add(PANWRIGHT_FORMULA("cell_shares", cell_shares(p[0], p[1], p[2], p[3], p[4], Real(0.5) * p[4],
-                                                   p[5], p[6])),
+  add(PANWRIGHT_FORMULA("cell_shares",
+                        cell_shares(p[0], p[1], p[2], p[3], p[4], Real(0.5) * p[4], p[5], p[6])),
       cell_cases(), false);
   add(PANWRIGHT_FORMULA("conductor", Vec3(fresnel_conductor(p[0], p[1], p[2]))),
       with_parameters({Inputs{}}, conductors), false);
@@ -324,8 +324,7 @@ inline std::vector<Formula> formulas() {
 // Lobes of Smith's facets where they are bright.
 inline std::vector<Formula> facets_near_specular(double slope, std::size_t count) {
   std::vector<Formula> all{
-      PANWRIGHT_FORMULA("beckmann_smith",
-                        Vec3(beckmann_smith(p[0], p[0], Vec3(Real(0)), l, v, n))),
+      PANWRIGHT_FORMULA("beckmann_smith", Vec3(beckmann_smith(p[0], p[0], Vec3(Real(0)), l, v, n))),
       PANWRIGHT_FORMULA("ggx_smith", Vec3(ggx_smith(p[0], p[0], Vec3(Real(0)), l, v, n)))};
   for (Formula& formula : all)
     formula.cases = with_parameters(near_specular(slope, count), std::vector{std::array{slope}});

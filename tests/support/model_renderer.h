@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "preview/renderer.h"
-#include "preview/view.h"
+#include "tests/support/view.h"
 
 namespace panwright::support {
 

@@ -10,7 +10,7 @@
 #include "geometry/ray.h"
 #include "pan/model.h"
 #include "preview/internal/sun_frame.h"
-#include "preview/view.h"
+#include "tests/support/view.h"
 
 namespace panwright::support {
 

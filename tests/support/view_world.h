@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "pan/model.h"
-#include "preview/view.h"
+#include "tests/support/view.h"
 #include "world/world.h"
 
 namespace panwright::testing_support {

@@ -1,4 +1,4 @@
-// One camera and Sun state of one model.
+// One camera and Sun state of one model, for tests and benches that show a single target.
 #pragma once
 
 #include <optional>
