@@ -64,4 +64,7 @@ function(panwright_test name)
   endif()
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT
     "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/leaks.supp:print_suppressions=0")
+  if(NOT ARG_LABELS)
+    set_property(GLOBAL APPEND PROPERTY PANWRIGHT_QUICK_TESTS ${name}_tests)
+  endif()
 endfunction()
