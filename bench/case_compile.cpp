@@ -184,7 +184,7 @@ void add_shapes(Context& context) {
   geometry::Sphere sphere;
   const std::pair<geometry::Shape, double> shapes[] = {
       {sphere, 2e-6}, {torus, 2e-6}, {ellipsoid, 2e-6}, {dish, 5e-7}};
-  const Job one_core({1, {}});
+  const panwright::Job one_core({1, {}});
   for (const auto& [shape, tolerance] : shapes) {
     scene::Scene scene = sphere_scene({8, 8}, lambert_material(0.8));
     scene.shapes = {shape};

@@ -75,6 +75,7 @@ class BoxRounds final : public Rounds {
     result.sums.resize(rounds * cells);
     result.totals.resize(rounds);
     for (std::size_t c = 0; c < cells; ++c) {
+      job.poll();
       const Cell& cell = cells_[unit.begin + c];
       const Vec2 size = cell.high - cell.low;
       const double share = size.x * size.y / shot_.round_samples();
