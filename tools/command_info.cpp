@@ -53,14 +53,14 @@ std::string specular_word(std::uint32_t model) {
 template <class Part>
 Json parameters_json(const Part& part) {
   Json out = Json::object();
-  visit_parameters(
-      part, [&](const materials::Parameter& parameter, std::span<const double> values) {
-        // note: as single precision has them, so that 0.3 is not 0.30000001192092896
-        if (values.size() == 1)
-          out[std::string(parameter.name)] = static_cast<float>(values[0]);
-        else
-          out[std::string(parameter.name)] = std::vector<float>(values.begin(), values.end());
-      });
+  visit_parameters(part, [&](const materials::Parameter& parameter,
+                             std::span<const double> values) {
+    // note: as single precision has them, so that 0.3 is not 0.30000001192092896
+    std::vector<double> numbers;
+    for (const double value : values)
+      numbers.push_back(parse_double(fmt::format("{}", static_cast<float>(value))).value_or(value));
+    out[std::string(parameter.name)] = numbers.size() == 1 ? Json(numbers[0]) : Json(numbers);
+  });
   return out;
 }
 
