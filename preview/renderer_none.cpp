@@ -24,7 +24,7 @@ Result<std::shared_ptr<Device>> Device::create(ContextKind kind, DiagnosticLog& 
   return failed;
 }
 Result<std::shared_ptr<const ModelResources>> Device::resources(const world::ModelPtr&,
-                                                                DiagnosticLog& log, const Job&) {
+                                                                DiagnosticLog& log) {
   log.report_file(Code::E5007, {}, "this program was built without OpenGL");
   return failed;
 }
@@ -40,7 +40,7 @@ const std::shared_ptr<Device>& Renderer::device() const { return impl_->device; 
 Renderer::Counts Renderer::counts() const { return {}; }
 
 Result<Image> Renderer::render(const world::World&, const world::Camera&, const RenderOptions&,
-                               DiagnosticLog& log) {
+                               DiagnosticLog& log, const Job&) {
   log.report_file(Code::E5007, {}, "this program was built without OpenGL");
   return failed;
 }
