@@ -51,11 +51,16 @@ function(panwright_library name)
   set_property(GLOBAL APPEND PROPERTY PANWRIGHT_LIBRARIES panwright_${name})
 endfunction()
 
-# panwright_test(name SOURCES ... LINK ... LABELS ...): one executable, one ctest entry.
+# panwright_test(name SOURCES ... LINK ... LABELS ... [TIMEOUT s] [OPTIMISED] [PARALLEL]): one executable,
+# one ctest entry. OPTIMISED: the test itself computes much; the others compile faster without.
+# PARALLEL: of the preset tsan too.
 function(panwright_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMISED;PARALLEL" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   add_executable(${name}_tests ${ARG_SOURCES})
   target_compile_options(${name}_tests PRIVATE ${PANWRIGHT_WARNINGS})
+  if(NOT ARG_OPTIMISED)
+    target_compile_options(${name}_tests PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
   target_include_directories(${name}_tests PRIVATE "${CMAKE_BINARY_DIR}/generated")
   target_link_libraries(${name}_tests PRIVATE ${ARG_LINK} GTest::gtest_main GTest::gmock)
   add_test(NAME ${name} COMMAND ${name}_tests)
@@ -63,7 +68,11 @@ function(panwright_test name)
     set(ARG_TIMEOUT 600)
   endif()
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT
-    "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/leaks.supp:print_suppressions=0")
+    "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/leaks.supp:print_suppressions=0;TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/races.supp:print_suppressions=0")
+  if(ARG_PARALLEL)
+    set_property(TEST ${name} APPEND PROPERTY LABELS parallel)
+    set_property(GLOBAL APPEND PROPERTY PANWRIGHT_PARALLEL_TESTS ${name}_tests)
+  endif()
   if(NOT ARG_LABELS)
     set_property(GLOBAL APPEND PROPERTY PANWRIGHT_QUICK_TESTS ${name}_tests)
   endif()
