@@ -7,9 +7,9 @@
 
 #include "bench/bench.h"
 
-#include "geometry/check.h"
-#include "geometry/strip.h"
-#include "geometry/tessellate.h"
+#include "geometry/mesh/check.h"
+#include "geometry/mesh/strip.h"
+#include "geometry/tessellate/tessellate.h"
 
 namespace panwright::bench {
 

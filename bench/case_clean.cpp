@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "bench/bench.h"
-#include "geometry/clean.h"
-#include "geometry/tessellate.h"
+#include "geometry/mesh/clean.h"
+#include "geometry/tessellate/tessellate.h"
 #include "tests/geometry/shapes.h"
 
 namespace panwright::bench {

@@ -13,7 +13,7 @@
 
 #include "base/file.h"
 #include "bench/bench.h"
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/tessellate.h"
 #include "importers/import.h"
 
 namespace panwright::bench {

@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "bench/bench.h"
 #include "compiler/hidden.h"
-#include "geometry/ray.h"
+#include "geometry/ray/ray.h"
 #include "importers/clean.h"
 #include "importers/import.h"
 #include "tests/compiler/assemblies.h"

@@ -9,7 +9,7 @@
 
 #include "bench/bench.h"
 #include "bench/scenes.h"
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/tessellate.h"
 #include "pan/model.h"
 #include "pan/writer.h"
 #include "preview/reference/reference.h"

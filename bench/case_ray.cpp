@@ -8,8 +8,8 @@
 #include "base/parallel.h"
 #include "bench/bench.h"
 
-#include "geometry/ray.h"
-#include "geometry/tessellate.h"
+#include "geometry/ray/ray.h"
+#include "geometry/tessellate/tessellate.h"
 
 namespace panwright::bench {
 

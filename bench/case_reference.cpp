@@ -7,8 +7,8 @@
 
 #include "base/parallel.h"
 #include "bench/bench.h"
-#include "geometry/instances.h"
-#include "geometry/tessellate.h"
+#include "geometry/ray/instances.h"
+#include "geometry/tessellate/tessellate.h"
 #include "pan/writer.h"
 #include "preview/reference/reference.h"
 #include "tests/support/oracles.h"

@@ -8,7 +8,7 @@
 #include "bench/bench.h"
 #include "bench/scenes.h"
 #include "compiler/compile.h"
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/tessellate.h"
 #include "pan/model.h"
 #include "preview/renderer.h"
 #include "tests/support/model_renderer.h"

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "bench/bench.h"
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/tessellate.h"
 #include "pan/writer.h"
 #include "tests/support/shape_distance.h"
 

@@ -7,8 +7,8 @@
 
 #include "bench/bench.h"
 
-#include "geometry/check.h"
-#include "geometry/tessellate.h"
+#include "geometry/mesh/check.h"
+#include "geometry/tessellate/tessellate.h"
 
 namespace panwright::bench {
 

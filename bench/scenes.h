@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bench/bench.h"
-#include "geometry/shape.h"
+#include "geometry/tessellate/shape.h"
 #include "materials/material.h"
 #include "scene/scene.h"
 

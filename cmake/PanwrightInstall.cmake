@@ -10,12 +10,11 @@ install(TARGETS panwright_flags ${libraries} EXPORT panwright
         ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
 install(EXPORT panwright NAMESPACE panwright:: DESTINATION "${PANWRIGHT_CONFIG_DIR}"
         FILE panwright-targets.cmake)
-# public headers only: those of one format each are the importers' own, but for what writes glTF
-install(DIRECTORY base geometry materials scene pan world importers compiler pxn preview workspace schemas
+# public headers only: sub-folders without any are named here
+install(DIRECTORY base geometry materials scene pan world importers exporters compiler pxn preview workspace schemas
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright"
         FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE
-        REGEX "/importers/(vrml|gltf|meshes|step)$" EXCLUDE)
-install(FILES importers/gltf/export.h DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright/importers/gltf")
+        REGEX "/(importers/(vrml|gltf|meshes|step)|pxn/(text|expression|build)|preview/(gl|image|model|frame))$" EXCLUDE)
 install(FILES schemas/pxn-0.xsd schemas/pxn.xsd DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
 install(DIRECTORY materials/presets DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright"
         FILES_MATCHING PATTERN "*.pxn")

@@ -10,8 +10,8 @@
 #include "base/text.h"
 #include "compiler/internal/decals.h"
 #include "compiler/internal/jobs.h"
-#include "geometry/mapping.h"
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/mapping.h"
+#include "geometry/tessellate/tessellate.h"
 #include "materials/report.h"
 #include "pan/writer.h"
 

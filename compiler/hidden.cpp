@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "compiler/internal/jobs.h"
 #include "compiler/internal/sight.h"
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/tessellate.h"
 
 namespace panwright::compiler {
 

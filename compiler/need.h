@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "base/math.h"
-#include "geometry/shape.h"
+#include "geometry/tessellate/shape.h"
 #include "scene/scene.h"
 #include "schemas/generated/pan_layout.h"
 

@@ -9,7 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/tessellate.h"
 
 namespace panwright::importers {
 

@@ -7,7 +7,7 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "base/result.h"
-#include "geometry/clean.h"
+#include "geometry/mesh/clean.h"
 #include "importers/hygiene.h"
 #include "importers/import.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/clean.h"
+#include "geometry/mesh/clean.h"
 
 namespace panwright::importers {
 

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "pxn/internal/atoms.h"
-#include "pxn/internal/markup.h"
-#include "pxn/internal/xml.h"
+#include "pxn/text/atoms.h"
+#include "pxn/text/markup.h"
+#include "pxn/text/xml.h"
 
 namespace panwright::pxn {
 

@@ -6,9 +6,9 @@
 #include <span>
 
 #include "base/text.h"
-#include "pxn/internal/files.h"
-#include "pxn/internal/loader.h"
-#include "pxn/internal/presets.h"
+#include "pxn/build/files.h"
+#include "pxn/build/loader.h"
+#include "pxn/build/presets.h"
 
 namespace panwright::pxn {
 

@@ -2,11 +2,11 @@
 
 #include <cassert>
 
-#include "pxn/internal/assembler.h"
-#include "pxn/internal/files.h"
-#include "pxn/internal/loader.h"
-#include "pxn/internal/read_from.h"
-#include "pxn/internal/reporter.h"
+#include "pxn/build/assembler.h"
+#include "pxn/build/files.h"
+#include "pxn/build/loader.h"
+#include "pxn/build/read_from.h"
+#include "pxn/text/reporter.h"
 
 namespace panwright::pxn {
 

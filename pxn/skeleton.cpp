@@ -9,8 +9,8 @@
 #include <set>
 
 #include "base/text.h"
-#include "pxn/internal/pattern.h"
-#include "pxn/internal/reference.h"
+#include "pxn/build/pattern.h"
+#include "pxn/text/reference.h"
 
 namespace panwright::pxn {
 

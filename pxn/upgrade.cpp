@@ -10,12 +10,12 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "pxn/build/files.h"
+#include "pxn/build/read_from.h"
 #include "pxn/format.h"
-#include "pxn/internal/files.h"
-#include "pxn/internal/grammar.h"
-#include "pxn/internal/read_from.h"
-#include "pxn/internal/upgrade_text.h"
-#include "pxn/internal/xml.h"
+#include "pxn/text/grammar.h"
+#include "pxn/text/upgrade_text.h"
+#include "pxn/text/xml.h"
 #include "pxn/writer.h"
 
 namespace panwright::pxn {

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "pxn/format.h"
-#include "pxn/internal/element_writer.h"
+#include "pxn/text/element_writer.h"
 
 namespace panwright::pxn {
 

@@ -9,7 +9,7 @@
 #include "base/diagnostic.h"
 #include "base/hash.h"
 #include "base/math.h"
-#include "geometry/shape.h"
+#include "geometry/tessellate/shape.h"
 #include "materials/material.h"
 
 namespace panwright::scene {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "base/random.h"
-#include "geometry/strip.h"
+#include "geometry/mesh/strip.h"
 
 namespace panwright::tools {
 namespace {

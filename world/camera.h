@@ -7,7 +7,7 @@
 #include "base/diagnostic.h"
 #include "base/math.h"
 #include "base/result.h"
-#include "geometry/ray.h"
+#include "geometry/ray/ray.h"
 
 namespace panwright::world {
 

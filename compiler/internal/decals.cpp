@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/closest.h"
+#include "geometry/mesh/closest.h"
 
 namespace panwright::compiler::internal {
 

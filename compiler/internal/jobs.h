@@ -6,7 +6,7 @@
 
 #include "compiler/compile.h"
 #include "compiler/need.h"
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/tessellate.h"
 #include "scene/scene.h"
 
 namespace panwright::compiler::internal {

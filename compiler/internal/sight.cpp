@@ -12,7 +12,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
-#include "geometry/instances.h"
+#include "geometry/ray/instances.h"
 
 namespace panwright::compiler::internal {
 

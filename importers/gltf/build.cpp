@@ -8,7 +8,7 @@
 #include <set>
 
 #include "base/text.h"
-#include "geometry/strip.h"
+#include "geometry/mesh/strip.h"
 #include "importers/gltf/joints.h"
 #include "importers/gltf/materials.h"
 #include "importers/gltf/read.h"

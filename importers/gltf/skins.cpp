@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/text.h"
-#include "geometry/strip.h"
+#include "geometry/mesh/strip.h"
 #include "importers/gltf/read.h"
 
 namespace panwright::importers::gltf {

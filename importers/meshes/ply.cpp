@@ -7,7 +7,7 @@
 
 #include "base/srgb.h"
 #include "base/text.h"
-#include "geometry/strip.h"
+#include "geometry/mesh/strip.h"
 #include "importers/meshes/ply_values.h"
 #include "importers/meshes/readers.h"
 #include "importers/meshes/session.h"

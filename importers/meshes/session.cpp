@@ -9,8 +9,8 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "geometry/strip.h"
-#include "geometry/tessellate.h"
+#include "geometry/mesh/strip.h"
+#include "geometry/tessellate/tessellate.h"
 #include "importers/image.h"
 
 namespace panwright::importers::meshes {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/polygon.h"
+#include "geometry/tessellate/polygon.h"
 #include "importers/import.h"
 #include "importers/internal/input_file.h"
 

@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/tessellate.h"
 #include "pan/model.h"
 
 namespace panwright::compiler {

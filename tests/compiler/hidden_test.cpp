@@ -9,7 +9,7 @@
 #include "../geometry/shapes.h"
 #include "assemblies.h"
 #include "base/parallel.h"
-#include "geometry/ray.h"
+#include "geometry/ray/ray.h"
 
 namespace panwright::compiler {
 namespace {

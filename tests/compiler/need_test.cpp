@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/tessellate.h"
 #include "tests/compiler/facet_sums.h"
 
 namespace panwright::compiler {

@@ -8,9 +8,9 @@
 #include <set>
 
 #include "compiler/compile.h"
-#include "geometry/check.h"
-#include "geometry/ray.h"
-#include "geometry/tessellate.h"
+#include "geometry/mesh/check.h"
+#include "geometry/ray/ray.h"
+#include "geometry/tessellate/tessellate.h"
 #include "pxn/pxn.h"
 #include "tests/support/paths.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "compiler/compile.h"
-#include "importers/gltf/export.h"
+#include "exporters/export.h"
 #include "importers/image.h"
 #include "importers/import.h"
 #include "importers/vrml/internal/gif.h"
@@ -56,7 +56,7 @@ void import_and_check(std::span<const importers::MemoryFile> files) {
   auto model = panwright::pan::Model::from_bytes(*bytes, "fuzz.pan", reading);
   const bool sound = model && model->check(reading);
   require(sound, "what the compiler writes is sound: " + to_text(reading));
-  const auto glb = importers::glb_from(*model, reading);
+  const auto glb = exporters::glb_from(*model, reading);
   require(glb.ok(), "a small model can be exported");
 }
 

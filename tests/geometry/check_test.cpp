@@ -1,4 +1,4 @@
-#include "geometry/check.h"
+#include "geometry/mesh/check.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "geometry/clean.h"
+#include "geometry/mesh/clean.h"
 
 #include <gtest/gtest.h>
 
@@ -11,10 +11,10 @@
 #include <sstream>
 
 #include "base/parallel.h"
-#include "geometry/internal/edges.h"
-#include "geometry/internal/rims.h"
-#include "geometry/internal/tjunction.h"
 #include "geometry/internal/weld.h"
+#include "geometry/mesh/internal/edges.h"
+#include "geometry/mesh/internal/rims.h"
+#include "geometry/mesh/internal/tjunction.h"
 #include "shapes.h"
 
 namespace panwright::geometry {

@@ -1,4 +1,4 @@
-#include "geometry/closest.h"
+#include "geometry/mesh/closest.h"
 
 #include <gtest/gtest.h>
 

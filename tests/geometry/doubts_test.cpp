@@ -10,8 +10,8 @@
 #include <set>
 #include <string_view>
 
-#include "geometry/check.h"
-#include "geometry/tessellate.h"
+#include "geometry/mesh/check.h"
+#include "geometry/tessellate/tessellate.h"
 
 namespace panwright::geometry {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "geometry/strip.h"
+#include "geometry/mesh/strip.h"
 #include "outlines.h"
 
 namespace panwright::geometry {

@@ -1,11 +1,11 @@
-#include "geometry/instances.h"
+#include "geometry/ray/instances.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/tessellate.h"
 
 namespace panwright::geometry {
 namespace {

@@ -1,4 +1,4 @@
-#include "geometry/mapping.h"
+#include "geometry/tessellate/mapping.h"
 
 #include <gtest/gtest.h>
 

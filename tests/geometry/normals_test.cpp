@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "geometry/strip.h"
+#include "geometry/mesh/strip.h"
 #include "shapes.h"
 
 namespace panwright::geometry {

@@ -1,10 +1,10 @@
-#include "geometry/internal/outline.h"
+#include "geometry/tessellate/internal/outline.h"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 
-#include "geometry/internal/predicates.h"
+#include "geometry/tessellate/internal/predicates.h"
 #include "outlines.h"
 
 namespace panwright::geometry::internal {

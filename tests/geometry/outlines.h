@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "geometry/internal/outline.h"
+#include "geometry/tessellate/internal/outline.h"
 #include "shapes.h"
 
 namespace panwright::geometry::shapes {

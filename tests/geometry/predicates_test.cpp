@@ -1,4 +1,4 @@
-#include "geometry/internal/predicates.h"
+#include "geometry/tessellate/internal/predicates.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "geometry/ray.h"
+#include "geometry/ray/ray.h"
 
 #include <gtest/gtest.h>
 

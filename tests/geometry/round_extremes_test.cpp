@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "geometry/check.h"
-#include "geometry/tessellate.h"
+#include "geometry/mesh/check.h"
+#include "geometry/tessellate/tessellate.h"
 #include "tests/support/shape_distance.h"
 
 namespace panwright::geometry {

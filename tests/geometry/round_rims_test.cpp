@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "geometry/check.h"
-#include "geometry/tessellate.h"
+#include "geometry/mesh/check.h"
+#include "geometry/tessellate/tessellate.h"
 #include "tests/support/shape_distance.h"
 
 namespace panwright::geometry {
@@ -26,7 +26,7 @@ Mesh made(const Shape& shape, double max_error, std::uint32_t rim_segments = 0) 
 }
 
 std::size_t vertices_on(const Mesh& mesh, const Rim& rim, std::uint32_t segments) {
-  // exactly where geometry/tessellate.h says; the sum over one face of the shape
+  // exactly where geometry/tessellate/tessellate.h says; the sum over one face of the shape
   std::size_t found = 0;
   const double radius = glm::length(rim.start);
   const double begin = std::atan2(rim.start.y, rim.start.x);

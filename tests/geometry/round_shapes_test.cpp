@@ -7,8 +7,8 @@
 
 #include "base/hash.h"
 #include "base/parallel.h"
-#include "geometry/check.h"
-#include "geometry/tessellate.h"
+#include "geometry/mesh/check.h"
+#include "geometry/tessellate/tessellate.h"
 #include "tests/support/shape_distance.h"
 
 namespace panwright::geometry {

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "geometry/check.h"
 #include "geometry/mesh.h"
-#include "geometry/tessellate.h"
+#include "geometry/mesh/check.h"
+#include "geometry/tessellate/tessellate.h"
 
 namespace panwright::geometry::shapes {
 

@@ -1,4 +1,4 @@
-#include "geometry/strip.h"
+#include "geometry/mesh/strip.h"
 
 #include <gtest/gtest.h>
 

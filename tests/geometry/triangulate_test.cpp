@@ -1,11 +1,11 @@
-#include "geometry/internal/triangulate.h"
+#include "geometry/tessellate/internal/triangulate.h"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <map>
 
-#include "geometry/internal/predicates.h"
+#include "geometry/tessellate/internal/predicates.h"
 #include "outlines.h"
 
 namespace panwright::geometry::internal {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "geometry/internal/path.h"
+#include "geometry/tessellate/internal/path.h"
 #include "shapes.h"
 
 namespace panwright::geometry::tubes {

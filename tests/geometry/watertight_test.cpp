@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "geometry/instances.h"
-#include "geometry/ray.h"
+#include "geometry/ray/instances.h"
+#include "geometry/ray/ray.h"
 #include "shapes.h"
 
 namespace panwright::geometry {

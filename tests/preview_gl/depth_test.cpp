@@ -1,5 +1,5 @@
 // Which of two surfaces is seen, and the truth layers against a ray caster.
-#include "geometry/ray.h"
+#include "geometry/ray/ray.h"
 #include "models.h"
 
 namespace panwright::preview {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/tessellate.h"
 #include "pan/model.h"
 #include "pan/writer.h"
 #include "preview/renderer.h"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "pxn/internal/expression.h"
+#include "pxn/expression/expression.h"
 
 namespace panwright::pxn {
 

@@ -11,8 +11,8 @@
 #include <iterator>
 #include <random>
 
-#include "pxn/internal/markup.h"
-#include "pxn/internal/xml.h"
+#include "pxn/text/markup.h"
+#include "pxn/text/xml.h"
 #include "tests/support/paths.h"
 
 namespace panwright::pxn {

@@ -1,6 +1,6 @@
 // The grammar check on a language made up here: rules that level 0 does not use yet.
 
-#include "pxn/internal/grammar.h"
+#include "pxn/text/grammar.h"
 
 #include <gtest/gtest.h>
 
@@ -121,9 +121,8 @@ TEST(Grammar, TheTablesOfPxnHoldTogether) {
         for (const ElementId child : slot.elements) reached.insert(static_cast<std::size_t>(child));
   }
   EXPECT_EQ(reached.size(), pxn.elements.size()) << "an element stands nowhere";
-  const std::set<std::string_view> planned = {"mli",    "width",  "height",   "xgrid",
-                                              "random", "smooth", "constant", "taper",
-                                              "subdiv", "joint"};
+  const std::set<std::string_view> planned = {"mli",    "width",    "height", "xgrid",  "random",
+                                              "smooth", "constant", "taper",  "subdiv", "joint"};
   for (const schemas::Element& element : pxn.elements) {
     EXPECT_EQ(element.supported,
               !planned.contains(element.name) && !element.name.starts_with("mli_"))

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "pxn/internal/pattern.h"
+#include "pxn/build/pattern.h"
 #include "pxn/materials.h"
 #include "pxn/pxn.h"
 #include "pxn/skeleton.h"

@@ -1,6 +1,6 @@
 // What values of expressions measure.
 
-#include "pxn/internal/kinds.h"
+#include "pxn/expression/kinds.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/text.h"
-#include "geometry/check.h"
+#include "geometry/mesh/check.h"
 #include "tests/pxn/reading.h"
 #include "tests/support/paths.h"
 

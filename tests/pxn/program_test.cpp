@@ -1,6 +1,6 @@
 // Programs of formulas against arithmetic done here, step by step.
 
-#include "pxn/internal/program.h"
+#include "pxn/expression/program.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // What the scanner and what walks through sound texts take pieces of XML for.
 
-#include "pxn/internal/tokens.h"
+#include "pxn/text/tokens.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "pxn/internal/markup.h"
+#include "pxn/text/markup.h"
 
 namespace panwright::pxn::xml {
 namespace {

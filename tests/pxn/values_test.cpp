@@ -1,6 +1,6 @@
 // Numbers with units and expressions, in the language of one made-up element.
 
-#include "pxn/internal/values.h"
+#include "pxn/expression/values.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The scanner against the text itself, and against Python's XML reader.
 
-#include "pxn/internal/xml.h"
+#include "pxn/text/xml.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/tessellate.h"
 
 namespace panwright::oracles {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "geometry/mesh.h"
-#include "geometry/shape.h"
+#include "geometry/tessellate/shape.h"
 
 namespace panwright::oracles {
 

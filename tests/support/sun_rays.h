@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/math.h"
-#include "geometry/ray.h"
+#include "geometry/ray/ray.h"
 #include "pan/model.h"
 #include "preview/internal/sun_frame.h"
 #include "tests/support/view.h"

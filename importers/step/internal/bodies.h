@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "geometry/shape.h"
+#include "geometry/tessellate/shape.h"
 
 namespace panwright::importers::step {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/polygon.h"
-#include "geometry/strip.h"
-#include "geometry/tessellate.h"
+#include "geometry/mesh/strip.h"
+#include "geometry/tessellate/polygon.h"
+#include "geometry/tessellate/tessellate.h"
 
 namespace panwright::importers::vrml {
 

@@ -72,8 +72,8 @@ struct FaceSet {
 };
 
 // The mesh of a face set: n − 2 triangles for each face of n corners, in order of the faces, also
-// those without area; see geometry/polygon.h. Vertices are distinct (coordinate, normal, colour,
-// texcoord), in order of first use; unused ones are not there.
+// those without area; see geometry/tessellate/polygon.h. Vertices are distinct (coordinate, normal,
+// colour, texcoord), in order of first use; unused ones are not there.
 //
 //   returns  colours replace the material's diffuse colour; always normals: the file's, else by
 //            crease angle (geometry::compute_normals). closed and error are not set. Faces that

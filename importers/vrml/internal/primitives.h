@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "geometry/shape.h"
+#include "geometry/tessellate/shape.h"
 
 namespace panwright::importers::vrml {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "geometry/instances.h"
+#include "geometry/ray/instances.h"
 #include "pan/model.h"
 #include "preview/reference/internal/placement.h"
 #include "preview/reference/internal/scatter.h"

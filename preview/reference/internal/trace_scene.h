@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "geometry/box_tree.h"
-#include "geometry/instances.h"
+#include "geometry/ray/box_tree.h"
+#include "geometry/ray/instances.h"
 #include "preview/reference/internal/placement.h"
 #include "preview/reference/internal/trace_model.h"
 #include "preview/reference/reference.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "base/math.h"
-#include "geometry/ray.h"
+#include "geometry/ray/ray.h"
 #include "world/camera.h"
 
 namespace panwright::preview::reference {

@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "geometry/check.h"
+#include "geometry/mesh/check.h"
 #include "importers/import.h"
 
 namespace panwright::importers {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "base/text.h"
-#include "geometry/check.h"
 #include "geometry/mesh.h"
+#include "geometry/mesh/check.h"
 #include "importers/import.h"
 
 namespace panwright::importers {

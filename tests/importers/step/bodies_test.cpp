@@ -18,7 +18,7 @@
 #include <cmath>
 #include <functional>
 
-#include "geometry/check.h"
+#include "geometry/mesh/check.h"
 #include "importers/step/internal/bodies.h"
 
 namespace panwright::importers::step {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/gtx/quaternion.hpp>
 
-#include "geometry/check.h"
+#include "geometry/mesh/check.h"
 #include "importers/vrml/internal/faces.h"
 
 namespace panwright::importers::vrml {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/check.h"
+#include "geometry/mesh/check.h"
 
 namespace panwright::importers::vrml {
 namespace {

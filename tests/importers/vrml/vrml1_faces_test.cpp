@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/check.h"
+#include "geometry/mesh/check.h"
 #include "vrml1_reading.h"
 
 namespace panwright::importers::vrml {

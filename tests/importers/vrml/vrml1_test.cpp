@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "geometry/check.h"
+#include "geometry/mesh/check.h"
 #include "vrml1_reading.h"
 
 namespace panwright::importers::vrml {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "geometry/tessellate.h"
+#include "geometry/tessellate/tessellate.h"
 #include "tests/importers/vrml/vrml_reading.h"
 
 namespace panwright::importers::vrml {

@@ -1,0 +1,380 @@
+#include "exporters/export.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "base/parallel.h"
+#include "base/png.h"
+#include "base/srgb.h"
+#include "exporters/internal/gltf_materials.h"
+
+namespace panwright::exporters {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr int kFloat = 5126, kShorts = 5123, kLongs = 5125;
+constexpr int kVertices = 34962, kElements = 34963;
+
+enum class Channel : std::uint8_t { colour, normal, roughness };
+
+// Surfaces of one glTF mesh: a pan mesh, material and texture each.
+using Parts = std::vector<std::array<std::int64_t, 3>>;
+
+class Exporter {
+ public:
+  Exporter(const pan::Model& model, DiagnosticLog& log) : model_(model), log_(log) {}
+
+  Result<std::vector<std::byte>> run() {
+    json_["asset"] = {{"version", "2.0"}, {"generator", "panwright"}};
+    json_["scene"] = 0;
+    json_["scenes"] = ordered_json::array({{{"nodes", {0}}}});
+    add_nodes();
+    add_points();
+    finish_nodes();
+    add_pictures();
+    if (model_.decals().size() > 0) lost_.insert("decals");
+    for (const std::string& what : lost_)
+      log_.report_file(Code::W6402, model_.name(), fmt::format("glTF does not keep {}", what));
+    if (!extensions_.empty()) json_["extensionsUsed"] = extensions_;
+    return container();
+  }
+
+ private:
+  // ---- the binary chunk
+
+  std::size_t add_view(const void* data, std::size_t size, int stride, int target) {
+    binary_.resize((binary_.size() + 3) / 4 * 4);
+    ordered_json view = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", size}};
+    if (stride > 0) view["byteStride"] = stride;
+    if (target > 0) view["target"] = target;
+    const std::size_t at = binary_.size();
+    binary_.resize(at + size);
+    std::memcpy(binary_.data() + at, data, size);
+    json_["bufferViews"].push_back(std::move(view));
+    return json_["bufferViews"].size() - 1;
+  }
+
+  std::size_t add_accessor(std::size_t view, int component, std::size_t count, const char* type) {
+    json_["accessors"].push_back(
+        {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
+    return json_["accessors"].size() - 1;
+  }
+
+  template <class Vector>
+  std::size_t add_vertices(std::span<const Vector> vertices, const char* type) {
+    const std::size_t view = add_view(vertices.data(), vertices.size_bytes(),
+                                      static_cast<int>(sizeof(Vector)), kVertices);
+    return add_accessor(view, kFloat, vertices.size(), type);
+  }
+
+  std::size_t add_positions(std::span<const pan::layout::Float3> positions) {
+    const std::size_t accessor = add_vertices(positions, "VEC3");
+    pan::layout::Float3 low = positions[0], high = positions[0];
+    for (const auto& p : positions) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    json_["accessors"][accessor]["min"] = {double{low.x}, double{low.y}, double{low.z}};
+    json_["accessors"][accessor]["max"] = {double{high.x}, double{high.y}, double{high.z}};
+    return accessor;
+  }
+
+  // (0, 0) is the top left in glTF
+  std::size_t add_texcoords(std::span<const pan::layout::Float2> texcoords) {
+    std::vector<pan::layout::Float2> turned(texcoords.begin(), texcoords.end());
+    for (auto& p : turned) p.y = 1 - p.y;
+    return add_vertices(std::span<const pan::layout::Float2>(turned), "VEC2");
+  }
+
+  const ordered_json& geometry(std::size_t index) {
+    const auto known = geometries_.find(index);
+    if (known != geometries_.end()) return known->second;
+    const pan::MeshView mesh = model_.mesh(index);
+    ordered_json& out = geometries_[index];
+    out["attributes"]["POSITION"] = add_positions(mesh.positions);
+    out["attributes"]["NORMAL"] = add_vertices(mesh.normals, "VEC3");
+    if (!mesh.texcoords.empty()) out["attributes"]["TEXCOORD_0"] = add_texcoords(mesh.texcoords);
+    if (!mesh.colours.empty()) out["attributes"]["COLOR_0"] = add_vertices(mesh.colours, "VEC3");
+    const bool shorts = !mesh.indices.shorts.empty();
+    const std::size_t view =
+        shorts
+            ? add_view(mesh.indices.shorts.data(), mesh.indices.shorts.size_bytes(), 0, kElements)
+            : add_view(mesh.indices.longs.data(), mesh.indices.longs.size_bytes(), 0, kElements);
+    out["indices"] = add_accessor(view, shorts ? kShorts : kLongs, mesh.indices.size(), "SCALAR");
+    return out;
+  }
+
+  // ---- nodes
+
+  static void place(ordered_json& node, const Vec3& translation, const Quat& rotation,
+                    const Vec3& scale) {
+    if (translation != Vec3(0)) node["translation"] = {translation.x, translation.y, translation.z};
+    if (rotation != Quat(1, 0, 0, 0))
+      node["rotation"] = {rotation.x, rotation.y, rotation.z, rotation.w};
+    if (scale != Vec3(1)) node["scale"] = {scale.x, scale.y, scale.z};
+  }
+
+  void add_nodes() {
+    // +z becomes +y
+    const double half = std::sqrt(0.5);
+    ordered_json top = {{"name", "panwright"}};
+    place(top, Vec3(0), Quat(half, -half, 0, 0), Vec3(1));
+    nodes_.push_back(std::move(top));
+    children_.resize(1);
+    std::vector<std::map<std::size_t, std::vector<std::size_t>>> instances(model_.nodes().size());
+    for (std::size_t i = 0; i < model_.instances().size(); ++i) {
+      const pan::layout::Instance& instance = model_.instances()[i];
+      instances[instance.node][origin_index(instance.mesh)].push_back(i);
+    }
+    for (std::size_t i = 0; i < model_.nodes().size(); ++i) {
+      const pan::layout::Node& from = model_.nodes()[i];
+      ordered_json node = {{"name", std::string(model_.node_name(i))}};
+      place(node, {from.translation[0], from.translation[1], from.translation[2]},
+            Quat(from.rotation[0], from.rotation[1], from.rotation[2], from.rotation[3]),
+            {from.scale[0], from.scale[1], from.scale[2]});
+      const std::size_t self = add(std::move(node), from.parent < 0 ? 0 : place_of_[from.parent]);
+      place_of_.push_back(self);
+    }
+    for (std::size_t i = 0; i < model_.nodes().size(); ++i)
+      for (const auto& [origin, list] : instances[i]) add_surfaces(place_of_[i], origin, list);
+  }
+
+  std::size_t add(ordered_json node, std::size_t parent) {
+    nodes_.push_back(std::move(node));
+    children_.emplace_back();
+    children_[parent].push_back(nodes_.size() - 1);
+    return nodes_.size() - 1;
+  }
+
+  // Meshes about one origin can stand at one node.
+  std::size_t origin_index(std::size_t mesh) {
+    const auto& o = model_.meshes()[mesh].origin;
+    const std::array<double, 3> origin = {o[0], o[1], o[2]};
+    const auto [place, is_new] = origin_places_.try_emplace(origin, origins_.size());
+    if (is_new) origins_.push_back(origin);
+    return place->second;
+  }
+
+  void add_surfaces(std::size_t node, std::size_t origin, const std::vector<std::size_t>& list) {
+    Parts parts;
+    for (const std::size_t i : list) {
+      const pan::layout::Instance& instance = model_.instances()[i];
+      parts.push_back({instance.mesh, instance.material, instance.texture});
+    }
+    const Vec3 at(origins_[origin][0], origins_[origin][1], origins_[origin][2]);
+    if (at != Vec3(0)) {
+      ordered_json below = {
+          {"name", std::string(model_.mesh_name(static_cast<std::size_t>(parts[0][0])))}};
+      place(below, at, Quat(1, 0, 0, 0), Vec3(1));
+      node = add(std::move(below), node);
+    }
+    nodes_[node]["mesh"] = mesh_index(parts);
+  }
+
+  std::size_t mesh_index(const Parts& parts) {
+    const auto [known, is_new] = meshes_.try_emplace(parts, meshes_.size());
+    if (!is_new) return known->second;
+    ordered_json mesh = {
+        {"name", std::string(model_.mesh_name(static_cast<std::size_t>(parts[0][0])))},
+        {"primitives", ordered_json::array()}};
+    for (const auto& part : parts) {
+      ordered_json primitive = geometry(static_cast<std::size_t>(part[0]));
+      const bool has_texcoords = primitive["attributes"].contains("TEXCOORD_0");
+      primitive["material"] = material_index(static_cast<std::size_t>(part[1]),
+                                             static_cast<std::int32_t>(part[2]), has_texcoords);
+      mesh["primitives"].push_back(std::move(primitive));
+    }
+    json_["meshes"].push_back(std::move(mesh));
+    return known->second;
+  }
+
+  void add_points() {
+    for (std::size_t i = 0; i < model_.frames().size(); ++i) {
+      const pan::layout::Frame& frame = model_.frames()[i];
+      ordered_json node = {{"name", std::string(model_.frame_name(i))},
+                           {"extras", {{"kind", "frame"}}}};
+      place(node, {frame.origin[0], frame.origin[1], frame.origin[2]},
+            Quat(frame.rotation[0], frame.rotation[1], frame.rotation[2], frame.rotation[3]),
+            Vec3(1));
+      add(std::move(node), place_of_[frame.node]);
+    }
+    for (std::size_t i = 0; i < model_.keypoints().size(); ++i) {
+      const pan::layout::Keypoint& point = model_.keypoints()[i];
+      ordered_json node = {{"name", std::string(model_.keypoint_name(i))},
+                           {"extras", {{"kind", "keypoint"}}}};
+      place(node, {point.position[0], point.position[1], point.position[2]}, Quat(1, 0, 0, 0),
+            Vec3(1));
+      add(std::move(node), place_of_[point.node]);
+    }
+  }
+
+  void finish_nodes() {
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      if (!children_[i].empty()) nodes_[i]["children"] = children_[i];
+    json_["nodes"] = nodes_;
+  }
+
+  // ---- materials and pictures
+
+  std::size_t texture_index(std::int32_t texture, Channel channel) {
+    const auto [known, is_new] = textures_.try_emplace({texture, channel}, wanted_.size());
+    if (is_new) wanted_.push_back({texture, channel});
+    return known->second;
+  }
+
+  ordered_json texture_info(std::int32_t texture, Channel channel, const Vec2& repeat) {
+    ordered_json info = {{"index", texture_index(texture, channel)}};
+    if (repeat != Vec2(1)) {
+      extensions_.insert("KHR_texture_transform");
+      // ours turns about the bottom left corner
+      info["extensions"]["KHR_texture_transform"] = {{"offset", {0.0, 1 - repeat.y}},
+                                                     {"scale", {repeat.x, repeat.y}}};
+    }
+    return info;
+  }
+
+  std::size_t material_index(std::size_t index, std::int32_t texture, bool has_texcoords) {
+    const auto [known, is_new] = materials_.try_emplace(
+        {index, has_texcoords ? texture : -1, has_texcoords}, materials_.size());
+    if (!is_new) return known->second;
+    const pan::layout::Material& record = model_.materials()[index];
+    const materials::Material material = pan::material_from(record, model_.material_name(index));
+    ordered_json json = exported(material, lost_, extensions_);
+    const materials::Maps& maps = material.maps;
+    if (has_texcoords) {
+      ordered_json& pbr = json["pbrMetallicRoughness"];
+      if (texture >= 0 && maps.albedo >= 0)
+        lost_.insert("a second picture over the diffuse colour");
+      const bool metal = is_coloured_metal(material);
+      if (maps.reflectance >= 0 && !metal) lost_.insert("pictures of reflectance beside a colour");
+      const std::int32_t colour = metal ? maps.reflectance : maps.albedo;
+      if (texture >= 0 && !metal)
+        pbr["baseColorTexture"] = texture_info(texture, Channel::colour, Vec2(1));
+      else if (colour >= 0)
+        pbr["baseColorTexture"] = texture_info(colour, Channel::colour, maps.repeat);
+      if (maps.roughness >= 0)
+        pbr["metallicRoughnessTexture"] =
+            texture_info(maps.roughness, Channel::roughness, maps.repeat);
+      if (maps.normal >= 0)
+        json["normalTexture"] = texture_info(maps.normal, Channel::normal, maps.repeat);
+      if (maps.cutout >= 0 && (texture < 0 || metal) && maps.cutout == colour) {
+        json["alphaMode"] = "MASK";
+        json["alphaCutoff"] = maps.threshold;
+      } else if (maps.cutout >= 0) {
+        lost_.insert("holes cut by a picture of their own");
+      }
+    } else if (texture >= 0) {
+      lost_.insert("pictures laid on by longitude and latitude");
+    }
+    json_["materials"].push_back(std::move(json));
+    return known->second;
+  }
+
+  std::vector<std::uint8_t> texels(std::int32_t texture, Channel channel) const {
+    const auto index = static_cast<std::size_t>(texture);
+    const std::span<const std::uint8_t> from = model_.texels(index);
+    std::vector<std::uint8_t> out(from.begin(), from.end());
+    const bool linear = (model_.textures()[index].flags & pan::layout::kTextureLinear) != 0;
+    std::array<std::uint8_t, 256> table;
+    for (std::size_t i = 0; i < table.size(); ++i) {
+      const double x = static_cast<double>(i) / 255;
+      table[i] = channel == Channel::roughness
+                     ? static_cast<std::uint8_t>(std::floor(255 * std::sqrt(x) + 0.5))
+                     : srgb_code(x);
+    }
+    for (std::size_t i = 0; i < out.size(); i += 4) {
+      if (channel == Channel::roughness) {
+        out[i + 1] = table[out[i]];
+        out[i] = out[i + 2] = 255;
+      } else if (channel == Channel::colour && linear) {
+        for (std::size_t k = 0; k < 3; ++k) out[i + k] = table[out[i + k]];
+      }
+    }
+    return out;
+  }
+
+  void add_pictures() {
+    std::vector<std::string> packed(wanted_.size());
+    parallel_for(wanted_.size(), [&](std::size_t i) {
+      const auto& record = model_.textures()[static_cast<std::size_t>(wanted_[i].first)];
+      packed[i] =
+          png_file(record.width, record.height, texels(wanted_[i].first, wanted_[i].second));
+    });
+    for (std::size_t i = 0; i < wanted_.size(); ++i) {
+      const std::size_t view = add_view(packed[i].data(), packed[i].size(), 0, 0);
+      json_["images"].push_back(
+          {{"name", std::string(model_.texture_name(static_cast<std::size_t>(wanted_[i].first)))},
+           {"mimeType", "image/png"},
+           {"bufferView", view}});
+      json_["textures"].push_back({{"source", i}});
+    }
+  }
+
+  // ---- the file
+
+  static void append_word(std::vector<std::byte>& out, std::uint64_t word) {
+    for (int i = 0; i < 4; ++i) out.push_back(static_cast<std::byte>(word >> (8 * i) & 255));
+  }
+
+  Result<std::vector<std::byte>> container() {
+    binary_.resize((binary_.size() + 3) / 4 * 4);
+    if (!binary_.empty()) json_["buffers"] = {{{"byteLength", binary_.size()}}};
+    std::string text = json_.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    const std::uint64_t size = 12 + 8 + text.size() + (binary_.empty() ? 0 : 8 + binary_.size());
+    if (size > 0xffffffffu) {
+      log_.report_file(Code::E6002, model_.name(),
+                       fmt::format("{} bytes are more than a GLB file can hold", size));
+      return failed;
+    }
+    std::vector<std::byte> out;
+    out.reserve(size);
+    append_word(out, 0x46546c67);
+    append_word(out, 2);
+    append_word(out, size);
+    append_word(out, text.size());
+    append_word(out, 0x4e4f534a);
+    for (const char c : text) out.push_back(static_cast<std::byte>(c));
+    if (!binary_.empty()) {
+      append_word(out, binary_.size());
+      append_word(out, 0x004e4942);
+      out.insert(out.end(), binary_.begin(), binary_.end());
+    }
+    return out;
+  }
+
+  const pan::Model& model_;
+  DiagnosticLog& log_;
+  ordered_json json_;
+  std::vector<ordered_json> nodes_;
+  std::vector<std::vector<std::size_t>> children_;
+  std::vector<std::size_t> place_of_;  // of the model's nodes
+  std::vector<std::array<double, 3>> origins_;
+  std::map<std::array<double, 3>, std::size_t> origin_places_;
+  std::map<std::size_t, ordered_json> geometries_;
+  std::map<Parts, std::size_t> meshes_;
+  std::map<std::tuple<std::size_t, std::int32_t, bool>, std::size_t> materials_;
+  std::map<std::pair<std::int32_t, Channel>, std::size_t> textures_;
+  std::vector<std::pair<std::int32_t, Channel>> wanted_;
+  std::vector<std::byte> binary_;
+  std::set<std::string> lost_;
+  std::set<std::string> extensions_;
+};
+
+}  // namespace
+
+Result<std::vector<std::byte>> glb_from(const pan::Model& model, DiagnosticLog& log) {
+  assert(model.checked());
+  return Exporter(model, log).run();
+}
+
+}  // namespace panwright::exporters

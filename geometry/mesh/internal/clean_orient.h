@@ -1,0 +1,32 @@
+// Which way the pieces of a mesh face.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/mesh.h"
+#include "geometry/mesh/internal/edges.h"
+
+namespace panwright::geometry {
+
+struct Piece {
+  std::uint32_t first = 0;  // its first triangle
+  std::uint64_t triangles = 0;
+  bool closed = true;         // every side has a twin
+  bool one_sided = false;     // its windings contradict each other
+  std::uint64_t flipped = 0;  // triangles to be turned
+  double area = 0;            // m²
+};
+
+struct Orientation {
+  std::vector<std::uint32_t> piece_of;  // T
+  std::vector<Piece> pieces;            // in order of their first triangles
+  std::vector<char> flip;               // T: whether the triangle is to be turned
+};
+
+// See clean().
+Orientation orientation_of(const Mesh& mesh, std::span<const std::uint32_t> place,
+                           const Edges& edges);
+
+}  // namespace panwright::geometry

@@ -1,0 +1,28 @@
+// Vertices that stand on an edge without being one of its ends.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/mesh.h"
+#include "geometry/mesh/internal/edges.h"
+
+namespace panwright::geometry {
+
+struct Junction {
+  std::uint32_t vertex = 0;  // a place
+  std::uint32_t side = 0;    // see Edges
+  bool operator==(const Junction&) const = default;
+};
+
+// Places at the border that lie within a distance of the inside of another border edge: each with
+// the first such side, in order of places. Ends do not count, nor what lies within the distance of
+// them.
+//
+//   Cost: O(border) expected; gives up on crowded places after 64 tries for each border edge, and
+//   has found some of them then.
+std::vector<Junction> junctions_of(const Mesh& mesh, std::span<const std::uint32_t> place,
+                                   const Edges& edges, double distance);
+
+}  // namespace panwright::geometry

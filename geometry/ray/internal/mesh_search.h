@@ -1,0 +1,79 @@
+// Rays in the frame of one mesh. Private to geometry.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "base/math.h"
+#include "geometry/mesh.h"
+#include "geometry/ray/instances.h"
+
+struct RTCSceneTy;
+struct RTCBoundsFunctionArguments;
+
+namespace panwright::geometry {
+
+// A ray on its way through the instances, and the best hit so far.
+struct SearchRay {
+  Vec3 origin;     // world
+  Vec3 direction;  // world, unit
+  double min_distance = 0;
+  double max_distance = 0;  // shrinks to the best hit
+  HitFilter filter;
+  bool found = false;
+  InstanceHit best;
+};
+
+// A mesh and the tree over its triangles.
+class MeshSearch {
+ public:
+  MeshSearch(std::vector<Vec3> positions, std::vector<Triangle> triangles);
+  ~MeshSearch();
+  MeshSearch(const MeshSearch&) = delete;
+  MeshSearch& operator=(const MeshSearch&) = delete;
+
+  void build();
+
+  const std::vector<Vec3>& positions() const { return positions_; }
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+  Vec3 low() const { return low_; }  // of the triangles' corners
+  Vec3 high() const { return high_; }
+  bool empty() const { return !(radius_ > 0); }
+
+  // Improves the ray's best hit with what this mesh has, or, for `any`, stops at the first.
+  //
+  //   origin     of the ray, in the mesh's frame
+  //   direction  the ray's unit world direction, in the mesh's frame: any length
+  //   asked      whether the ray's filter is asked
+  void search(SearchRay& ray, const Vec3& origin, const Vec3& direction, std::uint32_t instance,
+              bool asked, bool any) const;
+
+  // Triangles [first, first + count), as far as they lie in a slice of their bounds, `slice` of
+  // `slices` along the longest side. Thin slanted triangles fill little of one box.
+  struct Leaf {
+    std::uint32_t first = 0;
+    std::uint8_t count = 1;
+    std::uint8_t slice = 0;
+    std::uint8_t slices = 1;
+  };
+  const Leaf& leaf(std::size_t index) const { return leaves_[index]; }
+
+ private:
+  static void bound(const RTCBoundsFunctionArguments* arguments);
+
+  void list_leaves();
+  std::uint8_t slices_of(const Leaf& leaf) const;
+
+  std::vector<Vec3> positions_;
+  std::vector<Triangle> triangles_;
+  std::vector<Leaf> leaves_;
+  Vec3 low_{0};
+  Vec3 high_{0};
+  Vec3 centre_{0};
+  double radius_ = 0;     // of the ball about the bounds; 0: nothing to hit
+  double to_search_ = 0;  // 1 / radius
+  RTCSceneTy* scene_ = nullptr;
+};
+
+}  // namespace panwright::geometry

@@ -1,0 +1,77 @@
+// Surfaces of revolution: parts of a profile, turned about the z axis in segments.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "geometry/tessellate/internal/profile.h"
+#include "geometry/tessellate/tessellate.h"
+
+namespace panwright::geometry::internal {
+
+// Where texture coordinates come from: u from the angle and v along the profile, or the square
+// around the shape seen from above or from below.
+enum class Mapping { angle, above, below };
+
+// A stretch of a profile (r, z) with the outside on its right, apart from its neighbours by an
+// edge.
+struct Part {
+  std::optional<Curve> curve;  // none: straight
+  Vec2 from{0}, to{0};
+  bool cap = false;  // a flat face from or to the axis: triangles without a vertex in the middle
+  Mapping mapping = Mapping::angle;
+  double v_begin = 0, v_end = 1;  // of Mapping::angle
+  double plane_radius = 1;        // of the circle in the square of the others
+
+  static Part straight(const Vec2& from, const Vec2& to);
+  static Part face(const Vec2& from, const Vec2& to);  // of constant z; a cap or ring
+  static Part curved(Curve curve);
+};
+
+struct Revolution {
+  std::string_view kind;
+  std::vector<Part> parts = {};
+  Sector sector = {};
+  Counts counts = {};
+  // the outline of the flat walls at both ends of a sector, convex, from the axis; or empty
+  std::vector<Vec2> wall = {};
+  bool closed = false;
+};
+
+// Segments and chords for a revolution.
+struct Layout {
+  enum class State { good, too_fine, too_many };
+  State state = State::good;
+  std::uint32_t segments = 0;
+  double rim_factor = 1;
+  std::vector<std::vector<ProfilePoint>> parts;  // one for each part
+  double error = 0;                              // in exact arithmetic, metres
+  double least_error = 0;                        // what float32 can keep, metres
+  double triangles = 0;
+  double vertices = 0;
+};
+
+// shared_rims: rims stand on the shape though options.rim_segments is 0
+Layout laid_out(const Revolution& revolution, const TessellationOptions& options,
+                bool shared_rims = false);
+
+Result<Mesh> revolved(const Revolution& revolution, const TessellationOptions& options,
+                      SourceSpan where, DiagnosticLog& log);
+
+// what planned() and segments() of a shape return
+double planned_triangles(const Revolution& revolution, const TessellationOptions& options);
+std::uint32_t shared_segments(const Revolution& revolution, const TessellationOptions& options);
+
+// a rim of a revolution
+Rim rim_at(double radius, double z, const Sector& sector);
+
+// Fills in the error of a mesh: that of the shape and of rounding to float32 about the centre of
+// the mesh's bounds.
+void set_error(Mesh& mesh, double shape_error);
+
+// an upper bound on the latter, for vertices that are no further than `reach` from the centre
+double rounding_bound(double reach);
+
+}  // namespace panwright::geometry::internal

@@ -1,0 +1,329 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "base/text.h"
+#include "geometry/tessellate/internal/circle.h"
+#include "geometry/tessellate/internal/maximum.h"
+#include "geometry/tessellate/internal/revolve.h"
+#include "geometry/tessellate/internal/round_problem.h"
+#include "geometry/tessellate/internal/tessellators.h"
+
+namespace panwright::geometry {
+
+namespace {
+
+using internal::kChunk;
+using internal::turn;
+
+constexpr std::uint64_t kMaxVertices = 0xffffffffu;
+// half the spacing of single precision relative to the number
+constexpr double kFloatRounding = 0x1p-24;
+
+// How far the facets of an inscribed sphere of radius 1 dip inside: the band nearest the equator
+// decides. It lies across the equator when rings is odd, and touches it otherwise.
+double inscribed_depth(std::uint64_t rings, std::uint64_t quads) {
+  const double half_band = 0.5 * kPi / static_cast<double>(rings);
+  const double half_step = kPi / static_cast<double>(quads);
+  const double sin_half_step = det::sin(half_step);
+  const double sin_band = det::sin(half_band);
+  if (rings % 2 == 1) {
+    // 1 − cos·cos without cancellation
+    const double a = det::sin(0.5 * half_band);
+    const double b = det::sin(0.5 * half_step);
+    return 2 * a * a + 2 * b * b - 4 * a * a * b * b;
+  }
+  const double k2 = 1 - sin_half_step * sin_half_step;
+  const double s2 = sin_band * sin_band;
+  const double c2 = 1 - s2;
+  const double x2_deficit = (c2 * (sin_half_step * sin_half_step) + k2 * s2) / (c2 + k2 * s2);
+  return x2_deficit / (1 + std::sqrt(1 - x2_deficit));
+}
+
+// The fewest quads for which the depth is allowed, or 0 where no number of them is enough.
+std::uint64_t fewest_quads(std::uint64_t rings, double depth) {
+  const double half_band = 0.5 * kPi / static_cast<double>(rings);
+  double sin2 = 0;  // of π/quads at the allowed depth
+  if (rings % 2 == 1) {
+    const double a = det::sin(0.5 * half_band);
+    if (depth <= 2 * a * a) return 0;
+    const double b2 = (0.5 * depth - a * a) / (1 - 2 * a * a);
+    sin2 = 4 * b2 * (1 - b2);
+    if (b2 >= 0.5) sin2 = 1;
+  } else {
+    const double s = det::sin(half_band);
+    const double room = depth * (2 - depth) - s * s;
+    if (room <= 0) return 0;
+    const double x2 = (1 - depth) * (1 - depth);
+    sin2 = std::min(1.0, room / (1 - s * s - x2 * s * s));
+  }
+  const double half_step = det::atan2(std::sqrt(sin2), std::sqrt(1 - sin2));
+  auto quads = std::max<std::uint64_t>(3, static_cast<std::uint64_t>(std::ceil(kPi / half_step)));
+  // the analytic answer can be off by its own rounding
+  while (inscribed_depth(rings, quads) > depth) ++quads;
+  while (quads > 3 && inscribed_depth(rings, quads - 1) <= depth) --quads;
+  return quads;
+}
+
+class SphereBuilder {
+ public:
+  SphereBuilder(double radius, const SphereCounts& counts, bool texcoords)
+      : radius_(radius), rings_(counts.rings), quads_(counts.quads), texcoords_(texcoords) {
+    columns_ = texcoords ? quads_ + 1 : quads_;
+    pole_vertices_ = texcoords ? quads_ : 1;
+    vertices_ = 2 * pole_vertices_ + (rings_ - 1) * columns_;
+    triangles_ = 2 * quads_ * (rings_ - 1);
+  }
+
+  std::uint64_t vertices() const { return vertices_; }
+  std::uint64_t triangles() const { return triangles_; }
+
+  Mesh build() const {
+    Mesh mesh;
+    mesh.positions.resize(vertices_);
+    mesh.normals.resize(vertices_);
+    if (texcoords_) mesh.texcoords.resize(vertices_);
+    mesh.triangles.resize(triangles_);
+    std::vector<det::SinCos> longitudes(columns_);
+    for (std::uint64_t i = 0; i < columns_; ++i) longitudes[i] = turn(i % quads_, quads_);
+    fill_poles(mesh);
+    // note: small spheres stay on this thread, starting others costs more than they save
+    const std::uint64_t rows = std::max<std::uint64_t>(1, kChunk / columns_);
+    const std::uint64_t tasks = (rings_ - 1 + rows - 1) / rows;
+    parallel_for(tasks, [&](std::size_t task) {
+      const std::uint64_t end = std::min(rings_, (task + 1) * rows + 1);
+      for (std::uint64_t ring = task * rows + 1; ring < end; ++ring)
+        fill_ring(mesh, ring, longitudes);
+    });
+    mesh.closed = true;
+    return mesh;
+  }
+
+ private:
+  std::uint64_t ring_start(std::uint64_t ring) const {
+    return pole_vertices_ + (ring - 1) * columns_;
+  }
+
+  void fill_poles(Mesh& mesh) const {
+    for (std::uint64_t i = 0; i < pole_vertices_; ++i) {
+      const std::uint64_t north = vertices_ - pole_vertices_ + i;
+      mesh.normals[i] = {0, 0, -1};
+      mesh.normals[north] = {0, 0, 1};
+      mesh.positions[i] = {0, 0, -radius_};
+      mesh.positions[north] = {0, 0, radius_};
+      if (!texcoords_) continue;
+      const double u = (static_cast<double>(i) + 0.5) / static_cast<double>(quads_);
+      mesh.texcoords[i] = {u, 0};
+      mesh.texcoords[north] = {u, 1};
+    }
+    const std::uint64_t first = ring_start(1);
+    const std::uint64_t last = ring_start(rings_ - 1);
+    const std::uint64_t north = vertices_ - pole_vertices_;
+    for (std::uint64_t i = 0; i < quads_; ++i) {
+      const std::uint64_t next = texcoords_ ? i + 1 : (i + 1) % quads_;
+      const std::uint64_t pole = texcoords_ ? i : 0;
+      mesh.triangles[i] = triangle(pole, first + next, first + i);
+      mesh.triangles[triangles_ - quads_ + i] = triangle(last + i, last + next, north + pole);
+    }
+  }
+
+  // the vertices of a ring, and the triangles between it and the ring north of it
+  void fill_ring(Mesh& mesh, std::uint64_t ring, const std::vector<det::SinCos>& longitudes) const {
+    // latitude −π/2 + π·ring/rings
+    const det::SinCos polar = turn(ring, 2 * rings_);
+    const std::uint64_t start = ring_start(ring);
+    for (std::uint64_t i = 0; i < columns_; ++i) {
+      const Vec3 n(polar.sin * longitudes[i].cos, polar.sin * longitudes[i].sin, -polar.cos);
+      mesh.normals[start + i] = n;
+      mesh.positions[start + i] = radius_ * n;
+      if (texcoords_)
+        mesh.texcoords[start + i] = {static_cast<double>(i) / static_cast<double>(quads_),
+                                     static_cast<double>(ring) / static_cast<double>(rings_)};
+    }
+    if (ring == rings_ - 1) return;
+    Triangle* out = mesh.triangles.data() + quads_ + 2 * quads_ * (ring - 1);
+    for (std::uint64_t i = 0; i < quads_; ++i) {
+      const std::uint64_t next = texcoords_ || i + 1 < quads_ ? i + 1 : 0;
+      const std::uint64_t south = start;
+      const std::uint64_t north = start + columns_;
+      *out++ = triangle(south + i, south + next, north + next);
+      *out++ = triangle(south + i, north + next, north + i);
+    }
+  }
+
+  static Triangle triangle(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
+    return {static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b),
+            static_cast<std::uint32_t>(c)};
+  }
+
+  double radius_;
+  std::uint64_t rings_;
+  std::uint64_t quads_;
+  bool texcoords_;
+  std::uint64_t columns_ = 0;
+  std::uint64_t pole_vertices_ = 0;
+  std::uint64_t vertices_ = 0;
+  std::uint64_t triangles_ = 0;
+};
+
+Result<Mesh> tessellated_sphere(const Sphere& sphere, const TessellationOptions& options,
+                                SourceSpan where, DiagnosticLog& log) {
+  if (!(sphere.radius >= kMinRadius && sphere.radius <= kMaxCoordinate)) {
+    log.report(Code::E2010, where,
+               fmt::format("a sphere of radius {} m; from {} to {} m is accepted",
+                           format_double(sphere.radius), format_double(kMinRadius),
+                           format_double(kMaxCoordinate)));
+    return failed;
+  }
+  SphereCounts counts;
+  double radius = sphere.radius;
+  if (sphere.counts) {
+    assert(sphere.counts->rings >= 2 && sphere.counts->quads >= 3);
+    counts = *sphere.counts;
+  } else {
+    assert(options.max_error > 0);
+    // what rounding to single precision may add on top of the facets
+    const double relative = options.max_error / sphere.radius - kFloatRounding * 1.01;
+    if (relative <= 0) {
+      log.report(Code::E2003, where,
+                 fmt::format("an error of {} m cannot be kept by single-precision vertices on a "
+                             "sphere of radius {} m; from {} m is accepted",
+                             format_double(options.max_error), format_double(sphere.radius),
+                             format_double(kFloatRounding * 1.02 * sphere.radius)));
+      return failed;
+    }
+    counts = sphere_counts(relative);
+    // balance: facets dip inside by as much as vertices stand out
+    const double depth = inscribed_depth(counts.rings, counts.quads);
+    radius *= 1 + depth / (2 - depth);
+  }
+  // note: the product of two 32-bit counts fits 64 bits, twice it may not
+  const std::uint64_t half = std::uint64_t{counts.quads} * (counts.rings - 1);
+  const std::uint64_t limit = std::min(options.max_triangles, kMaxVertices);
+  if (half > limit / 2) {
+    log.report(Code::E2003, where,
+               fmt::format("a sphere of {} rings and {} quads has more than {} triangles",
+                           counts.rings, counts.quads, limit));
+    return failed;
+  }
+  const SphereBuilder builder(radius, counts, options.texcoords);
+  if (builder.vertices() > kMaxVertices) {
+    log.report(Code::E2003, where,
+               fmt::format("a sphere of {} rings and {} quads with texture coordinates has more "
+                           "than {} vertices",
+                           counts.rings, counts.quads, kMaxVertices));
+    return failed;
+  }
+  Mesh mesh = builder.build();
+  mesh.error = sphere_error(mesh, sphere.radius, Vec3(0));
+  return mesh;
+}
+
+}  // namespace
+
+SphereCounts sphere_counts(double max_error) {
+  assert(max_error > 0);
+  constexpr std::uint64_t kSaturated = std::uint64_t{1} << 31;
+  const double depth = std::min(1.0, 2 * max_error / (1 + max_error));
+  // equal steps along both axes are the optimum of small errors; whole numbers shift it a little
+  const double ideal = 0.5 * kPi / std::sqrt(depth);
+  if (ideal > 1e8) return {kSaturated, kSaturated};
+  const auto first = static_cast<std::uint64_t>(std::max(2.0, std::floor(0.8 * ideal) - 3));
+  const auto last = static_cast<std::uint64_t>(std::ceil(1.2 * ideal) + 6);
+  std::uint64_t best_rings = 0;
+  std::uint64_t best_quads = 0;
+  for (std::uint64_t rings = first; rings <= last; ++rings) {
+    const std::uint64_t quads = fewest_quads(rings, depth);
+    if (quads == 0) continue;
+    if (best_rings == 0 || quads * (rings - 1) < best_quads * (best_rings - 1)) {
+      best_rings = rings;
+      best_quads = quads;
+    }
+  }
+  assert(best_rings != 0);
+  return {static_cast<std::uint32_t>(std::min(best_rings, kSaturated)),
+          static_cast<std::uint32_t>(std::min(best_quads, kSaturated))};
+}
+
+namespace internal {
+
+namespace {
+
+// the part between two latitudes; whole ones turn from another meridian
+Revolution revolution(const Sphere& s) {
+  Revolution r{.kind = "sphere", .sector = s.sector};
+  if (s.counts) r.counts = {s.counts->quads, s.counts->rings};
+  const double south = std::max(s.latitude_min, -0.5 * kPi);
+  const double north = std::min(s.latitude_max, 0.5 * kPi);
+  r.parts.push_back(Part::curved(Curve::arc({0, 0}, s.radius, south, north)));
+  r.closed = s.whole();
+  return r;
+}
+
+bool plain(const Sphere& s) { return s.whole() && s.sector.begin == 0; }
+
+}  // namespace
+
+Problem problem(const Sphere& s) {
+  if (auto p = size_problem(s.radius, "radius", "a radius")) return p;
+  // note: so that 90 degrees in radians, rounded up, is a pole
+  const double most = 0.5 * kPi * (1 + 1e-12);
+  if (!(s.latitude_min >= -most && s.latitude_max <= most &&
+        s.latitude_max - s.latitude_min > 1e-12))
+    return ShapeProblem{Code::E2017,
+                        fmt::format("latitudes from {:.12g} to {:.12g} deg; from -90 to 90 deg is "
+                                    "accepted, the lowest first",
+                                    s.latitude_min / kDegree, s.latitude_max / kDegree),
+                        "latitude_min"};
+  if (auto p = sector_problem(s.sector)) return p;
+  if (!s.counts) return std::nullopt;
+  const bool poles = s.latitude_min <= -0.5 * kPi && s.latitude_max >= 0.5 * kPi;
+  const std::uint32_t least = poles ? 2 : 1;
+  if (s.counts->rings < least || s.counts->quads < 1)
+    return ShapeProblem{
+        Code::E2018,
+        fmt::format("{} and {}; at least {} and {} are needed", counted(s.counts->rings, "ring"),
+                    counted(s.counts->quads, "quad"), least, fewest_segments(s.sector)),
+        s.counts->rings < least ? "rings" : "segments"};
+  return counts_problem({s.counts->quads, s.counts->rings}, s.sector, least);
+}
+
+Result<Mesh> make(const Sphere& s, const TessellationOptions& options, SourceSpan where,
+                  DiagnosticLog& log) {
+  if (plain(s)) return tessellated_sphere(s, options, where, log);
+  if (const Problem p = problem(s)) {
+    log.report(p->code, where, p->message);
+    return failed;
+  }
+  return revolved(revolution(s), options, where, log);
+}
+
+double planned(const Sphere& s, const TessellationOptions& options) {
+  if (!plain(s)) return planned_triangles(revolution(s), options);
+  const double relative = options.max_error / s.radius - kFloatRounding * 1.01;
+  const SphereCounts counts =
+      s.counts ? *s.counts : sphere_counts(std::max(relative, kFloatRounding * 1e-6));
+  return 2.0 * counts.quads * (counts.rings - 1.0);
+}
+
+std::vector<Rim> rims(const Sphere& s) {
+  if (s.whole() || s.counts) return {};
+  std::vector<Rim> result;
+  for (const double latitude : {s.latitude_min, s.latitude_max}) {
+    if (std::fabs(latitude) >= 0.5 * kPi) continue;
+    const det::SinCos angle = det::sincos(latitude);
+    result.push_back(rim_at(s.radius * angle.cos, s.radius * angle.sin, s.sector));
+  }
+  return result;
+}
+
+std::uint32_t segments(const Sphere& s, const TessellationOptions& options) {
+  return s.whole() ? 0 : shared_segments(revolution(s), options);
+}
+
+}  // namespace internal
+
+}  // namespace panwright::geometry

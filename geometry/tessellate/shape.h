@@ -1,0 +1,241 @@
+// Exact shapes, as the author gave them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/hash.h"
+#include "geometry/mesh.h"
+
+namespace panwright::geometry {
+
+// All shapes stand about the origin, their axis on z unless it says otherwise; lengths in metres,
+// angles in radians. Plain data: problem_of() says what is wrong with one. Those with texture
+// coordinates by parameter say which; (0, 0) is the picture's bottom left, and u runs eastward,
+// counter-clockwise seen from +z, so that pictures are not mirrored from outside.
+
+// Angles about the z axis, from the first to the last, counter-clockwise from +x.
+struct Sector {
+  double begin = 0;
+  double end = 2 * kPi;  // begin < end ≤ begin + 2π
+  bool whole() const { return end - begin >= 2 * kPi * (1 - 1e-12); }
+  bool operator==(const Sector&) const = default;
+};
+
+// Explicit tessellation; 0: as many as the allowed error needs. Given counts are obeyed exactly,
+// and vertices then stand on the shape.
+struct Counts {
+  std::uint32_t around = 0;  // segments about the axis, over the sector; ≥ 3 for a whole turn
+  std::uint32_t along = 0;   // segments along a curved profile
+  bool operator==(const Counts&) const = default;
+};
+
+// Which ends of a shape along z are covered by a flat face.
+enum class Caps : std::uint8_t { both, none, bottom, top };
+
+// Explicit tessellation of a sphere: rings latitude bands from pole to pole, quads segments around
+// the axis, the first meridian at +x. 2·quads·(rings−1) triangles.
+struct SphereCounts {
+  std::uint32_t rings;  // ≥ 2
+  std::uint32_t quads;  // ≥ 3
+  bool operator==(const SphereCounts&) const = default;
+};
+
+// A sphere about the origin, poles on ±z, or the part of it between two latitudes in a sector: an
+// open surface then. u = longitude over the sector, v = latitude from lowest to highest.
+struct Sphere {
+  double radius = 1;                   // > 0
+  std::optional<SphereCounts> counts;  // none: as many as the allowed error needs
+  double latitude_min = -kPi / 2;      // −π/2 ≤ min < max ≤ π/2
+  double latitude_max = kPi / 2;
+  Sector sector = {};
+  bool whole() const {
+    return sector.whole() && latitude_min <= -kPi / 2 && latitude_max >= kPi / 2;
+  }
+  bool operator==(const Sphere&) const = default;
+};
+
+// u, v as for the sphere, by the parameters of x = a cos v cos u, y = b cos v sin u, z = c sin v.
+struct Ellipsoid {
+  Vec3 radii{1};  // each > 0
+  Counts counts = {};
+  bool operator==(const Ellipsoid&) const = default;
+};
+
+// A block; bevelled edges are flat at 45 degrees, rounded ones arcs of that radius with spherical
+// corners. Each face has its own unit square of texture, seen upright from outside: for the faces
+// ±x and ±y with +z up, for ±z with +y up. Bevels continue the larger face they meet, of equals
+// that of the first axis. The flat parts of faces are exact, whatever the error allowed to round
+// ones.
+struct Box {
+  Vec3 size{1};        // each > 0
+  double bevel = 0;    // 0 ≤ bevel ≤ half of the smallest size
+  bool round = false;  // the bevel is an arc
+  bool operator==(const Box&) const = default;
+};
+
+// From z = −height/2 to height/2. u = angle over the sector, v = height; caps: as a Disc, each seen
+// from outside with +y up. A sector with both caps is closed by two flat walls through the axis:
+// u from the axis, v = height, seen from outside.
+struct Cylinder {
+  double radius = 1;  // > 0
+  double height = 1;  // > 0
+  Caps caps = Caps::both;
+  Sector sector = {};
+  Counts counts = {};
+  bool operator==(const Cylinder&) const = default;
+};
+
+// A cone or frustum from z = −height/2 to height/2. u, v as for the cylinder.
+struct Cone {
+  double bottom_radius = 1;  // ≥ 0, not both 0
+  double top_radius = 0;     // ≥ 0
+  double height = 1;         // > 0
+  Caps caps = Caps::both;
+  Sector sector = {};
+  Counts counts = {};
+  bool operator==(const Cone&) const = default;
+};
+
+// A flat disc or ring in z = 0, facing +z, open. u, v: the square around it, x from −radius to
+// radius.
+struct Disc {
+  double radius = 1;        // > 0
+  double inner_radius = 0;  // 0 ≤ inner < radius
+  Sector sector = {};
+  Counts counts = {};
+  bool operator==(const Disc&) const = default;
+};
+
+// A ring of circular section about the z axis. u = angle about the axis, v = angle about the
+// section from the outermost circle upward.
+struct Torus {
+  double radius = 1;         // of the section's centre, > tube_radius
+  double tube_radius = 0.1;  // > 0
+  Sector sector = {};        // an open pipe when not whole
+  Counts counts = {};
+  bool operator==(const Torus&) const = default;
+};
+
+// A paraboloid that opens to +z, its vertex at the origin: z = r²/(4·focal_length). With a
+// thickness a closed shell, whose back is the same surface moved to −z, with a flat rim; without
+// one, open. u, v: the square around the dish seen from +z, x from −diameter/2 to diameter/2; its
+// back seen from −z.
+struct Dish {
+  double diameter = 1;        // > 0
+  double focal_length = 0.5;  // > 0
+  double thickness = 0;       // ≥ 0, along z
+  Counts counts = {};
+  bool operator==(const Dish&) const = default;
+};
+
+// A rectangle in z = 0, facing +z, open. u along x, v along y.
+struct Plane {
+  double width = 1;   // along x, > 0
+  double height = 1;  // along y, > 0
+  bool operator==(const Plane&) const = default;
+};
+
+// A pipe of circular section along a path. Corners of a polyline are mitred; a spline passes
+// through its points (centripetal Catmull-Rom, straight on beyond its ends) and must not bend
+// sharper than the radius. u = angle about the path, v = length along it. Frames do not turn about
+// the path. Angle 0 at its begin is along the axis x, y or z that is furthest from the path there,
+// the first of equals (a pipe along z begins at +x); what frames of a closed path have turned when
+// they come back is spread over its length, whole segments excepted. Caps: as a Disc, seen from
+// outside.
+struct Tube {
+  std::vector<Vec3> path;   // 2 or more, neighbours apart; closed: 3 or more
+  double radius = 0.01;     // > 0
+  double inner_radius = 0;  // 0 ≤ inner < radius; > 0: a hollow pipe, closed at the ends by rings
+  bool spline = false;
+  bool closed = false;     // the last point joins the first; no caps then
+  Caps caps = Caps::both;  // bottom: at the first point
+  Counts counts = {};      // along: sections of a spline, equally far apart; ≥ 3 when closed
+  bool operator==(const Tube&) const = default;
+};
+
+// A profile turned about the z axis. Points are (r, z) in the order that has the outside on the
+// right, as the wall of a vase drawn from bottom to top. Closed where the profile begins and
+// ends on the axis or at one point. u = angle, v = length along the profile. A spline is smooth on
+// the axis too, runs straight into its other ends, and may not cross the axis.
+struct Lathe {
+  std::vector<Vec2> profile;  // 2 or more, r ≥ 0, neighbours apart
+  bool spline = false;        // smooth through the points (centripetal Catmull-Rom)
+  Sector sector = {};
+  Counts counts = {};
+  bool operator==(const Lathe&) const = default;
+};
+
+// An outline in x, y pushed from z = 0 to z = height. Loops may run either way round; holes lie
+// inside the outline and apart from each other. Faces: u, v over the bounds of the outline, upright
+// seen from outside; walls: u = length along the loop over its whole, v = z over the height.
+// Neighbouring walls that meet at no more than smooth share normals.
+struct Extrude {
+  std::vector<Vec2> outline;             // 3 or more
+  std::vector<std::vector<Vec2>> holes;  // each 3 or more
+  double height = 1;                     // > 0
+  double smooth = 0;                     // radians
+  Caps caps = Caps::both;
+  bool operator==(const Extrude&) const = default;
+};
+
+// Flat faces over a list of vertices. Loops are counter-clockwise seen from outside; holes either
+// way. u, v: the bounds of each face in its own plane, upright seen from outside as for a Box.
+struct Polygons {
+  struct Face {
+    std::vector<std::uint32_t> outline;             // 3 or more, each < V
+    std::vector<std::vector<std::uint32_t>> holes;  // each 3 or more
+    bool operator==(const Face&) const = default;
+  };
+  std::vector<Vec3> positions;  // V
+  std::vector<Face> faces;      // 1 or more
+  double smooth = 0;            // radians: two faces that meet at no more share normals
+  bool operator==(const Polygons&) const = default;
+};
+
+// A mesh as written in a file: exact by definition. Never null.
+using MeshShape = std::shared_ptr<const Mesh>;
+
+using Shape = std::variant<Sphere, MeshShape, Ellipsoid, Box, Cylinder, Cone, Disc, Torus, Dish,
+                           Plane, Tube, Lathe, Extrude, Polygons>;
+
+// "sphere", "mesh", "box"…: the name of its element in the language.
+std::string_view kind_name(const Shape& shape);
+
+// What is wrong with a shape, and with which of its parts.
+struct ShapeProblem {
+  Code code;              // E2001, E2010 to E2018; W2006, W2007, W2009, W2019
+  std::string message;    // one lower-case sentence
+  std::string_view part;  // member: "radius", "outline", "faces"…; of counts "segments" or "rings"
+  std::size_t item = 0;   // of a list: which point, hole or face
+  std::size_t sub_item = 0;  // of a hole: which point
+};
+
+// The first thing that is wrong with a shape by the rules above, or nothing. Meshes are not
+// examined. Exact where it decides: a crossing is a crossing, a touch of an outline with itself
+// too.
+//
+// Cost: O(points log points) for outlines, else O(points).
+std::optional<ShapeProblem> problem_of(const Shape& shape);
+
+// What is rarely meant in a shape that has no problem: parts so thin that their triangles have no
+// area (as in MeshReport), closed polygons and lathes that are inside out, faces that look
+// opposite ways, profiles that run through themselves (of splines, 16 chords for each piece). Each
+// kind once. Meshes are not examined.
+//
+// Cost: O(points log points), of profiles that go to and fro O(points²), up to 20 million pairs.
+std::vector<ShapeProblem> doubts_of(const Shape& shape);
+
+// Whether the surface has no border, by its parameters. A mesh: as it says.
+bool is_closed(const Shape& shape);
+
+// Equal shapes have equal hashes; 128 bits make others differ.
+Hash128 hash_of(const Shape& shape);
+
+}  // namespace panwright::geometry

@@ -1,0 +1,93 @@
+// Triangles for exact shapes.
+#pragma once
+
+#include <span>
+
+#include "base/diagnostic.h"
+#include "base/result.h"
+#include "geometry/mesh.h"
+#include "geometry/tessellate/shape.h"
+
+namespace panwright::geometry {
+
+// Single precision holds coordinates up to this; beyond it products of them overflow.
+inline constexpr double kMaxCoordinate = 1e30;  // metres
+// A sphere smaller than this loses its shape to single precision's smallest numbers.
+inline constexpr double kMinRadius = 1e-30;  // metres
+
+struct TessellationOptions {
+  double max_error = 1e-3;  // metres, > 0; used where the shape has no explicit counts
+  bool texcoords = false;   // makes uv coordinates; no triangle runs across a seam
+  std::uint64_t max_triangles = 1ull << 27;
+  // Segments about the axis that rims shared with other shapes need; 0: none is shared. With it
+  // rims stand on the shape, at the angles begin + i·(end − begin)/segments, and equal rims of two
+  // shapes are equal bit for bit. With fewer than segments_of() the mesh's error may pass
+  // max_error.
+  std::uint32_t rim_segments = 0;
+};
+
+// Triangulates a shape. Explicit counts are obeyed exactly, with vertices on the shape; otherwise
+// the mesh has about the fewest triangles for which none of its points lies further than max_error
+// from the shape. Round outlines then keep their area: vertices lie outside by as much as gives a
+// polygon the area of its circle (and a sphere's by as much as facets dip inside), unless
+// rim_segments asks for shared rims.
+//
+//   returns  closed where the shape is closed (texture seams aside), counter-clockwise seen from
+//            outside; analytic unit normals; no degenerate triangles;
+//            error: no point of the mesh lies further from the shape, metres, for vertices as
+//            float32 would store them about the centre of the mesh's bounds; 0 for flat shapes
+//            whose coordinates are exact in float32. It holds for round outlines both ways.
+//            Triangles are degenerate only where the shape is thinner than 1e-7 of its size
+//
+// Sphere: vertices run from the south pole, ring by ring, eastward from +x. Without texcoords each
+// place is one vertex. With them the meridian at +x stands twice (u = 0 and 1) and each pole once
+// for each triangle; u = longitude/2π eastward from +x, v = 0 at the south pole, 1 at the north.
+// A MeshShape is returned as it is, with its error of rounding to float32.
+//
+// Expects: no problem_of(shape). Fails: E2003 before anything is allocated, and where float32
+// cannot keep max_error on a shape that is not flat; E2010 for a radius outside [kMinRadius,
+// kMaxCoordinate] or a coordinate beyond ±kMaxCoordinate. Cost: O(triangles).
+Result<Mesh> tessellated(const Shape& shape, const TessellationOptions& options, SourceSpan where,
+                         DiagnosticLog& log);
+
+// How many triangles tessellated() would make, without making them: exact for shapes by formula,
+// never too few by more than a tenth for the others.
+double planned_triangles(const Shape& shape, const TessellationOptions& options);
+
+// A round edge or end of a shape, where another shape may stand against it.
+struct Rim {
+  Vec3 centre{0};
+  Vec3 axis{0};   // unit; the rim runs counter-clockwise about it
+  Vec3 start{0};  // from the centre to the rim's first point: its length is the radius
+  double sector = 2 * kPi;
+};
+
+// The rims of a shape: those of cylinder, cone, disc, dish, lathe, sphere sectors, and the ends of
+// tubes. Empty for shapes without, and for those with explicit counts.
+std::vector<Rim> rims_of(const Shape& shape);
+
+// The fewest segments about the axis with which, as rim_segments, tessellated() keeps max_error on
+// a shape with rims: a few more than without shared rims, as rims stand on the shape then. 2^31
+// where no number does.
+std::uint32_t segments_of(const Shape& shape, const TessellationOptions& options);
+
+// What tessellated() asks of an authored mesh, for callers that need no copy of it.
+//
+// Fails: E2003, E2010.
+bool within_limits(const Mesh& mesh, const TessellationOptions& options, SourceSpan where,
+                   DiagnosticLog& log);
+
+// The fewest rings and quads that keep a balanced sphere of radius 1 within an error, > 0, in
+// exact arithmetic. Counts saturate at 2^31.
+SphereCounts sphere_counts(double max_error);
+
+// The largest distance between a point of the mesh and the sphere about the mesh's origin,
+// measured on float32 positions relative to `origin`. Exact to a few ulps of the radius.
+// Cost: O(V + T). Expects: indices in range.
+double sphere_error(const Mesh& mesh, double radius, const Vec3& origin);
+
+// The largest distance by which float32 positions relative to `origin` miss the given ones. No
+// point of a mesh over these positions moves further.
+double rounding_error(std::span<const Vec3> positions, const Vec3& origin);
+
+}  // namespace panwright::geometry

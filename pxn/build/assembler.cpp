@@ -1,0 +1,515 @@
+#include "pxn/build/assembler.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/text.h"
+#include "geometry/tessellate/tessellate.h"
+#include "pxn/build/graft.h"
+#include "pxn/text/grammar.h"
+
+namespace panwright::pxn {
+
+namespace {
+
+// What is around an item.
+struct Context {
+  std::int32_t node = 0;
+  materials::Fields fields;
+  std::string material_name;  // of the named material, when nothing around changes it
+  std::string prefix;         // of names of frames and keypoints: the uses around
+  std::int32_t texture = scene::kNone;
+  Mat4 texture_from_node{1};
+  Mat4 world_from_node{1};
+  SourceSpan appearance;  // the innermost one, for what is said about its material
+};
+
+// One use of a part. The first one shares its file id with the part; others get theirs when
+// something is reported.
+struct Use {
+  const Part* part;
+  FileId file;
+  bool own_file;
+  Use* outer;
+  SourceSpan included_at;
+  bool used = false;   // a part in its file, not an included file
+  bool named = false;  // in names of frames and keypoints inside
+  // for decals: items and instances by the names of their shapes, in the order of items; and the
+  // items of those decals
+  std::map<std::string, std::vector<std::pair<std::uint32_t, std::int32_t>>, std::less<>> shapes;
+  std::vector<std::uint32_t> decals;
+};
+
+// y up to z up: (x, y, z) goes to (x, −z, y)
+Quat z_up_from_y_up() { return Quat(std::sqrt(0.5), std::sqrt(0.5), 0, 0); }
+
+// A placement followed by the turn of a y-up file: T·R·S·U = T·(R·U)·S', with S' along turned axes.
+scene::Transform with_y_up(const scene::Transform& t) {
+  return {t.translation, glm::normalize(t.rotation * z_up_from_y_up()),
+          Vec3(t.scale.x, t.scale.z, t.scale.y)};
+}
+
+// Whether single precision holds the axes and the place of a node.
+bool fits(const Mat4& world) {
+  for (int c = 0; c < 4; ++c)
+    for (int r = 0; r < 3; ++r)
+      if (!(std::abs(world[c][r]) <= geometry::kMaxCoordinate)) return false;
+  for (int c = 0; c < 3; ++c)
+    if (!(glm::length(Vec3(world[c])) >= geometry::kMinRadius)) return false;
+  return true;
+}
+
+class Assembler {
+ public:
+  Assembler(const Loader& loader, const Options& options, Reporter& reporter, scene::Scene& scene)
+      : loader_(loader), options_(options), reporter_(reporter), scene_(scene) {}
+
+  bool run(std::uint32_t top) {
+    const Part& part = loader_.part(top);
+    scene::Node root;
+    root.name = "root";
+    root.source = {part.file->found.path, 1, 1};
+    if (part.file->y_up) root.parent_from_node = with_y_up({});
+    scene_.nodes.push_back(std::move(root));
+    Context context;
+    context.world_from_node = scene_.nodes[0].parent_from_node.matrix();
+    Use use{&part, part.source, true, nullptr, {}, false, true, {}, {}};
+    items_of(use, context);
+    return !stopped_;
+  }
+
+ private:
+  void items_of(Use& use, const Context& context) {
+    items(use, 0, static_cast<std::uint32_t>(use.part->items.size()), context);
+    for (const std::uint32_t index : use.decals) decal(use, use.part->items[index]);
+  }
+
+  void items(Use& use, std::uint32_t begin, std::uint32_t end, const Context& context) {
+    for (std::uint32_t i = begin; i < end && !stopped_; i = use.part->items[i].end)
+      item(use, i, context);
+  }
+
+  void item(Use& use, std::uint32_t index, const Context& context) {
+    loader_.job().poll();
+    const Item& item = use.part->items[index];
+    Context inner = context;
+    switch (item.kind) {
+      case ItemKind::appearance:
+        inner.fields = context.fields.overridden_by(use.part->fields[item.data]);
+        inner.material_name.clear();
+        inner.appearance = material_place(use, item);
+        break;
+      case ItemKind::texture:
+        inner.texture = static_cast<std::int32_t>(item.data);
+        inner.texture_from_node = Mat4(1);
+        break;
+      case ItemKind::node:
+        if (!enter(use, item, name_of(use, item), transform_of(use, item), inner)) return;
+        break;
+      case ItemKind::shape:
+        shape(use, index, inner);
+        return;
+      case ItemKind::frame:
+        frame(use, item, context);
+        return;
+      case ItemKind::keypoint:
+        keypoint(use, item, context);
+        return;
+      case ItemKind::decal:
+        use.decals.push_back(index);
+        return;
+      case ItemKind::import:
+        import(use, item, inner);
+        return;
+      case ItemKind::include:
+      case ItemKind::use:
+        part(use, item, inner);
+        return;
+    }
+    items(use, index + 1, item.end, inner);
+  }
+
+  // ---- nodes
+
+  std::string numbered(const std::string& base) {
+    return fmt::format("{}{}", base, ++counters_[base]);
+  }
+
+  // The name itself the first time, then with a number; never one that is written in the same
+  // place.
+  std::string named(const Use& use, const std::string& base) {
+    for (;;) {
+      const std::uint32_t count = ++counters_[base];
+      std::string name = count == 1 ? base : fmt::format("{}{}", base, count);
+      if (!is_written_in(use, name) && made_.insert(name).second) return name;
+    }
+  }
+
+  bool is_written_in(const Use& use, const std::string& name) {
+    const Use* place = &use;
+    while (!place->named) place = place->outer;
+    return written_in(*place->part).contains(name);
+  }
+
+  // The names of uses and includes in a part, and in what it includes without a name.
+  const std::set<std::string>& written_in(const Part& part) {
+    const auto [known, added] = written_.try_emplace(&part);
+    if (!added) return known->second;
+    std::set<std::string> names;
+    for (const Item& item : part.items) {
+      if (item.kind != ItemKind::use && item.kind != ItemKind::include) continue;
+      const bool has_details = item.details != kNoDetails;
+      if (has_details && !part.details[item.details].name.empty())
+        names.insert(part.details[item.details].name);
+      else if (item.kind == ItemKind::include)
+        names.merge(std::set(written_in(loader_.part(item.data))));
+    }
+    return written_[&part] = std::move(names);
+  }
+
+  const Details* details_of(const Use& use, const Item& item) const {
+    return item.details == kNoDetails ? nullptr : &use.part->details[item.details];
+  }
+
+  // As written, or after the element with a number.
+  std::string name_of(const Use& use, const Item& item) {
+    const Details* details = details_of(use, item);
+    if (details != nullptr && !details->name.empty()) return details->name;
+    return numbered(std::string(use.part->file->document.name(item.element)));
+  }
+
+  scene::Transform transform_of(const Use& use, const Item& item) const {
+    const Details* details = details_of(use, item);
+    return details != nullptr && details->transform ? *details->transform : scene::Transform{};
+  }
+
+  scene::Source source_of(const Use& use, const Item& item) const {
+    const auto& [line, column] = use.part->file->positions[item.element];
+    return {use.part->file->found.path, line, column};
+  }
+
+  // Makes a node below the context's, and the context its own.
+  bool enter(Use& use, const Item& item, std::string name, const scene::Transform& transform,
+             Context& context) {
+    if (scene_.nodes.size() >= options_.limits.nodes) {
+      report(Code::E1008, use, item, [&] {
+        return Reporter::Text(
+            fmt::format("the model has more than {} nodes, with all that parts, repeats and "
+                        "includes make of them",
+                        options_.limits.nodes));
+      });
+      stopped_ = true;
+      return false;
+    }
+    scene::Node node;
+    node.name = std::move(name);
+    node.parent = context.node;
+    node.source = source_of(use, item);
+    const Mat4 local = transform.matrix();
+    const Mat4 world = context.world_from_node * local;
+    if (fits(world)) {
+      node.parent_from_node = transform;
+      context.world_from_node = world;
+      context.texture_from_node = context.texture_from_node * local;
+    } else {
+      report(Code::E2010, use, item, [&] {
+        return Reporter::Text(
+            "the transforms down to here together scale or move by less than 1e-30 or more than "
+            "1e30; "
+            "this one is left out");
+      });
+    }
+    scene_.nodes.push_back(std::move(node));
+    context.node = static_cast<std::int32_t>(scene_.nodes.size() - 1);
+    if (const Details* details = details_of(use, item); details && details->material >= 0) {
+      const NamedMaterial& material = loader_.material(details->material);
+      context.fields = material.fields;
+      context.material_name = material.name;
+      context.appearance = material.place;
+    }
+    return true;
+  }
+
+  void shape(Use& use, std::uint32_t index, Context& context) {
+    const Item& item = use.part->items[index];
+    if (!enter(use, item, name_of(use, item), transform_of(use, item), context)) return;
+    scene::Instance instance;
+    instance.node = context.node;
+    instance.shape = static_cast<std::int32_t>(item.data);
+    instance.material = material(context);
+    instance.texture = context.texture;
+    if (context.texture != scene::kNone) {
+      instance.mapping = scene::Mapping::sphere;
+      instance.texture_from_shape = context.texture_from_node;
+    }
+    instance.source = source_of(use, item);
+    if (const Details* details = details_of(use, item)) {
+      instance.tolerance = details->tolerance;
+      if (!details->name.empty())
+        use.shapes[details->name].emplace_back(index,
+                                               static_cast<std::int32_t>(scene_.instances.size()));
+    }
+    scene_.instances.push_back(std::move(instance));
+  }
+
+  void frame(Use& use, const Item& item, const Context& context) {
+    const PartFrame& known = use.part->frames[item.data];
+    const std::string name = context.prefix + known.label;
+    if (!labels_.insert(name).second) {
+      if (!taken_.insert({use.part, item.element}).second) return;
+      report(Code::E1210, use, item, [&] {
+        return Reporter::Text(
+            fmt::format("a frame is called {} already; this one is left out", in_quotes(name)));
+      });
+      return;
+    }
+    scene_.frames.push_back(
+        {name, context.node, known.origin, known.rotation, source_of(use, item)});
+  }
+
+  void keypoint(Use& use, const Item& item, const Context& context) {
+    const PartKeypoint& known = use.part->keypoints[item.data];
+    const std::string name = context.prefix + known.name;
+    if (!keypoints_.insert(name).second) {
+      if (!taken_.insert({use.part, item.element}).second) return;
+      report(Code::E1210, use, item, [&] {
+        return Reporter::Text(
+            fmt::format("a keypoint is called {} already; this one is left out", in_quotes(name)));
+      });
+      return;
+    }
+    scene_.keypoints.push_back({name, context.node, known.position, source_of(use, item)});
+  }
+
+  // Once the shapes of the part are there.
+  void decal(Use& use, const Item& item) {
+    const PartDecal& known = use.part->decals[item.data];
+    const auto on = use.shapes.find(known.on);
+    if (on == use.shapes.end()) {
+      if (missing_.insert({use.part, item.element}).second && !is_written(*use.part, known.on))
+        report_missing_shape(use, item, known.on);
+      return;
+    }
+    const auto& all = on->second;
+    auto first = all.begin();
+    auto last = all.end();
+    for (std::uint32_t run = known.run; run != kNoRun; run = use.part->runs[run].outer) {
+      const auto before = [](const auto& shape, std::uint32_t index) {
+        return shape.first < index;
+      };
+      const auto from = std::lower_bound(all.begin(), all.end(), use.part->runs[run].begin, before);
+      const auto to = std::lower_bound(from, all.end(), use.part->runs[run].end, before);
+      if (from == to) continue;
+      first = from;
+      last = to;
+      break;
+    }
+    for (; first != last; ++first) {
+      if (scene_.decals.size() >= options_.limits.nodes) {
+        report(Code::E1008, use, item, [&] {
+          return Reporter::Text(
+              fmt::format("the model has more than {} decals", options_.limits.nodes));
+        });
+        stopped_ = true;
+        return;
+      }
+      scene::Decal decal = known.decal;
+      decal.instance = first->second;
+      decal.source = source_of(use, item);
+      scene_.decals.push_back(std::move(decal));
+    }
+  }
+
+  // Whether a shape of that name stands in the part, though nothing came of it: it was wrong, which
+  // has been said, or is repeated no times. Names with expressions may be any.
+  static bool is_written(const Part& part, std::string_view name) {
+    const xml::Document& document = part.file->document;
+    const std::uint32_t end = document.elements[part.element].next;
+    for (std::uint32_t e = part.element + 1; e < end; ++e)
+      if (const xml::Attribute* given = find_attribute(document, e, "name")) {
+        const std::string written = xml::decoded(document, given->value_begin, given->value_end);
+        if (written == name && document.elements[e].id != schemas::ElementId::decal) return true;
+        if (written.find('{') != std::string::npos &&
+            name.substr(0, written.find('{')) == written.substr(0, written.find('{')))
+          return true;
+      }
+    return false;
+  }
+
+  void report_missing_shape(Use& use, const Item& item, const std::string& name) {
+    report(Code::E1311, use, item, [&]() -> Reporter::Text {
+      std::vector<std::string_view> names;
+      for (const auto& [other, instances] : use.shapes) names.push_back(other);
+      const auto near = nearest_name(name, names);
+      return {fmt::format("no shape of this {} is called {}",
+                          use.part->element == 0 ? "file" : "part", in_quotes(name)),
+              near ? fmt::format("did you mean '{}'?", *near) : ""};
+    });
+  }
+
+  // An included file or a used part.
+  void part(Use& use, const Item& item, Context& context) {
+    const bool used = item.kind == ItemKind::use;
+    if (!used && ++includes_ > options_.limits.includes) {
+      if (includes_ == options_.limits.includes + 1)
+        report(Code::E1304, use, item, [&] {
+          return Reporter::Text(
+              fmt::format("the model makes more than {} includes; the rest is left out",
+                          options_.limits.includes));
+        });
+      return;
+    }
+    const Part& part = loader_.part(item.data);
+    const Details* details = details_of(use, item);
+    const bool has_name = details != nullptr && !details->name.empty();
+    std::string base =
+        used ? part.name : std::filesystem::path(part.file->found.path).stem().string();
+    if (base.empty()) base = "include";
+    const std::string name = has_name ? details->name : named(use, base);
+    scene::Transform transform = transform_of(use, item);
+    if (!used && part.file->y_up) transform = with_y_up(transform);
+    if (!enter(use, item, name, transform, context)) return;
+    if (used || has_name) context.prefix += name + "/";
+    const bool first = used_.insert(item.data).second;
+    SourceSpan at = use.part->file->document.tag_span(item.element);
+    Use inner{&part, part.source, first, &use, at, used, used || has_name, {}, {}};
+    items_of(inner, context);
+  }
+
+  // ---- CAD files
+
+  void import(Use& use, const Item& item, Context& context) {
+    const PartImport& place = use.part->imports[item.data];
+    const ImportedModel& model = loader_.model(place.model);
+    const scene::Scene& from = model.imported.scene;
+    if (!enter(use, item, name_of(use, item), transform_of(use, item), context)) return;
+    if (scene_.nodes.size() + from.nodes.size() > options_.limits.nodes + 1) {
+      report(Code::E1008, use, item, [&] {
+        return Reporter::Text(fmt::format("with the import's {} the model has more than {}",
+                                          counted(from.nodes.size(), "node"),
+                                          options_.limits.nodes));
+      });
+      stopped_ = true;
+      return;
+    }
+    std::vector<std::int32_t> materials(place.materials.size(), -1);
+    for (std::size_t i = 0; i < materials.size(); ++i) {
+      if (place.removed[i]) continue;
+      materials[i] = place.materials[i] < 0
+                         ? cad_material(place.model, model, from.instances[i].material)
+                         : named_material(place.materials[i]);
+    }
+    graft(model, place, materials, context.node, plain_shapes_, scene_);
+  }
+
+  std::int32_t named_material(std::int32_t index) {
+    const NamedMaterial& named = loader_.material(index);
+    Context context;
+    context.fields = named.fields;
+    context.material_name = named.name;
+    context.appearance = named.place;
+    return material(context);
+  }
+
+  // A material of a CAD file, once for each file.
+  std::int32_t cad_material(std::uint32_t model_index, const ImportedModel& model,
+                            std::int32_t index) {
+    const auto [known, added] = cad_materials_.emplace(std::pair(model_index, index), 0);
+    if (!added) return known->second;
+    known->second = static_cast<std::int32_t>(scene_.materials.size());
+    materials::Material copy = model.imported.scene.materials[static_cast<std::size_t>(index)];
+    for (std::int32_t* map : {&copy.maps.albedo, &copy.maps.normal, &copy.maps.roughness,
+                              &copy.maps.reflectance, &copy.maps.cutout})
+      if (*map >= 0) *map = model.textures[static_cast<std::size_t>(*map)];
+    scene_.materials.push_back(std::move(copy));
+    return known->second;
+  }
+
+  // ---- materials
+
+  std::int32_t material(const Context& context) {
+    const auto [known, added] =
+        by_fields_.emplace(std::pair(context.material_name, key_of(context.fields)), 0);
+    if (!added) return known->second;
+    materials::Material material =
+        materials::resolved(context.fields, context.appearance, reporter_.log());
+    const auto next = static_cast<std::int32_t>(scene_.materials.size());
+    const auto [same, is_new] =
+        by_value_.emplace(std::pair(context.material_name, key_of(material)), next);
+    known->second = same->second;
+    if (is_new) {
+      material.name = !context.material_name.empty()       ? context.material_name
+                      : context.appearance.file == kNoFile ? "default"
+                                                           : numbered("material");
+      scene_.materials.push_back(std::move(material));
+    }
+    return same->second;
+  }
+
+  // ---- reports
+
+  // The file id of this use, so that the include stack below a message is the right one.
+  FileId file_of(Use& use) {
+    if (use.own_file) return use.file;
+    SourceMap& sources = reporter_.log().sources();
+    SourceSpan at = use.included_at;
+    at.file = file_of(*use.outer);
+    const SourceFile& original = sources.file(use.part->source);
+    SourceFile copy{original.name, original.bytes, original.encoding, at, use.used};
+    use.file = sources.add(std::move(copy));
+    use.own_file = true;
+    return use.file;
+  }
+
+  static SourceSpan place(const Use& use, const Item& item) {
+    return use.part->file->document.tag_span(item.element);
+  }
+  static SourceSpan material_place(const Use& use, const Item& item) {
+    const xml::Document& document = use.part->file->document;
+    const std::uint32_t material = child_of(document, item.element, schemas::ElementId::material);
+    return document.tag_span(material == 0 ? item.element : material);
+  }
+
+  template <class Compose>
+  void report(Code code, Use& use, const Item& item, const Compose& compose) {
+    SourceSpan where = place(use, item);
+    where.file = file_of(use);
+    reporter_.report(code, where, use.part->file->document, item.element, compose);
+  }
+
+  const Loader& loader_;
+  const Options& options_;
+  Reporter& reporter_;
+  scene::Scene& scene_;
+  std::map<std::string, std::uint32_t> counters_;
+  std::map<std::pair<std::string, std::vector<double>>, std::int32_t> by_fields_;
+  std::map<std::pair<std::string, std::vector<double>>, std::int32_t> by_value_;
+  std::set<std::string> labels_;
+  std::set<std::string> keypoints_;
+  std::set<std::pair<const Part*, std::uint32_t>> missing_;  // decals without a shape, said once
+  std::set<std::pair<const Part*, std::uint32_t>> taken_;    // names of these, said once
+  std::set<std::string> made_;                               // by named()
+  std::map<const Part*, std::set<std::string>> written_;     // by written_in()
+  std::set<std::uint32_t> used_;
+  std::map<std::pair<std::uint32_t, std::int32_t>, std::int32_t> cad_materials_;
+  PlainShapes plain_shapes_;
+  std::uint64_t includes_ = 0;
+  bool stopped_ = false;
+};
+
+}  // namespace
+
+bool assemble(const Loader& loader, std::uint32_t top, const Options& options, Reporter& reporter,
+              scene::Scene& scene) {
+  return Assembler(loader, options, reporter, scene).run(top);
+}
+
+}  // namespace panwright::pxn

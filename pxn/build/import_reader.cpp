@@ -1,0 +1,284 @@
+// CAD files, and the rules that dress them.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "base/text.h"
+#include "importers/clean.h"
+#include "pxn/build/loader.h"
+#include "pxn/build/pattern.h"
+#include "pxn/skeleton.h"
+
+namespace panwright::pxn {
+
+namespace attribute = schemas::attribute;
+using schemas::ElementId;
+
+namespace {
+
+// most characters of near names in a message
+constexpr std::size_t kMostNames = 6;
+
+// What an imported file names, from its own folder and below, through the model's files.
+class ImportFiles : public importers::Files {
+ public:
+  ImportFiles(pxn::Files& files, const FoundFile& model) : files_(files), model_(model) {}
+
+  Outcome read(const std::string& path, SharedText& bytes) override {
+    FoundFile found;
+    switch (files_.find(path, model_, true, found)) {
+      case pxn::Files::Outcome::missing:
+        return Outcome::missing;
+      case pxn::Files::Outcome::outside:
+        return Outcome::outside;
+      case pxn::Files::Outcome::found:
+        break;
+    }
+    DiagnosticLog log;  // the importer says it in its own words
+    const auto loaded = files_.load(found, {}, log);
+    if (!loaded) return log.contains(Code::E0104) ? Outcome::too_large : Outcome::unreadable;
+    bytes = *loaded;
+    return Outcome::found;
+  }
+
+  std::string display_name(const std::string& path) const override {
+    return (std::filesystem::path(model_.name).parent_path() / path).string();
+  }
+
+ private:
+  pxn::Files& files_;
+  const FoundFile& model_;
+};
+
+template <class Names>
+std::string near_names(std::string_view pattern, const Names& names) {
+  std::string plain;
+  for (const char c : pattern)
+    if (c != '*' && c != '?') plain += c;
+  const std::vector<std::string_view> all(names.begin(), names.end());
+  if (const auto near = nearest_name(plain, all)) return fmt::format("did you mean '{}'?", *near);
+  std::string out;
+  std::size_t count = 0;
+  for (const std::string_view name : all) {
+    if (name.empty()) continue;
+    if (count++ == kMostNames) return "there are " + out + "…";
+    out += (out.empty() ? "" : ", ") + in_quotes(name);
+  }
+  return out.empty() ? "none has a name" : "there are " + out;
+}
+
+}  // namespace
+
+std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t element,
+                                                    const FoundFile& found) {
+  Values& values = *work.file.values;
+  importers::Options options;
+  geometry::CleanOptions clean;
+  const auto word = [&](std::size_t which) {
+    return values.has(element, which) ? values.text(element, which).value_or("") : std::string();
+  };
+  const std::string units = word(attribute::import_units);
+  const std::string up = word(attribute::import_up);
+  const bool cleaned = word(attribute::import_clean) != "no";
+  const std::string scene = word(attribute::import_scene);
+  clean.keep_normals = word(attribute::import_normals) != "crease";
+  clean.tolerance = values.real_or_default(element, attribute::import_weld);
+  options.crease_angle =
+      values.real(element, attribute::import_crease).value_or(options.crease_angle);
+  clean.crease_angle = options.crease_angle;
+  if (!scene.empty()) options.scene = scene;
+  options.primitives =
+      static_cast<std::uint32_t>(values.integer(element, attribute::import_primitives).value_or(0));
+  options.deflection = values.real_or_default(element, attribute::import_deflection);
+  options.limits.nodes = options_.limits.nodes;
+  options.limits.texture_bytes = options_.limits.texture_bytes - texture_bytes_;
+
+  const std::string key = fmt::format(
+      "{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", found.key, units, up, cleaned, clean.keep_normals,
+      clean.tolerance, options.crease_angle, scene, options.primitives, options.deflection);
+  const auto known = known_models_.find(key);
+  if (known != known_models_.end()) return known->second;
+  auto& index = known_models_[key];
+
+  ImportFiles files(files_, found);
+  auto imported = importers::import_from(
+      files, std::filesystem::path(found.path).filename().generic_string(), options,
+      reporter_.log(), values.value_place(element, attribute::import_file), job_);
+  job_.poll();
+  if (!imported) return std::nullopt;
+  note_unused(work, element, imported->format, cleaned);
+  // first, as lengths of cleaning are metres of the world
+  const std::size_t nodes = imported->scene.nodes.size();
+  importers::place(*imported, importers::unit_of(units), importers::up_of(up), false,
+                   reporter_.log());
+  if (cleaned && !importers::clean_up(imported->scene, clean, reporter_.log(), job_))
+    throw Cancelled();
+  index = static_cast<std::uint32_t>(models_.size());
+  ImportedModel& model = models_.emplace_back();
+  model.imported = std::move(*imported);
+  model.top = model.imported.scene.nodes.size() > nodes ? 1 : 0;
+  // patterns are UTF-8, whatever the names of the file are
+  for (scene::Node& node : model.imported.scene.nodes)
+    node.name = to_utf8(node.name, Encoding::utf8);
+  for (importers::CadMaterial& material : model.imported.materials)
+    material.name = to_utf8(material.name, Encoding::utf8);
+  model.material_names = numbered_names(model.imported.materials);
+  take_over(model, found);
+  return index;
+}
+
+// Attributes that are for files of another format, or for cleaning that is switched off.
+void Loader::note_unused(Work& work, std::uint32_t element, importers::Format format,
+                         bool cleaned) {
+  using importers::Format;
+  Values& values = *work.file.values;
+  const auto note = [&](std::size_t which, const char* message) {
+    if (!values.has(element, which)) return;
+    reporter_.report(Code::N1405, values.value_place(element, which), work.file.document, element,
+                     [&] { return Reporter::Text(message); });
+  };
+  if (!cleaned) {
+    note(attribute::import_weld, "'weld' has no effect with clean=\"no\"");
+    note(attribute::import_normals, "'normals' has no effect with clean=\"no\"");
+  }
+  if (format != Format::gltf) note(attribute::import_scene, "'scene' is for glTF files only");
+  if (format != Format::vrml97 && format != Format::vrml1)
+    note(attribute::import_primitives, "'primitives' is for VRML files only");
+  if (format != Format::step)
+    note(attribute::import_deflection, "'deflection' is for STEP files only");
+}
+
+// Moves shapes, pictures and inputs of a CAD file into the scene.
+void Loader::take_over(ImportedModel& model, const FoundFile& found) {
+  scene::Scene& from = model.imported.scene;
+  const std::filesystem::path folder = std::filesystem::path(found.path).parent_path();
+  for (scene::Input& input : from.inputs) {
+    input.path = (folder / input.path).lexically_normal().generic_string();
+    if (inputs_.insert("import\n" + input.path).second) scene_.inputs.push_back(input);
+  }
+  for (scene::Texture& texture : from.textures) {
+    texture_bytes_ += texture.rgba.size();
+    model.textures.push_back(static_cast<std::int32_t>(scene_.textures.size()));
+    scene_.textures.push_back(std::move(texture));
+  }
+  from.textures.clear();
+  for (geometry::Shape& shape : from.shapes) {
+    model.shapes.push_back(static_cast<std::int32_t>(scene_.shapes.size()));
+    scene_.shapes.push_back(std::move(shape));
+  }
+  from.shapes.clear();
+}
+
+void Loader::read_import(Work& work, std::uint32_t element) {
+  Values& values = *work.file.values;
+  const auto name = values.text(element, attribute::import_file);
+  if (!name) return;
+  const auto found = find(work, element, attribute::import_file, *name);
+  if (!found) return;
+  const auto model = imported_model(work, element, *found);
+  // what is wrong with the file itself has been said
+  if (!model) return;
+  PartImport import;
+  import.model = *model;
+  const std::size_t instances = models_[*model].imported.scene.instances.size();
+  import.removed.resize(instances);
+  import.materials.assign(instances, -1);
+  import.keeps_picture.assign(instances, 1);
+  import.keep_hidden = values.has(element, attribute::import_hidden) &&
+                       values.text(element, attribute::import_hidden) == "keep";
+  const xml::Document& document = work.file.document;
+  const std::uint32_t end = document.elements[element].next;
+  for (std::uint32_t c = element + 1; c < end; c = document.elements[c].next)
+    read_import_rule(work, c, import);
+  const std::uint32_t details = read_details(work, element);
+  work.part.imports.push_back(std::move(import));
+  add_item(work, ItemKind::import, element,
+           static_cast<std::uint32_t>(work.part.imports.size() - 1), details);
+}
+
+// Which instances of the file a rule is about; reported as W1501 when there are none.
+std::vector<char> Loader::chosen_instances(Work& work, std::uint32_t rule, std::size_t nodes,
+                                           std::size_t materials, const ImportedModel& model) {
+  Values& values = *work.file.values;
+  const scene::Scene& scene = model.imported.scene;
+  std::vector<char> chosen(scene.instances.size(), 1);
+  const auto narrow = [&](std::size_t which, std::string_view what, const auto& applies,
+                          const std::set<std::string>& names) {
+    if (!values.has(rule, which)) return;
+    const auto pattern = values.text(rule, which);
+    if (!pattern) return chosen.assign(chosen.size(), 0);
+    const auto holds = applies(*pattern);
+    bool any = false;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const bool fits = holds(scene.instances[i]);
+      any = any || fits;
+      chosen[i] = static_cast<char>(chosen[i] && fits);
+    }
+    if (any) return;
+    reporter_.report(Code::W1501, values.value_place(rule, which), work.file.document, rule, [&] {
+      return Reporter::Text(
+          fmt::format("no {} of the import with a surface fits {}", what, in_quotes(*pattern)),
+          near_names(*pattern, names));
+    });
+  };
+  std::set<std::string> node_names, material_names;
+  for (std::size_t i = 1; i < scene.nodes.size(); ++i) node_names.insert(scene.nodes[i].name);
+  for (const importers::CadMaterial& material : model.imported.materials)
+    material_names.insert(material.name);
+  for (const std::string& name : model.material_names) material_names.insert(name);
+  narrow(
+      nodes, "node",
+      [&](const std::string& pattern) {
+        return [named = matching_nodes(scene, model.top, Pattern(pattern))](
+                   const scene::Instance& instance) {
+          return named[static_cast<std::size_t>(instance.node)] != 0;
+        };
+      },
+      node_names);
+  narrow(
+      materials, "material",
+      [&](const std::string& pattern) {
+        const Pattern wanted(pattern);
+        std::vector<char> named;
+        for (std::size_t i = 0; i < model.material_names.size(); ++i)
+          named.push_back(static_cast<char>(wanted.fits(model.material_names[i]) ||
+                                            wanted.fits(model.imported.materials[i].name)));
+        return [named = std::move(named)](const scene::Instance& instance) {
+          return named[static_cast<std::size_t>(instance.material)] != 0;
+        };
+      },
+      material_names);
+  return chosen;
+}
+
+void Loader::read_import_rule(Work& work, std::uint32_t rule, PartImport& import) {
+  const xml::Document& document = work.file.document;
+  Values& values = *work.file.values;
+  const ImportedModel& model = models_[import.model];
+  if (document.elements[rule].id == ElementId::remove) {
+    const auto chosen =
+        chosen_instances(work, rule, attribute::remove_nodes, attribute::remove_materials, model);
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      if (chosen[i]) import.removed[i] = 1;
+    return;
+  }
+  if (document.elements[rule].id != ElementId::assign) return;
+  const auto chosen =
+      chosen_instances(work, rule, attribute::assign_nodes, attribute::assign_materials, model);
+  Definition* const material =
+      look_up(work.file, rule, attribute::assign_material, work.file.materials, "material");
+  const auto index = material == nullptr ? std::nullopt : material_of(*material);
+  if (!index) return;
+  const bool keep = values.has(rule, attribute::assign_pictures) &&
+                    values.text(rule, attribute::assign_pictures) == "keep";
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (!chosen[i]) continue;
+    import.materials[i] = static_cast<std::int32_t>(*index);
+    import.keeps_picture[i] = static_cast<char>(keep);
+  }
+}
+
+}  // namespace panwright::pxn

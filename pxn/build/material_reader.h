@@ -1,0 +1,22 @@
+// Reads materials. Private to pxn.
+#pragma once
+
+#include "materials/material.h"
+#include "pxn/expression/values.h"
+#include "pxn/materials.h"
+#include "pxn/text/reporter.h"
+
+namespace panwright::pxn {
+
+// Reads a <material>. A field that cannot be read is left out.
+//
+// Reports: E1201 to E1203; of a named material also E1406, E1407.
+materials::Fields read_material(const xml::Document& document, std::uint32_t element,
+                                Values& values, Reporter& reporter);
+
+// What a named material says about where its numbers come from, over what the material that it
+// starts from said.
+void read_provenance(const xml::Document& document, std::uint32_t element, Values& values,
+                     Provenance& out);
+
+}  // namespace panwright::pxn

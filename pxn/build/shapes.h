@@ -1,0 +1,47 @@
+// Readers of single elements: frames, shapes.
+#pragma once
+
+#include <memory>
+
+#include "geometry/tessellate/shape.h"
+#include "pxn/build/part.h"
+#include "pxn/expression/values.h"
+#include "pxn/text/reporter.h"
+
+namespace panwright::pxn {
+
+// Reads a <frame_s>: its origin and axes.
+//
+// Fails (nullopt): E1201 to E1203, E1207. Reports: N1208.
+std::optional<PartFrame> read_frame_axes(const xml::Document& document, std::uint32_t element,
+                                         Values& values, Reporter& reporter);
+
+// node_from_frame of a frame that looks along a direction, with another at the top of its image (x
+// right, y down, z forward). Any lengths; nothing when they are 0 or within 1e-6 rad of parallel.
+std::optional<Quat> looking(Vec3 forward, Vec3 up);
+
+// Whether a text can be a name in expressions. Reports E1221 where it cannot, and E1210 where it is
+// that of a constant or a function.
+bool check_name(const xml::Document& document, std::uint32_t element, SourceSpan where,
+                const std::string& name, Reporter& reporter);
+
+// Reads a shape that is not a mesh.
+//
+//   returns  sound by geometry::problem_of; nothing where something is missing or wrong
+//
+// Reports: E1201 to E1203, E1212 to E1224, E2001, E2010 to E2018, W2006, W2007, W2009, W2019.
+std::optional<geometry::Shape> read_exact_shape(const xml::Document& document,
+                                                std::uint32_t element, const Units& units,
+                                                Values& values, Reporter& reporter);
+
+// Reads a <mesh>: strips to triangles, normals made unit or computed.
+//
+//   returns  sound by scene::check, with at least one triangle; null where too little can be read
+//
+// Reports: E1201 to E1203, W1205, E2001, E2002, E2004, N2005, W2006 to W2009.
+// Cost: O(bytes + T log(triangles at a vertex)).
+std::shared_ptr<const geometry::Mesh> read_mesh_shape(const xml::Document& document,
+                                                      std::uint32_t element, double crease_angle,
+                                                      Values& values, Reporter& reporter);
+
+}  // namespace panwright::pxn

@@ -1,0 +1,158 @@
+// Values between tags and in attributes, held against their types and ranges.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pxn/expression/expression.h"
+#include "pxn/expression/scope.h"
+#include "pxn/expression/units.h"
+#include "pxn/text/reporter.h"
+#include "pxn/text/xml.h"
+#include "schemas/generated/pxn_schema.h"
+
+namespace panwright::pxn {
+
+// Reads values of one document. What cannot be read is reported and comes back empty or false.
+//
+// In files of level 1 a number may have a unit ("12mm"), and may be an expression in braces over
+// the names of a scope ("{span/2 - 5mm}"), whose value is in SI; labels and paths may hold
+// expressions in braces ("bolt{i}"), written as whole numbers where they are. Results are in metres
+// and radians where the tables give a dimension: there a bare number has the root's unit; the value
+// of an expression has none, so that {5} is 5 m. A unit must be of the table's dimension, and so
+// must the value of an expression as far as it is known (Expressions). A value of an expression
+// that leaves a range by 1e-15 of its limit, as {3*30deg} may, is the limit.
+//
+// Expects: elements have passed the grammar check, and their entry in the tables has the value that
+// is asked for. Attributes are named by their index in the tables (schemas::attribute).
+//
+// Reports, in what follows: E1201 to E1203, E1211; with level 1 E1212, E1213, E1221 to E1224.
+class Values {
+ public:
+  Values(const xml::Document& document, const schemas::Language& language, Reporter& reporter)
+      : doc_(document), language_(language), reporter_(reporter) {}
+
+  // From now on. The scope outlives its use here; nullptr: no names.
+  void set_units(const Units& units);
+  void set_scope(const Scope* scope) { scope_ = scope; }
+  const Scope* scope() const { return scope_; }
+
+  bool has(std::uint32_t element, std::size_t attribute) const;
+
+  // The numbers between the tags, as many as the tables say: out.size().
+  bool numbers(std::uint32_t element, std::span<double> out);
+  // The same of an attribute; where the tables let one number stand for all, it does. False without
+  // a report when the attribute is not there.
+  bool numbers(std::uint32_t element, std::size_t attribute, std::span<double> out);
+
+  // A list of numbers between the tags; replaces `out`. E1203 also where they make no whole tuples,
+  // or too few.
+  bool list(std::uint32_t element, std::vector<double>& out);
+  // A list of whole numbers, each below 2^32.
+  bool integers(std::uint32_t element, std::vector<std::uint32_t>& out);
+  // The place of one of a list again, for later complaints.
+  SourceSpan place_of(std::uint32_t element, std::size_t number);
+
+  // Nothing, without a report, when the attribute is not there.
+  std::optional<double> real(std::uint32_t element, std::size_t attribute);
+  // The default of the tables where it is absent or cannot be read. Expects: there is one.
+  double real_or_default(std::uint32_t element, std::size_t attribute) {
+    const double initial = schema(element).attributes[attribute].initial[0];
+    return real(element, attribute).value_or(initial);
+  }
+  std::optional<std::uint64_t> integer(std::uint32_t element, std::size_t attribute);
+  std::optional<Quantity> quantity(std::uint32_t element, std::size_t attribute);
+
+  // A word, path or label, as UTF-8 without control characters.
+  //
+  // Reports: E1103 (empty), E1204.
+  std::optional<std::string> text(std::uint32_t element, std::size_t attribute);
+
+  // The place of an attribute's value, or of the element's name when it is not there.
+  SourceSpan value_place(std::uint32_t element, std::size_t attribute) const;
+
+ private:
+  // The text of one element or attribute, and where its bytes come from.
+  struct Text {
+    std::string_view text;
+    std::uint32_t begin = 0;                              // of text[0] in the file
+    const std::vector<std::uint32_t>* offsets = nullptr;  // of each byte, where decoding moved them
+  };
+  struct Token {
+    std::string_view text;
+    std::size_t at = 0;
+  };
+
+  const schemas::Element& schema(std::uint32_t element) const {
+    return language_.elements[static_cast<std::size_t>(doc_.elements[element].id)];
+  }
+  Text text_of(std::uint32_t element);
+  Text text_of(const xml::Attribute& attribute);
+  // What bare numbers of a value are: in a unit (nullptr: SI), or times a factor.
+  struct Bare {
+    const Unit* unit = nullptr;
+    double factor = 1;
+  };
+  // A number as it is written.
+  struct Amount {
+    double value = 0;                                         // in SI
+    schemas::Dimension dimension = schemas::Dimension::none;  // of its unit, or of an expression
+    const Unit* unit = nullptr;                               // in which it is written
+    bool bare = false;                                        // the unit is the root's
+    bool computed = false;                                    // by an expression
+  };
+
+  bool next_token(const Text& text, std::size_t& at, Token& token) const;
+  static Token trimmed(const Text& text);
+  SourceSpan place(const Text& text, const Token& token) const;
+  std::string written(const Text& text, const Token& token) const;
+
+  Bare bare_of(const schemas::Value& value) const;
+  bool read_plain(std::string_view text, const schemas::Value& value, std::span<double> out) const;
+  bool read_plain_list(std::string_view text, const schemas::Value& value,
+                       std::vector<double>& out) const;
+  const char* read_plain_number(const char* at, const char* end, const Bare& bare,
+                                const schemas::Number& limits, double& out) const;
+  bool read_all(std::uint32_t element, const Text& text, const schemas::Value& value,
+                std::span<double> out, std::size_t& count);
+
+  std::optional<Amount> read_amount(std::uint32_t element, const Text& text, const Token& token,
+                                    const schemas::Value& value, std::size_t index);
+  std::optional<Amount> read_computed(std::uint32_t element, const Text& text, const Token& token,
+                                      const schemas::Value& value);
+  std::optional<Measured> evaluate(std::uint32_t element, const Text& text, const Token& token);
+  bool read_real(std::uint32_t element, const Text& text, const Token& token,
+                 const schemas::Value& value, std::size_t index, double& out);
+  bool read_integer(std::uint32_t element, const Text& text, const Token& token,
+                    const schemas::Value& value, std::size_t index, std::uint64_t& out);
+  bool read_computed_integer(std::uint32_t element, const Text& text, const Token& token,
+                             const schemas::Value& value, std::size_t index, std::uint64_t& out);
+  bool replace_expressions(std::uint32_t element, const Text& text, std::string& out);
+
+  void bad_number(Code code, std::uint32_t element, const Text& text, const Token& token,
+                  const schemas::Value& value, std::size_t index, const Amount& amount);
+  std::string number_hint(const Token& token) const;
+  void bad_kind(std::uint32_t element, const Text& text, const Token& token,
+                schemas::Dimension needed, std::string_view got);
+  void bad_unit(std::uint32_t element, const Text& text, const Token& token, std::size_t number);
+  void bad_count(std::uint32_t element, const schemas::Value& value, std::string_view subject,
+                 std::size_t count);
+  void bad_tuples(std::uint32_t element, const schemas::Value& value, std::size_t count);
+  std::string subject(std::uint32_t element, const schemas::Value& value, std::size_t index) const;
+
+  const xml::Document& doc_;
+  const schemas::Language& language_;
+  Reporter& reporter_;
+  Units units_;
+  const Unit* length_unit_ = nullptr;  // the root's
+  const Unit* angle_unit_ = nullptr;
+  const Scope* scope_ = nullptr;
+  Expressions expressions_;
+  std::string buffer_;
+  std::vector<std::uint32_t> offsets_;
+};
+
+}  // namespace panwright::pxn
