@@ -7,7 +7,7 @@
 #include <array>
 #include <cstring>
 
-#include "preview/internal/context_kinds.h"
+#include "preview/gl/context_kinds.h"
 
 namespace panwright::preview {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cassert>
 
-#include "preview/internal/device_impl.h"
+#include "preview/gl/device_impl.h"
 
 namespace panwright::preview {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "preview/internal/image_files.h"
+#include "preview/image/image_files.h"
 
 namespace panwright::preview {
 namespace {

@@ -7,9 +7,9 @@
 #include <chrono>
 #include <cmath>
 
-#include "preview/internal/passes.h"
-#include "preview/internal/samples.h"
-#include "preview/internal/truth.h"
+#include "preview/frame/passes.h"
+#include "preview/frame/samples.h"
+#include "preview/frame/truth.h"
 
 namespace panwright::preview {
 namespace {

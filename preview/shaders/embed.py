@@ -5,7 +5,7 @@ import pathlib
 import sys
 
 output, files = pathlib.Path(sys.argv[1]), [pathlib.Path(name) for name in sys.argv[2:]]
-lines = ['#include "preview/internal/shader_text.h"', "", "namespace panwright::preview {", ""]
+lines = ['#include "preview/gl/shader_text.h"', "", "namespace panwright::preview {", ""]
 for file in files:
     name = file.name.replace(".", "_")
     text = file.read_text(encoding="utf-8")

@@ -20,7 +20,7 @@
 
 #include "base/file.h"
 #include "base/math.h"
-#include "preview/internal/zip.h"
+#include "preview/image/zip.h"
 #include "tests/support/paths.h"
 
 namespace panwright::preview {

@@ -1,4 +1,4 @@
-#include "preview/internal/map_levels.h"
+#include "preview/model/map_levels.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "preview/internal/projection.h"
+#include "preview/frame/projection.h"
 
 #include <gtest/gtest.h>
 

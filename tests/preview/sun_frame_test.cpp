@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "preview/internal/sun_frame.h"
+#include "preview/frame/sun_frame.h"
 
 namespace panwright::preview {
 namespace {

@@ -1,4 +1,4 @@
-#include "preview/internal/tangents.h"
+#include "preview/model/tangents.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "preview/internal/texture_levels.h"
+#include "preview/model/texture_levels.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "preview/frame/samples.h"
 #include "preview/image.h"
-#include "preview/internal/samples.h"
 
 namespace panwright::preview {
 namespace {

@@ -1,7 +1,7 @@
 // Shadows against closed forms and rays. A texel is one of the shadow map, an offset is measured
 // across the Sun's rays.
 #include "pictures.h"
-#include "preview/internal/sun_frame.h"
+#include "preview/frame/sun_frame.h"
 #include "tests/support/sun_rays.h"
 
 namespace panwright::preview {

@@ -3,7 +3,7 @@
 #include <random>
 
 #include "pictures.h"
-#include "preview/internal/shadow.h"
+#include "preview/frame/shadow.h"
 #include "tests/support/sun_rays.h"
 
 namespace panwright::preview {

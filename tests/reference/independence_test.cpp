@@ -2,8 +2,8 @@
 // pair is two texts of one rule.
 #include <random>
 
-#include "preview/internal/map_levels.h"
-#include "preview/internal/tangents.h"
+#include "preview/model/map_levels.h"
+#include "preview/model/tangents.h"
 #include "preview/reference/internal/placement.h"
 #include "preview/reference/internal/tangents.h"
 #include "preview/reference/internal/texture.h"

@@ -9,7 +9,7 @@
 #include "base/math.h"
 #include "geometry/ray/ray.h"
 #include "pan/model.h"
-#include "preview/internal/sun_frame.h"
+#include "preview/frame/sun_frame.h"
 #include "tests/support/view.h"
 
 namespace panwright::support {

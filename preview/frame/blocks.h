@@ -1,0 +1,48 @@
+// From double to the uniform blocks of the shaders. Private to preview.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "preview/frame/draw_list.h"
+#include "preview/gl/programs.h"
+
+namespace panwright::preview {
+
+// Columns one after the other: 16 numbers.
+inline void copy_floats(const Mat4& from, float* to) {
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) *to++ = static_cast<float>(from[column][row]);
+}
+
+// Columns, each padded to 4: 12 numbers.
+inline void copy_floats(const Mat3& from, float* to) {
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) *to++ = static_cast<float>(from[column][row]);
+    *to++ = 0;
+  }
+}
+
+// Padded to 4.
+inline void copy_floats(const Vec3& from, float* to) {
+  for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from[k]);
+  to[3] = 0;
+}
+
+// How often an item's maps repeat.
+inline void copy_repeat(const DrawItem& item, DrawBlock& block) {
+  for (int axis = 0; axis < 2; ++axis) {
+    block.repeat[axis] = static_cast<float>(item.repeat[axis]);
+    block.repeat[axis + 2] = item.repeat[axis] < 0 ? -1.0f : 1.0f;
+  }
+}
+
+// The bytes from one uniform block of a buffer to the next.
+inline std::size_t block_stride(const GladGLContext& gl, std::size_t block_bytes) {
+  GLint alignment = 1;
+  gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
+  const auto step = static_cast<std::size_t>(std::max(alignment, 1));
+  return (block_bytes + step - 1) / step * step;
+}
+
+}  // namespace panwright::preview

@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "preview/frame/draw_list.h"
+
+namespace panwright::preview {
+namespace {
+
+Mat3 outward_normals(const Mat3& linear) {
+  Mat3 normals = cofactor(linear);
+  double largest = 0;
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) largest = std::max(largest, std::fabs(normals[column][row]));
+  if (largest > 0) normals /= largest;
+  return glm::determinant(linear) < 0 ? -normals : normals;
+}
+
+bool is_brushed(const pan::layout::Material& material) {
+  return materials::is_anisotropic(pan::material_from(material, {}));
+}
+
+void place(DrawItem& item, const pan::Model& model, const Mat4& model_from_node) {
+  const pan::layout::Mesh& mesh = model.meshes()[item.mesh];
+  const Vec3 origin(mesh.origin[0], mesh.origin[1], mesh.origin[2]);
+  item.model_from_mesh = model_from_node;
+  item.model_from_mesh[3] = model_from_node * Vec4(origin, 1);
+  item.mirrored = glm::determinant(Mat3(model_from_node)) < 0;
+  item.model_normal_from_mesh = outward_normals(Mat3(model_from_node));
+}
+
+auto order(const DrawItem& item) {
+  return std::tie(item.variant, item.closed, item.mirrored, item.texture, item.material, item.mesh,
+                  item.instance);
+}
+
+}  // namespace
+
+Families families_of(const pan::Model& model) {
+  std::vector<materials::Laws> of_material;
+  for (const pan::layout::Material& record : model.materials())
+    of_material.push_back(materials::laws_of(pan::material_from(record, {})));
+  Families families;
+  families.all = of_material;
+  std::sort(families.all.begin(), families.all.end());
+  families.all.erase(std::unique(families.all.begin(), families.all.end()), families.all.end());
+  for (const materials::Laws& laws : of_material)
+    families.of_material.push_back(static_cast<std::uint32_t>(
+        std::lower_bound(families.all.begin(), families.all.end(), laws) - families.all.begin()));
+  return families;
+}
+
+std::vector<DrawItem> draw_list(const pan::Model& model) {
+  namespace layout = pan::layout;
+  const std::vector<Mat4> world_from_nodes = model.world_from_nodes();
+  std::vector<DrawItem> list;
+  list.reserve(model.instances().size());
+  for (std::uint32_t i = 0; i < model.instances().size(); ++i) {
+    const layout::Instance& instance = model.instances()[i];
+    const layout::Mesh& mesh = model.meshes()[instance.mesh];
+    const layout::Material& material = model.materials()[instance.material];
+    DrawItem item;
+    item.variant.shading = material.variant;
+    item.variant.textured = instance.texture >= 0;
+    item.variant.coloured = (mesh.flags & layout::kMeshColours) != 0;
+    item.variant.albedo_map = material.albedo_map >= 0;
+    item.variant.normal_map = material.normal_map >= 0;
+    item.variant.roughness_map = material.roughness_map >= 0;
+    item.variant.reflectance_map = material.reflectance_map >= 0 &&
+                                   materials::laws_of(pan::material_from(material, {})).mapped;
+    item.variant.cutout = material.cutout_map >= 0;
+    item.variant.cells = material.cell_count[0] > 0;
+    item.variant.brushed = is_brushed(material);
+    item.variant.tangents = item.variant.normal_map ||
+                            (item.variant.brushed && !model.mesh(instance.mesh).texcoords.empty());
+    item.closed = (mesh.flags & layout::kMeshClosed) != 0 && !item.variant.cutout;
+    item.texture = instance.texture;
+    item.material = instance.material;
+    item.mesh = instance.mesh;
+    item.instance = i;
+    place(item, model, world_from_nodes[instance.node]);
+    item.repeat = Vec2(material.map_repeat[0], material.map_repeat[1]);
+    item.diffuse = Vec3(material.diffuse[0], material.diffuse[1], material.diffuse[2]);
+    if (item.variant.cells) {
+      // gaps and fingers have colours of their own, whatever the weight of the cells'
+      item.diffuse *= static_cast<double>(material.weight_d);
+      item.cells = *pan::material_from(material, {}).cells;
+    }
+    item.low = Vec3(mesh.bounds_min[0], mesh.bounds_min[1], mesh.bounds_min[2]);
+    item.high = Vec3(mesh.bounds_max[0], mesh.bounds_max[1], mesh.bounds_max[2]);
+    list.push_back(item);
+  }
+  std::sort(list.begin(), list.end(),
+            [](const DrawItem& a, const DrawItem& b) { return order(a) < order(b); });
+  return list;
+}
+
+std::vector<DrawItem> placed(std::span<const DrawItem> list, const pan::Model& model,
+                             const world::EvaluatedInstance& at) {
+  std::vector<DrawItem> items(list.begin(), list.end());
+  for (DrawItem& item : items) {
+    const std::uint32_t node = model.instances()[item.instance].node;
+    item.visible = at.node_visible[node] != 0;
+    place(item, model, at.model_from_nodes[node]);
+  }
+  return items;
+}
+
+std::vector<float> triangle_normals(const pan::MeshView& mesh) {
+  const auto position = [&](std::size_t index) {
+    const pan::layout::Float3& p = mesh.positions[mesh.indices[index]];
+    return Vec3(p.x, p.y, p.z);
+  };
+  std::vector<float> normals(mesh.indices.size());
+  for (std::size_t i = 0; i < normals.size(); i += 3) {
+    const Vec3 corner = position(i);
+    Vec3 a = position(i + 1) - corner;
+    Vec3 b = position(i + 2) - corner;
+    // tiny and huge triangles would under- or overflow in the squared length of the product
+    const double scale = std::max(std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)}),
+                                  std::max({std::fabs(b.x), std::fabs(b.y), std::fabs(b.z)}));
+    if (!(scale > 0)) continue;
+    const Vec3 normal = glm::cross(a / scale, b / scale);
+    const double length = glm::length(normal);
+    if (!(length > 0)) continue;
+    for (int k = 0; k < 3; ++k)
+      normals[i + static_cast<std::size_t>(k)] = static_cast<float>(normal[k] / length);
+  }
+  return normals;
+}
+
+}  // namespace panwright::preview

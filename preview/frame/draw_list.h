@@ -1,0 +1,75 @@
+// What is drawn, in which order, and where it stands for one view. Private to preview; nothing here
+// needs OpenGL.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "materials/material.h"
+#include "pan/model.h"
+#include "preview/frame/projection.h"
+#include "preview/image.h"
+#include "world/evaluation.h"
+
+namespace panwright::preview {
+
+// The families of materials that a model has; each is shaded by a program of its own.
+struct Families {
+  std::vector<materials::Laws> all;        // sorted
+  std::vector<std::uint32_t> of_material;  // into all, one for each material
+};
+Families families_of(const pan::Model& model);
+
+// Which shader draws an instance, but for RenderOptions::flat.
+struct Variant {
+  std::uint32_t shading = 0;  // variant of the material
+  bool textured = false;
+  bool coloured = false;
+  bool albedo_map = false;
+  bool normal_map = false;
+  bool roughness_map = false;
+  bool reflectance_map = false;  // of a material with mirror facets
+  bool cutout = false;
+  bool cells = false;
+  bool brushed = false;   // its light depends on the direction along u
+  bool tangents = false;  // of each vertex: a normal map, or brushed with texture coordinates
+  auto operator<=>(const Variant&) const = default;
+};
+
+// One instance of the model.
+struct DrawItem {
+  Variant variant;
+  bool closed = false;    // its back faces are not drawn: closed, and without holes to see them
+  bool mirrored = false;  // triangles are clockwise from outside, once placed
+  std::int32_t texture = -1;
+  std::uint32_t material = 0;
+  std::uint32_t mesh = 0;
+  std::uint32_t instance = 0;
+  Mat4 model_from_mesh{1};  // of float positions, the mesh's origin included
+  // cofactor matrix with the sign of the determinant, largest entry 1: takes outward normals to
+  // outward normals of any length
+  Mat3 model_normal_from_mesh{1};
+  Vec2 repeat{1};          // of the texture coordinates, for maps
+  Vec3 diffuse{0};         // colour; of cells, times its weight
+  materials::Cells cells;  // where the variant has them
+  Vec3 low{0};             // bounds in the mesh's frame
+  Vec3 high{0};
+  bool visible = true;
+};
+
+// All instances, sorted so that neighbours share as much state as possible: by variant, sides,
+// texture, material, mesh, then as they stand in the model.
+std::vector<DrawItem> draw_list(const pan::Model& model);
+
+// The list as a target of a world stands: same order, other places and visibilities.
+std::vector<DrawItem> placed(std::span<const DrawItem> list, const pan::Model& model,
+                             const world::EvaluatedInstance& at);
+
+// The geometric unit normals of a mesh's triangles in its own frame, by cross products in double of
+// the stored positions; 0 0 0 for triangles without area. 3*T
+std::vector<float> triangle_normals(const pan::MeshView& mesh);
+
+}  // namespace panwright::preview

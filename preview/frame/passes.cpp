@@ -1,0 +1,355 @@
+#include "preview/frame/passes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "materials/brdf.h"
+#include "preview/frame/blocks.h"
+
+namespace panwright::preview {
+namespace {
+
+void copy_cells(const materials::Cells& cells, const float coat_return[3], DrawBlock& block) {
+  for (int axis = 0; axis < 2; ++axis) {
+    block.cells[axis] = static_cast<float>(cells.count[axis]);
+    block.cells[axis + 2] = static_cast<float>(cells.gap[axis]);
+  }
+  copy_floats(cells.gap_color, block.gap_colour);
+  copy_floats(cells.finger_color, block.finger_colour);
+  block.gap_colour[3] = static_cast<float>(std::floor(cells.fingers + 0.5));
+  block.finger_colour[3] = static_cast<float>(cells.finger_width);
+  std::copy_n(coat_return, 3, block.lift + 1);
+}
+
+// what the fragments of a tile share
+ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const Tile& tile,
+                     unsigned samples) {
+  const Mat3 axes = glm::mat3_cast(camera.world_from_camera);
+  Vec3 sight = axes[2];
+  Vec3 right(0);
+  Vec3 down(0);
+  if (camera.projection == world::Projection::perspective) {
+    const Vec2 corner = (Vec2(tile.x, tile.y) - camera.principal) / camera.focal;
+    sight = axes * Vec3(corner, 1);
+    right = axes[0] / (camera.focal.x * samples);
+    down = axes[1] / (camera.focal.y * samples);
+  }
+  ViewBlock block{};
+  copy_floats(sight, block.sight);
+  copy_floats(right, block.sight_right);
+  copy_floats(down, block.sight_down);
+  copy_floats(glm::normalize(sun.direction), block.to_sun);
+  block.to_sun[3] = static_cast<float>(materials::kSunAlpha2 / (sun.distance * sun.distance));
+  copy_floats(sun.irradiance.value_or(Vec3(1)), block.irradiance);
+  return block;
+}
+
+bool is_shaded(Pass pass) { return pass == Pass::geometry || pass == Pass::flat_geometry; }
+
+// the smallest tile around both; one without pixels counts for nothing
+Tile around(const Tile& a, const Tile& b) {
+  if (a.width == 0 || a.height == 0) return b;
+  if (b.width == 0 || b.height == 0) return a;
+  const std::uint32_t x = std::min(a.x, b.x);
+  const std::uint32_t y = std::min(a.y, b.y);
+  return {x, y, std::max(a.x + a.width, b.x + b.width) - x,
+          std::max(a.y + a.height, b.y + b.height) - y};
+}
+
+}  // namespace
+
+TileScene tile_scene(const FrameScene& scene, const Tile& tile) {
+  TileScene result;
+  result.tile = {tile.x, tile.y, 0, 0};
+  std::size_t blocks = 0;
+  for (std::uint32_t v = 0; v < scene.visible.targets.size(); ++v) {
+    const VisibleTarget& visible = scene.visible.targets[v];
+    const std::vector<DrawItem>& list = scene.state(v).items;
+    TileTarget target;
+    target.visible = v;
+    target.first_block = blocks;
+    const Families& families = scene.state(v).model().families;
+    std::vector<std::optional<TileTarget::ShadingClass>> classes(families.all.size());
+    for (std::uint32_t i = 0; i < visible.items.size(); ++i) {
+      if (!may_touch(scene.camera, tile, 1.0, visible.boxes[i])) continue;
+      const DrawItem& item = list[visible.items[i]];
+      target.drawn.push_back(i);
+      const std::uint32_t family = families.of_material[item.material];
+      if (!classes[family]) classes[family] = {family, item.material, true};
+      if (classes[family]->material != item.material) classes[family]->one_material = false;
+    }
+    target.part = touched_part(scene.camera, tile, visible.boxes, target.drawn);
+    if (target.part.width == 0 || target.part.height == 0) continue;
+    for (const auto& one : classes)
+      if (one) target.classes.push_back(*one);
+    result.tile = around(result.tile, target.part);
+    blocks += target.drawn.size();
+    result.targets.push_back(std::move(target));
+  }
+  return result;
+}
+
+Passes::Passes(Device::Impl& device)
+    : device_(device),
+      gl_(device.context->gl()),
+      screen_(make_vertex_array(gl_)),
+      view_buffer_(make_stream_buffer(gl_)),
+      draw_buffer_(make_stream_buffer(gl_)),
+      draw_stride_(block_stride(gl_, sizeof(DrawBlock))) {}
+
+GLuint Passes::program(const ModelResources::Impl& model, const Variant& variant, Pass pass,
+                       bool shadows, std::string* problem) {
+  switch (pass) {
+    case Pass::geometry:
+      return device_.programs.geometry(variant, false, model.layers, shadows, problem);
+    case Pass::flat_geometry:
+      return device_.programs.geometry(variant, true, model.layers, shadows, problem);
+    case Pass::ids:
+      return device_.programs.ids(variant.cutout, problem);
+    case Pass::bare:
+      return device_.programs.bare(problem);
+  }
+  return 0;
+}
+
+bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
+  const bool shadows = scene.shadows != nullptr;
+  for (std::size_t v = 0; v < scene.visible.targets.size(); ++v) {
+    const TargetState& state = scene.state(v);
+    ModelResources::Impl& model = state.resources->impl();
+    if (pass == Pass::flat_geometry) {
+      const std::uint64_t before = model.gpu.bytes();
+      const bool good = model.gpu.upload_triangle_normals(*model.model, log);
+      device_.model_bytes += model.gpu.bytes() - before;
+      if (!good) return false;
+    }
+    const DrawItem* last = nullptr;
+    for (const std::uint32_t index : scene.visible.targets[v].items) {
+      const DrawItem& item = state.items[index];
+      if (last && item.variant == last->variant && item.material == last->material) continue;
+      last = &item;
+      std::string problem;
+      bool good = program(model, item.variant, pass, shadows, &problem) != 0;
+      if (is_shaded(pass)) {
+        if (!model.gpu.decals().empty()) good = good && device_.programs.decal(&problem) != 0;
+        const materials::Laws& family =
+            model.families.all[model.families.of_material[item.material]];
+        good = good && device_.programs.classes(&problem) != 0;
+        for (const bool one : {false, true})
+          good =
+              good && device_.programs.shading(family, model.layers, one, shadows, &problem) != 0;
+      }
+      if (good) continue;
+      log.report_file(Code::E5001, {},
+                      fmt::format("{} refuses a shader: {}", device_.context->renderer(), problem));
+      return false;
+    }
+  }
+  return true;
+}
+
+void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat) {
+  const ViewBlock shared = view_block(scene.camera, scene.world.sun(), tile.tile, samples);
+  gl_.NamedBufferData(view_buffer_.id(), sizeof shared, &shared, GL_STREAM_DRAW);
+  gl_.BindBufferBase(GL_UNIFORM_BUFFER, kViewBinding, view_buffer_.id());
+  blocks_.clear();
+  for (const DepthGroup& group : scene.visible.groups)
+    for (const TileTarget& target : tile.targets) {
+      if (!std::binary_search(group.targets.begin(), group.targets.end(), target.visible)) continue;
+      const VisibleTarget& visible = scene.visible.targets[target.visible];
+      const TargetState& state = scene.state(target.visible);
+      const pan::Model& model = *state.model().model;
+      const Mat3 rotation = glm::mat3_cast(scene.world[visible.target].pose().rotation);
+      blocks_.resize(
+          std::max(blocks_.size(), (target.first_block + target.drawn.size()) * draw_stride_));
+      for (std::size_t k = 0; k < target.drawn.size(); ++k) {
+        const std::uint32_t index = visible.items[target.drawn[k]];
+        const DrawItem& item = state.items[index];
+        DrawBlock block{};
+        copy_floats(clip_from_mesh(scene.camera, tile.tile, group.depth,
+                                   visible.boxes[target.drawn[k]].camera_from_mesh),
+                    block.clip_from_mesh);
+        copy_floats(rotation * item.model_normal_from_mesh, block.world_normal_from_mesh);
+        block.id[0] = visible.first_id + index + 1;
+        block.id[1] = tile.tile.x * samples;
+        block.id[2] = tile.tile.y * samples;
+        copy_floats(item.diffuse, block.diffuse);
+        copy_repeat(item, block);
+        copy_cells(item.cells, model.materials()[item.material].coat_return, block);
+        if (scene.shadows)
+          place_before_sun(scene.shadows->place(target.visible), model.meshes()[item.mesh], item,
+                           flat, block);
+        std::memcpy(blocks_.data() + (target.first_block + k) * draw_stride_, &block, sizeof block);
+      }
+    }
+  if (!blocks_.empty())
+    gl_.NamedBufferData(draw_buffer_.id(), static_cast<GLsizeiptr>(blocks_.size()), blocks_.data(),
+                        GL_STREAM_DRAW);
+}
+
+void Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
+                  const RenderTarget& target) {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.id());
+  gl_.Viewport(0, 0, static_cast<GLsizei>(tile.tile.width * samples),
+               static_cast<GLsizei>(tile.tile.height * samples));
+  gl_.Enable(GL_DEPTH_TEST);
+  if (pass == Pass::ids) {
+    constexpr GLuint kNothing[4] = {};
+    gl_.ClearBufferuiv(GL_COLOR, 0, kNothing);
+  } else {
+    constexpr float kNothing[4] = {};
+    gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
+  }
+  for (const DepthGroup& group : scene.visible.groups) {
+    const auto belongs = [&](const TileTarget& one) {
+      return std::binary_search(group.targets.begin(), group.targets.end(), one.visible);
+    };
+    if (std::none_of(tile.targets.begin(), tile.targets.end(), belongs)) continue;
+    const float far_depth = 0;
+    gl_.ClearBufferfv(GL_DEPTH, 0, &far_depth);
+    for (const TileTarget& one : tile.targets)
+      if (belongs(one)) draw_items(scene, one, pass);
+    if (!is_shaded(pass)) continue;
+    for (const TileTarget& one : tile.targets)
+      if (belongs(one)) draw_decals(scene, one);
+  }
+}
+
+void Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass pass) {
+  const TargetState& state = scene.state(target.visible);
+  const ModelResources::Impl& model = state.model();
+  const VisibleTarget& visible = scene.visible.targets[target.visible];
+  const bool shadows = scene.shadows != nullptr;
+  const DrawItem* last = nullptr;
+  for (std::size_t k = 0; k < target.drawn.size(); ++k) {
+    const std::uint32_t index = visible.items[target.drawn[k]];
+    const DrawItem& item = state.items[index];
+    const pan::layout::Mesh& mesh = model.model->meshes()[item.mesh];
+    if (!last || item.variant != last->variant)
+      gl_.UseProgram(program(model, item.variant, pass, shadows, nullptr));
+    if (!last || item.closed != last->closed)
+      item.closed ? gl_.Enable(GL_CULL_FACE) : gl_.Disable(GL_CULL_FACE);
+    // note: rows grow downwards in the window, which turns every triangle round once
+    if (!last || item.mirrored != last->mirrored) gl_.FrontFace(item.mirrored ? GL_CCW : GL_CW);
+    if (!last || item.texture != last->texture || item.material != last->material)
+      model.gpu.bind_maps(index);
+    if (!last || item.mesh != last->mesh) model.gpu.bind_vertices(mesh, item.mesh);
+    gl_.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, draw_buffer_.id(),
+                        static_cast<GLintptr>((target.first_block + k) * draw_stride_),
+                        sizeof(DrawBlock));
+    pass == Pass::flat_geometry ? model.gpu.draw_flat(mesh, item.mesh)
+                                : model.gpu.draw(mesh, item.mesh);
+    last = &item;
+  }
+}
+
+// lays pictures over the colours of what is seen
+void Passes::draw_decals(const FrameScene& scene, const TileTarget& target) {
+  const TargetState& state = scene.state(target.visible);
+  const ModelResources::Impl& model = state.model();
+  if (model.gpu.decals().empty()) return;
+  const VisibleTarget& visible = scene.visible.targets[target.visible];
+  std::vector<std::uint32_t> place(state.items.size(), ~0u);  // of an item in target.drawn
+  for (std::uint32_t k = 0; k < target.drawn.size(); ++k) place[visible.items[target.drawn[k]]] = k;
+  gl_.UseProgram(device_.programs.decal(nullptr));
+  // every program puts a vertex on the same spot, so what is seen has the very depth that is there
+  gl_.DepthFunc(GL_EQUAL);
+  gl_.DepthMask(GL_FALSE);
+  for (GLuint layer = 0; layer <= kSunLayer; ++layer) {
+    const GLboolean paint = layer == kPaintLayer;
+    gl_.ColorMaski(layer, paint, paint, paint, GL_FALSE);
+  }
+  gl_.Enablei(GL_BLEND, kPaintLayer);
+  gl_.BlendFunci(kPaintLayer, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  const DrawItem* last = nullptr;
+  for (std::size_t i = 0; i < model.gpu.decals().size(); ++i) {
+    const std::uint32_t k = place[model.gpu.decals()[i].item];
+    if (k == ~0u) continue;
+    const DrawItem& item = state.items[model.gpu.decals()[i].item];
+    if (&item != last) {
+      item.closed ? gl_.Enable(GL_CULL_FACE) : gl_.Disable(GL_CULL_FACE);
+      gl_.FrontFace(item.mirrored ? GL_CCW : GL_CW);
+      model.gpu.bind_vertices(model.model->meshes()[item.mesh], item.mesh);
+      gl_.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, draw_buffer_.id(),
+                          static_cast<GLintptr>((target.first_block + k) * draw_stride_),
+                          sizeof(DrawBlock));
+    }
+    model.gpu.draw_decal(i);
+    last = &item;
+  }
+  gl_.Disablei(GL_BLEND, kPaintLayer);
+  gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl_.DepthMask(GL_TRUE);
+  gl_.DepthFunc(GL_GREATER);
+}
+
+void Passes::scissor(const Tile& tile, const Tile& part, unsigned samples) const {
+  const auto sample = [&](std::uint32_t pixels) { return static_cast<GLint>(pixels * samples); };
+  gl_.Scissor(sample(part.x - tile.x), sample(part.y - tile.y), sample(part.width),
+              sample(part.height));
+}
+
+void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samples,
+                   const RenderTarget& seen, const RenderTarget& color) {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, color.framebuffer.id());
+  gl_.Viewport(0, 0, static_cast<GLsizei>(tile.tile.width * samples),
+               static_cast<GLsizei>(tile.tile.height * samples));
+  gl_.Enable(GL_DEPTH_TEST);
+  gl_.Disable(GL_CULL_FACE);
+  const float nothing = 0;
+  gl_.ClearBufferfv(GL_DEPTH, 0, &nothing);
+  constexpr float kNothing[4] = {};
+  gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
+  constexpr std::pair<Layer, GLuint> kUnits[] = {{kSeenLayer, kSeenUnit},
+                                                 {kPaintLayer, kPaintUnit},
+                                                 {kRoughLayer, kRoughUnit},
+                                                 {kTangentLayer, kTangentUnit},
+                                                 {kReflectanceLayer, kReflectanceUnit},
+                                                 {kSunLayer, kSunUnit}};
+  for (const auto& [layer, unit] : kUnits)
+    if (seen.colors[layer]) gl_.BindTextureUnit(unit, seen.colors[layer].id());
+  gl_.BindVertexArray(screen_.id());
+  gl_.Enable(GL_SCISSOR_TEST);
+  // where no class is asked for, the depth test leaves nothing to run
+  GLuint first_class = 0;
+  std::vector<GLuint> first_classes;
+  gl_.DepthFunc(GL_ALWAYS);
+  gl_.UseProgram(device_.programs.classes(nullptr));
+  for (const TileTarget& target : tile.targets) {
+    const ModelResources::Impl& model = scene.state(target.visible).model();
+    scissor(tile.tile, target.part, samples);
+    model.gpu.bind_items();
+    gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id,
+                   static_cast<GLuint>(scene.state(target.visible).items.size()), first_class, 0);
+    gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+    first_classes.push_back(first_class);
+    first_class += static_cast<GLuint>(model.families.all.size());
+  }
+  gl_.DepthFunc(GL_EQUAL);
+  gl_.DepthMask(GL_FALSE);
+  for (std::size_t t = 0; t < tile.targets.size(); ++t) {
+    const TileTarget& target = tile.targets[t];
+    const ModelResources::Impl& model = scene.state(target.visible).model();
+    scissor(tile.tile, target.part, samples);
+    if (scene.shadows) scene.shadows->bind(gl_, target.visible);
+    model.gpu.bind_materials();
+    for (const TileTarget::ShadingClass& one : target.classes) {
+      if (one.one_material) model.gpu.bind_one_material(one.material);
+      gl_.UseProgram(device_.programs.shading(model.families.all[one.family], model.layers,
+                                              one.one_material, scene.shadows != nullptr, nullptr));
+      gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
+      gl_.Uniform1f(kDepthLocation,
+                    static_cast<float>(first_classes[t] + one.family + 1) * (1.0f / 1048576.0f));
+      gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+    }
+  }
+  gl_.DepthFunc(GL_GREATER);
+  gl_.DepthMask(GL_TRUE);
+  gl_.Disable(GL_SCISSOR_TEST);
+}
+
+}  // namespace panwright::preview

@@ -1,0 +1,90 @@
+// The passes that make one tile of an image: geometry, decals, shading. Private to preview.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "preview/frame/shadow.h"
+#include "preview/frame/target_states.h"
+#include "preview/frame/visible_set.h"
+#include "preview/gl/device_impl.h"
+#include "preview/gl/gl_objects.h"
+
+namespace panwright::preview {
+
+// What a pass over the triangles draws.
+enum class Pass { geometry, flat_geometry, ids, bare };
+
+// What the passes of one frame share.
+struct FrameScene {
+  const world::World& world;
+  const world::Camera& camera;
+  const TargetStates& states;
+  const VisibleSet& visible;
+  const ShadowMaps* shadows = nullptr;  // of the visible targets; null: none
+
+  const TargetState& state(std::size_t visible_target) const {
+    return states[visible.targets[visible_target].target];
+  }
+};
+
+// One target on one tile.
+struct TileTarget {
+  std::uint32_t visible = 0;         // into VisibleSet::targets
+  std::vector<std::uint32_t> drawn;  // into its items, ascending
+  // what is shaded by one program: a family of materials of the model
+  struct ShadingClass {
+    std::uint32_t family = 0;
+    std::uint32_t material = 0;  // the first
+    bool one_material = true;
+  };
+  std::vector<ShadingClass> classes;  // ascending by family
+  std::size_t first_block = 0;        // in the buffer of blocks
+  Tile part;                          // of the tile that it may fall on
+};
+
+// What falls on one tile.
+struct TileScene {
+  Tile tile;                        // the part of it that anything may fall on
+  std::vector<TileTarget> targets;  // those on it, as in VisibleSet
+};
+TileScene tile_scene(const FrameScene& scene, const Tile& tile);
+
+class Passes {
+ public:
+  explicit Passes(Device::Impl& device);
+
+  // Builds every program that a pass needs before its first draw. Fails: E5001.
+  bool prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log);
+
+  // One upload of the blocks of all items of a tile.
+  void upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat);
+
+  // Draws the items, with the decals over them in a geometry pass. Groups of targets are drawn from
+  // the farthest to the nearest, each over a cleared depth buffer.
+  void draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
+            const RenderTarget& target);
+
+  // Turns what is seen into radiance, target by target, one family of materials after the other.
+  void shade(const FrameScene& scene, const TileScene& tile, unsigned samples,
+             const RenderTarget& seen, const RenderTarget& color);
+
+ private:
+  GLuint program(const ModelResources::Impl& model, const Variant& variant, Pass pass, bool shadows,
+                 std::string* problem);
+  void draw_items(const FrameScene& scene, const TileTarget& target, Pass pass);
+  void scissor(const Tile& tile, const Tile& part, unsigned samples) const;
+  void draw_decals(const FrameScene& scene, const TileTarget& target);
+
+  Device::Impl& device_;
+  const GladGLContext& gl_;
+  GlVertexArray screen_;  // no vertices
+  GlBuffer view_buffer_;
+  GlBuffer draw_buffer_;
+  std::size_t draw_stride_ = 0;  // bytes
+  std::vector<std::byte> blocks_;
+};
+
+}  // namespace panwright::preview

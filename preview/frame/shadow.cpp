@@ -1,0 +1,347 @@
+#include "preview/frame/shadow.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+#include "preview/frame/blocks.h"
+
+namespace panwright::preview {
+namespace {
+
+// Uniform block of the shadow shaders, in std140.
+struct alignas(16) ShadowBlock {
+  float texel_depth;  // what one texel measures, as a share of the map's depth
+  float half_side;    // texels
+  float padding[2];
+};
+
+// Whether a box may throw a shadow into the box of a map: it meets its column, and is not behind
+// all of it.
+bool meets_column(const Mat4& sun_from_box, const Vec3& low, const Vec3& high) {
+  constexpr double kEdge = 1 + 1e-6;
+  Vec3 least(INFINITY);
+  Vec3 most(-INFINITY);
+  for (const Vec3& corner : corners(low, high)) {
+    const Vec3 at(sun_from_box * Vec4(corner, 1));
+    least = glm::min(least, at);
+    most = glm::max(most, at);
+  }
+  return least.x <= kEdge && most.x >= -kEdge && least.y <= kEdge && most.y >= -kEdge && most.z > 0;
+}
+
+// where a target's origin of bounds lies in the world
+Vec3 centre_of(const world::Instance& instance, const TargetState& state) {
+  const Vec3 centre = state.bounds->min + 0.5 * (state.bounds->max - state.bounds->min);
+  return instance.pose().translation + instance.pose().rotation * centre;
+}
+
+}  // namespace
+
+world::Pose relative_pose(const world::Pose& anchor, const world::Pose& model) {
+  const Quat turn = glm::conjugate(anchor.rotation);
+  return {turn * (model.translation - anchor.translation), turn * model.rotation};
+}
+
+void place_before_sun(const SunPlace& place, const pan::layout::Mesh& mesh, const DrawItem& item,
+                      bool flat, DrawBlock& block) {
+  const SunFrame& frame = place.frame;
+  const Mat4 sun_from_mesh =
+      frame.sun_from_model *
+      (place.anchor ? item.model_from_mesh : place.anchor_from_model * item.model_from_mesh);
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column)
+      block.sun_from_mesh[4 * row + column] = static_cast<float>(sun_from_mesh[column][row]);
+  copy_floats(frame.sun_normal_from_model * (place.anchor
+                                                 ? item.model_normal_from_mesh
+                                                 : place.anchor_turn * item.model_normal_from_mesh),
+              block.sun_normal_from_mesh);
+  // a chord is as deep below the smooth surface as others stand out of it
+  block.lift[0] = flat ? 0.0f : static_cast<float>(2 * mesh.error);
+}
+
+std::vector<std::vector<std::uint32_t>> neighbour_groups(std::span<const Vec3> centres,
+                                                         std::size_t most) {
+  struct Group {
+    std::vector<std::uint32_t> members;
+    int axis = 0;
+    double length = 0;
+    double middle = 0;
+  };
+  const auto measured = [&](std::vector<std::uint32_t> members) {
+    Vec3 low(INFINITY);
+    Vec3 high(-INFINITY);
+    for (const std::uint32_t i : members) {
+      low = glm::min(low, centres[i]);
+      high = glm::max(high, centres[i]);
+    }
+    Group group{std::move(members), 0, 0, 0};
+    for (int axis = 0; axis < 3; ++axis)
+      if (high[axis] - low[axis] > group.length) {
+        group.axis = axis;
+        group.length = high[axis] - low[axis];
+        group.middle = low[axis] + 0.5 * group.length;
+      }
+    return group;
+  };
+  std::vector<Group> groups;
+  if (centres.size() <= most) {
+    for (std::uint32_t i = 0; i < centres.size(); ++i) groups.push_back({{i}, 0, 0, 0});
+  } else {
+    std::vector<std::uint32_t> all(centres.size());
+    std::iota(all.begin(), all.end(), 0u);
+    groups.push_back(measured(std::move(all)));
+    while (groups.size() < most) {
+      const auto widest =
+          std::max_element(groups.begin(), groups.end(),
+                           [](const Group& a, const Group& b) { return a.length < b.length; });
+      if (!(widest->length > 0)) break;
+      std::vector<std::uint32_t> near;
+      std::vector<std::uint32_t> far;
+      for (const std::uint32_t i : widest->members)
+        (centres[i][widest->axis] <= widest->middle ? near : far).push_back(i);
+      if (far.empty() || near.empty()) break;  // as near as double tells
+      *widest = measured(std::move(near));
+      groups.push_back(measured(std::move(far)));
+    }
+  }
+  std::vector<std::vector<std::uint32_t>> result;
+  for (Group& group : groups) result.push_back(std::move(group.members));
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+bool ShadowMaps::make(const GladGLContext& gl, Map& map, DiagnosticLog& log) const {
+  const auto size = static_cast<GLsizei>(side_);
+  map.depths = make_texture_2d(gl, 1, GL_DEPTH_COMPONENT32F, size, size);
+  map.slopes = make_texture_2d(gl, 1, GL_RG16F, size, size);
+  map.limits = make_stream_buffer(gl);
+  for (const GlTexture* texture : {&map.depths, &map.slopes}) {
+    gl.TextureParameteri(texture->id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TextureParameteri(texture->id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  }
+  GLuint id = 0;
+  gl.CreateFramebuffers(1, &id);
+  map.framebuffer = GlFramebuffer(gl, id);
+  gl.NamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, map.depths.id(), 0);
+  gl.NamedFramebufferTexture(id, GL_COLOR_ATTACHMENT0, map.slopes.id(), 0);
+  if (gl.CheckNamedFramebufferStatus(id, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE &&
+      gl.GetError() == GL_NO_ERROR)
+    return true;
+  log.report_file(
+      Code::E5003, {},
+      fmt::format("the context has no memory for a shadow map of {} by {} texels", side_, side_));
+  return false;
+}
+
+bool ShadowMaps::assign(const GladGLContext& gl, std::vector<Group>& groups, DiagnosticLog& log) {
+  for (Group& group : groups)
+    for (Map& map : maps_)
+      if (map.last_use != update_ && map.to_sun == group.to_sun && map.receivers == group.members) {
+        map.last_use = update_;
+        group.map = static_cast<std::size_t>(&map - maps_.data());
+        break;
+      }
+  for (Group& group : groups) {
+    if (group.map != kNone) continue;
+    auto oldest = maps_.begin();
+    for (auto map = maps_.begin(); map != maps_.end(); ++map)
+      if (map->last_use < oldest->last_use) oldest = map;
+    // a map that nobody asks for now is drawn anew before memory is taken for another one
+    if (oldest == maps_.end() || oldest->last_use == update_) {
+      Map map;
+      if (!make(gl, map, log)) return false;
+      maps_.push_back(std::move(map));
+      oldest = maps_.end() - 1;
+    }
+    oldest->to_sun = Vec3(0);
+    oldest->receivers = group.members;
+    oldest->last_use = update_;
+    group.map = static_cast<std::size_t>(oldest - maps_.begin());
+  }
+  return true;
+}
+
+std::vector<ShadowMaps::Drawn> ShadowMaps::casters(const Map& map, const world::World& world,
+                                                   const TargetStates& states,
+                                                   std::span<const Drawn> receivers) const {
+  std::vector<Drawn> found;
+  const world::Pose& anchor = world[receivers.front().target].pose();
+  for (std::uint32_t i = 0; i < world.size(); ++i) {
+    if (!states[i].bounds) continue;
+    if (std::any_of(receivers.begin(), receivers.end(),
+                    [&](const Drawn& one) { return one.target == i; }))
+      continue;
+    const world::Pose pose = relative_pose(anchor, world[i].pose());
+    if (!meets_column(map.frame.sun_from_model * pose.matrix(), states[i].bounds->min,
+                      states[i].bounds->max))
+      continue;
+    found.push_back({i, false, true, {states[i].shape_stamp, pose}});
+  }
+  return found;
+}
+
+std::vector<ShadowMaps::Group> ShadowMaps::grouped(const world::World& world,
+                                                   const TargetStates& states,
+                                                   std::span<const std::uint32_t> receivers,
+                                                   std::size_t most) {
+  std::vector<Vec3> centres;
+  for (const std::uint32_t target : receivers)
+    centres.push_back(centre_of(world[target], states[target]));
+  std::vector<Group> groups;
+  for (std::vector<std::uint32_t>& neighbours : neighbour_groups(centres, most)) {
+    Group& group = groups.emplace_back();
+    const world::Pose& anchor = world[receivers[neighbours.front()]].pose();
+    group.to_sun =
+        glm::normalize(glm::conjugate(anchor.rotation) * glm::normalize(world.sun().direction));
+    for (const std::uint32_t i : neighbours) {
+      const std::uint32_t target = receivers[i];
+      const bool first = group.targets.empty();
+      const world::Pose pose = first ? world::Pose{} : relative_pose(anchor, world[target].pose());
+      group.targets.push_back({target, first, false, {states[target].shape_stamp, pose}});
+      group.members.push_back(group.targets.back().member);
+    }
+    group.receivers = std::move(neighbours);
+  }
+  return groups;
+}
+
+bool ShadowMaps::refresh(Device::Impl& device, const world::World& world,
+                         const TargetStates& states, Group& group, DiagnosticLog& log) {
+  Map& map = maps_[group.map];
+  const bool refit = map.to_sun != group.to_sun;
+  if (refit) {
+    std::vector<DrawItem> items;
+    for (const Drawn& one : group.targets) {
+      const Mat4 anchor_from_model = one.member.anchor_from_model.matrix();
+      for (DrawItem item : states[one.target].items) {
+        if (!one.anchor) item.model_from_mesh = anchor_from_model * item.model_from_mesh;
+        items.push_back(item);
+      }
+    }
+    map.frame = fitted_sun_frame(items, group.to_sun, side_);
+  }
+  const std::vector<Drawn> others = casters(map, world, states, group.targets);
+  std::vector<Member> members;
+  for (const Drawn& one : others) members.push_back(one.member);
+  if (!refit && map.casters == members) return true;
+  map.to_sun = Vec3(0);
+  std::vector<Drawn> all = group.targets;
+  all.insert(all.end(), others.begin(), others.end());
+  for (const Drawn& one : all)
+    for (const DrawItem& item : states[one.target].items) {
+      std::string problem;
+      if (device.programs.shadow(item.variant.cutout, &problem)) continue;
+      log.report_file(Code::E5001, {},
+                      fmt::format("{} refuses a shader: {}", device.context->renderer(), problem));
+      return false;
+    }
+  draw(device, map, states, all);
+  map.casters = std::move(members);
+  map.to_sun = group.to_sun;
+  return true;
+}
+
+bool ShadowMaps::update(Device::Impl& device, const world::World& world, const TargetStates& states,
+                        std::span<const std::uint32_t> receivers, unsigned side,
+                        std::uint64_t max_bytes, DiagnosticLog& log) {
+  const GladGLContext& gl = device.context->gl();
+  side = std::min(side, device.context->limits().framebuffer_side);
+  const auto most =
+      static_cast<std::size_t>(std::max<std::uint64_t>(max_bytes / (kTexelBytes * side * side), 1));
+  if (side != side_ || maps_.size() > most) maps_.clear();
+  side_ = side;
+  ++update_;
+  if (!blocks_) {
+    stride_ = block_stride(gl, sizeof(DrawBlock));
+    blocks_ = make_stream_buffer(gl);
+  }
+  std::vector<Group> groups = grouped(world, states, receivers, most);
+  places_.assign(receivers.size(), {});
+  if (!assign(gl, groups, log)) return false;
+  for (Group& group : groups) {
+    if (!refresh(device, world, states, group, log)) return false;
+    for (std::size_t k = 0; k < group.receivers.size(); ++k) {
+      const world::Pose& pose = group.members[k].anchor_from_model;
+      places_[group.receivers[k]] = {
+          {maps_[group.map].frame, k == 0, pose.matrix(), glm::mat3_cast(pose.rotation)},
+          group.map};
+    }
+  }
+  return true;
+}
+
+void ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& states,
+                      std::span<const Drawn> targets) {
+  const GladGLContext& gl = device.context->gl();
+  ++drawn_;
+  // what is drawn of each target, and its blocks
+  std::vector<std::vector<std::uint32_t>> items(targets.size());
+  std::vector<std::byte> bytes;
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    const std::vector<DrawItem>& list = states[targets[t].target].items;
+    const Mat4 anchor_from_model = targets[t].member.anchor_from_model.matrix();
+    for (std::uint32_t i = 0; i < list.size(); ++i) {
+      if (!list[i].visible) continue;
+      const Mat4 anchor_from_mesh =
+          targets[t].anchor ? list[i].model_from_mesh : anchor_from_model * list[i].model_from_mesh;
+      const Mat4 sun_from_mesh = map.frame.sun_from_model * anchor_from_mesh;
+      if (targets[t].caster && !meets_column(sun_from_mesh, list[i].low, list[i].high)) continue;
+      DrawBlock block{};
+      copy_floats(sun_from_mesh, block.clip_from_mesh);
+      block.id[0] = i + 1;
+      copy_repeat(list[i], block);
+      items[t].push_back(i);
+      bytes.resize(bytes.size() + stride_);
+      std::memcpy(bytes.data() + bytes.size() - stride_, &block, sizeof block);
+    }
+  }
+  gl.NamedBufferData(blocks_.id(), static_cast<GLsizeiptr>(bytes.size()), bytes.data(),
+                     GL_STREAM_DRAW);
+  const double texel = std::max(map.frame.extent.x, map.frame.extent.y) / side_;
+  const ShadowBlock limits{
+      static_cast<float>(texel / map.frame.extent.z), static_cast<float>(side_) / 2, {}};
+  gl.NamedBufferData(map.limits.id(), sizeof limits, &limits, GL_STREAM_DRAW);
+
+  gl.BindFramebuffer(GL_FRAMEBUFFER, map.framebuffer.id());
+  gl.Viewport(0, 0, static_cast<GLsizei>(side_), static_cast<GLsizei>(side_));
+  gl.Enable(GL_DEPTH_TEST);
+  const float nothing = 0;
+  gl.ClearBufferfv(GL_DEPTH, 0, &nothing);
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, kShadowBinding, map.limits.id());
+  std::size_t block = 0;
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    const TargetState& state = states[targets[t].target];
+    const GpuModel& gpu = state.model().gpu;
+    if (targets[t].caster) gl.Enable(GL_DEPTH_CLAMP);
+    const DrawItem* last = nullptr;
+    for (const std::uint32_t i : items[t]) {
+      const DrawItem& item = state.items[i];
+      const pan::layout::Mesh& mesh = state.model().model->meshes()[item.mesh];
+      if (!last || item.variant.cutout != last->variant.cutout)
+        gl.UseProgram(device.programs.shadow(item.variant.cutout, nullptr));
+      if (!last || item.closed != last->closed)
+        item.closed ? gl.Enable(GL_CULL_FACE) : gl.Disable(GL_CULL_FACE);
+      if (!last || item.mirrored != last->mirrored) gl.FrontFace(item.mirrored ? GL_CW : GL_CCW);
+      if (item.variant.cutout) gpu.bind_maps(i);
+      if (!last || item.mesh != last->mesh) gpu.bind_vertices(mesh, item.mesh);
+      gl.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, blocks_.id(),
+                         static_cast<GLintptr>(block++ * stride_), sizeof(DrawBlock));
+      gpu.draw(mesh, item.mesh);
+      last = &item;
+    }
+  }
+  gl.Disable(GL_DEPTH_CLAMP);
+}
+
+void ShadowMaps::bind(const GladGLContext& gl, std::size_t receiver) const {
+  const Map& map = maps_[places_[receiver].map];
+  gl.BindTextureUnit(kShadowDepthsUnit, map.depths.id());
+  gl.BindTextureUnit(kShadowSlopesUnit, map.slopes.id());
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, kShadowBinding, map.limits.id());
+}
+
+}  // namespace panwright::preview

@@ -1,0 +1,129 @@
+// What the Sun sees of the targets of a world: which points lie in shadow. Private to preview.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "preview/context.h"
+#include "preview/frame/draw_list.h"
+#include "preview/frame/sun_frame.h"
+#include "preview/frame/target_states.h"
+#include "preview/gl/gl_objects.h"
+#include "preview/gl/programs.h"
+
+namespace panwright::preview {
+
+// A pose as seen from another one: anchor_from_model of two world_from_model.
+world::Pose relative_pose(const world::Pose& anchor, const world::Pose& model);
+
+// Where a target stands before the Sun: on the map of one receiver, or of several that share it.
+struct SunPlace {
+  SunFrame frame;  // of the anchor: the first receiver of the map
+  bool anchor = true;
+  Mat4 anchor_from_model{1};  // where it is not the anchor itself
+  Mat3 anchor_turn{1};
+};
+
+// The rows of a block that place an item before the Sun. flat: shaded by its triangles' normals.
+void place_before_sun(const SunPlace& place, const pan::layout::Mesh& mesh, const DrawItem& item,
+                      bool flat, DrawBlock& block);
+
+// The depths of what the Sun sees, and their slopes. A surface casts a shadow on a point where each
+// of the two lies on the far side of the other's plane (shaders/shadow.glsl), so surfaces shadow
+// neither themselves nor their neighbours at edges, and no bias pushes shadows away from contacts.
+//
+// Each target that is seen has a map, fitted to it alone; other targets are drawn into it where
+// they may throw a shadow on it. What of these lies sunward of the map's box is kept at its
+// border (depth clamp), where it hides all below. Beyond the bound on memory neighbours share maps.
+class ShadowMaps {
+ public:
+  // Draws the maps that are not there already: a map is kept as long as the shape of its receivers,
+  // the Sun in their frame, and the shapes and relative poses of what casts shadows on them are the
+  // same. Expects the state that Renderer::Impl::set_state() leaves.
+  //
+  //   receivers  indices in the world of the targets that are seen, ascending, not empty
+  //   side       texels, > 4; the context may have less
+  // Fails: E5003; E5001 when the driver refuses a shader.
+  bool update(Device::Impl& device, const world::World& world, const TargetStates& states,
+              std::span<const std::uint32_t> receivers, unsigned side, std::uint64_t max_bytes,
+              DiagnosticLog& log);
+
+  // For the geometry and shading steps. receiver: into those of the last update.
+  const SunPlace& place(std::size_t receiver) const { return places_[receiver].place; }
+  void bind(const GladGLContext& gl, std::size_t receiver) const;
+
+  // Frees all maps: the next update draws anew.
+  void forget() { maps_.clear(); }
+
+  std::uint64_t drawn() const { return drawn_; }  // maps drawn so far
+
+  static constexpr std::uint64_t kTexelBytes = 8;
+
+ private:
+  // A target in a map: which state, and where.
+  struct Member {
+    world::Stamp shape_stamp = 0;
+    world::Pose anchor_from_model;
+    bool operator==(const Member&) const = default;
+  };
+  struct Map {
+    // what it shows
+    Vec3 to_sun{0};  // of the anchor's frame, unit; 0: nothing is drawn
+    std::vector<Member> receivers;
+    std::vector<Member> casters;
+    SunFrame frame;
+    std::uint64_t last_use = 0;  // number of an update
+    GlTexture depths;
+    GlTexture slopes;
+    GlFramebuffer framebuffer;
+    GlBuffer limits;
+  };
+  // A target with where it stands in the frame of a map's anchor.
+  struct Drawn {
+    std::uint32_t target = 0;
+    bool anchor = false;
+    bool caster = false;
+    Member member;
+  };
+  struct Place {
+    SunPlace place;
+    std::size_t map = 0;
+  };
+
+  static constexpr std::size_t kNone = ~std::size_t{0};
+  // The receivers of one map.
+  struct Group {
+    std::vector<std::uint32_t> receivers;  // into those of the update
+    std::vector<Drawn> targets;            // the same
+    std::vector<Member> members;           // the same
+    Vec3 to_sun{0};                        // of the anchor's frame, unit
+    std::size_t map = kNone;
+  };
+
+  static std::vector<Group> grouped(const world::World& world, const TargetStates& states,
+                                    std::span<const std::uint32_t> receivers, std::size_t most);
+  bool assign(const GladGLContext& gl, std::vector<Group>& groups, DiagnosticLog& log);
+  bool refresh(Device::Impl& device, const world::World& world, const TargetStates& states,
+               Group& group, DiagnosticLog& log);
+  bool make(const GladGLContext& gl, Map& map, DiagnosticLog& log) const;
+  std::vector<Drawn> casters(const Map& map, const world::World& world, const TargetStates& states,
+                             std::span<const Drawn> receivers) const;
+  void draw(Device::Impl& device, const Map& map, const TargetStates& states,
+            std::span<const Drawn> targets);
+
+  std::vector<Map> maps_;
+  std::vector<Place> places_;
+  unsigned side_ = 0;       // texels
+  std::size_t stride_ = 0;  // bytes, of blocks_
+  GlBuffer blocks_;
+  std::uint64_t update_ = 0;
+  std::uint64_t drawn_ = 0;
+};
+
+// At most `most` groups of neighbours, each ascending, in the order of their first members.
+std::vector<std::vector<std::uint32_t>> neighbour_groups(std::span<const Vec3> centres,
+                                                         std::size_t most);
+
+}  // namespace panwright::preview

@@ -1,0 +1,46 @@
+#include "preview/frame/target_states.h"
+
+#include <unordered_map>
+
+namespace panwright::preview {
+
+bool TargetStates::update(const world::World& world, Device& device, DiagnosticLog& log) {
+  if (stamp_ == world.stamp() && states_.size() == world.size()) return true;
+  stamp_ = 0;
+  evaluation_.update(world);
+  // note: until they are replaced, the old states hold the models of targets that are hidden now
+  std::vector<TargetState> old = std::move(states_);
+  states_.clear();
+  std::unordered_map<world::Stamp, std::size_t> old_index;
+  for (std::size_t i = 0; i < old.size(); ++i) old_index.emplace(old[i].shape_stamp, i);
+  states_.resize(world.size());
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    TargetState& state = states_[i];
+    const auto kept = old_index.find(world[i].shape_stamp());
+    if (kept != old_index.end()) {
+      // note: copies of a world may hold the same state twice
+      state = old[kept->second];
+      continue;
+    }
+    const world::EvaluatedInstance& at = evaluation_[i];
+    state.resources = device.find(world[i].model());
+    if (at.bounds) {
+      if (!state.resources) {
+        auto uploaded = device.resources(world[i].model(), log);
+        if (!uploaded) {
+          states_.resize(i);
+          return false;
+        }
+        state.resources = *std::move(uploaded);
+      }
+      state.items = preview::placed(state.model().list, *world[i].model(), at);
+      state.bounds = at.bounds;
+      ++placed_;
+    }
+    state.shape_stamp = at.shape_stamp;
+  }
+  stamp_ = world.stamp();
+  return true;
+}
+
+}  // namespace panwright::preview

@@ -1,0 +1,48 @@
+// What a device and the models on it hold. Private to preview.
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "preview/device.h"
+#include "preview/frame/draw_list.h"
+#include "preview/gl/programs.h"
+#include "preview/model/gpu_model.h"
+
+namespace panwright::preview {
+
+struct ModelResources::Impl {
+  Impl(std::shared_ptr<Device> device_in, world::ModelPtr model_in)
+      : device(std::move(device_in)), model(std::move(model_in)) {}
+  ~Impl();
+
+  std::shared_ptr<Device> device;
+  world::ModelPtr model;
+  std::vector<DrawItem> list;  // as the model stands by itself
+  Families families;           // shading classes
+  LayerSet layers = 0;         // that its items need
+  GpuModel gpu;
+  std::uint64_t triangles = 0;
+};
+
+struct Device::Impl {
+  explicit Impl(std::unique_ptr<Context> context_in)
+      : context(std::move(context_in)), programs(context->gl()) {}
+  ~Impl() { context->make_current(); }  // the members delete their objects
+
+  // Makes the context current. Fails: E5001, at once for ever when the context was lost.
+  bool ready(DiagnosticLog& log);
+  // Whether all went well since the last call. Fails: E5001 when the context is lost, E5003.
+  bool went_well(DiagnosticLog& log);
+
+  std::unique_ptr<Context> context;
+  Programs programs;
+  std::map<const pan::Model*, std::weak_ptr<const ModelResources>> models;
+  std::uint64_t models_uploaded = 0;
+  std::uint64_t model_bytes = 0;
+  bool lost = false;
+};
+
+}  // namespace panwright::preview

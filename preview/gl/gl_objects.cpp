@@ -1,0 +1,135 @@
+#include "preview/gl/gl_objects.h"
+
+#include <fmt/format.h>
+
+namespace panwright::preview {
+
+void delete_buffer(const GladGLContext& gl, GLuint id) { gl.DeleteBuffers(1, &id); }
+void delete_texture(const GladGLContext& gl, GLuint id) { gl.DeleteTextures(1, &id); }
+void delete_renderbuffer(const GladGLContext& gl, GLuint id) { gl.DeleteRenderbuffers(1, &id); }
+void delete_framebuffer(const GladGLContext& gl, GLuint id) { gl.DeleteFramebuffers(1, &id); }
+void delete_vertex_array(const GladGLContext& gl, GLuint id) { gl.DeleteVertexArrays(1, &id); }
+void delete_sampler(const GladGLContext& gl, GLuint id) { gl.DeleteSamplers(1, &id); }
+void delete_program(const GladGLContext& gl, GLuint id) { gl.DeleteProgram(id); }
+
+GlBuffer make_buffer(const GladGLContext& gl, const void* data, std::size_t bytes) {
+  GlBuffer buffer = make_stream_buffer(gl);
+  // note: OpenGL has no empty buffer storage
+  constexpr char kNothing[16] = {};
+  if (bytes == 0)
+    gl.NamedBufferStorage(buffer.id(), sizeof kNothing, kNothing, 0);
+  else
+    gl.NamedBufferStorage(buffer.id(), static_cast<GLsizeiptr>(bytes), data, 0);
+  return buffer;
+}
+
+GlBuffer make_stream_buffer(const GladGLContext& gl) {
+  GLuint id = 0;
+  gl.CreateBuffers(1, &id);
+  return {gl, id};
+}
+
+GlTexture make_texture_2d(const GladGLContext& gl, GLsizei levels, GLenum format, GLsizei width,
+                          GLsizei height) {
+  GLuint id = 0;
+  gl.CreateTextures(GL_TEXTURE_2D, 1, &id);
+  gl.TextureStorage2D(id, levels, format, width, height);
+  return {gl, id};
+}
+
+GlVertexArray make_vertex_array(const GladGLContext& gl) {
+  GLuint id = 0;
+  gl.CreateVertexArrays(1, &id);
+  return {gl, id};
+}
+
+GlTexture make_buffer_texture(const GladGLContext& gl) {
+  GLuint id = 0;
+  gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &id);
+  return {gl, id};
+}
+
+GlSampler make_sampler(const GladGLContext& gl, GLint wrap) {
+  GLuint id = 0;
+  gl.CreateSamplers(1, &id);
+  gl.SamplerParameteri(id, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  gl.SamplerParameteri(id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl.SamplerParameteri(id, GL_TEXTURE_WRAP_S, wrap);
+  gl.SamplerParameteri(id, GL_TEXTURE_WRAP_T, wrap);
+  return {gl, id};
+}
+
+bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log) {
+  bool good = true;
+  for (GLenum error = gl.GetError(); error != GL_NO_ERROR; error = gl.GetError()) good = false;
+  if (!good)
+    log.report_file(Code::E5003, {},
+                    fmt::format("the context has no memory for the model's {}", what));
+  return good;
+}
+
+RenderTarget make_render_target(const GladGLContext& gl, std::span<const GLenum> color_formats,
+                                bool depth, GLsizei width, GLsizei height) {
+  RenderTarget target;
+  GLuint id = 0;
+  gl.CreateFramebuffers(1, &id);
+  target.framebuffer = GlFramebuffer(gl, id);
+  constexpr GLenum kAttachments[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1,
+                                     GL_COLOR_ATTACHMENT2, GL_COLOR_ATTACHMENT3,
+                                     GL_COLOR_ATTACHMENT4, GL_COLOR_ATTACHMENT5};
+  for (std::size_t i = 0; i < color_formats.size(); ++i) {
+    if (color_formats[i] == GL_NONE) continue;
+    target.formats[i] = color_formats[i];
+    target.colors[i] = make_texture_2d(gl, 1, color_formats[i], width, height);
+    gl.TextureParameteri(target.colors[i].id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TextureParameteri(target.colors[i].id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl.NamedFramebufferTexture(id, kAttachments[i], target.colors[i].id(), 0);
+  }
+  gl.NamedFramebufferDrawBuffers(id, static_cast<GLsizei>(color_formats.size()), kAttachments);
+  if (depth) {
+    GLuint buffer = 0;
+    gl.CreateRenderbuffers(1, &buffer);
+    target.depth = GlRenderbuffer(gl, buffer);
+    gl.NamedRenderbufferStorage(buffer, GL_DEPTH_COMPONENT32F, width, height);
+    gl.NamedFramebufferRenderbuffer(id, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, buffer);
+  }
+  if (gl.CheckNamedFramebufferStatus(id, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE) {
+    target.width = width;
+    target.height = height;
+  }
+  return target;
+}
+
+GlProgram make_program(const GladGLContext& gl, const std::string& vertex,
+                       const std::string& fragment, std::string* problem) {
+  GlProgram program(gl, gl.CreateProgram());
+  const auto attach = [&](GLenum stage, const std::string& text) {
+    const GLuint shader = gl.CreateShader(stage);
+    const char* source = text.c_str();
+    gl.ShaderSource(shader, 1, &source, nullptr);
+    gl.CompileShader(shader);
+    GLint good = 0;
+    gl.GetShaderiv(shader, GL_COMPILE_STATUS, &good);
+    if (!good) {
+      std::string words(4096, '\0');
+      GLsizei length = 0;
+      gl.GetShaderInfoLog(shader, static_cast<GLsizei>(words.size()), &length, words.data());
+      *problem = words.substr(0, static_cast<std::size_t>(length));
+    }
+    gl.AttachShader(program.id(), shader);
+    gl.DeleteShader(shader);
+    return good != 0;
+  };
+  if (!attach(GL_VERTEX_SHADER, vertex) || !attach(GL_FRAGMENT_SHADER, fragment)) return {};
+  gl.LinkProgram(program.id());
+  GLint good = 0;
+  gl.GetProgramiv(program.id(), GL_LINK_STATUS, &good);
+  if (good) return program;
+  std::string words(4096, '\0');
+  GLsizei length = 0;
+  gl.GetProgramInfoLog(program.id(), static_cast<GLsizei>(words.size()), &length, words.data());
+  *problem = words.substr(0, static_cast<std::size_t>(length));
+  return {};
+}
+
+}  // namespace panwright::preview

@@ -1,0 +1,117 @@
+// Shader programs, built on first use and kept. Private to preview.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "preview/frame/draw_list.h"
+#include "preview/gl/gl_objects.h"
+
+namespace panwright::preview {
+
+// Binding points that the shaders name.
+inline constexpr GLuint kViewBinding = 0;  // uniform blocks
+inline constexpr GLuint kDrawBinding = 1;
+inline constexpr GLuint kMaterialBinding = 2;
+inline constexpr GLuint kDecalBinding = 3;
+inline constexpr GLuint kShadowBinding = 4;
+inline constexpr GLuint kDiffuseMapUnit = 0;  // textures
+inline constexpr GLuint kTriangleNormalsUnit = 1;
+inline constexpr GLuint kSeenUnit = 2;
+inline constexpr GLuint kPaintUnit = 3;
+inline constexpr GLuint kMaterialsUnit = 4;
+inline constexpr GLuint kItemsUnit = 5;
+inline constexpr GLuint kRoughUnit = 6;
+inline constexpr GLuint kAlbedoMapUnit = 7;
+inline constexpr GLuint kNormalMapUnit = 8;
+inline constexpr GLuint kRoughnessMapUnit = 9;
+inline constexpr GLuint kCutoutMapUnit = 10;
+inline constexpr GLuint kDecalUnit = 11;
+inline constexpr GLuint kSunUnit = 12;
+inline constexpr GLuint kShadowDepthsUnit = 13;
+inline constexpr GLuint kShadowSlopesUnit = 14;
+inline constexpr GLuint kTangentUnit = 15;
+inline constexpr GLuint kReflectanceMapUnit = 16;
+inline constexpr GLuint kReflectanceUnit = 17;
+inline constexpr GLint kRangeLocation = 0;  // uniforms
+inline constexpr GLint kDepthLocation = 1;
+
+// What is kept of each sample between the two steps of a drawing.
+enum Layer : unsigned {
+  kSeenLayer,
+  kPaintLayer,
+  kRoughLayer,
+  kTangentLayer,
+  kReflectanceLayer,
+  kSunLayer,  // the place before the Sun, where there are shadows
+  kLayers
+};
+// Those that there are, the Sun's apart, a bit for each: the first always, paint below roughness
+// and roughness below tangents.
+using LayerSet = unsigned;
+constexpr bool has(LayerSet set, Layer layer) { return (set >> layer & 1) != 0; }
+
+// Uniform blocks, in std140.
+struct alignas(16) ViewBlock {
+  float sight[4];        // world direction through the tile's upper left corner, any length
+  float sight_right[4];  // its change from sample to sample
+  float sight_down[4];
+  float to_sun[4];      // world, unit; w: what its disc adds to alpha²
+  float irradiance[4];  // RGB
+};
+struct alignas(16) DrawBlock {
+  float clip_from_mesh[16];          // columns
+  float world_normal_from_mesh[12];  // columns of 3, each padded to 4
+  std::uint32_t id[4];               // x: item + 1; y, z: samples left of and above the tile
+  float diffuse[4];                  // RGB
+  float repeat[4];                   // of maps: x, y, and their signs
+  float cells[4];                    // their count along u and v, their gaps
+  float gap_colour[4];               // RGB, fingers
+  float finger_colour[4];            // RGB, their width
+  float sun_from_mesh[12];           // rows of 4, as SunFrame says
+  float sun_normal_from_mesh[12];    // columns of 3, each padded to 4
+  float lift[4];  // x: how far a point is moved out before it is lit, mesh frame;
+                  // others: what glass over cells sends back of diffuse light
+};
+struct alignas(16) DecalBlock {
+  float place[12];  // rows of 4: from positions to picture coordinates and height over depth
+  float outwards[4];
+};
+
+// All programs of a device, shared by its models: what tells them apart is what they do.
+class Programs {
+ public:
+  explicit Programs(const GladGLContext& gl) : gl_(gl) {}
+
+  // Each returns 0 when the driver refuses a shader: *problem says why.
+  //
+  GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows,
+                  std::string* problem);
+  GLuint shading(const materials::Laws& family, LayerSet layers, bool one_material, bool shadows,
+                 std::string* problem);
+  GLuint classes(std::string* problem);
+  GLuint shadow(bool cutout, std::string* problem);
+  GLuint ids(bool cutout, std::string* problem);
+  GLuint decal(std::string* problem);
+  GLuint bare(std::string* problem);
+
+  std::uint64_t built() const { return built_; }
+
+ private:
+  GlProgram made(const std::string& vertex, const std::string& fragment, std::string* problem);
+
+  const GladGLContext& gl_;
+  std::map<unsigned, GlProgram> geometry_;
+  std::map<std::pair<materials::Laws, unsigned>, GlProgram> shading_;
+  GlProgram classes_;
+  std::array<GlProgram, 2> shadow_;
+  std::array<GlProgram, 2> ids_;
+  GlProgram decal_;
+  GlProgram bare_;
+  std::uint64_t built_ = 0;
+};
+
+}  // namespace panwright::preview

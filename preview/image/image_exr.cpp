@@ -1,0 +1,102 @@
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <fmt/format.h>
+
+#include <exception>
+#include <stdexcept>
+
+#include "preview/image/image_files.h"
+
+namespace panwright::preview {
+namespace {
+
+// OpenEXR writes where it likes; an atomic file takes that as well.
+class FileStream final : public Imf::OStream {
+ public:
+  FileStream(AtomicFile& file, DiagnosticLog& log) : OStream("image"), file_(file), log_(log) {}
+  void write(const char c[], int n) override {
+    const auto bytes = as_bytes(std::string_view(c, static_cast<std::size_t>(n)));
+    if (!file_.write_at(position_, bytes, log_)) {
+      reported_ = true;
+      throw std::runtime_error("the disk refused");
+    }
+    position_ += static_cast<std::uint64_t>(n);
+  }
+  std::uint64_t tellp() override { return position_; }
+  void seekp(std::uint64_t position) override { position_ = position; }
+  bool reported() const { return reported_; }
+
+ private:
+  AtomicFile& file_;
+  DiagnosticLog& log_;
+  std::uint64_t position_ = 0;
+  bool reported_ = false;
+};
+
+class Layers {
+ public:
+  Layers(Imf::Header& header, std::size_t width) : header_(header), width_(width) {}
+  // channel of an interleaved layer with `stride` values a pixel
+  template <class T>
+  void add(const char* name, const std::vector<T>& values, std::size_t channel,
+           std::size_t stride) {
+    constexpr auto kType = std::is_same_v<T, float> ? Imf::FLOAT : Imf::UINT;
+    header_.channels().insert(name, Imf::Channel(kType));
+    // note: OpenEXR takes a mutable pointer for reading as for writing, and only reads here
+    auto* base = reinterpret_cast<char*>(const_cast<T*>(values.data() + channel));
+    buffer_.insert(name, Imf::Slice(kType, base, sizeof(T) * stride, sizeof(T) * stride * width_));
+  }
+  const Imf::FrameBuffer& buffer() const { return buffer_; }
+
+ private:
+  Imf::Header& header_;
+  Imf::FrameBuffer buffer_;
+  std::size_t width_;
+};
+
+}  // namespace
+
+bool write_exr(AtomicFile& file, const Image& image, DiagnosticLog& log) {
+  FileStream stream(file, log);
+  try {
+    Imf::Header header(static_cast<int>(image.width), static_cast<int>(image.height));
+    header.compression() = Imf::ZIP_COMPRESSION;
+    header.insert("radianceUnit", Imf::StringAttribute(image.unit));
+    for (const auto& [name, value] : image.metadata)
+      header.insert(name.c_str(), Imf::StringAttribute(value));
+    Layers layers(header, image.width);
+    layers.add("R", image.radiance, 0, 3);
+    layers.add("G", image.radiance, 1, 3);
+    layers.add("B", image.radiance, 2, 3);
+    layers.add("A", image.coverage, 0, 1);
+    if (!image.standard_error.empty()) {
+      layers.add("error.R", image.standard_error, 0, 3);
+      layers.add("error.G", image.standard_error, 1, 3);
+      layers.add("error.B", image.standard_error, 2, 3);
+    }
+    if (image.has_truth()) {
+      layers.add("Z", image.depth, 0, 1);
+      layers.add("range", image.range, 0, 1);
+      layers.add("N.X", image.normal, 0, 3);
+      layers.add("N.Y", image.normal, 1, 3);
+      layers.add("N.Z", image.normal, 2, 3);
+      layers.add("id.target", image.target_id, 0, 1);
+      layers.add("id.node", image.node_id, 0, 1);
+      layers.add("id.material", image.material_id, 0, 1);
+    }
+    Imf::OutputFile output(stream, header);
+    output.setFrameBuffer(layers.buffer());
+    output.writePixels(static_cast<int>(image.height));
+  } catch (const std::exception& problem) {
+    if (!stream.reported())
+      log.report_file(Code::E0103, {}, fmt::format("the EXR encoder failed: {}", problem.what()));
+    return false;
+  }
+  return true;
+}
+
+}  // namespace panwright::preview

@@ -1,0 +1,106 @@
+// A model's arrays on a context. Private to preview.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "pan/model.h"
+#include "preview/context.h"
+#include "preview/frame/draw_list.h"
+#include "preview/gl/gl_objects.h"
+#include "preview/model/decals.h"
+#include "preview/model/gpu_textures.h"
+#include "preview/model/tangents.h"
+
+namespace panwright::preview {
+
+class GpuModel {
+ public:
+  // Uploads vertices, indices, materials and the textures that are used, tangents for the meshes
+  // that have normal maps, and decals.
+  // Fails: E5003.
+  bool upload(const Context& context, const pan::Model& model, std::span<const DrawItem> list,
+              const Families& families, DiagnosticLog& log);
+  std::uint64_t bytes() const { return bytes_; }  // uploaded so far
+
+  // Computes and uploads the triangles' normals, once. Fails: E5003.
+  bool upload_triangle_normals(const pan::Model& model, DiagnosticLog& log);
+
+  void bind_vertices(const pan::layout::Mesh& mesh, std::size_t mesh_index) const;
+  void bind_maps(std::size_t item) const;
+  void bind_one_material(std::uint32_t material) const;
+  void bind_items() const;
+  // Materials and items as textures, for shading that looks them up.
+  void bind_materials() const;
+
+  // Draws the whole mesh whose vertices are bound.
+  void draw(const pan::layout::Mesh& mesh, std::size_t mesh_index) const;
+  // The same with the normals of its triangles bound, in parts that the context's buffer textures
+  // can hold.
+  void draw_flat(const pan::layout::Mesh& mesh, std::size_t mesh_index) const;
+
+  std::span<const PlacedDecal> decals() const { return decals_; }  // from the lowest
+  // Draws the triangles that take a decal. Expects: the vertices of its mesh bound; bind_vertices()
+  // again before any other draw.
+  void draw_decal(std::size_t decal) const;
+
+ private:
+  // A mesh with vertices repeated for its tangents.
+  struct Repeated {
+    GlBuffer positions, normals, texcoords, colours, indices;
+  };
+
+  template <class T>
+  GlBuffer uploaded(std::span<const T> values);
+  bool upload_materials(const pan::Model& model, std::span<const DrawItem> list,
+                        const Families& families, DiagnosticLog& log);
+  bool upload_textures(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log);
+  bool upload_tangents(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log);
+  bool upload_decals(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log);
+  const Repeated* own_vertices(std::size_t mesh_index) const;  // null: the model's
+  Repeated repeated(const pan::MeshView& mesh, const Tangents& tangents);
+  void draw_range(const pan::layout::Mesh& mesh, std::size_t mesh_index,
+                  std::uint64_t first_triangle, std::uint64_t triangles) const;
+
+  // Which texture an item has on which unit.
+  struct Binding {
+    GLuint unit = 0;
+    std::uint32_t texture = 0;  // number in textures_
+  };
+
+  const Context* context_ = nullptr;
+  const GladGLContext* gl_ = nullptr;
+  std::uint64_t bytes_ = 0;
+  GlVertexArray vertex_array_;
+  GlBuffer positions_, normals_, texcoords_, colours_, indices_;
+  GlBuffer materials_, padded_materials_, items_;
+  GlTexture materials_texture_, items_texture_;
+  std::size_t material_stride_ = 0;  // bytes, of padded_materials_
+  GpuTextures textures_;
+  std::vector<std::vector<Binding>> bindings_;  // one for each item
+  GlSampler map_sampler_;                       // repeats
+  GlSampler decal_sampler_;                     // clamps
+  GlBuffer tangents_;
+  std::vector<std::uint64_t> tangents_at_;         // bytes, one for each mesh
+  std::vector<std::optional<Repeated>> repeated_;  // one for each mesh, where there are tangents
+  std::vector<PlacedDecal> decals_;                // their indices are in decal_indices_
+  struct DecalRange {
+    std::uint64_t first = 0;  // bytes, in decal_indices_
+    std::uint64_t count = 0;  // indices
+    std::uint32_t texture = 0;
+  };
+  std::vector<DecalRange> decal_ranges_;
+  GlBuffer decal_indices_;
+  GlBuffer decal_blocks_;
+  std::size_t decal_stride_ = 0;  // bytes, of decal_blocks_
+  GlBuffer triangle_normals_;
+  GlTexture triangle_normals_texture_;
+  std::uint64_t flat_triangles_ = 0;                // of one part
+  std::vector<std::uint64_t> triangle_normals_at_;  // bytes, one for each mesh
+};
+
+}  // namespace panwright::preview

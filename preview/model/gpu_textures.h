@@ -1,0 +1,44 @@
+// The pictures of a model on a context. Private to preview.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "pan/model.h"
+#include "preview/context.h"
+#include "preview/gl/gl_objects.h"
+#include "preview/model/map_levels.h"
+
+namespace panwright::preview {
+
+// What is asked of a picture. The threshold is 0 but for cutouts.
+struct TextureUse {
+  std::int32_t texture = 0;
+  TextureRole role = TextureRole::colour;
+  float threshold = 0;
+  auto operator<=>(const TextureUse&) const = default;
+};
+
+// A picture is stored once for each thing asked of it.
+class GpuTextures {
+ public:
+  // The number of a use; the same for equal uses. All of them come before upload().
+  std::uint32_t number(const TextureUse& use);
+
+  // Fails: E5003.
+  bool upload(const Context& context, const pan::Model& model, DiagnosticLog& log);
+
+  GLuint id(std::uint32_t number) const { return textures_[number].id(); }
+  std::uint64_t bytes() const { return bytes_; }  // uploaded
+
+ private:
+  std::vector<TextureUse> uses_;
+  std::map<TextureUse, std::uint32_t> numbers_;
+  std::vector<GlTexture> textures_;  // one for each use
+  std::uint64_t bytes_ = 0;
+};
+
+}  // namespace panwright::preview

@@ -1,0 +1,43 @@
+// The levels of the pictures that a surface reads: what each channel holds depends on what the
+// picture is for. Private to preview; nothing here needs OpenGL.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "preview/model/texture_levels.h"
+
+namespace panwright::preview {
+
+enum class TextureRole : std::uint8_t {
+  colour,         // RGB linear; A 1
+  premultiplied,  // RGB linear times A, A: the colour of a transparent texel counts nowhere
+  normal,         // RGB: mean of the unit normals, shorter than 1 where they differ; A: see below
+  roughness,      // R: the red code as it is
+  cutout,         // R: alpha − threshold of level 0 only; G: share of the surface that is there
+};
+
+// Channels that a texture of the role needs: 1, 2 or 4.
+unsigned channels(TextureRole role);
+
+// All levels of a picture, with these contents. Normal and roughness maps are linear whatever the
+// file says, cutouts read alpha, which always is.
+//
+// Normal maps: level 0 holds unit vectors, never inwards. A mean of normals is exact for what is
+// linear in the normal: Lambert's law, until a texel faces away from the Sun. Its lost length gives
+// A, the mean squared slope (Beckmann's m²) of the texels around their mean direction: Toksvig,
+// "Mipmapping normal maps", 2005, but 2(1−|N|)/|N|³, which follows Gaussian slopes (|N| =
+// √(π/A)·exp(1/A)·erfc(1/√A)) to the second order and within 17 % up to A = 1.5. One number for all
+// azimuths.
+//
+// Cutouts: G of level 0 is the share of each texel's square where alpha, interpolated between the
+// centres of texels that repeat, reaches the threshold, within 2e-3; the levels above hold its
+// means.
+//
+//   threshold  for cutouts
+std::vector<TextureLevel> map_levels(std::span<const std::uint8_t> rgba, std::uint32_t width,
+                                     std::uint32_t height, bool linear, TextureRole role,
+                                     float threshold);
+
+}  // namespace panwright::preview

@@ -1,0 +1,90 @@
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include "base/parallel.h"
+#include "preview/image.h"
+#include "preview/model/texture_levels.h"
+
+namespace panwright::preview {
+namespace {
+
+// the source texels that one texel of the next level covers, and their shares
+struct Footprint {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+  std::array<double, 4> share{};  // halving rounded down covers at most 3 + rounding
+};
+
+Footprint footprint(std::uint32_t index, std::uint32_t from, std::uint32_t to) {
+  // in units of 1/to of a source texel everything is an integer
+  const std::uint64_t begin = std::uint64_t{index} * from;
+  const std::uint64_t end = begin + from;
+  Footprint result;
+  result.first = static_cast<std::uint32_t>(begin / to);
+  for (std::uint64_t i = result.first; i * to < end; ++i) {
+    const std::uint64_t low = std::max(begin, i * to);
+    const std::uint64_t high = std::min(end, (i + 1) * to);
+    assert(result.count < result.share.size());
+    result.share[result.count++] = static_cast<double>(high - low) / from;
+  }
+  return result;
+}
+
+TextureLevel halved(const TextureLevel& above) {
+  TextureLevel level;
+  level.width = std::max(1u, above.width / 2);
+  level.height = std::max(1u, above.height / 2);
+  level.rgba.resize(std::size_t{4} * level.width * level.height);
+  std::vector<Footprint> columns;
+  for (std::uint32_t i = 0; i < level.width; ++i)
+    columns.push_back(footprint(i, above.width, level.width));
+  parallel_for(level.height, [&](std::size_t j) {
+    const Footprint rows = footprint(static_cast<std::uint32_t>(j), above.height, level.height);
+    for (std::size_t i = 0; i < level.width; ++i)
+      for (std::size_t channel = 0; channel < 4; ++channel) {
+        double sum = 0;
+        for (std::uint32_t y = 0; y < rows.count; ++y)
+          for (std::uint32_t x = 0; x < columns[i].count; ++x) {
+            const std::size_t texel =
+                std::size_t{rows.first + y} * above.width + columns[i].first + x;
+            sum += rows.share[y] * columns[i].share[x] * above.rgba[4 * texel + channel];
+          }
+        level.rgba[4 * (j * level.width + i) + channel] = static_cast<float>(sum);
+      }
+  });
+  return level;
+}
+
+}  // namespace
+
+TextureLevel decoded_level(std::span<const std::uint8_t> rgba, std::uint32_t width,
+                           std::uint32_t height, bool linear) {
+  assert(width > 0 && height > 0 && rgba.size() == std::size_t{4} * width * height);
+  std::array<float, 256> value{};
+  for (std::size_t code = 0; code < value.size(); ++code)
+    value[code] = static_cast<float>(linear ? static_cast<double>(code) / 255
+                                            : srgb_decoded(static_cast<std::uint8_t>(code)));
+  TextureLevel level;
+  level.width = width;
+  level.height = height;
+  level.rgba.resize(rgba.size());
+  const std::size_t row = std::size_t{4} * width;
+  parallel_for(height, [&](std::size_t j) {
+    const std::uint8_t* from = rgba.data() + (height - 1 - j) * row;
+    float* to = level.rgba.data() + j * row;
+    for (std::size_t i = 0; i < row; ++i)
+      to[i] = i % 4 == 3 ? static_cast<float>(from[i]) / 255 : value[from[i]];
+  });
+  return level;
+}
+
+std::vector<TextureLevel> with_levels_below(TextureLevel first) {
+  std::vector<TextureLevel> levels;
+  levels.push_back(std::move(first));
+  while (levels.back().width > 1 || levels.back().height > 1)
+    levels.push_back(halved(levels.back()));
+  return levels;
+}
+
+}  // namespace panwright::preview
