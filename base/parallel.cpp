@@ -4,7 +4,6 @@
 #include <tbb/task_arena.h>
 
 #if defined(__SANITIZE_THREAD__)
-#include <algorithm>
 #include <atomic>
 #include <thread>
 #include <vector>
@@ -18,7 +17,7 @@ namespace {
 // threads of the standard library do the same work there.
 void call_for_each(std::size_t count, const std::function<void(std::size_t)>& body) {
   thread_local bool inside = false;
-  const int threads = inside ? 1 : std::max(4, tbb::this_task_arena::max_concurrency());
+  const int threads = inside ? 1 : tbb::this_task_arena::max_concurrency();
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
     inside = true;
