@@ -86,11 +86,16 @@ std::shared_ptr<const ModelResources> Device::find(const world::ModelPtr& model)
 }
 
 Result<std::shared_ptr<const ModelResources>> Device::resources(const world::ModelPtr& model,
-                                                                DiagnosticLog& log) {
+                                                                DiagnosticLog& log,
+                                                                const Job& job) {
   assert(model && model->checked());
   if (auto found = find(model)) return found;
   if (!impl_->ready(log)) return failed;
   std::erase_if(impl_->models, [](const auto& entry) { return entry.second.expired(); });
+  if (job.cancelled()) {
+    report_cancelled(log);
+    return failed;
+  }
   auto impl = std::make_unique<ModelResources::Impl>(shared_from_this(), model);
   impl->list = draw_list(*model);
   for (const DrawItem& item : impl->list) {

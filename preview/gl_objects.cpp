@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <bit>
+
 namespace panwright::preview {
 
 void delete_buffer(const GladGLContext& gl, GLuint id) { gl.DeleteBuffers(1, &id); }
@@ -57,6 +60,23 @@ GlSampler make_sampler(const GladGLContext& gl, GLint wrap) {
   gl.SamplerParameteri(id, GL_TEXTURE_WRAP_S, wrap);
   gl.SamplerParameteri(id, GL_TEXTURE_WRAP_T, wrap);
   return {gl, id};
+}
+
+StreamBuffer::StreamBuffer(const GladGLContext& gl) : gl_(gl), buffer_(make_stream_buffer(gl)) {}
+
+std::size_t StreamBuffer::upload(std::span<const std::byte> bytes) {
+  if (bytes.size() > region_bytes_) {
+    // powers of two hold whatever alignment a context asks for
+    region_bytes_ = std::bit_ceil(std::max(bytes.size(), std::size_t{4096}));
+    gl_.NamedBufferData(buffer_.id(), static_cast<GLsizeiptr>(kRegions * region_bytes_), nullptr,
+                        GL_STREAM_DRAW);
+  }
+  region_ = (region_ + 1) % kRegions;
+  const std::size_t offset = region_ * region_bytes_;
+  if (!bytes.empty())
+    gl_.NamedBufferSubData(buffer_.id(), static_cast<GLintptr>(offset),
+                           static_cast<GLsizeiptr>(bytes.size()), bytes.data());
+  return offset;
 }
 
 bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log) {

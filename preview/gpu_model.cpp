@@ -18,6 +18,9 @@ constexpr GLuint kTangentAttribute = 4;
 // OpenGL counts the indices of a draw in 31 bits
 constexpr std::uint64_t kMeshTriangles = 0x7fffffff / 3;
 
+// of one draw: some 50 ms where the context draws in software
+constexpr std::uint64_t kPartTriangles = std::uint64_t{1} << 18;
+
 std::uint64_t rounded_up(std::uint64_t value, std::uint64_t step) {
   return (value + step - 1) / step * step;
 }
@@ -207,7 +210,7 @@ bool GpuModel::upload_triangle_normals(const pan::Model& model, DiagnosticLog& l
   // parts begin where the context lets a buffer texture begin: a part of 2^k triangles is a
   // multiple of any power of two up to 4·2^k bytes
   const std::uint64_t alignment = integer(*gl_, GL_TEXTURE_BUFFER_OFFSET_ALIGNMENT);
-  flat_triangles_ = std::uint64_t{1} << 21;
+  flat_triangles_ = kPartTriangles;
   while (flat_triangles_ > integer(*gl_, GL_MAX_TEXTURE_BUFFER_SIZE)) flat_triangles_ /= 2;
   triangle_normals_texture_ = make_buffer_texture(*gl_);
   std::uint64_t bytes = 0;
@@ -296,8 +299,18 @@ void GpuModel::draw_range(const layout::Mesh& mesh, std::size_t mesh_index,
                     reinterpret_cast<const void*>(offset));
 }
 
-void GpuModel::draw(const layout::Mesh& mesh, std::size_t mesh_index) const {
+bool GpuModel::draw(const layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const {
+  for (std::uint64_t first = 0; first < mesh.triangle_count; first += kPartTriangles) {
+    if (job.cancelled()) return false;
+    draw_range(mesh, mesh_index, first, std::min(kPartTriangles, mesh.triangle_count - first));
+  }
+  return true;
+}
+
+bool GpuModel::draw_whole(const layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const {
+  if (job.cancelled()) return false;
   draw_range(mesh, mesh_index, 0, mesh.triangle_count);
+  return true;
 }
 
 void GpuModel::draw_decal(std::size_t decal) const {
@@ -311,9 +324,10 @@ void GpuModel::draw_decal(std::size_t decal) const {
                     reinterpret_cast<const void*>(range.first));
 }
 
-void GpuModel::draw_flat(const layout::Mesh& mesh, std::size_t mesh_index) const {
+bool GpuModel::draw_flat(const layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const {
   gl_->BindTextureUnit(kTriangleNormalsUnit, triangle_normals_texture_.id());
   for (std::uint64_t first = 0; first < mesh.triangle_count; first += flat_triangles_) {
+    if (job.cancelled()) return false;
     const std::uint64_t count = std::min(flat_triangles_, mesh.triangle_count - first);
     gl_->TextureBufferRange(
         triangle_normals_texture_.id(), GL_RGB32F, triangle_normals_.id(),
@@ -321,6 +335,7 @@ void GpuModel::draw_flat(const layout::Mesh& mesh, std::size_t mesh_index) const
         static_cast<GLsizeiptr>(count * 3 * sizeof(float)));
     draw_range(mesh, mesh_index, first, count);
   }
+  return true;
 }
 
 }  // namespace panwright::preview

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <optional>
 
 #include "materials/brdf.h"
 #include "preview/internal/blocks.h"
@@ -62,43 +61,47 @@ Tile around(const Tile& a, const Tile& b) {
 
 }  // namespace
 
-TileScene tile_scene(const FrameScene& scene, const Tile& tile) {
-  TileScene result;
-  result.tile = {tile.x, tile.y, 0, 0};
+void TileScene::find(const FrameScene& scene, const Tile& whole) {
+  constexpr std::uint32_t kNone = ~0u;
+  tile = {whole.x, whole.y, 0, 0};
   std::size_t blocks = 0;
+  std::size_t count = 0;
   for (std::uint32_t v = 0; v < scene.visible.targets.size(); ++v) {
     const VisibleTarget& visible = scene.visible.targets[v];
-    const std::vector<DrawItem>& list = scene.state(v).items;
-    TileTarget target;
+    const std::span<const DrawItem> list = scene.state(v).items();
+    TileTarget& target = count < targets.size() ? targets[count] : targets.emplace_back();
     target.visible = v;
     target.first_block = blocks;
+    target.drawn.clear();
+    target.classes.clear();
     const Families& families = scene.state(v).model().families;
-    std::vector<std::optional<TileTarget::ShadingClass>> classes(families.all.size());
+    by_family_.assign(families.all.size(), {kNone, 0, true});
     for (std::uint32_t i = 0; i < visible.items.size(); ++i) {
-      if (!may_touch(scene.camera, tile, 1.0, visible.boxes[i])) continue;
+      if (!may_touch(scene.camera, whole, 1.0, visible.boxes[i])) continue;
       const DrawItem& item = list[visible.items[i]];
       target.drawn.push_back(i);
       const std::uint32_t family = families.of_material[item.material];
-      if (!classes[family]) classes[family] = {family, item.material, true};
-      if (classes[family]->material != item.material) classes[family]->one_material = false;
+      TileTarget::ShadingClass& shading = by_family_[family];
+      if (shading.family == kNone) shading = {family, item.material, true};
+      if (shading.material != item.material) shading.one_material = false;
     }
-    target.part = touched_part(scene.camera, tile, visible.boxes, target.drawn);
+    target.part = touched_part(scene.camera, whole, visible.boxes, target.drawn);
     if (target.part.width == 0 || target.part.height == 0) continue;
-    for (const auto& one : classes)
-      if (one) target.classes.push_back(*one);
-    result.tile = around(result.tile, target.part);
+    for (const TileTarget::ShadingClass& one : by_family_)
+      if (one.family != kNone) target.classes.push_back(one);
+    tile = around(tile, target.part);
     blocks += target.drawn.size();
-    result.targets.push_back(std::move(target));
+    ++count;
   }
-  return result;
+  targets.resize(count);
 }
 
 Passes::Passes(Device::Impl& device)
     : device_(device),
       gl_(device.context->gl()),
       screen_(make_vertex_array(gl_)),
-      view_buffer_(make_stream_buffer(gl_)),
-      draw_buffer_(make_stream_buffer(gl_)),
+      stream_(gl_),
+      view_stride_(block_stride(gl_, sizeof(ViewBlock))),
       draw_stride_(block_stride(gl_, sizeof(DrawBlock))) {}
 
 GLuint Passes::program(const ModelResources::Impl& model, const Variant& variant, Pass pass,
@@ -129,7 +132,7 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
     }
     const DrawItem* last = nullptr;
     for (const std::uint32_t index : scene.visible.targets[v].items) {
-      const DrawItem& item = state.items[index];
+      const DrawItem& item = state.items()[index];
       if (last && item.variant == last->variant && item.material == last->material) continue;
       last = &item;
       std::string problem;
@@ -154,9 +157,9 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
 
 void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat) {
   const ViewBlock shared = view_block(scene.camera, scene.world.sun(), tile.tile, samples);
-  gl_.NamedBufferData(view_buffer_.id(), sizeof shared, &shared, GL_STREAM_DRAW);
-  gl_.BindBufferBase(GL_UNIFORM_BUFFER, kViewBinding, view_buffer_.id());
   blocks_.clear();
+  blocks_.resize(view_stride_);
+  std::memcpy(blocks_.data(), &shared, sizeof shared);
   for (const DepthGroup& group : scene.visible.groups)
     for (const TileTarget& target : tile.targets) {
       if (!std::binary_search(group.targets.begin(), group.targets.end(), target.visible)) continue;
@@ -164,11 +167,11 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
       const TargetState& state = scene.state(target.visible);
       const pan::Model& model = *state.model().model;
       const Mat3 rotation = glm::mat3_cast(scene.world[visible.target].pose().rotation);
-      blocks_.resize(
-          std::max(blocks_.size(), (target.first_block + target.drawn.size()) * draw_stride_));
+      const std::size_t first = view_stride_ + target.first_block * draw_stride_;
+      blocks_.resize(std::max(blocks_.size(), first + target.drawn.size() * draw_stride_));
       for (std::size_t k = 0; k < target.drawn.size(); ++k) {
         const std::uint32_t index = visible.items[target.drawn[k]];
-        const DrawItem& item = state.items[index];
+        const DrawItem& item = state.items()[index];
         DrawBlock block{};
         copy_floats(clip_from_mesh(scene.camera, tile.tile, group.depth,
                                    visible.boxes[target.drawn[k]].camera_from_mesh),
@@ -183,16 +186,22 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
         if (scene.shadows)
           place_before_sun(scene.shadows->place(target.visible), model.meshes()[item.mesh], item,
                            flat, block);
-        std::memcpy(blocks_.data() + (target.first_block + k) * draw_stride_, &block, sizeof block);
+        std::memcpy(blocks_.data() + first + k * draw_stride_, &block, sizeof block);
       }
     }
-  if (!blocks_.empty())
-    gl_.NamedBufferData(draw_buffer_.id(), static_cast<GLsizeiptr>(blocks_.size()), blocks_.data(),
-                        GL_STREAM_DRAW);
+  const std::size_t at = stream_.upload(blocks_);
+  gl_.BindBufferRange(GL_UNIFORM_BUFFER, kViewBinding, stream_.id(), static_cast<GLintptr>(at),
+                      sizeof(ViewBlock));
+  first_draw_ = at + view_stride_;
 }
 
-void Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
-                  const RenderTarget& target) {
+void Passes::bind_block(std::size_t block) const {
+  gl_.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, stream_.id(),
+                      static_cast<GLintptr>(first_draw_ + block * draw_stride_), sizeof(DrawBlock));
+}
+
+bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
+                  const RenderTarget& target, const Job& job) {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.id());
   gl_.Viewport(0, 0, static_cast<GLsizei>(tile.tile.width * samples),
                static_cast<GLsizei>(tile.tile.height * samples));
@@ -212,14 +221,16 @@ void Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned sampl
     const float far_depth = 0;
     gl_.ClearBufferfv(GL_DEPTH, 0, &far_depth);
     for (const TileTarget& one : tile.targets)
-      if (belongs(one)) draw_items(scene, one, pass);
+      if (belongs(one) && !draw_items(scene, one, pass, job)) return false;
     if (!is_shaded(pass)) continue;
     for (const TileTarget& one : tile.targets)
       if (belongs(one)) draw_decals(scene, one);
   }
+  return !job.cancelled();
 }
 
-void Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass pass) {
+bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass pass,
+                        const Job& job) {
   const TargetState& state = scene.state(target.visible);
   const ModelResources::Impl& model = state.model();
   const VisibleTarget& visible = scene.visible.targets[target.visible];
@@ -227,7 +238,7 @@ void Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
   const DrawItem* last = nullptr;
   for (std::size_t k = 0; k < target.drawn.size(); ++k) {
     const std::uint32_t index = visible.items[target.drawn[k]];
-    const DrawItem& item = state.items[index];
+    const DrawItem& item = state.items()[index];
     const pan::layout::Mesh& mesh = model.model->meshes()[item.mesh];
     if (!last || item.variant != last->variant)
       gl_.UseProgram(program(model, item.variant, pass, shadows, nullptr));
@@ -238,13 +249,14 @@ void Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
     if (!last || item.texture != last->texture || item.material != last->material)
       model.gpu.bind_maps(index);
     if (!last || item.mesh != last->mesh) model.gpu.bind_vertices(mesh, item.mesh);
-    gl_.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, draw_buffer_.id(),
-                        static_cast<GLintptr>((target.first_block + k) * draw_stride_),
-                        sizeof(DrawBlock));
-    pass == Pass::flat_geometry ? model.gpu.draw_flat(mesh, item.mesh)
-                                : model.gpu.draw(mesh, item.mesh);
+    bind_block(target.first_block + k);
+    const bool done = pass == Pass::flat_geometry ? model.gpu.draw_flat(mesh, item.mesh, job)
+                      : pass == Pass::ids         ? model.gpu.draw_whole(mesh, item.mesh, job)
+                                                  : model.gpu.draw(mesh, item.mesh, job);
+    if (!done) return false;
     last = &item;
   }
+  return true;
 }
 
 // lays pictures over the colours of what is seen
@@ -253,8 +265,9 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target) {
   const ModelResources::Impl& model = state.model();
   if (model.gpu.decals().empty()) return;
   const VisibleTarget& visible = scene.visible.targets[target.visible];
-  std::vector<std::uint32_t> place(state.items.size(), ~0u);  // of an item in target.drawn
-  for (std::uint32_t k = 0; k < target.drawn.size(); ++k) place[visible.items[target.drawn[k]]] = k;
+  places_.assign(state.items().size(), ~0u);  // of an item in target.drawn
+  for (std::uint32_t k = 0; k < target.drawn.size(); ++k)
+    places_[visible.items[target.drawn[k]]] = k;
   gl_.UseProgram(device_.programs.decal(nullptr));
   // every program puts a vertex on the same spot, so what is seen has the very depth that is there
   gl_.DepthFunc(GL_EQUAL);
@@ -267,16 +280,14 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target) {
   gl_.BlendFunci(kPaintLayer, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   const DrawItem* last = nullptr;
   for (std::size_t i = 0; i < model.gpu.decals().size(); ++i) {
-    const std::uint32_t k = place[model.gpu.decals()[i].item];
+    const std::uint32_t k = places_[model.gpu.decals()[i].item];
     if (k == ~0u) continue;
-    const DrawItem& item = state.items[model.gpu.decals()[i].item];
+    const DrawItem& item = state.items()[model.gpu.decals()[i].item];
     if (&item != last) {
       item.closed ? gl_.Enable(GL_CULL_FACE) : gl_.Disable(GL_CULL_FACE);
       gl_.FrontFace(item.mirrored ? GL_CCW : GL_CW);
       model.gpu.bind_vertices(model.model->meshes()[item.mesh], item.mesh);
-      gl_.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, draw_buffer_.id(),
-                          static_cast<GLintptr>((target.first_block + k) * draw_stride_),
-                          sizeof(DrawBlock));
+      bind_block(target.first_block + k);
     }
     model.gpu.draw_decal(i);
     last = &item;
@@ -316,7 +327,7 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
   gl_.Enable(GL_SCISSOR_TEST);
   // where no class is asked for, the depth test leaves nothing to run
   GLuint first_class = 0;
-  std::vector<GLuint> first_classes;
+  first_classes_.clear();
   gl_.DepthFunc(GL_ALWAYS);
   gl_.UseProgram(device_.programs.classes(nullptr));
   for (const TileTarget& target : tile.targets) {
@@ -324,9 +335,9 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
     scissor(tile.tile, target.part, samples);
     model.gpu.bind_items();
     gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id,
-                   static_cast<GLuint>(scene.state(target.visible).items.size()), first_class, 0);
+                   static_cast<GLuint>(scene.state(target.visible).items().size()), first_class, 0);
     gl_.DrawArrays(GL_TRIANGLES, 0, 3);
-    first_classes.push_back(first_class);
+    first_classes_.push_back(first_class);
     first_class += static_cast<GLuint>(model.families.all.size());
   }
   gl_.DepthFunc(GL_EQUAL);
@@ -343,7 +354,7 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
                                               one.one_material, scene.shadows != nullptr, nullptr));
       gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
       gl_.Uniform1f(kDepthLocation,
-                    static_cast<float>(first_classes[t] + one.family + 1) * (1.0f / 1048576.0f));
+                    static_cast<float>(first_classes_[t] + one.family + 1) * (1.0f / 1048576.0f));
       gl_.DrawArrays(GL_TRIANGLES, 0, 3);
     }
   }

@@ -56,13 +56,35 @@ class Renderer {
 
   // Renders one view. A world without targets, or with hidden ones only, gives the background.
   //
-  // Expects: options as documented; a camera of 1 pixel or more, finite and with unit rotations.
+  // Expects: options as documented; a camera of 1 pixel or more, finite and with unit rotations;
+  // no view under way.
   // Reports: W5006 when every pixel stays empty. Fails: E5001 when the context is lost or cannot be
   // made current; E0001, between tiles; E5003 when the image, a model or the shadows do not fit.
   // After E0001 and E5003 the renderer and what was on the device before stay usable.
   // Cost: about one draw of what lies in view per tile of tile_side² samples.
   Result<Image> render(const world::World& world, const world::Camera& camera,
                        const RenderOptions& options, DiagnosticLog& log, const Job& job = {});
+
+  // The two halves of render(), so that one view is drawn while the one before is copied: submit()
+  // returns as soon as the context has been told what to draw, collect() waits for the oldest view
+  // that was submitted. A view is the same whichever way it is made.
+  //
+  // Expects: as render(); fewer than kMostInFlight views under way. World and camera are not needed
+  // afterwards.
+  // Fails: as render(). What was under way stays so, but after E0001 and E5001, when all is
+  // dropped.
+  static constexpr std::size_t kMostInFlight = 2;
+  bool submit(const world::World& world, const world::Camera& camera, const RenderOptions& options,
+              DiagnosticLog& log, const Job& job = {});
+  // Expects: a view under way, which is not any longer. Reports: W5006. Fails: E0001, E5001, E5003;
+  // all is dropped then.
+  Result<Image> collect(DiagnosticLog& log, const Job& job = {});
+  std::size_t in_flight() const;
+  void drop();  // all that is under way
+
+  // Takes an image that nobody needs any longer: a later view is written into its memory, which is
+  // faster than fresh memory.
+  void recycle(Image image);
 
   const std::shared_ptr<Device>& device() const;
 

@@ -8,9 +8,7 @@ namespace panwright::preview {
 
 std::vector<Tile> tiles(std::uint32_t width, std::uint32_t height, std::uint32_t side) {
   std::vector<Tile> result;
-  for (std::uint32_t y = 0; y < height; y += side)
-    for (std::uint32_t x = 0; x < width; x += side)
-      result.push_back({x, y, std::min(side, width - x), std::min(side, height - y)});
+  for (Tiles tile(width, height, side); tile; tile.next()) result.push_back(*tile);
   return result;
 }
 
@@ -41,6 +39,22 @@ void average_samples(std::span<const float> rgba, const Tile& tile, unsigned sam
       coverage[i] = static_cast<float>(weight * sum[3]);
     }
   });
+}
+
+void clear_around(const Tile& whole, const Tile& part, Image& image) {
+  const bool none = part.width == 0 || part.height == 0;
+  const auto clear = [&](std::size_t y, std::size_t first, std::size_t end) {
+    const std::size_t row = y * image.width;
+    std::fill(image.coverage.begin() + static_cast<std::ptrdiff_t>(row + first),
+              image.coverage.begin() + static_cast<std::ptrdiff_t>(row + end), 0.0f);
+    std::fill(image.radiance.begin() + static_cast<std::ptrdiff_t>(3 * (row + first)),
+              image.radiance.begin() + static_cast<std::ptrdiff_t>(3 * (row + end)), 0.0f);
+  };
+  for (std::uint32_t y = whole.y; y < whole.y + whole.height; ++y) {
+    const bool crosses = !none && y >= part.y && y < part.y + part.height;
+    clear(y, whole.x, crosses ? part.x : whole.x + whole.width);
+    if (crosses) clear(y, part.x + part.width, whole.x + whole.width);
+  }
 }
 
 }  // namespace panwright::preview

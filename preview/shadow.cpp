@@ -210,14 +210,15 @@ std::vector<ShadowMaps::Group> ShadowMaps::grouped(const world::World& world,
 }
 
 bool ShadowMaps::refresh(Device::Impl& device, const world::World& world,
-                         const TargetStates& states, Group& group, DiagnosticLog& log) {
+                         const TargetStates& states, Group& group, DiagnosticLog& log,
+                         const Job& job) {
   Map& map = maps_[group.map];
   const bool refit = map.to_sun != group.to_sun;
   if (refit) {
     std::vector<DrawItem> items;
     for (const Drawn& one : group.targets) {
       const Mat4 anchor_from_model = one.member.anchor_from_model.matrix();
-      for (DrawItem item : states[one.target].items) {
+      for (DrawItem item : states[one.target].items()) {
         if (!one.anchor) item.model_from_mesh = anchor_from_model * item.model_from_mesh;
         items.push_back(item);
       }
@@ -232,14 +233,17 @@ bool ShadowMaps::refresh(Device::Impl& device, const world::World& world,
   std::vector<Drawn> all = group.targets;
   all.insert(all.end(), others.begin(), others.end());
   for (const Drawn& one : all)
-    for (const DrawItem& item : states[one.target].items) {
+    for (const DrawItem& item : states[one.target].items()) {
       std::string problem;
       if (device.programs.shadow(item.variant.cutout, &problem)) continue;
       log.report_file(Code::E5001, {},
                       fmt::format("{} refuses a shader: {}", device.context->renderer(), problem));
       return false;
     }
-  draw(device, map, states, all);
+  if (!draw(device, map, states, all, job)) {
+    report_cancelled(log);
+    return false;
+  }
   map.casters = std::move(members);
   map.to_sun = group.to_sun;
   return true;
@@ -247,7 +251,7 @@ bool ShadowMaps::refresh(Device::Impl& device, const world::World& world,
 
 bool ShadowMaps::update(Device::Impl& device, const world::World& world, const TargetStates& states,
                         std::span<const std::uint32_t> receivers, unsigned side,
-                        std::uint64_t max_bytes, DiagnosticLog& log) {
+                        std::uint64_t max_bytes, DiagnosticLog& log, const Job& job) {
   const GladGLContext& gl = device.context->gl();
   side = std::min(side, device.context->limits().framebuffer_side);
   const auto most =
@@ -263,7 +267,7 @@ bool ShadowMaps::update(Device::Impl& device, const world::World& world, const T
   places_.assign(receivers.size(), {});
   if (!assign(gl, groups, log)) return false;
   for (Group& group : groups) {
-    if (!refresh(device, world, states, group, log)) return false;
+    if (!refresh(device, world, states, group, log, job)) return false;
     for (std::size_t k = 0; k < group.receivers.size(); ++k) {
       const world::Pose& pose = group.members[k].anchor_from_model;
       places_[group.receivers[k]] = {
@@ -274,15 +278,16 @@ bool ShadowMaps::update(Device::Impl& device, const world::World& world, const T
   return true;
 }
 
-void ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& states,
-                      std::span<const Drawn> targets) {
+// False: the job is cancelled.
+bool ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& states,
+                      std::span<const Drawn> targets, const Job& job) {
   const GladGLContext& gl = device.context->gl();
   ++drawn_;
   // what is drawn of each target, and its blocks
   std::vector<std::vector<std::uint32_t>> items(targets.size());
   std::vector<std::byte> bytes;
   for (std::size_t t = 0; t < targets.size(); ++t) {
-    const std::vector<DrawItem>& list = states[targets[t].target].items;
+    const std::span<const DrawItem> list = states[targets[t].target].items();
     const Mat4 anchor_from_model = targets[t].member.anchor_from_model.matrix();
     for (std::uint32_t i = 0; i < list.size(); ++i) {
       if (!list[i].visible) continue;
@@ -319,7 +324,7 @@ void ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& 
     if (targets[t].caster) gl.Enable(GL_DEPTH_CLAMP);
     const DrawItem* last = nullptr;
     for (const std::uint32_t i : items[t]) {
-      const DrawItem& item = state.items[i];
+      const DrawItem& item = state.items()[i];
       const pan::layout::Mesh& mesh = state.model().model->meshes()[item.mesh];
       if (!last || item.variant.cutout != last->variant.cutout)
         gl.UseProgram(device.programs.shadow(item.variant.cutout, nullptr));
@@ -330,11 +335,12 @@ void ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& 
       if (!last || item.mesh != last->mesh) gpu.bind_vertices(mesh, item.mesh);
       gl.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, blocks_.id(),
                          static_cast<GLintptr>(block++ * stride_), sizeof(DrawBlock));
-      gpu.draw(mesh, item.mesh);
+      if (!gpu.draw(mesh, item.mesh, job)) return false;
       last = &item;
     }
   }
   gl.Disable(GL_DEPTH_CLAMP);
+  return true;
 }
 
 void ShadowMaps::bind(const GladGLContext& gl, std::size_t receiver) const {

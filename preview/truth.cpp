@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "base/parallel.h"
 #include "preview/internal/truth.h"
@@ -91,17 +92,21 @@ class Patch {
 
 }  // namespace
 
-TruthTarget truth_target(const pan::Model& model, std::span<const DrawItem> items,
-                         const VisibleTarget& visible, const world::Pose& pose) {
-  TruthTarget result{&model, items, visible.target, visible.first_id,
-                     std::vector<Placement>(items.size())};
+void set_truth_target(TruthTarget& target, std::shared_ptr<const pan::Model> model,
+                      std::shared_ptr<const std::vector<DrawItem>> items,
+                      const VisibleTarget& visible, const world::Pose& pose) {
+  target.model = std::move(model);
+  target.items = std::move(items);
+  target.target = visible.target;
+  target.first_id = visible.first_id;
+  target.placements.resize(target.items->size());
   const Mat3 rotation = glm::mat3_cast(pose.rotation);
   for (std::size_t k = 0; k < visible.items.size(); ++k) {
-    Placement& placement = result.placements[visible.items[k]];
+    Placement& placement = target.placements[visible.items[k]];
+    const DrawItem& item = (*target.items)[visible.items[k]];
     placement.camera_from_mesh = visible.boxes[k].camera_from_mesh;
-    placement.world_normal_from_mesh = rotation * items[visible.items[k]].model_normal_from_mesh;
+    placement.world_normal_from_mesh = rotation * item.model_normal_from_mesh;
   }
-  return result;
 }
 
 void fill_truth(const world::Camera& camera, bool flat, std::span<const TruthTarget> targets,
@@ -124,7 +129,7 @@ void fill_truth(const world::Camera& camera, bool flat, std::span<const TruthTar
             targets.begin(), targets.end(), id.item,
             [](std::uint32_t value, const TruthTarget& one) { return value <= one.first_id; }));
         const std::size_t index = id.item - target->first_id - 1;
-        item = &target->items[index];
+        item = &(*target->items)[index];
         patch.emplace(*target->model, camera, flat, *item, target->placements[index], id.triangle);
       }
       last = id;

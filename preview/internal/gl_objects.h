@@ -4,6 +4,7 @@
 #include <glad/gl.h>
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <string>
 #include <utility>
@@ -63,6 +64,24 @@ GlTexture make_buffer_texture(const GladGLContext& gl);
 
 // Linear between texels and levels; the wrap is that of both coordinates.
 GlSampler make_sampler(const GladGLContext& gl, GLint wrap);
+
+// What changes from draw to draw, uploaded once for each: a buffer of a few regions in turn, so
+// that the context need not wait for draws under way. It grows, and never shrinks.
+class StreamBuffer {
+ public:
+  explicit StreamBuffer(const GladGLContext& gl);
+
+  // Returns where the bytes lie: an offset that uniform blocks may begin at.
+  std::size_t upload(std::span<const std::byte> bytes);
+  GLuint id() const { return buffer_.id(); }
+
+ private:
+  static constexpr std::size_t kRegions = 3;
+  const GladGLContext& gl_;
+  GlBuffer buffer_;
+  std::size_t region_bytes_ = 0;
+  std::size_t region_ = 0;
+};
 
 // Whether everything since the last call fitted. Fails: E5003, naming a part of the model.
 bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log);

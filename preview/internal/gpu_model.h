@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "pan/model.h"
 #include "preview/context.h"
 #include "preview/internal/decals.h"
@@ -37,11 +38,14 @@ class GpuModel {
   // Materials and items as textures, for shading that looks them up.
   void bind_materials() const;
 
-  // Draws the whole mesh whose vertices are bound.
-  void draw(const pan::layout::Mesh& mesh, std::size_t mesh_index) const;
+  // Draws the whole mesh whose vertices are bound, in parts small enough for a job that is
+  // cancelled to be heard. False: it was.
+  bool draw(const pan::layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const;
+  // The same at once: its triangles are numbered from its first.
+  bool draw_whole(const pan::layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const;
   // The same with the normals of its triangles bound, in parts that the context's buffer textures
   // can hold.
-  void draw_flat(const pan::layout::Mesh& mesh, std::size_t mesh_index) const;
+  bool draw_flat(const pan::layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const;
 
   std::span<const PlacedDecal> decals() const { return decals_; }  // from the lowest
   // Draws the triangles that take a decal. Expects: the vertices of its mesh bound; bind_vertices()

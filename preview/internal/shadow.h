@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "preview/context.h"
 #include "preview/internal/draw_list.h"
 #include "preview/internal/gl_objects.h"
@@ -45,10 +46,10 @@ class ShadowMaps {
   //
   //   receivers  indices in the world of the targets that are seen, ascending, not empty
   //   side       texels, > 4; the context may have less
-  // Fails: E5003; E5001 when the driver refuses a shader.
+  // Fails: E0001; E5003; E5001 when the driver refuses a shader.
   bool update(Device::Impl& device, const world::World& world, const TargetStates& states,
               std::span<const std::uint32_t> receivers, unsigned side, std::uint64_t max_bytes,
-              DiagnosticLog& log);
+              DiagnosticLog& log, const Job& job);
 
   // For the geometry and shading steps. receiver: into those of the last update.
   const SunPlace& place(std::size_t receiver) const { return places_[receiver].place; }
@@ -106,12 +107,12 @@ class ShadowMaps {
                                     std::span<const std::uint32_t> receivers, std::size_t most);
   bool assign(const GladGLContext& gl, std::vector<Group>& groups, DiagnosticLog& log);
   bool refresh(Device::Impl& device, const world::World& world, const TargetStates& states,
-               Group& group, DiagnosticLog& log);
+               Group& group, DiagnosticLog& log, const Job& job);
   bool make(const GladGLContext& gl, Map& map, DiagnosticLog& log) const;
   std::vector<Drawn> casters(const Map& map, const world::World& world, const TargetStates& states,
                              std::span<const Drawn> receivers) const;
-  void draw(Device::Impl& device, const Map& map, const TargetStates& states,
-            std::span<const Drawn> targets);
+  bool draw(Device::Impl& device, const Map& map, const TargetStates& states,
+            std::span<const Drawn> targets, const Job& job);
 
   std::vector<Map> maps_;
   std::vector<Place> places_;
