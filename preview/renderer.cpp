@@ -9,6 +9,7 @@
 
 #include "preview/internal/passes.h"
 #include "preview/internal/samples.h"
+#include "preview/internal/sampling.h"
 #include "preview/internal/truth.h"
 
 namespace panwright::preview {
@@ -25,10 +26,14 @@ constexpr std::uint64_t kMostItems = (1u << 24) - 1;
   return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
          std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
          std::isfinite(camera.principal.x + camera.principal.y) && unit(camera.world_from_camera) &&
-         options.samples >= 1 && options.samples <= 64 && options.tile_side >= options.samples &&
+         options.samples <= 64 && options.tile_side >= options.samples &&
+         (options.samples > 0 || (options.pixel_error > 0 && options.tile_side >= 64)) &&
          (options.shadow_side == 0 ||
           (options.shadow_side >= 16 && options.shadow_side <= kMaxSide));
 }
+
+// of a framebuffer that images of several shapes share
+constexpr std::uint64_t kMostSamples = 1ull << 23;
 
 constexpr GLenum kRadianceFormats[] = {GL_RGBA32F};
 
@@ -56,6 +61,7 @@ struct Renderer::Impl {
                           DiagnosticLog& log);
   bool render_radiance(FrameScene scene, const RenderOptions& options, Image& image,
                        DiagnosticLog& log);
+  void make_passes();
   bool is_cancelled(DiagnosticLog& log) const;  // reports E0001 then
   bool render_truth(const FrameScene& scene, const RenderOptions& options, Image& image,
                     DiagnosticLog& log);
@@ -65,13 +71,15 @@ struct Renderer::Impl {
   const GladGLContext& gl;
   TargetStates states;
   ShadowMaps shadow_maps;
-  std::unique_ptr<Passes> passes;  // made when the context is current first
+  std::unique_ptr<Passes> passes;      // made when the context is current first
+  std::unique_ptr<Sampling> sampling;  // the same
   RenderTarget seen_target;        // what Layer names
   RenderTarget color_target;       // radiance
   RenderTarget id_target;          // triangles
   RenderTarget bare_target;        // of seconds_of_bare_draw
-  std::vector<float> sample_buffer;
-  Job job;  // of the image under way
+  std::vector<float> pixel_buffer;
+  SamplingReport report;  // of the last image
+  Job job;                // of the image under way
 };
 
 bool Renderer::Impl::is_cancelled(DiagnosticLog& log) const {
@@ -87,8 +95,16 @@ Renderer::~Renderer() = default;
 
 const std::shared_ptr<Device>& Renderer::device() const { return impl_->device; }
 
+SamplingReport Renderer::sampling() const { return impl_->report; }
+
 Renderer::Counts Renderer::counts() const {
   return {impl_->states.placed(), impl_->shadow_maps.drawn()};
+}
+
+void Renderer::Impl::make_passes() {
+  if (passes) return;
+  passes = std::make_unique<Passes>(shared);
+  sampling = std::make_unique<Sampling>(shared, *passes, seen_target, color_target);
 }
 
 void Renderer::Impl::set_state() const {
@@ -108,26 +124,7 @@ void Renderer::Impl::set_state() const {
 bool Renderer::Impl::ensure_target(RenderTarget& target, std::span<const GLenum> formats,
                                    bool depth, std::uint32_t width, std::uint32_t height,
                                    DiagnosticLog& log) {
-  const auto w = static_cast<GLsizei>(width);
-  const auto h = static_cast<GLsizei>(height);
-  bool enough = target.width >= w && target.height >= h;
-  std::vector<GLenum> all(formats.begin(), formats.end());
-  for (std::size_t i = 0; i < formats.size(); ++i) {
-    enough = enough && (formats[i] == GL_NONE || target.colors[i]);
-    // what another world needed stays, or two in turn would make it anew each time
-    if (all[i] == GL_NONE && target.width != 0) all[i] = target.formats[i];
-  }
-  if (enough) return true;
-  const GLsizei wider = std::max(w, target.width);
-  const GLsizei higher = std::max(h, target.height);
-  target = {};  // first, so that memory need not hold both
-  target = make_render_target(gl, all, depth, wider, higher);
-  if (target.width != 0 && gl.GetError() == GL_NO_ERROR) return true;
-  target = {};
-  log.report_file(Code::E5003, {},
-                  fmt::format("the context has no memory for a framebuffer of {} by {} samples",
-                              wider, higher));
-  return false;
+  return ensure_render_target(gl, target, formats, depth, width, height, kMostSamples, log);
 }
 
 Result<VisibleSet> Renderer::Impl::look(const world::World& world, const world::Camera& camera,
@@ -157,7 +154,8 @@ bool Renderer::Impl::render_radiance(FrameScene scene, const RenderOptions& opti
   if (scene.visible.targets.empty()) return true;  // the image begins as background
   const Pass pass = options.flat ? Pass::flat_geometry : Pass::geometry;
   const std::uint32_t side = std::min(options.tile_side, shared.context->limits().framebuffer_side);
-  const std::uint32_t tile_side = std::max(1u, side / options.samples);
+  // note: 0 samples never come as far as the tiles below
+  const std::uint32_t tile_side = std::max(1u, side / std::max(1u, options.samples));
   const std::uint32_t width = std::min(tile_side, image.width) * options.samples;
   const std::uint32_t height = std::min(tile_side, image.height) * options.samples;
   LayerSet layers = 0;
@@ -168,16 +166,26 @@ bool Renderer::Impl::render_radiance(FrameScene scene, const RenderOptions& opti
   }
   const bool shadows = options.shadow_side > 0;
   const auto formats = layer_formats(layers, shadows);
-  if (!ensure_target(seen_target, formats, true, width, height, log) ||
-      !ensure_target(color_target, kRadianceFormats, true, width, height, log))
+  const bool adaptive = options.samples == 0 || (options.adaptive && options.samples > 1);
+  if (!adaptive && (!ensure_target(seen_target, formats, true, width, height, log) ||
+                    !ensure_target(color_target, kRadianceFormats, true, width, height, log)))
     return false;
   if (shadows) scene.shadows = &shadow_maps;
   if (!passes->prepare(scene, pass, log)) return false;
   if (shadows && !shadow_maps.update(shared, scene.world, scene.states, seen, options.shadow_side,
                                      options.max_shadow_bytes, log))
     return false;
+  if (adaptive) {
+    const auto cancelled = [&] { return is_cancelled(log); };
+    if (!sampling->render(scene, options, formats, image, cancelled, log)) return false;
+    report = sampling->report();
+    if (shared.went_well(log)) return true;
+    shadow_maps.forget();
+    return false;
+  }
   // kept between views: fresh memory costs as much as a tenth of a draw
-  sample_buffer.resize(std::max(sample_buffer.size(), std::size_t{4} * width * height));
+  pixel_buffer.resize(std::max(pixel_buffer.size(), std::size_t{4} * width * height /
+                                                        (options.samples * options.samples)));
   for (const Tile& whole : tiles(image.width, image.height, tile_side)) {
     const TileScene on_tile = tile_scene(scene, whole);
     const Tile& tile = on_tile.tile;
@@ -186,11 +194,13 @@ bool Renderer::Impl::render_radiance(FrameScene scene, const RenderOptions& opti
     passes->upload(scene, on_tile, options.samples, options.flat);
     passes->draw(scene, on_tile, options.samples, pass, seen_target);
     passes->shade(scene, on_tile, options.samples, seen_target, color_target);
+    if (options.samples > 1 &&
+        !sampling->resolve(tile.width, tile.height, options.samples, false, kMostSamples, log))
+      return false;
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-    gl.ReadPixels(0, 0, static_cast<GLsizei>(tile.width * options.samples),
-                  static_cast<GLsizei>(tile.height * options.samples), GL_RGBA, GL_FLOAT,
-                  sample_buffer.data());
-    average_samples(sample_buffer, tile, options.samples, image);
+    gl.ReadPixels(0, 0, static_cast<GLsizei>(tile.width), static_cast<GLsizei>(tile.height),
+                  GL_RGBA, GL_FLOAT, pixel_buffer.data());
+    store_pixels(pixel_buffer, tile, image);
   }
   if (shared.went_well(log)) return true;
   shadow_maps.forget();  // what failed may have been one of them
@@ -256,8 +266,9 @@ Result<Image> Renderer::render(const world::World& world, const world::Camera& c
   assert(is_sound(camera, options));
   Impl& impl = *impl_;
   impl.job = job;
+  impl.report = {static_cast<double>(options.samples) * options.samples, 0, 0};
   if (!impl.fits(world, camera, options, log) || !impl.shared.ready(log)) return failed;
-  if (!impl.passes) impl.passes = std::make_unique<Passes>(impl.shared);
+  impl.make_passes();
   impl.set_state();
   auto visible = impl.look(world, camera, log);
   if (!visible) return failed;
@@ -301,7 +312,7 @@ double Renderer::seconds_of_bare_draw(const world::World& world, const world::Ca
   Impl& impl = *impl_;
   DiagnosticLog log;
   if (!impl.shared.ready(log)) return 0;
-  if (!impl.passes) impl.passes = std::make_unique<Passes>(impl.shared);
+  impl.make_passes();
   impl.set_state();
   const auto visible = impl.look(world, camera, log);
   const Tile whole{0, 0, camera.width, camera.height};

@@ -69,7 +69,7 @@ Result<Drawn> Drawer::draw(const world::World& world, const world::Camera& camer
     options.truth = truth;
     auto image = impl_->renderer->render(world, camera, options, log, job);
     if (!image) return failed;
-    return Drawn{*std::move(image), {}};
+    return Drawn{*std::move(image), {}, impl_->renderer->sampling()};
   }
   preview::ReferenceOptions options = impl_->options.reference;
   options.truth = truth;
@@ -78,7 +78,8 @@ Result<Drawn> Drawer::draw(const world::World& world, const world::Camera& camer
   traced->image.standard_error = std::move(traced->standard_error);
   const std::uint64_t rays = traced->camera_rays + traced->shadow_rays + traced->bounce_rays;
   return Drawn{std::move(traced->image),
-               Measured{traced->flux, traced->flux_error, traced->samples, rays, traced->seconds}};
+               Measured{traced->flux, traced->flux_error, traced->samples, rays, traced->seconds},
+               {}};
 }
 
 }  // namespace panwright::workspace

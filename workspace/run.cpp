@@ -59,7 +59,9 @@ void describe(const world::World& world, const world::Camera& camera, const Draw
   add("panwright.sun", words(world.sun().direction));
   const bool traced = options.engine == Engine::reference;
   const unsigned own = traced ? options.reference.samples : options.gl.samples;
-  add("panwright.samples", fmt::format("{}", options.samples > 0 ? options.samples : own));
+  const unsigned samples = options.samples > 0 ? options.samples : own;
+  add("panwright.samples", samples > 0 ? fmt::format("{}", samples) : "auto");
+  if (samples == 0) add("panwright.pixel_error", fmt::format("{}", options.gl.pixel_error));
   if (!traced) add("panwright.shadow_side", fmt::format("{}", options.gl.shadow_side));
 }
 
@@ -154,7 +156,7 @@ class Run {
     auto writing = std::make_unique<Writing>();
     writing->what = {
         index,          view.output, drawn->image.width, drawn->image.height, drawn->image.unit,
-        drawn->measured};
+        drawn->measured, drawn->sampling};
     const double ev = view.ev - stops_of_sun(current_.sun());
     writing_ = std::move(writing);
     if (index + 1 == views_.size() || job_.threads() == 1) {

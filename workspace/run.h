@@ -27,6 +27,7 @@ struct Written {
   std::string unit;  // of radiance: "1/sr" or "W/(m^2 sr)"
 
   std::optional<Measured> measured;  // by the reference alone
+  std::optional<preview::SamplingReport> sampling;  // of OpenGL alone
 };
 
 // Called one at a time, on the thread that called run_views; each may be empty.
