@@ -115,8 +115,10 @@ bool ensure_render_target(const GladGLContext& gl, RenderTarget& target,
     if (all[i] == GL_NONE && target.width != 0) all[i] = target.formats[i];
   }
   if (enough) return true;
-  GLsizei wider = std::max(w, target.width);
-  GLsizei higher = std::max(h, target.height);
+  // views that follow differ by a little, and fresh memory costs as much as a draw
+  const auto rounded = [](GLsizei side) { return (side + 127) / 128 * 128; };
+  GLsizei wider = std::max(rounded(w), target.width);
+  GLsizei higher = std::max(rounded(h), target.height);
   if (static_cast<std::uint64_t>(wider) * static_cast<std::uint64_t>(higher) > most_samples) {
     wider = w;
     higher = h;

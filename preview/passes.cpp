@@ -258,8 +258,7 @@ void Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
     gl_.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, draw_buffer_.id(),
                         static_cast<GLintptr>((target.first_block + k) * draw_stride_),
                         sizeof(DrawBlock));
-    is_flat(pass) ? model.gpu.draw_flat(mesh, item.mesh)
-                                : model.gpu.draw(mesh, item.mesh);
+    is_flat(pass) ? model.gpu.draw_flat(mesh, item.mesh) : model.gpu.draw(mesh, item.mesh);
     last = &item;
   }
 }

@@ -76,9 +76,8 @@ GLuint Programs::shading(const materials::Laws& family, LayerSet layers, bool on
 
 GLuint Programs::classes(std::string* problem) {
   if (!classes_)
-    classes_ =
-        made(std::string(kVersion) + screen_vert,
-             std::string(kVersion) + sample_place_glsl + classes_frag, problem);
+    classes_ = made(std::string(kVersion) + screen_vert,
+                    std::string(kVersion) + sample_place_glsl + classes_frag, problem);
   return classes_.id();
 }
 

@@ -73,10 +73,10 @@ struct Renderer::Impl {
   ShadowMaps shadow_maps;
   std::unique_ptr<Passes> passes;      // made when the context is current first
   std::unique_ptr<Sampling> sampling;  // the same
-  RenderTarget seen_target;        // what Layer names
-  RenderTarget color_target;       // radiance
-  RenderTarget id_target;          // triangles
-  RenderTarget bare_target;        // of seconds_of_bare_draw
+  RenderTarget seen_target;            // what Layer names
+  RenderTarget color_target;           // radiance
+  RenderTarget id_target;              // triangles
+  RenderTarget bare_target;            // of seconds_of_bare_draw
   std::vector<float> pixel_buffer;
   SamplingReport report;  // of the last image
   Job job;                // of the image under way
@@ -184,8 +184,8 @@ bool Renderer::Impl::render_radiance(FrameScene scene, const RenderOptions& opti
     return false;
   }
   // kept between views: fresh memory costs as much as a tenth of a draw
-  pixel_buffer.resize(std::max(pixel_buffer.size(), std::size_t{4} * width * height /
-                                                        (options.samples * options.samples)));
+  pixel_buffer.resize(std::max(
+      pixel_buffer.size(), std::size_t{4} * width * height / (options.samples * options.samples)));
   for (const Tile& whole : tiles(image.width, image.height, tile_side)) {
     const TileScene on_tile = tile_scene(scene, whole);
     const Tile& tile = on_tile.tile;

@@ -33,7 +33,7 @@ constexpr unsigned kSmallSide = 16;
 constexpr GLenum kCoverageFormats[] = {GL_RG32UI};
 constexpr GLenum kMaskFormats[] = {GL_R8};
 constexpr GLenum kMeanFormats[] = {GL_RGBA32F, GL_RGBA32F};
-constexpr GLenum kColorFormats[] = {GL_RGBA32F};
+constexpr GLenum kColorFormats[] = {GL_RGBA32F, GL_R32F};
 
 std::uint32_t packed(std::uint32_t x, std::uint32_t y) { return x | y << 16; }
 
@@ -92,8 +92,8 @@ void merge(Level& level, const Level& more) {
   level.error.insert(level.error.end(), more.error.begin(), more.error.end());
 }
 
-// The errors above which pixels are to be sampled more, so that what is left has a sum of squares of
-// at most `budget`.
+// The errors above which pixels are to be sampled more, so that what is left has a sum of squares
+// of at most `budget`.
 float threshold(std::span<const Level> levels, double budget) {
   std::vector<float> errors;
   for (const Level& level : levels)
@@ -237,9 +237,8 @@ bool Sampling::until_error(const Frame& frame, std::vector<Pixel> marked) {
       for (const float error : level.error)
         squares += static_cast<double>(error) * static_cast<double>(error);
     report_.rmse = sums.squares > 0 ? std::sqrt(squares / sums.squares) : 0;
-    report_.flux = sums.radiance > 0
-                       ? kGain * std::fabs(sums.radiance - flux_before) / sums.radiance
-                       : 0;
+    report_.flux =
+        sums.radiance > 0 ? kGain * std::fabs(sums.radiance - flux_before) / sums.radiance : 0;
     if (report_.rmse <= asked && report_.flux <= asked) break;
     // as long as the flux is what is not good enough, less and less is left
     if (report_.rmse <= asked) share *= 0.25;
@@ -333,7 +332,7 @@ bool Sampling::classify(const Frame& frame, const TileScene& on_tile, unsigned s
   gl_.BindVertexArray(passes_.screen());
   gl_.BindTextureUnit(kSamplesUnit, coverage_.colors[0].id());
   gl_.BindTextureUnit(kSeenUnit, seen_.colors[0].id());
-  gl_.BindTextureUnit(kPaintUnit, color_.colors[0].id());
+  gl_.BindTextureUnit(kPaintUnit, color_.colors[1].id());
   gl_.BindTextureUnit(kMaterialsUnit, coverage_.depth.id());
   gl_.UseProgram(device_.programs.classify(nullptr));
   gl_.Uniform1ui(0, samples);

@@ -98,8 +98,9 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("FILE.json");
   arguments
       .add("--samples", options.samples,
-           "N x N samples in each pixel, 1 to 64; or auto (default): as many as --pixel-error asks "
-           "for. With --engine reference a number, default 8")
+           "N x N samples in each pixel, 1 to 64 (default 1; with --engine reference 8); or auto: "
+           "as "
+           "many as --pixel-error asks for")
       .type("N|auto");
   arguments
       .add("--pixel-error", options.pixel_error,
@@ -185,11 +186,10 @@ Result<preview::ReferenceOptions> reference_options(const Options& options, Diag
 
 // N, or 0 for auto.
 Result<unsigned> samples_of(const Options& options, DiagnosticLog& log) {
-  if (options.samples.empty()) return options.is_traced() ? 8u : 0u;
+  if (options.samples.empty()) return options.is_traced() ? 8u : 1u;
   if (options.samples == "auto" && !options.is_traced()) return 0u;
   const auto number = workspace::parse_numbers(options.samples, 1);
-  if (number && (*number)[0] >= 1 && (*number)[0] <= 64 &&
-      (*number)[0] == std::floor((*number)[0]))
+  if (number && (*number)[0] >= 1 && (*number)[0] <= 64 && (*number)[0] == std::floor((*number)[0]))
     return static_cast<unsigned>((*number)[0]);
   log.report(Code::E0201, {},
              fmt::format("--samples is {}: it takes a whole number from 1 to 64{}",
@@ -209,10 +209,11 @@ Result<workspace::DrawOptions> draw_options(const Options& options, DiagnosticLo
     const auto share = workspace::parse_share(options.pixel_error);
     if (*samples > 0 || !share || !(*share > 0 && *share < 1)) {
       log.report(Code::E0201, {},
-                 *samples > 0 ? std::string("--pixel-error means nothing beside a number of --samples")
-                              : fmt::format("--pixel-error is {}: it takes a share between 0 and 1, "
-                                            "as 1%",
-                                            in_quotes(options.pixel_error)));
+                 *samples > 0
+                     ? std::string("--pixel-error means nothing beside a number of --samples")
+                     : fmt::format("--pixel-error is {}: it takes a share between 0 and 1, "
+                                   "as 1%",
+                                   in_quotes(options.pixel_error)));
       return failed;
     }
     draw.gl.pixel_error = *share;
@@ -266,8 +267,8 @@ void tell(const workspace::Written& image, bool orthographic, CommandContext& co
                     {"width", image.width},
                     {"height", image.height},
                     {"unit", image.unit}});
+  if (image.sampling) images.back()["samples"] = image.sampling->samples;
   if (image.sampling && image.sampling->rmse + image.sampling->flux > 0) {
-    images.back()["samples"] = image.sampling->samples;
     images.back()["pixel_error"] = image.sampling->rmse;
     images.back()["flux_error"] = image.sampling->flux;
     if (!context.options().json && !context.options().quiet)

@@ -53,7 +53,7 @@ struct Measured {
 
 struct Drawn {
   preview::Image image;
-  std::optional<Measured> measured;  // by the reference alone
+  std::optional<Measured> measured;                 // by the reference alone
   std::optional<preview::SamplingReport> sampling;  // of OpenGL alone
 };
 

@@ -155,7 +155,7 @@ class Run {
     describe(current_, view.camera, options_.draw, drawn->image);
     auto writing = std::make_unique<Writing>();
     writing->what = {
-        index,          view.output, drawn->image.width, drawn->image.height, drawn->image.unit,
+        index,           view.output,    drawn->image.width, drawn->image.height, drawn->image.unit,
         drawn->measured, drawn->sampling};
     const double ev = view.ev - stops_of_sun(current_.sun());
     writing_ = std::move(writing);

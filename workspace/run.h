@@ -26,7 +26,7 @@ struct Written {
   std::uint32_t height = 0;
   std::string unit;  // of radiance: "1/sr" or "W/(m^2 sr)"
 
-  std::optional<Measured> measured;  // by the reference alone
+  std::optional<Measured> measured;                 // by the reference alone
   std::optional<preview::SamplingReport> sampling;  // of OpenGL alone
 };
 

@@ -68,17 +68,17 @@ struct alignas(16) ViewBlock {
 struct alignas(16) DrawBlock {
   float clip_from_mesh[16];          // columns
   float world_normal_from_mesh[12];  // columns of 3, each padded to 4
-  std::uint32_t id[4];  // x: item + 1; y, z: samples left of and above the tile; w: how much a
-                        // normal may change within a pixel, 2^(-w/16)
-  float diffuse[4];                  // RGB
-  float repeat[4];                   // of maps: x, y, and their signs
-  float cells[4];                    // their count along u and v, their gaps
-  float gap_colour[4];               // RGB, fingers
-  float finger_colour[4];            // RGB, their width
-  float sun_from_mesh[12];           // rows of 4, as SunFrame says
-  float sun_normal_from_mesh[12];    // columns of 3, each padded to 4
-  float lift[4];  // x: how far a point is moved out before it is lit, mesh frame;
-                  // others: what glass over cells sends back of diffuse light
+  std::uint32_t id[4];      // x: item + 1; y, z: samples left of and above the tile; w: how much a
+                            // normal may change within a pixel, 2^(-w/16)
+  float diffuse[4];         // RGB
+  float repeat[4];          // of maps: x, y, and their signs
+  float cells[4];           // their count along u and v, their gaps
+  float gap_colour[4];      // RGB, fingers
+  float finger_colour[4];   // RGB, their width
+  float sun_from_mesh[12];  // rows of 4, as SunFrame says
+  float sun_normal_from_mesh[12];  // columns of 3, each padded to 4
+  float lift[4];                   // x: how far a point is moved out before it is lit, mesh frame;
+                                   // others: what glass over cells sends back of diffuse light
 };
 struct alignas(16) DecalBlock {
   float place[12];  // rows of 4: from positions to picture coordinates and height over depth

@@ -38,8 +38,8 @@ struct PixelRun {
 // The runs of pixels that ascend.
 std::vector<PixelRun> runs(std::span<const Pixel> pixels);
 
-// Tiles that cover a part of an image, each of at most `area` samples with N×N in a pixel and at most
-// `side` along each side, or one pixel: as few as rows allow.
+// Tiles that cover a part of an image, each of at most `area` samples with N×N in a pixel and at
+// most `side` along each side, or one pixel: as few as rows allow.
 std::vector<Tile> tiles_of(const Tile& part, unsigned samples, std::uint64_t area,
                            std::uint32_t side);
 

@@ -31,8 +31,8 @@ class Sampling {
   // Expects: something in view, shadows up to date, a current context.
   // Fails: E5001, E5003.
   bool render(const FrameScene& scene, const RenderOptions& options,
-              std::span<const GLenum> formats, Image& image,
-              const std::function<bool()>& cancelled, DiagnosticLog& log);
+              std::span<const GLenum> formats, Image& image, const std::function<bool()>& cancelled,
+              DiagnosticLog& log);
 
   // Of the last render().
   const SamplingReport& report() const { return report_; }
@@ -66,7 +66,7 @@ class Sampling {
   GlBuffer pixels_;  // of blocks: x | y << 16
   GlTexture runs_texture_;
   GlTexture pixels_texture_;
-  std::vector<float> floats_;       // read back
+  std::vector<float> floats_;        // read back
   std::vector<std::uint8_t> marks_;  // the same
   SamplingReport report_;
 };

@@ -6,7 +6,7 @@ layout(location = 3) uniform uvec2 size;          // of the tile, pixels
 layout(location = 4) uniform vec2 depth_step;     // x·depth + y: depth that counts as a step
 layout(binding = 18) uniform usampler2D coverage;  // N×N, as coverage.frag leaves it
 layout(binding = 2) uniform sampler2D seen_samples;  // one a pixel, as geometry.frag leaves them
-layout(binding = 3) uniform sampler2D colours;       // their radiance
+layout(binding = 3) uniform sampler2D lights;        // as shading.frag leaves them
 layout(binding = 4) uniform sampler2D depths;        // N×N
 
 layout(location = 0) out float mark;
@@ -49,20 +49,18 @@ bool has_step(ivec2 pixel) {
   return bend > depth_step.x * corner[0] + depth_step.y;
 }
 
-vec3 radiance_at(ivec2 pixel) { return texelFetch(colours, pixel, 0).rgb; }
-
-float largest(vec3 v) { return max(v.x, max(v.y, v.z)); }
+float light_at(ivec2 pixel) { return texelFetch(lights, pixel, 0).r; }
 
 // The second difference along an axis; at the border of a thing, the first difference.
-float bend_of_radiance(ivec2 pixel, ivec2 axis, int item, vec3 here) {
+float bend_of_light(ivec2 pixel, ivec2 axis, int item, float here) {
   ivec2 before = pixel - axis;
   ivec2 behind = pixel + axis;
   bool has_before = all(greaterThanEqual(before, ivec2(0))) && item_at(before) == item;
   bool has_behind = all(lessThan(behind, ivec2(size))) && item_at(behind) == item;
-  vec3 difference = vec3(0.0);
-  if (has_before) difference += radiance_at(before) - here;
-  if (has_behind) difference += radiance_at(behind) - here;
-  return largest(abs(difference));
+  float difference = 0.0;
+  if (has_before) difference += light_at(before) - here;
+  if (has_behind) difference += light_at(behind) - here;
+  return abs(difference);
 }
 
 void main() {
@@ -78,8 +76,8 @@ void main() {
   if (item == 0) return;
   mark = 1.0;
   if (has_step(pixel)) return;
-  vec3 here = radiance_at(pixel);
-  if (bend_of_radiance(pixel, ivec2(1, 0), item, here) > smoothness) return;
-  if (bend_of_radiance(pixel, ivec2(0, 1), item, here) > smoothness) return;
+  float here = light_at(pixel);
+  if (bend_of_light(pixel, ivec2(1, 0), item, here) > smoothness) return;
+  if (bend_of_light(pixel, ivec2(0, 1), item, here) > smoothness) return;
   mark = 0.0;
 }

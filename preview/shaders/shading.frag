@@ -41,6 +41,9 @@ vec4 material_row(int i) { return texelFetch(materials, i); }
 #endif
 
 layout(location = 0) out vec4 radiance;
+// what classify.frag compares: the largest channel; of solar cells, whose pattern is filtered to the
+// sample already, what a surface of albedo 1/2 would show
+layout(location = 1) out float light;
 
 // Zero stays zero: such a point is not lit, and never a NaN.
 vec3 unit_or_zero(vec3 v) {
@@ -124,8 +127,17 @@ void main() {
                                                 material_gap_color(first_row) * view.irradiance.rgb;
   }
 #endif
+  float visibility = 1.0;
 #ifdef SHADOWED
-  if (dot(seen.xyz, view.to_sun.xyz) > 0.0)
-    radiance.rgb = mix(shaded_radiance(surface), radiance.rgb, sun_visibility(place));
+  if (dot(seen.xyz, view.to_sun.xyz) > 0.0) {
+    visibility = sun_visibility(place);
+    radiance.rgb = mix(shaded_radiance(surface), radiance.rgb, visibility);
+  }
+#endif
+  light = max(radiance.r, max(radiance.g, radiance.b));
+#ifdef ROUGH
+  if (has_cells)
+    light = 0.15915494309189535 * max(dot(unit_or_zero(seen.xyz), view.to_sun.xyz), 0.0) *
+            visibility * max(view.irradiance.r, max(view.irradiance.g, view.irradiance.b));
 #endif
 }
