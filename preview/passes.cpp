@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
+#include <utility>
 
 #include "materials/brdf.h"
 #include "preview/internal/blocks.h"
@@ -26,7 +28,7 @@ void copy_cells(const materials::Cells& cells, const float coat_return[3], DrawB
 
 // what the fragments of a tile share
 ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const Tile& tile,
-                     unsigned samples) {
+                     unsigned samples, unsigned stands_for) {
   const Mat3 axes = glm::mat3_cast(camera.world_from_camera);
   Vec3 sight = axes[2];
   Vec3 right(0);
@@ -44,9 +46,11 @@ ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const T
   copy_floats(glm::normalize(sun.direction), block.to_sun);
   block.to_sun[3] = static_cast<float>(materials::kSunAlpha2 / (sun.distance * sun.distance));
   copy_floats(sun.irradiance.value_or(Vec3(1)), block.irradiance);
+  block.irradiance[3] = std::log2(static_cast<float>(stands_for));
   return block;
 }
 
+bool is_flat(Pass pass) { return pass == Pass::flat_geometry || pass == Pass::flat_coverage; }
 bool is_shaded(Pass pass) { return pass == Pass::geometry || pass == Pass::flat_geometry; }
 
 // the smallest tile around both; one without pixels counts for nothing
@@ -96,6 +100,12 @@ void TileScene::find(const FrameScene& scene, const Tile& whole) {
   targets.resize(count);
 }
 
+TileScene tile_scene(const FrameScene& scene, const Tile& tile) {
+  TileScene out;
+  out.find(scene, tile);
+  return out;
+}
+
 Passes::Passes(Device::Impl& device)
     : device_(device),
       gl_(device.context->gl()),
@@ -115,6 +125,10 @@ GLuint Passes::program(const ModelResources::Impl& model, const Variant& variant
       return device_.programs.ids(variant.cutout, problem);
     case Pass::bare:
       return device_.programs.bare(problem);
+    case Pass::coverage:
+      return device_.programs.coverage(variant.cutout, false, problem);
+    case Pass::flat_coverage:
+      return device_.programs.coverage(variant.cutout, true, problem);
   }
   return 0;
 }
@@ -124,7 +138,7 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
   for (std::size_t v = 0; v < scene.visible.targets.size(); ++v) {
     const TargetState& state = scene.state(v);
     ModelResources::Impl& model = state.resources->impl();
-    if (pass == Pass::flat_geometry) {
+    if (is_flat(pass)) {
       const std::uint64_t before = model.gpu.bytes();
       const bool good = model.gpu.upload_triangle_normals(*model.model, log);
       device_.model_bytes += model.gpu.bytes() - before;
@@ -155,8 +169,18 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
   return true;
 }
 
+void Passes::upload_view(const FrameScene& scene, const TileScene& tile, unsigned samples,
+                         unsigned stands_for) {
+  const ViewBlock view =
+      view_block(scene.camera, scene.world.sun(), tile.tile, samples, stands_for);
+  // note: smaller than what upload() made room for, so that its blocks stay where they are
+  const std::size_t at = stream_.upload(std::as_bytes(std::span(&view, 1)));
+  gl_.BindBufferRange(GL_UNIFORM_BUFFER, kViewBinding, stream_.id(), static_cast<GLintptr>(at),
+                      sizeof view);
+}
+
 void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat) {
-  const ViewBlock shared = view_block(scene.camera, scene.world.sun(), tile.tile, samples);
+  const ViewBlock shared = view_block(scene.camera, scene.world.sun(), tile.tile, samples, 1);
   blocks_.clear();
   blocks_.resize(view_stride_);
   std::memcpy(blocks_.data(), &shared, sizeof shared);
@@ -180,6 +204,7 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
         block.id[0] = visible.first_id + index + 1;
         block.id[1] = tile.tile.x * samples;
         block.id[2] = tile.tile.y * samples;
+        block.id[3] = state.model().families.normal_change[item.material];
         copy_floats(item.diffuse, block.diffuse);
         copy_repeat(item, block);
         copy_cells(item.cells, model.materials()[item.material].coat_return, block);
@@ -201,12 +226,16 @@ void Passes::bind_block(std::size_t block) const {
 }
 
 bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
-                  const RenderTarget& target, const Job& job) {
+                  const RenderTarget& target, const Job& job,
+                  const std::function<void(bool)>& clear) {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.id());
   gl_.Viewport(0, 0, static_cast<GLsizei>(tile.tile.width * samples),
                static_cast<GLsizei>(tile.tile.height * samples));
   gl_.Enable(GL_DEPTH_TEST);
-  if (pass == Pass::ids) {
+  bool first = true;
+  if (clear) {
+    // by groups below
+  } else if (pass == Pass::ids || pass == Pass::coverage || pass == Pass::flat_coverage) {
     constexpr GLuint kNothing[4] = {};
     gl_.ClearBufferuiv(GL_COLOR, 0, kNothing);
   } else {
@@ -219,7 +248,7 @@ bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned sampl
     };
     if (std::none_of(tile.targets.begin(), tile.targets.end(), belongs)) continue;
     const float far_depth = 0;
-    gl_.ClearBufferfv(GL_DEPTH, 0, &far_depth);
+    clear ? clear(std::exchange(first, false)) : gl_.ClearBufferfv(GL_DEPTH, 0, &far_depth);
     for (const TileTarget& one : tile.targets)
       if (belongs(one) && !draw_items(scene, one, pass, job)) return false;
     if (!is_shaded(pass)) continue;
@@ -250,9 +279,9 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
       model.gpu.bind_maps(index);
     if (!last || item.mesh != last->mesh) model.gpu.bind_vertices(mesh, item.mesh);
     bind_block(target.first_block + k);
-    const bool done = pass == Pass::flat_geometry ? model.gpu.draw_flat(mesh, item.mesh, job)
-                      : pass == Pass::ids         ? model.gpu.draw_whole(mesh, item.mesh, job)
-                                                  : model.gpu.draw(mesh, item.mesh, job);
+    const bool done = is_flat(pass)       ? model.gpu.draw_flat(mesh, item.mesh, job)
+                      : pass == Pass::ids ? model.gpu.draw_whole(mesh, item.mesh, job)
+                                          : model.gpu.draw(mesh, item.mesh, job);
     if (!done) return false;
     last = &item;
   }
@@ -274,8 +303,10 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target) {
   gl_.DepthMask(GL_FALSE);
   for (GLuint layer = 0; layer <= kSunLayer; ++layer) {
     const GLboolean paint = layer == kPaintLayer;
-    gl_.ColorMaski(layer, paint, paint, paint, GL_FALSE);
+    gl_.ColorMaski(layer, paint, paint, paint, layer == kSeenLayer);
   }
+  gl_.Enablei(GL_BLEND, kSeenLayer);
+  gl_.BlendEquationi(kSeenLayer, GL_MIN);
   gl_.Enablei(GL_BLEND, kPaintLayer);
   gl_.BlendFunci(kPaintLayer, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   const DrawItem* last = nullptr;
@@ -293,6 +324,8 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target) {
     last = &item;
   }
   gl_.Disablei(GL_BLEND, kPaintLayer);
+  gl_.Disablei(GL_BLEND, kSeenLayer);
+  gl_.BlendEquationi(kSeenLayer, GL_FUNC_ADD);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(GL_GREATER);
@@ -305,10 +338,14 @@ void Passes::scissor(const Tile& tile, const Tile& part, unsigned samples) const
 }
 
 void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samples,
-                   const RenderTarget& seen, const RenderTarget& color) {
+                   const RenderTarget& seen, const RenderTarget& color, const Blocks& blocks) {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, color.framebuffer.id());
-  gl_.Viewport(0, 0, static_cast<GLsizei>(tile.tile.width * samples),
-               static_cast<GLsizei>(tile.tile.height * samples));
+  const bool apart = blocks.a_row > 0;
+  const Tile window{0, 0, apart ? blocks.a_row : tile.tile.width,
+                    apart ? blocks.rows : tile.tile.height};
+  gl_.Viewport(0, 0, static_cast<GLsizei>(window.width * samples),
+               static_cast<GLsizei>(window.height * samples));
+  if (apart) gl_.BindTextureUnit(kBlocksUnit, blocks.pixels);
   gl_.Enable(GL_DEPTH_TEST);
   gl_.Disable(GL_CULL_FACE);
   const float nothing = 0;
@@ -332,8 +369,9 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
   gl_.UseProgram(device_.programs.classes(nullptr));
   for (const TileTarget& target : tile.targets) {
     const ModelResources::Impl& model = scene.state(target.visible).model();
-    scissor(tile.tile, target.part, samples);
+    apart ? scissor(window, window, samples) : scissor(tile.tile, target.part, samples);
     model.gpu.bind_items();
+    gl_.Uniform2ui(kBlocksLocation, samples, blocks.a_row);
     gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id,
                    static_cast<GLuint>(scene.state(target.visible).items().size()), first_class, 0);
     gl_.DrawArrays(GL_TRIANGLES, 0, 3);
@@ -345,7 +383,7 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
   for (std::size_t t = 0; t < tile.targets.size(); ++t) {
     const TileTarget& target = tile.targets[t];
     const ModelResources::Impl& model = scene.state(target.visible).model();
-    scissor(tile.tile, target.part, samples);
+    apart ? scissor(window, window, samples) : scissor(tile.tile, target.part, samples);
     if (scene.shadows) scene.shadows->bind(gl_, target.visible);
     model.gpu.bind_materials();
     for (const TileTarget::ShadingClass& one : target.classes) {
@@ -353,6 +391,7 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
       gl_.UseProgram(device_.programs.shading(model.families.all[one.family], model.layers,
                                               one.one_material, scene.shadows != nullptr, nullptr));
       gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
+      gl_.Uniform2ui(kBlocksLocation, samples, blocks.a_row);
       gl_.Uniform1f(kDepthLocation,
                     static_cast<float>(first_classes_[t] + one.family + 1) * (1.0f / 1048576.0f));
       gl_.DrawArrays(GL_TRIANGLES, 0, 3);

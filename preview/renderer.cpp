@@ -12,6 +12,7 @@
 #include "preview/internal/passes.h"
 #include "preview/internal/read_back.h"
 #include "preview/internal/samples.h"
+#include "preview/internal/sampling.h"
 #include "preview/internal/truth.h"
 
 namespace panwright::preview {
@@ -28,10 +29,14 @@ constexpr std::uint64_t kMostItems = (1u << 24) - 1;
   return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
          std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
          std::isfinite(camera.principal.x + camera.principal.y) && unit(camera.world_from_camera) &&
-         options.samples >= 1 && options.samples <= 64 && options.tile_side >= options.samples &&
+         options.samples <= 64 && options.tile_side >= options.samples &&
+         (options.samples > 0 || (options.pixel_error > 0 && options.tile_side >= 64)) &&
          (options.shadow_side == 0 ||
           (options.shadow_side >= 16 && options.shadow_side <= kMaxSide));
 }
+
+// of a framebuffer that images of several shapes share
+constexpr std::uint64_t kMostSamples = 1ull << 23;
 
 constexpr GLenum kRadianceFormats[] = {GL_RGBA32F};
 constexpr GLenum kIdFormats[] = {GL_RG32UI};
@@ -75,7 +80,8 @@ struct Renderer::Impl {
     world::Camera camera;
     bool flat = false;
     std::vector<TruthTarget> targets;
-    std::size_t tiles = 0;            // that were submitted and not taken
+    std::size_t tiles = 0;  // that were submitted and not taken
+    SamplingReport report;
     const char* why_empty = nullptr;  // of W5006
   };
   // A part of an image on its way.
@@ -83,7 +89,6 @@ struct Renderer::Impl {
     std::size_t frame = 0;
     Tile whole;  // the rest of it is background
     Tile tile;
-    unsigned samples = 1;
   };
   // What is read of one kind, with the tile of each slot.
   struct Ring {
@@ -105,6 +110,8 @@ struct Renderer::Impl {
               DiagnosticLog& log);
   bool submit_radiance(FrameScene scene, const RenderOptions& options, std::size_t frame,
                        DiagnosticLog& log);
+  bool sampled(const FrameScene& scene, const RenderOptions& options,
+               std::span<const GLenum> formats, std::size_t frame, DiagnosticLog& log);
   bool submit_truth(const FrameScene& scene, const RenderOptions& options, std::size_t frame,
                     DiagnosticLog& log);
   bool make_room(Ring& ring, DiagnosticLog& log);
@@ -122,15 +129,18 @@ struct Renderer::Impl {
   const GladGLContext& gl;
   TargetStates states;
   ShadowMaps shadow_maps;
-  std::unique_ptr<Passes> passes;  // made when the context is current first
-  std::optional<Ring> radiance;    // the same
-  std::optional<Ring> ids;         // triangles
-  RenderTarget seen_target;        // what Layer names
-  RenderTarget bare_target;        // of seconds_of_bare_draw
+  std::unique_ptr<Passes> passes;      // made when the context is current first
+  std::unique_ptr<Sampling> sampling;  // the same
+  std::optional<Ring> radiance;        // the same
+  std::optional<Ring> ids;             // triangles
+  RenderTarget seen_target;            // what Layer names
+  RenderTarget color_target;           // radiance of samples, where pixels have several
+  RenderTarget bare_target;            // of seconds_of_bare_draw
   std::array<Frame, kMostInFlight> frames;
   std::size_t first_frame = 0;
   std::size_t used_frames = 0;
   std::vector<Image> spare;  // at most as many as there are frames
+  SamplingReport report;     // of the image collected last
   Job job;                   // of the call under way
   // of one frame, kept for the next one
   std::vector<TargetShape> shapes;
@@ -151,6 +161,8 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
 const std::shared_ptr<Device>& Renderer::device() const { return impl_->device; }
+
+SamplingReport Renderer::sampling() const { return impl_->report; }
 
 Renderer::Counts Renderer::counts() const {
   return {impl_->states.placed(), impl_->shadow_maps.drawn()};
@@ -173,32 +185,13 @@ void Renderer::Impl::set_state() const {
 bool Renderer::Impl::ensure_target(RenderTarget& target, std::span<const GLenum> formats,
                                    bool depth, std::uint32_t width, std::uint32_t height,
                                    DiagnosticLog& log) {
-  const auto w = static_cast<GLsizei>(width);
-  const auto h = static_cast<GLsizei>(height);
-  bool enough = target.width >= w && target.height >= h;
-  std::array<GLenum, kLayers> all{};
-  std::copy(formats.begin(), formats.end(), all.begin());
-  for (std::size_t i = 0; i < formats.size(); ++i) {
-    enough = enough && (formats[i] == GL_NONE || target.colors[i]);
-    // what another world needed stays, or two in turn would make it anew each time
-    if (all[i] == GL_NONE && target.width != 0) all[i] = target.formats[i];
-  }
-  if (enough) return true;
-  const GLsizei wider = std::max(w, target.width);
-  const GLsizei higher = std::max(h, target.height);
-  target = {};  // first, so that memory need not hold both
-  target = make_render_target(gl, std::span(all).first(formats.size()), depth, wider, higher);
-  if (target.width != 0 && gl.GetError() == GL_NO_ERROR) return true;
-  target = {};
-  log.report_file(Code::E5003, {},
-                  fmt::format("the context has no memory for a framebuffer of {} by {} samples",
-                              wider, higher));
-  return false;
+  return ensure_render_target(gl, target, formats, depth, width, height, kMostSamples, log);
 }
 
 void Renderer::Impl::make_passes() {
   if (passes) return;
   passes = std::make_unique<Passes>(shared);
+  sampling = std::make_unique<Sampling>(shared, *passes, seen_target, color_target);
   constexpr PixelFormat kRadiance{GL_RGBA32F, GL_RGBA, GL_FLOAT, 4 * sizeof(float)};
   constexpr PixelFormat kIds{GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, sizeof(TriangleId)};
   static_assert(sizeof(TriangleId) == 8);
@@ -246,10 +239,8 @@ void Renderer::Impl::use_tile(const Ring& ring, const TileUnderWay& tile, const 
         frame.image);
     return;
   }
-  const std::size_t samples =
-      std::size_t{tile.tile.width} * tile.tile.height * tile.samples * tile.samples;
-  average_samples({static_cast<const float*>(pixels), 4 * samples}, tile.tile, tile.samples,
-                  frame.image);
+  const std::size_t count = std::size_t{4} * tile.tile.width * tile.tile.height;
+  store_pixels({static_cast<const float*>(pixels), count}, tile.tile, frame.image);
   clear_around(tile.whole, tile.tile, frame.image);
 }
 
@@ -269,8 +260,7 @@ bool Renderer::Impl::make_room(Ring& ring, DiagnosticLog& log) {
 
 bool Renderer::Impl::submit_tile(Ring& ring, const TileUnderWay& tile, DiagnosticLog& log) {
   ring.tiles[ring.pixels.next()] = tile;
-  const bool good =
-      ring.pixels.submit(tile.tile.width * tile.samples, tile.tile.height * tile.samples);
+  const bool good = ring.pixels.submit(tile.tile.width, tile.tile.height);
   if (good) ++frames[tile.frame].tiles;
   // before more is drawn: a lost context takes nothing
   return shared.went_well(log) && (good || fail(ReadBack::Wait::failed, log));
@@ -286,7 +276,8 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
   }
   const Pass pass = options.flat ? Pass::flat_geometry : Pass::geometry;
   const std::uint32_t side = std::min(options.tile_side, shared.context->limits().framebuffer_side);
-  const std::uint32_t tile_side = std::max(1u, side / options.samples);
+  // note: 0 samples never come as far as the tiles below
+  const std::uint32_t tile_side = std::max(1u, side / std::max(1u, options.samples));
   const std::uint32_t width = std::min(tile_side, image.width) * options.samples;
   const std::uint32_t height = std::min(tile_side, image.height) * options.samples;
   LayerSet layers = 0;
@@ -296,13 +287,18 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
     seen.push_back(scene.visible.targets[v].target);
   }
   const bool shadows = options.shadow_side > 0;
-  if (!ensure_target(seen_target, layer_formats(layers, shadows), true, width, height, log))
+  const auto formats = layer_formats(layers, shadows);
+  const bool adaptive = options.samples == 0 || (options.adaptive && options.samples > 1);
+  if (!adaptive && (!ensure_target(seen_target, formats, true, width, height, log) ||
+                    (options.samples > 1 &&
+                     !ensure_target(color_target, kRadianceFormats, true, width, height, log))))
     return false;
   if (shadows) scene.shadows = &shadow_maps;
   if (!passes->prepare(scene, pass, log)) return false;
   if (shadows && !shadow_maps.update(shared, scene.world, scene.states, seen, options.shadow_side,
                                      options.max_shadow_bytes, log, job))
     return false;
+  if (adaptive) return sampled(scene, options, formats, frame, log);
   for (Tiles whole(image.width, image.height, tile_side); whole; whole.next()) {
     on_tile.find(scene, *whole);
     const Tile& tile = on_tile.tile;
@@ -311,8 +307,10 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
       continue;
     }
     if (is_cancelled(log) || !make_room(*radiance, log)) return false;
-    RenderTarget& color_target = radiance->pixels.target();
-    if (!ensure_target(color_target, kRadianceFormats, true, width, height, log)) return false;
+    RenderTarget& pixels = radiance->pixels.target();
+    if (!ensure_target(pixels, kRadianceFormats, true, std::min(tile_side, image.width),
+                       std::min(tile_side, image.height), log))
+      return false;
     passes->upload(scene, on_tile, options.samples, options.flat);
     if (!passes->draw(scene, on_tile, options.samples, pass, seen_target, job))
       return fail(ReadBack::Wait::cancelled, log);
@@ -321,13 +319,30 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
       const auto drawn = wait_until_drawn(gl, job);
       if (drawn != ReadBack::Wait::done) return fail(drawn, log);
     }
-    passes->shade(scene, on_tile, options.samples, seen_target, color_target);
-    if (!submit_tile(*radiance, {frame, *whole, tile, options.samples}, log)) {
+    passes->shade(scene, on_tile, options.samples, seen_target,
+                  options.samples > 1 ? color_target : pixels);
+    if (options.samples > 1 &&
+        !sampling->resolve(pixels, tile.width, tile.height, options.samples, false, log))
+      return false;
+    if (!submit_tile(*radiance, {frame, *whole, tile}, log)) {
       shadow_maps.forget();  // what failed may have been one of them
       return false;
     }
   }
   return true;
+}
+
+// An image whose samples stand where they change it: it is whole at once.
+bool Renderer::Impl::sampled(const FrameScene& scene, const RenderOptions& options,
+                             std::span<const GLenum> formats, std::size_t frame,
+                             DiagnosticLog& log) {
+  Image& image = frames[frame].image;
+  clear_around({0, 0, image.width, image.height}, {}, image);
+  if (!sampling->render(scene, options, formats, image, job, log)) return false;
+  frames[frame].report = sampling->report();
+  if (shared.went_well(log)) return true;
+  shadow_maps.forget();  // what failed may have been one of them
+  return false;
 }
 
 bool Renderer::Impl::submit_truth(const FrameScene& scene, const RenderOptions& options,
@@ -355,7 +370,7 @@ bool Renderer::Impl::submit_truth(const FrameScene& scene, const RenderOptions& 
     passes->upload(scene, on_tile, 1, options.flat);
     if (!passes->draw(scene, on_tile, 1, Pass::ids, target, job))
       return fail(ReadBack::Wait::cancelled, log);
-    if (!submit_tile(*ids, {frame, *whole, tile, 1}, log)) return false;
+    if (!submit_tile(*ids, {frame, *whole, tile}, log)) return false;
   }
   return true;
 }
@@ -427,6 +442,7 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
   frame.camera = camera;
   frame.flat = options.flat;
   frame.tiles = 0;
+  frame.report = {static_cast<double>(options.samples) * options.samples, 0, 0};
   frame.why_empty = why_empty(world, *visible);
   const FrameScene scene{world, camera, states, *visible};
   if (submit_radiance(scene, options, index, log) &&
@@ -466,6 +482,7 @@ Result<Image> Renderer::collect(DiagnosticLog& log, const Job& job) {
   }
   impl.first_frame = (impl.first_frame + 1) % kMostInFlight;
   --impl.used_frames;
+  impl.report = frame.report;
   Image image = std::move(frame.image);
   frame.image = {};
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))

@@ -14,8 +14,24 @@
 
 namespace panwright::preview {
 
+// How an image was sampled.
+struct SamplingReport {
+  double samples = 0;  // points a pixel, the mean over the image
+  // What is left of the error, as estimated from the samples; 0 where N was given.
+  double rmse = 0;  // RMS over the target's pixels, in parts of the RMS of their radiance
+  double flux = 0;  // relative, of the sum of all pixels
+};
+
 struct RenderOptions {
-  unsigned samples = 1;            // N: every pixel is the mean of N×N point samples; 1 to 64
+  // N: every pixel is the mean of N×N point samples; 1 to 64. 0: as many as pixel_error asks for,
+  // pixel by pixel, up to 64×64.
+  unsigned samples = 1;
+  // Of samples = 0: the error that is met, of the pixels that show a target (RMSE over RMS
+  // radiance) and of the flux; > 0. docs/sampling.md
+  double pixel_error = 0.03;
+  // Of N > 1: one sample where it stands for all N×N (docs/sampling.md), N×N elsewhere. false: N×N
+  // everywhere, to the bit what it always was.
+  bool adaptive = false;
   bool flat = false;               // shade by the triangles' own normals
   unsigned shadow_side = 2048;     // texels a side of the map of what the Sun sees, 16 to 16384 (or
                                    // what the context takes); 0: nothing casts shadows
@@ -87,6 +103,9 @@ class Renderer {
   void recycle(Image image);
 
   const std::shared_ptr<Device>& device() const;
+
+  // Of the last image.
+  SamplingReport sampling() const;
 
   // What was done so far; what frames from caches leave as it is.
   struct Counts {

@@ -37,6 +37,7 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 const std::shared_ptr<Device>& Renderer::device() const { return impl_->device; }
+SamplingReport Renderer::sampling() const { return {}; }
 Renderer::Counts Renderer::counts() const { return {}; }
 
 Result<Image> Renderer::render(const world::World&, const world::Camera&, const RenderOptions&,

@@ -82,7 +82,8 @@ bool Drawer::submit(const world::World& world, const world::Camera& camera, bool
   const std::uint64_t rays = traced->camera_rays + traced->shadow_rays + traced->bounce_rays;
   impl_->traced.push_back(
       {std::move(traced->image),
-       Measured{traced->flux, traced->flux_error, traced->samples, rays, traced->seconds}});
+       Measured{traced->flux, traced->flux_error, traced->samples, rays, traced->seconds},
+       {}});
   return true;
 }
 
@@ -90,7 +91,7 @@ Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
   if (impl_->renderer) {
     auto image = impl_->renderer->collect(log, job);
     if (!image) return failed;
-    return Drawn{*std::move(image), {}};
+    return Drawn{*std::move(image), {}, impl_->renderer->sampling()};
   }
   Drawn drawn = std::move(impl_->traced.front());
   impl_->traced.pop_front();

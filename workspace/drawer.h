@@ -27,7 +27,8 @@ enum class Engine {
 struct DrawOptions {
   Engine engine = Engine::gl;
   preview::ContextKind context = preview::ContextKind::automatic;
-  unsigned samples = 0;  // N: N×N in each pixel; 0: as many as the engine's own options say
+  unsigned samples = 0;  // N: N×N in each pixel; 0: as many as the engine's own options say, which
+                         // may be what an error asks for (preview::RenderOptions)
   // `truth` of both is that of the call.
   preview::RenderOptions gl;
   preview::ReferenceOptions reference;
@@ -53,7 +54,8 @@ struct Measured {
 
 struct Drawn {
   preview::Image image;
-  std::optional<Measured> measured;  // by the reference alone
+  std::optional<Measured> measured;                 // by the reference alone
+  std::optional<preview::SamplingReport> sampling;  // of OpenGL alone
 };
 
 // Keeps what does not change from image to image: the context, the models of the last world.

@@ -62,7 +62,9 @@ void describe(const world::World& world, const world::Camera& camera, const Draw
   add("panwright.sun", words(world.sun().direction));
   const bool traced = options.engine == Engine::reference;
   const unsigned own = traced ? options.reference.samples : options.gl.samples;
-  add("panwright.samples", fmt::format("{}", options.samples > 0 ? options.samples : own));
+  const unsigned samples = options.samples > 0 ? options.samples : own;
+  add("panwright.samples", samples > 0 ? fmt::format("{}", samples) : "auto");
+  if (samples == 0) add("panwright.pixel_error", fmt::format("{}", options.gl.pixel_error));
   if (!traced) add("panwright.shadow_side", fmt::format("{}", options.gl.shadow_side));
 }
 
@@ -197,8 +199,8 @@ class Run {
     preview::Image& image = drawn->image;
     image.metadata = drawing.metadata;
     writing_ = std::make_unique<Writing>();
-    writing_->what = {drawing.view, view.output, image.width,
-                      image.height, image.unit,  drawn->measured};
+    writing_->what = {drawing.view, view.output,     image.width,    image.height,
+                      image.unit,   drawn->measured, drawn->sampling};
     writing_->image = std::move(image);
     if (drawing.view + 1 == views_.size() || job_.threads() == 1) {
       write(drawing.ev, *writing_);

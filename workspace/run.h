@@ -26,7 +26,8 @@ struct Written {
   std::uint32_t height = 0;
   std::string unit;  // of radiance: "1/sr" or "W/(m^2 sr)"
 
-  std::optional<Measured> measured;  // by the reference alone
+  std::optional<Measured> measured;                 // by the reference alone
+  std::optional<preview::SamplingReport> sampling;  // of OpenGL alone
 };
 
 // Called one at a time, on the thread that called run_views; each may be empty.

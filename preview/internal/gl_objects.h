@@ -86,11 +86,11 @@ class StreamBuffer {
 // Whether everything since the last call fitted. Fails: E5003, naming a part of the model.
 bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log);
 
-// A framebuffer over textures, with or without a D32F depth buffer.
+// A framebuffer over textures, with or without a D32F depth texture.
 struct RenderTarget {
   std::array<GlTexture, 6> colors;  // those behind the first may be empty
   std::array<GLenum, 6> formats{};  // GL_NONE: empty
-  GlRenderbuffer depth;
+  GlTexture depth;
   GlFramebuffer framebuffer;
   GLsizei width = 0;  // 0: the context could not make it
   GLsizei height = 0;
@@ -98,6 +98,13 @@ struct RenderTarget {
 // color_formats: GL_NONE leaves a place empty.
 RenderTarget make_render_target(const GladGLContext& gl, std::span<const GLenum> color_formats,
                                 bool depth, GLsizei width, GLsizei height);
+
+// Makes a target at least as large, with at least these colours, and keeps it where it is. One of
+// another shape than it had is made anew at that shape once both together pass `most_samples`.
+// Fails: E5003.
+bool ensure_render_target(const GladGLContext& gl, RenderTarget& target,
+                          std::span<const GLenum> formats, bool depth, std::uint32_t width,
+                          std::uint32_t height, std::uint64_t most_samples, DiagnosticLog& log);
 
 // Compiles and links. Our shaders are part of the program, so a failure is a bug or a broken
 // driver: an empty program, and the compiler's words in *problem.

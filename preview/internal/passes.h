@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,7 +16,7 @@
 namespace panwright::preview {
 
 // What a pass over the triangles draws.
-enum class Pass { geometry, flat_geometry, ids, bare };
+enum class Pass { geometry, flat_geometry, ids, bare, coverage, flat_coverage };
 
 // What the passes of one frame share.
 struct FrameScene {
@@ -56,6 +57,15 @@ struct TileScene {
   std::vector<TileTarget::ShadingClass> by_family_;
 };
 
+TileScene tile_scene(const FrameScene& scene, const Tile& tile);
+
+// Blocks of N×N samples, each of one pixel, that are shaded one behind the other, in rows.
+struct Blocks {
+  GLuint pixels = 0;  // buffer texture, one R32UI a block: x | y << 16
+  std::uint32_t a_row = 0;
+  std::uint32_t rows = 0;
+};
+
 class Passes {
  public:
   explicit Passes(Device::Impl& device);
@@ -65,15 +75,25 @@ class Passes {
 
   // One upload: the blocks of a tile and of all items on it.
   void upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat);
+  // What the view alone says, anew. stands_for: N, where one sample asks for N×N (geometry.frag);
+  // 1: none.
+  void upload_view(const FrameScene& scene, const TileScene& tile, unsigned samples,
+                   unsigned stands_for);
 
   // Draws the items, with the decals over them in a geometry pass. Groups of targets are drawn from
   // the farthest to the nearest, each over a cleared depth buffer. False: the job is cancelled.
+  //
+  //   clear  called in place of clearing: all at first, then the depth alone, before each group
   bool draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
-            const RenderTarget& target, const Job& job);
+            const RenderTarget& target, const Job& job,
+            const std::function<void(bool first)>& clear = {});
 
   // Turns what is seen into radiance, target by target, one family of materials after the other.
   void shade(const FrameScene& scene, const TileScene& tile, unsigned samples,
-             const RenderTarget& seen, const RenderTarget& color);
+             const RenderTarget& seen, const RenderTarget& color, const Blocks& blocks = {});
+
+  // A vertex array without vertices.
+  GLuint screen() const { return screen_.id(); }
 
  private:
   GLuint program(const ModelResources::Impl& model, const Variant& variant, Pass pass, bool shadows,

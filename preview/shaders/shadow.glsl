@@ -36,8 +36,8 @@ bool hides(ivec2 texel, vec3 place, vec2 slope) {
 
 // From 0 to 1: the share of four texels around the sample that hide it, weighted by how near they
 // are.
-float sun_visibility() {
-  uvec4 found = texelFetch(sun_samples, ivec2(gl_FragCoord.xy), 0);
+float sun_visibility(ivec2 sample_at) {
+  uvec4 found = texelFetch(sun_samples, sample_at, 0);
   vec3 place = uintBitsToFloat(found.xyz);
   vec2 slope = unpackHalf2x16(found.w);
   vec2 at = clamp((place.xy + 1.0) * shadow.half_side - 0.5, vec2(0.0),
