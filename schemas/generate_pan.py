@@ -114,7 +114,21 @@ def add_materials(layout):
     layout["enum"] = material_schema.pan_enums(schema) + layout["enum"]
     layout["record"] = [material_schema.pan_record(schema) if record.get("from") else record
                         for record in layout["record"]]
+    add_features(layout, material_schema.pan_features(schema))
     layout["material_docs"] = material_schema.pan_docs(schema)
+
+
+def add_features(layout, features):
+    """Gives each required feature its place, those of BRDFs among them: every bit up to the last has one meaning."""
+    flags = next(flags for flags in layout["flags"] if flags["name"] == "RequiredFeatures")
+    for index, bit in enumerate(flags["bits"]):
+        bit.setdefault("bit", index)
+    flags["bits"] = sorted(flags["bits"] + features, key=lambda bit: bit["bit"])
+    if [bit["bit"] for bit in flags["bits"]] != list(range(len(flags["bits"]))):
+        raise LayoutError("the bits of RequiredFeatures must be unique and without gaps")
+    for bit in flags["bits"]:
+        if not 0 < bit["since"] <= layout["format"]["minor"]:
+            raise LayoutError(f"{bit['name']}: no format 1.0 to 1.{layout['format']['minor']} added the feature")
 
 
 def element_size(section, records):
@@ -146,6 +160,12 @@ def default_lines(layout, records):
                 out.append(f"    {{SectionKind::{section['kind']}, {field['offset']}, FieldType::{field['type']}, "
                            f"{field['count']}, {field['default']}}},")
     return out
+
+
+def feature_lines(layout):
+    """The FeatureInfo of each required feature."""
+    flags = next(flags for flags in layout["flags"] if flags["name"] == "RequiredFeatures")
+    return [f"    {{{flags['prefix']}{bit['name']}, {bit['since']}, \"{bit['name']}\"}}," for bit in flags["bits"]]
 
 
 def mask_of(layout, name):
@@ -307,8 +327,22 @@ def header_text(layout):
         for field in records.get(section["element"], {"field": []})["field"]:
             out.append(rule_line(section, field, layout))
     defaults = default_lines(layout, records)
+    features = feature_lines(layout)
     out += [
         "};",
+        "",
+        "// A required feature and the minor version that added it.",
+        "struct FeatureInfo {",
+        "  std::uint64_t bit;",
+        "  std::uint16_t minor;",
+        "  const char* name;",
+        "};",
+        "",
+        f"inline constexpr std::array<FeatureInfo, {len(features)}> kRequiredFeatures{{{{",
+    ]
+    out += features
+    out += [
+        "}};",
         "",
         "// What a field is taken for where the records of a file are too short to hold it; exact.",
         "struct FieldDefault {",
@@ -382,7 +416,8 @@ def docs_text(layout):
         lines += [f"* {index} `{value['name']}`: {value['doc']}" for index, value in enumerate(enum["values"])] + [""]
     for flags in layout["flags"]:
         lines += [f"**{flags['name']}**. {flags['doc']}", ""]
-        lines += [f"* bit {index} `{bit['name']}`: {bit['doc']}" for index, bit in enumerate(flags["bits"])] + [""]
+        lines += [f"* bit {index} `{bit['name']}`: {bit['doc']}" + (f" (since 1.{bit['since']})" if "since" in bit else "")
+                  for index, bit in enumerate(flags["bits"])] + [""]
     lines += ["## Constants", "", "| name | value | meaning |", "|---|---:|---|"]
     lines += [f"| `{constant['name']}` | {constant['value']} | {constant['doc']} |" for constant in layout["constant"]]
     return "\n".join(lines) + "\n"
