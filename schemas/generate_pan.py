@@ -10,9 +10,10 @@ import pathlib
 import sys
 import tomllib
 
+import generated_files
 import material_schema
+from generated_files import ROOT
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIZES = {"u8": 1, "u16": 2, "u32": 4, "i32": 4, "u64": 8, "f32": 4, "f64": 8}
 CPP = {
     "u8": "std::uint8_t",
@@ -441,35 +442,22 @@ def grow(layout, path):
         records[name]["size"] += sum(SIZES[field["type"]] * field.get("count", 1) for field in fields)
 
 
-def main(arguments):
-    later = len(arguments) == 3 and arguments[0] == "--later"
-    if not later and arguments not in ([], ["--check"]):
-        print("usage: generate_pan.py [--check | --later GROWTH FILE]", file=sys.stderr)
-        return 2
-    try:
-        layout = load_layout()
-        if later:
-            grow(layout, pathlib.Path(arguments[1]))
-        validate(layout)
-        if later:
-            pathlib.Path(arguments[2]).write_text(header_text(layout), encoding="utf-8", newline="\n")
-            return 0
-        texts = {"schemas/generated/pan_layout.h": header_text(layout), "docs/pan-format.md": docs_text(layout)}
-    except (LayoutError, material_schema.SchemaError) as error:
-        print(f"pan_layout.toml: {error}", file=sys.stderr)
-        return 1
-    stale = 0
-    for name, text in texts.items():
-        path = ROOT / name
-        if arguments:
-            if not path.exists() or path.read_text(encoding="utf-8") != text:
-                print(f"{name} is not what schemas/generate_pan.py makes: run it", file=sys.stderr)
-                stale = 1
-        else:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8", newline="\n")
-    return stale
+def make():
+    layout = load_layout()
+    validate(layout)
+    return {"schemas/generated/pan_layout.h": header_text(layout), "docs/pan-format.md": docs_text(layout)}
+
+
+def write_later(growth, path):
+    """The header of a format that has grown."""
+    layout = load_layout()
+    grow(layout, pathlib.Path(growth))
+    validate(layout)
+    pathlib.Path(path).write_text(header_text(layout), encoding="utf-8", newline="\n")
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    if len(sys.argv) == 4 and sys.argv[1] == "--later":
+        sys.exit(write_later(*sys.argv[2:]))
+    sys.exit(generated_files.run("generate_pan.py", sys.argv[1:], make, (LayoutError, material_schema.SchemaError),
+                                 "pan_layout.toml"))

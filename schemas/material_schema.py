@@ -1,10 +1,10 @@
 """The materials as schemas/material.toml has them: defaults filled in, references resolved, contradictions refused."""
 
-import pathlib
 import re
 import tomllib
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from generated_files import ROOT
+
 WIDTHS = {"real": 1, "vec2": 2, "vec3": 3, "real8": 8, "texture": 1, "Compensation": 1}
 SIZES = {"f32": 4, "u32": 4, "i32": 4}
 PARAMETER_KEYS = {"name", "type", "slot", "slots", "gpu", "unit", "min", "max", "above", "must", "default", "stored",

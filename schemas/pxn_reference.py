@@ -1,10 +1,7 @@
 """The reference page of the pxn language."""
 
-import pathlib
-
+from generated_files import ROOT
 from pxn_language import LARGEST, need
-
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
 def readable(value):
