@@ -73,7 +73,7 @@ def element_line(element, tables):
                                [number_text(number) for number in attribute["initial"]])
         attributes.append(f"{{{quoted(attribute['name'])}, {attribute['level']}, {flag(attribute['supported'])}, "
                           f"{flag(attribute['required'])}, {value}, {initial}, "
-                          f"{quoted(attribute['initial_word'])}}}")
+                          f"{quoted(attribute['initial_word'])}, {flag(attribute['default_in_units'])}}}")
     slots = []
     for index, child in enumerate(element["child"]):
         ids = tables.array("ElementId", f"kChoice_{name}_{index}", [f"ElementId::{other}" for other in child["of"]])
@@ -142,7 +142,8 @@ struct Attribute {
   bool required;
   Value value;
   std::span<const double> initial;           // where it is absent: numbers in SI; empty: none
-  std::string_view initial_word;             // the same of words
+  std::string_view initial_word;             // the same of words and labels
+  bool initial_in_units = false;             // initial is not in SI but in the root's units
 };
 
 // A place for children: any of some elements, min to max of them together.
