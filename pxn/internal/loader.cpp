@@ -381,7 +381,7 @@ void Loader::read_repeat(Work& work, std::uint32_t element, std::uint32_t depth)
     reporter_.report(
         Code::E1313, values.value_place(element, attribute::repeat_count), document, element, [&] {
           return Reporter::Text(
-              fmt::format("{} repetitions; at most {} are accepted", *count, kMostRepetitions));
+              fmt::format("{} repetitions, expected at most {}", *count, kMostRepetitions));
         });
     return;
   }

@@ -212,7 +212,7 @@ class ShapeReader {
       if (out[i] < limit) continue;
       reporter_.report(Code::E2001, values_.place_of(child, i), doc_, child, [&] {
         return Reporter::Text(
-            fmt::format("index {} of {} vertices; the last one is {}", out[i], limit, limit - 1));
+            fmt::format("index {} of {} vertices, expected at most {}", out[i], limit, limit - 1));
       });
       return false;
     }
