@@ -172,7 +172,8 @@ TEST(Camera, SolidAngleOfAnyPixel) {
     camera.principal = {c.x, c.y};
     const double off = pixel_solid_angle(camera, c.column, c.row) / c.exact - 1;
     // measured: 4.4e-16, and 3.5e-14 of the pixel that spans 179.9 degrees
-    EXPECT_NEAR(off, 0, c.focal < 0.01 ? 1e-13 : 2e-15) << c.focal << ' ' << c.column << ' ' << c.row;
+    EXPECT_NEAR(off, 0, c.focal < 0.01 ? 1e-13 : 2e-15)
+        << c.focal << ' ' << c.column << ' ' << c.row;
   }
 }
 
