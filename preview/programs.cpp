@@ -102,7 +102,7 @@ GLuint Programs::ids(bool cutout, std::string* problem) {
 GLuint Programs::decal(std::string* problem) {
   if (!decal_)
     decal_ = made(kVersion + defined("DECAL", true) + draw_glsl + model_vert,
-                  std::string(kVersion) + decal_frag, problem);
+                  std::string(kVersion) + draw_glsl + decal_frag, problem);
   return decal_.id();
 }
 

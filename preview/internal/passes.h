@@ -76,7 +76,7 @@ class Passes {
                  std::string* problem);
   void draw_items(const FrameScene& scene, const TileTarget& target, Pass pass);
   void scissor(const Tile& tile, const Tile& part, unsigned samples) const;
-  void draw_decals(const FrameScene& scene, const TileTarget& target);
+  void draw_decals(const FrameScene& scene, const TileTarget& target, const GlTexture& seen);
 
   Device::Impl& device_;
   const GladGLContext& gl_;
