@@ -38,7 +38,7 @@ SearchMesh search_mesh(std::vector<Vec3> positions, std::vector<Triangle> triang
 // Meshes that are stored once and placed many times.
 //
 // A ray goes into each mesh's own frame in double and is moved next to the mesh; there it is
-// decided as RayCaster does. So neither the distance of a ray's origin nor that of other instances
+// decided in double, outlines inside. So neither the distance of a ray's origin nor other instances
 // costs precision: a hit lies on its triangle to some 1e-15 of the mesh's size and along the ray to
 // the rounding of the origin's coordinates. A ray that starts on one side of a triangle and leads
 // away from it never hits it. No ray slips between triangles of one mesh that share an edge or a

@@ -253,7 +253,7 @@ bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned sampl
       if (belongs(one) && !draw_items(scene, one, pass, job)) return false;
     if (!is_shaded(pass)) continue;
     for (const TileTarget& one : tile.targets)
-      if (belongs(one)) draw_decals(scene, one);
+      if (belongs(one)) draw_decals(scene, one, target.colors[kSeenLayer]);
   }
   return !job.cancelled();
 }
@@ -289,7 +289,7 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
 }
 
 // lays pictures over the colours of what is seen
-void Passes::draw_decals(const FrameScene& scene, const TileTarget& target) {
+void Passes::draw_decals(const FrameScene& scene, const TileTarget& target, const GlTexture& seen) {
   const TargetState& state = scene.state(target.visible);
   const ModelResources::Impl& model = state.model();
   if (model.gpu.decals().empty()) return;
@@ -298,6 +298,9 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target) {
   for (std::uint32_t k = 0; k < target.drawn.size(); ++k)
     places_[visible.items[target.drawn[k]]] = k;
   gl_.UseProgram(device_.programs.decal(nullptr));
+  // who is seen is read while it is attached, and not written: the barrier makes that sound
+  gl_.BindTextureUnit(kSeenUnit, seen.id());
+  gl_.TextureBarrier();
   // every program puts a vertex on the same spot, so what is seen has the very depth that is there
   gl_.DepthFunc(GL_EQUAL);
   gl_.DepthMask(GL_FALSE);

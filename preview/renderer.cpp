@@ -380,8 +380,8 @@ bool Renderer::Impl::fits(const world::World& world, const world::Camera& camera
   (void)world;
   if (camera.width > kMaxSide || camera.height > kMaxSide) {
     log.report_file(Code::E5003, {},
-                    fmt::format("an image of {} by {} pixels; a side may have {}", camera.width,
-                                camera.height, kMaxSide));
+                    fmt::format("an image of {} by {} pixels, expected at most {} a side",
+                                camera.width, camera.height, kMaxSide));
     return false;
   }
   const std::uint64_t bytes =

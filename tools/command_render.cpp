@@ -165,7 +165,7 @@ Result<preview::ReferenceOptions> reference_options(const Options& options, Diag
       result.until_error = *share;
     else
       log.report(Code::E0201, {},
-                 fmt::format("--until-error is {}: it takes a share between 0 and 1, as 0.1%",
+                 fmt::format("--until-error is {}, expected a share between 0 and 1, as 0.1%",
                              in_quotes(options.until_error)));
   }
   if (options.filter != "box") {
@@ -177,7 +177,7 @@ Result<preview::ReferenceOptions> reference_options(const Options& options, Diag
       result.psf_sigma = (*sigma)[0];
     else
       log.report(Code::E0201, {},
-                 fmt::format("--filter is {}: it takes box, or gaussian:SIGMA of up to {} pixels",
+                 fmt::format("--filter is {}, expected box, or gaussian:SIGMA of up to {} pixels",
                              in_quotes(options.filter), kWidestPsf));
   }
   if (log.errors() != errors) return failed;

@@ -71,12 +71,12 @@ void describe(const world::World& world, const world::Camera& camera, const Draw
 // Everything that can be wrong with the views and is seen without drawing them.
 bool are_sound(const world::World& world, std::span<const View> views, DiagnosticLog& log) {
   const std::size_t errors = log.errors();
-  if (world.empty())
-    log.report(Code::E5030, {}, "the world has no target: there is nothing to render");
+  if (world.empty()) log.report(Code::E5030, {}, "the world has no targets, expected at least 1");
   for (const View& view : views) {
     if (!preview::image_format(view.output))
       log.report(Code::E0202, {},
-                 fmt::format("{} is not a .png, .exr, .npy or .npz file", in_quotes(view.output)));
+                 fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
+                             in_quotes(view.output)));
     for (const TargetPose& pose : view.poses) (void)world.require(pose.target, log);
   }
   return log.errors() == errors;

@@ -101,7 +101,7 @@ class Passes {
   bool draw_items(const FrameScene& scene, const TileTarget& target, Pass pass, const Job& job);
   void bind_block(std::size_t block) const;
   void scissor(const Tile& tile, const Tile& part, unsigned samples) const;
-  void draw_decals(const FrameScene& scene, const TileTarget& target);
+  void draw_decals(const FrameScene& scene, const TileTarget& target, const GlTexture& seen);
 
   Device::Impl& device_;
   const GladGLContext& gl_;

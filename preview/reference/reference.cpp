@@ -161,8 +161,8 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   assert(is_sound(camera, options));
   if (camera.width > kMaxSide || camera.height > kMaxSide) {
     log.report_file(Code::E5003, {},
-                    fmt::format("an image of {} by {} pixels; a side may have {}", camera.width,
-                                camera.height, kMaxSide));
+                    fmt::format("an image of {} by {} pixels, expected at most {} a side",
+                                camera.width, camera.height, kMaxSide));
     return failed;
   }
   const std::uint32_t margin = options.psf_sigma > 0 ? blur_margin(options.psf_sigma) : 0;

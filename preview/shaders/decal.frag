@@ -1,6 +1,8 @@
 // A picture over the diffuse colour of what is seen; blended, so that the colour it leaves is
-// colour·(1 − a) + picture. Only what is seen passes the depth test.
+// colour·(1 − a) + picture. Only what is seen passes the depth test; of surfaces that coincide, the
+// one that the geometry pass kept. Defined in front: version, draw.glsl.
 layout(binding = 11) uniform sampler2D picture;  // premultiplied
+layout(binding = 2) uniform sampler2D seen;      // of the geometry pass; w: item + 1
 
 layout(location = 5) in vec3 decal_place;
 layout(location = 6) in float decal_facing;
@@ -31,5 +33,6 @@ void main() {
   }
   bool inside = at == decal_place.xy && abs(decal_place.z) <= 1.0 &&
                 (gl_FrontFacing ? decal_facing : -decal_facing) > 0.0;
-  if (!inside) discard;
+  bool own = texelFetch(seen, ivec2(gl_FragCoord.xy), 0).w == float(draw.id.x);
+  if (!inside || !own) discard;
 }

@@ -117,9 +117,10 @@ class Checker {
       } else if (!known->supported || known->level > level_) {
         report(Code::E1106, doc_.name_span(doc_.attributes[i]), element, [&] {
           return Reporter::Text(
-              known->level > level_ ? later(known->name, known->level)
-                                    : fmt::format("'{}' of <{}> is not supported yet; it is left out",
-                                                  known->name, schema.name));
+              known->level > level_
+                  ? later(known->name, known->level)
+                  : fmt::format("'{}' of <{}> is not supported yet; it is left out", known->name,
+                                schema.name));
         });
       }
     }
@@ -159,7 +160,7 @@ class Checker {
               hint = fmt::format("'{}' is an element inside <{}>", name, schema.name);
         if (!owners.empty()) hint = fmt::format("'{}' belongs to <{}>", name, join_tags(owners));
       }
-      return {fmt::format("<{}> has no attribute '{}'; {}", schema.name, name, takes), hint};
+      return {fmt::format("unknown attribute '{1}' of <{0}>; {2}", schema.name, name, takes), hint};
     });
   }
 
@@ -197,10 +198,9 @@ class Checker {
     for (std::size_t s = 0; s < schema.slots.size(); ++s)
       for (const ElementId id : schema.slots[s].elements) {
         if (entry(id).name != name) continue;
-        const bool better =
-            found == kNoElement ||
-            (entry(id).level <= level_ &&
-             (entry(found).level > level_ || entry(id).level > entry(found).level));
+        const bool better = found == kNoElement ||
+                            (entry(id).level <= level_ &&
+                             (entry(found).level > level_ || entry(id).level > entry(found).level));
         if (!better) continue;
         found = id;
         place = s;
@@ -212,8 +212,9 @@ class Checker {
       if (!known.supported || known.level > level_) {
         report(Code::E1106, doc_.name_span(child), child, [&] {
           return Reporter::Text(
-              known.level > level_ ? later(known.name, known.level)
-                                   : fmt::format("<{}> is not supported yet; it is left out", name));
+              known.level > level_
+                  ? later(known.name, known.level)
+                  : fmt::format("<{}> is not supported yet; it is left out", name));
         });
       } else if (slot.max != 0 && counts_[place] > slot.max) {
         too_many(element, child, slot);
@@ -230,9 +231,9 @@ class Checker {
     report(Code::E1104, doc_.name_span(child), child, [&]() -> Reporter::Text {
       const std::string what =
           slot.label.empty() ? fmt::format("<{}>", tag(child)) : std::string(slot.label);
-      return {fmt::format("<{}> takes one {}, and this is another; it is left out",
-                          entry(element).name, what),
-              std::string(slot.hint)};
+      return {
+          fmt::format("<{}> takes at most one {}; this one is left out", entry(element).name, what),
+          std::string(slot.hint)};
     });
   }
 
@@ -269,10 +270,10 @@ class Checker {
       const std::vector<std::string_view> here = names_in(schema);
       std::string message;
       if (here.empty())
-        message = fmt::format("<{}> takes no elements, and this is '{}'", schema.name, name);
+        message = fmt::format("<{}> takes no elements, found '{}'", schema.name, name);
       else
-        message =
-            fmt::format("<{}> has no element '{}'; it takes {}", schema.name, name, join(here));
+        message = fmt::format("unknown element '{1}' in <{0}>, expected {2}", schema.name, name,
+                              join(here));
       std::string hint = belongs(name);
       if (hint.empty()) {
         std::vector<std::string_view> anywhere;
@@ -365,7 +366,7 @@ class Checker {
                        run.begin + static_cast<std::uint32_t>(tail)),
              owner, [&] {
                return Reporter::Text(fmt::format(
-                   "<{}> takes no text, and this is {}", entry(id).name,
+                   "<{}> takes no text, found {}", entry(id).name,
                    in_quotes(to_utf8(text.substr(lead, std::min<std::size_t>(tail - lead, 256)),
                                      doc_.encoding))));
              });

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/math.h"
-#include "geometry/ray.h"
+#include "tests/support/ray_caster.h"
 #include "pan/model.h"
 #include "preview/internal/sun_frame.h"
 #include "tests/support/view.h"
@@ -107,7 +107,7 @@ class SunRays {
   world::Camera camera_;
   Vec3 to_sun_;
   std::vector<Mat4> world_from_mesh_;
-  geometry::RayCaster caster_;
+  RayCaster caster_;
 };
 
 }  // namespace panwright::support
