@@ -298,7 +298,7 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target, cons
   for (std::uint32_t k = 0; k < target.drawn.size(); ++k)
     places_[visible.items[target.drawn[k]]] = k;
   gl_.UseProgram(device_.programs.decal(nullptr));
-  // who is seen is read while it is attached, and not written: the barrier makes that sound
+  // whose the sample is, is read where its sign is written: the barrier makes that sound
   gl_.BindTextureUnit(kSeenUnit, seen.id());
   gl_.TextureBarrier();
   // every program puts a vertex on the same spot, so what is seen has the very depth that is there

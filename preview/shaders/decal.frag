@@ -2,7 +2,7 @@
 // colour·(1 − a) + picture. Only what is seen passes the depth test; of surfaces that coincide, the
 // one that the geometry pass kept. Defined in front: version, draw.glsl.
 layout(binding = 11) uniform sampler2D picture;  // premultiplied
-layout(binding = 2) uniform sampler2D seen;      // of the geometry pass; w: item + 1
+layout(binding = 2) uniform sampler2D items;     // the layer below; w: ±(item + 1)
 
 layout(location = 5) in vec3 decal_place;
 layout(location = 6) in float decal_facing;
@@ -33,6 +33,7 @@ void main() {
   }
   bool inside = at == decal_place.xy && abs(decal_place.z) <= 1.0 &&
                 (gl_FrontFacing ? decal_facing : -decal_facing) > 0.0;
-  bool own = texelFetch(seen, ivec2(gl_FragCoord.xy), 0).w == float(draw.id.x);
+  // note: another decal may be writing it, but for its sign it stays
+  bool own = abs(texelFetch(items, ivec2(gl_FragCoord.xy), 0).w) == float(draw.id.x);
   if (!inside || !own) discard;
 }
