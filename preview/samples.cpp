@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <functional>
 
 #include "base/parallel.h"
 #include "preview/internal/samples.h"
@@ -15,7 +16,7 @@ std::vector<Tile> tiles(std::uint32_t width, std::uint32_t height, std::uint32_t
 void average_samples(std::span<const float> rgba, const Tile& tile, unsigned samples,
                      Image& image) {
   const std::size_t row_floats = std::size_t{4} * tile.width * samples;
-  parallel_for(tile.height, [&](std::size_t row) {
+  const auto average_row = [&](std::size_t row) {
     const std::size_t first = (tile.y + row) * image.width + tile.x;
     float* radiance = image.radiance.data() + 3 * first;
     float* coverage = image.coverage.data() + first;
@@ -38,7 +39,8 @@ void average_samples(std::span<const float> rgba, const Tile& tile, unsigned sam
       for (std::size_t k = 0; k < 3; ++k) radiance[3 * i + k] = static_cast<float>(weight * sum[k]);
       coverage[i] = static_cast<float>(weight * sum[3]);
     }
-  });
+  };
+  parallel_for(tile.height, std::ref(average_row));
 }
 
 void clear_around(const Tile& whole, const Tile& part, Image& image) {
