@@ -49,7 +49,9 @@ std::shared_ptr<Device> Device::create(std::unique_ptr<Context> context) {
 Context& Device::context() const { return *impl_->context; }
 
 Device::Counts Device::counts() const {
-  return {impl_->models_uploaded, impl_->model_bytes, impl_->programs.built()};
+  const ContextCounts context = impl_->context->counts();
+  return {impl_->models_uploaded, impl_->model_bytes, impl_->programs.built(), context.allocations,
+          context.uploaded_bytes};
 }
 
 bool Device::Impl::ready(DiagnosticLog& log) {
@@ -103,7 +105,12 @@ Result<std::shared_ptr<const ModelResources>> Device::resources(const world::Mod
     impl->layers |= layers_of(item.variant);
   }
   impl->families = families_of(*model);
-  const bool good = impl->gpu.upload(*impl_->context, *model, impl->list, impl->families, log);
+  bool good = false;
+  try {
+    good = impl->gpu.upload(*impl_->context, *model, impl->list, impl->families, log, job);
+  } catch (const Cancelled&) {
+    report_cancelled(log);
+  }
   impl_->model_bytes += impl->gpu.bytes();
   if (!good || !impl_->went_well(log)) return failed;
   ++impl_->models_uploaded;

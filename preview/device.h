@@ -64,6 +64,9 @@ class Device : public std::enable_shared_from_this<Device> {
     std::uint64_t models = 0;       // uploaded
     std::uint64_t model_bytes = 0;  // of them
     std::uint64_t programs = 0;     // built
+    // of the context, whatever for: see ContextCounts
+    std::uint64_t allocations = 0;
+    std::uint64_t uploaded_bytes = 0;
   };
   Counts counts() const;
 

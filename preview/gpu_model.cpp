@@ -40,8 +40,8 @@ GlBuffer GpuModel::uploaded(std::span<const T> values) {
 }
 
 bool GpuModel::upload(const Context& context, const pan::Model& model,
-                      std::span<const DrawItem> list, const Families& families,
-                      DiagnosticLog& log) {
+                      std::span<const DrawItem> list, const Families& families, DiagnosticLog& log,
+                      const Job& job) {
   context_ = &context;
   gl_ = &context.gl();
   const GladGLContext& gl = *gl_;
@@ -71,8 +71,8 @@ bool GpuModel::upload(const Context& context, const pan::Model& model,
   attribute(2, 2);
   attribute(3, 3);
   return fits(gl, "vertices", log) && upload_materials(model, list, families, log) &&
-         upload_decals(model, list, log) && upload_textures(model, list, log) &&
-         upload_tangents(model, list, log);
+         upload_decals(model, list, log) && upload_textures(model, list, log, job) &&
+         upload_tangents(model, list, log, job);
 }
 
 bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawItem> list,
@@ -115,7 +115,7 @@ bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawIte
 }
 
 bool GpuModel::upload_textures(const pan::Model& model, std::span<const DrawItem> list,
-                               DiagnosticLog& log) {
+                               DiagnosticLog& log, const Job& job) {
   for (const DrawItem& item : list) {
     const layout::Material& material = model.materials()[item.material];
     std::vector<Binding>& bindings = bindings_.emplace_back();
@@ -139,13 +139,13 @@ bool GpuModel::upload_textures(const pan::Model& model, std::span<const DrawItem
         {static_cast<std::int32_t>(decals_[i].texture), TextureRole::premultiplied, 0});
   map_sampler_ = make_sampler(*gl_, GL_REPEAT);
   decal_sampler_ = make_sampler(*gl_, GL_CLAMP_TO_EDGE);
-  const bool good = textures_.upload(*context_, model, log);
+  const bool good = textures_.upload(*context_, model, log, job);
   bytes_ += textures_.bytes();
   return good;
 }
 
 bool GpuModel::upload_tangents(const pan::Model& model, std::span<const DrawItem> list,
-                               DiagnosticLog& log) {
+                               DiagnosticLog& log, const Job& job) {
   std::vector<bool> used(model.meshes().size());
   bool any = false;
   for (const DrawItem& item : list)
@@ -156,6 +156,7 @@ bool GpuModel::upload_tangents(const pan::Model& model, std::span<const DrawItem
   std::vector<float> all;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
+    job.poll();
     const Tangents found = tangents(model.mesh(i));
     tangents_at_[i] = all.size() * sizeof(float);
     all.insert(all.end(), found.tangents.begin(), found.tangents.end());

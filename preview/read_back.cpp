@@ -82,24 +82,24 @@ ReadBack::Wait ReadBack::take(const Job& job, const std::function<void(const voi
     pixels = memory_.data();
   }
   use(pixels);
-  forget(slot);
+  forget(slot, true);
   first_ = (first_ + 1) % kSlots;
   --used_;
   return Wait::done;
 }
 
-void ReadBack::forget(Slot& slot) {
-  if (slot.drawn) gl_.DeleteSync(slot.drawn);
+void ReadBack::forget(Slot& slot, bool current) {
+  if (slot.drawn && current) gl_.DeleteSync(slot.drawn);
   slot.drawn = nullptr;
 }
 
-void ReadBack::drop_newest() {
-  forget(slots_[newest()]);
+void ReadBack::drop_newest(bool current) {
+  forget(slots_[newest()], current);
   --used_;
 }
 
-void ReadBack::drop() {
-  while (!empty()) drop_newest();
+void ReadBack::drop(bool current) {
+  while (!empty()) drop_newest(current);
 }
 
 }  // namespace panwright::preview

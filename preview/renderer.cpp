@@ -6,6 +6,7 @@
 #include <cassert>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -71,7 +72,9 @@ void reset(Image& image, const world::Camera& camera, bool truth) {
 
 struct Renderer::Impl {
   explicit Impl(std::shared_ptr<Device> device_in)
-      : device(std::move(device_in)), shared(device->impl()), gl(shared.context->gl()) {}
+      : device(std::move(device_in)), shared(device->impl()), gl(shared.context->gl()) {
+    spare.reserve(kMostInFlight);
+  }
   ~Impl() { shared.context->make_current(); }  // the members delete their objects
 
   // A view under way, and one that was, whose memory is used again.
@@ -247,8 +250,8 @@ void Renderer::Impl::use_tile(const Ring& ring, const TileUnderWay& tile, const 
 // Waits for the oldest tile of a kind and puts it into its image.
 bool Renderer::Impl::take_tile(Ring& ring, DiagnosticLog& log) {
   const TileUnderWay& tile = ring.tiles[ring.pixels.oldest()];
-  const auto result =
-      ring.pixels.take(job, [&](const void* pixels) { use_tile(ring, tile, pixels); });
+  const auto use = [&](const void* pixels) { use_tile(ring, tile, pixels); };
+  const auto result = ring.pixels.take(job, std::ref(use));
   if (result != ReadBack::Wait::done) return fail(result, log);
   --frames[tile.frame].tiles;
   return true;
@@ -417,9 +420,9 @@ void Renderer::Impl::abandon(std::size_t frame) {
 }
 
 void Renderer::Impl::drop() {
-  if (used_frames > 0) shared.context->make_current();
+  const bool current = used_frames > 0 && shared.context->make_current();
   for (std::optional<Ring>* ring : {&radiance, &ids})
-    if (*ring) (*ring)->pixels.drop();
+    if (*ring) (*ring)->pixels.drop(current);
   for (Frame& frame : frames) frame.tiles = 0;
   used_frames = 0;
 }
@@ -468,7 +471,11 @@ Result<Image> Renderer::collect(DiagnosticLog& log, const Job& job) {
   Impl& impl = *impl_;
   impl.job = job;
   Impl::Frame& frame = impl.frames[impl.first_frame];
-  bool good = impl.shared.ready(log);
+  if (!impl.shared.ready(log)) {
+    if (impl.shared.lost) impl.drop();
+    return failed;
+  }
+  bool good = true;
   // both kinds in the order in which they were submitted
   while (good && frame.tiles > 0) {
     const auto has = [&](const Impl::Ring& ring) {

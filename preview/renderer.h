@@ -93,7 +93,7 @@ class Renderer {
   bool submit(const world::World& world, const world::Camera& camera, const RenderOptions& options,
               DiagnosticLog& log, const Job& job = {});
   // Expects: a view under way, which is not any longer. Reports: W5006. Fails: E0001, E5001, E5003;
-  // all is dropped then.
+  // all is dropped then, unless the context is another thread's for the moment.
   Result<Image> collect(DiagnosticLog& log, const Job& job = {});
   std::size_t in_flight() const;
   void drop();  // all that is under way

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <functional>
 
 #include "base/parallel.h"
 #include "preview/internal/samples.h"
@@ -12,7 +13,7 @@ std::vector<Tile> tiles(std::uint32_t width, std::uint32_t height, std::uint32_t
 }
 
 void store_pixels(std::span<const float> rgba, const Tile& tile, Image& image) {
-  parallel_for(tile.height, [&](std::size_t row) {
+  const auto store_row = [&](std::size_t row) {
     const std::size_t first = (tile.y + row) * image.width + tile.x;
     float* radiance = image.radiance.data() + 3 * first;
     float* coverage = image.coverage.data() + first;
@@ -21,7 +22,8 @@ void store_pixels(std::span<const float> rgba, const Tile& tile, Image& image) {
       for (std::size_t k = 0; k < 3; ++k) radiance[3 * i + k] = from[4 * i + k];
       coverage[i] = from[4 * i + 3];
     }
-  });
+  };
+  parallel_for(tile.height, std::ref(store_row));
 }
 
 void clear_around(const Tile& whole, const Tile& part, Image& image) {

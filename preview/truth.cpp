@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -113,7 +114,7 @@ void fill_truth(const world::Camera& camera, bool flat, std::span<const TruthTar
                 const Tile& tile, std::span<const TriangleId> ids, Image& image) {
   const double focal = std::max(camera.focal.x, camera.focal.y);
   const bool perspective = camera.projection == world::Projection::perspective;
-  parallel_for(tile.height, [&](std::size_t row) {
+  const auto fill_row = [&](std::size_t row) {
     std::optional<Patch> patch;
     TriangleId last;
     const TruthTarget* target = nullptr;
@@ -147,7 +148,8 @@ void fill_truth(const world::Camera& camera, bool flat, std::span<const TruthTar
       image.node_id[pixel] = target->model->instances()[item->instance].node + 1;
       image.material_id[pixel] = item->material + 1;
     }
-  });
+  };
+  parallel_for(tile.height, std::ref(fill_row));
 }
 
 }  // namespace panwright::preview

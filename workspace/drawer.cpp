@@ -51,8 +51,10 @@ EngineInfo Drawer::info() const {
 
 bool Drawer::prepare(const world::World& world, DiagnosticLog& log, const Job& job) {
   if (!impl_->renderer) {
-    impl_->reference.prepare(world);
-    return true;
+    return run_job(job, log, [&] {
+      impl_->reference.prepare(world, job);
+      return true;
+    });
   }
   std::vector<std::shared_ptr<const preview::ModelResources>> models;
   for (const world::Instance& target : world.instances()) {

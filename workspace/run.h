@@ -43,8 +43,8 @@ struct RunOptions {
 };
 
 // Renders views of a world and writes them, in order, each whole or not at all. Models are uploaded
-// once; what does not change from view to view is not worked out again. While one image is written,
-// the next one is drawn.
+// once; what does not change from view to view is not worked out again. While one image is drawn,
+// the one before is copied and the one before that is written.
 //
 //   returns  the number of images that were written: all of them
 // Expects: cameras, Suns and options as the engines want them; targets of unit rotation.

@@ -23,9 +23,9 @@ class GpuModel {
  public:
   // Uploads vertices, indices, materials and the textures that are used, tangents for the meshes
   // that have normal maps, and decals.
-  // Fails: E5003.
+  // Fails: E5003. Throws Cancelled: what was uploaded goes with this.
   bool upload(const Context& context, const pan::Model& model, std::span<const DrawItem> list,
-              const Families& families, DiagnosticLog& log);
+              const Families& families, DiagnosticLog& log, const Job& job);
   std::uint64_t bytes() const { return bytes_; }  // uploaded so far
 
   // Computes and uploads the triangles' normals, once. Fails: E5003.
@@ -62,8 +62,10 @@ class GpuModel {
   GlBuffer uploaded(std::span<const T> values);
   bool upload_materials(const pan::Model& model, std::span<const DrawItem> list,
                         const Families& families, DiagnosticLog& log);
-  bool upload_textures(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log);
-  bool upload_tangents(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log);
+  bool upload_textures(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log,
+                       const Job& job);
+  bool upload_tangents(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log,
+                       const Job& job);
   bool upload_decals(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log);
   const Repeated* own_vertices(std::size_t mesh_index) const;  // null: the model's
   Repeated repeated(const pan::MeshView& mesh, const Tangents& tangents);

@@ -56,9 +56,9 @@ class ReadBack {
   // frees the slot; where they did not come, it stays. Expects: !empty().
   Wait take(const Job& job, const std::function<void(const void*)>& use);
 
-  // Forgets the newest pixels, or all.
-  void drop_newest();
-  void drop();
+  // Forgets the newest pixels, or all. current: whether the context is.
+  void drop_newest(bool current = true);
+  void drop(bool current = true);
 
  private:
   struct Slot {
@@ -71,7 +71,7 @@ class ReadBack {
     std::uint32_t height = 0;
   };
   bool ensure_buffer(Slot& slot, std::size_t bytes);
-  void forget(Slot& slot);
+  void forget(Slot& slot, bool current);
 
   const GladGLContext& gl_;
   const PixelFormat format_;
