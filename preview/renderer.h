@@ -26,7 +26,7 @@ struct RenderOptions {
   // N: every pixel is the mean of N×N point samples; 1 to 64. 0: as many as pixel_error asks for,
   // pixel by pixel, up to 64×64.
   unsigned samples = 1;
-  // Of samples = 0: the error that is met, of the pixels that show a target (RMSE over RMS
+  // Of samples = 0: the error that is aimed at, of the pixels that show a target (RMSE over RMS
   // radiance) and of the flux; > 0. docs/sampling.md
   double pixel_error = 0.03;
   // Of N > 1: one sample where it stands for all N×N (docs/sampling.md), N×N elsewhere. false: N×N

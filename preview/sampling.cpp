@@ -19,11 +19,13 @@ constexpr std::uint32_t kLeastColorSide = 1024;  // samples
 // white plate that faces the Sun: a parabola's mean is off by a 24th of it.
 constexpr double kSmoothness = 0.012;
 
-constexpr unsigned kFirstSide = 4;  // N to begin with until an error is met
+// N to begin with until an error is met: what N×N samples of the coverage miss is not found later.
+unsigned first_side(double error) { return error >= 0.03 ? 4 : error >= 0.01 ? 8 : 16; }
+
 constexpr unsigned kMostSide = 64;
-// Grids of N/2×N/2 samples are off by this much more than the N×N that four of them make up: edges
-// along the axes halve, others do better.
-constexpr double kGain = 0.5;
+// What N×N samples are off by, in parts of how far the four grids of N/2×N/2 in them lie apart.
+// Edges along the axes halve with N; 1 leaves room for what no sample shows.
+constexpr double kGain = 1;
 // Targets so small that N×N samples of 4×4 may miss what they show: every pixel begins with more.
 constexpr std::uint32_t kTinyPixels = 10;
 constexpr std::uint32_t kSmallPixels = 40;
@@ -190,7 +192,8 @@ bool Sampling::render(const FrameScene& scene, const RenderOptions& options,
   if (!prepare(frame)) return false;
   report_ = {};
   std::vector<Pixel> marked;
-  if (!one_sample_each(frame, options.samples == 0 ? kFirstSide : options.samples, marked))
+  if (!one_sample_each(
+          frame, options.samples == 0 ? first_side(options.pixel_error) : options.samples, marked))
     return false;
   if (options.samples == 0) return until_error(frame, std::move(marked));
   report_.samples = 1 + frame.added(marked.size(), options.samples);
@@ -200,7 +203,7 @@ bool Sampling::render(const FrameScene& scene, const RenderOptions& options,
 // Samples the pixels with the largest errors more, until what is left is small enough.
 bool Sampling::until_error(const Frame& frame, std::vector<Pixel> marked) {
   std::vector<Level> levels;
-  for (unsigned samples = kFirstSide; samples <= kMostSide; samples *= 2)
+  for (unsigned samples = first_side(frame.options.pixel_error); samples <= kMostSide; samples *= 2)
     levels.push_back({samples, {}, {}});
   const auto level_of = [&](unsigned samples) -> Level& {
     return *std::find_if(levels.begin(), levels.end(),

@@ -58,8 +58,8 @@ float bend_of_light(ivec2 pixel, ivec2 axis, int item, float here) {
   bool has_before = all(greaterThanEqual(before, ivec2(0))) && item_at(before) == item;
   bool has_behind = all(lessThan(behind, ivec2(size))) && item_at(behind) == item;
   float difference = 0.0;
-  if (has_before) difference += light_at(before) - here;
-  if (has_behind) difference += light_at(behind) - here;
+  if (has_before && light_at(before) < 1e29) difference += light_at(before) - here;
+  if (has_behind && light_at(behind) < 1e29) difference += light_at(behind) - here;
   return abs(difference);
 }
 
@@ -77,6 +77,7 @@ void main() {
   mark = 1.0;
   if (has_step(pixel)) return;
   float here = light_at(pixel);
+  if (here > 1e29) return;
   if (bend_of_light(pixel, ivec2(1, 0), item, here) > smoothness) return;
   if (bend_of_light(pixel, ivec2(0, 1), item, here) > smoothness) return;
   mark = 0.0;

@@ -7,14 +7,16 @@ layout(std140, binding = 0) uniform View {
   vec4 sight_right;  // its change from sample to sample
   vec4 sight_down;
   vec4 to_sun;      // world, unit; w: what its disc adds to the squares of alpha
-  vec4 irradiance;  // RGB; w: see geometry.frag
+  vec4 irradiance;  // RGB; w: above 0 where one sample stands for many
 }
 view;
 
 // of the target that this pass shades: its first item
 layout(location = 0) uniform uvec4 range;
 layout(binding = 5) uniform usamplerBuffer items;  // x: material, y: class
+#ifndef SHADOWED
 layout(binding = 2) uniform sampler2D seen_samples;  // as geometry.frag leaves them
+#endif
 #ifdef PAINTED
 layout(binding = 3) uniform sampler2D paints;
 #endif
@@ -139,5 +141,11 @@ void main() {
   if (has_cells)
     light = 0.15915494309189535 * max(dot(unit_or_zero(seen.xyz), view.to_sun.xyz), 0.0) *
             visibility * max(view.irradiance.r, max(view.irradiance.g, view.irradiance.b));
+#endif
+#ifdef SHADOWED
+  // far from all light there is: the pixel gets all its samples
+  if (view.irradiance.w > 0.0 && blocks.y == 0u && dot(seen.xyz, view.to_sun.xyz) > 0.0 &&
+      sun_varies(place, abs(int(seen.w))))
+    light = 1e30;
 #endif
 }
