@@ -55,7 +55,8 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
       if (!job.cancelled()) body(i);
     });
   };
-  run_on_threads(job, work);
+  // note: a reference fits into std::function without memory of its own
+  run_on_threads(job, std::ref(work));
   job.poll();
 }
 

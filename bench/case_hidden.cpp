@@ -9,11 +9,11 @@
 #include "base/parallel.h"
 #include "bench/bench.h"
 #include "compiler/hidden.h"
-#include "geometry/ray/ray.h"
 #include "importers/clean.h"
 #include "importers/import.h"
 #include "tests/compiler/assemblies.h"
 #include "tests/geometry/shapes.h"
+#include "tests/support/ray_caster.h"
 
 namespace panwright::bench {
 
@@ -35,8 +35,8 @@ Ball ball_of(const scene::Scene& scene) {
   return {0.5 * bounds.low + 0.5 * bounds.high, 0.5 * glm::length(bounds.high - bounds.low)};
 }
 
-geometry::RayCaster caster_of(const scene::Scene& scene) {
-  geometry::RayCaster caster;
+support::RayCaster caster_of(const scene::Scene& scene) {
+  support::RayCaster caster;
   const std::vector<Mat4> world = scene::world_from_nodes(scene);
   for (const scene::Instance& instance : scene.instances)
     if (const auto* mesh =
@@ -54,8 +54,8 @@ struct Seen {
 // Rays through the centres of pixels of so many views from random directions, three radii away.
 Seen compared(const scene::Scene& before, const scene::Scene& after, int views, int side) {
   const Ball ball = ball_of(before);
-  const geometry::RayCaster a = caster_of(before);
-  const geometry::RayCaster b = caster_of(after);
+  const support::RayCaster a = caster_of(before);
+  const support::RayCaster b = caster_of(after);
   std::vector<Seen> parts(static_cast<std::size_t>(views));
   parallel_for(parts.size(), [&](std::size_t view) {
     geometry::shapes::Random random(4242 + view);

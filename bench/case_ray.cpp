@@ -8,8 +8,8 @@
 #include "base/parallel.h"
 #include "bench/bench.h"
 
-#include "geometry/ray/ray.h"
 #include "geometry/tessellate/tessellate.h"
+#include "tests/support/ray_caster.h"
 
 namespace panwright::bench {
 
@@ -36,7 +36,7 @@ std::vector<geometry::Ray> grid(int side, double range) {
 }
 
 // Against the sphere. The mesh lies up to `depth` inside: near the limb either answer is right.
-Outcome compare(const geometry::RayCaster& caster, const std::vector<geometry::Ray>& rays,
+Outcome compare(const support::RayCaster& caster, const std::vector<geometry::Ray>& rays,
                 double depth) {
   Outcome outcome;
   for (const geometry::Ray& ray : rays) {
@@ -67,12 +67,12 @@ void run(Context& context) {
         geometry::Sphere{1, geometry::SphereCounts{rings, rings}}, {}, {}, log);
     const Timing build = timed(
         [&] {
-          geometry::RayCaster caster;
+          support::RayCaster caster;
           caster.add(*mesh, Mat4(1));
           caster.build();
         },
         context.quick() ? 1 : 3);
-    geometry::RayCaster caster;
+    support::RayCaster caster;
     caster.add(*mesh, Mat4(1));
     caster.build();
     const std::vector<geometry::Ray> rays = grid(side, 1e5);

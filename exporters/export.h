@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "base/result.h"
 #include "pan/model.h"
 
@@ -17,8 +18,9 @@ namespace panwright::exporters {
 // y up.
 //
 // Expects: model.checked().
-// Fails: E6002 for more than 4 GiB. Reports W6402 for what is lost.
+// Fails: E0001; E6002 for more than 4 GiB. Reports W6402 for what is lost.
 // Same model, same bytes. Cost: O(bytes) and the packing of pictures.
-[[nodiscard]] Result<std::vector<std::byte>> glb_from(const pan::Model& model, DiagnosticLog& log);
+[[nodiscard]] Result<std::vector<std::byte>> glb_from(const pan::Model& model, DiagnosticLog& log,
+                                                      const Job& job = {});
 
 }  // namespace panwright::exporters

@@ -31,7 +31,8 @@ using Parts = std::vector<std::array<std::int64_t, 3>>;
 
 class Exporter {
  public:
-  Exporter(const pan::Model& model, DiagnosticLog& log) : model_(model), log_(log) {}
+  Exporter(const pan::Model& model, DiagnosticLog& log, const Job& job)
+      : model_(model), log_(log), job_(job) {}
 
   Result<std::vector<std::byte>> run() {
     json_["asset"] = {{"version", "2.0"}, {"generator", "panwright"}};
@@ -187,6 +188,7 @@ class Exporter {
         {"name", std::string(model_.mesh_name(static_cast<std::size_t>(parts[0][0])))},
         {"primitives", ordered_json::array()}};
     for (const auto& part : parts) {
+      job_.poll();
       ordered_json primitive = geometry(static_cast<std::size_t>(part[0]));
       const bool has_texcoords = primitive["attributes"].contains("TEXCOORD_0");
       primitive["material"] = material_index(static_cast<std::size_t>(part[1]),
@@ -304,11 +306,14 @@ class Exporter {
 
   void add_pictures() {
     std::vector<std::string> packed(wanted_.size());
-    parallel_for(wanted_.size(), [&](std::size_t i) {
-      const auto& record = model_.textures()[static_cast<std::size_t>(wanted_[i].first)];
-      packed[i] =
-          png_file(record.width, record.height, texels(wanted_[i].first, wanted_[i].second));
-    });
+    parallel_for(
+        wanted_.size(),
+        [&](std::size_t i) {
+          const auto& record = model_.textures()[static_cast<std::size_t>(wanted_[i].first)];
+          packed[i] =
+              png_file(record.width, record.height, texels(wanted_[i].first, wanted_[i].second));
+        },
+        job_);
     for (std::size_t i = 0; i < wanted_.size(); ++i) {
       const std::size_t view = add_view(packed[i].data(), packed[i].size(), 0, 0);
       json_["images"].push_back(
@@ -326,6 +331,7 @@ class Exporter {
   }
 
   Result<std::vector<std::byte>> container() {
+    job_.poll();
     binary_.resize((binary_.size() + 3) / 4 * 4);
     if (!binary_.empty()) json_["buffers"] = {{{"byteLength", binary_.size()}}};
     std::string text = json_.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
@@ -354,6 +360,7 @@ class Exporter {
 
   const pan::Model& model_;
   DiagnosticLog& log_;
+  const Job& job_;
   ordered_json json_;
   std::vector<ordered_json> nodes_;
   std::vector<std::vector<std::size_t>> children_;
@@ -372,9 +379,10 @@ class Exporter {
 
 }  // namespace
 
-Result<std::vector<std::byte>> glb_from(const pan::Model& model, DiagnosticLog& log) {
+Result<std::vector<std::byte>> glb_from(const pan::Model& model, DiagnosticLog& log,
+                                        const Job& job) {
   assert(model.checked());
-  return Exporter(model, log).run();
+  return run_job(job, log, [&] { return Exporter(model, log, job).run(); });
 }
 
 }  // namespace panwright::exporters

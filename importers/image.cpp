@@ -32,7 +32,7 @@ class PpmReader {
     if (!number(width) || !number(height) || !number(most))
       return {Code::E3001, "the PPM header holds no width, height and largest value"};
     if (most == 0 || most > 65535)
-      return {Code::E3001, fmt::format("the PPM's largest value is {}; it takes 1 to 65535", most)};
+      return {Code::E3001, fmt::format("the PPM's largest value is {}, expected 1 to 65535", most)};
     if (const ImageProblem problem = check_image_size(width, height, max_bytes_); problem.code)
       return problem;
     const std::uint64_t samples = 3 * width * height;
@@ -86,11 +86,11 @@ ImageProblem check_image_size(std::uint64_t width, std::uint64_t height, std::ui
   if (width == 0 || height == 0)
     return {Code::E3001, fmt::format("the image is {} x {} pixels", width, height)};
   if (width > kMaxTextureSide || height > kMaxTextureSide)
-    return {Code::E3002, fmt::format("the image is {} x {} pixels; up to {} a side are read", width,
-                                     height, kMaxTextureSide)};
+    return {Code::E3002, fmt::format("the image is {} x {} pixels, expected at most {} a side",
+                                     width, height, kMaxTextureSide)};
   if (4 * width * height > max_bytes)
-    return {Code::E3002, fmt::format("with {} x {} pixels all pictures take more than the limit",
-                                     width, height)};
+    return {Code::E3002,
+            fmt::format("with {} x {} pixels the textures exceed the memory limit", width, height)};
   return {};
 }
 
@@ -101,7 +101,7 @@ ImageProblem decode_image(std::span<const std::byte> bytes, std::uint64_t max_by
     return PpmReader(text, max_bytes, out).run();
   if (text.starts_with("\x89PNG\r\n\x1a\n")) return decode_png(bytes, max_bytes, out);
   if (text.starts_with("\xff\xd8\xff")) return decode_jpeg(bytes, max_bytes, out);
-  return {Code::E3001, "it is neither a PPM (P6 or P3) nor a PNG nor a JPEG file"};
+  return {Code::E3001, "unknown image format, expected PPM (P6 or P3), PNG or JPEG"};
 }
 
 }  // namespace panwright::importers

@@ -173,8 +173,8 @@ Result<Imported> imported_from(Files& files, const std::string& path, const Opti
     return failed;
   }
   if (starts_with_any(text, {"#X3D", "<?xml", "<X3D", "#Inventor"})) {
-    report(Code::E6001, name, "only VRML, glTF, GLB, OBJ, STL, PLY and STEP files are read",
-           included_at, log, "convert it to one of these first");
+    report(Code::E6001, name, "expected a VRML, glTF, GLB, OBJ, STL, PLY or STEP file", included_at,
+           log, "convert it to one of these first");
     return failed;
   }
   const auto first = static_cast<FileId>(log.sources().size());

@@ -9,11 +9,11 @@ bool Model::check(DiagnosticLog& log, const Job& job) {
   return run_job(job, log, [&] {
     // tables first: what the arrays hold can be judged only by sound tables
     internal::Problems problems = internal::section_problems(*this, Part::tables, false, job);
-    if (problems.empty()) problems = internal::unpack_tables(*this);
+    if (problems.empty()) problems = internal::unpack_tables(*this, job);
     if (problems.empty()) problems = internal::table_problems(*this);
     internal::Problems arrays =
         internal::section_problems(*this, Part::arrays, problems.empty(), job);
-    if (problems.empty() && arrays.empty()) arrays = internal::unpack_arrays(*this);
+    if (problems.empty() && arrays.empty()) arrays = internal::unpack_arrays(*this, job);
     problems.insert(problems.end(), arrays.begin(), arrays.end());
     for (const internal::Problem& problem : problems)
       log.report_file(problem.code, name_, problem.message);

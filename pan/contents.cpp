@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "pan/internal/identity.h"
+#include "pan/internal/material_limits.h"
 #include "pan/model.h"
 #include "pan/writer.h"
 
@@ -233,6 +234,7 @@ bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log
                     double* sync_seconds, const Job& job) {
   assert(!contents.nodes.empty());
   const Tables tables = tables_of(contents);
+  for (const layout::Material& material : tables.materials) writer.require(features_of(material));
   const auto strings = tables.strings.bytes();
   const bool sections =
       writer.section(SectionKind::build, bytes_of(tables.build), log) &&
@@ -247,11 +249,9 @@ bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log
        writer.section(SectionKind::sources, bytes_of(tables.sources), log)) &&
       writer.section(SectionKind::string_offsets, std::as_bytes(tables.strings.offsets()), log) &&
       writer.section(SectionKind::string_bytes, std::as_bytes(std::span(strings)), log) &&
-      write_array(contents, &PackedMesh::positions, SectionKind::positions, writer, log,
-                  job) &&
+      write_array(contents, &PackedMesh::positions, SectionKind::positions, writer, log, job) &&
       write_array(contents, &PackedMesh::normals, SectionKind::normals, writer, log, job) &&
-      write_array(contents, &PackedMesh::texcoords, SectionKind::texcoords, writer, log,
-                  job) &&
+      write_array(contents, &PackedMesh::texcoords, SectionKind::texcoords, writer, log, job) &&
       write_array(contents, &PackedMesh::colours, SectionKind::colours, writer, log, job) &&
       write_indices(contents, writer, log, job) && write_texels(contents, writer, log, job) &&
       writer.section(SectionKind::need, bytes_of(tables.need), log) &&

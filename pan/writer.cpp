@@ -1,5 +1,6 @@
 #include "pan/writer.h"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cstring>
@@ -85,8 +86,12 @@ namespace {
 
 // The lowest minor version that has what the sections need.
 std::uint16_t minor_of(std::uint64_t features) {
+  // note: which fields a longer record holds is not told, so it may be the newest
   if (features & layout::kFeatureRecordSizes) return layout::kMinor;
-  return features & layout::kFeatureCompressed ? 1 : 0;
+  std::uint16_t minor = 0;
+  for (const layout::FeatureInfo& feature : layout::kRequiredFeatures)
+    if (features & feature.bit) minor = std::max(minor, feature.minor);
+  return minor;
 }
 
 layout::Header empty_header(std::uint64_t features) {
@@ -190,6 +195,11 @@ bool Writer::section(layout::SectionKind kind, std::span<const std::byte> bytes,
   const layout::SectionInfo& info = layout::kSections[value - 1];
   assert(info.kind == kind);
   return begin(value, info.stride, info.optional, log) && append(bytes, log) && end(log);
+}
+
+void Writer::require(std::uint64_t features) {
+  assert(!state_->finished && !(features & ~layout::kKnownRequiredFeatures));
+  state_->features |= features;
 }
 
 bool Writer::finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds) {

@@ -196,6 +196,12 @@ class Writer {
   // A section of a known kind in one call.
   bool section(layout::SectionKind kind, std::span<const std::byte> bytes, DiagnosticLog& log);
 
+  // Marks the file as one that needs `features` (layout::kFeature…) of its readers, besides those
+  // that sections bring by themselves: compression and records of other sizes.
+  //
+  // Expects: known features; before finish().
+  void require(std::uint64_t features);
+
   // Writes the directory, then the header with the complete mark, syncs and renames. The minor
   // version is the lowest that has all that was written.
   //

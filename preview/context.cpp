@@ -30,7 +30,63 @@ bool draws_in_software(std::string_view renderer) {
 
 }  // namespace
 
-Context::Context() : gl_(std::make_unique<GladGLContext>()) {}
+// Counts what is made and uploaded, whoever calls.
+struct ContextHooks {
+  template <auto Note, class Result, class... Arguments>
+  struct Hook {
+    using Function = Result (*)(Arguments...);
+    using Member = Function GladGLContext::*;
+    template <Member member>
+    static Result call(Arguments... arguments) {
+      Note(current_context->counts_, arguments...);
+      return (current_context->driver_.get()->*member)(arguments...);
+    }
+  };
+
+  template <auto member, auto Note, class Result, class... Arguments>
+  static void hook(GladGLContext& gl, Result (*GladGLContext::*)(Arguments...)) {
+    gl.*member = &Hook<Note, Result, Arguments...>::template call<member>;
+  }
+
+  static void install(GladGLContext& gl) {
+    constexpr auto kMade = [](ContextCounts& counts, GLsizei n, GLuint*) {
+      counts.allocations += static_cast<std::uint64_t>(n);
+    };
+    constexpr auto kStored = [](ContextCounts& counts, auto...) { ++counts.allocations; };
+    constexpr auto kBuffer = [](ContextCounts& counts, GLuint, GLsizeiptr size, const void* data,
+                                auto) {
+      ++counts.allocations;
+      if (data) counts.uploaded_bytes += static_cast<std::uint64_t>(size);
+    };
+    constexpr auto kPart = [](ContextCounts& counts, GLuint, GLintptr, GLsizeiptr size,
+                              const void*) {
+      counts.uploaded_bytes += static_cast<std::uint64_t>(size);
+    };
+    // note: all textures are filled from 4 floats a texel
+    constexpr auto kTexels = [](ContextCounts& counts, GLuint, GLint, GLint, GLint, GLsizei width,
+                                GLsizei height, auto...) {
+      counts.uploaded_bytes += std::uint64_t{16} * static_cast<std::uint64_t>(width) *
+                               static_cast<std::uint64_t>(height);
+    };
+    using Gl = GladGLContext;
+    hook<&Gl::CreateBuffers, kMade>(gl, &Gl::CreateBuffers);
+    hook<&Gl::CreateFramebuffers, kMade>(gl, &Gl::CreateFramebuffers);
+    hook<&Gl::CreateRenderbuffers, kMade>(gl, &Gl::CreateRenderbuffers);
+    hook<&Gl::CreateVertexArrays, kMade>(gl, &Gl::CreateVertexArrays);
+    hook<&Gl::CreateSamplers, kMade>(gl, &Gl::CreateSamplers);
+    hook<&Gl::CreateTextures, kStored>(gl, &Gl::CreateTextures);
+    hook<&Gl::CreateProgram, kStored>(gl, &Gl::CreateProgram);
+    hook<&Gl::TextureStorage2D, kStored>(gl, &Gl::TextureStorage2D);
+    hook<&Gl::NamedRenderbufferStorage, kStored>(gl, &Gl::NamedRenderbufferStorage);
+    hook<&Gl::NamedBufferStorage, kBuffer>(gl, &Gl::NamedBufferStorage);
+    hook<&Gl::NamedBufferData, kBuffer>(gl, &Gl::NamedBufferData);
+    hook<&Gl::NamedBufferSubData, kPart>(gl, &Gl::NamedBufferSubData);
+    hook<&Gl::TextureSubImage2D, kTexels>(gl, &Gl::TextureSubImage2D);
+  }
+};
+
+Context::Context()
+    : gl_(std::make_unique<GladGLContext>()), driver_(std::make_unique<GladGLContext>()) {}
 
 Context::~Context() {
   // note: derived classes release before they destroy; this catches one that never was current
@@ -63,6 +119,8 @@ std::string Context::load() {
   if (!make_current()) return "it cannot be made current";
   if (gladLoadGLContextUserPtr(gl_.get(), proc_of, this) == 0) return "its functions do not load";
   if (!gl_->VERSION_4_5) return "it is older than OpenGL 4.5";
+  *driver_ = *gl_;
+  ContextHooks::install(*gl_);
   const auto text = [&](GLenum name) {
     const auto* bytes = gl_->GetString(name);
     return std::string(bytes ? reinterpret_cast<const char*>(bytes) : "");

@@ -32,6 +32,14 @@ struct ContextLimits {
   std::uint32_t texture_side = 0;      // texels
 };
 
+// What a context was told so far.
+struct ContextCounts {
+  // buffers, textures, renderbuffers, framebuffers, vertex arrays, samplers and programs made, and
+  // memory given to them. Fences count nowhere.
+  std::uint64_t allocations = 0;
+  std::uint64_t uploaded_bytes = 0;  // into buffers and textures
+};
+
 // An OpenGL 4.5 core context without a window. Several may live side by side, of one kind or of
 // both; a context is current on one thread at a time. No OpenGL library is linked: the driver is
 // opened at run time and stays open.
@@ -59,6 +67,7 @@ class Context {
 
   // The loaded functions: context.gl().DrawArrays(…). Expects: current while they are called.
   const GladGLContext& gl() const { return *gl_; }
+  ContextCounts counts() const { return counts_; }
 
   virtual ContextKind kind() const = 0;  // egl or osmesa
   bool is_hardware() const { return hardware_; }
@@ -74,7 +83,11 @@ class Context {
   std::string load();
 
  private:
+  friend struct ContextHooks;
+
   std::unique_ptr<GladGLContext> gl_;
+  std::unique_ptr<GladGLContext> driver_;  // as loaded: gl_ counts, then calls these
+  ContextCounts counts_;
   std::string renderer_;
   std::string version_;
   ContextLimits limits_;

@@ -49,7 +49,9 @@ std::shared_ptr<Device> Device::create(std::unique_ptr<Context> context) {
 Context& Device::context() const { return *impl_->context; }
 
 Device::Counts Device::counts() const {
-  return {impl_->models_uploaded, impl_->model_bytes, impl_->programs.built()};
+  const ContextCounts context = impl_->context->counts();
+  return {impl_->models_uploaded, impl_->model_bytes, impl_->programs.built(), context.allocations,
+          context.uploaded_bytes};
 }
 
 bool Device::Impl::ready(DiagnosticLog& log) {
@@ -86,11 +88,16 @@ std::shared_ptr<const ModelResources> Device::find(const world::ModelPtr& model)
 }
 
 Result<std::shared_ptr<const ModelResources>> Device::resources(const world::ModelPtr& model,
-                                                                DiagnosticLog& log) {
+                                                                DiagnosticLog& log,
+                                                                const Job& job) {
   assert(model && model->checked());
   if (auto found = find(model)) return found;
   if (!impl_->ready(log)) return failed;
   std::erase_if(impl_->models, [](const auto& entry) { return entry.second.expired(); });
+  if (job.cancelled()) {
+    report_cancelled(log);
+    return failed;
+  }
   auto impl = std::make_unique<ModelResources::Impl>(shared_from_this(), model);
   impl->list = draw_list(*model);
   for (const DrawItem& item : impl->list) {
@@ -98,7 +105,12 @@ Result<std::shared_ptr<const ModelResources>> Device::resources(const world::Mod
     impl->layers |= layers_of(item.variant);
   }
   impl->families = families_of(*model);
-  const bool good = impl->gpu.upload(*impl_->context, *model, impl->list, impl->families, log);
+  bool good = false;
+  try {
+    good = impl->gpu.upload(*impl_->context, *model, impl->list, impl->families, log, job);
+  } catch (const Cancelled&) {
+    report_cancelled(log);
+  }
   impl_->model_bytes += impl->gpu.bytes();
   if (!good || !impl_->went_well(log)) return failed;
   ++impl_->models_uploaded;

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "base/result.h"
 #include "preview/context.h"
 #include "world/world.h"
@@ -50,11 +51,11 @@ class Device : public std::enable_shared_from_this<Device> {
   // A model on the GPU, found by the identity of the pan::Model, else uploaded.
   //
   // Expects: model is not null and checked().
-  // Fails: E5001 when the context is lost; E5003 when a texture or the whole is too large for the
-  // context, which then holds what it held before.
-  // Cost: that of a look-up, or one upload of the model.
+  // Fails: E0001; E5001 when the context is lost; E5003 when a texture or the whole is too large
+  // for the context, which then holds what it held before. Cost: that of a look-up, or one upload
+  // of the model.
   Result<std::shared_ptr<const ModelResources>> resources(const world::ModelPtr& model,
-                                                          DiagnosticLog& log);
+                                                          DiagnosticLog& log, const Job& job = {});
   // The same without an upload; null: it is not there.
   std::shared_ptr<const ModelResources> find(const world::ModelPtr& model) const;
 
@@ -63,6 +64,9 @@ class Device : public std::enable_shared_from_this<Device> {
     std::uint64_t models = 0;       // uploaded
     std::uint64_t model_bytes = 0;  // of them
     std::uint64_t programs = 0;     // built
+    // of the context, whatever for: see ContextCounts
+    std::uint64_t allocations = 0;
+    std::uint64_t uploaded_bytes = 0;
   };
   Counts counts() const;
 

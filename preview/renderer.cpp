@@ -6,9 +6,14 @@
 #include <cassert>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <optional>
+#include <utility>
 
 #include "preview/frame/passes.h"
+#include "preview/frame/read_back.h"
 #include "preview/frame/samples.h"
+#include "preview/frame/sampling.h"
 #include "preview/frame/truth.h"
 
 namespace panwright::preview {
@@ -25,12 +30,17 @@ constexpr std::uint64_t kMostItems = (1u << 24) - 1;
   return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
          std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
          std::isfinite(camera.principal.x + camera.principal.y) && unit(camera.world_from_camera) &&
-         options.samples >= 1 && options.samples <= 64 && options.tile_side >= options.samples &&
+         options.samples <= 64 && options.tile_side >= options.samples &&
+         (options.samples > 0 || (options.pixel_error > 0 && options.tile_side >= 64)) &&
          (options.shadow_side == 0 ||
           (options.shadow_side >= 16 && options.shadow_side <= kMaxSide));
 }
 
+// of a framebuffer that images of several shapes share
+constexpr std::uint64_t kMostSamples = 1ull << 23;
+
 constexpr GLenum kRadianceFormats[] = {GL_RGBA32F};
+constexpr GLenum kIdFormats[] = {GL_RG32UI};
 
 std::array<GLenum, kLayers> layer_formats(LayerSet layers, bool shadows) {
   std::array<GLenum, kLayers> formats{};
@@ -40,38 +50,106 @@ std::array<GLenum, kLayers> layer_formats(LayerSet layers, bool shadows) {
   return formats;
 }
 
+// An image of the camera's size. Radiance and coverage are what was there before; the rest is
+// background.
+void reset(Image& image, const world::Camera& camera, bool truth) {
+  image.width = camera.width;
+  image.height = camera.height;
+  image.metadata.clear();
+  image.standard_error.clear();
+  image.radiance.resize(3 * image.pixels());
+  image.coverage.resize(image.pixels());
+  const std::size_t pixels = truth ? image.pixels() : 0;
+  image.depth.assign(pixels, INFINITY);
+  image.range.assign(pixels, INFINITY);
+  image.normal.assign(3 * pixels, 0);
+  image.target_id.assign(pixels, 0);
+  image.node_id.assign(pixels, 0);
+  image.material_id.assign(pixels, 0);
+}
+
 }  // namespace
 
 struct Renderer::Impl {
   explicit Impl(std::shared_ptr<Device> device_in)
-      : device(std::move(device_in)), shared(device->impl()), gl(shared.context->gl()) {}
+      : device(std::move(device_in)), shared(device->impl()), gl(shared.context->gl()) {
+    spare.reserve(kMostInFlight);
+  }
   ~Impl() { shared.context->make_current(); }  // the members delete their objects
+
+  // A view under way, and one that was, whose memory is used again.
+  struct Frame {
+    Image image;
+    world::Camera camera;
+    bool flat = false;
+    std::vector<TruthTarget> targets;
+    std::size_t tiles = 0;  // that were submitted and not taken
+    SamplingReport report;
+    const char* why_empty = nullptr;  // of W5006
+  };
+  // A part of an image on its way.
+  struct TileUnderWay {
+    std::size_t frame = 0;
+    Tile whole;  // the rest of it is background
+    Tile tile;
+  };
+  // What is read of one kind, with the tile of each slot.
+  struct Ring {
+    Ring(const GladGLContext& gl, const PixelFormat& format, bool through_buffers)
+        : pixels(gl, format, through_buffers) {}
+    ReadBack pixels;
+    std::array<TileUnderWay, ReadBack::kSlots> tiles;
+  };
 
   void set_state() const;
   bool ensure_target(RenderTarget& target, std::span<const GLenum> formats, bool depth,
                      std::uint32_t width, std::uint32_t height, DiagnosticLog& log);
   bool fits(const world::World& world, const world::Camera& camera, const RenderOptions& options,
             DiagnosticLog& log) const;
-  Result<VisibleSet> look(const world::World& world, const world::Camera& camera,
-                          DiagnosticLog& log);
-  bool render_radiance(FrameScene scene, const RenderOptions& options, Image& image,
+  void make_passes();
+  const VisibleSet* look(const world::World& world, const world::Camera& camera,
+                         DiagnosticLog& log);
+  bool submit(const world::World& world, const world::Camera& camera, const RenderOptions& options,
+              DiagnosticLog& log);
+  bool submit_radiance(FrameScene scene, const RenderOptions& options, std::size_t frame,
                        DiagnosticLog& log);
-  bool is_cancelled(DiagnosticLog& log) const;  // reports E0001 then
-  bool render_truth(const FrameScene& scene, const RenderOptions& options, Image& image,
+  bool sampled(const FrameScene& scene, const RenderOptions& options,
+               std::span<const GLenum> formats, std::size_t frame, DiagnosticLog& log);
+  bool submit_truth(const FrameScene& scene, const RenderOptions& options, std::size_t frame,
                     DiagnosticLog& log);
+  bool make_room(Ring& ring, DiagnosticLog& log);
+  bool submit_tile(Ring& ring, const TileUnderWay& tile, DiagnosticLog& log);
+  bool take_tile(Ring& ring, DiagnosticLog& log);
+  void use_tile(const Ring& ring, const TileUnderWay& tile, const void* pixels);
+  bool is_cancelled(DiagnosticLog& log) const;  // reports E0001 then
+  bool fail(ReadBack::Wait why, DiagnosticLog& log);
+  const char* why_empty(const world::World& world, const VisibleSet& visible) const;
+  void abandon(std::size_t frame);
+  void drop();
 
   std::shared_ptr<Device> device;
   Device::Impl& shared;
   const GladGLContext& gl;
   TargetStates states;
   ShadowMaps shadow_maps;
-  std::unique_ptr<Passes> passes;  // made when the context is current first
-  RenderTarget seen_target;        // what Layer names
-  RenderTarget color_target;       // radiance
-  RenderTarget id_target;          // triangles
-  RenderTarget bare_target;        // of seconds_of_bare_draw
-  std::vector<float> sample_buffer;
-  Job job;  // of the image under way
+  std::unique_ptr<Passes> passes;      // made when the context is current first
+  std::unique_ptr<Sampling> sampling;  // the same
+  std::optional<Ring> radiance;        // the same
+  std::optional<Ring> ids;             // triangles
+  RenderTarget seen_target;            // what Layer names
+  RenderTarget color_target;           // radiance of samples, where pixels have several
+  RenderTarget bare_target;            // of seconds_of_bare_draw
+  std::array<Frame, kMostInFlight> frames;
+  std::size_t first_frame = 0;
+  std::size_t used_frames = 0;
+  std::vector<Image> spare;  // at most as many as there are frames
+  SamplingReport report;     // of the image collected last
+  Job job;                   // of the call under way
+  // of one frame, kept for the next one
+  std::vector<TargetShape> shapes;
+  std::vector<std::uint32_t> seen;
+  VisibleSetFinder visible_sets;
+  TileScene on_tile;
 };
 
 bool Renderer::Impl::is_cancelled(DiagnosticLog& log) const {
@@ -86,6 +164,8 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
 const std::shared_ptr<Device>& Renderer::device() const { return impl_->device; }
+
+SamplingReport Renderer::sampling() const { return impl_->report; }
 
 Renderer::Counts Renderer::counts() const {
   return {impl_->states.placed(), impl_->shadow_maps.drawn()};
@@ -108,38 +188,30 @@ void Renderer::Impl::set_state() const {
 bool Renderer::Impl::ensure_target(RenderTarget& target, std::span<const GLenum> formats,
                                    bool depth, std::uint32_t width, std::uint32_t height,
                                    DiagnosticLog& log) {
-  const auto w = static_cast<GLsizei>(width);
-  const auto h = static_cast<GLsizei>(height);
-  bool enough = target.width >= w && target.height >= h;
-  std::vector<GLenum> all(formats.begin(), formats.end());
-  for (std::size_t i = 0; i < formats.size(); ++i) {
-    enough = enough && (formats[i] == GL_NONE || target.colors[i]);
-    // what another world needed stays, or two in turn would make it anew each time
-    if (all[i] == GL_NONE && target.width != 0) all[i] = target.formats[i];
-  }
-  if (enough) return true;
-  const GLsizei wider = std::max(w, target.width);
-  const GLsizei higher = std::max(h, target.height);
-  target = {};  // first, so that memory need not hold both
-  target = make_render_target(gl, all, depth, wider, higher);
-  if (target.width != 0 && gl.GetError() == GL_NO_ERROR) return true;
-  target = {};
-  log.report_file(Code::E5003, {},
-                  fmt::format("the context has no memory for a framebuffer of {} by {} samples",
-                              wider, higher));
-  return false;
+  return ensure_render_target(gl, target, formats, depth, width, height, kMostSamples, log);
 }
 
-Result<VisibleSet> Renderer::Impl::look(const world::World& world, const world::Camera& camera,
-                                        DiagnosticLog& log) {
-  if (!states.update(world, *device, log)) return failed;
-  std::vector<TargetShape> shapes;
+void Renderer::Impl::make_passes() {
+  if (passes) return;
+  passes = std::make_unique<Passes>(shared);
+  sampling = std::make_unique<Sampling>(shared, *passes, seen_target, color_target);
+  constexpr PixelFormat kRadiance{GL_RGBA32F, GL_RGBA, GL_FLOAT, 4 * sizeof(float)};
+  constexpr PixelFormat kIds{GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, sizeof(TriangleId)};
+  static_assert(sizeof(TriangleId) == 8);
+  radiance.emplace(gl, kRadiance, shared.read_through_buffers);
+  ids.emplace(gl, kIds, shared.read_through_buffers);
+}
+
+const VisibleSet* Renderer::Impl::look(const world::World& world, const world::Camera& camera,
+                                       DiagnosticLog& log) {
+  if (!states.update(world, *device, log, job)) return nullptr;
+  shapes.clear();
   std::uint64_t items = 0;
   for (std::size_t i = 0; i < world.size(); ++i) {
     const TargetState& state = states[i];
     const auto count = static_cast<std::uint32_t>(world[i].model()->instances().size());
     shapes.push_back(
-        {&world[i].pose(), state.bounds ? &*state.bounds : nullptr, state.items, count});
+        {&world[i].pose(), state.bounds ? &*state.bounds : nullptr, state.items(), count});
     items += count;
   }
   if (items > kMostItems) {
@@ -147,86 +219,161 @@ Result<VisibleSet> Renderer::Impl::look(const world::World& world, const world::
                     fmt::format("the targets of the world have {} instances in all; one image "
                                 "takes {}",
                                 items, kMostItems));
-    return failed;
+    return nullptr;
   }
-  return visible_set(camera, shapes);
+  return &visible_sets.find(camera, shapes);
 }
 
-bool Renderer::Impl::render_radiance(FrameScene scene, const RenderOptions& options, Image& image,
-                                     DiagnosticLog& log) {
-  if (scene.visible.targets.empty()) return true;  // the image begins as background
+bool Renderer::Impl::fail(ReadBack::Wait why, DiagnosticLog& log) {
+  if (why == ReadBack::Wait::cancelled)
+    report_cancelled(log);
+  else if (shared.went_well(log))
+    log.report_file(Code::E5003, {}, "the context failed while it drew");
+  return false;
+}
+
+// the mean of the samples of a tile, or what its triangles say
+void Renderer::Impl::use_tile(const Ring& ring, const TileUnderWay& tile, const void* pixels) {
+  Frame& frame = frames[tile.frame];
+  if (&ring == &*ids) {
+    fill_truth(
+        frame.camera, frame.flat, frame.targets, tile.tile,
+        {static_cast<const TriangleId*>(pixels), std::size_t{tile.tile.width} * tile.tile.height},
+        frame.image);
+    return;
+  }
+  const std::size_t count = std::size_t{4} * tile.tile.width * tile.tile.height;
+  store_pixels({static_cast<const float*>(pixels), count}, tile.tile, frame.image);
+  clear_around(tile.whole, tile.tile, frame.image);
+}
+
+// Waits for the oldest tile of a kind and puts it into its image.
+bool Renderer::Impl::take_tile(Ring& ring, DiagnosticLog& log) {
+  const TileUnderWay& tile = ring.tiles[ring.pixels.oldest()];
+  const auto use = [&](const void* pixels) { use_tile(ring, tile, pixels); };
+  const auto result = ring.pixels.take(job, std::ref(use));
+  if (result != ReadBack::Wait::done) return fail(result, log);
+  --frames[tile.frame].tiles;
+  return true;
+}
+
+bool Renderer::Impl::make_room(Ring& ring, DiagnosticLog& log) {
+  return !ring.pixels.full() || take_tile(ring, log);
+}
+
+bool Renderer::Impl::submit_tile(Ring& ring, const TileUnderWay& tile, DiagnosticLog& log) {
+  ring.tiles[ring.pixels.next()] = tile;
+  const bool good = ring.pixels.submit(tile.tile.width, tile.tile.height);
+  if (good) ++frames[tile.frame].tiles;
+  // before more is drawn: a lost context takes nothing
+  return shared.went_well(log) && (good || fail(ReadBack::Wait::failed, log));
+}
+
+bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& options,
+                                     std::size_t frame, DiagnosticLog& log) {
+  const Image& image = frames[frame].image;
+  if (scene.visible.targets.empty()) {
+    const Tile whole{0, 0, image.width, image.height};
+    clear_around(whole, {}, frames[frame].image);
+    return true;
+  }
   const Pass pass = options.flat ? Pass::flat_geometry : Pass::geometry;
   const std::uint32_t side = std::min(options.tile_side, shared.context->limits().framebuffer_side);
-  const std::uint32_t tile_side = std::max(1u, side / options.samples);
+  // note: 0 samples never come as far as the tiles below
+  const std::uint32_t tile_side = std::max(1u, side / std::max(1u, options.samples));
   const std::uint32_t width = std::min(tile_side, image.width) * options.samples;
   const std::uint32_t height = std::min(tile_side, image.height) * options.samples;
   LayerSet layers = 0;
-  std::vector<std::uint32_t> seen;
+  seen.clear();
   for (std::size_t v = 0; v < scene.visible.targets.size(); ++v) {
     layers |= scene.state(v).model().layers;
     seen.push_back(scene.visible.targets[v].target);
   }
   const bool shadows = options.shadow_side > 0;
   const auto formats = layer_formats(layers, shadows);
-  if (!ensure_target(seen_target, formats, true, width, height, log) ||
-      !ensure_target(color_target, kRadianceFormats, true, width, height, log))
+  const bool adaptive = options.samples == 0 || (options.adaptive && options.samples > 1);
+  if (!adaptive && (!ensure_target(seen_target, formats, true, width, height, log) ||
+                    (options.samples > 1 &&
+                     !ensure_target(color_target, kRadianceFormats, true, width, height, log))))
     return false;
   if (shadows) scene.shadows = &shadow_maps;
   if (!passes->prepare(scene, pass, log)) return false;
   if (shadows && !shadow_maps.update(shared, scene.world, scene.states, seen, options.shadow_side,
-                                     options.max_shadow_bytes, log))
+                                     options.max_shadow_bytes, log, job))
     return false;
-  // kept between views: fresh memory costs as much as a tenth of a draw
-  sample_buffer.resize(std::max(sample_buffer.size(), std::size_t{4} * width * height));
-  for (const Tile& whole : tiles(image.width, image.height, tile_side)) {
-    const TileScene on_tile = tile_scene(scene, whole);
+  if (adaptive) return sampled(scene, options, formats, frame, log);
+  for (Tiles whole(image.width, image.height, tile_side); whole; whole.next()) {
+    on_tile.find(scene, *whole);
     const Tile& tile = on_tile.tile;
-    if (tile.width == 0 || tile.height == 0) continue;
-    if (is_cancelled(log)) return false;
+    if (tile.width == 0 || tile.height == 0) {
+      clear_around(*whole, {}, frames[frame].image);
+      continue;
+    }
+    if (is_cancelled(log) || !make_room(*radiance, log)) return false;
+    RenderTarget& pixels = radiance->pixels.target();
+    if (!ensure_target(pixels, kRadianceFormats, true, std::min(tile_side, image.width),
+                       std::min(tile_side, image.height), log))
+      return false;
     passes->upload(scene, on_tile, options.samples, options.flat);
-    passes->draw(scene, on_tile, options.samples, pass, seen_target);
-    passes->shade(scene, on_tile, options.samples, seen_target, color_target);
-    gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-    gl.ReadPixels(0, 0, static_cast<GLsizei>(tile.width * options.samples),
-                  static_cast<GLsizei>(tile.height * options.samples), GL_RGBA, GL_FLOAT,
-                  sample_buffer.data());
-    average_samples(sample_buffer, tile, options.samples, image);
+    if (!passes->draw(scene, on_tile, options.samples, pass, seen_target, job))
+      return fail(ReadBack::Wait::cancelled, log);
+    if (!shared.read_through_buffers) {
+      // shading waits for the geometry there; here a job that is cancelled is heard
+      const auto drawn = wait_until_drawn(gl, job);
+      if (drawn != ReadBack::Wait::done) return fail(drawn, log);
+    }
+    passes->shade(scene, on_tile, options.samples, seen_target,
+                  options.samples > 1 ? color_target : pixels);
+    if (options.samples > 1 &&
+        !sampling->resolve(pixels, tile.width, tile.height, options.samples, false, log))
+      return false;
+    if (!submit_tile(*radiance, {frame, *whole, tile}, log)) {
+      shadow_maps.forget();  // what failed may have been one of them
+      return false;
+    }
   }
+  return true;
+}
+
+// An image whose samples stand where they change it: it is whole at once.
+bool Renderer::Impl::sampled(const FrameScene& scene, const RenderOptions& options,
+                             std::span<const GLenum> formats, std::size_t frame,
+                             DiagnosticLog& log) {
+  Image& image = frames[frame].image;
+  clear_around({0, 0, image.width, image.height}, {}, image);
+  if (!sampling->render(scene, options, formats, image, job, log)) return false;
+  frames[frame].report = sampling->report();
   if (shared.went_well(log)) return true;
   shadow_maps.forget();  // what failed may have been one of them
   return false;
 }
 
-bool Renderer::Impl::render_truth(const FrameScene& scene, const RenderOptions& options,
-                                  Image& image, DiagnosticLog& log) {
-  if (scene.visible.targets.empty()) return true;
+bool Renderer::Impl::submit_truth(const FrameScene& scene, const RenderOptions& options,
+                                  std::size_t frame, DiagnosticLog& log) {
+  const Image& image = frames[frame].image;
+  std::vector<TruthTarget>& targets = frames[frame].targets;
+  targets.resize(scene.visible.targets.size());
+  if (targets.empty()) return true;
   const std::uint32_t side = std::min(options.tile_side, shared.context->limits().framebuffer_side);
   const std::uint32_t width = std::min(side, image.width);
   const std::uint32_t height = std::min(side, image.height);
-  constexpr GLenum kFormats[] = {GL_RG32UI};
-  if (!ensure_target(id_target, kFormats, true, width, height, log) ||
-      !passes->prepare(scene, Pass::ids, log))
-    return false;
-  std::vector<TriangleId> ids(std::size_t{width} * height);
-  static_assert(sizeof(TriangleId) == 8);
-  std::vector<TruthTarget> targets;
-  for (std::size_t v = 0; v < scene.visible.targets.size(); ++v) {
+  if (!passes->prepare(scene, Pass::ids, log)) return false;
+  for (std::size_t v = 0; v < targets.size(); ++v) {
     const VisibleTarget& visible = scene.visible.targets[v];
-    targets.push_back(truth_target(*scene.state(v).model().model, scene.state(v).items, visible,
-                                   scene.world[visible.target].pose()));
+    set_truth_target(targets[v], scene.state(v).model().model, scene.state(v).placed, visible,
+                     scene.world[visible.target].pose());
   }
-  for (const Tile& whole : tiles(image.width, image.height, side)) {
-    const TileScene on_tile = tile_scene(scene, whole);
+  for (Tiles whole(image.width, image.height, side); whole; whole.next()) {
+    on_tile.find(scene, *whole);
     const Tile& tile = on_tile.tile;
     if (tile.width == 0 || tile.height == 0) continue;
-    if (is_cancelled(log)) return false;
+    if (is_cancelled(log) || !make_room(*ids, log)) return false;
+    RenderTarget& target = ids->pixels.target();
+    if (!ensure_target(target, kIdFormats, true, width, height, log)) return false;
     passes->upload(scene, on_tile, 1, options.flat);
-    passes->draw(scene, on_tile, 1, Pass::ids, id_target);
-    gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-    gl.ReadPixels(0, 0, static_cast<GLsizei>(tile.width), static_cast<GLsizei>(tile.height),
-                  GL_RG_INTEGER, GL_UNSIGNED_INT, ids.data());
-    if (!shared.went_well(log)) return false;  // before ids are used as indices
-    fill_truth(scene.camera, options.flat, targets, tile, ids, image);
+    if (!passes->draw(scene, on_tile, 1, Pass::ids, target, job))
+      return fail(ReadBack::Wait::cancelled, log);
+    if (!submit_tile(*ids, {frame, *whole, tile}, log)) return false;
   }
   return true;
 }
@@ -236,8 +383,8 @@ bool Renderer::Impl::fits(const world::World& world, const world::Camera& camera
   (void)world;
   if (camera.width > kMaxSide || camera.height > kMaxSide) {
     log.report_file(Code::E5003, {},
-                    fmt::format("an image of {} by {} pixels; a side may have {}", camera.width,
-                                camera.height, kMaxSide));
+                    fmt::format("an image of {} by {} pixels, expected at most {} a side",
+                                camera.width, camera.height, kMaxSide));
     return false;
   }
   const std::uint64_t bytes =
@@ -251,59 +398,128 @@ bool Renderer::Impl::fits(const world::World& world, const world::Camera& camera
   return false;
 }
 
-Result<Image> Renderer::render(const world::World& world, const world::Camera& camera,
-                               const RenderOptions& options, DiagnosticLog& log, const Job& job) {
-  assert(is_sound(camera, options));
+const char* Renderer::Impl::why_empty(const world::World& world, const VisibleSet& visible) const {
+  if (world.empty()) return "nothing is in view: the world has no targets";
+  bool any = false;
+  for (std::size_t i = 0; i < world.size(); ++i) any = any || states[i].bounds;
+  if (!any) return "nothing is in view: nothing of the targets is visible";
+  if (!visible.targets.empty())
+    return "nothing is in view: what lies inside the image fell between the samples (--samples "
+           "takes more), or the camera is inside a closed mesh, which shows its outside only";
+  return world.size() > 1 ? "nothing is in view: no part of a target lies inside the image"
+                          : "nothing is in view: no part of the model lies inside the image";
+}
+
+// Forgets the newest frame.
+void Renderer::Impl::abandon(std::size_t frame) {
+  for (std::optional<Ring>* ring : {&radiance, &ids})
+    while (*ring && !(*ring)->pixels.empty() &&
+           (*ring)->tiles[(*ring)->pixels.newest()].frame == frame)
+      (*ring)->pixels.drop_newest();
+  frames[frame].tiles = 0;
+}
+
+void Renderer::Impl::drop() {
+  const bool current = used_frames > 0 && shared.context->make_current();
+  for (std::optional<Ring>* ring : {&radiance, &ids})
+    if (*ring) (*ring)->pixels.drop(current);
+  for (Frame& frame : frames) frame.tiles = 0;
+  used_frames = 0;
+}
+
+bool Renderer::Impl::submit(const world::World& world, const world::Camera& camera,
+                            const RenderOptions& options, DiagnosticLog& log) {
+  if (!fits(world, camera, options, log) || !shared.ready(log)) return false;
+  make_passes();
+  set_state();
+  const VisibleSet* visible = look(world, camera, log);
+  if (!visible) return false;
+  const std::size_t index = (first_frame + used_frames) % kMostInFlight;
+  Frame& frame = frames[index];
+  if (!spare.empty() && frame.image.radiance.empty()) {
+    frame.image = std::move(spare.back());
+    spare.pop_back();
+  }
+  reset(frame.image, camera, options.truth);
+  frame.image.unit = world.sun().irradiance ? "W/(m^2 sr)" : "1/sr";
+  frame.camera = camera;
+  frame.flat = options.flat;
+  frame.tiles = 0;
+  frame.report = {static_cast<double>(options.samples) * options.samples, 0, 0};
+  frame.why_empty = why_empty(world, *visible);
+  const FrameScene scene{world, camera, states, *visible};
+  if (submit_radiance(scene, options, index, log) &&
+      (!options.truth || submit_truth(scene, options, index, log))) {
+    ++used_frames;
+    return true;
+  }
+  abandon(index);
+  return false;
+}
+
+bool Renderer::submit(const world::World& world, const world::Camera& camera,
+                      const RenderOptions& options, DiagnosticLog& log, const Job& job) {
+  assert(is_sound(camera, options) && in_flight() < kMostInFlight);
+  impl_->job = job;
+  if (impl_->submit(world, camera, options, log)) return true;
+  if (impl_->shared.lost || job.cancelled()) impl_->drop();
+  return false;
+}
+
+Result<Image> Renderer::collect(DiagnosticLog& log, const Job& job) {
+  assert(in_flight() > 0);
   Impl& impl = *impl_;
   impl.job = job;
-  if (!impl.fits(world, camera, options, log) || !impl.shared.ready(log)) return failed;
-  if (!impl.passes) impl.passes = std::make_unique<Passes>(impl.shared);
-  impl.set_state();
-  auto visible = impl.look(world, camera, log);
-  if (!visible) return failed;
-  Image image;
-  image.width = camera.width;
-  image.height = camera.height;
-  image.unit = world.sun().irradiance ? "W/(m^2 sr)" : "1/sr";
-  image.radiance.resize(3 * image.pixels());
-  image.coverage.resize(image.pixels());
-  const FrameScene scene{world, camera, impl.states, *visible};
-  if (!impl.render_radiance(scene, options, image, log)) return failed;
-  if (options.truth) {
-    image.depth.resize(image.pixels(), INFINITY);
-    image.range.resize(image.pixels(), INFINITY);
-    image.normal.resize(3 * image.pixels());
-    image.target_id.resize(image.pixels());
-    image.node_id.resize(image.pixels());
-    image.material_id.resize(image.pixels());
-    if (!impl.render_truth(scene, options, image, log)) return failed;
+  Impl::Frame& frame = impl.frames[impl.first_frame];
+  if (!impl.shared.ready(log)) {
+    if (impl.shared.lost) impl.drop();
+    return failed;
   }
-  if (std::any_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a != 0; }))
-    return image;
-  const char* why =
-      "nothing is in view: what lies inside the image fell between the samples (--samples takes "
-      "more), or the camera is inside a closed mesh, which shows its outside only";
-  if (visible->targets.empty())
-    why = "nothing is in view: no part of the model lies inside the image";
-  if (world.size() > 1 && visible->targets.empty())
-    why = "nothing is in view: no part of a target lies inside the image";
-  bool any = false;
-  for (std::size_t i = 0; i < world.size(); ++i) any = any || impl.states[i].bounds;
-  if (world.empty())
-    why = "nothing is in view: the world has no targets";
-  else if (!any)
-    why = "nothing is in view: nothing of the targets is visible";
-  log.report_file(Code::W5006, {}, why);
+  bool good = true;
+  // both kinds in the order in which they were submitted
+  while (good && frame.tiles > 0) {
+    const auto has = [&](const Impl::Ring& ring) {
+      return !ring.pixels.empty() && ring.tiles[ring.pixels.oldest()].frame == impl.first_frame;
+    };
+    good = impl.take_tile(has(*impl.radiance) ? *impl.radiance : *impl.ids, log);
+  }
+  if (!good || !impl.shared.went_well(log)) {
+    impl.drop();
+    return failed;
+  }
+  impl.first_frame = (impl.first_frame + 1) % kMostInFlight;
+  --impl.used_frames;
+  impl.report = frame.report;
+  Image image = std::move(frame.image);
+  frame.image = {};
+  if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
+    log.report_file(Code::W5006, {}, frame.why_empty);
   return image;
+}
+
+Result<Image> Renderer::render(const world::World& world, const world::Camera& camera,
+                               const RenderOptions& options, DiagnosticLog& log, const Job& job) {
+  assert(in_flight() == 0);
+  if (!submit(world, camera, options, log, job)) return failed;
+  return collect(log, job);
+}
+
+std::size_t Renderer::in_flight() const { return impl_->used_frames; }
+
+void Renderer::drop() { impl_->drop(); }
+
+void Renderer::recycle(Image image) {
+  if (impl_->spare.size() < kMostInFlight) impl_->spare.push_back(std::move(image));
 }
 
 double Renderer::seconds_of_bare_draw(const world::World& world, const world::Camera& camera) {
   Impl& impl = *impl_;
   DiagnosticLog log;
   if (!impl.shared.ready(log)) return 0;
-  if (!impl.passes) impl.passes = std::make_unique<Passes>(impl.shared);
+  impl.job = {};
+  impl.make_passes();
   impl.set_state();
-  const auto visible = impl.look(world, camera, log);
+  const VisibleSet* visible = impl.look(world, camera, log);
   const Tile whole{0, 0, camera.width, camera.height};
   constexpr GLenum kFormats[] = {GL_RGBA32F};
   if (!visible ||
@@ -313,10 +529,11 @@ double Renderer::seconds_of_bare_draw(const world::World& world, const world::Ca
   if (!impl.passes->prepare(scene, Pass::bare, log)) return 0;
   impl.gl.Finish();
   const auto start = std::chrono::steady_clock::now();
-  TileScene tile = tile_scene(scene, whole);
+  TileScene tile;
+  tile.find(scene, whole);
   tile.tile = whole;
   impl.passes->upload(scene, tile, 1, false);
-  impl.passes->draw(scene, tile, 1, Pass::bare, impl.bare_target);
+  impl.passes->draw(scene, tile, 1, Pass::bare, impl.bare_target, {});
   impl.gl.Finish();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }

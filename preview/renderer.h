@@ -14,8 +14,24 @@
 
 namespace panwright::preview {
 
+// How an image was sampled.
+struct SamplingReport {
+  double samples = 0;  // points a pixel, the mean over the image
+  // What is left of the error, as estimated from the samples; 0 where N was given.
+  double rmse = 0;  // RMS over the target's pixels, in parts of the RMS of their radiance
+  double flux = 0;  // relative, of the sum of all pixels
+};
+
 struct RenderOptions {
-  unsigned samples = 1;            // N: every pixel is the mean of N×N point samples; 1 to 64
+  // N: every pixel is the mean of N×N point samples; 1 to 64. 0: as many as pixel_error asks for,
+  // pixel by pixel, up to 64×64.
+  unsigned samples = 1;
+  // Of samples = 0: the error that is aimed at, of the pixels that show a target (RMSE over RMS
+  // radiance) and of the flux; > 0. docs/sampling.md
+  double pixel_error = 0.03;
+  // Of N > 1: one sample where it stands for all N×N (docs/sampling.md), N×N elsewhere. false: N×N
+  // everywhere, to the bit what it always was.
+  bool adaptive = false;
   bool flat = false;               // shade by the triangles' own normals
   unsigned shadow_side = 2048;     // texels a side of the map of what the Sun sees, 16 to 16384 (or
                                    // what the context takes); 0: nothing casts shadows
@@ -56,7 +72,8 @@ class Renderer {
 
   // Renders one view. A world without targets, or with hidden ones only, gives the background.
   //
-  // Expects: options as documented; a camera of 1 pixel or more, finite and with unit rotations.
+  // Expects: options as documented; a camera of 1 pixel or more, finite and with unit rotations;
+  // no view under way.
   // Reports: W5006 when every pixel stays empty. Fails: E5001 when the context is lost or cannot be
   // made current; E0001, between tiles; E5003 when the image, a model or the shadows do not fit.
   // After E0001 and E5003 the renderer and what was on the device before stay usable.
@@ -64,7 +81,31 @@ class Renderer {
   Result<Image> render(const world::World& world, const world::Camera& camera,
                        const RenderOptions& options, DiagnosticLog& log, const Job& job = {});
 
+  // The two halves of render(), so that one view is drawn while the one before is copied: submit()
+  // returns as soon as the context has been told what to draw, collect() waits for the oldest view
+  // that was submitted. A view is the same whichever way it is made.
+  //
+  // Expects: as render(); fewer than kMostInFlight views under way. World and camera are not needed
+  // afterwards.
+  // Fails: as render(). What was under way stays so, but after E0001 and E5001, when all is
+  // dropped.
+  static constexpr std::size_t kMostInFlight = 2;
+  bool submit(const world::World& world, const world::Camera& camera, const RenderOptions& options,
+              DiagnosticLog& log, const Job& job = {});
+  // Expects: a view under way, which is not any longer. Reports: W5006. Fails: E0001, E5001, E5003;
+  // all is dropped then, unless the context is another thread's for the moment.
+  Result<Image> collect(DiagnosticLog& log, const Job& job = {});
+  std::size_t in_flight() const;
+  void drop();  // all that is under way
+
+  // Takes an image that nobody needs any longer: a later view is written into its memory, which is
+  // faster than fresh memory.
+  void recycle(Image image);
+
   const std::shared_ptr<Device>& device() const;
+
+  // Of the last image.
+  SamplingReport sampling() const;
 
   // What was done so far; what frames from caches leave as it is.
   struct Counts {

@@ -24,7 +24,7 @@ Result<std::shared_ptr<Device>> Device::create(ContextKind kind, DiagnosticLog& 
   return failed;
 }
 Result<std::shared_ptr<const ModelResources>> Device::resources(const world::ModelPtr&,
-                                                                DiagnosticLog& log) {
+                                                                DiagnosticLog& log, const Job&) {
   log.report_file(Code::E5007, {}, "this program was built without OpenGL");
   return failed;
 }
@@ -37,6 +37,7 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 const std::shared_ptr<Device>& Renderer::device() const { return impl_->device; }
+SamplingReport Renderer::sampling() const { return {}; }
 Renderer::Counts Renderer::counts() const { return {}; }
 
 Result<Image> Renderer::render(const world::World&, const world::Camera&, const RenderOptions&,
@@ -44,6 +45,16 @@ Result<Image> Renderer::render(const world::World&, const world::Camera&, const 
   log.report_file(Code::E5007, {}, "this program was built without OpenGL");
   return failed;
 }
+
+bool Renderer::submit(const world::World&, const world::Camera&, const RenderOptions&,
+                      DiagnosticLog& log, const Job&) {
+  log.report_file(Code::E5007, {}, "this program was built without OpenGL");
+  return false;
+}
+Result<Image> Renderer::collect(DiagnosticLog&, const Job&) { return failed; }
+std::size_t Renderer::in_flight() const { return 0; }
+void Renderer::drop() {}
+void Renderer::recycle(Image) {}
 
 double Renderer::seconds_of_bare_draw(const world::World&, const world::Camera&) { return 0; }
 

@@ -6,16 +6,15 @@ generate.py            writes schemas/generated/pxn_schema.h, schemas/pxn-0.xsd 
 generate.py --check    fails, and names the file, when one of them differs from what it would write
 """
 
-import pathlib
 import sys
 import tomllib
 
+import generated_files
 import material_schema
+from generated_files import ROOT
 from pxn_language import SchemaError, number_text, complete
 from pxn_reference import docs_text
 from pxn_xsd import xsd_text
-
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
 # ---- the reader tables
@@ -74,7 +73,7 @@ def element_line(element, tables):
                                [number_text(number) for number in attribute["initial"]])
         attributes.append(f"{{{quoted(attribute['name'])}, {attribute['level']}, {flag(attribute['supported'])}, "
                           f"{flag(attribute['required'])}, {value}, {initial}, "
-                          f"{quoted(attribute['initial_word'])}}}")
+                          f"{quoted(attribute['initial_word'])}, {flag(attribute['default_in_units'])}}}")
     slots = []
     for index, child in enumerate(element["child"]):
         ids = tables.array("ElementId", f"kChoice_{name}_{index}", [f"ElementId::{other}" for other in child["of"]])
@@ -143,7 +142,8 @@ struct Attribute {
   bool required;
   Value value;
   std::span<const double> initial;           // where it is absent: numbers in SI; empty: none
-  std::string_view initial_word;             // the same of words
+  std::string_view initial_word;             // the same of words and labels
+  bool initial_in_units = false;             // initial is not in SI but in the root's units
 };
 
 // A place for children: any of some elements, min to max of them together.
@@ -219,32 +219,15 @@ def header_text(language):
     return text
 
 
-def main(arguments):
-    if arguments not in ([], ["--check"]):
-        print("usage: generate.py [--check]", file=sys.stderr)
-        return 2
+def make():
     with open(ROOT / "schemas" / "pxn.toml", "rb") as file:
         language = tomllib.load(file)
-    try:
-        material_schema.add_to_pxn(language)
-        complete(language)
-        texts = {"schemas/generated/pxn_schema.h": header_text(language), "schemas/pxn-0.xsd": xsd_text(language, 0),
-                 "schemas/pxn.xsd": xsd_text(language, 1), "docs/pxn-reference.md": docs_text(language)}
-    except (SchemaError, material_schema.SchemaError) as error:
-        print(f"pxn.toml: {error}", file=sys.stderr)
-        return 1
-    stale = 0
-    for name, text in texts.items():
-        path = ROOT / name
-        if arguments:
-            if not path.exists() or path.read_text(encoding="utf-8") != text:
-                print(f"{name} is not what schemas/generate.py makes: run it", file=sys.stderr)
-                stale = 1
-        else:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8", newline="\n")
-    return stale
+    material_schema.add_to_pxn(language)
+    complete(language)
+    return {"schemas/generated/pxn_schema.h": header_text(language), "schemas/pxn-0.xsd": xsd_text(language, 0),
+            "schemas/pxn.xsd": xsd_text(language, 1), "docs/pxn-reference.md": docs_text(language)}
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(generated_files.run("generate.py", sys.argv[1:], make, (SchemaError, material_schema.SchemaError),
+                                 "pxn.toml"))

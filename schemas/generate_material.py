@@ -7,11 +7,12 @@ generate_material.py --check    fails, and names the file, when one of them diff
 
 import sys
 
+import generated_files
 from material_cpp import header_text, source_text
 from material_formulas import (choice_text, fields_def, formula_table_text, generated_formula_files, loader_text,
                                parameters_glsl, surface_of_text)
 from material_pan import pan_text
-from material_schema import ROOT, SchemaError, load
+from material_schema import SchemaError, load
 
 
 def texts(schema):
@@ -33,29 +34,16 @@ def texts(schema):
     }
 
 
-def main(arguments):
-    if arguments not in ([], ["--check"]):
-        print("usage: generate_material.py [--check]", file=sys.stderr)
-        return 2
-    try:
-        made = texts(load())
-    except SchemaError as error:
-        print(f"material.toml: {error}", file=sys.stderr)
-        return 1
-    stale = 0
-    for name, text in made.items():
-        if "clang-format" not in text and name.endswith((".h", ".cpp", ".inl")):
-            text = text.replace("Do not edit.\n", "Do not edit.\n// clang-format off\n", 1)
-        path = ROOT / name
-        if arguments:
-            if not path.exists() or path.read_text(encoding="utf-8") != text:
-                print(f"{name} is not what schemas/generate_material.py makes: run it", file=sys.stderr)
-                stale = 1
-        else:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8", newline="\n")
-    return stale
+def marked(name, text):
+    """C++ that is not formatted says so."""
+    if "clang-format" in text or not name.endswith((".h", ".cpp", ".inl")):
+        return text
+    return text.replace("Do not edit.\n", "Do not edit.\n// clang-format off\n", 1)
+
+
+def make():
+    return {name: marked(name, text) for name, text in texts(load()).items()}
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(generated_files.run("generate_material.py", sys.argv[1:], make, SchemaError, "material.toml"))

@@ -10,9 +10,10 @@ import pathlib
 import sys
 import tomllib
 
+import generated_files
 import material_schema
+from generated_files import ROOT
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIZES = {"u8": 1, "u16": 2, "u32": 4, "i32": 4, "u64": 8, "f32": 4, "f64": 8}
 CPP = {
     "u8": "std::uint8_t",
@@ -114,7 +115,21 @@ def add_materials(layout):
     layout["enum"] = material_schema.pan_enums(schema) + layout["enum"]
     layout["record"] = [material_schema.pan_record(schema) if record.get("from") else record
                         for record in layout["record"]]
+    add_features(layout, material_schema.pan_features(schema))
     layout["material_docs"] = material_schema.pan_docs(schema)
+
+
+def add_features(layout, features):
+    """Gives each required feature its place, those of BRDFs among them: every bit up to the last has one meaning."""
+    flags = next(flags for flags in layout["flags"] if flags["name"] == "RequiredFeatures")
+    for index, bit in enumerate(flags["bits"]):
+        bit.setdefault("bit", index)
+    flags["bits"] = sorted(flags["bits"] + features, key=lambda bit: bit["bit"])
+    if [bit["bit"] for bit in flags["bits"]] != list(range(len(flags["bits"]))):
+        raise LayoutError("the bits of RequiredFeatures must be unique and without gaps")
+    for bit in flags["bits"]:
+        if not 0 < bit["since"] <= layout["format"]["minor"]:
+            raise LayoutError(f"{bit['name']}: no format 1.0 to 1.{layout['format']['minor']} added the feature")
 
 
 def element_size(section, records):
@@ -146,6 +161,12 @@ def default_lines(layout, records):
                 out.append(f"    {{SectionKind::{section['kind']}, {field['offset']}, FieldType::{field['type']}, "
                            f"{field['count']}, {field['default']}}},")
     return out
+
+
+def feature_lines(layout):
+    """The FeatureInfo of each required feature."""
+    flags = next(flags for flags in layout["flags"] if flags["name"] == "RequiredFeatures")
+    return [f"    {{{flags['prefix']}{bit['name']}, {bit['since']}, \"{bit['name']}\"}}," for bit in flags["bits"]]
 
 
 def mask_of(layout, name):
@@ -307,8 +328,22 @@ def header_text(layout):
         for field in records.get(section["element"], {"field": []})["field"]:
             out.append(rule_line(section, field, layout))
     defaults = default_lines(layout, records)
+    features = feature_lines(layout)
     out += [
         "};",
+        "",
+        "// A required feature and the minor version that added it.",
+        "struct FeatureInfo {",
+        "  std::uint64_t bit;",
+        "  std::uint16_t minor;",
+        "  const char* name;",
+        "};",
+        "",
+        f"inline constexpr std::array<FeatureInfo, {len(features)}> kRequiredFeatures{{{{",
+    ]
+    out += features
+    out += [
+        "}};",
         "",
         "// What a field is taken for where the records of a file are too short to hold it; exact.",
         "struct FieldDefault {",
@@ -382,7 +417,8 @@ def docs_text(layout):
         lines += [f"* {index} `{value['name']}`: {value['doc']}" for index, value in enumerate(enum["values"])] + [""]
     for flags in layout["flags"]:
         lines += [f"**{flags['name']}**. {flags['doc']}", ""]
-        lines += [f"* bit {index} `{bit['name']}`: {bit['doc']}" for index, bit in enumerate(flags["bits"])] + [""]
+        lines += [f"* bit {index} `{bit['name']}`: {bit['doc']}" + (f" (since 1.{bit['since']})" if "since" in bit else "")
+                  for index, bit in enumerate(flags["bits"])] + [""]
     lines += ["## Constants", "", "| name | value | meaning |", "|---|---:|---|"]
     lines += [f"| `{constant['name']}` | {constant['value']} | {constant['doc']} |" for constant in layout["constant"]]
     return "\n".join(lines) + "\n"
@@ -406,35 +442,22 @@ def grow(layout, path):
         records[name]["size"] += sum(SIZES[field["type"]] * field.get("count", 1) for field in fields)
 
 
-def main(arguments):
-    later = len(arguments) == 3 and arguments[0] == "--later"
-    if not later and arguments not in ([], ["--check"]):
-        print("usage: generate_pan.py [--check | --later GROWTH FILE]", file=sys.stderr)
-        return 2
-    try:
-        layout = load_layout()
-        if later:
-            grow(layout, pathlib.Path(arguments[1]))
-        validate(layout)
-        if later:
-            pathlib.Path(arguments[2]).write_text(header_text(layout), encoding="utf-8", newline="\n")
-            return 0
-        texts = {"schemas/generated/pan_layout.h": header_text(layout), "docs/pan-format.md": docs_text(layout)}
-    except (LayoutError, material_schema.SchemaError) as error:
-        print(f"pan_layout.toml: {error}", file=sys.stderr)
-        return 1
-    stale = 0
-    for name, text in texts.items():
-        path = ROOT / name
-        if arguments:
-            if not path.exists() or path.read_text(encoding="utf-8") != text:
-                print(f"{name} is not what schemas/generate_pan.py makes: run it", file=sys.stderr)
-                stale = 1
-        else:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8", newline="\n")
-    return stale
+def make():
+    layout = load_layout()
+    validate(layout)
+    return {"schemas/generated/pan_layout.h": header_text(layout), "docs/pan-format.md": docs_text(layout)}
+
+
+def write_later(growth, path):
+    """The header of a format that has grown."""
+    layout = load_layout()
+    grow(layout, pathlib.Path(growth))
+    validate(layout)
+    pathlib.Path(path).write_text(header_text(layout), encoding="utf-8", newline="\n")
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    if len(sys.argv) == 4 and sys.argv[1] == "--later":
+        sys.exit(write_later(*sys.argv[2:]))
+    sys.exit(generated_files.run("generate_pan.py", sys.argv[1:], make, (LayoutError, material_schema.SchemaError),
+                                 "pan_layout.toml"))

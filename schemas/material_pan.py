@@ -1,6 +1,6 @@
 """From a material to its record in a pan and back, from schemas/material.toml."""
 
-from material_schema import STORED, brdfs
+from material_schema import STORED, brdfs, feature_name
 from material_text import MARK, PARTS, authored
 
 
@@ -145,6 +145,14 @@ def pan_text(schema):
             "std::span<const std::string_view> brdf_slots() {",
             "  static constexpr std::string_view kSlots[] = {" + ", ".join(f'"{name}"' for name in slots_of_brdfs(schema)) + "};",
             "  return kSlots;", "}", "",
+            "std::uint64_t features_of([[maybe_unused]] const layout::Material& r) {",
+            "  std::uint64_t features = 0;"]
+    for brdf in schema["brdf"]:
+        if brdf["since"]:
+            model = f"materials::{brdf['part'].capitalize()}Model::{brdf['name']}"
+            out += [f"  if (r.{brdf['part']}_law == static_cast<std::uint32_t>({model}))",
+                    f"    features |= layout::kFeature{feature_name(brdf)};"]
+    out += ["  return features;", "}", "",
             "std::optional<std::string> material_limit_broken(const layout::Material& r) {"]
     for part in PARTS:
         out.append(f"  switch (static_cast<materials::{part.capitalize()}Model>(r.{part}_law)) {{")

@@ -1,17 +1,17 @@
 """The materials as schemas/material.toml has them: defaults filled in, references resolved, contradictions refused."""
 
-import pathlib
 import re
 import tomllib
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+from generated_files import ROOT
+
 WIDTHS = {"real": 1, "vec2": 2, "vec3": 3, "real8": 8, "texture": 1, "Compensation": 1}
 SIZES = {"f32": 4, "u32": 4, "i32": 4}
 PARAMETER_KEYS = {"name", "type", "slot", "slots", "gpu", "unit", "min", "max", "above", "must", "default", "stored",
                   "derived", "pxn", "pxn_name", "pxn_unit", "pxn_level", "pxn_default", "dimension", "bare", "doc",
                   "none", "field", "absent"}
 BRDF_KEYS = {"part", "name", "struct", "title", "formula", "shared", "function", "microfacet", "smith", "doc",
-             "pxn", "parameter"}
+             "pxn", "parameter", "since", "feature"}
 STORED = {"": ("{}", "{}"), "tan": ("det::tan({})", "det::atan({})"), "cos": ("det::cos({})", "det::acos({})")}
 
 
@@ -83,6 +83,16 @@ def check_gpu(schema):
                 need(known.setdefault(field, what) == what, owner["name"], f"{field} stands elsewhere too")
 
 
+def check_versions(schema):
+    """What a later format adds stands behind what older ones have, and needs a feature of the file."""
+    for part in ("diffuse", "specular"):
+        since = 0
+        for brdf in brdfs(schema, part):
+            need(brdf["since"] >= since, brdf["name"], "BRDFs stand in the order of the versions that added them")
+            need(("feature" in brdf) == (brdf["since"] > 0), brdf["name"], "`since` and `feature` go together")
+            since = brdf["since"]
+
+
 def load():
     """The schema, complete."""
     with open(ROOT / "schemas" / "material.toml", "rb") as file:
@@ -95,6 +105,7 @@ def load():
         need(brdf["part"] in ("diffuse", "specular"), where, "part is diffuse or specular")
         brdf.setdefault("struct", pascal(brdf["name"]))
         brdf.setdefault("parameter", [])
+        brdf.setdefault("since", 0)
         for key in ("shared", "microfacet", "smith"):
             brdf.setdefault(key, False)
         for parameter in brdf["parameter"]:
@@ -105,6 +116,7 @@ def load():
         for parameter in struct["parameter"]:
             complete_parameter(parameter, struct["name"], schema)
     check_gpu(schema)
+    check_versions(schema)
     schema["structs"] = {struct["name"]: struct for struct in schema["struct"]}
     return schema
 
@@ -134,8 +146,24 @@ def pan_record(schema):
 def pan_enums(schema):
     """The models as enumerations of pan_layout.toml."""
     return [{"name": f"{part.capitalize()}Model", "doc": f"The BRDF model of the {part} part of a material.",
-             "values": [{"name": brdf["name"], "doc": brdf["doc"].rstrip(".")} for brdf in brdfs(schema, part)]}
+             "values": [{"name": brdf["name"], "doc": brdf["doc"].rstrip(".") + since_words(brdf)}
+                        for brdf in brdfs(schema, part)]}
             for part in ("diffuse", "specular")]
+
+
+def since_words(brdf):
+    return f" (since 1.{brdf['since']})" if brdf["since"] else ""
+
+
+def feature_name(brdf):
+    """What pan_layout.toml calls the feature of a BRDF."""
+    return "Brdf" + pascal(brdf["name"])
+
+
+def pan_features(schema):
+    """The required features of BRDFs as bits of pan_layout.toml."""
+    return [{"name": feature_name(brdf), "bit": brdf["feature"], "since": brdf["since"],
+             "doc": f"a material has the BRDF {brdf['name']}"} for brdf in schema["brdf"] if brdf["since"]]
 
 
 def pan_docs(schema):

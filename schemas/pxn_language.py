@@ -9,7 +9,7 @@ RULE_KINDS = {"exclusive", "one_of", "any_of", "together", "requires"}
 ELEMENT_KEYS = {"id", "name", "section", "level", "supported", "in", "doc", "notes", "example", "default", "text",
                 "attribute", "attributes", "child", "rule", "grouped"}
 VALUE_KEYS = {"kind", "count", "names", "numbers", "min", "max", "above", "nonzero", "dimension", "bare", "one", "tuple",
-              "least", "words", "name", "level", "supported", "required", "default", "default_words", "doc"}
+              "least", "words", "name", "level", "supported", "required", "default", "default_words", "default_in_units", "doc"}
 LARGEST = 1.7976931348623157e308
 
 
@@ -26,13 +26,17 @@ def complete_default(value, where):
     """Splits a default into what readers of files take (`initial`, `initial_word`) and what people read."""
     default = value.get("default")
     value["initial"], value["initial_word"] = [], ""
+    value.setdefault("default_in_units", False)
     if isinstance(default, (int, float, list)) and not isinstance(default, bool):
         value["initial"] = default if isinstance(default, list) else [default]
         need(len(value["initial"]) == value["count"], where, "one default for each number")
         words = " ".join(f"{number:g}" for number in value["initial"])
         value["default"] = value.get("default_words", words)
+        need(not value["default_in_units"] or value["dimension"] != "none", where, "the default has no dimension")
     elif default is not None and value["kind"] == "word":
         need(default in value["words"], where, f"the default {default} is no word of it")
+        value["initial_word"] = default
+    elif default is not None and value["kind"] == "label":
         value["initial_word"] = default
 
 

@@ -1,10 +1,7 @@
 """The reference page of the pxn language."""
 
-import pathlib
-
+from generated_files import ROOT
 from pxn_language import LARGEST, need
-
-ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
 def readable(value):
@@ -98,7 +95,7 @@ def title(element, language):
 def child_lines(element, language):
     if not element["child"]:
         return []
-    lines = ["| children | how many |", "|---|---|"]
+    lines = ["| children | number of them |", "|---|---|"]
     for child in element["child"]:
         names = f"any [node](#nodes)" if child["label"] else ", ".join(link(name, language) for name in child["of"])
         low, high = child["min"], child["max"]

@@ -45,7 +45,7 @@ int run(const Options& options, const Host& host) {
   context.add_timings(report.steps);
   if (!model) return context.finish();
   context.step("write");
-  const auto bytes = exporters::glb_from(**model, log);
+  const auto bytes = exporters::glb_from(**model, log, context.job());
   if (!bytes || !write_file(options.output, *bytes, log)) return context.finish();
   context.result()["output"] = options.output;
   context.result()["bytes"] = bytes->size();

@@ -118,7 +118,7 @@ std::optional<std::vector<double>> cosines(const Options& options, CommandContex
     const auto number = parse_numbers(options.albedo.substr(at, comma - at), 1);
     if (!number || !((*number)[0] > 0 && (*number)[0] <= 1)) {
       context.log().report(Code::E0201, {},
-                           fmt::format("--albedo is {}: it takes cosines above 0 and up to 1, with "
+                           fmt::format("--albedo is {}, expected cosines above 0 and up to 1, with "
                                        "commas between them",
                                        in_quotes(options.albedo)));
       return std::nullopt;

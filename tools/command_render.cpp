@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -22,7 +23,9 @@ struct Options {
   ViewOptions view;
   std::string views;  // JSON file of many views
   std::string gl = "auto";
-  unsigned samples = 0;  // N; 0: the engine's own
+  std::string samples;      // "auto" or N; empty: the engine's own
+  std::string pixel_error;  // "1%" or a fraction; empty: the engine's own
+  bool adaptive = false;
   bool flat = false;
   bool no_shadows = false;
   unsigned shadow_side = 2048;  // texels
@@ -95,9 +98,17 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("FILE.json");
   arguments
       .add("--samples", options.samples,
-           "N x N samples in each pixel (default 1; with --engine reference 8)")
-      .range(1u, 64u)
-      .type("N");
+           "N x N samples in each pixel, 1 to 64 (default 1; with --engine reference 8); or auto: "
+           "as "
+           "many as --pixel-error asks for")
+      .type("N|auto");
+  arguments
+      .add("--pixel-error", options.pixel_error,
+           "With --samples auto: the error to meet (default 3%), of the pixels that show a target "
+           "(RMS, in parts of the RMS of their radiance) and of their flux")
+      .type("SHARE");
+  arguments.flag("--adaptive", options.adaptive,
+                 "With --samples: N x N only where it changes the pixel");
   declare_reference(arguments, options);
   arguments.flag("--flat", options.flat, "Shade with the triangles' own normals");
   const Argument no_shadows =
@@ -126,6 +137,8 @@ const char* stray_option(const Options& options) {
   const Options none;
   if (options.is_traced()) {
     if (options.no_shadows) return "--no-shadows";
+    if (options.adaptive) return "--adaptive";
+    if (!options.pixel_error.empty()) return "--pixel-error";
     return options.shadow_side != none.shadow_side ? "--shadow-side" : nullptr;
   }
   if (options.until_error != none.until_error) return "--until-error";
@@ -152,7 +165,7 @@ Result<preview::ReferenceOptions> reference_options(const Options& options, Diag
       result.until_error = *share;
     else
       log.report(Code::E0201, {},
-                 fmt::format("--until-error is {}: it takes a share between 0 and 1, as 0.1%",
+                 fmt::format("--until-error is {}, expected a share between 0 and 1, as 0.1%",
                              in_quotes(options.until_error)));
   }
   if (options.filter != "box") {
@@ -164,18 +177,48 @@ Result<preview::ReferenceOptions> reference_options(const Options& options, Diag
       result.psf_sigma = (*sigma)[0];
     else
       log.report(Code::E0201, {},
-                 fmt::format("--filter is {}: it takes box, or gaussian:SIGMA of up to {} pixels",
+                 fmt::format("--filter is {}, expected box, or gaussian:SIGMA of up to {} pixels",
                              in_quotes(options.filter), kWidestPsf));
   }
   if (log.errors() != errors) return failed;
   return result;
 }
 
+// N, or 0 for auto.
+Result<unsigned> samples_of(const Options& options, DiagnosticLog& log) {
+  if (options.samples.empty()) return options.is_traced() ? 8u : 1u;
+  if (options.samples == "auto" && !options.is_traced()) return 0u;
+  const auto number = workspace::parse_numbers(options.samples, 1);
+  if (number && (*number)[0] >= 1 && (*number)[0] <= 64 && (*number)[0] == std::floor((*number)[0]))
+    return static_cast<unsigned>((*number)[0]);
+  log.report(Code::E0201, {},
+             fmt::format("--samples is {}: it takes a whole number from 1 to 64{}",
+                         in_quotes(options.samples), options.is_traced() ? "" : ", or auto"));
+  return failed;
+}
+
 // What is to be drawn with, as typed.
 Result<workspace::DrawOptions> draw_options(const Options& options, DiagnosticLog& log) {
   workspace::DrawOptions draw;
   draw.context = *preview::context_kind_from_name(options.gl);
-  draw.samples = options.samples > 0 ? options.samples : options.is_traced() ? 8 : 1;
+  const auto samples = samples_of(options, log);
+  if (!samples) return failed;
+  draw.samples = *samples;
+  draw.gl.samples = *samples;
+  if (!options.pixel_error.empty()) {
+    const auto share = workspace::parse_share(options.pixel_error);
+    if (*samples > 0 || !share || !(*share > 0 && *share < 1)) {
+      log.report(Code::E0201, {},
+                 *samples > 0
+                     ? std::string("--pixel-error means nothing beside a number of --samples")
+                     : fmt::format("--pixel-error is {}: it takes a share between 0 and 1, "
+                                   "as 1%",
+                                   in_quotes(options.pixel_error)));
+      return failed;
+    }
+    draw.gl.pixel_error = *share;
+  }
+  draw.gl.adaptive = options.adaptive;
   draw.gl.flat = options.flat;
   draw.gl.shadow_side = options.no_shadows ? 0 : options.shadow_side;
   draw.gl.max_bytes = options.max_image_bytes;
@@ -224,6 +267,15 @@ void tell(const workspace::Written& image, bool orthographic, CommandContext& co
                     {"width", image.width},
                     {"height", image.height},
                     {"unit", image.unit}});
+  if (image.sampling) images.back()["samples"] = image.sampling->samples;
+  if (image.sampling && image.sampling->rmse + image.sampling->flux > 0) {
+    images.back()["pixel_error"] = image.sampling->rmse;
+    images.back()["flux_error"] = image.sampling->flux;
+    if (!context.options().json && !context.options().quiet)
+      fmt::print("{}: {:.3g} samples a pixel, error {:.2g} % of the pixels, {:.2g} % of the flux\n",
+                 image.output, image.sampling->samples, 100 * image.sampling->rmse,
+                 100 * image.sampling->flux);
+  }
   if (!image.measured) return;
   const workspace::Measured& measured = *image.measured;
   const auto numbers = [](const Vec3& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };

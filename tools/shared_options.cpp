@@ -160,8 +160,8 @@ Result<workspace::ViewText> ViewOptions::typed(DiagnosticLog& log) const {
     const std::string& target = out.poses.back().target;
     if (targets.insert(target).second) continue;
     log.report(Code::E0201, {},
-               target.empty() ? "--pose stands twice without the name of a target"
-                              : fmt::format("--pose stands twice for {}", in_quotes(target)));
+               target.empty() ? "--pose is given twice without the name of a target"
+                              : fmt::format("--pose is given twice for {}", in_quotes(target)));
     return failed;
   }
   return out;

@@ -2,6 +2,7 @@
 #include "workspace/drawer.h"
 
 #include <algorithm>
+#include <deque>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,7 @@ struct Drawer::Impl {
   std::optional<preview::Renderer> renderer;
   std::vector<std::shared_ptr<const preview::ModelResources>> models;  // of the last world
   preview::Reference reference;
+  std::deque<Drawn> traced;  // and not collected
 };
 
 Drawer::Drawer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -47,14 +49,16 @@ EngineInfo Drawer::info() const {
   return {Engine::gl, context.renderer(), context.version(), context.is_hardware()};
 }
 
-bool Drawer::prepare(const world::World& world, DiagnosticLog& log) {
+bool Drawer::prepare(const world::World& world, DiagnosticLog& log, const Job& job) {
   if (!impl_->renderer) {
-    impl_->reference.prepare(world);
-    return true;
+    return run_job(job, log, [&] {
+      impl_->reference.prepare(world, job);
+      return true;
+    });
   }
   std::vector<std::shared_ptr<const preview::ModelResources>> models;
   for (const world::Instance& target : world.instances()) {
-    auto resources = impl_->renderer->device()->resources(target.model(), log);
+    auto resources = impl_->renderer->device()->resources(target.model(), log, job);
     if (!resources) return false;
     models.push_back(*std::move(resources));
   }
@@ -62,23 +66,52 @@ bool Drawer::prepare(const world::World& world, DiagnosticLog& log) {
   return true;
 }
 
-Result<Drawn> Drawer::draw(const world::World& world, const world::Camera& camera, bool truth,
-                           DiagnosticLog& log, const Job& job) {
+bool Drawer::submit(const world::World& world, const world::Camera& camera, bool truth,
+                    DiagnosticLog& log, const Job& job) {
   if (impl_->renderer) {
     preview::RenderOptions options = impl_->options.gl;
     options.truth = truth;
-    auto image = impl_->renderer->render(world, camera, options, log, job);
-    if (!image) return failed;
-    return Drawn{*std::move(image), {}};
+    return impl_->renderer->submit(world, camera, options, log, job);
   }
   preview::ReferenceOptions options = impl_->options.reference;
   options.truth = truth;
   auto traced = impl_->reference.render(world, camera, options, log, job);
-  if (!traced) return failed;
+  if (!traced) {
+    if (job.cancelled()) impl_->traced.clear();
+    return false;
+  }
   traced->image.standard_error = std::move(traced->standard_error);
   const std::uint64_t rays = traced->camera_rays + traced->shadow_rays + traced->bounce_rays;
-  return Drawn{std::move(traced->image),
-               Measured{traced->flux, traced->flux_error, traced->samples, rays, traced->seconds}};
+  impl_->traced.push_back(
+      {std::move(traced->image),
+       Measured{traced->flux, traced->flux_error, traced->samples, rays, traced->seconds},
+       {}});
+  return true;
+}
+
+Result<Drawn> Drawer::collect(DiagnosticLog& log, const Job& job) {
+  if (impl_->renderer) {
+    auto image = impl_->renderer->collect(log, job);
+    if (!image) return failed;
+    return Drawn{*std::move(image), {}, impl_->renderer->sampling()};
+  }
+  Drawn drawn = std::move(impl_->traced.front());
+  impl_->traced.pop_front();
+  return drawn;
+}
+
+std::size_t Drawer::in_flight() const {
+  return impl_->renderer ? impl_->renderer->in_flight() : impl_->traced.size();
+}
+
+void Drawer::recycle(preview::Image image) {
+  if (impl_->renderer) impl_->renderer->recycle(std::move(image));
+}
+
+Result<Drawn> Drawer::draw(const world::World& world, const world::Camera& camera, bool truth,
+                           DiagnosticLog& log, const Job& job) {
+  if (!submit(world, camera, truth, log, job)) return failed;
+  return collect(log, job);
 }
 
 }  // namespace panwright::workspace

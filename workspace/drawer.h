@@ -1,6 +1,7 @@
 // One engine, ready to draw worlds into images in memory.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -26,7 +27,8 @@ enum class Engine {
 struct DrawOptions {
   Engine engine = Engine::gl;
   preview::ContextKind context = preview::ContextKind::automatic;
-  unsigned samples = 0;  // N: N×N in each pixel; 0: as many as the engine's own options say
+  unsigned samples = 0;  // N: N×N in each pixel; 0: as many as the engine's own options say, which
+                         // may be what an error asks for (preview::RenderOptions)
   // `truth` of both is that of the call.
   preview::RenderOptions gl;
   preview::ReferenceOptions reference;
@@ -52,7 +54,8 @@ struct Measured {
 
 struct Drawn {
   preview::Image image;
-  std::optional<Measured> measured;  // by the reference alone
+  std::optional<Measured> measured;                 // by the reference alone
+  std::optional<preview::SamplingReport> sampling;  // of OpenGL alone
 };
 
 // Keeps what does not change from image to image: the context, the models of the last world.
@@ -70,8 +73,23 @@ class Drawer {
   // Uploads the models of a world, or builds what they are traced by. draw() does it where it is
   // missing.
   //
-  // Expects: targets. Fails: E5003.
-  bool prepare(const world::World& world, DiagnosticLog& log);
+  // Expects: targets. Fails: E0001, E5003.
+  bool prepare(const world::World& world, DiagnosticLog& log, const Job& job = {});
+
+  // The two halves of draw(): submit() begins an image, collect() ends the oldest one that was
+  // begun. With OpenGL the next image can be drawn while one is copied; the reference has done all
+  // when submit() returns.
+  //
+  // Expects: as draw(); fewer than kMostInFlight images begun and not ended. Fails: as draw(); what
+  // was begun before stays, but after E0001 and E5001, when all is dropped, and after a failure of
+  // collect().
+  static constexpr std::size_t kMostInFlight = preview::Renderer::kMostInFlight;
+  bool submit(const world::World& world, const world::Camera& camera, bool truth,
+              DiagnosticLog& log, const Job& job = {});
+  Result<Drawn> collect(DiagnosticLog& log, const Job& job = {});
+  std::size_t in_flight() const;
+  // Takes an image that nobody needs any longer, for its memory.
+  void recycle(preview::Image image);
 
   // Draws a world.
   //

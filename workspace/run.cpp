@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <future>
 #include <memory>
 #include <optional>
@@ -34,11 +35,13 @@ double stops_of_sun(const world::Sun& sun) {
 std::string words(const Vec3& v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
 std::string words(const Quat& q) { return fmt::format("{} {} {} {}", q.w, q.x, q.y, q.z); }
 
+using Metadata = decltype(preview::Image::metadata);
+
 // What made an image, for its header.
 void describe(const world::World& world, const world::Camera& camera, const DrawOptions& options,
-              preview::Image& image) {
+              Metadata& metadata) {
   const auto add = [&](std::string name, std::string value) {
-    image.metadata.emplace_back(std::move(name), std::move(value));
+    metadata.emplace_back(std::move(name), std::move(value));
   };
   if (world.size() == 1) {
     add("panwright.build_id", world[0].model()->build_id().hex());
@@ -59,36 +62,48 @@ void describe(const world::World& world, const world::Camera& camera, const Draw
   add("panwright.sun", words(world.sun().direction));
   const bool traced = options.engine == Engine::reference;
   const unsigned own = traced ? options.reference.samples : options.gl.samples;
-  add("panwright.samples", fmt::format("{}", options.samples > 0 ? options.samples : own));
+  const unsigned samples = options.samples > 0 ? options.samples : own;
+  add("panwright.samples", samples > 0 ? fmt::format("{}", samples) : "auto");
+  if (samples == 0) add("panwright.pixel_error", fmt::format("{}", options.gl.pixel_error));
   if (!traced) add("panwright.shadow_side", fmt::format("{}", options.gl.shadow_side));
 }
 
 // Everything that can be wrong with the views and is seen without drawing them.
 bool are_sound(const world::World& world, std::span<const View> views, DiagnosticLog& log) {
   const std::size_t errors = log.errors();
-  if (world.empty())
-    log.report(Code::E5030, {}, "the world has no target: there is nothing to render");
+  if (world.empty()) log.report(Code::E5030, {}, "the world has no targets, expected at least 1");
   for (const View& view : views) {
     if (!preview::image_format(view.output))
       log.report(Code::E0202, {},
-                 fmt::format("{} is not a .png, .exr, .npy or .npz file", in_quotes(view.output)));
+                 fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
+                             in_quotes(view.output)));
     for (const TargetPose& pose : view.poses) (void)world.require(pose.target, log);
   }
   return log.errors() == errors;
 }
 
+// A view on its way into an image.
+struct Drawing {
+  std::size_t view = 0;  // its index
+  double ev = 0;
+  double seconds = 0;  // so far
+  Metadata metadata;
+};
+
 // An image on its way into its file.
 struct Writing {
   Written what;
+  preview::Image image;
   double seconds = 0;
   double sync = 0;
   bool ok = false;
   DiagnosticLog log;
 };
 
-void write(preview::Image image, double ev, Writing& writing) {
+void write(double ev, Writing& writing) {
   const auto start = Clock::now();
-  writing.ok = preview::write_image(writing.what.output, image, ev, writing.log, &writing.sync);
+  writing.ok =
+      preview::write_image(writing.what.output, writing.image, ev, writing.log, &writing.sync);
   writing.seconds = seconds_since(start);
 }
 
@@ -104,10 +119,18 @@ class Run {
     if (options_.listener.ready) options_.listener.ready(drawer_->info());
     Phase phase(job_, "rendering", views_.size());
     try {
-      for (std::size_t i = 0; i < views_.size(); ++i) {
+      // while one view is drawn, the one before is copied and the one before that is written
+      bool good = true;
+      std::size_t begun = 0;
+      while (good && begun < views_.size() && begin(begun)) {
+        ++begun;
         job_.poll();
-        if (!one(i)) break;
-        phase.advance();
+        if (drawing_.size() == depth()) good = end(phase);
+      }
+      // what was begun is written, whatever is wrong with the view after it
+      while (good && drawer_->in_flight() > 0) {
+        job_.poll();
+        good = end(phase);
       }
     } catch (const Cancelled&) {
       (void)retire();
@@ -135,37 +158,58 @@ class Run {
       models += (models.empty() ? "" : ", ") + target.model()->name();
     {
       const Stopwatch watch(&report, (gl ? "upload " : "prepare ") + models);
-      if (!drawer_->prepare(world_, log_)) return false;
+      if (!drawer_->prepare(world_, log_, job_)) return false;
     }
     for (const Step& step : report.steps) tell(step);
     return true;
   }
 
-  // False: nothing after it is drawn.
-  bool one(std::size_t index) {
+  // Views under way at most.
+  std::size_t depth() const {
+    return options_.draw.engine == Engine::gl ? Drawer::kMostInFlight : 1;
+  }
+
+  // Has one view drawn. False: nothing after it is.
+  bool begin(std::size_t index) {
+    job_.poll();
     const View& view = views_[index];
     pose(view);
     const bool truth = preview::stores_truth(*preview::image_format(view.output));
     const auto start = Clock::now();
-    auto drawn = drawer_->draw(current_, view.camera, truth, log_, job_);
-    if (drawn) tell({"render " + view.output, seconds_since(start)});
+    if (!drawer_->submit(current_, view.camera, truth, log_, job_)) return false;
+    Drawing drawing;
+    drawing.view = index;
+    drawing.ev = view.ev - stops_of_sun(current_.sun());
+    describe(current_, view.camera, options_.draw, drawing.metadata);
+    drawing.seconds = seconds_since(start);
+    drawing_.push_back(std::move(drawing));
+    return true;
+  }
+
+  // Has the oldest view written. False: nothing after it is.
+  bool end(Phase& phase) {
+    const Drawing drawing = std::move(drawing_.front());
+    drawing_.pop_front();
+    const View& view = views_[drawing.view];
+    const auto start = Clock::now();
+    auto drawn = drawer_->collect(log_, job_);
+    if (drawn) tell({"render " + view.output, drawing.seconds + seconds_since(start)});
     if (!retire() || !drawn) return false;
-    describe(current_, view.camera, options_.draw, drawn->image);
-    auto writing = std::make_unique<Writing>();
-    writing->what = {
-        index,          view.output, drawn->image.width, drawn->image.height, drawn->image.unit,
-        drawn->measured};
-    const double ev = view.ev - stops_of_sun(current_.sun());
-    writing_ = std::move(writing);
-    if (index + 1 == views_.size() || job_.threads() == 1) {
-      write(std::move(drawn->image), ev, *writing_);
+    phase.advance();
+    preview::Image& image = drawn->image;
+    image.metadata = drawing.metadata;
+    writing_ = std::make_unique<Writing>();
+    writing_->what = {drawing.view, view.output,     image.width,    image.height,
+                      image.unit,   drawn->measured, drawn->sampling};
+    writing_->image = std::move(image);
+    if (drawing.view + 1 == views_.size() || job_.threads() == 1) {
+      write(drawing.ev, *writing_);
       return retire();
     }
     // one thread beside those that draw the next image
-    pending_ = std::async(
-        std::launch::async, [image = std::move(drawn->image), ev, &writing = *writing_]() mutable {
-          run_on_threads(Job({1, {}}), [&] { write(std::move(image), ev, writing); });
-        });
+    pending_ = std::async(std::launch::async, [ev = drawing.ev, &writing = *writing_] {
+      run_on_threads(Job({1, {}}), [&] { write(ev, writing); });
+    });
     return true;
   }
 
@@ -189,6 +233,7 @@ class Run {
                            ? std::string()
                            : writing->log.sources().file(each.where.file).name,
                        each.message, each.hint);
+    drawer_->recycle(std::move(writing->image));
     if (!writing->ok) return false;
     ++done_;
     tell({"write " + writing->what.output, writing->seconds});
@@ -209,6 +254,7 @@ class Run {
   world::World current_;
   std::optional<Drawer> drawer_;
   std::size_t done_ = 0;
+  std::deque<Drawing> drawing_;  // those begun and not ended
   std::unique_ptr<Writing> writing_;
   std::future<void> pending_;  // after writing_: it is waited for first
 };

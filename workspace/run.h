@@ -26,7 +26,8 @@ struct Written {
   std::uint32_t height = 0;
   std::string unit;  // of radiance: "1/sr" or "W/(m^2 sr)"
 
-  std::optional<Measured> measured;  // by the reference alone
+  std::optional<Measured> measured;                 // by the reference alone
+  std::optional<preview::SamplingReport> sampling;  // of OpenGL alone
 };
 
 // Called one at a time, on the thread that called run_views; each may be empty.
@@ -42,8 +43,8 @@ struct RunOptions {
 };
 
 // Renders views of a world and writes them, in order, each whole or not at all. Models are uploaded
-// once; what does not change from view to view is not worked out again. While one image is written,
-// the next one is drawn.
+// once; what does not change from view to view is not worked out again. While one image is drawn,
+// the one before is copied and the one before that is written.
 //
 //   returns  the number of images that were written: all of them
 // Expects: cameras, Suns and options as the engines want them; targets of unit rotation.

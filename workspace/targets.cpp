@@ -45,7 +45,7 @@ Result<world::World> open_world(std::span<const TargetFile> targets, const OpenO
     const auto [known, added] = names.emplace(target.name, &target.file);
     if (added) continue;
     log.report(Code::E5009, {},
-               "two targets are called " + in_quotes(target.name) + ": " +
+               "duplicate target name " + in_quotes(target.name) + ": " +
                    in_quotes(known->second->string()) + " and " + in_quotes(target.file.string()),
                "NAME=FILE gives a target another name");
     return failed;

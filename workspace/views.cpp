@@ -27,7 +27,7 @@ class Reader {
 
   void fail(const std::string& name, const std::string& value, const char* accepted) {
     log_.report(Code::E0201, {},
-                fmt::format("--{} is {}: it takes {}", name, in_quotes(value), accepted));
+                fmt::format("--{} is {}, expected {}", name, in_quotes(value), accepted));
     ok_ = false;
   }
   void failed_elsewhere() { ok_ = false; }
@@ -100,7 +100,7 @@ bool read_lens(const ViewText& text, Reader& reader, world::Camera& camera) {
                     int(text.intrinsics.has_value()) + int(text.ortho.has_value());
   if (given > 1)
     reader.fail("fov", text.fov.value_or("given with another"),
-                "its place alone: one of --fov, --ifov, --intrinsics and --ortho");
+                "one of --fov, --ifov, --intrinsics and --ortho");
   if (text.fov) {
     const auto angle = parse_angle(*text.fov);
     if (!angle || !(*angle > 0 && *angle < kPi))
@@ -186,8 +186,7 @@ void read_attitude(const ViewText& text, const Sphere& sphere, Reader& reader,
     } else if (const auto q = reader.quaternion("quat", *text.quat, *numbers, 0)) {
       camera.world_from_camera = *q;
     }
-    if (text.look_at)
-      reader.fail("quat", *text.quat, "its place alone: --quat or --look-at, not both");
+    if (text.look_at) reader.fail("quat", *text.quat, "--quat or --look-at, not both");
     return;
   }
   const Vec3 aim = target ? *target : position ? Vec3(0) : sphere().centre;
@@ -213,7 +212,7 @@ bool place_in_frame(const std::string& text, const world::World& world, world::C
     names += (names.empty() ? "" : ", ") + in_quotes(world[i].name() + "/" + text);
   log.report(Code::E5005, {},
              having.empty()
-                 ? fmt::format("no target has a frame {}; TARGET/FRAME names one", in_quotes(text))
+                 ? fmt::format("unknown frame {}, expected TARGET/FRAME", in_quotes(text))
                  : fmt::format("{} targets have a frame {}", having.size(), in_quotes(text)),
              having.empty() ? std::string() : "name one of " + names);
   return false;
@@ -248,11 +247,12 @@ void read_output(const ViewText& text, View& view, DiagnosticLog& log) {
     view.ev = (*ev)[0];
   else
     log.report(Code::E0201, {},
-               fmt::format("--ev is {}: it takes a number of stops", in_quotes(*text.ev)));
+               fmt::format("--ev is {}, expected a number of stops", in_quotes(*text.ev)));
   view.output = text.output.value_or("");
   if (text.output && !preview::image_format(view.output))
     log.report(Code::E0202, {},
-               fmt::format("{} is not a .png, .exr, .npy or .npz file", in_quotes(view.output)));
+               fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
+                           in_quotes(view.output)));
 }
 
 }  // namespace
@@ -318,8 +318,7 @@ Result<View> ViewMaker::view(const ViewText& text, DiagnosticLog& log) {
   const auto sphere = [&] { return spheres_.of(posed); };
   if (text.camera_frame) {
     if (text.camera || text.quat || text.look_at)
-      reader.fail("camera-frame", *text.camera_frame,
-                  "its place alone: not with --camera, --quat or --look-at");
+      reader.fail("camera-frame", *text.camera_frame, "no --camera, --quat or --look-at beside it");
     place_in_frame(*text.camera_frame, posed, view.camera, log);
   } else {
     read_attitude(text, sphere, reader, view.camera, log);

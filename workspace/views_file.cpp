@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/file.h"
 #include "base/text.h"
@@ -77,26 +79,55 @@ class ViewsReader {
     if (!text) return failed;
     Json json;
     try {
-      json = Json::parse(*text);
+      json = Json::parse(*text, [&](int, Json::parse_event_t event, Json& parsed) {
+        note_keys(event, parsed);
+        return true;
+      });
     } catch (const Json::parse_error& error) {
       return fail(not_json(*text, error.byte));
     } catch (const Json::exception& error) {
       return fail(fmt::format("this cannot be read: {}", error.what()));
     }
-    if (!json.is_array() || json.empty()) return fail("a views file holds a list of objects");
+    if (!json.is_array() || json.empty())
+      return fail("expected a list of one view or more, each an object");
     if (json.size() > kMaxViews)
       return fail(fmt::format("{} views are more than {}", json.size(), kMaxViews));
     std::vector<ViewText> views;
     for (const Json& item : json) views.push_back(one(item, views.size()));
+    check_outputs(views);
     if (!ok_) return failed;
     return views;
   }
 
  private:
+  // A member that stands twice in an object: JSON leaves open which of them counts.
+  void note_keys(Json::parse_event_t event, const Json& parsed) {
+    if (event == Json::parse_event_t::object_start) {
+      open_.emplace_back();
+    } else if (event == Json::parse_event_t::object_end) {
+      open_.pop_back();
+      ended_ += open_.empty();
+    } else if (event == Json::parse_event_t::key && !open_.back().insert(parsed).second) {
+      fail(fmt::format("view {} gives {} twice", ended_, in_quotes(parsed.get<std::string>())));
+    }
+  }
+
+  // Of two images in one file the first would be lost.
+  void check_outputs(const std::vector<ViewText>& views) {
+    std::map<std::filesystem::path, std::size_t> known;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      if (!views[i].output) continue;
+      const auto path = std::filesystem::path(*views[i].output).lexically_normal();
+      if (const auto [first, added] = known.emplace(path, i); !added)
+        fail(fmt::format("views {} and {} have one output, {}", first->second, i,
+                         in_quotes(*views[i].output)));
+    }
+  }
+
   static std::string not_json(const std::string& text, std::size_t byte) {
     const std::size_t end = std::min(byte, text.size());
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(end), '\n');
-    return fmt::format("this is not JSON: line {}, byte {}", line, byte);
+    return fmt::format("invalid JSON at line {}, byte {}", line, byte);
   }
 
   Failed fail(std::string message, std::string hint = {}) {
@@ -108,7 +139,7 @@ class ViewsReader {
   ViewText one(const Json& item, std::size_t index) {
     ViewText given;
     if (!item.is_object()) {
-      fail(fmt::format("view {} is not an object", index));
+      fail(fmt::format("view {} is not an object of options", index));
       return given;
     }
     for (const auto& [key, value] : item.items()) {
@@ -125,10 +156,11 @@ class ViewsReader {
       }
       given.*field->member = as_typed(value);
       if (!(given.*field->member))
-        fail(fmt::format("view {}: '{}' is neither text, a number nor a list of numbers", index,
-                         key));
+        fail(fmt::format(
+            "view {}: '{}' is of another type, expected text, a number or a list of numbers", index,
+            key));
     }
-    if (!given.output) fail(fmt::format("view {} has no output", index));
+    if (!given.output) fail(fmt::format("view {} has no output, expected a file name", index));
     inherit(given);
     return given;
   }
@@ -147,8 +179,9 @@ class ViewsReader {
     } else if (const auto text = as_typed(value)) {
       given.poses.push_back({{}, *text});
     } else {
-      fail(fmt::format("view {}: '{}' is neither text, a number nor a list of numbers", index,
-                       kPose));
+      fail(fmt::format(
+          "view {}: '{}' is of another type, expected text, a number or a list of numbers", index,
+          kPose));
     }
   }
 
@@ -156,7 +189,7 @@ class ViewsReader {
     std::vector<std::string_view> names{kPose};
     for (const Field& field : kFields) names.push_back(field.name);
     const auto near = nearest_name(name, names);
-    fail(fmt::format("view {} has {}, which is no option of a view", index, in_quotes(key)),
+    fail(fmt::format("view {} has the unknown option {}", index, in_quotes(key)),
          near ? fmt::format("did you mean '{}'?", *near) : std::string());
   }
 
@@ -178,6 +211,8 @@ class ViewsReader {
   const std::filesystem::path& path_;
   const ViewText& defaults_;
   DiagnosticLog& log_;
+  std::vector<std::set<std::string>> open_;  // members of the objects that are being read
+  std::size_t ended_ = 0;                    // views that have been read
   bool ok_ = true;
 };
 

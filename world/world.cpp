@@ -62,7 +62,7 @@ Result<std::size_t> World::add(std::string name, ModelPtr model, const Pose& pos
   }
   if (size() == kMaxInstances) {
     log.report_file(Code::E5010, {},
-                    fmt::format("a world holds at most {} targets", kMaxInstances));
+                    fmt::format("too many targets, expected at most {}", kMaxInstances));
     return failed;
   }
   Instance& instance = instances_.emplace_back();
@@ -91,7 +91,7 @@ Result<std::size_t> World::require(std::string_view name, DiagnosticLog& log) co
   if (const auto index = find(name)) return *index;
   std::vector<std::string_view> names;
   for (const Instance& instance : instances_) names.push_back(instance.name_);
-  report_missing(Code::E5011, {}, "the world has no target", name, names, log);
+  report_missing(Code::E5011, {}, "unknown target", name, names, log);
   return failed;
 }
 

@@ -149,8 +149,7 @@ class Looker {
     if (!(radius_ > 0)) return false;
     has_clear_ = std::find(world_.clear.begin(), world_.clear.end(), 1) != world_.clear.end();
     caster_.add(caster_.add_mesh(world_.positions, world_.triangles), Mat4(1), true);
-    caster_.build();
-    job_.poll();
+    caster_.build(job_);
     list_neighbours();
     return true;
   }

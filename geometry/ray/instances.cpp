@@ -49,9 +49,10 @@ struct InstanceCaster::Impl {
   void search(SearchRay& ray, bool any) const;
 };
 
-SearchMesh search_mesh(std::vector<Vec3> positions, std::vector<Triangle> triangles) {
+SearchMesh search_mesh(std::vector<Vec3> positions, std::vector<Triangle> triangles,
+                       const Job& job) {
   auto mesh = std::make_shared<MeshSearch>(std::move(positions), std::move(triangles));
-  mesh->build();
+  mesh->build(job);
   return mesh;
 }
 
@@ -113,10 +114,11 @@ std::uint32_t InstanceCaster::add(std::uint32_t mesh, const Mat4& world_from_mes
   return static_cast<std::uint32_t>(impl_->placed.size() - 1);
 }
 
-void InstanceCaster::build() {
+void InstanceCaster::build(const Job& job) {
   Impl& impl = *impl_;
   assert(!impl.built);
-  parallel_for(impl.unbuilt.size(), [&](std::size_t i) { impl.unbuilt[i]->build(); });
+  parallel_for(
+      impl.unbuilt.size(), [&](std::size_t i) { impl.unbuilt[i]->build(job); }, job);
   impl.unbuilt.clear();
   impl.tree.build(std::move(impl.boxes));
   impl.built = true;

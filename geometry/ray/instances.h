@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/job.h"
 #include "geometry/mesh.h"
 #include "geometry/ray/ray.h"
 
@@ -33,12 +34,13 @@ using SearchMesh = std::shared_ptr<const MeshSearch>;
 
 // Builds a tree over a mesh.
 // Expects: indices in range; positions finite and within ±1e100. Cost: about 80 bytes a triangle.
-SearchMesh search_mesh(std::vector<Vec3> positions, std::vector<Triangle> triangles);
+SearchMesh search_mesh(std::vector<Vec3> positions, std::vector<Triangle> triangles,
+                       const Job& job = {});
 
 // Meshes that are stored once and placed many times.
 //
 // A ray goes into each mesh's own frame in double and is moved next to the mesh; there it is
-// decided as RayCaster does. So neither the distance of a ray's origin nor that of other instances
+// decided in double, outlines inside. So neither the distance of a ray's origin nor other instances
 // costs precision: a hit lies on its triangle to some 1e-15 of the mesh's size and along the ray to
 // the rounding of the origin's coordinates. A ray that starts on one side of a triangle and leads
 // away from it never hits it. No ray slips between triangles of one mesh that share an edge or a
@@ -66,8 +68,9 @@ class InstanceCaster {
   //   Expects  finite world positions, within ±1e100; before build()
   std::uint32_t add(std::uint32_t mesh, const Mat4& world_from_mesh, bool asked);
 
-  // Expects: called once, after the last add(), before the first ray.
-  void build();
+  // Expects: called once, after the last add(), before the first ray. Throws Cancelled: may be
+  // called again then.
+  void build(const Job& job = {});
 
   // The nearest hit that counts within the ray's range, both ends included.
   // Expects: a unit direction.

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "geometry/tessellate/internal/tessellators.h"
+#include "geometry/tessellate/shape_parameters.h"
 
 namespace panwright::geometry {
 
@@ -19,8 +20,6 @@ class Sink {
   void operator()(Caps x) { (*this)(static_cast<std::uint64_t>(x)); }
   void operator()(const Vec2& v) { all(v.x, v.y); }
   void operator()(const Vec3& v) { all(v.x, v.y, v.z); }
-  void operator()(const Sector& s) { all(s.begin, s.end); }
-  void operator()(const Counts& c) { all(c.around, c.along); }
   void operator()(const Polygons::Face& f) { all(f.outline, f.holes); }
   template <class T>
   void operator()(const std::vector<T>& list) {
@@ -45,29 +44,13 @@ class Sink {
   Hasher hasher_;
 };
 
-void feed(const Sphere& s, Sink& to) {
-  to.all(s.radius, s.counts ? s.counts->rings : 0u, s.counts ? s.counts->quads : 0u, s.latitude_min,
-         s.latitude_max, s.sector);
-}
 void feed(const MeshShape& s, Sink& to) {
   to.all(s->positions, s->normals, s->texcoords, s->colours, s->triangles);
 }
-void feed(const Ellipsoid& s, Sink& to) { to.all(s.radii, s.counts); }
-void feed(const Box& s, Sink& to) { to.all(s.size, s.bevel, s.round); }
-void feed(const Cylinder& s, Sink& to) { to.all(s.radius, s.height, s.caps, s.sector, s.counts); }
-void feed(const Cone& s, Sink& to) {
-  to.all(s.bottom_radius, s.top_radius, s.height, s.caps, s.sector, s.counts);
+template <class S>
+void feed(const S& s, Sink& to) {
+  visit_parameters(s, [&](std::string_view, const auto&... values) { to.all(values...); });
 }
-void feed(const Disc& s, Sink& to) { to.all(s.radius, s.inner_radius, s.sector, s.counts); }
-void feed(const Torus& s, Sink& to) { to.all(s.radius, s.tube_radius, s.sector, s.counts); }
-void feed(const Dish& s, Sink& to) { to.all(s.diameter, s.focal_length, s.thickness, s.counts); }
-void feed(const Plane& s, Sink& to) { to.all(s.width, s.height); }
-void feed(const Tube& s, Sink& to) {
-  to.all(s.path, s.radius, s.inner_radius, s.spline, s.closed, s.caps, s.counts);
-}
-void feed(const Lathe& s, Sink& to) { to.all(s.profile, s.spline, s.sector, s.counts); }
-void feed(const Extrude& s, Sink& to) { to.all(s.outline, s.holes, s.height, s.smooth, s.caps); }
-void feed(const Polygons& s, Sink& to) { to.all(s.positions, s.faces, s.smooth); }
 
 bool touches_axis(const Vec2& p) { return p.x == 0; }
 

@@ -32,9 +32,9 @@ bool within_limits(const Mesh& mesh, const TessellationOptions& options, SourceS
                    DiagnosticLog& log) {
   const std::uint64_t limit = std::min(options.max_triangles, kMaxVertices);
   if (mesh.triangles.size() > limit) {
-    log.report(Code::E2003, where,
-               fmt::format("a mesh of {} triangles; at most {} are accepted", mesh.triangles.size(),
-                           limit));
+    log.report(
+        Code::E2003, where,
+        fmt::format("a mesh of {} triangles, expected at most {}", mesh.triangles.size(), limit));
     return false;
   }
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {

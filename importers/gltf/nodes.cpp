@@ -182,7 +182,7 @@ class NodePass {
       for (const Json& x : rotation->items) squared += x.number * x.number;
       if (std::fabs(std::sqrt(squared) - 1) > kUnit)
         d_.report(Code::E6204, rotation, at + "/rotation",
-                  fmt::format("a quaternion of length {:.6g}, not 1", std::sqrt(squared)));
+                  fmt::format("a quaternion of length {:.6g}, expected 1", std::sqrt(squared)));
       if (!(squared > 0)) node.erase("rotation");
     }
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <csetjmp>
 #include <cstdio>
 
 // note: needs FILE and size_t from above
@@ -10,7 +9,7 @@
 
 #include <jerror.h>
 
-#include "importers/internal/image_codecs.h"
+#include "importers/internal/image_reader.h"
 
 namespace panwright::importers {
 
@@ -38,48 +37,35 @@ bool means_loss(int warning) {
   }
 }
 
-class JpegReader {
+class JpegReader : private ImageReader {
  public:
   JpegReader(std::span<const std::byte> bytes, std::uint64_t max_bytes, DecodedImage& out)
-      : bytes_(bytes), max_bytes_(max_bytes), out_(out) {}
-  JpegReader(const JpegReader&) = delete;
-  JpegReader& operator=(const JpegReader&) = delete;
+      : ImageReader("JPEG", bytes, max_bytes, out) {}
   ~JpegReader() { jpeg_destroy_decompress(&jpeg_); }
 
   ImageProblem run() {
     if (!guarded([this] { read_header(); }) && jpeg_.err->msg_code != JERR_IMAGE_TOO_BIG)
       return problem_found();
-    if (const ImageProblem problem =
-            check_image_size(jpeg_.image_width, jpeg_.image_height, max_bytes_);
+    if (const ImageProblem problem = check_size(jpeg_.image_width, jpeg_.image_height);
         problem.code)
       return problem;
     if (!guarded([this] { start(); })) return problem_found();
-    out_ = {jpeg_.output_width, jpeg_.output_height, {}};
-    out_.rgba.assign(std::size_t{4} * out_.width * out_.height, 0);
+    make_room(jpeg_.output_width, jpeg_.output_height);
     if (!guarded([this] { read_rows(); })) return problem_found();
     if (jpeg_.out_color_space == JCS_CMYK) rgb_from_cmyk();
     return {};
   }
 
  private:
-  // Runs calls of libjpeg; false when it stopped in one. note: it leaves by longjmp, which passes
-  // over these frames only: nothing in `calls` may own anything
-  template <typename Calls>
-  [[gnu::noinline]] bool guarded(const Calls& calls) {
-    if (setjmp(jump_)) return false;
-    calls();
-    return true;
-  }
-
   static JpegReader& self(j_common_ptr jpeg) {
     return *static_cast<JpegReader*>(jpeg->client_data);
   }
-  [[noreturn]] static void stop(j_common_ptr jpeg) { std::longjmp(self(jpeg).jump_, 1); }
+  [[noreturn]] static void leave(j_common_ptr jpeg) { self(jpeg).stop(); }
   static void warn(j_common_ptr jpeg, int level) {
     const int code = jpeg->err->msg_code;
     if (level >= 0) return;
     if (means_loss(code) || (code == JWRN_EXTRANEOUS_DATA && self(jpeg).passed_over_data()))
-      stop(jpeg);
+      leave(jpeg);
   }
   // Whether the bytes that were passed over before a marker look like the rest of a scan, of which
   // blocks were lost, and not like padding.
@@ -94,7 +80,7 @@ class JpegReader {
     JpegReader& reader = self(jpeg);
     if (static_cast<std::uint64_t>(reader.jpeg_.input_scan_number) <= reader.most_scans()) return;
     reader.too_many_scans_ = true;
-    stop(jpeg);
+    leave(jpeg);
   }
 
   std::uint64_t most_scans() const {
@@ -105,7 +91,7 @@ class JpegReader {
 
   void read_header() {
     jpeg_.err = jpeg_std_error(&errors_);
-    errors_.error_exit = stop;
+    errors_.error_exit = leave;
     errors_.emit_message = warn;
     errors_.output_message = print_nothing;
     jpeg_.client_data = this;
@@ -129,9 +115,8 @@ class JpegReader {
   }
 
   void read_rows() {
-    const std::size_t row = std::size_t{4} * out_.width;
     while (jpeg_.output_scanline < out_.height) {
-      JSAMPROW rows[] = {out_.rgba.data() + row * jpeg_.output_scanline};
+      JSAMPROW rows[] = {row(jpeg_.output_scanline)};
       jpeg_read_scanlines(&jpeg_, rows, 1);
     }
     jpeg_finish_decompress(&jpeg_);
@@ -157,25 +142,19 @@ class JpegReader {
     switch (jpeg_.err->msg_code) {
       case JERR_OUT_OF_MEMORY:
       case JERR_NO_BACKING_STORE:
-        return {Code::E3002, "the JPEG needs more memory than the limit of all pictures allows"};
+        return {Code::E3002, "the JPEG needs more memory than the limit of all textures allows"};
       case JWRN_JPEG_EOF:
-        return {Code::E3001,
-                fmt::format("the JPEG is cut short: it ends at byte {}", bytes_.size())};
+        return cut_short();
       default:
         jpeg_.err->format_message(reinterpret_cast<j_common_ptr>(&jpeg_), text.data());
-        return {Code::E3001, fmt::format("the JPEG is damaged near byte {} ({})",
-                                         bytes_.size() - jpeg_.src->bytes_in_buffer, text.data())};
+        return damaged("near", bytes_.size() - jpeg_.src->bytes_in_buffer, text.data());
     }
   }
 
-  std::span<const std::byte> bytes_;
-  std::uint64_t max_bytes_;
-  DecodedImage& out_;
   bool too_many_scans_ = false;
   jpeg_decompress_struct jpeg_{};
   jpeg_error_mgr errors_{};
   jpeg_progress_mgr progress_{};
-  std::jmp_buf jump_;
 };
 
 }  // namespace

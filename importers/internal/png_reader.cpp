@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <csetjmp>
 #include <cstring>
 #include <string_view>
 
-#include "importers/internal/image_codecs.h"
+#include "importers/internal/image_reader.h"
 
 namespace panwright::importers {
 
@@ -23,12 +22,10 @@ std::uint32_t big_endian(std::span<const std::byte> bytes, std::size_t at) {
   return value;
 }
 
-class PngReader {
+class PngReader : private ImageReader {
  public:
   PngReader(std::span<const std::byte> bytes, std::uint64_t max_bytes, DecodedImage& out)
-      : bytes_(bytes), max_bytes_(max_bytes), out_(out) {}
-  PngReader(const PngReader&) = delete;
-  PngReader& operator=(const PngReader&) = delete;
+      : ImageReader("PNG", bytes, max_bytes, out) {}
   ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
 
   ImageProblem run() {
@@ -36,35 +33,24 @@ class PngReader {
     // libpng would refuse these too, with less to say
     const std::uint64_t width = big_endian(bytes_, 16);
     const std::uint64_t height = big_endian(bytes_, 20);
-    if (const ImageProblem problem = check_image_size(width, height, max_bytes_); problem.code)
-      return problem;
+    if (const ImageProblem problem = check_size(width, height); problem.code) return problem;
     if (!guarded([this] { begin(); })) return problem_found();
     if (png_ == nullptr || info_ == nullptr) return {Code::E3002, "no memory is left for the PNG"};
     if (!guarded([this] { read_header(); })) return problem_found();
     if (row_bytes_ * height > kDeflateRatio * bytes_.size())
       return {Code::E3001, fmt::format("the PNG is too short for {} x {} pixels", width, height)};
-    out_ = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
-    out_.rgba.assign(4 * width * height, 0);
+    make_room(width, height);
     if (!guarded([this] { read_rows(); })) return problem_found();
     return {};
   }
 
  private:
-  // Runs calls of libpng; false when it stopped in one. note: libpng leaves by longjmp, which
-  // passes over these frames only: nothing in `calls` may own anything
-  template <typename Calls>
-  [[gnu::noinline]] bool guarded(const Calls& calls) {
-    if (setjmp(jump_)) return false;
-    calls();
-    return true;
-  }
-
-  [[noreturn]] static void stop(png_structp png, png_const_charp message) {
+  [[noreturn]] static void leave(png_structp png, png_const_charp message) {
     auto& self = *static_cast<PngReader*>(png_get_error_ptr(png));
     const std::size_t length = std::min(std::strlen(message), self.message_.size() - 1);
     std::memcpy(self.message_.data(), message, length);
     self.message_[length] = 0;
-    std::longjmp(self.jump_, 1);
+    self.stop();
   }
   static void ignore(png_structp, png_const_charp) {}
   static void read(png_structp png, png_bytep to, std::size_t size) {
@@ -78,7 +64,7 @@ class PngReader {
   }
 
   void begin() {
-    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, stop, ignore);
+    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, leave, ignore);
     if (png_ == nullptr) return;
     info_ = png_create_info_struct(png_);
     png_set_read_fn(png_, this, read);
@@ -103,26 +89,18 @@ class PngReader {
   }
 
   void read_rows() {
-    const std::size_t row = std::size_t{4} * out_.width;
-    if (png_get_rowbytes(png_, info_) != row) png_error(png_, "unexpected length of rows");
+    if (png_get_rowbytes(png_, info_) != std::size_t{4} * out_.width)
+      png_error(png_, "unexpected length of rows");
     for (int pass = 0; pass < passes_; ++pass)
-      for (std::size_t y = 0; y < out_.height; ++y)
-        png_read_row(png_, out_.rgba.data() + row * y, nullptr);
+      for (std::size_t y = 0; y < out_.height; ++y) png_read_row(png_, row(y), nullptr);
     png_read_end(png_, nullptr);
   }
 
-  ImageProblem cut_short() const {
-    return {Code::E3001, fmt::format("the PNG is cut short: it ends at byte {}", bytes_.size())};
-  }
   ImageProblem problem_found() const {
     if (at_end_) return cut_short();
-    return {Code::E3001,
-            fmt::format("the PNG is damaged before byte {} ({})", at_, message_.data())};
+    return damaged("before", at_, message_.data());
   }
 
-  std::span<const std::byte> bytes_;
-  std::uint64_t max_bytes_;
-  DecodedImage& out_;
   std::size_t at_ = 0;
   bool at_end_ = false;
   png_structp png_ = nullptr;
@@ -130,7 +108,6 @@ class PngReader {
   std::size_t row_bytes_ = 0;  // of a row in the file
   int passes_ = 1;
   std::array<char, 128> message_{};
-  std::jmp_buf jump_;
 };
 
 }  // namespace

@@ -258,6 +258,13 @@ std::span<const std::string_view> brdf_slots() {
   return kSlots;
 }
 
+std::uint64_t features_of([[maybe_unused]] const layout::Material& r) {
+  std::uint64_t features = 0;
+  if (r.specular_law == static_cast<std::uint32_t>(materials::SpecularModel::retroreflector))
+    features |= layout::kFeatureBrdfRetroreflector;
+  return features;
+}
+
 std::optional<std::string> material_limit_broken(const layout::Material& r) {
   switch (static_cast<materials::DiffuseModel>(r.diffuse_law)) {
     case materials::DiffuseModel::hapke:

@@ -241,7 +241,7 @@ void finish(const Model& model, const Work& work, Problems& problems) {
 
 // Unpacks one array, and looks at each chunk while it is in the cache.
 std::optional<Problem> unpack_array(Model& model, const layout::DirectoryEntry& entry,
-                                    Problems& problems) {
+                                    Problems& problems, const Job& job) {
   const SectionKind kind{entry.kind};
   const auto chunks = chunks_of(model, entry);
   if (!chunks)
@@ -253,12 +253,15 @@ std::optional<Problem> unpack_array(Model& model, const layout::DirectoryEntry& 
                                             section_words(entry), entry.raw_length)};
   std::vector<char> sound(chunks->count());
   std::vector<Found> found(chunks->count());
-  parallel_for(chunks->count(), [&](std::size_t i) {
-    sound[i] = chunks->unpack(i, to);
-    if (sound[i])
-      check_elements(model, kind, chunks->begin(i) / entry.stride, chunks->end(i) / entry.stride,
-                     found[i]);
-  });
+  parallel_for(
+      chunks->count(),
+      [&](std::size_t i) {
+        sound[i] = chunks->unpack(i, to);
+        if (sound[i])
+          check_elements(model, kind, chunks->begin(i) / entry.stride,
+                         chunks->end(i) / entry.stride, found[i]);
+      },
+      job);
   const auto bad = std::find(sound.begin(), sound.end(), 0);
   if (bad != sound.end())
     return Problem{Code::E4015,
@@ -301,13 +304,18 @@ Problems section_problems(const Model& model, Part part, bool contents, const Jo
   return problems;
 }
 
-Problems unpack_arrays(Model& model) {
+Problems unpack_arrays(Model& model, const Job& job) {
   Problems problems;
   for (const layout::DirectoryEntry& entry : model.directory()) {
     if (!model.reads(entry) || !is_array(entry.kind) || !has_codec(entry)) continue;
-    if (auto problem = unpack_array(model, entry, problems)) {
+    try {
+      if (auto problem = unpack_array(model, entry, problems, job)) {
+        Unpacked::drop(model, SectionKind{entry.kind});
+        problems.push_back(*std::move(problem));
+      }
+    } catch (const Cancelled&) {
       Unpacked::drop(model, SectionKind{entry.kind});
-      problems.push_back(*std::move(problem));
+      throw;
     }
   }
   return problems;

@@ -1,6 +1,7 @@
 // The parameters of stored materials. Private to pan.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +14,9 @@ namespace panwright::pan {
 // What is wrong with the parameters that a record uses, in words; none: nothing. Its model numbers
 // must be known.
 std::optional<std::string> material_limit_broken(const layout::Material& record);
+
+// The required features of a file with the record: those of BRDFs that format 1.0 lacks.
+std::uint64_t features_of(const layout::Material& record);
 
 // The fields of a record that hold the parameters of BRDFs.
 std::span<const std::string_view> brdf_slots();

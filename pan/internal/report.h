@@ -71,12 +71,12 @@ Problems section_problems(const Model& model, Part part, bool contents, const Jo
 // no contents.
 //
 // Expects: neither section_problems nor table_problems found anything.
-Problems unpack_arrays(Model& model);
+Problems unpack_arrays(Model& model, const Job& job);
 
 // Unpacks the compressed tables, and brings records of other sizes to the size that they have here.
 // On a problem of a section it has no contents.
 //
 // Expects: section_problems of the tables found nothing.
-Problems unpack_tables(Model& model);
+Problems unpack_tables(Model& model, const Job& job);
 
 }  // namespace panwright::pan::internal

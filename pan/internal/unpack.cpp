@@ -146,11 +146,12 @@ void resize_records(std::span<const std::byte> from, std::uint32_t from_stride,
   }
 }
 
-Problems unpack_tables(Model& model) {
+Problems unpack_tables(Model& model, const Job& job) {
   Problems problems;
   for (const DirectoryEntry& entry : model.directory()) {
     if (!model.reads(entry) || is_array(entry.kind)) continue;
     if (!has_codec(entry) && entry.stride == layout::kSections[entry.kind - 1].stride) continue;
+    job.poll();
     if (auto problem = unpack_table(model, entry)) {
       Unpacked::drop(model, SectionKind{entry.kind});
       problems.push_back(*std::move(problem));

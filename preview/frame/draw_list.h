@@ -20,6 +20,9 @@ namespace panwright::preview {
 struct Families {
   std::vector<materials::Laws> all;        // sorted
   std::vector<std::uint32_t> of_material;  // into all, one for each material
+  // how far a normal may turn within a pixel that one sample shades, 2^(-w/16) rad; one for each
+  // material, 0 to 255
+  std::vector<std::uint32_t> normal_change;
 };
 Families families_of(const pan::Model& model);
 

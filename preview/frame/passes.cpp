@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <utility>
 
 #include "materials/brdf.h"
 #include "preview/frame/blocks.h"
@@ -27,7 +28,7 @@ void copy_cells(const materials::Cells& cells, const float coat_return[3], DrawB
 
 // what the fragments of a tile share
 ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const Tile& tile,
-                     unsigned samples) {
+                     unsigned samples, unsigned stands_for) {
   const Mat3 axes = glm::mat3_cast(camera.world_from_camera);
   Vec3 sight = axes[2];
   Vec3 right(0);
@@ -45,9 +46,11 @@ ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const T
   copy_floats(glm::normalize(sun.direction), block.to_sun);
   block.to_sun[3] = static_cast<float>(materials::kSunAlpha2 / (sun.distance * sun.distance));
   copy_floats(sun.irradiance.value_or(Vec3(1)), block.irradiance);
+  block.irradiance[3] = std::log2(static_cast<float>(stands_for));
   return block;
 }
 
+bool is_flat(Pass pass) { return pass == Pass::flat_geometry || pass == Pass::flat_coverage; }
 bool is_shaded(Pass pass) { return pass == Pass::geometry || pass == Pass::flat_geometry; }
 
 // the smallest tile around both; one without pixels counts for nothing
@@ -62,43 +65,53 @@ Tile around(const Tile& a, const Tile& b) {
 
 }  // namespace
 
-TileScene tile_scene(const FrameScene& scene, const Tile& tile) {
-  TileScene result;
-  result.tile = {tile.x, tile.y, 0, 0};
+void TileScene::find(const FrameScene& scene, const Tile& whole) {
+  constexpr std::uint32_t kNone = ~0u;
+  tile = {whole.x, whole.y, 0, 0};
   std::size_t blocks = 0;
+  std::size_t count = 0;
   for (std::uint32_t v = 0; v < scene.visible.targets.size(); ++v) {
     const VisibleTarget& visible = scene.visible.targets[v];
-    const std::vector<DrawItem>& list = scene.state(v).items;
-    TileTarget target;
+    const std::span<const DrawItem> list = scene.state(v).items();
+    TileTarget& target = count < targets.size() ? targets[count] : targets.emplace_back();
     target.visible = v;
     target.first_block = blocks;
+    target.drawn.clear();
+    target.classes.clear();
     const Families& families = scene.state(v).model().families;
-    std::vector<std::optional<TileTarget::ShadingClass>> classes(families.all.size());
+    by_family_.assign(families.all.size(), {kNone, 0, true});
     for (std::uint32_t i = 0; i < visible.items.size(); ++i) {
-      if (!may_touch(scene.camera, tile, 1.0, visible.boxes[i])) continue;
+      if (!may_touch(scene.camera, whole, 1.0, visible.boxes[i])) continue;
       const DrawItem& item = list[visible.items[i]];
       target.drawn.push_back(i);
       const std::uint32_t family = families.of_material[item.material];
-      if (!classes[family]) classes[family] = {family, item.material, true};
-      if (classes[family]->material != item.material) classes[family]->one_material = false;
+      TileTarget::ShadingClass& shading = by_family_[family];
+      if (shading.family == kNone) shading = {family, item.material, true};
+      if (shading.material != item.material) shading.one_material = false;
     }
-    target.part = touched_part(scene.camera, tile, visible.boxes, target.drawn);
+    target.part = touched_part(scene.camera, whole, visible.boxes, target.drawn);
     if (target.part.width == 0 || target.part.height == 0) continue;
-    for (const auto& one : classes)
-      if (one) target.classes.push_back(*one);
-    result.tile = around(result.tile, target.part);
+    for (const TileTarget::ShadingClass& one : by_family_)
+      if (one.family != kNone) target.classes.push_back(one);
+    tile = around(tile, target.part);
     blocks += target.drawn.size();
-    result.targets.push_back(std::move(target));
+    ++count;
   }
-  return result;
+  targets.resize(count);
+}
+
+TileScene tile_scene(const FrameScene& scene, const Tile& tile) {
+  TileScene out;
+  out.find(scene, tile);
+  return out;
 }
 
 Passes::Passes(Device::Impl& device)
     : device_(device),
       gl_(device.context->gl()),
       screen_(make_vertex_array(gl_)),
-      view_buffer_(make_stream_buffer(gl_)),
-      draw_buffer_(make_stream_buffer(gl_)),
+      stream_(gl_),
+      view_stride_(block_stride(gl_, sizeof(ViewBlock))),
       draw_stride_(block_stride(gl_, sizeof(DrawBlock))) {}
 
 GLuint Passes::program(const ModelResources::Impl& model, const Variant& variant, Pass pass,
@@ -112,6 +125,10 @@ GLuint Passes::program(const ModelResources::Impl& model, const Variant& variant
       return device_.programs.ids(variant.cutout, problem);
     case Pass::bare:
       return device_.programs.bare(problem);
+    case Pass::coverage:
+      return device_.programs.coverage(variant.cutout, false, problem);
+    case Pass::flat_coverage:
+      return device_.programs.coverage(variant.cutout, true, problem);
   }
   return 0;
 }
@@ -121,7 +138,7 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
   for (std::size_t v = 0; v < scene.visible.targets.size(); ++v) {
     const TargetState& state = scene.state(v);
     ModelResources::Impl& model = state.resources->impl();
-    if (pass == Pass::flat_geometry) {
+    if (is_flat(pass)) {
       const std::uint64_t before = model.gpu.bytes();
       const bool good = model.gpu.upload_triangle_normals(*model.model, log);
       device_.model_bytes += model.gpu.bytes() - before;
@@ -129,7 +146,7 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
     }
     const DrawItem* last = nullptr;
     for (const std::uint32_t index : scene.visible.targets[v].items) {
-      const DrawItem& item = state.items[index];
+      const DrawItem& item = state.items()[index];
       if (last && item.variant == last->variant && item.material == last->material) continue;
       last = &item;
       std::string problem;
@@ -152,11 +169,21 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
   return true;
 }
 
+void Passes::upload_view(const FrameScene& scene, const TileScene& tile, unsigned samples,
+                         unsigned stands_for) {
+  const ViewBlock view =
+      view_block(scene.camera, scene.world.sun(), tile.tile, samples, stands_for);
+  // note: smaller than what upload() made room for, so that its blocks stay where they are
+  const std::size_t at = stream_.upload(std::as_bytes(std::span(&view, 1)));
+  gl_.BindBufferRange(GL_UNIFORM_BUFFER, kViewBinding, stream_.id(), static_cast<GLintptr>(at),
+                      sizeof view);
+}
+
 void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat) {
-  const ViewBlock shared = view_block(scene.camera, scene.world.sun(), tile.tile, samples);
-  gl_.NamedBufferData(view_buffer_.id(), sizeof shared, &shared, GL_STREAM_DRAW);
-  gl_.BindBufferBase(GL_UNIFORM_BUFFER, kViewBinding, view_buffer_.id());
+  const ViewBlock shared = view_block(scene.camera, scene.world.sun(), tile.tile, samples, 1);
   blocks_.clear();
+  blocks_.resize(view_stride_);
+  std::memcpy(blocks_.data(), &shared, sizeof shared);
   for (const DepthGroup& group : scene.visible.groups)
     for (const TileTarget& target : tile.targets) {
       if (!std::binary_search(group.targets.begin(), group.targets.end(), target.visible)) continue;
@@ -164,11 +191,11 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
       const TargetState& state = scene.state(target.visible);
       const pan::Model& model = *state.model().model;
       const Mat3 rotation = glm::mat3_cast(scene.world[visible.target].pose().rotation);
-      blocks_.resize(
-          std::max(blocks_.size(), (target.first_block + target.drawn.size()) * draw_stride_));
+      const std::size_t first = view_stride_ + target.first_block * draw_stride_;
+      blocks_.resize(std::max(blocks_.size(), first + target.drawn.size() * draw_stride_));
       for (std::size_t k = 0; k < target.drawn.size(); ++k) {
         const std::uint32_t index = visible.items[target.drawn[k]];
-        const DrawItem& item = state.items[index];
+        const DrawItem& item = state.items()[index];
         DrawBlock block{};
         copy_floats(clip_from_mesh(scene.camera, tile.tile, group.depth,
                                    visible.boxes[target.drawn[k]].camera_from_mesh),
@@ -177,27 +204,38 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
         block.id[0] = visible.first_id + index + 1;
         block.id[1] = tile.tile.x * samples;
         block.id[2] = tile.tile.y * samples;
+        block.id[3] = state.model().families.normal_change[item.material];
         copy_floats(item.diffuse, block.diffuse);
         copy_repeat(item, block);
         copy_cells(item.cells, model.materials()[item.material].coat_return, block);
         if (scene.shadows)
           place_before_sun(scene.shadows->place(target.visible), model.meshes()[item.mesh], item,
                            flat, block);
-        std::memcpy(blocks_.data() + (target.first_block + k) * draw_stride_, &block, sizeof block);
+        std::memcpy(blocks_.data() + first + k * draw_stride_, &block, sizeof block);
       }
     }
-  if (!blocks_.empty())
-    gl_.NamedBufferData(draw_buffer_.id(), static_cast<GLsizeiptr>(blocks_.size()), blocks_.data(),
-                        GL_STREAM_DRAW);
+  const std::size_t at = stream_.upload(blocks_);
+  gl_.BindBufferRange(GL_UNIFORM_BUFFER, kViewBinding, stream_.id(), static_cast<GLintptr>(at),
+                      sizeof(ViewBlock));
+  first_draw_ = at + view_stride_;
 }
 
-void Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
-                  const RenderTarget& target) {
+void Passes::bind_block(std::size_t block) const {
+  gl_.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, stream_.id(),
+                      static_cast<GLintptr>(first_draw_ + block * draw_stride_), sizeof(DrawBlock));
+}
+
+bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
+                  const RenderTarget& target, const Job& job,
+                  const std::function<void(bool)>& clear) {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.id());
   gl_.Viewport(0, 0, static_cast<GLsizei>(tile.tile.width * samples),
                static_cast<GLsizei>(tile.tile.height * samples));
   gl_.Enable(GL_DEPTH_TEST);
-  if (pass == Pass::ids) {
+  bool first = true;
+  if (clear) {
+    // by groups below
+  } else if (pass == Pass::ids || pass == Pass::coverage || pass == Pass::flat_coverage) {
     constexpr GLuint kNothing[4] = {};
     gl_.ClearBufferuiv(GL_COLOR, 0, kNothing);
   } else {
@@ -210,16 +248,18 @@ void Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned sampl
     };
     if (std::none_of(tile.targets.begin(), tile.targets.end(), belongs)) continue;
     const float far_depth = 0;
-    gl_.ClearBufferfv(GL_DEPTH, 0, &far_depth);
+    clear ? clear(std::exchange(first, false)) : gl_.ClearBufferfv(GL_DEPTH, 0, &far_depth);
     for (const TileTarget& one : tile.targets)
-      if (belongs(one)) draw_items(scene, one, pass);
+      if (belongs(one) && !draw_items(scene, one, pass, job)) return false;
     if (!is_shaded(pass)) continue;
     for (const TileTarget& one : tile.targets)
-      if (belongs(one)) draw_decals(scene, one);
+      if (belongs(one)) draw_decals(scene, one, target.colors[kSeenLayer]);
   }
+  return !job.cancelled();
 }
 
-void Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass pass) {
+bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass pass,
+                        const Job& job) {
   const TargetState& state = scene.state(target.visible);
   const ModelResources::Impl& model = state.model();
   const VisibleTarget& visible = scene.visible.targets[target.visible];
@@ -227,7 +267,7 @@ void Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
   const DrawItem* last = nullptr;
   for (std::size_t k = 0; k < target.drawn.size(); ++k) {
     const std::uint32_t index = visible.items[target.drawn[k]];
-    const DrawItem& item = state.items[index];
+    const DrawItem& item = state.items()[index];
     const pan::layout::Mesh& mesh = model.model->meshes()[item.mesh];
     if (!last || item.variant != last->variant)
       gl_.UseProgram(program(model, item.variant, pass, shadows, nullptr));
@@ -238,50 +278,57 @@ void Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
     if (!last || item.texture != last->texture || item.material != last->material)
       model.gpu.bind_maps(index);
     if (!last || item.mesh != last->mesh) model.gpu.bind_vertices(mesh, item.mesh);
-    gl_.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, draw_buffer_.id(),
-                        static_cast<GLintptr>((target.first_block + k) * draw_stride_),
-                        sizeof(DrawBlock));
-    pass == Pass::flat_geometry ? model.gpu.draw_flat(mesh, item.mesh)
-                                : model.gpu.draw(mesh, item.mesh);
+    bind_block(target.first_block + k);
+    const bool done = is_flat(pass)       ? model.gpu.draw_flat(mesh, item.mesh, job)
+                      : pass == Pass::ids ? model.gpu.draw_whole(mesh, item.mesh, job)
+                                          : model.gpu.draw(mesh, item.mesh, job);
+    if (!done) return false;
     last = &item;
   }
+  return true;
 }
 
 // lays pictures over the colours of what is seen
-void Passes::draw_decals(const FrameScene& scene, const TileTarget& target) {
+void Passes::draw_decals(const FrameScene& scene, const TileTarget& target, const GlTexture& seen) {
   const TargetState& state = scene.state(target.visible);
   const ModelResources::Impl& model = state.model();
   if (model.gpu.decals().empty()) return;
   const VisibleTarget& visible = scene.visible.targets[target.visible];
-  std::vector<std::uint32_t> place(state.items.size(), ~0u);  // of an item in target.drawn
-  for (std::uint32_t k = 0; k < target.drawn.size(); ++k) place[visible.items[target.drawn[k]]] = k;
+  places_.assign(state.items().size(), ~0u);  // of an item in target.drawn
+  for (std::uint32_t k = 0; k < target.drawn.size(); ++k)
+    places_[visible.items[target.drawn[k]]] = k;
   gl_.UseProgram(device_.programs.decal(nullptr));
+  // whose the sample is, is read where its sign is written: the barrier makes that sound
+  gl_.BindTextureUnit(kSeenUnit, seen.id());
+  gl_.TextureBarrier();
   // every program puts a vertex on the same spot, so what is seen has the very depth that is there
   gl_.DepthFunc(GL_EQUAL);
   gl_.DepthMask(GL_FALSE);
   for (GLuint layer = 0; layer <= kSunLayer; ++layer) {
     const GLboolean paint = layer == kPaintLayer;
-    gl_.ColorMaski(layer, paint, paint, paint, GL_FALSE);
+    gl_.ColorMaski(layer, paint, paint, paint, layer == kSeenLayer);
   }
+  gl_.Enablei(GL_BLEND, kSeenLayer);
+  gl_.BlendEquationi(kSeenLayer, GL_MIN);
   gl_.Enablei(GL_BLEND, kPaintLayer);
   gl_.BlendFunci(kPaintLayer, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   const DrawItem* last = nullptr;
   for (std::size_t i = 0; i < model.gpu.decals().size(); ++i) {
-    const std::uint32_t k = place[model.gpu.decals()[i].item];
+    const std::uint32_t k = places_[model.gpu.decals()[i].item];
     if (k == ~0u) continue;
-    const DrawItem& item = state.items[model.gpu.decals()[i].item];
+    const DrawItem& item = state.items()[model.gpu.decals()[i].item];
     if (&item != last) {
       item.closed ? gl_.Enable(GL_CULL_FACE) : gl_.Disable(GL_CULL_FACE);
       gl_.FrontFace(item.mirrored ? GL_CCW : GL_CW);
       model.gpu.bind_vertices(model.model->meshes()[item.mesh], item.mesh);
-      gl_.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, draw_buffer_.id(),
-                          static_cast<GLintptr>((target.first_block + k) * draw_stride_),
-                          sizeof(DrawBlock));
+      bind_block(target.first_block + k);
     }
     model.gpu.draw_decal(i);
     last = &item;
   }
   gl_.Disablei(GL_BLEND, kPaintLayer);
+  gl_.Disablei(GL_BLEND, kSeenLayer);
+  gl_.BlendEquationi(kSeenLayer, GL_FUNC_ADD);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(GL_GREATER);
@@ -294,10 +341,14 @@ void Passes::scissor(const Tile& tile, const Tile& part, unsigned samples) const
 }
 
 void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samples,
-                   const RenderTarget& seen, const RenderTarget& color) {
+                   const RenderTarget& seen, const RenderTarget& color, const Blocks& blocks) {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, color.framebuffer.id());
-  gl_.Viewport(0, 0, static_cast<GLsizei>(tile.tile.width * samples),
-               static_cast<GLsizei>(tile.tile.height * samples));
+  const bool apart = blocks.a_row > 0;
+  const Tile window{0, 0, apart ? blocks.a_row : tile.tile.width,
+                    apart ? blocks.rows : tile.tile.height};
+  gl_.Viewport(0, 0, static_cast<GLsizei>(window.width * samples),
+               static_cast<GLsizei>(window.height * samples));
+  if (apart) gl_.BindTextureUnit(kBlocksUnit, blocks.pixels);
   gl_.Enable(GL_DEPTH_TEST);
   gl_.Disable(GL_CULL_FACE);
   const float nothing = 0;
@@ -316,17 +367,18 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
   gl_.Enable(GL_SCISSOR_TEST);
   // where no class is asked for, the depth test leaves nothing to run
   GLuint first_class = 0;
-  std::vector<GLuint> first_classes;
+  first_classes_.clear();
   gl_.DepthFunc(GL_ALWAYS);
   gl_.UseProgram(device_.programs.classes(nullptr));
   for (const TileTarget& target : tile.targets) {
     const ModelResources::Impl& model = scene.state(target.visible).model();
-    scissor(tile.tile, target.part, samples);
+    apart ? scissor(window, window, samples) : scissor(tile.tile, target.part, samples);
     model.gpu.bind_items();
+    gl_.Uniform2ui(kBlocksLocation, samples, blocks.a_row);
     gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id,
-                   static_cast<GLuint>(scene.state(target.visible).items.size()), first_class, 0);
+                   static_cast<GLuint>(scene.state(target.visible).items().size()), first_class, 0);
     gl_.DrawArrays(GL_TRIANGLES, 0, 3);
-    first_classes.push_back(first_class);
+    first_classes_.push_back(first_class);
     first_class += static_cast<GLuint>(model.families.all.size());
   }
   gl_.DepthFunc(GL_EQUAL);
@@ -334,7 +386,7 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
   for (std::size_t t = 0; t < tile.targets.size(); ++t) {
     const TileTarget& target = tile.targets[t];
     const ModelResources::Impl& model = scene.state(target.visible).model();
-    scissor(tile.tile, target.part, samples);
+    apart ? scissor(window, window, samples) : scissor(tile.tile, target.part, samples);
     if (scene.shadows) scene.shadows->bind(gl_, target.visible);
     model.gpu.bind_materials();
     for (const TileTarget::ShadingClass& one : target.classes) {
@@ -342,8 +394,9 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
       gl_.UseProgram(device_.programs.shading(model.families.all[one.family], model.layers,
                                               one.one_material, scene.shadows != nullptr, nullptr));
       gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
+      gl_.Uniform2ui(kBlocksLocation, samples, blocks.a_row);
       gl_.Uniform1f(kDepthLocation,
-                    static_cast<float>(first_classes[t] + one.family + 1) * (1.0f / 1048576.0f));
+                    static_cast<float>(first_classes_[t] + one.family + 1) * (1.0f / 1048576.0f));
       gl_.DrawArrays(GL_TRIANGLES, 0, 3);
     }
   }

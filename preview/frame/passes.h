@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,7 +16,7 @@
 namespace panwright::preview {
 
 // What a pass over the triangles draws.
-enum class Pass { geometry, flat_geometry, ids, bare };
+enum class Pass { geometry, flat_geometry, ids, bare, coverage, flat_coverage };
 
 // What the passes of one frame share.
 struct FrameScene {
@@ -45,12 +46,25 @@ struct TileTarget {
   Tile part;                          // of the tile that it may fall on
 };
 
-// What falls on one tile.
+// What falls on one tile. Found tile by tile in the same memory.
 struct TileScene {
   Tile tile;                        // the part of it that anything may fall on
   std::vector<TileTarget> targets;  // those on it, as in VisibleSet
+
+  void find(const FrameScene& scene, const Tile& whole);
+
+ private:
+  std::vector<TileTarget::ShadingClass> by_family_;
 };
+
 TileScene tile_scene(const FrameScene& scene, const Tile& tile);
+
+// Blocks of N×N samples, each of one pixel, that are shaded one behind the other, in rows.
+struct Blocks {
+  GLuint pixels = 0;  // buffer texture, one R32UI a block: x | y << 16
+  std::uint32_t a_row = 0;
+  std::uint32_t rows = 0;
+};
 
 class Passes {
  public:
@@ -59,32 +73,46 @@ class Passes {
   // Builds every program that a pass needs before its first draw. Fails: E5001.
   bool prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log);
 
-  // One upload of the blocks of all items of a tile.
+  // One upload: the blocks of a tile and of all items on it.
   void upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat);
+  // What the view alone says, anew. stands_for: N, where one sample asks for N×N (geometry.frag);
+  // 1: none.
+  void upload_view(const FrameScene& scene, const TileScene& tile, unsigned samples,
+                   unsigned stands_for);
 
   // Draws the items, with the decals over them in a geometry pass. Groups of targets are drawn from
-  // the farthest to the nearest, each over a cleared depth buffer.
-  void draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
-            const RenderTarget& target);
+  // the farthest to the nearest, each over a cleared depth buffer. False: the job is cancelled.
+  //
+  //   clear  called in place of clearing: all at first, then the depth alone, before each group
+  bool draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
+            const RenderTarget& target, const Job& job,
+            const std::function<void(bool first)>& clear = {});
 
   // Turns what is seen into radiance, target by target, one family of materials after the other.
   void shade(const FrameScene& scene, const TileScene& tile, unsigned samples,
-             const RenderTarget& seen, const RenderTarget& color);
+             const RenderTarget& seen, const RenderTarget& color, const Blocks& blocks = {});
+
+  // A vertex array without vertices.
+  GLuint screen() const { return screen_.id(); }
 
  private:
   GLuint program(const ModelResources::Impl& model, const Variant& variant, Pass pass, bool shadows,
                  std::string* problem);
-  void draw_items(const FrameScene& scene, const TileTarget& target, Pass pass);
+  bool draw_items(const FrameScene& scene, const TileTarget& target, Pass pass, const Job& job);
+  void bind_block(std::size_t block) const;
   void scissor(const Tile& tile, const Tile& part, unsigned samples) const;
-  void draw_decals(const FrameScene& scene, const TileTarget& target);
+  void draw_decals(const FrameScene& scene, const TileTarget& target, const GlTexture& seen);
 
   Device::Impl& device_;
   const GladGLContext& gl_;
-  GlVertexArray screen_;  // no vertices
-  GlBuffer view_buffer_;
-  GlBuffer draw_buffer_;
+  GlVertexArray screen_;         // no vertices
+  StreamBuffer stream_;          // a view block, then draw blocks
+  std::size_t view_stride_ = 0;  // bytes
   std::size_t draw_stride_ = 0;  // bytes
+  std::size_t first_draw_ = 0;   // bytes in stream_, of those uploaded last
   std::vector<std::byte> blocks_;
+  std::vector<std::uint32_t> places_;  // of draw_decals()
+  std::vector<GLuint> first_classes_;  // of shade()
 };
 
 }  // namespace panwright::preview

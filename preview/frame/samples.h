@@ -2,6 +2,7 @@
 // here needs OpenGL.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,13 +12,59 @@
 
 namespace panwright::preview {
 
-// Tiles of at most side × side pixels, row by row, that cover the image.
+// Tiles of at most side × side pixels, row by row, that cover the image: one after the other.
+class Tiles {
+ public:
+  Tiles(std::uint32_t width, std::uint32_t height, std::uint32_t side)
+      : width_(width), height_(height), side_(side) {}
+  explicit operator bool() const { return y_ < height_; }  // whether there is one
+  Tile operator*() const {
+    return {x_, y_, std::min(side_, width_ - x_), std::min(side_, height_ - y_)};
+  }
+  void next() {
+    x_ += side_;
+    if (x_ < width_) return;
+    x_ = 0;
+    y_ += side_;
+  }
+
+ private:
+  std::uint32_t width_, height_, side_;
+  std::uint32_t x_ = 0;
+  std::uint32_t y_ = 0;
+};
 std::vector<Tile> tiles(std::uint32_t width, std::uint32_t height, std::uint32_t side);
 
-// Sets the radiance and coverage of a tile's pixels to the mean of their N×N samples. Sums are in
-// double, samples in rows from the top left: within 2^-24 of the exact mean, relative, whatever N.
+// Sets the radiance and coverage of a tile's pixels.
 //
-//   rgba  4*(tile.height*N)*(tile.width*N) linear, from the top left
-void average_samples(std::span<const float> rgba, const Tile& tile, unsigned samples, Image& image);
+//   rgba  4*tile.height*tile.width linear, from the top left
+void store_pixels(std::span<const float> rgba, const Tile& tile, Image& image);
+
+// A pixel of an image, in the order of rows.
+struct Pixel {
+  std::uint32_t x = 0;
+  std::uint32_t y = 0;
+  friend bool operator==(const Pixel&, const Pixel&) = default;
+  friend bool operator<(const Pixel& a, const Pixel& b) {
+    return a.y != b.y ? a.y < b.y : a.x < b.x;
+  }
+};
+
+// Pixels of one row side by side.
+struct PixelRun {
+  Pixel first;
+  std::uint32_t count = 0;
+};
+
+// The runs of pixels that ascend.
+std::vector<PixelRun> runs(std::span<const Pixel> pixels);
+
+// Tiles that cover a part of an image, each of at most `area` samples with N×N in a pixel and at
+// most `side` along each side, or one pixel: as few as rows allow.
+std::vector<Tile> tiles_of(const Tile& part, unsigned samples, std::uint64_t area,
+                           std::uint32_t side);
+
+// Makes the pixels of a tile outside a part of it background. part: of no size, all are.
+void clear_around(const Tile& whole, const Tile& part, Image& image);
 
 }  // namespace panwright::preview

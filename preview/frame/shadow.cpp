@@ -119,6 +119,7 @@ bool ShadowMaps::make(const GladGLContext& gl, Map& map, DiagnosticLog& log) con
   map.depths = make_texture_2d(gl, 1, GL_DEPTH_COMPONENT32F, size, size);
   map.slopes = make_texture_2d(gl, 1, GL_RG16F, size, size);
   map.limits = make_stream_buffer(gl);
+  gl.NamedBufferStorage(map.limits.id(), sizeof(ShadowBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
   for (const GlTexture* texture : {&map.depths, &map.slopes}) {
     gl.TextureParameteri(texture->id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     gl.TextureParameteri(texture->id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
@@ -137,15 +138,15 @@ bool ShadowMaps::make(const GladGLContext& gl, Map& map, DiagnosticLog& log) con
   return false;
 }
 
-bool ShadowMaps::assign(const GladGLContext& gl, std::vector<Group>& groups, DiagnosticLog& log) {
-  for (Group& group : groups)
+bool ShadowMaps::assign(const GladGLContext& gl, DiagnosticLog& log) {
+  for (Group& group : groups_)
     for (Map& map : maps_)
       if (map.last_use != update_ && map.to_sun == group.to_sun && map.receivers == group.members) {
         map.last_use = update_;
         group.map = static_cast<std::size_t>(&map - maps_.data());
         break;
       }
-  for (Group& group : groups) {
+  for (Group& group : groups_) {
     if (group.map != kNone) continue;
     auto oldest = maps_.begin();
     for (auto map = maps_.begin(); map != maps_.end(); ++map)
@@ -165,10 +166,10 @@ bool ShadowMaps::assign(const GladGLContext& gl, std::vector<Group>& groups, Dia
   return true;
 }
 
-std::vector<ShadowMaps::Drawn> ShadowMaps::casters(const Map& map, const world::World& world,
-                                                   const TargetStates& states,
-                                                   std::span<const Drawn> receivers) const {
-  std::vector<Drawn> found;
+// Adds to targets_ and casters_.
+void ShadowMaps::add_casters(const Map& map, const world::World& world, const TargetStates& states,
+                             std::span<const Drawn> receivers) {
+  casters_.clear();
   const world::Pose& anchor = world[receivers.front().target].pose();
   for (std::uint32_t i = 0; i < world.size(); ++i) {
     if (!states[i].bounds) continue;
@@ -179,75 +180,93 @@ std::vector<ShadowMaps::Drawn> ShadowMaps::casters(const Map& map, const world::
     if (!meets_column(map.frame.sun_from_model * pose.matrix(), states[i].bounds->min,
                       states[i].bounds->max))
       continue;
-    found.push_back({i, false, true, {states[i].shape_stamp, pose}});
+    targets_.push_back({i, false, true, {states[i].shape_stamp, pose}});
+    casters_.push_back(targets_.back().member);
   }
-  return found;
 }
 
-std::vector<ShadowMaps::Group> ShadowMaps::grouped(const world::World& world,
-                                                   const TargetStates& states,
-                                                   std::span<const std::uint32_t> receivers,
-                                                   std::size_t most) {
-  std::vector<Vec3> centres;
-  for (const std::uint32_t target : receivers)
-    centres.push_back(centre_of(world[target], states[target]));
-  std::vector<Group> groups;
-  for (std::vector<std::uint32_t>& neighbours : neighbour_groups(centres, most)) {
-    Group& group = groups.emplace_back();
-    const world::Pose& anchor = world[receivers[neighbours.front()]].pose();
+ShadowMaps::Group& ShadowMaps::add_group(std::size_t index) {
+  Group& group = index < groups_.size() ? groups_[index] : groups_.emplace_back();
+  group.receivers.clear();
+  group.targets.clear();
+  group.members.clear();
+  group.map = kNone;
+  return group;
+}
+
+void ShadowMaps::add_to(Group& group, const world::World& world, const TargetStates& states,
+                        std::span<const std::uint32_t> receivers, std::uint32_t receiver) const {
+  const std::uint32_t target = receivers[receiver];
+  const bool first = group.targets.empty();
+  const std::uint32_t anchor_target = first ? target : group.targets.front().target;
+  const world::Pose& anchor = world[anchor_target].pose();
+  if (first)
     group.to_sun =
         glm::normalize(glm::conjugate(anchor.rotation) * glm::normalize(world.sun().direction));
-    for (const std::uint32_t i : neighbours) {
-      const std::uint32_t target = receivers[i];
-      const bool first = group.targets.empty();
-      const world::Pose pose = first ? world::Pose{} : relative_pose(anchor, world[target].pose());
-      group.targets.push_back({target, first, false, {states[target].shape_stamp, pose}});
-      group.members.push_back(group.targets.back().member);
+  const world::Pose pose = first ? world::Pose{} : relative_pose(anchor, world[target].pose());
+  group.targets.push_back({target, first, false, {states[target].shape_stamp, pose}});
+  group.members.push_back(group.targets.back().member);
+  group.receivers.push_back(receiver);
+}
+
+void ShadowMaps::group(const world::World& world, const TargetStates& states,
+                       std::span<const std::uint32_t> receivers, std::size_t most) {
+  std::size_t count = 0;
+  if (receivers.size() <= most) {
+    for (std::uint32_t i = 0; i < receivers.size(); ++i)
+      add_to(add_group(count++), world, states, receivers, i);
+  } else {
+    std::vector<Vec3> centres;
+    for (const std::uint32_t target : receivers)
+      centres.push_back(centre_of(world[target], states[target]));
+    for (const std::vector<std::uint32_t>& neighbours : neighbour_groups(centres, most)) {
+      Group& group = add_group(count++);
+      for (const std::uint32_t i : neighbours) add_to(group, world, states, receivers, i);
     }
-    group.receivers = std::move(neighbours);
   }
-  return groups;
+  groups_.resize(count);
 }
 
 bool ShadowMaps::refresh(Device::Impl& device, const world::World& world,
-                         const TargetStates& states, Group& group, DiagnosticLog& log) {
+                         const TargetStates& states, Group& group, DiagnosticLog& log,
+                         const Job& job) {
   Map& map = maps_[group.map];
   const bool refit = map.to_sun != group.to_sun;
   if (refit) {
-    std::vector<DrawItem> items;
+    placed_.clear();
     for (const Drawn& one : group.targets) {
       const Mat4 anchor_from_model = one.member.anchor_from_model.matrix();
-      for (DrawItem item : states[one.target].items) {
-        if (!one.anchor) item.model_from_mesh = anchor_from_model * item.model_from_mesh;
-        items.push_back(item);
+      for (const DrawItem& item : states[one.target].items()) {
+        placed_.push_back(item);
+        if (!one.anchor) placed_.back().model_from_mesh = anchor_from_model * item.model_from_mesh;
       }
     }
-    map.frame = fitted_sun_frame(items, group.to_sun, side_);
+    map.frame = fitted_sun_frame(placed_, group.to_sun, side_);
   }
-  const std::vector<Drawn> others = casters(map, world, states, group.targets);
-  std::vector<Member> members;
-  for (const Drawn& one : others) members.push_back(one.member);
-  if (!refit && map.casters == members) return true;
+  targets_.assign(group.targets.begin(), group.targets.end());
+  add_casters(map, world, states, group.targets);
+  if (!refit && map.casters == casters_) return true;
   map.to_sun = Vec3(0);
-  std::vector<Drawn> all = group.targets;
-  all.insert(all.end(), others.begin(), others.end());
-  for (const Drawn& one : all)
-    for (const DrawItem& item : states[one.target].items) {
+  for (const Drawn& one : targets_)
+    for (const DrawItem& item : states[one.target].items()) {
       std::string problem;
       if (device.programs.shadow(item.variant.cutout, &problem)) continue;
       log.report_file(Code::E5001, {},
                       fmt::format("{} refuses a shader: {}", device.context->renderer(), problem));
       return false;
     }
-  draw(device, map, states, all);
-  map.casters = std::move(members);
+  if (!draw(device, map, states, job)) {
+    report_cancelled(log);
+    return false;
+  }
+  map.casters = casters_;
   map.to_sun = group.to_sun;
   return true;
 }
 
 bool ShadowMaps::update(Device::Impl& device, const world::World& world, const TargetStates& states,
                         std::span<const std::uint32_t> receivers, unsigned side,
-                        std::uint64_t max_bytes, DiagnosticLog& log) {
+                        std::uint64_t max_bytes, DiagnosticLog& log, const Job& job) {
   const GladGLContext& gl = device.context->gl();
   side = std::min(side, device.context->limits().framebuffer_side);
   const auto most =
@@ -255,15 +274,15 @@ bool ShadowMaps::update(Device::Impl& device, const world::World& world, const T
   if (side != side_ || maps_.size() > most) maps_.clear();
   side_ = side;
   ++update_;
-  if (!blocks_) {
+  if (!stream_) {
     stride_ = block_stride(gl, sizeof(DrawBlock));
-    blocks_ = make_stream_buffer(gl);
+    stream_.emplace(gl);
   }
-  std::vector<Group> groups = grouped(world, states, receivers, most);
+  group(world, states, receivers, most);
   places_.assign(receivers.size(), {});
-  if (!assign(gl, groups, log)) return false;
-  for (Group& group : groups) {
-    if (!refresh(device, world, states, group, log)) return false;
+  if (!assign(gl, log)) return false;
+  for (Group& group : groups_) {
+    if (!refresh(device, world, states, group, log, job)) return false;
     for (std::size_t k = 0; k < group.receivers.size(); ++k) {
       const world::Pose& pose = group.members[k].anchor_from_model;
       places_[group.receivers[k]] = {
@@ -274,37 +293,42 @@ bool ShadowMaps::update(Device::Impl& device, const world::World& world, const T
   return true;
 }
 
-void ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& states,
-                      std::span<const Drawn> targets) {
-  const GladGLContext& gl = device.context->gl();
-  ++drawn_;
-  // what is drawn of each target, and its blocks
-  std::vector<std::vector<std::uint32_t>> items(targets.size());
-  std::vector<std::byte> bytes;
-  for (std::size_t t = 0; t < targets.size(); ++t) {
-    const std::vector<DrawItem>& list = states[targets[t].target].items;
-    const Mat4 anchor_from_model = targets[t].member.anchor_from_model.matrix();
+// What is drawn of targets_, and its blocks.
+void ShadowMaps::upload(const Map& map, const TargetStates& states) {
+  draws_.clear();
+  blocks_.clear();
+  for (std::uint32_t t = 0; t < targets_.size(); ++t) {
+    const Drawn& target = targets_[t];
+    const std::span<const DrawItem> list = states[target.target].items();
+    const Mat4 anchor_from_model = target.member.anchor_from_model.matrix();
     for (std::uint32_t i = 0; i < list.size(); ++i) {
       if (!list[i].visible) continue;
       const Mat4 anchor_from_mesh =
-          targets[t].anchor ? list[i].model_from_mesh : anchor_from_model * list[i].model_from_mesh;
+          target.anchor ? list[i].model_from_mesh : anchor_from_model * list[i].model_from_mesh;
       const Mat4 sun_from_mesh = map.frame.sun_from_model * anchor_from_mesh;
-      if (targets[t].caster && !meets_column(sun_from_mesh, list[i].low, list[i].high)) continue;
+      if (target.caster && !meets_column(sun_from_mesh, list[i].low, list[i].high)) continue;
       DrawBlock block{};
       copy_floats(sun_from_mesh, block.clip_from_mesh);
       block.id[0] = i + 1;
       copy_repeat(list[i], block);
-      items[t].push_back(i);
-      bytes.resize(bytes.size() + stride_);
-      std::memcpy(bytes.data() + bytes.size() - stride_, &block, sizeof block);
+      draws_.push_back({t, i});
+      blocks_.resize(blocks_.size() + stride_);
+      std::memcpy(blocks_.data() + blocks_.size() - stride_, &block, sizeof block);
     }
   }
-  gl.NamedBufferData(blocks_.id(), static_cast<GLsizeiptr>(bytes.size()), bytes.data(),
-                     GL_STREAM_DRAW);
+  first_block_ = stream_->upload(blocks_);
+}
+
+// False: the job is cancelled.
+bool ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& states,
+                      const Job& job) {
+  const GladGLContext& gl = device.context->gl();
+  ++drawn_;
+  upload(map, states);
   const double texel = std::max(map.frame.extent.x, map.frame.extent.y) / side_;
   const ShadowBlock limits{
       static_cast<float>(texel / map.frame.extent.z), static_cast<float>(side_) / 2, {}};
-  gl.NamedBufferData(map.limits.id(), sizeof limits, &limits, GL_STREAM_DRAW);
+  gl.NamedBufferSubData(map.limits.id(), 0, sizeof limits, &limits);
 
   gl.BindFramebuffer(GL_FRAMEBUFFER, map.framebuffer.id());
   gl.Viewport(0, 0, static_cast<GLsizei>(side_), static_cast<GLsizei>(side_));
@@ -312,29 +336,33 @@ void ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& 
   const float nothing = 0;
   gl.ClearBufferfv(GL_DEPTH, 0, &nothing);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, kShadowBinding, map.limits.id());
-  std::size_t block = 0;
-  for (std::size_t t = 0; t < targets.size(); ++t) {
-    const TargetState& state = states[targets[t].target];
+  const DrawItem* last = nullptr;
+  std::uint32_t last_target = ~0u;
+  for (std::size_t k = 0; k < draws_.size(); ++k) {
+    const Drawn& target = targets_[draws_[k].target];
+    const TargetState& state = states[target.target];
     const GpuModel& gpu = state.model().gpu;
-    if (targets[t].caster) gl.Enable(GL_DEPTH_CLAMP);
-    const DrawItem* last = nullptr;
-    for (const std::uint32_t i : items[t]) {
-      const DrawItem& item = state.items[i];
-      const pan::layout::Mesh& mesh = state.model().model->meshes()[item.mesh];
-      if (!last || item.variant.cutout != last->variant.cutout)
-        gl.UseProgram(device.programs.shadow(item.variant.cutout, nullptr));
-      if (!last || item.closed != last->closed)
-        item.closed ? gl.Enable(GL_CULL_FACE) : gl.Disable(GL_CULL_FACE);
-      if (!last || item.mirrored != last->mirrored) gl.FrontFace(item.mirrored ? GL_CW : GL_CCW);
-      if (item.variant.cutout) gpu.bind_maps(i);
-      if (!last || item.mesh != last->mesh) gpu.bind_vertices(mesh, item.mesh);
-      gl.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, blocks_.id(),
-                         static_cast<GLintptr>(block++ * stride_), sizeof(DrawBlock));
-      gpu.draw(mesh, item.mesh);
-      last = &item;
+    const DrawItem& item = state.items()[draws_[k].item];
+    const pan::layout::Mesh& mesh = state.model().model->meshes()[item.mesh];
+    if (draws_[k].target != last_target) {
+      last = nullptr;
+      last_target = draws_[k].target;
+      if (target.caster) gl.Enable(GL_DEPTH_CLAMP);
     }
+    if (!last || item.variant.cutout != last->variant.cutout)
+      gl.UseProgram(device.programs.shadow(item.variant.cutout, nullptr));
+    if (!last || item.closed != last->closed)
+      item.closed ? gl.Enable(GL_CULL_FACE) : gl.Disable(GL_CULL_FACE);
+    if (!last || item.mirrored != last->mirrored) gl.FrontFace(item.mirrored ? GL_CW : GL_CCW);
+    if (item.variant.cutout) gpu.bind_maps(draws_[k].item);
+    if (!last || item.mesh != last->mesh) gpu.bind_vertices(mesh, item.mesh);
+    gl.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, stream_->id(),
+                       static_cast<GLintptr>(first_block_ + k * stride_), sizeof(DrawBlock));
+    if (!gpu.draw(mesh, item.mesh, job)) return false;
+    last = &item;
   }
   gl.Disable(GL_DEPTH_CLAMP);
+  return true;
 }
 
 void ShadowMaps::bind(const GladGLContext& gl, std::size_t receiver) const {

@@ -1,11 +1,14 @@
 // What the Sun sees of the targets of a world: which points lie in shadow. Private to preview.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "preview/context.h"
 #include "preview/frame/draw_list.h"
 #include "preview/frame/sun_frame.h"
@@ -45,10 +48,10 @@ class ShadowMaps {
   //
   //   receivers  indices in the world of the targets that are seen, ascending, not empty
   //   side       texels, > 4; the context may have less
-  // Fails: E5003; E5001 when the driver refuses a shader.
+  // Fails: E0001; E5003; E5001 when the driver refuses a shader.
   bool update(Device::Impl& device, const world::World& world, const TargetStates& states,
               std::span<const std::uint32_t> receivers, unsigned side, std::uint64_t max_bytes,
-              DiagnosticLog& log);
+              DiagnosticLog& log, const Job& job);
 
   // For the geometry and shading steps. receiver: into those of the last update.
   const SunPlace& place(std::size_t receiver) const { return places_[receiver].place; }
@@ -102,24 +105,39 @@ class ShadowMaps {
     std::size_t map = kNone;
   };
 
-  static std::vector<Group> grouped(const world::World& world, const TargetStates& states,
-                                    std::span<const std::uint32_t> receivers, std::size_t most);
-  bool assign(const GladGLContext& gl, std::vector<Group>& groups, DiagnosticLog& log);
+  void group(const world::World& world, const TargetStates& states,
+             std::span<const std::uint32_t> receivers, std::size_t most);
+  Group& add_group(std::size_t index);
+  void add_to(Group& group, const world::World& world, const TargetStates& states,
+              std::span<const std::uint32_t> receivers, std::uint32_t receiver) const;
+  bool assign(const GladGLContext& gl, DiagnosticLog& log);
   bool refresh(Device::Impl& device, const world::World& world, const TargetStates& states,
-               Group& group, DiagnosticLog& log);
+               Group& group, DiagnosticLog& log, const Job& job);
   bool make(const GladGLContext& gl, Map& map, DiagnosticLog& log) const;
-  std::vector<Drawn> casters(const Map& map, const world::World& world, const TargetStates& states,
-                             std::span<const Drawn> receivers) const;
-  void draw(Device::Impl& device, const Map& map, const TargetStates& states,
-            std::span<const Drawn> targets);
+  void add_casters(const Map& map, const world::World& world, const TargetStates& states,
+                   std::span<const Drawn> receivers);
+  bool draw(Device::Impl& device, const Map& map, const TargetStates& states, const Job& job);
+  void upload(const Map& map, const TargetStates& states);
 
   std::vector<Map> maps_;
   std::vector<Place> places_;
   unsigned side_ = 0;       // texels
   std::size_t stride_ = 0;  // bytes, of blocks_
-  GlBuffer blocks_;
+  std::optional<StreamBuffer> stream_;
   std::uint64_t update_ = 0;
   std::uint64_t drawn_ = 0;
+  // of one update, kept for the next one
+  std::vector<Group> groups_;
+  std::vector<Drawn> targets_;   // of one map: its receivers, then what else throws shadows there
+  std::vector<Member> casters_;  // of these
+  std::vector<DrawItem> placed_;
+  struct Draw {
+    std::uint32_t target = 0;  // into targets_
+    std::uint32_t item = 0;
+  };
+  std::vector<Draw> draws_;
+  std::vector<std::byte> blocks_;
+  std::size_t first_block_ = 0;  // bytes, in stream_
 };
 
 // At most `most` groups of neighbours, each ascending, in the order of their first members.

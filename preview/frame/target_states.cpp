@@ -1,11 +1,21 @@
 #include "preview/frame/target_states.h"
 
+#include <algorithm>
 #include <unordered_map>
 
 namespace panwright::preview {
 
-bool TargetStates::update(const world::World& world, Device& device, DiagnosticLog& log) {
+bool TargetStates::update(const world::World& world, Device& device, DiagnosticLog& log,
+                          const Job& job) {
   if (stamp_ == world.stamp() && states_.size() == world.size()) return true;
+  // poses and the Sun alone
+  if (stamp_ != 0 && std::equal(states_.begin(), states_.end(), world.instances().begin(),
+                                world.instances().end(), [](const auto& state, const auto& target) {
+                                  return state.shape_stamp == target.shape_stamp();
+                                })) {
+    stamp_ = world.stamp();
+    return true;
+  }
   stamp_ = 0;
   evaluation_.update(world);
   // note: until they are replaced, the old states hold the models of targets that are hidden now
@@ -26,14 +36,15 @@ bool TargetStates::update(const world::World& world, Device& device, DiagnosticL
     state.resources = device.find(world[i].model());
     if (at.bounds) {
       if (!state.resources) {
-        auto uploaded = device.resources(world[i].model(), log);
+        auto uploaded = device.resources(world[i].model(), log, job);
         if (!uploaded) {
           states_.resize(i);
           return false;
         }
         state.resources = *std::move(uploaded);
       }
-      state.items = preview::placed(state.model().list, *world[i].model(), at);
+      state.placed = std::make_shared<const std::vector<DrawItem>>(
+          preview::placed(state.model().list, *world[i].model(), at));
       state.bounds = at.bounds;
       ++placed_;
     }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "preview/device.h"
@@ -17,10 +18,14 @@ namespace panwright::preview {
 struct TargetState {
   world::Stamp shape_stamp = 0;                     // of what the rest is made from
   std::shared_ptr<const ModelResources> resources;  // may be null where nothing is visible
-  std::vector<DrawItem> items;                      // as the draw list of its model, placed
-  std::optional<world::Bounds> bounds;              // none: nothing of it is visible
+  // as the draw list of its model, placed; never changed, so that frames under way share it
+  std::shared_ptr<const std::vector<DrawItem>> placed;
+  std::optional<world::Bounds> bounds;  // none: nothing of it is visible
 
   const ModelResources::Impl& model() const { return resources->impl(); }
+  std::span<const DrawItem> items() const {
+    return placed ? std::span<const DrawItem>(*placed) : std::span<const DrawItem>();
+  }
 };
 
 // Keyed by the shape stamps of the targets: a target that moves as a whole costs nothing here, and
@@ -29,8 +34,8 @@ class TargetStates {
  public:
   // Brings all up to date with the world. A hidden target's model is not uploaded.
   //
-  // Fails: E5001, E5003; the next update tries again.
-  bool update(const world::World& world, Device& device, DiagnosticLog& log);
+  // Fails: E5001, E5003, E0001; the next update tries again.
+  bool update(const world::World& world, Device& device, DiagnosticLog& log, const Job& job);
 
   const TargetState& operator[](std::size_t index) const { return states_[index]; }
   std::size_t size() const { return states_.size(); }

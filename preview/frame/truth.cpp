@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
+#include <utility>
 
 #include "base/parallel.h"
 #include "preview/frame/truth.h"
@@ -91,24 +93,28 @@ class Patch {
 
 }  // namespace
 
-TruthTarget truth_target(const pan::Model& model, std::span<const DrawItem> items,
-                         const VisibleTarget& visible, const world::Pose& pose) {
-  TruthTarget result{&model, items, visible.target, visible.first_id,
-                     std::vector<Placement>(items.size())};
+void set_truth_target(TruthTarget& target, std::shared_ptr<const pan::Model> model,
+                      std::shared_ptr<const std::vector<DrawItem>> items,
+                      const VisibleTarget& visible, const world::Pose& pose) {
+  target.model = std::move(model);
+  target.items = std::move(items);
+  target.target = visible.target;
+  target.first_id = visible.first_id;
+  target.placements.resize(target.items->size());
   const Mat3 rotation = glm::mat3_cast(pose.rotation);
   for (std::size_t k = 0; k < visible.items.size(); ++k) {
-    Placement& placement = result.placements[visible.items[k]];
+    Placement& placement = target.placements[visible.items[k]];
+    const DrawItem& item = (*target.items)[visible.items[k]];
     placement.camera_from_mesh = visible.boxes[k].camera_from_mesh;
-    placement.world_normal_from_mesh = rotation * items[visible.items[k]].model_normal_from_mesh;
+    placement.world_normal_from_mesh = rotation * item.model_normal_from_mesh;
   }
-  return result;
 }
 
 void fill_truth(const world::Camera& camera, bool flat, std::span<const TruthTarget> targets,
                 const Tile& tile, std::span<const TriangleId> ids, Image& image) {
   const double focal = std::max(camera.focal.x, camera.focal.y);
   const bool perspective = camera.projection == world::Projection::perspective;
-  parallel_for(tile.height, [&](std::size_t row) {
+  const auto fill_row = [&](std::size_t row) {
     std::optional<Patch> patch;
     TriangleId last;
     const TruthTarget* target = nullptr;
@@ -124,7 +130,7 @@ void fill_truth(const world::Camera& camera, bool flat, std::span<const TruthTar
             targets.begin(), targets.end(), id.item,
             [](std::uint32_t value, const TruthTarget& one) { return value <= one.first_id; }));
         const std::size_t index = id.item - target->first_id - 1;
-        item = &target->items[index];
+        item = &(*target->items)[index];
         patch.emplace(*target->model, camera, flat, *item, target->placements[index], id.triangle);
       }
       last = id;
@@ -142,7 +148,8 @@ void fill_truth(const world::Camera& camera, bool flat, std::span<const TruthTar
       image.node_id[pixel] = target->model->instances()[item->instance].node + 1;
       image.material_id[pixel] = item->material + 1;
     }
-  });
+  };
+  parallel_for(tile.height, std::ref(fill_row));
 }
 
 }  // namespace panwright::preview

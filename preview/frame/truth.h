@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,14 +20,16 @@ struct Placement {
 
 // A target that the id buffer may name.
 struct TruthTarget {
-  const pan::Model* model = nullptr;
-  std::span<const DrawItem> items;
+  std::shared_ptr<const pan::Model> model;
+  std::shared_ptr<const std::vector<DrawItem>> items;
   std::uint32_t target = 0;           // index in the world
   std::uint32_t first_id = 0;         // as VisibleTarget says
   std::vector<Placement> placements;  // one for each item; those out of view are left as they are
 };
-TruthTarget truth_target(const pan::Model& model, std::span<const DrawItem> items,
-                         const VisibleTarget& visible, const world::Pose& pose);
+// Sets all of one; its memory is used again.
+void set_truth_target(TruthTarget& target, std::shared_ptr<const pan::Model> model,
+                      std::shared_ptr<const std::vector<DrawItem>> items,
+                      const VisibleTarget& visible, const world::Pose& pose);
 
 // The triangles that an id buffer holds at the pixels' centres.
 struct TriangleId {

@@ -39,11 +39,23 @@ struct TargetShape {
   std::uint32_t instances = 0;  // of its model, visible or not: the ids that it takes
 };
 
-// Cost: O(targets + items of the targets in view).
-VisibleSet visible_set(const world::Camera& camera, std::span<const TargetShape> targets);
+// Finds visible sets, one after the other in the same memory.
+class VisibleSetFinder {
+ public:
+  // Returns what stays until the next call. Cost: O(targets + items of the targets in view).
+  const VisibleSet& find(const world::Camera& camera, std::span<const TargetShape> targets);
 
-// The groups of targets with these ranges of depth.
-std::vector<DepthGroup> depth_groups(world::Projection projection,
-                                     std::span<const VisibleTarget> targets);
+ private:
+  // Where the depths of one target lie.
+  struct Interval {
+    DepthRange depth;
+    std::uint32_t target = 0;
+  };
+  void group(world::Projection projection);
+
+  VisibleSet set_;
+  std::vector<Interval> intervals_;
+  std::vector<PlacedBox> boxes_;
+};
 
 }  // namespace panwright::preview

@@ -93,7 +93,11 @@ class EglContext final : public Context {
     const std::string extensions = words ? words : "";
     for (const char* needed : {"EGL_KHR_no_config_context", "EGL_KHR_surfaceless_context"})
       if (!has_word(extensions, needed)) return fmt::format("it lacks {}", needed);
-    constexpr std::array<EGLint, 7> kAttributes{EGL_CONTEXT_MAJOR_VERSION,
+    // the first asks to be told when the context is lost, as EGL 1.5 and EGL_KHR_create_context
+    // can; EGL_EXT_create_context_robustness adds nothing for OpenGL
+    constexpr std::array<EGLint, 9> kAttributes{EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY,
+                                                EGL_LOSE_CONTEXT_ON_RESET,
+                                                EGL_CONTEXT_MAJOR_VERSION,
                                                 4,
                                                 EGL_CONTEXT_MINOR_VERSION,
                                                 5,
@@ -101,8 +105,11 @@ class EglContext final : public Context {
                                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                                 EGL_NONE};
     if (!library().bind_api(EGL_OPENGL_API)) return "it has no OpenGL";
-    handle_ =
-        library().create_context(display_, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, kAttributes.data());
+    for (const std::size_t first : {std::size_t{0}, std::size_t{2}}) {
+      handle_ = library().create_context(display_, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT,
+                                         kAttributes.data() + first);
+      if (handle_ != EGL_NO_CONTEXT) break;
+    }
     if (handle_ == EGL_NO_CONTEXT) return "it gives no OpenGL 4.5 core context";
     return load();
   }

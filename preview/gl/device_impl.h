@@ -29,7 +29,9 @@ struct ModelResources::Impl {
 
 struct Device::Impl {
   explicit Impl(std::unique_ptr<Context> context_in)
-      : context(std::move(context_in)), programs(context->gl()) {}
+      : context(std::move(context_in)),
+        programs(context->gl()),
+        read_through_buffers(context->is_hardware()) {}
   ~Impl() { context->make_current(); }  // the members delete their objects
 
   // Makes the context current. Fails: E5001, at once for ever when the context was lost.
@@ -43,6 +45,8 @@ struct Device::Impl {
   std::uint64_t models_uploaded = 0;
   std::uint64_t model_bytes = 0;
   bool lost = false;
+  // Whether pixels are copied through buffers (read_back.h). Tests set it, before they draw.
+  bool read_through_buffers = false;
 };
 
 }  // namespace panwright::preview

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <bit>
+#include <vector>
+
 namespace panwright::preview {
 
 void delete_buffer(const GladGLContext& gl, GLuint id) { gl.DeleteBuffers(1, &id); }
@@ -59,6 +63,23 @@ GlSampler make_sampler(const GladGLContext& gl, GLint wrap) {
   return {gl, id};
 }
 
+StreamBuffer::StreamBuffer(const GladGLContext& gl) : gl_(gl), buffer_(make_stream_buffer(gl)) {}
+
+std::size_t StreamBuffer::upload(std::span<const std::byte> bytes) {
+  if (bytes.size() > region_bytes_) {
+    // powers of two hold whatever alignment a context asks for
+    region_bytes_ = std::bit_ceil(std::max(bytes.size(), std::size_t{4096}));
+    gl_.NamedBufferData(buffer_.id(), static_cast<GLsizeiptr>(kRegions * region_bytes_), nullptr,
+                        GL_STREAM_DRAW);
+  }
+  region_ = (region_ + 1) % kRegions;
+  const std::size_t offset = region_ * region_bytes_;
+  if (!bytes.empty())
+    gl_.NamedBufferSubData(buffer_.id(), static_cast<GLintptr>(offset),
+                           static_cast<GLsizeiptr>(bytes.size()), bytes.data());
+  return offset;
+}
+
 bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log) {
   bool good = true;
   for (GLenum error = gl.GetError(); error != GL_NO_ERROR; error = gl.GetError()) good = false;
@@ -87,17 +108,47 @@ RenderTarget make_render_target(const GladGLContext& gl, std::span<const GLenum>
   }
   gl.NamedFramebufferDrawBuffers(id, static_cast<GLsizei>(color_formats.size()), kAttachments);
   if (depth) {
-    GLuint buffer = 0;
-    gl.CreateRenderbuffers(1, &buffer);
-    target.depth = GlRenderbuffer(gl, buffer);
-    gl.NamedRenderbufferStorage(buffer, GL_DEPTH_COMPONENT32F, width, height);
-    gl.NamedFramebufferRenderbuffer(id, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, buffer);
+    target.depth = make_texture_2d(gl, 1, GL_DEPTH_COMPONENT32F, width, height);
+    gl.TextureParameteri(target.depth.id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TextureParameteri(target.depth.id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl.NamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, target.depth.id(), 0);
   }
   if (gl.CheckNamedFramebufferStatus(id, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE) {
     target.width = width;
     target.height = height;
   }
   return target;
+}
+
+bool ensure_render_target(const GladGLContext& gl, RenderTarget& target,
+                          std::span<const GLenum> formats, bool depth, std::uint32_t width,
+                          std::uint32_t height, std::uint64_t most_samples, DiagnosticLog& log) {
+  const auto w = static_cast<GLsizei>(width);
+  const auto h = static_cast<GLsizei>(height);
+  bool enough = target.width >= w && target.height >= h;
+  std::vector<GLenum> all(formats.begin(), formats.end());
+  for (std::size_t i = 0; i < formats.size(); ++i) {
+    enough = enough && (formats[i] == GL_NONE || target.colors[i]);
+    // what another world needed stays, or two in turn would make it anew each time
+    if (all[i] == GL_NONE && target.width != 0) all[i] = target.formats[i];
+  }
+  if (enough) return true;
+  // views that follow differ by a little, and fresh memory costs as much as a draw
+  const auto rounded = [](GLsizei side) { return (side + 127) / 128 * 128; };
+  GLsizei wider = std::max(rounded(w), target.width);
+  GLsizei higher = std::max(rounded(h), target.height);
+  if (static_cast<std::uint64_t>(wider) * static_cast<std::uint64_t>(higher) > most_samples) {
+    wider = w;
+    higher = h;
+  }
+  target = {};  // first, so that memory need not hold both
+  target = make_render_target(gl, all, depth, wider, higher);
+  if (target.width != 0 && gl.GetError() == GL_NO_ERROR) return true;
+  target = {};
+  log.report_file(Code::E5003, {},
+                  fmt::format("the context has no memory for a framebuffer of {} by {} samples",
+                              wider, higher));
+  return false;
 }
 
 GlProgram make_program(const GladGLContext& gl, const std::string& vertex,

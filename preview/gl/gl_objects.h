@@ -4,6 +4,7 @@
 #include <glad/gl.h>
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <string>
 #include <utility>
@@ -64,14 +65,32 @@ GlTexture make_buffer_texture(const GladGLContext& gl);
 // Linear between texels and levels; the wrap is that of both coordinates.
 GlSampler make_sampler(const GladGLContext& gl, GLint wrap);
 
+// What changes from draw to draw, uploaded once for each: a buffer of a few regions in turn, so
+// that the context need not wait for draws under way. It grows, and never shrinks.
+class StreamBuffer {
+ public:
+  explicit StreamBuffer(const GladGLContext& gl);
+
+  // Returns where the bytes lie: an offset that uniform blocks may begin at.
+  std::size_t upload(std::span<const std::byte> bytes);
+  GLuint id() const { return buffer_.id(); }
+
+ private:
+  static constexpr std::size_t kRegions = 3;
+  const GladGLContext& gl_;
+  GlBuffer buffer_;
+  std::size_t region_bytes_ = 0;
+  std::size_t region_ = 0;
+};
+
 // Whether everything since the last call fitted. Fails: E5003, naming a part of the model.
 bool fits(const GladGLContext& gl, const char* what, DiagnosticLog& log);
 
-// A framebuffer over textures, with or without a D32F depth buffer.
+// A framebuffer over textures, with or without a D32F depth texture.
 struct RenderTarget {
   std::array<GlTexture, 6> colors;  // those behind the first may be empty
   std::array<GLenum, 6> formats{};  // GL_NONE: empty
-  GlRenderbuffer depth;
+  GlTexture depth;
   GlFramebuffer framebuffer;
   GLsizei width = 0;  // 0: the context could not make it
   GLsizei height = 0;
@@ -79,6 +98,13 @@ struct RenderTarget {
 // color_formats: GL_NONE leaves a place empty.
 RenderTarget make_render_target(const GladGLContext& gl, std::span<const GLenum> color_formats,
                                 bool depth, GLsizei width, GLsizei height);
+
+// Makes a target at least as large, with at least these colours, and keeps it where it is. One of
+// another shape than it had is made anew at that shape once both together pass `most_samples`.
+// Fails: E5003.
+bool ensure_render_target(const GladGLContext& gl, RenderTarget& target,
+                          std::span<const GLenum> formats, bool depth, std::uint32_t width,
+                          std::uint32_t height, std::uint64_t most_samples, DiagnosticLog& log);
 
 // Compiles and links. Our shaders are part of the program, so a failure is a bug or a broken
 // driver: an empty program, and the compiler's words in *problem.

@@ -65,7 +65,7 @@ GLuint Programs::shading(const materials::Laws& family, LayerSet layers, bool on
   GlProgram& program = shading_[{family, (layers * 2 + one_material) * 2 + shadows}];
   if (!program) {
     std::string head = kVersion;
-    head += layer_names(layers) + defined("REFLECTING", family.mapped) +
+    head += sample_place_glsl + layer_names(layers) + defined("REFLECTING", family.mapped) +
             defined("ONE_MATERIAL", one_material);
     head += materials::glsl_formulas(family) + materials::glsl_material_loader();
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
@@ -76,8 +76,8 @@ GLuint Programs::shading(const materials::Laws& family, LayerSet layers, bool on
 
 GLuint Programs::classes(std::string* problem) {
   if (!classes_)
-    classes_ =
-        made(std::string(kVersion) + screen_vert, std::string(kVersion) + classes_frag, problem);
+    classes_ = made(std::string(kVersion) + screen_vert,
+                    std::string(kVersion) + sample_place_glsl + classes_frag, problem);
   return classes_.id();
 }
 
@@ -102,8 +102,39 @@ GLuint Programs::ids(bool cutout, std::string* problem) {
 GLuint Programs::decal(std::string* problem) {
   if (!decal_)
     decal_ = made(kVersion + defined("DECAL", true) + draw_glsl + model_vert,
-                  std::string(kVersion) + decal_frag, problem);
+                  std::string(kVersion) + draw_glsl + decal_frag, problem);
   return decal_.id();
+}
+
+GLuint Programs::resolve(bool spread, std::string* problem) {
+  GlProgram& program = resolve_[spread];
+  if (!program)
+    program = made(std::string(kVersion) + screen_vert,
+                   kVersion + defined("SPREAD", spread) + resolve_frag, problem);
+  return program.id();
+}
+
+GLuint Programs::coverage(bool cutout, bool flat, std::string* problem) {
+  GlProgram& program = coverage_[2 * cutout + flat];
+  if (!program) {
+    const std::string head = kVersion + defined("GEOMETRY", true) + defined("FLAT", flat) +
+                             defined("MAPPED", cutout) + draw_glsl;
+    program = made(head + model_vert, head + cutout_text(cutout) + coverage_frag, problem);
+  }
+  return program.id();
+}
+
+GLuint Programs::classify(std::string* problem) {
+  if (!classify_)
+    classify_ =
+        made(std::string(kVersion) + screen_vert, std::string(kVersion) + classify_frag, problem);
+  return classify_.id();
+}
+
+GLuint Programs::runs(std::string* problem) {
+  if (!runs_)
+    runs_ = made(std::string(kVersion) + runs_vert, std::string(kVersion) + nothing_frag, problem);
+  return runs_.id();
 }
 
 GLuint Programs::bare(std::string* problem) {

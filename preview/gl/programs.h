@@ -36,8 +36,11 @@ inline constexpr GLuint kShadowSlopesUnit = 14;
 inline constexpr GLuint kTangentUnit = 15;
 inline constexpr GLuint kReflectanceMapUnit = 16;
 inline constexpr GLuint kReflectanceUnit = 17;
+inline constexpr GLuint kSamplesUnit = 18;  // of resolve.frag and classify.frag
+inline constexpr GLuint kBlocksUnit = 19;
 inline constexpr GLint kRangeLocation = 0;  // uniforms
 inline constexpr GLint kDepthLocation = 1;
+inline constexpr GLint kBlocksLocation = 2;
 
 // What is kept of each sample between the two steps of a drawing.
 enum Layer : unsigned {
@@ -60,21 +63,22 @@ struct alignas(16) ViewBlock {
   float sight_right[4];  // its change from sample to sample
   float sight_down[4];
   float to_sun[4];      // world, unit; w: what its disc adds to alpha²
-  float irradiance[4];  // RGB
+  float irradiance[4];  // RGB; w: log2 of the samples a side that one stands for
 };
 struct alignas(16) DrawBlock {
   float clip_from_mesh[16];          // columns
   float world_normal_from_mesh[12];  // columns of 3, each padded to 4
-  std::uint32_t id[4];               // x: item + 1; y, z: samples left of and above the tile
-  float diffuse[4];                  // RGB
-  float repeat[4];                   // of maps: x, y, and their signs
-  float cells[4];                    // their count along u and v, their gaps
-  float gap_colour[4];               // RGB, fingers
-  float finger_colour[4];            // RGB, their width
-  float sun_from_mesh[12];           // rows of 4, as SunFrame says
-  float sun_normal_from_mesh[12];    // columns of 3, each padded to 4
-  float lift[4];  // x: how far a point is moved out before it is lit, mesh frame;
-                  // others: what glass over cells sends back of diffuse light
+  std::uint32_t id[4];      // x: item + 1; y, z: samples left of and above the tile; w: how much a
+                            // normal may change within a pixel, 2^(-w/16)
+  float diffuse[4];         // RGB
+  float repeat[4];          // of maps: x, y, and their signs
+  float cells[4];           // their count along u and v, their gaps
+  float gap_colour[4];      // RGB, fingers
+  float finger_colour[4];   // RGB, their width
+  float sun_from_mesh[12];  // rows of 4, as SunFrame says
+  float sun_normal_from_mesh[12];  // columns of 3, each padded to 4
+  float lift[4];                   // x: how far a point is moved out before it is lit, mesh frame;
+                                   // others: what glass over cells sends back of diffuse light
 };
 struct alignas(16) DecalBlock {
   float place[12];  // rows of 4: from positions to picture coordinates and height over depth
@@ -97,6 +101,11 @@ class Programs {
   GLuint ids(bool cutout, std::string* problem);
   GLuint decal(std::string* problem);
   GLuint bare(std::string* problem);
+  // of sampling.h
+  GLuint resolve(bool spread, std::string* problem);
+  GLuint coverage(bool cutout, bool flat, std::string* problem);
+  GLuint classify(std::string* problem);
+  GLuint runs(std::string* problem);
 
   std::uint64_t built() const { return built_; }
 
@@ -111,6 +120,10 @@ class Programs {
   std::array<GlProgram, 2> ids_;
   GlProgram decal_;
   GlProgram bare_;
+  std::array<GlProgram, 2> resolve_;
+  std::array<GlProgram, 4> coverage_;
+  GlProgram classify_;
+  GlProgram runs_;
   std::uint64_t built_ = 0;
 };
 

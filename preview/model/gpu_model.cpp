@@ -18,6 +18,9 @@ constexpr GLuint kTangentAttribute = 4;
 // OpenGL counts the indices of a draw in 31 bits
 constexpr std::uint64_t kMeshTriangles = 0x7fffffff / 3;
 
+// of one draw: some 50 ms where the context draws in software
+constexpr std::uint64_t kPartTriangles = std::uint64_t{1} << 18;
+
 std::uint64_t rounded_up(std::uint64_t value, std::uint64_t step) {
   return (value + step - 1) / step * step;
 }
@@ -37,8 +40,8 @@ GlBuffer GpuModel::uploaded(std::span<const T> values) {
 }
 
 bool GpuModel::upload(const Context& context, const pan::Model& model,
-                      std::span<const DrawItem> list, const Families& families,
-                      DiagnosticLog& log) {
+                      std::span<const DrawItem> list, const Families& families, DiagnosticLog& log,
+                      const Job& job) {
   context_ = &context;
   gl_ = &context.gl();
   const GladGLContext& gl = *gl_;
@@ -68,8 +71,8 @@ bool GpuModel::upload(const Context& context, const pan::Model& model,
   attribute(2, 2);
   attribute(3, 3);
   return fits(gl, "vertices", log) && upload_materials(model, list, families, log) &&
-         upload_decals(model, list, log) && upload_textures(model, list, log) &&
-         upload_tangents(model, list, log);
+         upload_decals(model, list, log) && upload_textures(model, list, log, job) &&
+         upload_tangents(model, list, log, job);
 }
 
 bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawItem> list,
@@ -112,7 +115,7 @@ bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawIte
 }
 
 bool GpuModel::upload_textures(const pan::Model& model, std::span<const DrawItem> list,
-                               DiagnosticLog& log) {
+                               DiagnosticLog& log, const Job& job) {
   for (const DrawItem& item : list) {
     const layout::Material& material = model.materials()[item.material];
     std::vector<Binding>& bindings = bindings_.emplace_back();
@@ -136,13 +139,13 @@ bool GpuModel::upload_textures(const pan::Model& model, std::span<const DrawItem
         {static_cast<std::int32_t>(decals_[i].texture), TextureRole::premultiplied, 0});
   map_sampler_ = make_sampler(*gl_, GL_REPEAT);
   decal_sampler_ = make_sampler(*gl_, GL_CLAMP_TO_EDGE);
-  const bool good = textures_.upload(*context_, model, log);
+  const bool good = textures_.upload(*context_, model, log, job);
   bytes_ += textures_.bytes();
   return good;
 }
 
 bool GpuModel::upload_tangents(const pan::Model& model, std::span<const DrawItem> list,
-                               DiagnosticLog& log) {
+                               DiagnosticLog& log, const Job& job) {
   std::vector<bool> used(model.meshes().size());
   bool any = false;
   for (const DrawItem& item : list)
@@ -153,6 +156,7 @@ bool GpuModel::upload_tangents(const pan::Model& model, std::span<const DrawItem
   std::vector<float> all;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
+    job.poll();
     const Tangents found = tangents(model.mesh(i));
     tangents_at_[i] = all.size() * sizeof(float);
     all.insert(all.end(), found.tangents.begin(), found.tangents.end());
@@ -207,7 +211,7 @@ bool GpuModel::upload_triangle_normals(const pan::Model& model, DiagnosticLog& l
   // parts begin where the context lets a buffer texture begin: a part of 2^k triangles is a
   // multiple of any power of two up to 4·2^k bytes
   const std::uint64_t alignment = integer(*gl_, GL_TEXTURE_BUFFER_OFFSET_ALIGNMENT);
-  flat_triangles_ = std::uint64_t{1} << 21;
+  flat_triangles_ = kPartTriangles;
   while (flat_triangles_ > integer(*gl_, GL_MAX_TEXTURE_BUFFER_SIZE)) flat_triangles_ /= 2;
   triangle_normals_texture_ = make_buffer_texture(*gl_);
   std::uint64_t bytes = 0;
@@ -296,8 +300,18 @@ void GpuModel::draw_range(const layout::Mesh& mesh, std::size_t mesh_index,
                     reinterpret_cast<const void*>(offset));
 }
 
-void GpuModel::draw(const layout::Mesh& mesh, std::size_t mesh_index) const {
+bool GpuModel::draw(const layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const {
+  for (std::uint64_t first = 0; first < mesh.triangle_count; first += kPartTriangles) {
+    if (job.cancelled()) return false;
+    draw_range(mesh, mesh_index, first, std::min(kPartTriangles, mesh.triangle_count - first));
+  }
+  return true;
+}
+
+bool GpuModel::draw_whole(const layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const {
+  if (job.cancelled()) return false;
   draw_range(mesh, mesh_index, 0, mesh.triangle_count);
+  return true;
 }
 
 void GpuModel::draw_decal(std::size_t decal) const {
@@ -311,9 +325,10 @@ void GpuModel::draw_decal(std::size_t decal) const {
                     reinterpret_cast<const void*>(range.first));
 }
 
-void GpuModel::draw_flat(const layout::Mesh& mesh, std::size_t mesh_index) const {
+bool GpuModel::draw_flat(const layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const {
   gl_->BindTextureUnit(kTriangleNormalsUnit, triangle_normals_texture_.id());
   for (std::uint64_t first = 0; first < mesh.triangle_count; first += flat_triangles_) {
+    if (job.cancelled()) return false;
     const std::uint64_t count = std::min(flat_triangles_, mesh.triangle_count - first);
     gl_->TextureBufferRange(
         triangle_normals_texture_.id(), GL_RGB32F, triangle_normals_.id(),
@@ -321,6 +336,7 @@ void GpuModel::draw_flat(const layout::Mesh& mesh, std::size_t mesh_index) const
         static_cast<GLsizeiptr>(count * 3 * sizeof(float)));
     draw_range(mesh, mesh_index, first, count);
   }
+  return true;
 }
 
 }  // namespace panwright::preview

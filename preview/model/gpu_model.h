@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "pan/model.h"
 #include "preview/context.h"
 #include "preview/frame/draw_list.h"
@@ -22,9 +23,9 @@ class GpuModel {
  public:
   // Uploads vertices, indices, materials and the textures that are used, tangents for the meshes
   // that have normal maps, and decals.
-  // Fails: E5003.
+  // Fails: E5003. Throws Cancelled: what was uploaded goes with this.
   bool upload(const Context& context, const pan::Model& model, std::span<const DrawItem> list,
-              const Families& families, DiagnosticLog& log);
+              const Families& families, DiagnosticLog& log, const Job& job);
   std::uint64_t bytes() const { return bytes_; }  // uploaded so far
 
   // Computes and uploads the triangles' normals, once. Fails: E5003.
@@ -37,11 +38,14 @@ class GpuModel {
   // Materials and items as textures, for shading that looks them up.
   void bind_materials() const;
 
-  // Draws the whole mesh whose vertices are bound.
-  void draw(const pan::layout::Mesh& mesh, std::size_t mesh_index) const;
+  // Draws the whole mesh whose vertices are bound, in parts small enough for a job that is
+  // cancelled to be heard. False: it was.
+  bool draw(const pan::layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const;
+  // The same at once: its triangles are numbered from its first.
+  bool draw_whole(const pan::layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const;
   // The same with the normals of its triangles bound, in parts that the context's buffer textures
   // can hold.
-  void draw_flat(const pan::layout::Mesh& mesh, std::size_t mesh_index) const;
+  bool draw_flat(const pan::layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const;
 
   std::span<const PlacedDecal> decals() const { return decals_; }  // from the lowest
   // Draws the triangles that take a decal. Expects: the vertices of its mesh bound; bind_vertices()
@@ -58,8 +62,10 @@ class GpuModel {
   GlBuffer uploaded(std::span<const T> values);
   bool upload_materials(const pan::Model& model, std::span<const DrawItem> list,
                         const Families& families, DiagnosticLog& log);
-  bool upload_textures(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log);
-  bool upload_tangents(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log);
+  bool upload_textures(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log,
+                       const Job& job);
+  bool upload_tangents(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log,
+                       const Job& job);
   bool upload_decals(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log);
   const Repeated* own_vertices(std::size_t mesh_index) const;  // null: the model's
   Repeated repeated(const pan::MeshView& mesh, const Tangents& tangents);

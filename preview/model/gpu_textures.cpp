@@ -66,7 +66,8 @@ std::uint32_t GpuTextures::number(const TextureUse& use) {
   return entry->second;
 }
 
-bool GpuTextures::upload(const Context& context, const pan::Model& model, DiagnosticLog& log) {
+bool GpuTextures::upload(const Context& context, const pan::Model& model, DiagnosticLog& log,
+                         const Job& job) {
   const GladGLContext& gl = context.gl();
   const std::vector<char> repeated = repeated_upwards(model);
   std::uint64_t bytes = 0;
@@ -84,7 +85,7 @@ bool GpuTextures::upload(const Context& context, const pan::Model& model, Diagno
     }
     const std::vector<TextureLevel> levels =
         map_levels(model.texels(i), texture.width, texture.height,
-                   (texture.flags & layout::kTextureLinear) != 0, use.role, use.threshold);
+                   (texture.flags & layout::kTextureLinear) != 0, use.role, use.threshold, job);
     textures_.push_back(
         made(gl, levels, format_of(use.role, bytes <= kFloatTextureBytes), repeated[i] != 0));
     if (!fits(gl, "textures", log)) return false;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/job.h"
 #include "pan/model.h"
 #include "preview/context.h"
 #include "preview/gl/gl_objects.h"
@@ -28,8 +29,8 @@ class GpuTextures {
   // The number of a use; the same for equal uses. All of them come before upload().
   std::uint32_t number(const TextureUse& use);
 
-  // Fails: E5003.
-  bool upload(const Context& context, const pan::Model& model, DiagnosticLog& log);
+  // Fails: E5003. Throws Cancelled.
+  bool upload(const Context& context, const pan::Model& model, DiagnosticLog& log, const Job& job);
 
   GLuint id(std::uint32_t number) const { return textures_[number].id(); }
   std::uint64_t bytes() const { return bytes_; }  // uploaded

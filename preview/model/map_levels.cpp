@@ -119,9 +119,9 @@ unsigned channels(TextureRole role) {
 
 std::vector<TextureLevel> map_levels(std::span<const std::uint8_t> rgba, std::uint32_t width,
                                      std::uint32_t height, bool linear, TextureRole role,
-                                     float threshold) {
+                                     float threshold, const Job& job) {
   const bool numbers = role == TextureRole::normal || role == TextureRole::roughness;
-  TextureLevel first = decoded_level(rgba, width, height, linear || numbers);
+  TextureLevel first = decoded_level(rgba, width, height, linear || numbers, job);
   switch (role) {
     case TextureRole::colour:
       for_texels(first, [](float* texel) { texel[3] = 1; });
@@ -141,7 +141,8 @@ std::vector<TextureLevel> map_levels(std::span<const std::uint8_t> rgba, std::ui
       find_shares(first);
       break;
   }
-  std::vector<TextureLevel> levels = with_levels_below(std::move(first));
+  job.poll();
+  std::vector<TextureLevel> levels = with_levels_below(std::move(first), job);
   if (role == TextureRole::normal)
     for (std::size_t i = 1; i < levels.size(); ++i) for_texels(levels[i], find_slopes);
   return levels;

@@ -36,8 +36,9 @@ unsigned channels(TextureRole role);
 // means.
 //
 //   threshold  for cutouts
+// Throws Cancelled.
 std::vector<TextureLevel> map_levels(std::span<const std::uint8_t> rgba, std::uint32_t width,
                                      std::uint32_t height, bool linear, TextureRole role,
-                                     float threshold);
+                                     float threshold, const Job& job = {});
 
 }  // namespace panwright::preview

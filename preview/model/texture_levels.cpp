@@ -31,7 +31,7 @@ Footprint footprint(std::uint32_t index, std::uint32_t from, std::uint32_t to) {
   return result;
 }
 
-TextureLevel halved(const TextureLevel& above) {
+TextureLevel halved(const TextureLevel& above, const Job& job) {
   TextureLevel level;
   level.width = std::max(1u, above.width / 2);
   level.height = std::max(1u, above.height / 2);
@@ -39,27 +39,30 @@ TextureLevel halved(const TextureLevel& above) {
   std::vector<Footprint> columns;
   for (std::uint32_t i = 0; i < level.width; ++i)
     columns.push_back(footprint(i, above.width, level.width));
-  parallel_for(level.height, [&](std::size_t j) {
-    const Footprint rows = footprint(static_cast<std::uint32_t>(j), above.height, level.height);
-    for (std::size_t i = 0; i < level.width; ++i)
-      for (std::size_t channel = 0; channel < 4; ++channel) {
-        double sum = 0;
-        for (std::uint32_t y = 0; y < rows.count; ++y)
-          for (std::uint32_t x = 0; x < columns[i].count; ++x) {
-            const std::size_t texel =
-                std::size_t{rows.first + y} * above.width + columns[i].first + x;
-            sum += rows.share[y] * columns[i].share[x] * above.rgba[4 * texel + channel];
+  parallel_for(
+      level.height,
+      [&](std::size_t j) {
+        const Footprint rows = footprint(static_cast<std::uint32_t>(j), above.height, level.height);
+        for (std::size_t i = 0; i < level.width; ++i)
+          for (std::size_t channel = 0; channel < 4; ++channel) {
+            double sum = 0;
+            for (std::uint32_t y = 0; y < rows.count; ++y)
+              for (std::uint32_t x = 0; x < columns[i].count; ++x) {
+                const std::size_t texel =
+                    std::size_t{rows.first + y} * above.width + columns[i].first + x;
+                sum += rows.share[y] * columns[i].share[x] * above.rgba[4 * texel + channel];
+              }
+            level.rgba[4 * (j * level.width + i) + channel] = static_cast<float>(sum);
           }
-        level.rgba[4 * (j * level.width + i) + channel] = static_cast<float>(sum);
-      }
-  });
+      },
+      job);
   return level;
 }
 
 }  // namespace
 
 TextureLevel decoded_level(std::span<const std::uint8_t> rgba, std::uint32_t width,
-                           std::uint32_t height, bool linear) {
+                           std::uint32_t height, bool linear, const Job& job) {
   assert(width > 0 && height > 0 && rgba.size() == std::size_t{4} * width * height);
   std::array<float, 256> value{};
   for (std::size_t code = 0; code < value.size(); ++code)
@@ -70,20 +73,23 @@ TextureLevel decoded_level(std::span<const std::uint8_t> rgba, std::uint32_t wid
   level.height = height;
   level.rgba.resize(rgba.size());
   const std::size_t row = std::size_t{4} * width;
-  parallel_for(height, [&](std::size_t j) {
-    const std::uint8_t* from = rgba.data() + (height - 1 - j) * row;
-    float* to = level.rgba.data() + j * row;
-    for (std::size_t i = 0; i < row; ++i)
-      to[i] = i % 4 == 3 ? static_cast<float>(from[i]) / 255 : value[from[i]];
-  });
+  parallel_for(
+      height,
+      [&](std::size_t j) {
+        const std::uint8_t* from = rgba.data() + (height - 1 - j) * row;
+        float* to = level.rgba.data() + j * row;
+        for (std::size_t i = 0; i < row; ++i)
+          to[i] = i % 4 == 3 ? static_cast<float>(from[i]) / 255 : value[from[i]];
+      },
+      job);
   return level;
 }
 
-std::vector<TextureLevel> with_levels_below(TextureLevel first) {
+std::vector<TextureLevel> with_levels_below(TextureLevel first, const Job& job) {
   std::vector<TextureLevel> levels;
   levels.push_back(std::move(first));
   while (levels.back().width > 1 || levels.back().height > 1)
-    levels.push_back(halved(levels.back()));
+    levels.push_back(halved(levels.back(), job));
   return levels;
 }
 

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "base/job.h"
+
 namespace panwright::preview {
 
 struct TextureLevel {
@@ -18,11 +20,11 @@ struct TextureLevel {
 //   rgba    4*H*W codes, row 0 the top row
 //   linear  RGB is not sRGB encoded; A never is
 TextureLevel decoded_level(std::span<const std::uint8_t> rgba, std::uint32_t width,
-                           std::uint32_t height, bool linear);
+                           std::uint32_t height, bool linear, const Job& job = {});
 
 // The level and all below, each of half the sides, rounded down, never below 1, down to 1×1. Every
 // texel is the mean of the area of the level above that it covers, partial texels weighted by their
 // share: means are kept for sides of any length.
-std::vector<TextureLevel> with_levels_below(TextureLevel first);
+std::vector<TextureLevel> with_levels_below(TextureLevel first, const Job& job = {});
 
 }  // namespace panwright::preview

@@ -145,7 +145,9 @@ Reference::Reference(Reference&&) noexcept = default;
 Reference& Reference::operator=(Reference&&) noexcept = default;
 Reference::~Reference() = default;
 
-void Reference::prepare(const world::World& world) { impl_->scene.update(world); }
+void Reference::prepare(const world::World& world, const Job& job) {
+  impl_->scene.update(world, job);
+}
 
 const ReferenceWork& Reference::work() const { return impl_->scene.work(); }
 
@@ -161,8 +163,8 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   assert(is_sound(camera, options));
   if (camera.width > kMaxSide || camera.height > kMaxSide) {
     log.report_file(Code::E5003, {},
-                    fmt::format("an image of {} by {} pixels; a side may have {}", camera.width,
-                                camera.height, kMaxSide));
+                    fmt::format("an image of {} by {} pixels, expected at most {} a side",
+                                camera.width, camera.height, kMaxSide));
     return failed;
   }
   const std::uint32_t margin = options.psf_sigma > 0 ? blur_margin(options.psf_sigma) : 0;
@@ -171,7 +173,7 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   wide.height += 2 * margin;
   wide.principal += static_cast<double>(margin);
   TraceScene& scene = impl_->scene;
-  scene.update(world);
+  scene.update(world, job);
   const auto start = std::chrono::steady_clock::now();
   scene.place_camera(camera);
 

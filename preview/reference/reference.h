@@ -89,7 +89,7 @@ class Reference {
 
   // Builds what render() of this world needs and does not have; render() does so by itself.
   // Cost: O(T log T) for new models; O(parts) for targets whose nodes changed.
-  void prepare(const world::World& world);
+  void prepare(const world::World& world, const Job& job = {});
 
   // target_id of the image is the index in the world + 1; node_id and material_id are those of the
   // target's model. Not to be called from two threads at once.

@@ -1,5 +1,5 @@
 // Which shading class a sample belongs to, as depth: the shading passes test for it, so that each
-// runs where its class is and nowhere else. Defined in front: version.
+// runs where its class is and nowhere else. Defined in front: version, sample_place.glsl.
 
 // of the target: its first item, how many it has; what stands below the numbers of its classes
 layout(location = 0) uniform uvec4 range;
@@ -7,7 +7,7 @@ layout(binding = 5) uniform usamplerBuffer items;    // x: material, y: class
 layout(binding = 2) uniform sampler2D seen_samples;  // as geometry.frag leaves them
 
 void main() {
-  int item = int(texelFetch(seen_samples, ivec2(gl_FragCoord.xy), 0).w) - 1 - int(range.x);
+  int item = abs(int(texelFetch(seen_samples, sample_place(), 0).w)) - 1 - int(range.x);
   if (item < 0 || item >= int(range.y)) discard;
   // exact: a power of two, and numbers far below 2^23
   gl_FragDepth = float(texelFetch(items, item).y + range.z + 1u) * (1.0 / 1048576.0);

@@ -4,6 +4,26 @@
 // FLAT, ALBEDO_MAP BUMPED ROUGHNESS_MAP REFLECTANCE_MAP (MAPPED with each of these), TANGENTS (BUMPED has them), CELLS
 // with its formulas, CUTOUT with cutout.glsl, and SHADOWED with shadow_place.glsl.
 
+#if defined(MAPPED) || defined(TEXTURED)
+layout(std140, binding = 0) uniform View {
+  vec4 sight;
+  vec4 sight_right;
+  vec4 sight_down;
+  vec4 to_sun;
+  vec4 irradiance;  // w: log2 of the N×N samples that one stands for, 0 when it stands for itself
+}
+view;
+
+// How far a map may be from what it holds in finer detail: of colours and shares; of unit normals.
+const float kColourDetail = 1.0 / 64.0;
+const float kNormalDetail = 1.0 / 64.0;
+
+bool differs(vec4 coarse, vec4 fine, float most) {
+  vec4 d = abs(coarse - fine);
+  return max(max(d.x, d.y), max(d.z, d.w)) > most;
+}
+#endif
+
 #ifdef FLAT
 layout(binding = 1) uniform samplerBuffer triangle_normals;
 #else
@@ -38,7 +58,8 @@ layout(binding = 16) uniform sampler2D reflectance_map;
 layout(location = 9) in vec2 cell_place;  // in pitches
 #endif
 
-// xyz: world normal of any length, on the side that is seen; w: item + 1, exact in a float
+// xyz: world normal of any length, on the side that is seen; w: item + 1, exact in a float, negative
+// where maps hold more than this sample can show
 layout(location = 0) out vec4 seen;
 #ifdef PAINTED
 layout(location = 1) out vec4 paint;  // diffuse colour; a: length of the mean normal
@@ -146,6 +167,33 @@ void main() {
 #endif
 #ifdef REFLECTANCE_MAP
   reflectance = vec4(colour_of(texture(reflectance_map, map_texcoord)), 1.0);
+#endif
+#if defined(MAPPED) || defined(TEXTURED)
+  if (view.irradiance.w > 0.0) {
+    bool rich = false;
+    float finer = -view.irradiance.w;
+#ifdef TEXTURED
+    rich = rich || differs(texture(diffuse_map, surface_texcoord),
+                           texture(diffuse_map, surface_texcoord, finer), kColourDetail);
+#endif
+#ifdef ALBEDO_MAP
+    rich = rich || differs(texture(albedo_map, map_texcoord), texture(albedo_map, map_texcoord, finer),
+                           kColourDetail);
+#endif
+#ifdef BUMPED
+    rich = rich || differs(texture(normal_map, map_texcoord), texture(normal_map, map_texcoord, finer),
+                           kNormalDetail);
+#endif
+#ifdef ROUGHNESS_MAP
+    rich = rich || differs(texture(roughness_map, map_texcoord),
+                           texture(roughness_map, map_texcoord, finer), kColourDetail);
+#endif
+#ifdef REFLECTANCE_MAP
+    rich = rich || differs(texture(reflectance_map, map_texcoord),
+                           texture(reflectance_map, map_texcoord, finer), kColourDetail);
+#endif
+    if (rich) seen.w = -seen.w;
+  }
 #endif
 #ifdef CUTOUT
   if (!is_there()) discard;

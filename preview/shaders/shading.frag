@@ -1,20 +1,22 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, any of PAINTED
-// ROUGH BRUSHED REFLECTING ONE_MATERIAL SHADOWED (with shadow.glsl), and the formulas of its family
-// (materials/formulas), with what reads a material (materials/formula_text.h).
+// ROUGH BRUSHED REFLECTING ONE_MATERIAL, sample_place.glsl, SHADOWED (with shadow.glsl), and the
+// formulas of its family (materials/formulas), with what reads a material (materials/formula_text.h).
 
 layout(std140, binding = 0) uniform View {
   vec4 sight;        // world direction through the tile's upper left corner, any length
   vec4 sight_right;  // its change from sample to sample
   vec4 sight_down;
   vec4 to_sun;      // world, unit; w: what its disc adds to the squares of alpha
-  vec4 irradiance;  // RGB
+  vec4 irradiance;  // RGB; w: above 0 where one sample stands for many
 }
 view;
 
 // of the target that this pass shades: its first item
 layout(location = 0) uniform uvec4 range;
 layout(binding = 5) uniform usamplerBuffer items;  // x: material, y: class
+#ifndef SHADOWED
 layout(binding = 2) uniform sampler2D seen_samples;  // as geometry.frag leaves them
+#endif
 #ifdef PAINTED
 layout(binding = 3) uniform sampler2D paints;
 #endif
@@ -41,6 +43,9 @@ vec4 material_row(int i) { return texelFetch(materials, i); }
 #endif
 
 layout(location = 0) out vec4 radiance;
+// what classify.frag compares: the largest channel; of solar cells, whose pattern is filtered to the
+// sample already, what a surface of albedo 1/2 would show
+layout(location = 1) out float light;
 
 // Zero stays zero: such a point is not lit, and never a NaN.
 vec3 unit_or_zero(vec3 v) {
@@ -73,25 +78,26 @@ void roughen(inout Surface surface, float length_of_mean, vec2 rough) {
 #endif
 
 void main() {
-  vec4 seen = texelFetch(seen_samples, ivec2(gl_FragCoord.xy), 0);
+  ivec2 place = sample_place();
+  vec4 seen = texelFetch(seen_samples, place, 0);
   // note: what is here belongs to the class of this pass, by the depth test (classes.frag)
 #ifndef ONE_MATERIAL
-  int item = int(seen.w) - 1 - int(range.x);
+  int item = abs(int(seen.w)) - 1 - int(range.x);
   int first_row = kMaterialRows * int(texelFetch(items, item).x);
 #endif
 
   // the line of sight of this sample, free of where the surface is and how far
-  vec3 sight = view.sight.xyz + gl_FragCoord.x * view.sight_right.xyz +
-               gl_FragCoord.y * view.sight_down.xyz;
+  vec3 sight = view.sight.xyz + (float(place.x) + 0.5) * view.sight_right.xyz +
+               (float(place.y) + 0.5) * view.sight_down.xyz;
   vec3 to_viewer = -normalize(sight);
 
   Surface surface = surface_of(first_row, view.to_sun.w);
 #ifdef PAINTED
-  vec4 paint = texelFetch(paints, ivec2(gl_FragCoord.xy), 0);
+  vec4 paint = texelFetch(paints, place, 0);
   surface.diffuse = paint.rgb;
 #endif
 #ifdef ROUGH
-  vec4 rough = texelFetch(roughs, ivec2(gl_FragCoord.xy), 0);
+  vec4 rough = texelFetch(roughs, place, 0);
   roughen(surface, paint.a, rough.xy);
   // of solar cells the paint has the colour of cells and fingers, weights included
   bool has_cells = material_cell_count(first_row).x > 0.0;
@@ -102,10 +108,10 @@ void main() {
 #endif
 
 #ifdef REFLECTING
-  surface.reflectance = texelFetch(reflectances, ivec2(gl_FragCoord.xy), 0).rgb;
+  surface.reflectance = texelFetch(reflectances, place, 0).rgb;
 #endif
 #ifdef BRUSHED
-  vec3 brush = unit_or_zero(texelFetch(brushes, ivec2(gl_FragCoord.xy), 0).xyz);
+  vec3 brush = unit_or_zero(texelFetch(brushes, place, 0).xyz);
   vec3 facing = unit_or_zero(seen.xyz);
   surface.tangent = unit_or_zero(brush - facing * dot(facing, brush));
 #endif
@@ -123,8 +129,23 @@ void main() {
                                                 material_gap_color(first_row) * view.irradiance.rgb;
   }
 #endif
+  float visibility = 1.0;
 #ifdef SHADOWED
-  if (dot(seen.xyz, view.to_sun.xyz) > 0.0)
-    radiance.rgb = mix(shaded_radiance(surface), radiance.rgb, sun_visibility());
+  if (dot(seen.xyz, view.to_sun.xyz) > 0.0) {
+    visibility = sun_visibility(place);
+    radiance.rgb = mix(shaded_radiance(surface), radiance.rgb, visibility);
+  }
+#endif
+  light = max(radiance.r, max(radiance.g, radiance.b));
+#ifdef ROUGH
+  if (has_cells)
+    light = 0.15915494309189535 * max(dot(unit_or_zero(seen.xyz), view.to_sun.xyz), 0.0) *
+            visibility * max(view.irradiance.r, max(view.irradiance.g, view.irradiance.b));
+#endif
+#ifdef SHADOWED
+  // far from all light there is: the pixel gets all its samples
+  if (view.irradiance.w > 0.0 && blocks.y == 0u && dot(seen.xyz, view.to_sun.xyz) > 0.0 &&
+      sun_varies(place, abs(int(seen.w))))
+    light = 1e30;
 #endif
 }

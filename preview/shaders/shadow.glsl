@@ -5,6 +5,7 @@ layout(std140, binding = 4) uniform Shadow {
 }
 shadow;
 
+layout(binding = 2) uniform sampler2D seen_samples;    // as geometry.frag leaves them
 layout(binding = 12) uniform usampler2D sun_samples;   // as shadow_place.glsl leaves them
 layout(binding = 13) uniform sampler2D shadow_depths;  // 1 towards the Sun, 0 away from it
 layout(binding = 14) uniform sampler2D shadow_slopes;
@@ -36,8 +37,8 @@ bool hides(ivec2 texel, vec3 place, vec2 slope) {
 
 // From 0 to 1: the share of four texels around the sample that hide it, weighted by how near they
 // are.
-float sun_visibility() {
-  uvec4 found = texelFetch(sun_samples, ivec2(gl_FragCoord.xy), 0);
+float sun_visibility(ivec2 sample_at) {
+  uvec4 found = texelFetch(sun_samples, sample_at, 0);
   vec3 place = uintBitsToFloat(found.xyz);
   vec2 slope = unpackHalf2x16(found.w);
   vec2 at = clamp((place.xy + 1.0) * shadow.half_side - 0.5, vec2(0.0),
@@ -50,4 +51,28 @@ float sun_visibility() {
   // note: a + (b - a)·t is exactly 1 where all four are
   vec2 rows = seen.xz + (seen.yw - seen.xz) * share.x;
   return rows.x + (rows.y - rows.x) * share.y;
+}
+
+// Whether the Sun is hidden from a part of a pixel that one sample stands for: 4×4 points of the plane
+// through its place and those of its neighbours of the same item. Looks at one texel each.
+bool sun_varies(ivec2 sample_at, int item) {
+  uvec4 found = texelFetch(sun_samples, sample_at, 0);
+  vec3 place = uintBitsToFloat(found.xyz);
+  vec2 slope = unpackHalf2x16(found.w);
+  vec3 change[2] = vec3[2](vec3(0.0), vec3(0.0));
+  for (int axis = 0; axis < 2; ++axis)
+    for (int side = -1; side < 2; side += 2) {
+      ivec2 there = sample_at + side * ivec2(1 - axis, axis);
+      if (abs(int(texelFetch(seen_samples, there, 0).w)) == item)
+        change[axis] =
+            float(side) * (uintBitsToFloat(texelFetch(sun_samples, there, 0).xyz) - place);
+    }
+  int hidden = 0;
+  for (int i = 0; i < 16; ++i) {
+    vec3 at = place + (float(i & 3) * 0.25 - 0.375) * change[0] +
+              (float(i >> 2) * 0.25 - 0.375) * change[1];
+    vec2 texel = clamp((at.xy + 1.0) * shadow.half_side, vec2(0.0), vec2(2.0 * shadow.half_side - 1.0));
+    if (hides(ivec2(texel), at, slope)) ++hidden;
+  }
+  return hidden != 0 && hidden != 16;
 }

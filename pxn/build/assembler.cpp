@@ -267,7 +267,7 @@ class Assembler {
       if (!taken_.insert({use.part, item.element}).second) return;
       report(Code::E1210, use, item, [&] {
         return Reporter::Text(
-            fmt::format("a frame is called {} already; this one is left out", in_quotes(name)));
+            fmt::format("duplicate frame {}; this one is left out", in_quotes(name)));
       });
       return;
     }
@@ -282,7 +282,7 @@ class Assembler {
       if (!taken_.insert({use.part, item.element}).second) return;
       report(Code::E1210, use, item, [&] {
         return Reporter::Text(
-            fmt::format("a keypoint is called {} already; this one is left out", in_quotes(name)));
+            fmt::format("duplicate keypoint {}; this one is left out", in_quotes(name)));
       });
       return;
     }
@@ -349,7 +349,7 @@ class Assembler {
       std::vector<std::string_view> names;
       for (const auto& [other, instances] : use.shapes) names.push_back(other);
       const auto near = nearest_name(name, names);
-      return {fmt::format("no shape of this {} is called {}",
+      return {fmt::format("no shape of this {} has the name {}",
                           use.part->element == 0 ? "file" : "part", in_quotes(name)),
               near ? fmt::format("did you mean '{}'?", *near) : ""};
     });

@@ -110,7 +110,7 @@ std::optional<std::string> Loader::parameter_name(File& file, std::uint32_t elem
   if (!check_name(file.document, element, where, *name, reporter_)) return std::nullopt;
   if (!scope.has_own(*name)) return name;
   reporter_.report(Code::E1210, where, file.document, element, [&] {
-    return Reporter::Text(fmt::format("a parameter is called {} already", in_quotes(*name)));
+    return Reporter::Text(fmt::format("duplicate parameter {}", in_quotes(*name)));
   });
   return std::nullopt;
 }
@@ -151,7 +151,7 @@ void Loader::check_overrides() {
         fmt::format("-D {}={}: {}", name, value,
                     all.empty()
                         ? "the model has no parameters"
-                        : fmt::format("no parameter is called {}; there {} {}", in_quotes(name),
+                        : fmt::format("unknown parameter {}; there {} {}", in_quotes(name),
                                       all.size() == 1 ? "is" : "are", fmt::join(all, ", "))),
         near ? fmt::format("did you mean '{}'?", *near) : "");
   }
@@ -400,7 +400,7 @@ Definition* Loader::look_up(File& file, std::uint32_t element, std::size_t attri
         std::vector<std::string_view> names;
         for (const auto& [other, definition] : known) names.push_back(other);
         const auto near = nearest_name(*name, names);
-        return {fmt::format("no {} is called {}", what, in_quotes(*name)),
+        return {fmt::format("unknown {} {}", what, in_quotes(*name)),
                 near ? fmt::format("did you mean '{}'?", *near)
                 : names.empty()
                     ? fmt::format("define it with <{} name=\"{}\"> below the root", what, *name)

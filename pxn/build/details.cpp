@@ -92,7 +92,7 @@ std::optional<Quat> Loader::unit_quat(Work& work, std::uint32_t element, SourceS
     return Quat(q[0] / length, q[1] / length, q[2] / length, q[3] / length);
   reporter_.report(Code::E1206, where, work.file.document, element, [&] {
     return Reporter::Text(fmt::format(
-        "the quaternion has length {:.6g}; it takes w x y z of length 1, to 1e-3", length));
+        "the quaternion has length {:.6g}, expected w x y z of length 1 to 1e-3", length));
   });
   return std::nullopt;
 }

@@ -77,21 +77,18 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
   Values& values = *work.file.values;
   importers::Options options;
   geometry::CleanOptions clean;
-  const auto word = [&](std::size_t which) {
-    return values.has(element, which) ? values.text(element, which).value_or("") : std::string();
-  };
+  const auto word = [&](std::size_t which) { return values.text_or_default(element, which); };
   const std::string units = word(attribute::import_units);
   const std::string up = word(attribute::import_up);
   const bool cleaned = word(attribute::import_clean) != "no";
   const std::string scene = word(attribute::import_scene);
   clean.keep_normals = word(attribute::import_normals) != "crease";
   clean.tolerance = values.real_or_default(element, attribute::import_weld);
-  options.crease_angle =
-      values.real(element, attribute::import_crease).value_or(options.crease_angle);
+  options.crease_angle = values.real_or_default(element, attribute::import_crease);
   clean.crease_angle = options.crease_angle;
   if (!scene.empty()) options.scene = scene;
   options.primitives =
-      static_cast<std::uint32_t>(values.integer(element, attribute::import_primitives).value_or(0));
+      static_cast<std::uint32_t>(values.integer_or_default(element, attribute::import_primitives));
   options.deflection = values.real_or_default(element, attribute::import_deflection);
   options.limits.nodes = options_.limits.nodes;
   options.limits.texture_bytes = options_.limits.texture_bytes - texture_bytes_;
@@ -187,8 +184,7 @@ void Loader::read_import(Work& work, std::uint32_t element) {
   import.removed.resize(instances);
   import.materials.assign(instances, -1);
   import.keeps_picture.assign(instances, 1);
-  import.keep_hidden = values.has(element, attribute::import_hidden) &&
-                       values.text(element, attribute::import_hidden) == "keep";
+  import.keep_hidden = values.text_or_default(element, attribute::import_hidden) == "keep";
   const xml::Document& document = work.file.document;
   const std::uint32_t end = document.elements[element].next;
   for (std::uint32_t c = element + 1; c < end; c = document.elements[c].next)
@@ -272,8 +268,7 @@ void Loader::read_import_rule(Work& work, std::uint32_t rule, PartImport& import
       look_up(work.file, rule, attribute::assign_material, work.file.materials, "material");
   const auto index = material == nullptr ? std::nullopt : material_of(*material);
   if (!index) return;
-  const bool keep = values.has(rule, attribute::assign_pictures) &&
-                    values.text(rule, attribute::assign_pictures) == "keep";
+  const bool keep = values.text_or_default(rule, attribute::assign_pictures) == "keep";
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (!chosen[i]) continue;
     import.materials[i] = static_cast<std::int32_t>(*index);

@@ -366,7 +366,7 @@ void Loader::read_repeat(Work& work, std::uint32_t element, std::uint32_t depth)
   Values& values = *work.file.values;
   const xml::Document& document = work.file.document;
   const auto count = values.integer(element, attribute::repeat_count);
-  std::string variable = "i";
+  std::string variable(values.default_text(element, attribute::repeat_var));
   if (values.has(element, attribute::repeat_var)) {
     const auto given = values.text(element, attribute::repeat_var);
     if (!given) return;
@@ -381,7 +381,7 @@ void Loader::read_repeat(Work& work, std::uint32_t element, std::uint32_t depth)
     reporter_.report(
         Code::E1313, values.value_place(element, attribute::repeat_count), document, element, [&] {
           return Reporter::Text(
-              fmt::format("{} repetitions; at most {} are accepted", *count, kMostRepetitions));
+              fmt::format("{} repetitions, expected at most {}", *count, kMostRepetitions));
         });
     return;
   }

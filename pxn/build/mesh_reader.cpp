@@ -86,9 +86,9 @@ class MeshReader {
     const bool ok = read_list(list, out);
     if (ok && out.size() != mesh_.positions.size()) {
       report(Code::E2002, list, [&] {
-        return Reporter::Text(fmt::format("<{}> has {}, and there are {}; it takes one for each",
-                                          doc_.name(list), counted(out.size(), "entry"),
-                                          counted(mesh_.positions.size(), "position")));
+        return Reporter::Text(
+            fmt::format("<{}> has {}, and there are {}; expected one per position", doc_.name(list),
+                        counted(out.size(), "entry"), counted(mesh_.positions.size(), "position")));
       });
     }
     if (!ok || out.size() != mesh_.positions.size()) out.clear();
@@ -140,7 +140,7 @@ class MeshReader {
       const std::string accepted =
           vertices == 0
               ? "there are no positions"
-              : fmt::format("there are {} positions, so it takes 0 to {}", vertices, vertices - 1);
+              : fmt::format("there are {} positions, expected 0 to {}", vertices, vertices - 1);
       return Reporter::Text(fmt::format(
           "the index {} is past the last position; {}{}; the strip is left out", *bad, accepted,
           others > 0 ? fmt::format("; {} more of this strip are", others) : ""));

@@ -110,8 +110,9 @@ void Loader::read_decal(Work& work, std::uint32_t element) {
       out = v;
       return;
     }
-    reporter_.report(Code::E1202, values.value_place(element, which), work.file.document, element,
-                     [&] { return Reporter::Text("a direction of length 0 points nowhere"); });
+    reporter_.report(
+        Code::E1202, values.value_place(element, which), work.file.document, element,
+        [&] { return Reporter::Text("a direction of length 0; expected any other length"); });
   };
   direction(attribute::decal_normal, decal.normal);
   direction(attribute::decal_up, decal.up);

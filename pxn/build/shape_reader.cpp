@@ -3,14 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
+#include <array>
+#include <concepts>
+#include <utility>
 
+#include "geometry/tessellate/shape_parameters.h"
 #include "pxn/build/loader.h"
 #include "pxn/build/shapes.h"
 
 namespace panwright::pxn {
 
-namespace attribute = schemas::attribute;
 using schemas::ElementId;
 
 namespace {
@@ -38,200 +40,128 @@ class ShapeReader {
 
  private:
   std::optional<geometry::Shape> read() {
-    switch (doc_.elements[element_].id) {
-      case ElementId::sphere:
-        return level_0_sphere();
-      case ElementId::sphere_1:
-        return sphere();
-      case ElementId::ellipsoid: {
-        geometry::Ellipsoid s;
-        numbers("radii", std::span(&s.radii.x, 3));
-        s.counts = counts();
-        return s;
-      }
-      case ElementId::box: {
-        geometry::Box s;
-        numbers("size", std::span(&s.size.x, 3));
-        s.bevel = real("bevel");
-        s.round = word("edges") == "round";
-        return s;
-      }
-      case ElementId::cylinder:
-        return geometry::Cylinder{real("radius"), real("height"), caps(), sector(), counts()};
-      case ElementId::cone:
-        return geometry::Cone{real("radius"), real("top_radius"), real("height"),
-                              caps(),         sector(),           counts()};
-      case ElementId::disc:
-        return geometry::Disc{real("radius"), real("inner_radius"), sector(), counts()};
-      case ElementId::torus:
-        return geometry::Torus{real("radius"), real("tube_radius"), sector(), counts()};
-      case ElementId::dish:
-        return geometry::Dish{real("diameter"), real("focal_length"), real("thickness"), counts()};
-      case ElementId::plane: {
-        double size[2] = {0, 0};
-        numbers("size", size);
-        return geometry::Plane{size[0], size[1]};
-      }
-      case ElementId::tube:
-        return tube();
-      case ElementId::lathe:
-        return geometry::Lathe{points_2d(child_of(doc_, element_, ElementId::profile)),
-                               word("curve") == "spline", sector(), counts()};
-      case ElementId::extrude:
-        return extrude();
-      case ElementId::polygons:
-        return polygons();
-      default:
-        return std::nullopt;
+    auto shape = shape_called(element_entry().name);
+    if (!shape) return std::nullopt;
+    std::visit(
+        [&]<class S>(S& s) {
+          if constexpr (!std::same_as<S, geometry::MeshShape>)
+            geometry::visit_parameters(
+                s, [&](std::string_view name, auto&... members) { parameter(name, members...); });
+        },
+        *shape);
+    return shape;
+  }
+
+  // A shape of a kind, as yet without its parameters.
+  static std::optional<geometry::Shape> shape_called(std::string_view kind) {
+    static const auto kAll = []<std::size_t... I>(std::index_sequence<I...>) {
+      return std::array{geometry::Shape(std::in_place_index<I>)...};
     }
+    (std::make_index_sequence<std::variant_size_v<geometry::Shape>>());
+    for (const geometry::Shape& shape : kAll)
+      if (geometry::kind_name(shape) == kind) return shape;
+    return std::nullopt;
   }
 
-  std::optional<geometry::Shape> level_0_sphere() {
-    const auto rings = values_.integer(element_, attribute::sphere_rings);
-    const auto quads = values_.integer(element_, attribute::sphere_quads);
-    if (!rings || !quads) return std::nullopt;
-    return geometry::Sphere{1, geometry::SphereCounts{static_cast<std::uint32_t>(*rings),
-                                                      static_cast<std::uint32_t>(*quads)}};
+  const schemas::Element& element_entry() const {
+    return schemas::kPxn.elements[static_cast<std::size_t>(doc_.elements[element_].id)];
   }
 
-  geometry::Shape sphere() {
-    geometry::Sphere s;
-    s.radius = real("radius", units_.length);
-    double latitude[2];
-    numbers("latitude", latitude);
-    s.latitude_min = latitude[0];
-    s.latitude_max = latitude[1];
-    s.sector = sector();
-    const std::uint32_t rings = count("rings");
-    const std::uint32_t quads = count("quads");
-    if (rings > 0 && quads > 0) s.counts = geometry::SphereCounts{rings, quads};
-    return s;
-  }
+  // ---- parameters: what is absent has its default by the schema. One that the element does not
+  // have at the file's level stays as it is
 
-  geometry::Shape tube() {
-    geometry::Tube s;
-    const std::vector<double> list = list_of(child_of(doc_, element_, ElementId::path));
+  void parameter(std::string_view name, Vec3& v) { numbers(name, std::span(&v.x, 3)); }
+  void parameter(std::string_view name, double& value) {
+    const auto which = attribute_of(doc_, element_, name);
+    if (!which) return;
+    const schemas::Attribute& attribute = element_entry().attributes[*which];
+    if (!attribute.initial.empty())
+      value = attribute.initial[0] * (attribute.initial_in_units ? units_.length : 1);
+    if (!present(*which)) return;
+    const auto read = values_.real(element_, *which);
+    if (read) value = *read;
+    ok_ = ok_ && read.has_value();
+  }
+  void parameter(std::string_view name, double& first, double& second) {
+    double both[] = {first, second};
+    numbers(name, both);
+    first = both[0];
+    second = both[1];
+  }
+  void parameter(std::string_view name, bool& choice) {
+    if (const auto index = word(name)) choice = *index != 0;
+  }
+  void parameter(std::string_view name, geometry::Caps& caps) {
+    if (const auto index = word(name)) caps = static_cast<geometry::Caps>(*index);
+  }
+  void parameter(std::string_view name, std::uint32_t& count) {
+    const auto which = attribute_of(doc_, element_, name);
+    if (!which || !present(*which)) return;
+    const auto value = values_.integer(element_, *which);
+    ok_ = ok_ && value.has_value();
+    count = static_cast<std::uint32_t>(value.value_or(0));
+  }
+  void parameter(std::string_view name, std::vector<Vec3>& points) {
+    const std::vector<double> list = list_of(child_called(name));
     for (std::size_t i = 0; i + 2 < list.size(); i += 3)
-      s.path.emplace_back(list[i], list[i + 1], list[i + 2]);
-    s.radius = real("radius");
-    s.inner_radius = real("inner_radius");
-    s.spline = word("curve") == "spline";
-    s.closed = word("closed") == "1";
-    s.caps = caps();
-    s.counts = counts();
-    return s;
+      points.emplace_back(list[i], list[i + 1], list[i + 2]);
+    points_ = points.size();
   }
-
-  geometry::Shape extrude() {
-    geometry::Extrude s;
-    s.outline = points_2d(child_of(doc_, element_, ElementId::outline));
-    each(element_, ElementId::hole, [&](std::uint32_t c) { s.holes.push_back(points_2d(c)); });
-    s.height = real("height");
-    s.smooth = real("smooth");
-    s.caps = caps();
-    return s;
+  void parameter(std::string_view name, std::vector<Vec2>& points) {
+    points = points_2d(child_called(name));
   }
-
-  geometry::Shape polygons() {
-    geometry::Polygons s;
-    const std::vector<double> list = list_of(child_of(doc_, element_, ElementId::vertices));
-    for (std::size_t i = 0; i + 2 < list.size(); i += 3)
-      s.positions.emplace_back(list[i], list[i + 1], list[i + 2]);
-    s.smooth = real("smooth");
-    each(element_, ElementId::face, [&](std::uint32_t face) {
-      geometry::Polygons::Face& f = s.faces.emplace_back();
+  void parameter(std::string_view name, std::vector<std::vector<Vec2>>& lists) {
+    each(element_, name, [&](std::uint32_t c) { lists.push_back(points_2d(c)); });
+  }
+  // Of indices of the points that were read before.
+  void parameter(std::string_view name, std::vector<geometry::Polygons::Face>& faces) {
+    each(element_, name, [&](std::uint32_t face) {
+      geometry::Polygons::Face& f = faces.emplace_back();
       if (const std::uint32_t c = child_of(doc_, face, ElementId::face_outline))
-        ok_ = indices(c, s.positions.size(), f.outline) && ok_;
+        ok_ = indices(c, points_, f.outline) && ok_;
       else
         ok_ = false;
-      each(face, ElementId::face_hole, [&](std::uint32_t c) {
-        ok_ = indices(c, s.positions.size(), f.holes.emplace_back()) && ok_;
-      });
+      each(face, ElementId::face_hole,
+           [&](std::uint32_t c) { ok_ = indices(c, points_, f.holes.emplace_back()) && ok_; });
     });
     // note: none at all has been reported
-    if (s.faces.empty()) ok_ = false;
-    return s;
+    if (faces.empty()) ok_ = false;
   }
-
-  // ---- attributes
 
   std::optional<std::size_t> given(std::string_view name) {
     const auto which = attribute_of(doc_, element_, name);
     return which && values_.has(element_, *which) ? which : std::nullopt;
   }
 
+  // Whether an attribute is there. One that must be and is not has been reported.
+  bool present(std::size_t which) {
+    const bool has = values_.has(element_, which);
+    if (!has && element_entry().attributes[which].required) ok_ = false;
+    return has;
+  }
+
   void numbers(std::string_view name, std::span<double> out) {
-    const auto which = given(name);
-    std::ranges::copy(entry(name).initial, out.begin());
-    if (which && !values_.numbers(element_, *which, out)) ok_ = false;
-    // note: one that must be there and is not has been reported
-    if (!which && attribute_is_required(name)) ok_ = false;
-  }
-
-  // The schema's entry of an attribute of this element.
-  const schemas::Attribute& entry(std::string_view name) const {
     const auto which = attribute_of(doc_, element_, name);
-    assert(which);
-    return schemas::kPxn.elements[static_cast<std::size_t>(doc_.elements[element_].id)]
-        .attributes[*which];
+    if (!which) return;
+    std::ranges::copy(element_entry().attributes[*which].initial, out.begin());
+    if (present(*which) && !values_.numbers(element_, *which, out)) ok_ = false;
   }
 
-  // One number; its default by the schema where it is absent.
-  double real(std::string_view name) {
-    const std::span<const double> initial = entry(name).initial;
-    return real(name, initial.empty() ? 0 : initial[0]);
-  }
-  double real(std::string_view name, double otherwise) {
-    double out = otherwise;
-    const auto which = given(name);
-    if (which) {
-      const auto value = values_.real(element_, *which);
-      if (value) out = *value;
-      ok_ = ok_ && value.has_value();
-    } else if (attribute_is_required(name)) {
-      ok_ = false;
+  // The index of a word; nothing where the element has no such attribute.
+  std::optional<std::size_t> word(std::string_view name) {
+    const auto which = attribute_of(doc_, element_, name);
+    if (!which) return std::nullopt;
+    const schemas::Attribute& attribute = element_entry().attributes[*which];
+    std::string text(attribute.initial_word);
+    if (present(*which)) {
+      const auto read = values_.text(element_, *which);
+      ok_ = ok_ && read.has_value();
+      if (read) text = *read;
     }
-    return out;
+    const auto found = std::ranges::find(attribute.value.words, text);
+    if (found == attribute.value.words.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - attribute.value.words.begin());
   }
-
-  std::uint32_t count(std::string_view name) {
-    const auto which = given(name);
-    if (!which) return 0;
-    const auto value = values_.integer(element_, *which);
-    ok_ = ok_ && value.has_value();
-    return static_cast<std::uint32_t>(value.value_or(0));
-  }
-
-  std::string word(std::string_view name) {
-    const std::string_view otherwise = entry(name).initial_word;
-    const auto which = given(name);
-    if (!which) return std::string(otherwise);
-    const auto value = values_.text(element_, *which);
-    ok_ = ok_ && value.has_value();
-    return value.value_or(std::string(otherwise));
-  }
-
-  bool attribute_is_required(std::string_view name) const {
-    const auto which = attribute_of(doc_, element_, name);
-    const auto id = static_cast<std::size_t>(doc_.elements[element_].id);
-    return which && schemas::kPxn.elements[id].attributes[*which].required;
-  }
-
-  geometry::Caps caps() {
-    const std::string text = word("caps");
-    return text == "none"     ? geometry::Caps::none
-           : text == "bottom" ? geometry::Caps::bottom
-           : text == "top"    ? geometry::Caps::top
-                              : geometry::Caps::both;
-  }
-
-  geometry::Sector sector() {
-    double ends[2];
-    numbers("sector", ends);
-    return {ends[0], ends[1]};
-  }
-
-  geometry::Counts counts() { return {count("segments"), count("rings")}; }
 
   // ---- lists
 
@@ -240,6 +170,25 @@ class ShapeReader {
     const std::uint32_t end = doc_.elements[holder].next;
     for (std::uint32_t c = holder + 1; c < end; c = doc_.elements[c].next)
       if (doc_.elements[c].id == id) read(c);
+  }
+
+  // The children of a name, whatever their place in the tables.
+  template <class Read>
+  void each(std::uint32_t holder, std::string_view name, const Read& read) {
+    const std::uint32_t end = doc_.elements[holder].next;
+    for (std::uint32_t c = holder + 1; c < end; c = doc_.elements[c].next) {
+      const ElementId id = doc_.elements[c].id;
+      if (id != schemas::kNoElement &&
+          schemas::kPxn.elements[static_cast<std::size_t>(id)].name == name)
+        read(c);
+    }
+  }
+
+  // The first of them, or 0.
+  std::uint32_t child_called(std::string_view name) {
+    std::uint32_t first = 0;
+    each(element_, name, [&](std::uint32_t c) { first = first == 0 ? c : first; });
+    return first;
   }
 
   std::vector<double> list_of(std::uint32_t child) {
@@ -263,7 +212,7 @@ class ShapeReader {
       if (out[i] < limit) continue;
       reporter_.report(Code::E2001, values_.place_of(child, i), doc_, child, [&] {
         return Reporter::Text(
-            fmt::format("index {} of {} vertices; the last one is {}", out[i], limit, limit - 1));
+            fmt::format("index {} of {} vertices, expected at most {}", out[i], limit, limit - 1));
       });
       return false;
     }
@@ -319,6 +268,7 @@ class ShapeReader {
   const Units& units_;
   Values& values_;
   Reporter& reporter_;
+  std::size_t points_ = 0;  // of the list that faces refer to
   bool ok_ = true;
 };
 

@@ -103,8 +103,7 @@ std::optional<PartFrame> read_frame_axes(const xml::Document& document, std::uin
   if (!problem.empty()) {
     reporter.report(Code::E1207, document.tag_span(element), document, element, [&] {
       return Reporter::Text(fmt::format(
-          "{}; a frame's axes are unit vectors at right angles, to 1e-4, with right = forward × up",
-          problem));
+          "{}; expected perpendicular unit vectors to 1e-4, with right = forward × up", problem));
     });
     return std::nullopt;
   }

@@ -28,7 +28,7 @@ class FormulaReader {
   Formula run() {
     if (text_.size() > kLongestExpression) {
       fail(0, 1,
-           fmt::format("an expression has at most {} bytes, and this has {}", kLongestExpression,
+           fmt::format("an expression of {1} bytes, expected at most {0}", kLongestExpression,
                        text_.size()),
            "<param> can name its parts");
       return finish();
@@ -166,7 +166,7 @@ class FormulaReader {
     if (found == "\"" || found == "'") hint = "expressions have no texts";
     if (found == "[" || found == "]") hint = "parentheses group";
     fail(at_, at_ + length,
-         fmt::format("{} is no part of an expression", in_quotes(to_utf8(found, Encoding::utf8))),
+         fmt::format("{} cannot stand in an expression", in_quotes(to_utf8(found, Encoding::utf8))),
          hint);
   }
 
@@ -212,7 +212,8 @@ class FormulaReader {
       hint = fmt::format("a product is written with *; units of length are {}",
                          units_of(schemas::Dimension::length));
     fail(at, at + name.size(),
-         fmt::format("{} is no unit", in_quotes(to_utf8(name, Encoding::utf8))), hint, Code::E1213);
+         fmt::format("unknown unit {}", in_quotes(to_utf8(name, Encoding::utf8))), hint,
+         Code::E1213);
   }
 
   void read_name() {
@@ -229,8 +230,7 @@ class FormulaReader {
       std::vector<std::string_view> names;
       for (const Function& f : kFunctions) names.push_back(f.name);
       const auto near = nearest_name(name, names);
-      return fail(begin, begin + name.size(),
-                  fmt::format("there is no function {}", in_quotes(name)),
+      return fail(begin, begin + name.size(), fmt::format("unknown function {}", in_quotes(name)),
                   near ? fmt::format("did you mean '{}'?", *near) : "a product is written with *",
                   Code::E1222);
     }
@@ -317,8 +317,8 @@ class FormulaReader {
   void wrong_number(const Frame& frame) {
     const Function& f = kFunctions[frame.function];
     fail(frame.at, frame.at + f.name.size(),
-         fmt::format("{} takes {}, and here {}", f.name, counted(f.most, "value"),
-                     frame.values > f.most ? "are more" : "is 1"));
+         fmt::format("{} takes {}, found {}", f.name, counted(f.most, "value"),
+                     frame.values > f.most ? "more" : "1"));
   }
 
   void no_colon() {

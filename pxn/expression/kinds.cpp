@@ -275,15 +275,15 @@ class KindReader {
       for (const Value& value : values) {
         if (is_measured(kind) && is_measured(value.kind) && kind != value.kind)
           return fail(a.begin, values.back().end,
-                      fmt::format("{} takes values of one kind, got {} and {}", name, name_of(kind),
-                                  name_of(value.kind)));
+                      fmt::format("{} expects values of one dimension, got {} and {}", name,
+                                  name_of(kind), name_of(value.kind)));
         kind = common(kind, value.kind);
       }
       if (name == "atan2") kind = kPlain;
     } else if (name == "sin" || name == "cos" || name == "tan") {
       if (power_of(a.kind) != 0 || a.kind.measure == Measure::pixels)
         return fail(a.begin, a.end,
-                    fmt::format("{} takes an angle, got {}", name, name_of(a.kind)));
+                    fmt::format("{} expects an angle, got {}", name, name_of(a.kind)));
     } else if (name == "sqrt") {
       kind = root(a.kind);
     } else if (name == "abs" || name == "floor" || name == "ceil" || name == "round") {

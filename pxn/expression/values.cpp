@@ -190,7 +190,7 @@ std::optional<std::string> Values::text(std::uint32_t element, std::size_t attri
     return out;
   reporter_.report(Code::E1204, doc_.value_span(*given), doc_, element, [&]() -> Reporter::Text {
     const auto near = nearest_name(out, known.value.words);
-    return {fmt::format("{} of <{}> is {}; it takes {}", known.name, schema(element).name,
+    return {fmt::format("{} of <{}> is {}, expected {}", known.name, schema(element).name,
                         in_quotes(out), fmt::join(known.value.words, " or ")),
             near ? fmt::format("did you mean '{}'?", *near) : ""};
   });

@@ -64,12 +64,26 @@ class Values {
     return real(element, attribute).value_or(initial);
   }
   std::optional<std::uint64_t> integer(std::uint32_t element, std::size_t attribute);
+  std::uint64_t integer_or_default(std::uint32_t element, std::size_t attribute) {
+    const double initial = schema(element).attributes[attribute].initial[0];
+    return integer(element, attribute).value_or(static_cast<std::uint64_t>(initial));
+  }
   std::optional<Quantity> quantity(std::uint32_t element, std::size_t attribute);
 
   // A word, path or label, as UTF-8 without control characters.
   //
   // Reports: E1103 (empty), E1204.
   std::optional<std::string> text(std::uint32_t element, std::size_t attribute);
+
+  // The word or label that the tables have for an absent attribute.
+  std::string_view default_text(std::uint32_t element, std::size_t attribute) const {
+    return schema(element).attributes[attribute].initial_word;
+  }
+  // That one where it is absent or cannot be read.
+  std::string text_or_default(std::uint32_t element, std::size_t attribute) {
+    auto given = has(element, attribute) ? text(element, attribute) : std::nullopt;
+    return given ? *std::move(given) : std::string(default_text(element, attribute));
+  }
 
   // The place of an attribute's value, or of the element's name when it is not there.
   SourceSpan value_place(std::uint32_t element, std::size_t attribute) const;

@@ -415,7 +415,7 @@ bool Values::read_computed_integer(std::uint32_t element, const Text& text, cons
   const double number = amount->value;
   if (number != std::floor(number) || std::fabs(number) > kMost) {
     reporter_.report(Code::E1224, place(text, token), doc_, element, [&]() -> Reporter::Text {
-      return {fmt::format("{} is {}, which is no whole number", subject(element, value, index),
+      return {fmt::format("{} is {}, expected a whole number", subject(element, value, index),
                           format_double(number)),
               "floor, ceil and round make whole numbers"};
     });
@@ -507,18 +507,18 @@ void Values::bad_number(Code code, std::uint32_t element, const Text& text, cons
             : range_of(limits, amount.unit,
                        amount.unit != nullptr && !(amount.bare && is_si(amount.unit)));
     if (code == Code::E1202)
-      return {fmt::format("{} is {}{}; it takes {}", what, written(text, token),
+      return {fmt::format("{} is {}{}, expected {}", what, written(text, token),
                           amount.computed
                               ? " = " + number_in(amount.value, amount.unit, amount.unit != nullptr)
                               : "",
                           takes)};
     if (code == Code::E1211)
-      return {fmt::format(
-          "{} is 0, which leaves nothing of what is below; it takes any other number", what)};
+      return {
+          fmt::format("{} is 0, which flattens everything below; expected any other number", what)};
     const Encoding encoding = text.offsets == nullptr ? doc_.encoding : Encoding::utf8;
-    return {fmt::format("{} is not a {}; {} takes {}",
-                        in_quotes(to_utf8(token.text.substr(0, 256), encoding)), noun(value), what,
-                        takes),
+    return {fmt::format("{} is not a {}, expected {} for {}",
+                        in_quotes(to_utf8(token.text.substr(0, 256), encoding)), noun(value), takes,
+                        what),
             number_hint(token)};
   });
 }
@@ -540,7 +540,7 @@ void Values::bad_unit(std::uint32_t element, const Text& text, const Token& toke
     std::vector<std::string_view> names;
     for (const Unit& unit : all_units()) names.push_back(unit.name);
     const auto near = nearest_name(name.text, names);
-    return {fmt::format("{} is no unit", in_quotes(written(text, name))),
+    return {fmt::format("unknown unit {}", in_quotes(written(text, name))),
             near ? fmt::format("did you mean '{}'?", *near)
                  : fmt::format("lengths: {}; angles: {}", units_of(Dimension::length),
                                units_of(Dimension::angle))};
@@ -557,11 +557,8 @@ void Values::bad_count(std::uint32_t element, const schemas::Value& value, std::
         names += fmt::format("{}{}", names.empty() ? " (" : " ",
                              number.name.substr(0, number.name.find(':')));
     if (!names.empty()) names += ')';
-    const std::string there = count == 0   ? "there is none"
-                              : count == 1 ? "there is 1"
-                                           : fmt::format("there are {}", count);
-    return {fmt::format("{} takes {}{}{}, and {}", subject, counted(value.count, noun(value)),
-                        names, value.one ? " or one for all" : "", there)};
+    return {fmt::format("{}: expected {}{}{}, found {}", subject, counted(value.count, noun(value)),
+                        names, value.one ? " or one for all" : "", count)};
   });
 }
 
@@ -569,15 +566,11 @@ void Values::bad_tuples(std::uint32_t element, const schemas::Value& value, std:
   reporter_.report(Code::E1203, doc_.name_span(element), doc_, element, [&]() -> Reporter::Text {
     const std::size_t least = std::size_t{value.least} * value.tuple;
     const bool few = count < least;
-    const std::string there = count == 1 ? "there is 1" : fmt::format("there are {}", count);
     if (few)
-      return {fmt::format("<{}> takes at least {}, and {}", schema(element).name,
-                          counted(least, "number"), there)};
-    return {fmt::format("<{}> takes numbers by {}, and {}", schema(element).name,
-                        value.tuple == 2   ? "twos"
-                        : value.tuple == 3 ? "threes"
-                                           : "fours",
-                        there)};
+      return {fmt::format("<{}>: expected at least {}, found {}", schema(element).name,
+                          counted(least, "number"), count)};
+    return {fmt::format("<{}>: expected a multiple of {} numbers, found {}", schema(element).name,
+                        value.tuple, count)};
   });
 }
 

@@ -1,120 +1,75 @@
 #include "pxn/text/element_writer.h"
 
+#include <algorithm>
 #include <array>
+#include <cassert>
+#include <concepts>
 
+#include "geometry/tessellate/shape_parameters.h"
 #include "pxn/text/reference.h"
+#include "schemas/generated/pxn_schema.h"
 
 namespace panwright::pxn {
 
 namespace {
 
-using geometry::Caps;
-using geometry::Counts;
-using geometry::Sector;
+// The schema's entry of a shape: that of the newest level.
+const schemas::Element& entry_of(std::string_view tag) {
+  const schemas::Element* newest = nullptr;
+  for (const schemas::Element& element : schemas::kPxn.elements)
+    if (element.shape && element.name == tag &&
+        (newest == nullptr || element.level > newest->level))
+      newest = &element;
+  assert(newest != nullptr);
+  return *newest;
+}
 
+// Parameters as attributes, where the schema has one of this name; those that have their default
+// are left out.
 class AttributeWriter {
  public:
-  explicit AttributeWriter(ElementWriter& out) : out_(out) {}
+  AttributeWriter(const schemas::Element& element, ElementWriter& out)
+      : element_(element), out_(out) {}
 
-  void operator()(const geometry::Sphere& s) {
-    out_.attribute("radius", s.radius);
-    if (s.latitude_min != -kPi / 2 || s.latitude_max != kPi / 2)
-      pair("latitude", s.latitude_min, s.latitude_max);
-    sector(s.sector);
-    if (!s.counts) return;
-    out_.attribute("rings", std::to_string(s.counts->rings));
-    out_.attribute("quads", std::to_string(s.counts->quads));
+  void operator()(std::string_view name, const Vec3& v) { numbers(name, std::span(&v.x, 3)); }
+  template <std::same_as<double>... More>
+  void operator()(std::string_view name, const double& first, const More&... more) {
+    numbers(name, std::array{first, more...});
   }
-  void operator()(const geometry::MeshShape&) {}
-  void operator()(const geometry::Ellipsoid& s) {
-    out_.attribute("radii", s.radii);
-    counts(s.counts);
+  void operator()(std::string_view name, const bool& choice) { word(name, choice); }
+  void operator()(std::string_view name, const geometry::Caps& caps) {
+    word(name, static_cast<std::size_t>(caps));
   }
-  void operator()(const geometry::Box& s) {
-    out_.attribute("size", s.size);
-    optional("bevel", s.bevel);
-    if (s.round) out_.attribute("edges", "round");
+  void operator()(std::string_view name, const std::uint32_t& count) {
+    if (count != 0 && entry(name) != nullptr) out_.attribute(name, std::to_string(count));
   }
-  void operator()(const geometry::Cylinder& s) {
-    out_.attribute("radius", s.radius);
-    out_.attribute("height", s.height);
-    caps(s.caps);
-    sector(s.sector);
-    segments(s.counts);
-  }
-  void operator()(const geometry::Cone& s) {
-    out_.attribute("radius", s.bottom_radius);
-    optional("top_radius", s.top_radius);
-    out_.attribute("height", s.height);
-    caps(s.caps);
-    sector(s.sector);
-    segments(s.counts);
-  }
-  void operator()(const geometry::Disc& s) {
-    out_.attribute("radius", s.radius);
-    optional("inner_radius", s.inner_radius);
-    sector(s.sector);
-    segments(s.counts);
-  }
-  void operator()(const geometry::Torus& s) {
-    out_.attribute("radius", s.radius);
-    out_.attribute("tube_radius", s.tube_radius);
-    sector(s.sector);
-    counts(s.counts);
-  }
-  void operator()(const geometry::Dish& s) {
-    out_.attribute("diameter", s.diameter);
-    out_.attribute("focal_length", s.focal_length);
-    optional("thickness", s.thickness);
-    counts(s.counts);
-  }
-  void operator()(const geometry::Plane& s) { pair("size", s.width, s.height); }
-  void operator()(const geometry::Tube& s) {
-    out_.attribute("radius", s.radius);
-    optional("inner_radius", s.inner_radius);
-    if (s.spline) out_.attribute("curve", "spline");
-    if (s.closed) out_.attribute("closed", "1");
-    caps(s.caps);
-    counts(s.counts);
-  }
-  void operator()(const geometry::Lathe& s) {
-    if (s.spline) out_.attribute("curve", "spline");
-    sector(s.sector);
-    counts(s.counts);
-  }
-  void operator()(const geometry::Extrude& s) {
-    out_.attribute("height", s.height);
-    optional("smooth", s.smooth);
-    caps(s.caps);
-  }
-  void operator()(const geometry::Polygons& s) { optional("smooth", s.smooth); }
+  template <class List>
+  void operator()(std::string_view, const std::vector<List>&) {}
 
  private:
-  void pair(std::string_view name, double a, double b) {
-    const double both[] = {a, b};
-    out_.numbers(name, both);
+  const schemas::Attribute* entry(std::string_view name) const {
+    const auto found = std::ranges::find(element_.attributes, name, &schemas::Attribute::name);
+    return found == element_.attributes.end() ? nullptr : &*found;
   }
-  void optional(std::string_view name, double value) {
-    if (value != 0) out_.attribute(name, value);
+  void numbers(std::string_view name, std::span<const double> values) {
+    const schemas::Attribute* attribute = entry(name);
+    if (attribute == nullptr) return;
+    // a default in the root's units is another one in another file
+    if (!attribute->initial_in_units && std::ranges::equal(values, attribute->initial)) return;
+    out_.numbers(name, values);
   }
-  void sector(const Sector& s) {
-    if (!(s == Sector{})) pair("sector", s.begin, s.end);
-  }
-  void caps(Caps caps) {
-    constexpr std::string_view kWords[] = {"both", "none", "bottom", "top"};
-    if (caps != Caps::both) out_.attribute("caps", kWords[static_cast<std::size_t>(caps)]);
-  }
-  void segments(const Counts& c) {
-    if (c.around != 0) out_.attribute("segments", std::to_string(c.around));
-  }
-  void counts(const Counts& c) {
-    segments(c);
-    if (c.along != 0) out_.attribute("rings", std::to_string(c.along));
+  void word(std::string_view name, std::size_t index) {
+    const schemas::Attribute* attribute = entry(name);
+    if (attribute == nullptr) return;
+    const std::string_view word = attribute->value.words[index];
+    if (word != attribute->initial_word) out_.attribute(name, word);
   }
 
+  const schemas::Element& element_;
   ElementWriter& out_;
 };
 
+// Lists as children.
 class ChildWriter {
  public:
   explicit ChildWriter(ElementWriter& out) : out_(out) {}
@@ -130,23 +85,11 @@ class ChildWriter {
     }
     strips(mesh->triangles);
   }
-  void operator()(const geometry::Tube& s) { points("path", s.path); }
-  void operator()(const geometry::Lathe& s) { points("profile", s.profile); }
-  void operator()(const geometry::Extrude& s) {
-    points("outline", s.outline);
-    for (const auto& hole : s.holes) points("hole", hole);
+  template <class S>
+  void operator()(const S& s) {
+    geometry::visit_parameters(
+        s, [&](std::string_view name, const auto&... members) { (list(name, members), ...); });
   }
-  void operator()(const geometry::Polygons& s) {
-    points("vertices", s.positions);
-    for (const geometry::Polygons::Face& face : s.faces) {
-      out_.open("face");
-      indices("outline", face.outline);
-      for (const auto& hole : face.holes) indices("hole", hole);
-      out_.close("face");
-    }
-  }
-  template <class Other>
-  void operator()(const Other&) {}
 
  private:
   template <class Vectors>
@@ -154,6 +97,22 @@ class ChildWriter {
     out_.open(list);
     for (const Vec3& v : values) out_.element(tag, std::span(&v.x, 3));
     out_.close(list);
+  }
+  template <class Other>
+  void list(std::string_view, const Other&) {}
+  void list(std::string_view tag, const std::vector<Vec2>& values) { points(tag, values); }
+  void list(std::string_view tag, const std::vector<Vec3>& values) { points(tag, values); }
+  template <class Item>
+  void list(std::string_view tag, const std::vector<std::vector<Item>>& values) {
+    for (const auto& value : values) list(tag, value);
+  }
+  void list(std::string_view tag, const std::vector<geometry::Polygons::Face>& faces) {
+    for (const geometry::Polygons::Face& face : faces) {
+      out_.open(tag);
+      indices("outline", face.outline);
+      for (const auto& hole : face.holes) indices("hole", hole);
+      out_.close(tag);
+    }
   }
   template <class Vector>
   void points(std::string_view tag, const std::vector<Vector>& values) {
@@ -213,7 +172,12 @@ void ElementWriter::numbers(std::string_view name, std::span<const double> value
 }
 
 void write_shape_attributes(const geometry::Shape& shape, ElementWriter& out) {
-  std::visit([&](const auto& s) { AttributeWriter{out}(s); }, shape);
+  AttributeWriter writer(entry_of(geometry::kind_name(shape)), out);
+  std::visit(
+      [&]<class S>(const S& s) {
+        if constexpr (!std::same_as<S, geometry::MeshShape>) geometry::visit_parameters(s, writer);
+      },
+      shape);
 }
 
 void write_shape_children(const geometry::Shape& shape, ElementWriter& out) {

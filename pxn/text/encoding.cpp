@@ -134,7 +134,7 @@ class PrologReader {
              fmt::format("XML version {} is not known; write \"1.0\"", in_quotes(value)));
     if (which == 2 && value != "yes" && value != "no")
       report(Code::E1001, begin, begin + value.size(),
-             fmt::format("standalone is {}; it takes \"yes\" or \"no\"", in_quotes(value)));
+             fmt::format("standalone is {}, expected \"yes\" or \"no\"", in_quotes(value)));
     if (which != 1) return true;
     if (same_word(value, "UTF-8") || same_word(value, "UTF8")) {
       charset_ = Charset::utf8;
@@ -200,9 +200,9 @@ class PrologReader {
     const auto byte = static_cast<unsigned char>(bytes_[first]);
     constexpr std::string_view kNames[] = {"UTF-8", "US-ASCII", "ISO-8859-1"};
     const std::string_view name = kNames[static_cast<std::size_t>(charset_)];
-    const std::string what = byte < 0x80
-                                 ? fmt::format("the control character 0x{:02X} is no text", byte)
-                                 : fmt::format("the byte 0x{:02X} is no {} text here", byte, name);
+    const std::string what =
+        byte < 0x80 ? fmt::format("the control character 0x{:02X} is not allowed in text", byte)
+                    : fmt::format("the byte 0x{:02X} is not valid {} text here", byte, name);
     const std::string others = bad > 1 ? fmt::format(", and so in {} other places", bad - 1) : "";
     report(Code::E1004, first, first + 1, what + others,
            byte < 0x80 ? ""

@@ -160,7 +160,7 @@ class Checker {
               hint = fmt::format("'{}' is an element inside <{}>", name, schema.name);
         if (!owners.empty()) hint = fmt::format("'{}' belongs to <{}>", name, join_tags(owners));
       }
-      return {fmt::format("<{}> has no attribute '{}'; {}", schema.name, name, takes), hint};
+      return {fmt::format("unknown attribute '{1}' of <{0}>; {2}", schema.name, name, takes), hint};
     });
   }
 
@@ -231,9 +231,9 @@ class Checker {
     report(Code::E1104, doc_.name_span(child), child, [&]() -> Reporter::Text {
       const std::string what =
           slot.label.empty() ? fmt::format("<{}>", tag(child)) : std::string(slot.label);
-      return {fmt::format("<{}> takes one {}, and this is another; it is left out",
-                          entry(element).name, what),
-              std::string(slot.hint)};
+      return {
+          fmt::format("<{}> takes at most one {}; this one is left out", entry(element).name, what),
+          std::string(slot.hint)};
     });
   }
 
@@ -270,10 +270,10 @@ class Checker {
       const std::vector<std::string_view> here = names_in(schema);
       std::string message;
       if (here.empty())
-        message = fmt::format("<{}> takes no elements, and this is '{}'", schema.name, name);
+        message = fmt::format("<{}> takes no elements, found '{}'", schema.name, name);
       else
-        message =
-            fmt::format("<{}> has no element '{}'; it takes {}", schema.name, name, join(here));
+        message = fmt::format("unknown element '{1}' in <{0}>, expected {2}", schema.name, name,
+                              join(here));
       std::string hint = belongs(name);
       if (hint.empty()) {
         std::vector<std::string_view> anywhere;
@@ -366,7 +366,7 @@ class Checker {
                        run.begin + static_cast<std::uint32_t>(tail)),
              owner, [&] {
                return Reporter::Text(fmt::format(
-                   "<{}> takes no text, and this is {}", entry(id).name,
+                   "<{}> takes no text, found {}", entry(id).name,
                    in_quotes(to_utf8(text.substr(lead, std::min<std::size_t>(tail - lead, 256)),
                                      doc_.encoding))));
              });

@@ -148,7 +148,8 @@ class Scanner {
     const bool number = text_[at_] == '#';
     at_ = end + 1;
     if (number)
-      report(Code::E1001, begin, at_, fmt::format("{} is no character of XML", quoted(begin, at_)));
+      report(Code::E1001, begin, at_,
+             fmt::format("{} is not a character of XML", quoted(begin, at_)));
     else
       report(Code::E1005, begin, at_,
              fmt::format("the entity {} is not read; only &lt; &gt; &amp; &quot; &apos; and "

@@ -44,7 +44,7 @@ enum class SpecularModel : std::uint32_t {
   beckmann = 3,  // Beckmann microfacets with Smith's masking
   ggx = 4,  // GGX microfacets (Trowbridge and Reitz 1975) with Smith's masking
   mirror = 5,  // A perfect mirror
-  retroreflector = 6,  // Corner cubes with a circular face: light goes back to where it comes from
+  retroreflector = 6,  // Corner cubes with a circular face: light goes back to where it comes from (since 1.1)
 };
 
 // Which term of the need decided a tolerance.
@@ -80,9 +80,10 @@ inline constexpr std::uint32_t kMeshColours = 1u << 2;  // the mesh has a run in
 inline constexpr std::uint32_t kTextureLinear = 1u << 0;  // RGB is linear; otherwise it is sRGB encoded. A is always linear
 
 // Bits of Header.required_features: a writer sets those of what the file holds.
-inline constexpr std::uint32_t kFeatureCompressed = 1u << 0;  // sections have a codec (1.1)
-inline constexpr std::uint32_t kFeatureRecordSizes = 1u << 1;  // records have other sizes than in format 1.0 (1.1)
-inline constexpr std::uint64_t kKnownRequiredFeatures = 0x00000003u;
+inline constexpr std::uint32_t kFeatureCompressed = 1u << 0;  // sections have a codec
+inline constexpr std::uint32_t kFeatureRecordSizes = 1u << 1;  // records have other sizes than in format 1.0
+inline constexpr std::uint32_t kFeatureBrdfRetroreflector = 1u << 2;  // a material has the BRDF retroreflector
+inline constexpr std::uint64_t kKnownRequiredFeatures = 0x00000007u;
 
 // Bits of DirectoryEntry.flags.
 inline constexpr std::uint32_t kSectionOptional = 1u << 0;  // a reader that does not know the kind ignores the section
@@ -843,6 +844,19 @@ inline constexpr FieldRule kFieldRules[] = {
     {SectionKind::decals, "reserved", 92, FieldType::u32, 1,
      FieldRuleKind::zero, SectionKind::build, 0, 0},
 };
+
+// A required feature and the minor version that added it.
+struct FeatureInfo {
+  std::uint64_t bit;
+  std::uint16_t minor;
+  const char* name;
+};
+
+inline constexpr std::array<FeatureInfo, 3> kRequiredFeatures{{
+    {kFeatureCompressed, 1, "Compressed"},
+    {kFeatureRecordSizes, 1, "RecordSizes"},
+    {kFeatureBrdfRetroreflector, 1, "BrdfRetroreflector"},
+}};
 
 // What a field is taken for where the records of a file are too short to hold it; exact.
 struct FieldDefault {

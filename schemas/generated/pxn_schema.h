@@ -150,7 +150,8 @@ struct Attribute {
   bool required;
   Value value;
   std::span<const double> initial;           // where it is absent: numbers in SI; empty: none
-  std::string_view initial_word;             // the same of words
+  std::string_view initial_word;             // the same of words and labels
+  bool initial_in_units = false;             // initial is not in SI but in the root's units
 };
 
 // A place for children: any of some elements, min to max of them together.
@@ -556,10 +557,10 @@ inline constexpr ElementId kChoice_pangu_model_4[] = {
     ElementId::budget,
 };
 inline constexpr Attribute kAttributes_pangu_model[] = {
-    {"ver", 0, true, true, {ValueKind::version, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"units", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_units, Dimension::none, false, false, 1, 0}, {}, "m"},
-    {"angle", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_angle, Dimension::none, false, false, 1, 0}, {}, "deg"},
-    {"up", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_up, Dimension::none, false, false, 1, 0}, {}, "z"},
+    {"ver", 0, true, true, {ValueKind::version, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"units", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_units, Dimension::none, false, false, 1, 0}, {}, "m", false},
+    {"angle", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_angle, Dimension::none, false, false, 1, 0}, {}, "deg", false},
+    {"up", 1, true, false, {ValueKind::word, 1, {}, kWords_pangu_model_up, Dimension::none, false, false, 1, 0}, {}, "z", false},
 };
 inline constexpr Slot kSlots_pangu_model[] = {
     {kChoice_pangu_model_0, "node", 0, 0, ""},
@@ -572,9 +573,9 @@ inline constexpr Number kNumbers_group_count[] = {
     {"count", 0, 4294967295, false, false},
 };
 inline constexpr Attribute kAttributes_group[] = {
-    {"count", 0, true, false, {ValueKind::integer, 1, kNumbers_group_count, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"count", 0, true, false, {ValueKind::integer, 1, kNumbers_group_count, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Slot kSlots_group[] = {
     {kChoice_pangu_model_0, "node", 0, 0, ""},
@@ -586,8 +587,8 @@ inline constexpr std::string_view kWords_include_type[] = {
     "pxn",
 };
 inline constexpr Attribute kAttributes_include[] = {
-    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_include_type, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"file", 0, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_include_type, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"file", 0, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr ElementId kChoice_transform_0[] = {
     ElementId::scaling,
@@ -648,7 +649,7 @@ inline constexpr ElementId kChoice_frame_s_3[] = {
     ElementId::right,
 };
 inline constexpr Attribute kAttributes_frame_s[] = {
-    {"label", 0, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"label", 0, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Slot kSlots_frame_s[] = {
     {kChoice_frame_s_0, "", 1, 1, ""},
@@ -734,7 +735,7 @@ inline constexpr double kInitial_specular_shine[] = {
     0,
 };
 inline constexpr Attribute kAttributes_specular[] = {
-    {"shine", 0, true, false, {ValueKind::real, 1, kNumbers_specular_shine, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"shine", 0, true, false, {ValueKind::real, 1, kNumbers_specular_shine, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
 };
 inline constexpr Number kNumbers_reflect[] = {
     {"d", 0, 1000000.0, false, false},
@@ -754,7 +755,7 @@ inline constexpr Number kNumbers_oren[] = {
     {"sigma", 0, 1.5, false, false},
 };
 inline constexpr Attribute kAttributes_oren[] = {
-    {"energy", 1, true, false, {ValueKind::word, 1, {}, kWords_oren_energy, Dimension::none, false, false, 1, 0}, {}, "1994"},
+    {"energy", 1, true, false, {ValueKind::word, 1, {}, kWords_oren_energy, Dimension::none, false, false, 1, 0}, {}, "1994", false},
 };
 inline constexpr Number kNumbers_hapke_b[] = {
     {"b", 0, 0.99, false, false},
@@ -778,11 +779,11 @@ inline constexpr Number kNumbers_hapke[] = {
     {"θ̄: mean roughness angle, degrees", 0, 80, false, false},
 };
 inline constexpr Attribute kAttributes_hapke[] = {
-    {"b", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_b, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"c", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_c, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"hc", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_hc, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"bc0", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_bc0, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"porosity", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_porosity, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
+    {"b", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_b, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"c", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_c, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"hc", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_hc, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"bc0", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_bc0, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"porosity", 1, true, false, {ValueKind::real, 1, kNumbers_hapke_porosity, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
 };
 inline constexpr Number kNumbers_cook[] = {
     {"c", 0, 1000000.0, false, false},
@@ -797,7 +798,7 @@ inline constexpr ElementId kChoice_texture_0[] = {
     ElementId::data,
 };
 inline constexpr Attribute kAttributes_texture[] = {
-    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_texture_type, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_texture_type, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Slot kSlots_texture[] = {
     {kChoice_texture_0, "", 1, 1, ""},
@@ -813,8 +814,8 @@ inline constexpr std::string_view kWords_include_raw_type[] = {
     "raw",
 };
 inline constexpr Attribute kAttributes_include_raw[] = {
-    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_include_raw_type, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"file", 0, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_include_raw_type, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"file", 0, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Number kNumbers_sphere_rings[] = {
     {"rings", 2, 100000, false, false},
@@ -823,11 +824,27 @@ inline constexpr Number kNumbers_sphere_quads[] = {
     {"quads", 3, 100000, false, false},
 };
 inline constexpr Attribute kAttributes_sphere[] = {
-    {"rings", 0, true, true, {ValueKind::integer, 1, kNumbers_sphere_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"quads", 0, true, true, {ValueKind::integer, 1, kNumbers_sphere_quads, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"rings", 0, true, true, {ValueKind::integer, 1, kNumbers_sphere_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"quads", 0, true, true, {ValueKind::integer, 1, kNumbers_sphere_quads, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Number kNumbers_mesh_tolerance[] = {
     {"tolerance", 0, 1e+30, true, false},
+};
+inline constexpr double kInitial_mesh_translate[] = {
+    0,
+    0,
+    0,
+};
+inline constexpr double kInitial_mesh_quat[] = {
+    1,
+    0,
+    0,
+    0,
+};
+inline constexpr double kInitial_mesh_scale[] = {
+    1,
+    1,
+    1,
 };
 inline constexpr ElementId kChoice_mesh_0[] = {
     ElementId::positions,
@@ -849,13 +866,13 @@ inline constexpr std::string_view kMembers_mesh_0[] = {
     "@quat",
 };
 inline constexpr Attribute kAttributes_mesh[] = {
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Slot kSlots_mesh[] = {
     {kChoice_mesh_0, "", 1, 1, ""},
@@ -905,12 +922,12 @@ inline constexpr Number kNumbers_tristrip[] = {
     {"index", 0, 4294967294, false, false},
 };
 inline constexpr Attribute kAttributes_tristrip[] = {
-    {"count", 0, true, false, {ValueKind::integer, 1, kNumbers_group_count, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"count", 0, true, false, {ValueKind::integer, 1, kNumbers_group_count, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Attribute kAttributes_param[] = {
-    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"value", 1, true, true, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"doc", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"value", 1, true, true, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"doc", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr std::string_view kWords_named_material_sides[] = {
     "1",
@@ -983,15 +1000,15 @@ inline constexpr std::string_view kMembers_named_material_3[] = {
     "@preset",
 };
 inline constexpr Attribute kAttributes_named_material[] = {
-    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"base", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"preset", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"sides", 1, false, false, {ValueKind::word, 1, {}, kWords_named_material_sides, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"albedo_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"normal_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"roughness_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"reflectance_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"map_repeat", 1, true, false, {ValueKind::real, 2, kNumbers_named_material_map_repeat, {}, Dimension::none, false, true, 1, 0}, kInitial_named_material_map_repeat, ""},
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"base", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"preset", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"sides", 1, false, false, {ValueKind::word, 1, {}, kWords_named_material_sides, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"albedo_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"normal_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"roughness_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"reflectance_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"map_repeat", 1, true, false, {ValueKind::real, 2, kNumbers_named_material_map_repeat, {}, Dimension::none, false, true, 1, 0}, kInitial_named_material_map_repeat, "", false},
 };
 inline constexpr Slot kSlots_named_material[] = {
     {kChoice_material_0, "", 0, 1, ""},
@@ -1028,8 +1045,8 @@ inline constexpr double kInitial_cutout_threshold[] = {
     0.5,
 };
 inline constexpr Attribute kAttributes_cutout[] = {
-    {"image", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"threshold", 1, true, false, {ValueKind::real, 1, kNumbers_cutout_threshold, {}, Dimension::none, false, false, 1, 0}, kInitial_cutout_threshold, ""},
+    {"image", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"threshold", 1, true, false, {ValueKind::real, 1, kNumbers_cutout_threshold, {}, Dimension::none, false, false, 1, 0}, kInitial_cutout_threshold, "", false},
 };
 inline constexpr Number kNumbers_eon[] = {
     {"roughness", 0, 1, false, false},
@@ -1047,7 +1064,7 @@ inline constexpr Number kNumbers_beckmann[] = {
     {"v", 1e-05, 1, false, false},
 };
 inline constexpr Attribute kAttributes_beckmann[] = {
-    {"energy", 1, true, false, {ValueKind::word, 1, {}, kWords_beckmann_energy, Dimension::none, false, false, 1, 0}, {}, "auto"},
+    {"energy", 1, true, false, {ValueKind::word, 1, {}, kWords_beckmann_energy, Dimension::none, false, false, 1, 0}, {}, "auto", false},
 };
 inline constexpr Number kNumbers_retroreflector_index[] = {
     {"index", 1, 4, false, false},
@@ -1074,10 +1091,10 @@ inline constexpr double kInitial_retroreflector_width[] = {
     0.0005,
 };
 inline constexpr Attribute kAttributes_retroreflector[] = {
-    {"index", 1, true, false, {ValueKind::real, 1, kNumbers_retroreflector_index, {}, Dimension::none, false, false, 1, 0}, kInitial_retroreflector_index, ""},
-    {"depth", 1, true, false, {ValueKind::real, 1, kNumbers_retroreflector_depth, {}, Dimension::none, false, false, 1, 0}, kInitial_retroreflector_depth, ""},
-    {"cutoff", 1, true, false, {ValueKind::real, 1, kNumbers_retroreflector_cutoff, {}, Dimension::angle, false, false, 1, 0}, kInitial_retroreflector_cutoff, ""},
-    {"width", 1, true, false, {ValueKind::real, 1, kNumbers_retroreflector_width, {}, Dimension::angle, false, false, 1, 0}, kInitial_retroreflector_width, ""},
+    {"index", 1, true, false, {ValueKind::real, 1, kNumbers_retroreflector_index, {}, Dimension::none, false, false, 1, 0}, kInitial_retroreflector_index, "", false},
+    {"depth", 1, true, false, {ValueKind::real, 1, kNumbers_retroreflector_depth, {}, Dimension::none, false, false, 1, 0}, kInitial_retroreflector_depth, "", false},
+    {"cutoff", 1, true, false, {ValueKind::real, 1, kNumbers_retroreflector_cutoff, {}, Dimension::angle, false, false, 1, 0}, kInitial_retroreflector_cutoff, "", false},
+    {"width", 1, true, false, {ValueKind::real, 1, kNumbers_retroreflector_width, {}, Dimension::angle, false, false, 1, 0}, kInitial_retroreflector_width, "", false},
 };
 inline constexpr Number kNumbers_conductor_n[] = {
     {"r", 0, 100, true, false},
@@ -1103,10 +1120,10 @@ inline constexpr std::string_view kMembers_conductor_2[] = {
     "@k",
 };
 inline constexpr Attribute kAttributes_conductor[] = {
-    {"metal", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"file", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"n", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_n, {}, Dimension::none, false, true, 1, 0}, {}, ""},
-    {"k", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_k, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"metal", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"file", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"n", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_n, {}, Dimension::none, false, true, 1, 0}, {}, "", false},
+    {"k", 1, true, false, {ValueKind::real, 3, kNumbers_conductor_k, {}, Dimension::none, false, true, 1, 0}, {}, "", false},
 };
 inline constexpr Rule kRules_conductor[] = {
     {RuleKind::one_of, kMembers_conductor_0},
@@ -1153,12 +1170,12 @@ inline constexpr std::string_view kMembers_coat_4[] = {
     "@absorption",
 };
 inline constexpr Attribute kAttributes_coat[] = {
-    {"film", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"file", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"n", 1, true, false, {ValueKind::real, 1, kNumbers_coat_n, {}, Dimension::none, false, false, 1, 0}, kInitial_coat_n, ""},
-    {"slope", 1, true, false, {ValueKind::real, 1, kNumbers_coat_slope, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"absorption", 1, true, false, {ValueKind::real, 3, kNumbers_coat_absorption, {}, Dimension::none, false, true, 1, 0}, {}, ""},
-    {"thickness", 1, true, false, {ValueKind::real, 1, kNumbers_coat_thickness, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"film", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"file", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"n", 1, true, false, {ValueKind::real, 1, kNumbers_coat_n, {}, Dimension::none, false, false, 1, 0}, kInitial_coat_n, "", false},
+    {"slope", 1, true, false, {ValueKind::real, 1, kNumbers_coat_slope, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"absorption", 1, true, false, {ValueKind::real, 3, kNumbers_coat_absorption, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_translate, "", false},
+    {"thickness", 1, true, false, {ValueKind::real, 1, kNumbers_coat_thickness, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Rule kRules_coat[] = {
     {RuleKind::requires_others, kMembers_coat_0},
@@ -1205,27 +1222,27 @@ inline constexpr Number kNumbers_cells_tilt[] = {
     {"v", -0.2, 0.2, false, false},
 };
 inline constexpr Attribute kAttributes_cells[] = {
-    {"columns", 1, true, true, {ValueKind::real, 1, kNumbers_cells_columns, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"rows", 1, true, true, {ValueKind::real, 1, kNumbers_cells_rows, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"gap", 1, true, false, {ValueKind::real, 2, kNumbers_cells_gap, {}, Dimension::none, false, true, 1, 0}, kInitial_cells_gap, ""},
-    {"gap_color", 1, true, false, {ValueKind::real, 3, kNumbers_rgb, {}, Dimension::none, false, true, 1, 0}, kInitial_cells_gap_color, ""},
-    {"fingers", 1, true, false, {ValueKind::real, 1, kNumbers_cells_fingers, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"finger_width", 1, true, false, {ValueKind::real, 1, kNumbers_cells_finger_width, {}, Dimension::none, false, false, 1, 0}, kInitial_cells_finger_width, ""},
-    {"finger_color", 1, true, false, {ValueKind::real, 3, kNumbers_rgb, {}, Dimension::none, false, true, 1, 0}, kInitial_cells_finger_color, ""},
-    {"tilt", 1, true, false, {ValueKind::real, 2, kNumbers_cells_tilt, {}, Dimension::angle, false, true, 1, 0}, kInitial_cells_gap, ""},
+    {"columns", 1, true, true, {ValueKind::real, 1, kNumbers_cells_columns, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"rows", 1, true, true, {ValueKind::real, 1, kNumbers_cells_rows, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"gap", 1, true, false, {ValueKind::real, 2, kNumbers_cells_gap, {}, Dimension::none, false, true, 1, 0}, kInitial_cells_gap, "", false},
+    {"gap_color", 1, true, false, {ValueKind::real, 3, kNumbers_rgb, {}, Dimension::none, false, true, 1, 0}, kInitial_cells_gap_color, "", false},
+    {"fingers", 1, true, false, {ValueKind::real, 1, kNumbers_cells_fingers, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"finger_width", 1, true, false, {ValueKind::real, 1, kNumbers_cells_finger_width, {}, Dimension::none, false, false, 1, 0}, kInitial_cells_finger_width, "", false},
+    {"finger_color", 1, true, false, {ValueKind::real, 3, kNumbers_rgb, {}, Dimension::none, false, true, 1, 0}, kInitial_cells_finger_color, "", false},
+    {"tilt", 1, true, false, {ValueKind::real, 2, kNumbers_cells_tilt, {}, Dimension::angle, false, true, 1, 0}, kInitial_cells_gap, "", false},
 };
 inline constexpr Number kNumbers_provenance_absorptance[] = {
     {"absorptance", 0, 1, false, false},
 };
 inline constexpr Attribute kAttributes_provenance[] = {
-    {"source", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"published", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"fitted", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"indicative", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"absorptance", 1, true, false, {ValueKind::real, 1, kNumbers_provenance_absorptance, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"source", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"published", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"fitted", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"indicative", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"absorptance", 1, true, false, {ValueKind::real, 1, kNumbers_provenance_absorptance, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Attribute kAttributes_part[] = {
-    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Slot kSlots_part[] = {
     {kChoice_pangu_model_1, "", 0, 0, ""},
@@ -1239,6 +1256,9 @@ inline constexpr Number kNumbers_budget_ifov[] = {
 };
 inline constexpr Number kNumbers_budget_pixels[] = {
     {"pixels", 0, 1000000.0, true, false},
+};
+inline constexpr double kInitial_budget_pixels[] = {
+    0.25,
 };
 inline constexpr Number kNumbers_budget_flux[] = {
     {"flux", 0, 1, true, false},
@@ -1264,12 +1284,12 @@ inline constexpr std::string_view kMembers_budget_3[] = {
     "@nearest",
 };
 inline constexpr Attribute kAttributes_budget[] = {
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"nearest", 1, true, false, {ValueKind::real, 1, kNumbers_budget_nearest, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"ifov", 1, true, false, {ValueKind::real, 1, kNumbers_budget_ifov, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"pixels", 1, true, false, {ValueKind::real, 1, kNumbers_budget_pixels, {}, Dimension::pixels, false, false, 1, 0}, {}, ""},
-    {"flux", 1, true, false, {ValueKind::real, 1, kNumbers_budget_flux, {}, Dimension::ratio, false, false, 1, 0}, {}, ""},
-    {"centroid", 1, true, false, {ValueKind::real, 1, kNumbers_budget_centroid, {}, Dimension::pixels, false, false, 1, 0}, {}, ""},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"nearest", 1, true, false, {ValueKind::real, 1, kNumbers_budget_nearest, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"ifov", 1, true, false, {ValueKind::real, 1, kNumbers_budget_ifov, {}, Dimension::angle, false, false, 1, 0}, {}, "", false},
+    {"pixels", 1, true, false, {ValueKind::real, 1, kNumbers_budget_pixels, {}, Dimension::pixels, false, false, 1, 0}, kInitial_budget_pixels, "", false},
+    {"flux", 1, true, false, {ValueKind::real, 1, kNumbers_budget_flux, {}, Dimension::ratio, false, false, 1, 0}, {}, "", false},
+    {"centroid", 1, true, false, {ValueKind::real, 1, kNumbers_budget_centroid, {}, Dimension::pixels, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Rule kRules_budget[] = {
     {RuleKind::any_of, kMembers_budget_0},
@@ -1278,54 +1298,54 @@ inline constexpr Rule kRules_budget[] = {
     {RuleKind::requires_others, kMembers_budget_3},
 };
 inline constexpr Attribute kAttributes_node[] = {
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr ElementId kChoice_use_0[] = {
     ElementId::with,
 };
 inline constexpr Attribute kAttributes_use[] = {
-    {"part", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"part", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Slot kSlots_use[] = {
     {kChoice_use_0, "", 0, 0, ""},
 };
 inline constexpr Attribute kAttributes_with[] = {
-    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"value", 1, true, true, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"value", 1, true, true, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Number kNumbers_repeat_count[] = {
     {"count", 0, 1000000000, false, false},
 };
 inline constexpr Attribute kAttributes_repeat[] = {
-    {"count", 1, true, true, {ValueKind::integer, 1, kNumbers_repeat_count, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"var", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"count", 1, true, true, {ValueKind::integer, 1, kNumbers_repeat_count, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"var", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "i", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Attribute kAttributes_include_1[] = {
-    {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"type", 1, true, false, {ValueKind::word, 1, {}, kWords_include_type, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"type", 1, true, false, {ValueKind::word, 1, {}, kWords_include_type, Dimension::none, false, false, 1, 0}, {}, "pxn", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr std::string_view kWords_import_units[] = {
     "auto",
@@ -1375,22 +1395,22 @@ inline constexpr ElementId kChoice_import_0[] = {
     ElementId::remove,
 };
 inline constexpr Attribute kAttributes_import[] = {
-    {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"units", 1, true, false, {ValueKind::word, 1, {}, kWords_import_units, Dimension::none, false, false, 1, 0}, {}, "auto"},
-    {"up", 1, true, false, {ValueKind::word, 1, {}, kWords_import_up, Dimension::none, false, false, 1, 0}, {}, "auto"},
-    {"clean", 1, true, false, {ValueKind::word, 1, {}, kWords_import_clean, Dimension::none, false, false, 1, 0}, {}, "yes"},
-    {"weld", 1, true, false, {ValueKind::real, 1, kNumbers_import_weld, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"crease", 1, true, false, {ValueKind::real, 1, kNumbers_import_crease, {}, Dimension::angle, false, false, 1, 0}, kInitial_import_crease, ""},
-    {"normals", 1, true, false, {ValueKind::word, 1, {}, kWords_import_normals, Dimension::none, false, false, 1, 0}, {}, "file"},
-    {"hidden", 1, true, false, {ValueKind::word, 1, {}, kWords_import_hidden, Dimension::none, false, false, 1, 0}, {}, "remove"},
-    {"scene", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"primitives", 1, true, false, {ValueKind::integer, 1, kNumbers_import_primitives, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"deflection", 1, true, false, {ValueKind::real, 1, kNumbers_import_deflection, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"units", 1, true, false, {ValueKind::word, 1, {}, kWords_import_units, Dimension::none, false, false, 1, 0}, {}, "auto", false},
+    {"up", 1, true, false, {ValueKind::word, 1, {}, kWords_import_up, Dimension::none, false, false, 1, 0}, {}, "auto", false},
+    {"clean", 1, true, false, {ValueKind::word, 1, {}, kWords_import_clean, Dimension::none, false, false, 1, 0}, {}, "yes", false},
+    {"weld", 1, true, false, {ValueKind::real, 1, kNumbers_import_weld, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"crease", 1, true, false, {ValueKind::real, 1, kNumbers_import_crease, {}, Dimension::angle, false, false, 1, 0}, kInitial_import_crease, "", false},
+    {"normals", 1, true, false, {ValueKind::word, 1, {}, kWords_import_normals, Dimension::none, false, false, 1, 0}, {}, "file", false},
+    {"hidden", 1, true, false, {ValueKind::word, 1, {}, kWords_import_hidden, Dimension::none, false, false, 1, 0}, {}, "remove", false},
+    {"scene", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"primitives", 1, true, false, {ValueKind::integer, 1, kNumbers_import_primitives, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"deflection", 1, true, false, {ValueKind::real, 1, kNumbers_import_deflection, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Slot kSlots_import[] = {
     {kChoice_import_0, "", 0, 0, ""},
@@ -1400,18 +1420,18 @@ inline constexpr std::string_view kWords_assign_pictures[] = {
     "keep",
 };
 inline constexpr Attribute kAttributes_assign[] = {
-    {"nodes", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"materials", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"pictures", 1, true, false, {ValueKind::word, 1, {}, kWords_assign_pictures, Dimension::none, false, false, 1, 0}, {}, "drop"},
+    {"nodes", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"materials", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"pictures", 1, true, false, {ValueKind::word, 1, {}, kWords_assign_pictures, Dimension::none, false, false, 1, 0}, {}, "drop", false},
 };
 inline constexpr std::string_view kMembers_remove_0[] = {
     "@nodes",
     "@materials",
 };
 inline constexpr Attribute kAttributes_remove[] = {
-    {"nodes", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"materials", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"nodes", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"materials", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Rule kRules_remove[] = {
     {RuleKind::any_of, kMembers_remove_0},
@@ -1452,33 +1472,38 @@ inline constexpr std::string_view kMembers_frame_1[] = {
     "@up",
 };
 inline constexpr Attribute kAttributes_frame[] = {
-    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"forward", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"up", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"forward", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"up", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Rule kRules_frame[] = {
     {RuleKind::exclusive, kMembers_frame_0},
     {RuleKind::together, kMembers_frame_1},
 };
 inline constexpr Attribute kAttributes_keypoint[] = {
-    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Number kNumbers_decal_size[] = {
     {"width", 0, 1e+30, true, false},
     {"height", 0, 1e+30, true, false},
 };
+inline constexpr double kInitial_decal_up[] = {
+    0,
+    0,
+    1,
+};
 inline constexpr Attribute kAttributes_decal[] = {
-    {"on", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"image", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"size", 1, true, true, {ValueKind::real, 2, kNumbers_decal_size, {}, Dimension::length, false, true, 1, 0}, {}, ""},
-    {"normal", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"up", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"on", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"image", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"at", 1, true, true, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"size", 1, true, true, {ValueKind::real, 2, kNumbers_decal_size, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
+    {"normal", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"up", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::none, false, false, 1, 0}, kInitial_decal_up, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Number kNumbers_sphere_1_radius[] = {
     {"radius", 0, 1e+30, true, false},
@@ -1510,18 +1535,18 @@ inline constexpr std::string_view kMembers_sphere_1_0[] = {
     "@quads",
 };
 inline constexpr Attribute kAttributes_sphere_1[] = {
-    {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"latitude", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_latitude, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_latitude, ""},
-    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_sphere_1_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"quads", 1, true, false, {ValueKind::integer, 1, kNumbers_sphere_1_quads, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_retroreflector_index, "", true},
+    {"latitude", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_latitude, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_latitude, "", false},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_sphere_1_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"quads", 1, true, false, {ValueKind::integer, 1, kNumbers_sphere_1_quads, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Rule kRules_sphere_1[] = {
     {RuleKind::together, kMembers_sphere_1_0},
@@ -1539,16 +1564,16 @@ inline constexpr Number kNumbers_ellipsoid_rings[] = {
     {"rings", 1, 1000000, false, false},
 };
 inline constexpr Attribute kAttributes_ellipsoid[] = {
-    {"radii", 1, true, true, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}, {}, ""},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"radii", 1, true, true, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Number kNumbers_box_bevel[] = {
     {"bevel", 0, 1e+30, false, false},
@@ -1558,16 +1583,16 @@ inline constexpr std::string_view kWords_box_edges[] = {
     "round",
 };
 inline constexpr Attribute kAttributes_box[] = {
-    {"size", 1, true, true, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}, {}, ""},
-    {"bevel", 1, true, false, {ValueKind::real, 1, kNumbers_box_bevel, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"edges", 1, true, false, {ValueKind::word, 1, {}, kWords_box_edges, Dimension::none, false, false, 1, 0}, {}, "flat"},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"size", 1, true, true, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
+    {"bevel", 1, true, false, {ValueKind::real, 1, kNumbers_box_bevel, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"edges", 1, true, false, {ValueKind::word, 1, {}, kWords_box_edges, Dimension::none, false, false, 1, 0}, {}, "flat", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Number kNumbers_cylinder_height[] = {
     {"height", 0, 1e+30, true, false},
@@ -1579,18 +1604,18 @@ inline constexpr std::string_view kWords_cylinder_caps[] = {
     "top",
 };
 inline constexpr Attribute kAttributes_cylinder[] = {
-    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both"},
-    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, ""},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both", false},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, "", false},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Number kNumbers_cone_radius[] = {
     {"radius", 0, 1e+30, false, false},
@@ -1599,52 +1624,52 @@ inline constexpr Number kNumbers_cone_top_radius[] = {
     {"top_radius", 0, 1e+30, false, false},
 };
 inline constexpr Attribute kAttributes_cone[] = {
-    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_cone_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"top_radius", 1, true, false, {ValueKind::real, 1, kNumbers_cone_top_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both"},
-    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, ""},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_cone_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"top_radius", 1, true, false, {ValueKind::real, 1, kNumbers_cone_top_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both", false},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, "", false},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Number kNumbers_disc_inner_radius[] = {
     {"inner_radius", 0, 1e+30, false, false},
 };
 inline constexpr Attribute kAttributes_disc[] = {
-    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"inner_radius", 1, true, false, {ValueKind::real, 1, kNumbers_disc_inner_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, ""},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"inner_radius", 1, true, false, {ValueKind::real, 1, kNumbers_disc_inner_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, "", false},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Number kNumbers_torus_tube_radius[] = {
     {"tube_radius", 0, 1e+30, true, false},
 };
 inline constexpr Attribute kAttributes_torus[] = {
-    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"tube_radius", 1, true, true, {ValueKind::real, 1, kNumbers_torus_tube_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, ""},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"tube_radius", 1, true, true, {ValueKind::real, 1, kNumbers_torus_tube_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, "", false},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Number kNumbers_dish_diameter[] = {
     {"diameter", 0, 1e+30, true, false},
@@ -1656,32 +1681,32 @@ inline constexpr Number kNumbers_dish_thickness[] = {
     {"thickness", 0, 1e+30, false, false},
 };
 inline constexpr Attribute kAttributes_dish[] = {
-    {"diameter", 1, true, true, {ValueKind::real, 1, kNumbers_dish_diameter, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"focal_length", 1, true, true, {ValueKind::real, 1, kNumbers_dish_focal_length, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"thickness", 1, true, false, {ValueKind::real, 1, kNumbers_dish_thickness, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"diameter", 1, true, true, {ValueKind::real, 1, kNumbers_dish_diameter, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"focal_length", 1, true, true, {ValueKind::real, 1, kNumbers_dish_focal_length, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"thickness", 1, true, false, {ValueKind::real, 1, kNumbers_dish_thickness, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Number kNumbers_plane_size[] = {
     {"x", 0, 1e+30, true, false},
     {"y", 0, 1e+30, true, false},
 };
 inline constexpr Attribute kAttributes_plane[] = {
-    {"size", 1, true, true, {ValueKind::real, 2, kNumbers_plane_size, {}, Dimension::length, false, true, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"size", 1, true, true, {ValueKind::real, 2, kNumbers_plane_size, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr std::string_view kWords_tube_curve[] = {
     "polyline",
@@ -1695,20 +1720,20 @@ inline constexpr ElementId kChoice_tube_0[] = {
     ElementId::path,
 };
 inline constexpr Attribute kAttributes_tube[] = {
-    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"inner_radius", 1, true, false, {ValueKind::real, 1, kNumbers_disc_inner_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"curve", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_curve, Dimension::none, false, false, 1, 0}, {}, "polyline"},
-    {"closed", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_closed, Dimension::none, false, false, 1, 0}, {}, "0"},
-    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both"},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"radius", 1, true, true, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"inner_radius", 1, true, false, {ValueKind::real, 1, kNumbers_disc_inner_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"curve", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_curve, Dimension::none, false, false, 1, 0}, {}, "polyline", false},
+    {"closed", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_closed, Dimension::none, false, false, 1, 0}, {}, "0", false},
+    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both", false},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Slot kSlots_tube[] = {
     {kChoice_tube_0, "", 1, 1, ""},
@@ -1717,17 +1742,17 @@ inline constexpr ElementId kChoice_lathe_0[] = {
     ElementId::profile,
 };
 inline constexpr Attribute kAttributes_lathe[] = {
-    {"curve", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_curve, Dimension::none, false, false, 1, 0}, {}, "polyline"},
-    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, ""},
-    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"curve", 1, true, false, {ValueKind::word, 1, {}, kWords_tube_curve, Dimension::none, false, false, 1, 0}, {}, "polyline", false},
+    {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, "", false},
+    {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Slot kSlots_lathe[] = {
     {kChoice_lathe_0, "", 1, 1, ""},
@@ -1742,16 +1767,16 @@ inline constexpr ElementId kChoice_extrude_1[] = {
     ElementId::hole,
 };
 inline constexpr Attribute kAttributes_extrude[] = {
-    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"smooth", 1, true, false, {ValueKind::real, 1, kNumbers_extrude_smooth, {}, Dimension::angle, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both"},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"smooth", 1, true, false, {ValueKind::real, 1, kNumbers_extrude_smooth, {}, Dimension::angle, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Slot kSlots_extrude[] = {
     {kChoice_extrude_0, "", 1, 1, ""},
@@ -1764,14 +1789,14 @@ inline constexpr ElementId kChoice_polygons_1[] = {
     ElementId::face,
 };
 inline constexpr Attribute kAttributes_polygons[] = {
-    {"smooth", 1, true, false, {ValueKind::real, 1, kNumbers_extrude_smooth, {}, Dimension::angle, false, false, 1, 0}, kInitial_specular_shine, ""},
-    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, {}, ""},
-    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, {}, ""},
-    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, {}, ""},
-    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, {}, ""},
+    {"smooth", 1, true, false, {ValueKind::real, 1, kNumbers_extrude_smooth, {}, Dimension::angle, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Slot kSlots_polygons[] = {
     {kChoice_polygons_0, "", 1, 1, ""},
@@ -1804,7 +1829,7 @@ inline constexpr ElementId kChoice_mli_1[] = {
     ElementId::mli_operations,
 };
 inline constexpr Attribute kAttributes_mli[] = {
-    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_mli_type, Dimension::none, false, false, 1, 0}, {}, ""},
+    {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_mli_type, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Slot kSlots_mli[] = {
     {kChoice_mli_0, "", 1, 1, ""},

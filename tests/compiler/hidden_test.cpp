@@ -9,7 +9,7 @@
 #include "../geometry/shapes.h"
 #include "assemblies.h"
 #include "base/parallel.h"
-#include "geometry/ray/ray.h"
+#include "tests/support/ray_caster.h"
 
 namespace panwright::compiler {
 namespace {
@@ -62,8 +62,8 @@ Outcome compare(const Assembly& assembly, const scene::Scene& pruned) {
   return out;
 }
 
-geometry::RayCaster caster_of(const scene::Scene& scene) {
-  geometry::RayCaster caster;
+support::RayCaster caster_of(const scene::Scene& scene) {
+  support::RayCaster caster;
   const std::vector<Mat4> world = scene::world_from_nodes(scene);
   for (const scene::Instance& instance : scene.instances)
     caster.add(mesh_of(scene, instance), world[static_cast<std::size_t>(instance.node)]);
@@ -75,8 +75,8 @@ geometry::RayCaster caster_of(const scene::Scene& scene) {
 // before.
 std::uint64_t changed_rays(const scene::Scene& before, const scene::Scene& after,
                            std::uint64_t count, double aim, const Vec3& centre) {
-  const geometry::RayCaster a = caster_of(before);
-  const geometry::RayCaster b = caster_of(after);
+  const support::RayCaster a = caster_of(before);
+  const support::RayCaster b = caster_of(after);
   std::vector<std::uint64_t> changed(64, 0);
   parallel_for(changed.size(), [&](std::size_t task) {
     geometry::shapes::Random random(9001 + task);

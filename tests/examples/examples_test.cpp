@@ -9,10 +9,10 @@
 
 #include "compiler/compile.h"
 #include "geometry/mesh/check.h"
-#include "geometry/ray/ray.h"
 #include "geometry/tessellate/tessellate.h"
 #include "pxn/pxn.h"
 #include "tests/support/paths.h"
+#include "tests/support/ray_caster.h"
 
 namespace panwright {
 namespace {
@@ -111,7 +111,7 @@ TEST_P(Examples, NothingIsInsideOut) {
 // Shapes are joined where an edge of one passes through another, or ends within the gap of it.
 TEST_P(Examples, NothingFloats) {
   std::vector<Mesh> meshes;
-  geometry::RayCaster caster;
+  support::RayCaster caster;
   for (const scene::Instance& instance : scene_.instances) {
     meshes.push_back(mesh_of(instance));
     ASSERT_FALSE(meshes.back().triangles.empty());

@@ -70,6 +70,17 @@ scene::Scene spacecraft() {
   return scene;
 }
 
+TEST(GltfExport, ACancelledExportGivesNothing) {
+  const auto model = compiled(spacecraft());
+  ASSERT_TRUE(model);
+  const Job job(JobOptions{});
+  ASSERT_TRUE(glb_from(*model, *std::make_unique<DiagnosticLog>(), job));
+  job.cancel();
+  DiagnosticLog log;
+  EXPECT_FALSE(glb_from(*model, log, job));
+  EXPECT_TRUE(log.contains(Code::E0001));
+}
+
 TEST(GltfExport, GeometryComesBackBitForBit) {
   const auto model = compiled(spacecraft());
   ASSERT_TRUE(model);

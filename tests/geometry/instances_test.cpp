@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <random>
+#include <thread>
 
 #include "geometry/tessellate/tessellate.h"
 
@@ -218,6 +220,42 @@ TEST(InstanceCaster, MeshesMayBeShared) {
     }
     EXPECT_GT(hits, 100);
   }
+}
+
+// Before the build, within it, or not at all: what was cancelled can be built again.
+TEST(InstanceCaster, ACancelledBuildCanBeDoneAgain) {
+  const Mesh mesh = ball(400);
+  const auto start = std::chrono::steady_clock::now();
+  {
+    InstanceCaster whole;
+    whole.add(whole.add_mesh(mesh.positions, mesh.triangles), Mat4(1), false);
+    whole.build();
+  }
+  const auto seconds = std::chrono::steady_clock::now() - start;
+  int cancelled = 0;
+  for (int i = 0; i < 8; ++i) {
+    InstanceCaster caster;
+    caster.add(caster.add_mesh(mesh.positions, mesh.triangles), Mat4(1), false);
+    const Job job(JobOptions{});
+    if (i == 0) job.cancel();
+    std::thread other([&] {
+      std::this_thread::sleep_for(seconds * i / 8);
+      job.cancel();
+    });
+    bool built = true;
+    try {
+      caster.build(job);
+    } catch (const Cancelled&) {
+      built = false;
+    }
+    other.join();
+    cancelled += !built;
+    if (!built) caster.build();
+    const auto hit = caster.closest({{0, 0, 5}, {0, 0, -1}});
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->distance, 4, 1e-3);
+  }
+  EXPECT_GT(cancelled, 0);
 }
 
 }  // namespace

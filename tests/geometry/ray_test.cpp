@@ -1,4 +1,4 @@
-#include "geometry/ray/ray.h"
+#include "tests/support/ray_caster.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 namespace panwright::geometry {
 namespace {
 
-RayCaster caster_of(const Mesh& mesh, const Mat4& world_from_mesh = Mat4(1)) {
-  RayCaster caster;
+support::RayCaster caster_of(const Mesh& mesh, const Mat4& world_from_mesh = Mat4(1)) {
+  support::RayCaster caster;
   caster.add(mesh, world_from_mesh);
   caster.build();
   return caster;
@@ -48,7 +48,7 @@ Expected brute_force(const Mesh& mesh, const Vec3& origin, const Vec3& direction
 
 TEST(Ray, AgreesWithADoubleLoop) {
   const Mesh mesh = shapes::sphere(15, 21);
-  const RayCaster caster = caster_of(mesh);
+  const support::RayCaster caster = caster_of(mesh);
   shapes::Random random(1);
   int hits = 0;
   int compared = 0;
@@ -82,7 +82,7 @@ TEST(Ray, AgreesWithADoubleLoop) {
 
 TEST(Ray, ASphereFromNearAndFar) {
   const Mesh mesh = shapes::sphere(400, 400);
-  const RayCaster caster = caster_of(mesh);
+  const support::RayCaster caster = caster_of(mesh);
   shapes::Random random(2);
   for (const double range : {1.5, 1e3, 1e6, 1.5e11}) {
     double worst = 0;
@@ -107,7 +107,7 @@ TEST(Ray, ASphereFromNearAndFar) {
 
 TEST(Ray, RaysAtEdgesAndVerticesNeverSlipThrough) {
   const Mesh mesh = shapes::sphere(12, 17);
-  const RayCaster caster = caster_of(mesh);
+  const support::RayCaster caster = caster_of(mesh);
   for (const Triangle& t : mesh.triangles) {
     for (int k = 0; k < 3; ++k) {
       const Vec3& a = mesh.positions[t[k]];
@@ -129,7 +129,7 @@ TEST(Ray, RangesAreDecidedInDouble) {
   Mesh mesh;
   mesh.positions = {{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}};
   mesh.triangles = {{0, 1, 2}};
-  const RayCaster caster = caster_of(mesh);
+  const support::RayCaster caster = caster_of(mesh);
   const double height = 0.7654321987654321;
   Ray ray{{0.1, 0.2, height}, {0, 0, -1}};
   const auto hit = caster.closest(ray);
@@ -158,7 +158,7 @@ TEST(Ray, TheNearerOfTwoLayersThatSinglePrecisionCannotTellApart) {
     mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
     return mesh;
   };
-  RayCaster caster;
+  support::RayCaster caster;
   const std::vector<double> heights{0, 3e-10, -2e-10, 3e-10, 1e-12, 2.9e-10, -5e-9};
   for (const double z : heights) caster.add(plate(z), Mat4(1));
   caster.build();
@@ -177,7 +177,7 @@ TEST(Ray, TheNearerOfTwoLayersThatSinglePrecisionCannotTellApart) {
 
 TEST(Ray, InstancesAreMovedAndMirrored) {
   const Mesh mesh = shapes::cube();
-  RayCaster caster;
+  support::RayCaster caster;
   EXPECT_EQ(caster.add(mesh, matrix_from_trs({10, 0, 0}, {1, 0, 0, 0}, {1, 1, 1})), 0u);
   EXPECT_EQ(caster.add(mesh, matrix_from_trs({-10, 0, 0}, {1, 0, 0, 0}, {-2, 1, 1})), 1u);
   caster.build();
@@ -198,7 +198,8 @@ TEST(Ray, TinyAndHugeSetsFarFromTheOrigin) {
   for (const double scale : {1e-30, 1e-9, 1.0, 1e12, 1e30}) {
     const Vec3 place = scale * Vec3(3e6, -2e6, 1e6);
     const Mesh mesh = shapes::cube();
-    const RayCaster caster = caster_of(mesh, matrix_from_trs(place, {1, 0, 0, 0}, Vec3(scale)));
+    const support::RayCaster caster =
+        caster_of(mesh, matrix_from_trs(place, {1, 0, 0, 0}, Vec3(scale)));
     const auto hit =
         caster.closest({place + scale * Vec3(0.25, 0.5, 4), {0, 0, -1e-200}, 0, 1e3 * scale});
     ASSERT_TRUE(hit.has_value()) << scale;
@@ -210,7 +211,7 @@ TEST(Ray, TinyAndHugeSetsFarFromTheOrigin) {
 
 TEST(Ray, GrazingRays) {
   const Mesh mesh = shapes::cube();
-  const RayCaster caster = caster_of(mesh);
+  const support::RayCaster caster = caster_of(mesh);
   for (const double height : {1e-3, 1e-5}) {
     // over the face, and through it
     EXPECT_FALSE(caster.any({{-5, 0.2, 1 + height}, {1, 0, 0}}));
@@ -235,10 +236,10 @@ TEST(Ray, GrazingRays) {
 }
 
 TEST(Ray, DegenerateTrianglesAndEmptySets) {
-  RayCaster empty;
+  support::RayCaster empty;
   empty.build();
   EXPECT_FALSE(empty.any({{0, 0, 0}, {0, 0, 1}}));
-  RayCaster none;
+  support::RayCaster none;
   none.add(Mesh{}, Mat4(1));
   none.build();
   EXPECT_FALSE(none.closest({{0, 0, 0}, {0, 0, 1}}).has_value());
@@ -248,7 +249,7 @@ TEST(Ray, DegenerateTrianglesAndEmptySets) {
   mesh.triangles.push_back({0, 1, 1});
   mesh.positions.push_back({0, 0, 0});
   mesh.triangles.push_back({0, 7, 8});  // a needle along the diagonal
-  const RayCaster caster = caster_of(mesh);
+  const support::RayCaster caster = caster_of(mesh);
   shapes::Random random(9);
   for (int i = 0; i < 2000; ++i) {
     const auto hit = caster.closest({random.direction() * 4.0, random.direction()});
@@ -264,8 +265,8 @@ TEST(Ray, DegenerateTrianglesAndEmptySets) {
 
 TEST(Ray, BuildingAgainGivesTheSameAnswers) {
   const Mesh mesh = shapes::sphere(50, 70);
-  const RayCaster first = caster_of(mesh);
-  const RayCaster second = caster_of(mesh);
+  const support::RayCaster first = caster_of(mesh);
+  const support::RayCaster second = caster_of(mesh);
   shapes::Random random(13);
   for (int i = 0; i < 5000; ++i) {
     const Ray ray{random.direction() * 2.0, random.direction()};

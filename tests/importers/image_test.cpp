@@ -342,7 +342,7 @@ TEST(Image, SizesAreRefusedBeforeAnythingIsAllocated) {
         png(4, 0x7fffffff, 8, 2, "")}) {
     const Decoded d = decode(bytes);
     EXPECT_EQ(d.problem.code, Code::E3002) << d.problem.message;
-    EXPECT_THAT(d.problem.message, HasSubstr("up to 16384 a side"));
+    EXPECT_THAT(d.problem.message, HasSubstr("at most 16384 a side"));
   }
   const Decoded much = decode("P6 100 100 255 " + std::string(30000, 'x'), 39999);
   EXPECT_EQ(much.problem.code, Code::E3002);

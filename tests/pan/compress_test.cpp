@@ -227,5 +227,30 @@ TEST(Shared, OwnersReadAModelWhoseFileIsGone) {
   }
 }
 
+// At any moment of its unpacking: the model says no, and can be checked again.
+TEST(Compress, ACancelledCheckCanBeDoneAgain) {
+  const std::vector<std::byte> packed = support::compressed_pan();
+  const Model reference = load(packed);
+  for (int i = 0; i < 20; ++i) {
+    DiagnosticLog log;
+    auto model = Model::from_bytes(packed, "x.pan", log);
+    ASSERT_TRUE(model) << to_text(log);
+    const Job job(JobOptions{});
+    if (i == 0) job.cancel();
+    std::thread other([&] {
+      std::this_thread::sleep_for(std::chrono::microseconds(50 * i));
+      job.cancel();
+    });
+    DiagnosticLog stopped;
+    const bool done = model->check(stopped, job);
+    other.join();
+    EXPECT_EQ(done, !stopped.contains(Code::E0001));
+    EXPECT_EQ(done, model->checked());
+    DiagnosticLog again;
+    ASSERT_TRUE(model->check(again)) << to_text(again);
+    EXPECT_TRUE(diff(*model, reference).same_model());
+  }
+}
+
 }  // namespace
 }  // namespace panwright::pan

@@ -109,6 +109,54 @@ TEST(Growth, AFieldThatIsThereInPartIsLacking) {
   EXPECT_EQ(to[3], std::byte{1});
 }
 
+// What a file needs of its reader, by its materials' BRDFs.
+layout::Header header_with(const std::vector<materials::SpecularBrdf>& brdfs) {
+  Contents contents = support::regular_contents();
+  for (const materials::SpecularBrdf& brdf : brdfs) {
+    contents.materials.emplace_back(contents.materials.front());
+    contents.materials.back().specular_brdf = brdf;
+  }
+  return load(write_to_memory(contents)).header();
+}
+
+TEST(Growth, BrdfsOfLaterFormatsAreRequiredFeatures) {
+  const layout::Header first = header_with({materials::Ggx{}, materials::Mirror{}});
+  EXPECT_EQ(first.required_features, 0u);
+  EXPECT_EQ(first.minor, 0);
+  const layout::Header later = header_with({materials::Ggx{}, materials::Retroreflector{}});
+  EXPECT_EQ(later.required_features, 4u);
+  EXPECT_EQ(later.minor, 1);
+  // a reader of 1.0 knows five diffuse and six specular models: no other may come without a bit
+  for (std::size_t i = 0; i < std::variant_size_v<materials::SpecularBrdf>; ++i) {
+    const auto brdf = materials::default_brdf(static_cast<materials::SpecularModel>(i));
+    EXPECT_EQ(header_with({brdf}).required_features != 0, i > 5) << i;
+  }
+  static_assert(std::variant_size_v<materials::DiffuseBrdf> == 5, "test the features of more");
+}
+
+// A file of a BRDF without its bit, as programs wrote it before there was one.
+TEST(Growth, TheBitOfAKnownBrdfMayBeMissing) {
+  Contents contents = support::regular_contents();
+  contents.materials.front().specular_brdf = materials::Retroreflector{};
+  support::OpenPan file(write_to_memory(contents));
+  file.header().required_features = 0;
+  file.header().minor = 0;
+  const Model model = load(file.seal().bytes());
+  EXPECT_EQ(model.materials().front().specular_law, 6u);
+}
+
+// What a reader does with a BRDF that is newer than it.
+TEST(Growth, AFileWithANewerBrdfNeedsMoreThanIsKnown) {
+  support::OpenPan file(support::small_pan());
+  file.header().required_features =
+      (layout::kKnownRequiredFeatures << 1) & ~layout::kKnownRequiredFeatures;
+  file.header().minor = layout::kMinor + 1;
+  DiagnosticLog log;
+  EXPECT_FALSE(Model::from_bytes(file.seal().bytes(), "x", log));
+  ASSERT_EQ(log.entries().size(), 1u);
+  EXPECT_EQ(log.entries()[0].code, Code::E4004);
+}
+
 TEST(Growth, ReservedKindsAreIgnoredOrRefused) {
   for (const layout::ReservedKind& kind : layout::kReservedKinds) {
     support::OpenPan file(support::small_pan());

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "preview/frame/samples.h"
@@ -84,29 +85,43 @@ TEST(Samples, TilesCoverTheImageOnce) {
   }
 }
 
-TEST(Samples, MeansOfTheRightSamples) {
-  // sample (x, y) of a 2×2-pixel tile at (1, 1) of a 4×3 image, 3×3 samples: value 10·y + x
-  constexpr unsigned kSamples = 3;
+TEST(Samples, PixelsStandWhereTheirTileIs) {
   std::vector<float> rgba;
-  for (int y = 0; y < 6; ++y)
-    for (int x = 0; x < 6; ++x)
-      for (int k = 0; k < 4; ++k)
-        rgba.push_back(k == 3 ? static_cast<float>(x % 2)
-                              : static_cast<float>(100 * k + 10 * y + x));
+  for (int i = 0; i < 16; ++i) rgba.push_back(static_cast<float>(i));
   Image image;
   image.width = 4;
   image.height = 3;
   image.radiance.assign(36, -1);
   image.coverage.assign(12, -1);
-  average_samples(rgba, {1, 1, 2, 2}, kSamples, image);
+  store_pixels(rgba, {1, 1, 2, 2}, image);
   const auto pixel = [&](int x, int y) { return static_cast<std::size_t>(4 * y + x); };
-  EXPECT_EQ(image.radiance[3 * pixel(1, 1)], 11);          // rows 0–2, columns 0–2
-  EXPECT_EQ(image.radiance[3 * pixel(2, 1) + 1], 114);     // columns 3–5
-  EXPECT_EQ(image.radiance[3 * pixel(1, 2) + 2], 241);     // rows 3–5
-  EXPECT_FLOAT_EQ(image.coverage[pixel(1, 1)], 1 / 3.0f);  // columns 0–2: one odd
-  EXPECT_FLOAT_EQ(image.coverage[pixel(2, 2)], 2 / 3.0f);  // columns 3–5: two odd
-  EXPECT_EQ(image.radiance[3 * pixel(0, 0)], -1);          // outside of the tile
+  EXPECT_EQ(image.radiance[3 * pixel(1, 1)], 0);
+  EXPECT_EQ(image.radiance[3 * pixel(2, 1) + 1], 5);
+  EXPECT_EQ(image.radiance[3 * pixel(1, 2) + 2], 10);
+  EXPECT_EQ(image.coverage[pixel(2, 2)], 15);
+  EXPECT_EQ(image.radiance[3 * pixel(0, 0)], -1);  // outside of the tile
   EXPECT_EQ(image.coverage[pixel(3, 2)], -1);
+}
+
+TEST(Samples, RunsAndTilesHoldEachPixelOnce) {
+  const std::vector<Pixel> pixels{{1, 0}, {2, 0}, {4, 0}, {0, 1}, {1, 1}, {2, 3}};
+  std::vector<Pixel> seen;
+  for (const PixelRun& run : runs(pixels))
+    for (std::uint32_t i = 0; i < run.count; ++i) seen.push_back({run.first.x + i, run.first.y});
+  EXPECT_EQ(seen, pixels);
+  EXPECT_EQ(runs(pixels).size(), 4u);
+  for (const std::uint64_t area : {1u, 100u, 4096u, 100000u}) {
+    std::vector<int> hits(37 * 23, 0);
+    for (const Tile& tile : tiles_of({5, 9, 37, 23}, 4, area, 64)) {
+      EXPECT_TRUE(std::uint64_t{16} * tile.width * tile.height <= area ||
+                  tile.width * tile.height == 1);
+      EXPECT_LE(4 * std::max(tile.width, tile.height), 64u);
+      for (std::uint32_t y = 0; y < tile.height; ++y)
+        for (std::uint32_t x = 0; x < tile.width; ++x)
+          ++hits[(tile.y - 9 + y) * 37 + tile.x - 5 + x];
+    }
+    EXPECT_TRUE(std::all_of(hits.begin(), hits.end(), [](int n) { return n == 1; })) << area;
+  }
 }
 
 }  // namespace

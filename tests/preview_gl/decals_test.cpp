@@ -235,5 +235,67 @@ TEST(Decals, OnlyWhatIsSeenOfItsInstance) {
   EXPECT_EQ(wrong, 0u);
 }
 
+// Where surfaces of two targets, or of two instances, coincide, one of them is seen, and a decal of
+// the other does not show. The decals: black, over half of the plate.
+TEST(Decals, OfWhatIsNotSeenDoNotShow) {
+  const auto plain = [](double albedo) { return single(plate(1, 1), lambert(albedo)); };
+  const auto decorated = [&](double albedo) {
+    Pictured contents(plain(albedo));
+    contents.add(2, 2, false, black);
+    contents.decals = {decal_at({0.25, 0, 0}, kUpright, 0.5, 1, 0.1)};
+    return contents;
+  };
+  const auto shared = [](const pan::Contents& contents) {
+    return std::make_shared<const pan::Model>(model_of(contents));
+  };
+  const world::ModelPtr bare = shared(plain(0.25));
+  const world::ModelPtr marked = shared(decorated(0.75));
+  const View view = above(16, 1);
+  RenderOptions options;
+  options.truth = true;
+  options.shadow_side = 0;
+  for (const bool marked_first : {false, true}) {
+    world::World world;
+    DiagnosticLog log;
+    ASSERT_TRUE(world.add("a", marked_first ? marked : bare, {}, log));
+    ASSERT_TRUE(world.add("b", marked_first ? bare : marked, {}, log));
+    world::Sun sun;
+    sun.direction = view.to_sun;
+    world.set_sun(sun);
+    Renderer renderer(shared_device());
+    const auto image = renderer.render(world, view.camera, options, log);
+    ASSERT_TRUE(image) << to_text(log);
+    std::size_t covered = 0;
+    for (std::size_t pixel = 0; pixel < image->target_id.size(); ++pixel) {
+      ASSERT_NE(image->target_id[pixel], 0u);
+      const bool is_marked = (image->target_id[pixel] == 1) == marked_first;
+      const bool right = pixel % 16 >= 8;
+      const double expected = !is_marked ? 0.25 : right ? 0 : 0.75;
+      EXPECT_NEAR(image->radiance[3 * pixel] * kPi, expected, 1e-6) << marked_first << " " << pixel;
+      covered += is_marked && right;
+    }
+    // all of the one that was drawn first
+    EXPECT_TRUE(covered == 0 || covered == 128);
+    EXPECT_EQ(covered, marked_first ? 128u : 0u);
+  }
+  // two instances of one model
+  pan::Contents contents = decorated(0.75);
+  contents.materials.push_back(lambert(0.25));
+  contents.materials.back().name = "bare";
+  contents.instances.push_back(contents.instances[0]);
+  contents.instances[1].material = 1;
+  for (const std::uint32_t owner : {0u, 1u}) {
+    contents.decals[0].instance = owner;
+    const Image image = rendered(model_of(contents), view, options);
+    for (std::size_t pixel = 0; pixel < image.material_id.size(); ++pixel) {
+      const bool is_owner = image.material_id[pixel] == owner + 1;
+      const double bare_albedo = image.material_id[pixel] == 1 ? 0.75 : 0.25;
+      EXPECT_NEAR(image.radiance[3 * pixel] * kPi, is_owner && pixel % 16 >= 8 ? 0 : bare_albedo,
+                  1e-6)
+          << owner << " " << pixel;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace panwright::preview

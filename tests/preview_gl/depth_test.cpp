@@ -1,6 +1,6 @@
 // Which of two surfaces is seen, and the truth layers against a ray caster.
-#include "geometry/ray/ray.h"
 #include "models.h"
+#include "tests/support/ray_caster.h"
 
 namespace panwright::preview {
 namespace {
@@ -103,7 +103,7 @@ geometry::Mesh mesh_in_double(const pan::Model& model, std::size_t index) {
 
 class Truth : public testing::TestWithParam<std::tuple<world::Projection, double>> {};
 
-// Oracle: geometry::RayCaster, in double. Closed meshes show it no back faces either.
+// Oracle: geometry::InstanceCaster, in double. Closed meshes show it no back faces either.
 TEST_P(Truth, AgreesWithRays) {
   const auto [projection, distance] = GetParam();
   const pan::Model model = model_of(assorted());
@@ -122,7 +122,7 @@ TEST_P(Truth, AgreesWithRays) {
   const Image image = rendered(model, view, options);
   expect_no_nan(image);
 
-  geometry::RayCaster caster;
+  support::RayCaster caster;
   const std::vector<Mat4> nodes = model.world_from_nodes();
   for (const auto& instance : model.instances())
     caster.add(mesh_in_double(model, instance.mesh),

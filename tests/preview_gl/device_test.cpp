@@ -124,6 +124,24 @@ TEST(Device, LostContextIsLostForGood) {
   EXPECT_EQ(after->radiance, before->radiance);
 }
 
+TEST(Device, ContextLostBetweenFramesDropsThoseUnderWay) {
+  const auto device = Device::create(std::make_unique<FaultyContext>());
+  Renderer renderer(device);
+  const Scene scene;
+  DiagnosticLog log;
+  ASSERT_TRUE(renderer.submit(scene.world, scene.view.camera, scene.options, log));
+  ASSERT_TRUE(renderer.submit(scene.world, scene.view.camera, scene.options, log));
+  was_reset = true;
+  EXPECT_FALSE(renderer.collect(log));
+  EXPECT_TRUE(log.contains(Code::E5001));
+  EXPECT_EQ(log.errors(), 1u);
+  EXPECT_EQ(renderer.in_flight(), 0u);
+  was_reset = false;
+  DiagnosticLog later;
+  EXPECT_FALSE(renderer.submit(scene.world, scene.view.camera, scene.options, later));
+  EXPECT_TRUE(later.contains(Code::E5001));
+}
+
 TEST(Device, OutOfMemoryWithASecondModelKeepsTheFirst) {
   const auto device = Device::create(std::make_unique<FaultyContext>());
   Renderer renderer(device);

@@ -71,43 +71,47 @@ TEST(Diagnostics, PlacesAndWords) {
        "1:31 E1003 the encoding 'Shift_JIS' is not read; pxn files are UTF-8, US-ASCII or "
        "ISO-8859-1\n"},
       {"E1004",
-       "3:11 E1004 the byte 0xE9 is no UTF-8 text here (if the file is ISO-8859-1, say so in its "
+       "3:11 E1004 the byte 0xE9 is not valid UTF-8 text here (if the file is ISO-8859-1, say so "
+       "in its "
        "first line: <?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>)\n"},
       {"E1006", "3:1787 E1006 'group' is nested deeper than 256 elements\n"},
       {"E1007", "3:31 E1007 'rings' is given twice; the first one counts\n"},
       {"E1101",
-       "3:4 E1101 <pangu_model> has no element 'spere'; it takes group, include, transform, "
+       "3:4 E1101 unknown element 'spere' in <pangu_model>, expected group, include, transform, "
        "rotate, frame_s, appearance, texture, sphere or mesh (did you mean 'sphere'?)\n"},
       {"E1101-belongs",
-       "4:6 E1101 <appearance> has no element 'diffuse'; it takes material or child ('diffuse' "
+       "4:6 E1101 unknown element 'diffuse' in <appearance>, expected material or child ('diffuse' "
        "belongs in <material>)\n"},
       {"E1102",
-       "3:11 E1102 <sphere> has no attribute 'ring'; it has rings and quads (did you mean "
+       "3:11 E1102 unknown attribute 'ring' of <sphere>; it has rings and quads (did you mean "
        "'rings'?)\n"},
       {"E1103", "3:4 E1103 <sphere> needs the attribute 'rings'\n"},
       {"E1103-child", "3:4 E1103 <transform> needs <child>\n"},
       {"E1104",
-       "6:8 E1104 <child> takes one node, and this is another; it is left out (put the nodes into "
+       "6:8 E1104 <child> takes at most one node; this one is left out (put the nodes into "
        "a <group>)\n"},
-      {"E1105", "3:11 E1105 <group> takes no text, and this is 'a sphere:'\n"},
+      {"E1105", "3:11 E1105 <group> takes no text, found 'a sphere:'\n"},
       {"E1106", "3:4 E1106 <mli> is not supported yet; it is left out\n"},
       {"E1107-root", "1:2 E1107 the root element is <pangu>, not <pangu_model>\n"},
       {"E1107-version", "1:19 E1107 ver=\"2\" is not a known version; write ver=\"0\" or \"1\"\n"},
-      {"E1201-nan", "3:31 E1201 'nan' is not a number; y of <translation> takes -1e+30 to 1e+30\n"},
+      {"E1201-nan",
+       "3:31 E1201 'nan' is not a number, expected -1e+30 to 1e+30 for y of <translation>\n"},
       {"E1201-comma",
-       "3:29 E1201 '0,5' is not a number; x of <translation> takes -1e+30 to 1e+30 (numbers have a "
+       "3:29 E1201 '0,5' is not a number, expected -1e+30 to 1e+30 for x of <translation> (numbers "
+       "have a "
        "decimal point and are separated by blanks)\n"},
       {"E1201-fraction",
-       "3:18 E1201 '4.0' is not a whole number; rings of <sphere> takes 2 to 100000 (it has no "
+       "3:18 E1201 '4.0' is not a whole number, expected 2 to 100000 for rings of <sphere> (it has "
+       "no "
        "decimal point or exponent)\n"},
-      {"E1202-rings", "3:18 E1202 rings of <sphere> is 1000000000; it takes 2 to 100000\n"},
-      {"E1202-overflow", "3:33 E1202 z of <translation> is 1e999; it takes -1e+30 to 1e+30\n"},
-      {"E1203", "4:17 E1203 <diffuse> takes 3 numbers (r g b), and there are 2\n"},
-      {"E1204", "3:18 E1204 type of <include> is 'vrml'; it takes pxn\n"},
+      {"E1202-rings", "3:18 E1202 rings of <sphere> is 1000000000, expected 2 to 100000\n"},
+      {"E1202-overflow", "3:33 E1202 z of <translation> is 1e999, expected -1e+30 to 1e+30\n"},
+      {"E1203", "4:17 E1203 <diffuse>: expected 3 numbers (r g b), found 2\n"},
+      {"E1204", "3:18 E1204 type of <include> is 'vrml', expected pxn\n"},
       {"W1205", "3:17 W1205 count is 3, and the group holds 1 node\n"},
       {"E1206",
-       "3:12 E1206 the quaternion has length 1.41421; it takes w x y z of length 1, to 1e-3\n"},
-      {"E1210", "9:3 E1210 a frame is called 'camera' already; this one is left out\n"},
+       "3:12 E1206 the quaternion has length 1.41421, expected w x y z of length 1 to 1e-3\n"},
+      {"E1210", "9:3 E1210 duplicate frame 'camera'; this one is left out\n"},
       {"E1301",
        "3:29 E1301 there is no file 'parts/plat.pxn', neither from the top file's folder nor from "
        "this file's\n"},
@@ -115,7 +119,7 @@ TEST(Diagnostics, PlacesAndWords) {
        "3:29 E1303 '../good/cube.pxn' leaves the project; included files lie in the top file's "
        "folder or below it\n"},
       {"E2001",
-       "5:34 E2001 the index 4 is past the last position; there are 4 positions, so it takes 0 to "
+       "5:34 E2001 the index 4 is past the last position; there are 4 positions, expected 0 to "
        "3; the strip is left out\n"},
       {"W2007",
        "3:4 W2007 at 1 edge neighbouring triangles face opposite ways; strips alternate, beginning "
@@ -148,7 +152,8 @@ TEST(Diagnostics, ColumnsCountCharactersAndObjectsArePaths) {
                              " --><sphere rings=\"4\" quads=\"" + e + "\"/></group></pangu_model>";
     const Reading r = read_files({{"m.pxn", text}});
     EXPECT_EQ(r.summary(),
-              "3:37 E1201 '\xc3\xa9' is not a whole number; quads of <sphere> takes 3 to 100000\n");
+              "3:37 E1201 '\xc3\xa9' is not a whole number, expected 3 to 100000 for quads of "
+              "<sphere>\n");
     EXPECT_EQ(r.log.entries().at(0).object, "pangu_model/group[2]/sphere");
   }
 }

@@ -320,8 +320,8 @@ TEST(Expression, Problems) {
       {"()", "E1221 1-2 a value is missing before ')'"},
       {"sin()", "E1221 4-5 there is no value between these parentheses"},
       {"max(1,)", "E1221 6-7 a value is missing before ')'"},
-      {"sin(1, 2)", "E1221 0-3 sin takes 1 value, and here are more"},
-      {"atan2(1)", "E1221 0-5 atan2 takes 2 values, and here is 1"},
+      {"sin(1, 2)", "E1221 0-3 sin takes 1 value, found more"},
+      {"atan2(1)", "E1221 0-5 atan2 takes 2 values, found 1"},
       {"1, 2",
        "E1221 1-2 ',' separates the values of a function, and here is none (numbers have a "
        "decimal point)"},
@@ -330,24 +330,24 @@ TEST(Expression, Problems) {
       {"1 : 2", "E1221 2-3 ':' has no '?' before it"},
       {"1 = 2", "E1221 2-3 '=' is no operator (equality is written ==)"},
       {"1 & 2", "E1221 2-3 '&' is no operator (write && (in XML, &amp;&amp;))"},
-      {"5 % 3", "E1221 2-3 '%' is no part of an expression (the remainder is written mod(a, b))"},
+      {"5 % 3", "E1221 2-3 '%' cannot stand in an expression (the remainder is written mod(a, b))"},
       {"1 < 2 < 3", "E1221 6-7 comparisons do not chain (write a < b && b < c)"},
       {"1 < 2 == 1", "E1221 6-8 comparisons do not chain (write a < b && b < c)"},
       {"!!1", "E1221 0-2 a sign or another '!' behind '!' needs parentheses (write !(…))"},
       {"-!1", "E1221 1-2 a '!' behind a sign needs parentheses (write -(!…))"},
       {"1 + {2}", "E1221 4-5 braces stand in braces (inside braces, parentheses group)"},
-      {"\"x\"", "E1221 0-1 '\"' is no part of an expression (expressions have no texts)"},
-      {"2 + \u00b0", "E1221 4-6 '\u00b0' is no part of an expression"},
-      {"2 \xff", "E1221 2-3 '\ufffd' is no part of an expression"},
+      {"\"x\"", "E1221 0-1 '\"' cannot stand in an expression (expressions have no texts)"},
+      {"2 + \u00b0", "E1221 4-6 '\u00b0' cannot stand in an expression"},
+      {"2 \xff", "E1221 2-3 '\ufffd' cannot stand in an expression"},
       {"2gap",
-       "E1213 1-4 'gap' is no unit (a product is written with *; units of length are m, mm, cm, "
+       "E1213 1-4 unknown unit 'gap' (a product is written with *; units of length are m, mm, cm, "
        "km, um, nm, in or ft)"},
-      {"2\u00b0", "E1213 1-3 '\u00b0' is no unit"},
+      {"2\u00b0", "E1213 1-3 unknown unit '\u00b0'"},
       {"2*gpa",
        "E1222 2-5 'gpa' is no parameter and no variable that is known here (did you mean "
        "'gap'?)"},
-      {"sine(2)", "E1222 0-4 there is no function 'sine' (did you mean 'sin'?)"},
-      {"gap(2)", "E1222 0-3 there is no function 'gap' (a product is written with *)"},
+      {"sine(2)", "E1222 0-4 unknown function 'sine' (did you mean 'sin'?)"},
+      {"gap(2)", "E1222 0-3 unknown function 'gap' (a product is written with *)"},
       {"cos",
        "E1222 0-3 'cos' is no parameter and no variable that is known here (functions take "
        "their values in parentheses: cos(…))"},
@@ -376,13 +376,13 @@ TEST(Expression, Problems) {
        "E1212 12-22 a length and a number of pixels cannot be compared"
        " (inside braces bare numbers are in metres and radians)"},
       {"min(1mm, i, 2deg)",
-       "E1212 4-16 min takes values of one kind, got a length and an angle"
+       "E1212 4-16 min expects values of one dimension, got a length and an angle"
        " (inside braces bare numbers are in metres and radians)"},
       {"hypot(gap, 10%)",
-       "E1212 6-14 hypot takes values of one kind, got a length and a ratio"
+       "E1212 6-14 hypot expects values of one dimension, got a length and a ratio"
        " (inside braces bare numbers are in metres and radians)"},
       {"1 + sin(2*gap)",
-       "E1212 8-13 sin takes an angle, got a length"
+       "E1212 8-13 sin expects an angle, got a length"
        " (inside braces bare numbers are in metres and radians)"},
       {"gap - -(2px)",
        "E1212 0-11 a length and a number of pixels cannot be subtracted"
@@ -428,10 +428,9 @@ TEST(Expression, LengthAndDepth) {
   };
   EXPECT_EQ(at.value(sum(4095)), 2048);
   EXPECT_EQ(at.value(sum(4096)), 10 + 2047);
-  EXPECT_EQ(
-      at.complaint(sum(4097)),
-      "E1221 0-1 an expression has at most 4096 bytes, and this has 4097 (<param> can name its "
-      "parts)");
+  EXPECT_EQ(at.complaint(sum(4097)),
+            "E1221 0-1 an expression of 4097 bytes, expected at most 4096 (<param> can name its "
+            "parts)");
   EXPECT_EQ(at.value(std::string(2047, '(') + "7" + std::string(2047, ')')), 7);
   EXPECT_EQ(at.value(std::string(4095, '-') + "7"), -7);
   std::string functions = "7";

@@ -310,9 +310,9 @@ TEST(Level1, AProblemThatRepeatsIsSaidOnce) {
       "<frame name=\"f\" forward=\"0 0 1\" up=\"0 1 0\"/></repeat>\n"
       "<keypoint name=\"k\" at=\"0 0 0\"/>");
   EXPECT_EQ(twice.summary(),
-            "2:20 E1210 a keypoint is called 'k' already; this one is left out\n"
-            "2:51 E1210 a frame is called 'f' already; this one is left out\n"
-            "3:1 E1210 a keypoint is called 'k' already; this one is left out\n");
+            "2:20 E1210 duplicate keypoint 'k'; this one is left out\n"
+            "2:51 E1210 duplicate frame 'f'; this one is left out\n"
+            "3:1 E1210 duplicate keypoint 'k'; this one is left out\n");
   for (const int length : {200, 250, 300}) {
     std::string chain = "<part name=\"p0\"><box size=\"1\"/></part>";
     for (int i = 1; i <= length; ++i)
@@ -341,7 +341,7 @@ TEST(Level1, AnglesAreShownInDegreesAndCountsWhereTheyStand) {
             "2:26 E2017 a sector from 10 to 500 deg; it ends after it begins, at most a whole turn "
             "later\n");
   EXPECT_EQ(complaint("<disc radius=\"1\" sector=\"0 1e9\"/>"),
-            "2:28 E1202 end of sector of <disc> is 1e9; it takes -57200deg to 57200deg\n");
+            "2:28 E1202 end of sector of <disc> is 1e9, expected -57200deg to 57200deg\n");
   EXPECT_EQ(complaint("<torus radius=\"1\" tube_radius=\"0.1\" segments=\"8\" rings=\"2\"/>"),
             "2:57 E2018 2 segments along the profile; this one needs at least 3\n");
   EXPECT_EQ(complaint("<torus radius=\"1\" tube_radius=\"0.1\" rings=\"2\"/>"),

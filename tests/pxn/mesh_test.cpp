@@ -103,12 +103,12 @@ TEST(Mesh, TheThirdTextureCoordinateIsZeroAndColoursReachOne) {
                         list("texcoords", "vec3", {{0, 0, 0}, {1, 0, 0.5}, {0, 1, 0}, {1, 1, 0}}) +
                         strips({"0 1 2 3"}))
                   .summary(),
-              HasSubstr("E1202 0 of <vec3> is 0.5; it takes 0"));
+              HasSubstr("E1202 0 of <vec3> is 0.5, expected 0"));
   EXPECT_THAT(read_mesh(list("positions", "vec3", kQuad) +
                         list("colours", "rgb", {{0, 0, 0}, {1, 0, 1.5}, {0, 1, 0}, {1, 1, 0}}) +
                         strips({"0 1 2 3"}))
                   .summary(),
-              HasSubstr("E1202 b of <rgb> is 1.5; it takes 0 to 1"));
+              HasSubstr("E1202 b of <rgb> is 1.5, expected 0 to 1"));
 }
 
 TEST(Mesh, BadIndicesLeaveTheirStripOut) {
@@ -118,7 +118,7 @@ TEST(Mesh, BadIndicesLeaveTheirStripOut) {
   EXPECT_EQ(r.codes(), (std::multiset<std::string>{"E1201", "E1202", "E1202", "E2001"}))
       << r.summary();
   EXPECT_THAT(r.summary(), HasSubstr("the index 7 is past the last position; there are 4 "
-                                     "positions, so it takes 0 to 3; 1 more"));
+                                     "positions, expected 0 to 3; 1 more"));
   EXPECT_EQ(mesh_of(r).triangles.size(), 2u);
 }
 

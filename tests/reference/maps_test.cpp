@@ -96,5 +96,32 @@ TEST(ReferenceMaps, DecalsLieOverCellsOnly) {
   EXPECT_NEAR(flux(), 0.19 * 0.2, 5e-4);  // measured 9e-5
 }
 
+// Where surfaces of two targets coincide, the first is seen, and a decal of the other does not
+// show.
+TEST(ReferenceMaps, DecalsOfWhatIsNotSeenDoNotShow) {
+  Pictured contents(single(plate(1, 1), lambert(0.75)));
+  contents.add(2, 2, false, [](std::uint32_t, std::uint32_t) { return grey(0, 255); });
+  pan::DecalContent decal;
+  decal.name = "decal";
+  decal.width = decal.height = 2;
+  decal.depth = 0.1;
+  contents.decals = {decal};
+  const auto marked = std::make_shared<const pan::Model>(model_of(contents));
+  const auto bare =
+      std::make_shared<const pan::Model>(model_of(single(plate(1, 1), lambert(0.25))));
+  const View view = above(kSide, 1);
+  for (const bool marked_first : {false, true}) {
+    world::World world;
+    DiagnosticLog log;
+    ASSERT_TRUE(world.add("a", marked_first ? marked : bare, {}, log));
+    ASSERT_TRUE(world.add("b", marked_first ? bare : marked, {}, log));
+    world::Sun sun;
+    sun.direction = view.to_sun;
+    world.set_sun(sun);
+    const ReferenceImage result = traced(world, view.camera, direct_light(16));
+    EXPECT_NEAR(result.flux.x * kPi, marked_first ? 0 : 0.25, 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace panwright::preview

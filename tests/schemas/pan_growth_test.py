@@ -8,6 +8,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "schemas"))
 sys.dont_write_bytecode = True
 import generate_pan  # noqa: E402
+import material_schema  # noqa: E402
 
 
 def layout_with(name, fields, size=None, minor=1):
@@ -52,6 +53,43 @@ sound &= refused("a field of a format to come", layout_with("Instance", [field("
 sound &= refused("a size off the alignment", layout_with("Node", [field("a", **new)]))
 sound &= refused("a larger size than a reader takes",
                  layout_with("Instance", [field("a", count=1024, **new)], size=4096))
+
+
+def layout_with_features(*features, minor=1):
+    """The layout of today with more required features."""
+    layout = copy.deepcopy(LAYOUT)
+    layout["format"]["minor"] = minor
+    generate_pan.add_features(layout, [{"name": "X", "doc": "", **feature} for feature in features])
+    generate_pan.validate(layout)
+    return layout
+
+
+def features_refused(what, *features):
+    try:
+        layout_with_features(*features)
+    except generate_pan.LayoutError:
+        return True
+    print(f"accepted: {what}")
+    return False
+
+
+free = len(next(flags for flags in LAYOUT["flags"] if flags["name"] == "RequiredFeatures")["bits"])
+header = generate_pan.header_text(layout_with_features({"bit": free, "since": 2}, minor=2))
+sound &= f"kFeatureX = 1u << {free};" in header and "{kFeatureX, 2, \"X\"}" in header
+sound &= features_refused("a bit twice", {"bit": free - 1, "since": 1})
+sound &= features_refused("a bit left out", {"bit": free + 1, "since": 1})
+sound &= features_refused("a feature of a format to come", {"bit": free, "since": 2})
+schema = material_schema.load()
+for what, change in (("a later BRDF without a feature", {"since": 1}), ("a feature of 1.0", {"feature": 3}),
+                     ("a later BRDF before one of 1.0", {"since": 1, "feature": 3})):
+    changed = copy.deepcopy(schema)
+    changed["brdf"][0].update(change)
+    try:
+        material_schema.check_versions(changed)
+        print(f"accepted: {what}")
+        sound = False
+    except material_schema.SchemaError:
+        pass
 for fixed in ("Header", "DirectoryEntry", "Float3"):
     size = 8 if fixed != "Float3" else 4
     more = {"type": "u64", **new} if size == 8 else new

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/math.h"
-#include "geometry/ray/ray.h"
 #include "pan/model.h"
 #include "preview/frame/sun_frame.h"
+#include "tests/support/ray_caster.h"
 #include "tests/support/view.h"
 
 namespace panwright::support {
@@ -107,7 +107,7 @@ class SunRays {
   world::Camera camera_;
   Vec3 to_sun_;
   std::vector<Mat4> world_from_mesh_;
-  geometry::RayCaster caster_;
+  RayCaster caster_;
 };
 
 }  // namespace panwright::support

@@ -39,9 +39,10 @@ class Targets : public testing::Test {
     return folder_.write(name, "<pangu_model ver=\"1\">" + body + "</pangu_model>");
   }
   const TemporaryFolder folder_;
-  const std::string ball_ = model("ball.pxn",
-                                  "<sphere/><frame name=\"top\" translate=\"0 0 2\" forward=\"0 0 1\" "
-                                  "up=\"0 1 0\"/>");
+  const std::string ball_ =
+      model("ball.pxn",
+            "<sphere/><frame name=\"top\" translate=\"0 0 2\" forward=\"0 0 1\" "
+            "up=\"0 1 0\"/>");
   const std::string box_ = model("box.pxn", "<box size=\"1\"/>");
 };
 
@@ -96,7 +97,7 @@ TEST_F(Targets, WhatIsWrongIsNamed) {
   says({ball_, box_, "--pose", "bal=0 0 0 1 0 0 0"}, "[E5011]", "ball");
   says({ball_, box_, "--pose", "0 0 0 1 0 0 0"}, "[E0201]", "NAME=");
   says({ball_, "--pose", "ball=0 0 0"}, "[E0201]", "--pose ball is '0 0 0'");
-  says({ball_, "--pose", "0 0 0"}, "[E0201]", "--pose is '0 0 0': it takes seven numbers");
+  says({ball_, "--pose", "0 0 0"}, "[E0201]", "--pose is '0 0 0', expected seven numbers");
   says({ball_, "--pose", "ball=0 0 0 1 0 0 0", "--pose", "ball=1 0 0 1 0 0 0"}, "[E0201]",
        "twice for 'ball'");
   says({ball_, box_, "--camera-frame", "top/top"}, "[E5005]", "TARGET/FRAME");

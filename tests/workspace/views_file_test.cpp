@@ -72,19 +72,24 @@ TEST(ReadViews, PosesAreTextsListsOrObjectsOfTargets) {
 
 TEST(ReadViews, SaysWhatIsWrong) {
   const std::pair<const char*, const char*> cases[] = {
-      {"", "not JSON"},
+      {"", "invalid JSON"},
       {"[{\"output\": \"a.png\"},\n {]", "line 2"},
-      {"{}", "a list of objects"},
-      {"[]", "a list of objects"},
+      {"{}", "expected a list of"},
+      {"[]", "expected a list of"},
       {"[3]", "view 0 is not an object"},
       {"[{\"fov\": 3}]", "view 0 has no output"},
       {"[{\"fof\": 3, \"output\": \"a\"}]", "no option of a view"},
-      {"[{\"fov\": {}, \"output\": \"a\"}]", "neither text, a number nor a list"},
-      {"[{\"pose\": 1e, \"output\": \"a\"}]", "not JSON"},
-      {"[{\"pose\": [], \"output\": \"a\"}]", "neither text, a number nor a list"},
+      {"[{\"fov\": {}, \"output\": \"a\"}]", "expected text, a number or a list"},
+      {R"([{"output": "a"}, {"fov": 3, "fov": 4, "output": "b"}])", "view 1 gives 'fov' twice"},
+      {R"([{"pose": {"client": "1", "b": "2", "client": "3"}, "output": "a"}])",
+       "view 0 gives 'client' twice"},
+      {R"([{"output": "a"}, {"output": "b"}, {"output": "c/../a"}])",
+       "views 0 and 2 have one output, 'c/../a'"},
+      {"[{\"pose\": 1e, \"output\": \"a\"}]", "invalid JSON"},
+      {"[{\"pose\": [], \"output\": \"a\"}]", "expected text, a number or a list"},
       {"[{\"pose\": {\"client\": {}}, \"output\": \"a\"}]", "the pose of 'client'"},
       {"[{\"poses\": {}, \"output\": \"a\"}]", "no option of a view"},
-      {"[{\"sun\": [1, \"x\"], \"output\": \"a\"}]", "neither text, a number nor a list"},
+      {"[{\"sun\": [1, \"x\"], \"output\": \"a\"}]", "expected text, a number or a list"},
   };
   for (const auto& [text, words] : cases) {
     DiagnosticLog log;

@@ -141,6 +141,42 @@ TEST(Camera, SolidAnglesAddUpToTheImage) {
   }
 }
 
+// Oracle: the corners' closed form atan(xy/√(1+x²+y²)) with 60 digits (mpmath).
+TEST(Camera, SolidAngleOfAnyPixel) {
+  const struct {
+    double focal, x, y;
+    std::uint32_t column, row;
+    double exact;
+  } cases[] = {
+      {1024.0, 512, 512, 0, 0, 5.196216446432790398944e-7},
+      {1e6, 512, 512, 1023, 3, 9.999992196935073991957e-13},
+      // a hair under 0.02 rad a pixel and above it, up to 83° off the axis
+      {60.0, 512, 512, 0, 512, 4.392499717842473307055e-7},
+      {60.0, 512, 512, 1000, 20, 1.782981050511057668202e-7},
+      {49.0, 512, 512, 0, 0, 1.285677890143690376083e-7},
+      {30.0, 4096, 16, 0, 0, 4.366728489620397891351e-10},
+      // wide pixels, up to 90° off
+      {4.0, 512, 4, 0, 0, 2.988500709437007554049e-8},
+      {4.0, 512, 512, 0, 0, 1.05671646878224226062e-8},
+      {0.25, 32, 32, 0, 63, 0.000002828296351451500708314},
+      // around the axis: a third of half a sphere, and almost all of it
+      {0.5, 0.5, 0.5, 0, 0, 2.094395102393195492308},
+      {0.001, 0.5, 0.5, 0, 0, 6.271871617536733899137},
+      {0.125, 1.25, 1.75, 1, 1, 4.426342069937514416145},
+      {2e8, 0.5, 0.5, 0, 0, 2.499999999999999984375e-17},
+  };
+  for (const auto& c : cases) {
+    Camera camera;
+    camera.width = camera.height = 8192;
+    camera.focal = Vec2(c.focal);
+    camera.principal = {c.x, c.y};
+    const double off = pixel_solid_angle(camera, c.column, c.row) / c.exact - 1;
+    // measured: 4.4e-16, and 3.5e-14 of the pixel that spans 179.9 degrees
+    EXPECT_NEAR(off, 0, c.focal < 0.01 ? 1e-13 : 2e-15)
+        << c.focal << ' ' << c.column << ' ' << c.row;
+  }
+}
+
 TEST(Camera, SolidAngleOfOnePixelOffAxis) {
   Camera camera;
   set_field_of_view(camera, 1000, 1000, 1.5);

@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "geometry/internal/triangle.h"
-#include "geometry/ray/ray.h"
+#include "geometry/ray/instances.h"
 
 namespace panwright::geometry {
 
@@ -155,8 +155,8 @@ class Orienter {
     for (std::uint32_t i = 0; i < doubtful.size(); ++i) place_of[doubtful[i]] = i;
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
       if (const std::uint32_t i = place_of[out_.piece_of[t]]; i != kNone) triangles[i].push_back(t);
-    RayCaster caster;
-    caster.add(mesh_, Mat4(1));
+    InstanceCaster caster;
+    caster.add(caster.add_mesh(mesh_.positions, mesh_.triangles), Mat4(1), false);
     caster.build();
     const std::uint64_t rays = std::clamp<std::uint64_t>(
         kRays / static_cast<std::uint64_t>(doubtful.size()), kFewestRays, kMostRays);
@@ -171,7 +171,7 @@ class Orienter {
   // From points on the piece, evenly by area: which side looks out?
   bool shows_its_back(const std::vector<std::uint32_t>& triangles, std::uint32_t piece,
                       std::uint64_t rays, const std::vector<char>& turn,
-                      const RayCaster& caster) const {
+                      const InstanceCaster& caster) const {
     std::vector<double> areas;
     double total = 0;
     for (const std::uint32_t t : triangles) {

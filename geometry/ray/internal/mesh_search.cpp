@@ -207,9 +207,12 @@ void MeshSearch::bound(const RTCBoundsFunctionArguments* arguments) {
   bounds.upper_z = static_cast<float>(high.z) + kSlack;
 }
 
-void MeshSearch::build() {
+void MeshSearch::build(const Job& job) {
   if (empty() || scene_ != nullptr) return;
+  job.poll();
+  leaves_.clear();
   list_leaves();
+  job.poll();
   RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(leaves_.size()));
   rtcSetGeometryUserData(geometry, this);
@@ -221,7 +224,18 @@ void MeshSearch::build() {
   rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
   rtcAttachGeometryByID(scene_, geometry, 0);
   rtcReleaseGeometry(geometry);
+  if (job.state())
+    rtcSetSceneProgressMonitorFunction(
+        scene_, [](void* of, double) { return !static_cast<const Job*>(of)->cancelled(); },
+        const_cast<Job*>(&job));
   rtcCommitScene(scene_);
+  rtcSetSceneProgressMonitorFunction(scene_, nullptr, nullptr);
+  if (job.cancelled()) {
+    // whether or not the tree came to its end
+    static_cast<void>(rtcGetDeviceError(embree_device()));
+    rtcReleaseScene(std::exchange(scene_, nullptr));
+    throw Cancelled();
+  }
   if (rtcGetDeviceError(embree_device()) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
 }
 

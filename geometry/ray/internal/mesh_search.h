@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/job.h"
 #include "base/math.h"
 #include "geometry/mesh.h"
 #include "geometry/ray/instances.h"
@@ -33,7 +34,8 @@ class MeshSearch {
   MeshSearch(const MeshSearch&) = delete;
   MeshSearch& operator=(const MeshSearch&) = delete;
 
-  void build();
+  // Throws Cancelled: it may be built again then.
+  void build(const Job& job = {});
 
   const std::vector<Vec3>& positions() const { return positions_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }

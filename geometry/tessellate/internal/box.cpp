@@ -353,10 +353,11 @@ Problem problem(const Box& shape) {
   if (auto bad = zero_or_size_problem(shape.bevel, "bevel", "a bevel")) return bad;
   const double most = 0.5 * std::min({shape.size.x, shape.size.y, shape.size.z});
   if (shape.bevel > most * (1 + kSlack))
-    return ShapeProblem{Code::E2011,
-                        fmt::format("a bevel of {} m; half of the smallest side, {} m, is the most",
-                                    format_double(shape.bevel), format_double(most)),
-                        "bevel"};
+    return ShapeProblem{
+        Code::E2011,
+        fmt::format("a bevel of {} m, expected at most half of the smallest side, {} m",
+                    format_double(shape.bevel), format_double(most)),
+        "bevel"};
   return std::nullopt;
 }
 

@@ -36,7 +36,7 @@ double cap_count(const Extrude& shape) {
 }
 
 Problem too_few(std::size_t count, std::string_view part, std::size_t item) {
-  return ShapeProblem{Code::E2015, fmt::format("a loop of {} points; it needs at least 3", count),
+  return ShapeProblem{Code::E2015, fmt::format("a loop of {} points, expected at least 3", count),
                       part, item};
 }
 

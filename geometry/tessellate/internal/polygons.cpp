@@ -136,7 +136,7 @@ Problem index_problem(const Polygons& shape, std::size_t index) {
   const auto loop_problem = [&](const std::vector<std::uint32_t>& loop) -> Problem {
     if (loop.size() < 3)
       return face_problem(Code::E2015, index,
-                          fmt::format("a loop of {} points; it needs at least 3", loop.size()));
+                          fmt::format("a loop of {} points, expected at least 3", loop.size()));
     for (const std::uint32_t v : loop)
       if (v >= shape.positions.size())
         return face_problem(Code::E2001, index,
@@ -156,9 +156,10 @@ Problem problem_of_face(const Polygons& shape, std::size_t index) {
   if (!flat.has_area()) return face_problem(Code::E2012, index, "its outline encloses no area");
   const auto [vertex, distance] = furthest_corner(shape.positions, face, flat);
   if (distance > kFlatness * flat.size)
-    return face_problem(Code::E2016, index,
-                        fmt::format("vertex {} lies {} m from its plane; {} m is accepted", vertex,
-                                    format_double(distance), format_double(kFlatness * flat.size)));
+    return face_problem(
+        Code::E2016, index,
+        fmt::format("vertex {} lies {} m from its plane, expected at most {} m", vertex,
+                    format_double(distance), format_double(kFlatness * flat.size)));
   if (is_simple(shape.positions, face, flat)) return std::nullopt;
   Region region = region_of_face(shape.positions, face, flat);
   const auto fault = fault_of(region);
@@ -405,7 +406,7 @@ Problem problem(const Polygons& shape) {
     return ShapeProblem{Code::E2011, "an angle of smoothing that is not between 0 and a whole turn",
                         "smooth"};
   if (shape.faces.empty())
-    return ShapeProblem{Code::E2015, "no faces; at least 1 is needed", "faces"};
+    return ShapeProblem{Code::E2015, "no faces, expected at least 1", "faces"};
   for (std::size_t i = 0; i < shape.faces.size(); ++i)
     if (auto bad = problem_of_face(shape, i)) return bad;
   return std::nullopt;

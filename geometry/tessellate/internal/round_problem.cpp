@@ -18,9 +18,8 @@ constexpr double kLargestAngle = 1e6;
 
 Problem size_problem(double size, std::string_view part, std::string_view what) {
   if (size <= 0)
-    return ShapeProblem{Code::E2011,
-                        fmt::format("{} of {} m; it must be above 0", what, format_double(size)),
-                        part};
+    return ShapeProblem{
+        Code::E2011, fmt::format("{} of {} m, expected above 0", what, format_double(size)), part};
   if (!(size >= kMinRadius && size <= kMaxCoordinate))
     return ShapeProblem{
         Code::E2010,
@@ -33,9 +32,9 @@ Problem size_problem(double size, std::string_view part, std::string_view what) 
 Problem zero_or_size_problem(double size, std::string_view part, std::string_view what) {
   if (size == 0) return std::nullopt;
   if (size < 0)
-    return ShapeProblem{
-        Code::E2011, fmt::format("{} of {} m; it may not be negative", what, format_double(size)),
-        part};
+    return ShapeProblem{Code::E2011,
+                        fmt::format("{} of {} m, expected at least 0", what, format_double(size)),
+                        part};
   return size_problem(size, part, what);
 }
 

@@ -100,7 +100,8 @@ Problem problem(const Cone& s) {
   if (auto p = zero_or_size_problem(s.bottom_radius, "bottom_radius", "a radius")) return p;
   if (auto p = zero_or_size_problem(s.top_radius, "top_radius", "a radius")) return p;
   if (s.bottom_radius == 0 && s.top_radius == 0)
-    return ShapeProblem{Code::E2011, "a cone of two zero radii; one may be 0", "bottom_radius"};
+    return ShapeProblem{Code::E2011, "a cone of two zero radii, expected at most one",
+                        "bottom_radius"};
   if (auto p = size_problem(s.height, "height", "a height")) return p;
   if (auto p = sector_problem(s.sector)) return p;
   return counts_problem(s.counts, s.sector, 1);
@@ -112,7 +113,7 @@ Problem problem(const Disc& s) {
   if (s.inner_radius >= s.radius)
     return ShapeProblem{
         Code::E2011,
-        fmt::format("an inner radius of {} m in a disc of radius {} m; it must be smaller",
+        fmt::format("an inner radius of {} m in a disc of radius {} m, expected a smaller one",
                     format_double(s.inner_radius), format_double(s.radius)),
         "inner_radius"};
   if (auto p = sector_problem(s.sector)) return p;

@@ -172,10 +172,10 @@ class SphereBuilder {
 Result<Mesh> tessellated_sphere(const Sphere& sphere, const TessellationOptions& options,
                                 SourceSpan where, DiagnosticLog& log) {
   if (!(sphere.radius >= kMinRadius && sphere.radius <= kMaxCoordinate)) {
-    log.report(Code::E2010, where,
-               fmt::format("a sphere of radius {} m; from {} to {} m is accepted",
-                           format_double(sphere.radius), format_double(kMinRadius),
-                           format_double(kMaxCoordinate)));
+    log.report(
+        Code::E2010, where,
+        fmt::format("a sphere of radius {} m, expected {} to {} m", format_double(sphere.radius),
+                    format_double(kMinRadius), format_double(kMaxCoordinate)));
     return failed;
   }
   SphereCounts counts;

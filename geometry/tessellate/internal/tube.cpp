@@ -223,7 +223,7 @@ Problem problem(const Tube& shape) {
     return bad;
   if (shape.inner_radius >= shape.radius)
     return ShapeProblem{Code::E2011,
-                        fmt::format("an inner radius of {} m; it must be below the outer one, {} m",
+                        fmt::format("an inner radius of {} m, expected below the outer one, {} m",
                                     format_double(shape.inner_radius), format_double(shape.radius)),
                         "inner_radius"};
   const std::uint32_t least_along = shape.closed && shape.spline ? 3 : 1;

@@ -16,6 +16,7 @@ namespace panwright::importers::vrml {
 
 namespace {
 
+// Of materials that are equal to the scene.
 bool same(const CadMaterial& a, const CadMaterial& b) {
   return a.name == b.name && a.base_colour == b.base_colour && a.metallic == b.metallic &&
          a.roughness == b.roughness && a.opacity == b.opacity && a.textured == b.textured &&
@@ -89,29 +90,15 @@ std::int32_t Builder::add_shape(geometry::Shape shape, SourceSpan where) {
   return place->second;
 }
 
-namespace {
-double shine_of(const materials::Material& material) {
-  const auto* phong = std::get_if<materials::BlinnPhong>(&material.specular_brdf);
-  return phong != nullptr ? phong->shine : 0;
-}
-}  // namespace
-
 std::int32_t Builder::add_material(const materials::Material& material, const CadMaterial& cad) {
-  const std::array<double, 12> key = {
-      material.diffuse.x,  material.diffuse.y,  material.diffuse.z,  material.specular.x,
-      material.specular.y, material.specular.z, material.emissive.x, material.emissive.y,
-      material.emissive.z, shine_of(material),  cad.opacity,         cad.textured ? 1.0 : 0.0};
-  const std::uint64_t hash =
-      hash64(std::as_bytes(std::span(key))) ^ std::hash<std::string>()(cad.name);
-  const auto [first, last] = materials_.equal_range(hash);
-  for (auto it = first; it != last; ++it) {
-    const auto i = static_cast<std::size_t>(it->second);
-    if (out_.scene.materials[i] == material && same(out_.materials[i], cad)) return it->second;
-  }
+  std::pair key(material.name, materials::key_of(material));
+  const auto [first, last] = materials_.equal_range(key);
+  for (auto it = first; it != last; ++it)
+    if (same(out_.materials[static_cast<std::size_t>(it->second)], cad)) return it->second;
   const auto index = static_cast<std::int32_t>(out_.scene.materials.size());
   out_.scene.materials.push_back(material);
   out_.materials.push_back(cad);
-  materials_.emplace(hash, index);
+  materials_.emplace(std::move(key), index);
   return index;
 }
 

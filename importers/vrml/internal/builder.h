@@ -91,7 +91,8 @@ class Builder {
     std::size_t operator()(const Hash128& hash) const { return hash.low; }
   };
   std::unordered_map<Hash128, std::int32_t, ByLow> shapes_;
-  std::unordered_multimap<std::uint64_t, std::int32_t> materials_;
+  // by name and all that tells materials apart
+  std::multimap<std::pair<std::string, std::vector<double>>, std::int32_t> materials_;
   std::map<std::string, std::int32_t> pictures_;  // by path
   std::map<std::string, std::int32_t> asked_;     // by the file that asks, and all URLs
   std::vector<bool> grey_;

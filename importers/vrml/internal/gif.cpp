@@ -114,10 +114,10 @@ class GifReader {
     if (frame.width == 0 || frame.height == 0)
       return {Code::E3001, fmt::format("the image is {} x {} pixels", frame.width, frame.height)};
     if (out_.width > kMaxTextureSide || out_.height > kMaxTextureSide)
-      return {Code::E3002, fmt::format("the image is {} x {} pixels; up to {} a side are read",
+      return {Code::E3002, fmt::format("the image is {} x {} pixels, expected at most {} a side",
                                        out_.width, out_.height, kMaxTextureSide)};
     if (4 * pixels > max_bytes_)
-      return {Code::E3002, fmt::format("with {} x {} pixels all pictures take more than the limit",
+      return {Code::E3002, fmt::format("with {} x {} pixels the textures exceed the memory limit",
                                        out_.width, out_.height)};
     if (pixels > kMostPixelsPerByte * bytes_.size()) throw Damaged{"it is too short for its size"};
     out_.rgba.assign(4 * pixels, 0);

@@ -28,13 +28,14 @@ Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
 
 }  // namespace
 
-TraceModel::TraceModel(world::ModelPtr model) : model_(std::move(model)) {
+TraceModel::TraceModel(world::ModelPtr model, const Job& job) : model_(std::move(model)) {
   for (std::size_t i = 0; i < model_->textures().size(); ++i) {
     const layout::Texture& record = model_->textures()[i];
     textures_.emplace_back(model_->texels(i), record.width, record.height,
                            (record.flags & layout::kTextureLinear) != 0);
   }
   for (std::uint32_t i = 0; i < model_->materials().size(); ++i) {
+    job.poll();
     materials_.push_back(pan::material_from(model_->materials()[i], {}));
     // in double, whatever the file's own fits were rounded to
     materials::fit(materials_.back());
@@ -47,7 +48,7 @@ TraceModel::TraceModel(world::ModelPtr model) : model_(std::move(model)) {
       scatters_.emplace_back(part);
   }
   add_parts();
-  add_meshes();
+  add_meshes(job);
   add_decals();
   for (Part& part : parts_) {
     if (part.decals.empty()) continue;
@@ -114,7 +115,7 @@ void TraceModel::add_parts() {
 }
 
 // every mesh that is placed, once
-void TraceModel::add_meshes() {
+void TraceModel::add_meshes(const Job& job) {
   const std::size_t count = model_->meshes().size();
   std::vector<std::uint8_t> placed(count), directed(count);
   for (const Part& part : parts_) {
@@ -125,17 +126,21 @@ void TraceModel::add_meshes() {
   }
   meshes_.resize(count);
   tangents_.resize(count);
-  parallel_for(count, [&](std::size_t i) {
-    if (!placed[i]) return;
-    const pan::MeshView mesh = model_->mesh(i);
-    std::vector<Vec3> positions;
-    positions.reserve(mesh.positions.size());
-    for (const layout::Float3& p : mesh.positions) positions.push_back(vec3(p));
-    std::vector<geometry::Triangle> triangles(mesh.indices.size() / 3);
-    for (std::size_t k = 0; k < mesh.indices.size(); ++k) triangles[k / 3][k % 3] = mesh.indices[k];
-    meshes_[i] = geometry::search_mesh(std::move(positions), std::move(triangles));
-    if (directed[i]) tangents_[i] = std::make_unique<TangentField>(mesh);
-  });
+  parallel_for(
+      count,
+      [&](std::size_t i) {
+        if (!placed[i]) return;
+        const pan::MeshView mesh = model_->mesh(i);
+        std::vector<Vec3> positions;
+        positions.reserve(mesh.positions.size());
+        for (const layout::Float3& p : mesh.positions) positions.push_back(vec3(p));
+        std::vector<geometry::Triangle> triangles(mesh.indices.size() / 3);
+        for (std::size_t k = 0; k < mesh.indices.size(); ++k)
+          triangles[k / 3][k % 3] = mesh.indices[k];
+        meshes_[i] = geometry::search_mesh(std::move(positions), std::move(triangles), job);
+        if (directed[i]) tangents_[i] = std::make_unique<TangentField>(mesh);
+      },
+      job);
   for (Part& part : parts_) part.tangents = tangents_[part.mesh_index].get();
 }
 

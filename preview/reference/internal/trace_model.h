@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "base/job.h"
 #include "geometry/ray/instances.h"
 #include "pan/model.h"
 #include "preview/reference/internal/placement.h"
@@ -68,7 +69,7 @@ class TraceModel {
   };
 
   // Expects: checked. Cost: about 150 bytes a triangle; textures are read where they lie.
-  explicit TraceModel(world::ModelPtr model);
+  TraceModel(world::ModelPtr model, const Job& job);
   TraceModel(const TraceModel&) = delete;
   TraceModel& operator=(const TraceModel&) = delete;
 
@@ -108,7 +109,7 @@ class TraceModel {
   };
 
   void add_parts();
-  void add_meshes();
+  void add_meshes(const Job& job);
   void add_decals();
   Place place(const Part& part, const geometry::InstanceHit& hit) const;
   Surface surface(const Part& part, const Place& place, bool flat) const;

@@ -21,7 +21,8 @@ void for_corners(const Vec3& low, const Vec3& high, Visit&& visit) {
 
 }  // namespace
 
-TraceTarget::TraceTarget(std::shared_ptr<const TraceModel> model, const world::Instance& instance)
+TraceTarget::TraceTarget(std::shared_ptr<const TraceModel> model, const world::Instance& instance,
+                         const Job& job)
     : model_(std::move(model)) {
   constexpr std::uint32_t kNone = ~0u;
   const PlacedNodes nodes = placed_nodes(instance);
@@ -42,7 +43,7 @@ TraceTarget::TraceTarget(std::shared_ptr<const TraceModel> model, const world::I
     parts_.push_back(i);
     placements_.push_back(placement);
   }
-  caster_.build();
+  caster_.build(job);
 }
 
 bool TraceTarget::hole_filter(const void* data, const geometry::InstanceHit& hit) {
@@ -64,16 +65,16 @@ bool TraceTarget::any(const geometry::Ray& ray) const {
   return has_holes_ ? caster_.any(ray, {hole_filter, this}) : caster_.any(ray);
 }
 
-std::shared_ptr<const TraceModel> TraceScene::model_of(const world::ModelPtr& model) {
-  std::shared_ptr<const TraceModel>& found = models_[model.get()];
-  if (!found) {
-    found = std::make_shared<const TraceModel>(model);
-    ++work_.models;
-  }
-  return found;
+std::shared_ptr<const TraceModel> TraceScene::model_of(const world::ModelPtr& model,
+                                                       const Job& job) {
+  if (const auto found = models_.find(model.get()); found != models_.end()) return found->second;
+  auto made = std::make_shared<const TraceModel>(model, job);
+  models_[model.get()] = made;
+  ++work_.models;
+  return made;
 }
 
-void TraceScene::update(const world::World& world) {
+void TraceScene::update(const world::World& world, const Job& job) {
   std::unordered_map<world::Stamp, std::shared_ptr<const TraceTarget>> states;
   std::unordered_map<world::Stamp, RigidFrame> frames;
   targets_.clear();
@@ -83,7 +84,7 @@ void TraceScene::update(const world::World& world) {
     if (const auto same = states_.find(instance.shape_stamp()); same != states_.end()) {
       state = same->second;
     } else {
-      state = std::make_shared<const TraceTarget>(model_of(instance.model()), instance);
+      state = std::make_shared<const TraceTarget>(model_of(instance.model(), job), instance, job);
       ++work_.shapes;
     }
     RigidFrame& frame = frames[instance.pose_stamp()];

@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/job.h"
 #include "geometry/ray/box_tree.h"
 #include "geometry/ray/instances.h"
 #include "preview/reference/internal/placement.h"
@@ -20,7 +21,8 @@ namespace panwright::preview::reference {
 // One state of a target: everything in its model's frame, whatever its pose.
 class TraceTarget {
  public:
-  TraceTarget(std::shared_ptr<const TraceModel> model, const world::Instance& instance);
+  TraceTarget(std::shared_ptr<const TraceModel> model, const world::Instance& instance,
+              const Job& job);
   TraceTarget(const TraceTarget&) = delete;
   TraceTarget& operator=(const TraceTarget&) = delete;
 
@@ -86,7 +88,7 @@ class TraceScene {
   };
 
   // Brings everything up to date: what has the stamps of the last world stays.
-  void update(const world::World& world);
+  void update(const world::World& world, const Job& job);
   // Puts a camera in; after update().
   void place_camera(const world::Camera& camera);
 
@@ -108,7 +110,7 @@ class TraceScene {
   }
 
  private:
-  std::shared_ptr<const TraceModel> model_of(const world::ModelPtr& model);
+  std::shared_ptr<const TraceModel> model_of(const world::ModelPtr& model, const Job& job);
   std::optional<TraceHit> nearest(const TraceRay& ray, bool by_camera) const;
   geometry::Ray local(const TraceRay& ray, std::uint32_t target) const;
   template <class Look>

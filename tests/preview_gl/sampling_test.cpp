@@ -1,0 +1,181 @@
+// Samples: means on the context, one sample where it stands for N×N, and as many as an error asks
+// for. Oracles: sums in double over an image of N times the side; N×N everywhere; 16×16.
+#include <algorithm>
+
+#include "pictures.h"
+
+namespace panwright::preview {
+namespace {
+
+using namespace testing_support;
+
+// A plate, thin struts over it that throw thin shadows, and a glossy sphere half in it.
+pan::Contents plates_and_struts() {
+  pan::Contents contents = single(plate(4, 4), lambert(0.6));
+  materials::Material glossy = lambert(0.2);
+  glossy.weights = {0.5, 0.5, 0};
+  glossy.specular = Vec3(1);
+  glossy.specular_brdf = materials::with_slopes(materials::SpecularModel::ggx, Vec2(0.05));
+  materials::fit(glossy);
+  contents.materials.push_back(glossy);
+  geometry::Mesh struts;
+  for (int i = 0; i < 7; ++i) {
+    const double at = -1.7 + 0.53 * i;
+    const auto first = static_cast<std::uint32_t>(struts.positions.size());
+    // a third of a pixel wide, aslant
+    for (const Vec3& p : {Vec3(at, -1.9, 0.5), Vec3(at + 0.04, -1.9, 0.5), Vec3(at + 0.2, 1.9, 0.5),
+                          Vec3(at + 0.16, 1.9, 0.5)}) {
+      struts.positions.push_back(p);
+      struts.normals.push_back(Vec3(0, 0, 1));
+    }
+    struts.triangles.push_back({first, first + 1, first + 2});
+    struts.triangles.push_back({first, first + 2, first + 3});
+  }
+  contents.meshes.push_back(pan::packed(struts, "struts"));
+  contents.meshes.push_back(pan::packed(sphere(24, 48), "sphere"));
+  contents.nodes.push_back({"ball", 0, Vec3(0.6, 0.4, 0.2), Quat(1, 0, 0, 0), Vec3(0.5)});
+  contents.instances.push_back({0, 1, 0, -1});
+  contents.instances.push_back({1, 2, 1, -1});
+  return contents;
+}
+
+View slanted(std::uint32_t size) { return above(size, 4.6, Vec3(0.5, 0.3, 1)); }
+
+double rms(const Image& a, const Image& b) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.pixels(); ++i) {
+    if (b.coverage[i] == 0) continue;
+    ++count;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double off =
+          static_cast<double>(a.radiance[3 * i + k]) - static_cast<double>(b.radiance[3 * i + k]);
+      sum += off * off / 3;
+    }
+  }
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1)));
+}
+
+double rms(const Image& a) {
+  Image nothing = a;
+  std::fill(nothing.radiance.begin(), nothing.radiance.end(), 0.0f);
+  return rms(nothing, a);
+}
+
+Image with_samples(const pan::Model& model, const View& view, unsigned samples, bool adaptive) {
+  RenderOptions options;
+  options.samples = samples;
+  options.adaptive = adaptive;
+  return rendered(model, view, options);
+}
+
+double flux(const Image& image) { return sums(image).radiance.x; }
+
+// An image of N times the side has the very samples of N×N ones (N a power of two).
+// Measured: see the expectation; the whole image is one tile, so that matrices are the same.
+TEST(Sampling, MeansAreThoseOfDoubles) {
+  const pan::Model model = model_of(plates_and_struts());
+  for (const unsigned n : {2u, 4u, 8u}) {
+    const Image image = with_samples(model, above(48, 3.6, Vec3(0.5, 0.3, 1)), n, false);
+    const Image large = with_samples(model, above(48 * n, 3.6, Vec3(0.5, 0.3, 1)), 1, false);
+    double worst = 0;
+    for (std::size_t y = 0; y < 48; ++y)
+      for (std::size_t x = 0; x < 48; ++x) {
+        double sum = 0;
+        for (std::size_t j = 0; j < n; ++j)
+          for (std::size_t i = 0; i < n; ++i)
+            sum += large.radiance[3 * ((y * n + j) * large.width + x * n + i)];
+        const double mean = sum / (n * n);
+        const double off = std::fabs(image.radiance[3 * (48 * y + x)] - mean);
+        if (mean > 0) worst = std::max(worst, off / mean);
+      }
+    EXPECT_LE(worst, 2 * n * 0x1p-24) << n;
+  }
+}
+
+TEST(Sampling, OneSampleStandsForManyWhereItMay) {
+  const pan::Model model = model_of(plates_and_struts());
+  const View view = slanted(96);
+  const Image truth = with_samples(model, view, 16, false);
+  for (const unsigned n : {2u, 3u, 4u, 8u}) {
+    const Image full = with_samples(model, view, n, false);
+    const Image some = with_samples(model, view, n, true);
+    expect_no_nan(some);
+    EXPECT_EQ(full.coverage, some.coverage) << n;
+    const double scale = rms(truth);
+    EXPECT_LE(rms(some, full), 0.01 * scale) << n;
+    EXPECT_LE(rms(some, truth), rms(full, truth) + 0.005 * scale) << n;
+    EXPECT_NEAR(flux(some), flux(full), 2e-3 * flux(full)) << n;
+  }
+}
+
+TEST(Sampling, NothingIsMissedThatManySamplesSee) {
+  const pan::Model model = model_of(plates_and_struts());
+  const View view = slanted(96);
+  const Image full = with_samples(model, view, 4, false);
+  const Image some = with_samples(model, view, 4, true);
+  float worst = 0;
+  for (std::size_t i = 0; i < full.radiance.size(); ++i)
+    worst = std::max(worst, std::fabs(full.radiance[i] - some.radiance[i]));
+  // of a white plate that faces the Sun
+  EXPECT_LE(static_cast<double>(worst) * kPi, 0.1);
+}
+
+TEST(Sampling, AutomaticComesNearItsError) {
+  const pan::Model model = model_of(plates_and_struts());
+  const View view = slanted(64);
+  const Image truth = with_samples(model, view, 64, false);
+  for (const double asked : {0.05, 0.01}) {
+    DiagnosticLog log;
+    support::ModelRenderer renderer(shared_device(), model);
+    RenderOptions options;
+    options.samples = 0;
+    options.pixel_error = asked;
+    const auto image = renderer.render(view, options, log);
+    ASSERT_TRUE(image) << to_text(log);
+    expect_no_nan(*image);
+    const SamplingReport report = renderer.renderer().sampling();
+    // estimates, measured: 1.013 and 1.31 of what was asked
+    EXPECT_LE(report.rmse, 1.4 * asked);
+    EXPECT_LE(report.flux, asked);
+    EXPECT_GT(report.samples, 1);
+    // measured at 1 %: 1.30 %
+    EXPECT_LE(rms(*image, truth), 1.4 * asked * rms(truth)) << asked;
+    EXPECT_NEAR(flux(*image), flux(truth), asked * flux(truth)) << asked;
+    const auto again = renderer.render(view, options, log);
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->radiance, image->radiance);
+    EXPECT_EQ(again->coverage, image->coverage);
+  }
+}
+
+// A target of a tenth of a pixel: its flux is all there is.
+TEST(Sampling, SubPixelTargetsKeepTheirFlux) {
+  const pan::Model model = model_of(single(plate(1, 1), lambert(1)));
+  View view = above(16, 16 * 3.1);
+  view.camera.position += Vec3(0.37, 1.13, 0);
+  RenderOptions options;
+  options.samples = 0;
+  options.pixel_error = 0.01;
+  const Image image = rendered(model, view, options);
+  const double pixel = 3.1 * 3.1;
+  // 64×64 samples: the plate is 20.6 of them wide
+  EXPECT_NEAR(flux(image) * pixel * kPi, 1, 0.06);
+}
+
+TEST(Sampling, TilesChangeNothingOfWhatIsSampledInFull) {
+  const pan::Model model = model_of(plates_and_struts());
+  const View view = slanted(64);
+  RenderOptions whole;
+  whole.samples = 4;
+  whole.adaptive = true;
+  RenderOptions tiles = whole;
+  tiles.tile_side = 100;
+  const Image a = rendered(model, view, whole);
+  const Image b = rendered(model, view, tiles);
+  EXPECT_EQ(a.coverage, b.coverage);
+  EXPECT_LE(rms(a, b), 0.005 * rms(a));
+}
+
+}  // namespace
+}  // namespace panwright::preview
