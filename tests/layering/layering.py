@@ -87,7 +87,7 @@ def problems(root):
                 line = text.count("\n", 0, match.start()) + 1
                 yield f"{path.relative_to(root)}:{line}: the reference renderer has its own {match.group(1)}()"
         if re.search(r"embree", text) and folder != "geometry" and "embree3/" in text:
-            yield f"{path.relative_to(root)}: Embree is reached through geometry/ray/ray.h"
+            yield f"{path.relative_to(root)}: Embree is reached through geometry/ray/instances.h"
 
 
 if __name__ == "__main__":
