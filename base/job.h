@@ -14,7 +14,7 @@
 
 namespace panwright {
 
-// How far a phase of the work is. Phases may stand inside others: a picture among many, and rows of
+// How far a phase of the work is. Phases may stand inside others: an image among many, and rows of
 // it. Several may be under way at once.
 struct Progress {
   std::string_view phase;   // "tessellating"

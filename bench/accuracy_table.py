@@ -9,14 +9,14 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 INTRO = """# How right is the preview?
 
-The OpenGL preview against the reference renderer (`docs/reference-renderer.md`), law by law: a sphere that fills nine tenths of the
-picture, and the servicer of the examples with every surface of that law; 256 × 256 pixels, 4 × 4 points each, the Sun 60° (sphere)
-and 56° (servicer) from the line of sight. This page is written by `bench/accuracy_table.py` from `bench/results/accuracy.csv`, which
+The OpenGL preview against the reference renderer (`docs/reference-renderer.md`), BRDF by BRDF: a sphere that fills nine tenths of the
+image, and the servicer of the examples with every surface of that BRDF; 256 × 256 pixels, 4 × 4 points each, the Sun 60° (sphere)
+and 56° (servicer) from the line of view_ray. This page is written by `bench/accuracy_table.py` from `bench/results/accuracy.csv`, which
 `panwright-bench accuracy` measures.
 
-- **flux**: relative error of the sum of the whole picture, the strongest channel.
+- **flux**: relative error of the sum of the whole image, the strongest channel.
 - **RMSE**: root of the mean square of π·ΔL over all pixels, both clipped at white (1).
-- **FLIP**: how visible the difference is when one flips between the two pictures, 0 to 1, mean (Andersson and others 2020).
+- **FLIP**: how visible the difference is when one flips between the two images, 0 to 1, mean (Andersson and others 2020).
 - **±**: one standard error of the reference, which the preview's error cannot be told from below.
 
 """
@@ -49,7 +49,7 @@ def page():
             float(row["error"]), float(row["reference_error"]))
     out = INTRO
     for subject in ("sphere", "servicer"):
-        out += f"## {subject.capitalize()}\n\n| law | flux | ± | RMSE | ± | FLIP | ms a frame |\n|---|---|---|---|---|---|---|\n"
+        out += f"## {subject.capitalize()}\n\n| BRDF | flux | ± | RMSE | ± | FLIP | ms a frame |\n|---|---|---|---|---|---|---|\n"
         for setting, values in table.items():
             if not setting.startswith(subject + ", "):
                 continue

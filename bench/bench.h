@@ -21,7 +21,7 @@ struct Row {
   double reference_error = 0;  // that reference's own uncertainty, in error_unit
   int runs = 0;                // of which speed is the median
   double spread = 0;           // half the distance between the quartiles of speed, in speed_unit
-  double must = 0;             // the bound of the house on the speed (see must_is_least); 0: none
+  double must = 0;             // the bound of the project on the speed (see must_is_least); 0: none
   bool must_is_least = true;   // true: speed must be at least `must`; false: at most
   double must_error = 0;       // the bound on the error; 0: none
 };

@@ -1,4 +1,4 @@
-// OpenGL against the reference renderer, law by law: a sphere, and the servicer in some of them.
+// OpenGL against the reference renderer, BRDF by BRDF: a sphere, and the servicer in some of them.
 // Three rows each: flux, RMSE, FLIP, beside the time of a frame.
 #include <fmt/format.h>
 
@@ -29,17 +29,17 @@ using materials::SpecularModel;
 
 constexpr unsigned kSamples = 4;  // N×N points a pixel of OpenGL
 
-std::vector<std::pair<std::string, Material>> all_laws() {
+std::vector<std::pair<std::string, Material>> all_brdfs() {
   std::vector<std::pair<std::string, Material>> all;
   const auto add = [&](const char* name, Material material) {
     material.name = name;
     materials::fit(material);
     all.emplace_back(name, std::move(material));
   };
-  const auto diffuse = [](DiffuseModel law) {
+  const auto diffuse = [](DiffuseModel brdf) {
     Material m;
     m.diffuse = Vec3(0.8, 0.6, 0.4);
-    m.diffuse_brdf = materials::default_brdf(law);
+    m.diffuse_brdf = materials::default_brdf(brdf);
     return m;
   };
   add("Lambert", diffuse(DiffuseModel::lambert));
@@ -57,12 +57,12 @@ std::vector<std::pair<std::string, Material>> all_laws() {
   m.diffuse_brdf = materials::LommelSeeliger{0.3};
   add("Lommel-Seeliger", m);
 
-  const auto glossy = [](SpecularModel law, double alpha) {
+  const auto glossy = [](SpecularModel brdf, double alpha) {
     Material g;
     g.diffuse = Vec3(0.6, 0.3, 0.1);
     g.specular = Vec3(1);
     g.weights = {0.7, 0.3, 0};
-    g.specular_brdf = materials::with_slopes(law, Vec2(alpha));
+    g.specular_brdf = materials::with_slopes(brdf, Vec2(alpha));
     g.refract = Vec3(1.5);
     return g;
   };
@@ -74,10 +74,10 @@ std::vector<std::pair<std::string, Material>> all_laws() {
   add("Beckmann", glossy(SpecularModel::beckmann, 0.15));
   add("GGX", glossy(SpecularModel::ggx, 0.15));
 
-  const auto metal = [&](SpecularModel law, double alpha, double alpha_y, const char* name) {
-    Material g = glossy(law, alpha);
+  const auto metal = [&](SpecularModel brdf, double alpha, double alpha_y, const char* name) {
+    Material g = glossy(brdf, alpha);
     g.weights = {0, 1, 0};
-    g.specular_brdf = materials::with_slopes(law, {alpha, alpha_y});
+    g.specular_brdf = materials::with_slopes(brdf, {alpha, alpha_y});
     if (const auto constants = materials::metal(name)) {
       g.refract = constants->n;
       g.extinction = constants->k;
@@ -122,7 +122,7 @@ std::vector<float> shown(const preview::Image& image) {
   return rgb;
 }
 
-// The irradiance that a picture holds, of its brightest channel.
+// The irradiance that an image holds, of its brightest channel.
 double flux_of(const preview::Image& image, const world::Camera& camera) {
   Vec3 sum(0);
   for (std::uint32_t row = 0; row < image.height; ++row)
@@ -154,11 +154,12 @@ void compare(Context& context, const std::shared_ptr<preview::Device>& gl,
   slow.until_error = context.quick() ? 0 : until_error;
   slow.samples = context.quick() ? 8 : 32;
   slow.max_samples = 256;
-  const auto truth = preview::Reference().render(world_of(model, view), view.camera, slow, log);
-  if (!image || !truth) return;
+  const auto ground_truth =
+      preview::Reference().render(world_of(model, view), view.camera, slow, log);
+  if (!image || !ground_truth) return;
 
   const std::vector<float> seen = shown(*image);
-  const std::vector<float> wanted = shown(truth->image);
+  const std::vector<float> wanted = shown(ground_truth->image);
   double squares = 0;
   double noise = 0;
   for (std::size_t i = 0; i < seen.size(); ++i) {
@@ -166,15 +167,17 @@ void compare(Context& context, const std::shared_ptr<preview::Device>& gl,
     const double a = std::min(static_cast<double>(seen[i]), 1.0);
     const double b = std::min(static_cast<double>(wanted[i]), 1.0);
     squares += (a - b) * (a - b);
-    const double sigma = kPi * static_cast<double>(truth->standard_error[i]);
+    const double sigma = kPi * static_cast<double>(ground_truth->standard_error[i]);
     if (b < 1) noise += sigma * sigma;
   }
   const auto count = static_cast<double>(seen.size());
-  const double true_flux = std::max({truth->flux.x, truth->flux.y, truth->flux.z});
-  const double flux_error =
-      std::max({truth->flux_error.x, truth->flux_error.y, truth->flux_error.z}) / true_flux;
+  const double true_flux =
+      std::max({ground_truth->flux.x, ground_truth->flux.y, ground_truth->flux.z});
+  const double flux_error = std::max({ground_truth->flux_error.x, ground_truth->flux_error.y,
+                                      ground_truth->flux_error.z}) /
+                            true_flux;
   const std::string against =
-      fmt::format("reference renderer; {} bounces; {} samples", bounces, truth->samples);
+      fmt::format("reference renderer; {} bounces; {} samples", bounces, ground_truth->samples);
   const auto add = [&](const char* unit, double error, double uncertainty) {
     Row row;
     row.case_name = "accuracy";
@@ -202,10 +205,10 @@ void run_accuracy(Context& context) {
   context.set_renderer((*gl)->context().renderer());
   const std::uint32_t side = context.quick() ? 64 : 256;
   const Vec3 to_sun(0.8, -0.5, 0.33);
-  for (const auto& [name, material] : all_laws()) {
+  for (const auto& [name, material] : all_brdfs()) {
     const world::ModelPtr model = compiled_model(sphere_scene({240, 480}, material), log);
     if (!model) return;
-    // the sphere fills nine tenths of the picture
+    // the sphere fills nine tenths of the image
     const preview::View view =
         view_from({0, -20, 0}, Vec3(0), 2 * std::asin(1.0 / 18), to_sun, side, log);
     compare(context, *gl, "sphere, " + name, model, view, 0, 5e-4, log);
@@ -223,7 +226,7 @@ void run_accuracy(Context& context) {
   compare(context, *gl, "servicer, as authored, with light between surfaces", authored, view, 3,
           2e-3, log);
   if (context.quick()) return;
-  for (const auto& [name, material] : all_laws()) {
+  for (const auto& [name, material] : all_brdfs()) {
     const std::string_view shown[] = {"Lambert",           "Hapke",         "Cook-Torrance", "GGX",
                                       "GGX aluminium 0.3", "coated Lambert"};
     if (std::find(std::begin(shown), std::end(shown), name) == std::end(shown)) continue;
@@ -239,7 +242,7 @@ void run_accuracy(Context& context) {
 }
 
 const bool kAdded =
-    add_case({"accuracy", "OpenGL against the reference renderer, law by law", run_accuracy});
+    add_case({"accuracy", "OpenGL against the reference renderer, BRDF by BRDF", run_accuracy});
 
 }  // namespace
 }  // namespace panwright::bench

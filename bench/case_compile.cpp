@@ -188,13 +188,13 @@ void add_shapes(Context& context) {
   for (const auto& [shape, tolerance] : shapes) {
     scene::Scene scene = sphere_scene({8, 8}, lambert_material(0.8));
     scene.shapes = {shape};
-    scene.need.tolerance = context.quick() ? 100 * tolerance : tolerance;
+    scene.budget.tolerance = context.quick() ? 100 * tolerance : tolerance;
     compiler::Report report;
     const Timing timing = timed(
         [&] {
           DiagnosticLog log;
-          const auto done = compiler::compile(scene, {}, context.scratch() / "shape.pan", log,
-                                               one_core);
+          const auto done =
+              compiler::compile(scene, {}, context.scratch() / "shape.pan", log, one_core);
           if (done) report = *done;
         },
         context.runs());
@@ -206,7 +206,7 @@ void add_shapes(Context& context) {
             .error_unit = "m",
             .reference = "the exact shape, by the bound that the file stores",
             .must = context.quick() ? 0.0 : 5.0,
-            .must_error = *scene.need.tolerance};
+            .must_error = *scene.budget.tolerance};
     set_rate(row, timing, 1e-6 * static_cast<double>(report.triangles));
     context.add(row);
   }

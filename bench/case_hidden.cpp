@@ -120,9 +120,9 @@ Known known(const Assembly& assembly, const scene::Scene& after) {
 }
 
 std::string words(const HiddenReport& report) {
-  return fmt::format("triangles={}->{} unseen={} doubtful={} rays={:.2f}M", report.triangles_before,
-                     report.triangles_after, report.hidden, report.doubtful,
-                     1e-6 * static_cast<double>(report.rays));
+  return fmt::format("triangles={}->{} unseen={} ambiguous={} rays={:.2f}M",
+                     report.triangles_before, report.triangles_after, report.hidden,
+                     report.ambiguous, 1e-6 * static_cast<double>(report.rays));
 }
 
 compiler::HiddenOptions options_of(const Context& context) {

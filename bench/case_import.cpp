@@ -1,4 +1,4 @@
-// Whole processes from CAD files to models and pictures.
+// Whole processes from CAD files to models and images.
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -113,7 +113,7 @@ void run_import(Context& context) {
        0,
        out("i.pan"),
        true},
-      {"glb to a picture of 1024 x 1024",
+      {"glb to an image of 1024 x 1024",
        panwright,
        {"render", lit.string(), keep, as_is, "--fov", "40", "-o", out("f.png")},
        0.8,
@@ -153,7 +153,7 @@ void run_import(Context& context) {
     row.must_is_least = false;
     if (!context.quick()) row.must = job.must_seconds;
     if (job.model.empty()) {
-      // what a picture is wrong by stands in other cases: here its memory
+      // what an image is wrong by stands in other cases: here its memory
       row.error = peaks[i] / band.array_bytes(job.normals);
       row.error_unit = "memory over the scene's arrays";
       row.reference = "arrays of the mesh in double";
@@ -177,7 +177,7 @@ void run_import(Context& context) {
 }
 
 const bool kAdded =
-    add_case({"import", "CAD files to models and pictures, whole processes", run_import});
+    add_case({"import", "CAD files to models and images, whole processes", run_import});
 
 }  // namespace
 

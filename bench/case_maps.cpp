@@ -1,5 +1,5 @@
 // What maps, holes and decals cost, each beside its error: a fine plate that fills the image, seen
-// straight, against sums over its pictures; and spheres of painted metal against the reference.
+// straight, against sums over its images; and spheres of painted metal against the reference.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -50,8 +50,8 @@ struct Dress {
   std::list<std::vector<std::uint8_t>> pixels;
   double expected = kAlbedo;
 
-  // The mean of value(texel) over the picture.
-  double add_picture(const std::function<void(std::uint32_t, std::uint32_t, std::uint8_t*)>& texel,
+  // The mean of value(texel) over the texture.
+  double add_texture(const std::function<void(std::uint32_t, std::uint32_t, std::uint8_t*)>& texel,
                      const std::function<double(const std::uint8_t*)>& value) {
     std::vector<std::uint8_t>& rgba = pixels.emplace_back(4 * kSide * kSide, std::uint8_t{255});
     double mean = 0;
@@ -97,7 +97,7 @@ pan::DecalContent decal_at(const Vec2& at, double side) {
 }
 
 void add_decals(Dress& dress, int count, double side) {
-  const double of_decal = dress.add_picture(checker, [](const auto* t) { return t[0] / 255.0; });
+  const double of_decal = dress.add_texture(checker, [](const auto* t) { return t[0] / 255.0; });
   for (int i = 0; i < count; ++i)
     dress.contents.decals.push_back(decal_at((Vec2(i % 10, i / 10) + 0.5) / 10.0 - 0.5, side));
   dress.expected += count * side * side * (of_decal - kAlbedo);
@@ -120,16 +120,16 @@ std::vector<Dress> dresses(std::uint32_t quads) {
   };
   add("plain");
   Dress& albedo = add("albedo map");
-  albedo.expected *= albedo.add_picture(checker, [](const auto* t) { return t[0] / 255.0; });
+  albedo.expected *= albedo.add_texture(checker, [](const auto* t) { return t[0] / 255.0; });
   maps(albedo).albedo = 0;
   Dress& rough = add("roughness map");
-  rough.add_picture(checker, [](const auto*) { return 0.0; });
+  rough.add_texture(checker, [](const auto*) { return 0.0; });
   maps(rough).roughness = 0;
   Dress& bumped = add("normal map");
-  bumped.expected *= bumped.add_picture(bumps, outwards);
+  bumped.expected *= bumped.add_texture(bumps, outwards);
   maps(bumped).normal = 0;
   Dress& cut = add("cutout map");
-  cut.expected *= cut.add_picture(stripes, [](const auto* t) { return t[3] / 255.0; });
+  cut.expected *= cut.add_texture(stripes, [](const auto* t) { return t[3] / 255.0; });
   maps(cut).cutout = 0;
   add_decals(add("1 decal"), 1, 0.05);
   add_decals(add("100 decals"), 100, 0.05);
@@ -137,7 +137,7 @@ std::vector<Dress> dresses(std::uint32_t quads) {
   return all;
 }
 
-// Metal under some paint, without pictures and with one.
+// Metal under some paint, without images and with one.
 std::vector<Dress> spheres() {
   std::vector<Dress> all;
   DiagnosticLog log;
@@ -161,7 +161,7 @@ std::vector<Dress> spheres() {
     dress.contents.meshes.push_back(pan::packed(*mesh, "sphere"));
     dress.contents.materials.push_back(metal);
     dress.contents.instances.push_back({0, 0, 0, -1});
-    dress.add_picture(checker, [](const auto*) { return 0.0; });
+    dress.add_texture(checker, [](const auto*) { return 0.0; });
   }
   all[1].contents.materials[0].maps.albedo = 0;
   all[2].contents.materials[0].maps.reflectance = 0;
@@ -180,7 +180,7 @@ void run_spheres(Context& context, const std::shared_ptr<preview::Device>& gl) {
   const std::vector<Dress> all = spheres();
   std::list<world::ModelPtr> models;
   std::list<support::ModelRenderer> renderers;
-  std::vector<Vec3> truth;
+  std::vector<Vec3> ground_truth;
   for (const Dress& dress : all) {
     auto model = pan::Model::from_bytes(pan::write_to_memory(dress.contents), dress.name, log);
     if (!model || !model->check(log)) return context.note("a sphere could not be built");
@@ -192,7 +192,7 @@ void run_spheres(Context& context, const std::shared_ptr<preview::Device>& gl) {
     const auto image =
         preview::Reference().render(world_of(models.back(), view), view.camera, slow, log);
     if (!image) return context.note("a sphere could not be traced");
-    truth.push_back({image->flux.x, image->flux_error.x, 0});
+    ground_truth.push_back({image->flux.x, image->flux_error.x, 0});
   }
   const double area = std::pow(2.05 / size, 2);
   std::vector<double> flux(all.size());
@@ -211,10 +211,10 @@ void run_spheres(Context& context, const std::shared_ptr<preview::Device>& gl) {
     Row row{.case_name = "maps",
             .setting = fmt::format("{} {}x{}", variants[i].setting, size, size),
             .speed_unit = "ms/frame",
-            .error = std::fabs(flux[i] / truth[i].x - 1),
+            .error = std::fabs(flux[i] / ground_truth[i].x - 1),
             .error_unit = "relative flux",
             .reference = "reference renderer",
-            .reference_error = truth[i].y / truth[i].x,
+            .reference_error = ground_truth[i].y / ground_truth[i].x,
             .must_error = 3e-3};
     set_time(row, timings[i], 1e3);
     context.add(row);
@@ -264,7 +264,7 @@ void run(Context& context) {
         .speed_unit = "ms/frame",
         .error = std::fabs(mean[i] / all[i].expected - 1),
         .error_unit = "relative flux",
-        .reference = "sum over the picture",
+        .reference = "sum over the image",
         .reference_error = 1e-12,
         .must_error = 3e-3};
     set_time(row, timings[i], 1e3);

@@ -1,4 +1,4 @@
-// Laws of reflection: time of one evaluation on the CPU and of one pixel in OpenGL, beside the
+// BRDFs of reflection: time of one evaluation on the CPU and of one pixel in OpenGL, beside the
 // error of directional albedos against tables and closed forms; and stable forms against naive
 // ones.
 #include <fmt/format.h>
@@ -38,7 +38,7 @@ struct Albedo {
   double value;
 };
 
-// A law, and albedos that others computed.
+// A BRDF, and albedos that others computed.
 struct Law {
   std::string name;
   Material material;
@@ -47,23 +47,23 @@ struct Law {
   double reference_error;
 };
 
-Material facets(SpecularModel law, double alpha) {
+Material facets(SpecularModel brdf, double alpha) {
   Material m;
   m.weights = {0, 1, 0};
   m.specular = Vec3(1);
-  m.specular_brdf = materials::with_slopes(law, Vec2(alpha));
+  m.specular_brdf = materials::with_slopes(brdf, Vec2(alpha));
   m.compensation = materials::Compensation::off;
   return m;
 }
 
-Material diffuse(DiffuseModel law, double albedo) {
+Material diffuse(DiffuseModel brdf, double albedo) {
   Material m;
-  m.diffuse_brdf = materials::default_brdf(law);
+  m.diffuse_brdf = materials::default_brdf(brdf);
   m.diffuse = Vec3(albedo);
   return m;
 }
 
-std::vector<Law> laws() {
+std::vector<Law> brdf_model() {
   constexpr std::array kMu{0.1, 0.25, 0.5, 0.75, 1.0};
   const auto table = [&](const std::array<double, 5>& values) {
     std::vector<Albedo> all;
@@ -103,8 +103,9 @@ std::vector<Law> laws() {
   Law brushed{"ggx .5 .1 brushed", facets(SpecularModel::ggx, 0.5), {}, "quadrature of f64", 2e-5};
   brushed.material.specular_brdf = materials::Ggx{0.5, 0.1};
   for (const double mu : kMu)
-    brushed.albedos.push_back({mu, materials::facet_albedo({SpecularModel::ggx, 0.5, 0.1},
-                                                           hard_cases::direction(mu, 0), 128)});
+    brushed.albedos.push_back(
+        {mu, materials::microfacet_albedo({SpecularModel::ggx, 0.5, 0.1},
+                                          hard_cases::direction(mu, 0), 128)});
   all.push_back(brushed);
   Law coated{"lambert coated",
              diffuse(DiffuseModel::lambert, 1),
@@ -115,7 +116,7 @@ std::vector<Law> laws() {
   for (const double mu : kMu)
     coated.albedos.push_back({mu, 1 - materials::f64::fresnel_dielectric(mu, 1.5)});
   all.push_back(coated);
-  for (Law& law : all) materials::fit(law.material);
+  for (Law& brdf : all) materials::fit(brdf.material);
   return all;
 }
 
@@ -126,11 +127,11 @@ struct Errors {
 
 // Albedos without mirrors: of floats by a sum over the hemisphere, whose own error, up to 4e-4
 // where lobes end at the horizon, is part of the figure.
-Errors errors_of(const Law& law, bool single, int rows) {
+Errors errors_of(const Law& brdf, bool single, int rows) {
   Errors errors;
   const int columns = 2 * rows;
-  const materials::Scattering exact(law.material);
-  for (const auto& [mu, want] : law.albedos) {
+  const materials::Scattering exact(brdf.material);
+  for (const auto& [mu, want] : brdf.albedos) {
     const Vec3 v = hard_cases::direction(mu, 0);
     double sum = 0;
     for (int i = 0; single && i < rows; ++i)
@@ -139,17 +140,17 @@ Errors errors_of(const Law& law, bool single, int rows) {
         const double phi = kPi * (k + 0.5) / columns;
         const glm::vec3 l(std::sqrt(sin2) * std::cos(phi), std::sqrt(sin2) * std::sin(phi),
                           std::sqrt(1 - sin2));
-        sum += static_cast<double>(materials::f32::brdf(law.material, l, glm::vec3(v),
+        sum += static_cast<double>(materials::f32::brdf(brdf.material, l, glm::vec3(v),
                                                         glm::vec3(kNormal), glm::vec3(1),
                                                         {kTangent, 0})
                                        .x);
       }
-    const double got =
-        single ? sum * kPi / (static_cast<double>(rows) * columns)
-               : materials::directional_albedo(law.material, mu).x - exact.mirror_reflectance(mu).x;
+    const double got = single ? sum * kPi / (static_cast<double>(rows) * columns)
+                              : materials::directional_albedo(brdf.material, mu).x -
+                                    exact.mirror_reflectance(mu).x;
     const double error = std::fabs(got - want);
     errors.worst = std::max(errors.worst, error);
-    errors.rms += error * error / static_cast<double>(law.albedos.size());
+    errors.rms += error * error / static_cast<double>(brdf.albedos.size());
   }
   errors.rms = std::sqrt(errors.rms);
   return errors;
@@ -222,19 +223,19 @@ void main() {
   bool good_ = false;
 };
 
-void run_law(Context& context, const GladGLContext& gl, const Law& law) {
+void run_brdf(Context& context, const GladGLContext& gl, const Law& brdf) {
   const std::vector<Inputs> cases = hard_cases::random_pairs(0.01, context.quick() ? 2000 : 100000);
   const auto run_all = [&](auto evaluate) {
     double sum = 0;
     for (const Inputs& one : cases) sum += static_cast<double>(evaluate(one).x);
     g_sink = sum;
   };
-  const Material& m = law.material;
+  const Material& m = brdf.material;
   const Screen screen(
-      gl, materials::glsl_formulas(materials::laws_of(m)),
+      gl, materials::glsl_formulas(materials::brdf_model_of(m)),
       hard_cases::surface_text(materials::f32::surface_of(m, glm::vec3(kTangent), 0)),
       "surface_radiance(s, l, v, n, vec3(1.0))");
-  if (!screen.good()) return context.note(law.name + " was refused by the context");
+  if (!screen.good()) return context.note(brdf.name + " was refused by the context");
   const auto timings =
       interleaved({{"gl", [&] { screen.draw(); }},
                    {"f32",
@@ -253,17 +254,17 @@ void run_law(Context& context, const GladGLContext& gl, const Law& law) {
                     }}},
                   context.runs());
   const int rows = context.quick() ? 128 : 512;
-  const Errors single = errors_of(law, true, rows);
-  const Errors twice = errors_of(law, false, rows);
+  const Errors single = errors_of(brdf, true, rows);
+  const Errors twice = errors_of(brdf, false, rows);
   const auto add = [&](const std::string& how, const char* unit, const Timing& timing,
                        double factor, const Errors& errors, double bound) {
     Row row{.case_name = "materials",
-            .setting = law.name + how,
+            .setting = brdf.name + how,
             .speed_unit = unit,
             .error = errors.worst,
             .error_unit = "albedo, max",
-            .reference = law.reference,
-            .reference_error = law.reference_error,
+            .reference = brdf.reference,
+            .reference_error = brdf.reference_error,
             .must_is_least = false,
             .must_error = context.quick() ? 0 : bound};
     set_time(row, timing, factor);
@@ -324,7 +325,7 @@ void run_forms(Context& context, const GladGLContext& gl) {
                 "cook_torrance(0.15, l, v, n)", "naive_cook_exp(0.15, l, v, n)", beckmann, 0},
                {"ggx stable over naive", "ggx_smith(0.15, 0.15, vec3(0.0), l, v, n)",
                 "naive_ggx(0.15, l, v, n)", ggx, 1.05}};
-  const std::string text = materials::glsl_all_laws() + kNaive;
+  const std::string text = materials::glsl_all_brdfs() + kNaive;
   for (const auto& form : forms) {
     const Screen stable(gl, text, "", fmt::format("vec3({})", form.stable));
     const Screen naive(gl, text, "", fmt::format("vec3({})", form.naive));
@@ -358,7 +359,7 @@ void run(Context& context) {
   if (!created) return context.note("no OpenGL context");
   const std::unique_ptr<preview::Context> gl = std::move(*created);
   context.set_renderer(gl->renderer());
-  for (const Law& law : laws()) run_law(context, gl->gl(), law);
+  for (const Law& brdf : brdf_model()) run_brdf(context, gl->gl(), brdf);
   run_forms(context, gl->gl());
 }
 

@@ -1,4 +1,4 @@
-// The reference renderer: rays a second, beside what the picture is off by.
+// The reference renderer: rays a second, beside what the image is off by.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -52,9 +52,9 @@ double flux_error(const preview::ReferenceImage& image, double phase) {
   return std::fabs(image.flux.x * kDistance * kDistance / exact - 1);
 }
 
-// Whole pictures: camera rays are those of a ball that is lit from behind, where nothing else is
+// Whole images: camera rays are those of a ball that is lit from behind, where nothing else is
 // to do; shadow rays come with the camera rays of a ball that is lit from the camera.
-void pictures(Context& context, const world::ModelPtr& model, double mesh_error) {
+void images(Context& context, const world::ModelPtr& model, double mesh_error) {
   DiagnosticLog log;
   preview::Reference reference;
   const std::uint32_t size = context.quick() ? 64 : 512;
@@ -86,14 +86,14 @@ void pictures(Context& context, const world::ModelPtr& model, double mesh_error)
     return result;
   };
   Row camera =
-      row("camera rays, whole picture", timings[0], static_cast<double>(dark.camera_rays), 0, 0);
+      row("camera rays, whole image", timings[0], static_cast<double>(dark.camera_rays), 0, 0);
   context.add(camera);
-  Row shadow = row("shadow rays, beside as many camera rays, whole picture", timings[1],
+  Row shadow = row("shadow rays, beside as many camera rays, whole image", timings[1],
                    static_cast<double>(lit.shadow_rays), flux_error(lit, 0),
                    3 * lit.flux_error.x / lit.flux.x);
   if (!context.quick()) shadow.must_error = 1e-4;
   context.add(shadow);
-  context.add(row("all rays, Sun disc and 3 bounces, phase 60, whole picture", timings[2],
+  context.add(row("all rays, Sun disc and 3 bounces, phase 60, whole image", timings[2],
                   static_cast<double>(full.camera_rays + full.shadow_rays + full.bounce_rays),
                   flux_error(full, kPi / 3), 3 * full.flux_error.x / full.flux.x));
 }
@@ -185,7 +185,7 @@ void run(Context& context) {
   // what chords take off the disc
   const double mesh_error = 1 - std::sin(2 * kPi / rings) / (2 * kPi / rings);
   rays(context, rings);
-  pictures(context, model, mesh_error);
+  images(context, model, mesh_error);
   small_ball(context, model, mesh_error);
 }
 

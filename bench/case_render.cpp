@@ -1,4 +1,4 @@
-// Pictures of spheres: flux and photocentre against closed forms and facet sums; throughput.
+// Images of spheres: flux and photocentre against closed forms and facet sums; throughput.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ constexpr double kRange = 1e5;
 // R = 419 px at 1024 px
 constexpr double kFieldOfView = 0.0014 * kDegree;
 
-// What one picture adds up to.
+// What one image adds up to.
 struct Measured {
   Vec3 intensity{0};  // per unit irradiance, m²/sr
   double offset = 0;  // of the green photocentre towards the Sun, pixels
@@ -221,8 +221,7 @@ void run(Context& context) {
   run_throughput(context, *gl, log);
 }
 
-const bool kAdded =
-    add_case({"render", "pictures of spheres against closed forms; throughput", run});
+const bool kAdded = add_case({"render", "images of spheres against closed forms; throughput", run});
 
 }  // namespace
 

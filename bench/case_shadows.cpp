@@ -35,7 +35,7 @@ preview::View view_of(const Side& side, std::uint32_t pixels, DiagnosticLog& log
   return view;
 }
 
-// What a picture with shadows is, against rays.
+// What an image with shadows is, against rays.
 struct Errors {
   double flux = 0;   // relative
   double edge = 0;   // texels across the Sun's rays, 99 of 100 wrong pixels
@@ -85,7 +85,7 @@ void run_side(Context& context, std::array<support::ModelRenderer, 2>& renderers
   const preview::Image without = render(small, 0);
   bool turned = false;
   const auto other_sun = [&](unsigned texels) {
-    // another Sun for each picture, so that the map is drawn again
+    // another Sun for each image, so that the map is drawn again
     preview::View view = large;
     view.to_sun += Vec3(0, 0, turned ? 1e-9 : 2e-9);
     turned = !turned;

@@ -71,7 +71,7 @@ void run(Context& context) {
             .reference_error = 1e-15};
     set_rate(row, timings[i], 1e-6 * static_cast<double>(mesh->triangles.size()));
     row.must_error = settings[i].sphere.counts ? 1.494e-3 : settings[i].options.max_error;
-    // note: the house asks for this rate where the work outweighs a call
+    // note: the project asks for this rate where the work outweighs a call
     if (mesh->triangles.size() > 100000) row.must = 20;
     context.add(row);
     if (corner_and_centroid_error(*mesh) > mesh->error * (1 + 1e-9))

@@ -10,7 +10,7 @@
 #include "bench/bench.h"
 #include "bench/cad_files.h"
 #include "importers/import.h"
-#include "importers/vrml/internal/session.h"
+#include "importers/vrml/internal/reader_context.h"
 #ifdef PANWRIGHT_COIN
 #include <Inventor/SoDB.h>
 #include <Inventor/SoInput.h>
@@ -50,9 +50,9 @@ std::vector<double> points_of(const std::string& text) {
   const auto files = importers::files_in_memory(none, 1);
   const importers::Options options;
   DiagnosticLog log;
-  importers::vrml::Session session(*files, options, log);
+  importers::vrml::ReaderContext context(*files, options, log);
   auto bytes = std::shared_ptr<const std::string>(std::shared_ptr<void>(), &text);
-  auto* document = session.open({"band.wrl", "band.wrl", bytes, {}});
+  auto* document = context.open({"band.wrl", "band.wrl", bytes, {}});
   if (document == nullptr || document->nodes.empty()) return {};
   const auto points = document->nodes.back()->node("geometry")->node("coord")->numbers("point");
   return {points.begin(), points.end()};

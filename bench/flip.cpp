@@ -47,7 +47,7 @@ double hyab(const Vec3& a, const Vec3& b) {
   return std::fabs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z);
 }
 
-// ---- filters; outside of the picture the edge repeats
+// ---- filters; outside of the image the edge repeats
 
 using Plane = std::vector<double>;
 
@@ -130,7 +130,7 @@ Plane seen(const Plane& in, Size size, const Sensitivity& s, double ppd) {
   return out;
 }
 
-// ---- one picture
+// ---- one image
 
 struct Picture {
   std::vector<Vec3> lab;  // filtered, with Hunt's adjustment

@@ -1,4 +1,4 @@
-// How different two pictures look when one flips between them.
+// How different two images look when one flips between them.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace panwright::bench {
 
-// The mean over the picture of FLIP, 0 (the same) to 1.
+// The mean over the image of FLIP, 0 (the same) to 1.
 //
 //   reference, test   3*width*height linear RGB, shown on a display whose white is 1; clamped to
 //   0..1 pixels_per_degree of visual angle; 67: 0.7 m from a 0.7 m wide screen of 3840 pixels

@@ -79,7 +79,7 @@ void make_job(const scene::Scene& scene, const Plan& plan, std::size_t index,
     out.meshes[index] = packed_shape(*job.shape, *mesh, mesh_name(job, index));
     place_decals(scene, job, *mesh, out);
   }
-  // a mesh that was written without coordinates takes the corner of its picture
+  // a mesh that was written without coordinates takes the corner of its texture
   pan::PackedMesh& mesh = *out.meshes[index];
   if (job.textured && mesh.texcoords.empty()) mesh.texcoords.resize(2 * mesh.vertex_count());
 }
@@ -146,7 +146,7 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
   return out;
 }
 
-// Warns of laws that give back more light than they get.
+// Warns of BRDFs that give back more light than they get.
 void certify(const scene::Scene& scene, DiagnosticLog& log, const Job& job) {
   // what quadrature and fits may be off by
   constexpr double kTolerance = 1e-3;
@@ -165,7 +165,7 @@ void certify(const scene::Scene& scene, DiagnosticLog& log, const Job& job) {
                fmt::format("the material {} reflects {:.4f} times the light that comes from {:.1f} "
                            "degrees off its normal",
                            in_quotes(material.name), gain.albedo, det::acos(gain.mu) / kDegree),
-               "`panwright material` shows its albedo; darker colours or another law keep the "
+               "`panwright material` shows its albedo; darker colours or another BRDF keep the "
                "balance of energy");
   }
 }
@@ -217,21 +217,22 @@ void report_boxed(const scene::Scene& scene, const Plan& plan, DiagnosticLog& lo
                          in_quotes(scene.materials[material].name)));
 }
 
-// The need as the file stores it: what was asked for, and the smallest tolerance that came of it.
-pan::layout::Need need_record(const scene::Need& need, const Options& options, double smallest) {
-  pan::layout::Need record{};
-  record.tolerance = options.max_error ? *options.max_error : need.tolerance.value_or(0);
-  record.nearest = need.nearest.value_or(0);
-  record.ifov = need.ifov.value_or(0);
-  record.pixels = need.pixels.value_or(0);
-  record.flux = need.flux.value_or(0);
-  record.centroid = need.centroid.value_or(0);
+// The budget as the file stores it: what was asked for, and the smallest tolerance that came of it.
+pan::layout::Budget budget_record(const scene::Budget& budget, const Options& options,
+                                  double smallest) {
+  pan::layout::Budget record{};
+  record.tolerance = options.max_error ? *options.max_error : budget.tolerance.value_or(0);
+  record.nearest = budget.nearest.value_or(0);
+  record.ifov = budget.ifov.value_or(0);
+  record.pixels = budget.pixels.value_or(0);
+  record.flux = budget.flux.value_or(0);
+  record.centroid = budget.centroid.value_or(0);
   record.smallest = smallest;
   return record;
 }
 
-pan::layout::MeshNeed mesh_need(const MeshJob& job) {
-  const bool counts = job.reason == pan::layout::NeedReason::explicit_counts;
+pan::layout::MeshTolerance mesh_tolerance(const MeshJob& job) {
+  const bool counts = job.reason == pan::layout::ToleranceReason::explicit_counts;
   return {counts ? 0 : job.max_error, static_cast<std::uint32_t>(job.reason), 0};
 }
 
@@ -277,9 +278,9 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
     if (!product.meshes[i]) continue;
     mesh_of_job[i] = static_cast<std::uint32_t>(out.meshes.size());
     out.meshes.push_back(std::move(*product.meshes[i]));
-    if (plan.asked) out.mesh_needs.push_back(mesh_need(plan.jobs[i]));
+    if (plan.asked) out.mesh_tolerances.push_back(mesh_tolerance(plan.jobs[i]));
   }
-  if (plan.asked) out.need = need_record(scene.need, options, plan.smallest);
+  if (plan.asked) out.budget = budget_record(scene.budget, options, plan.smallest);
   copy_tables(scene, out);
   certify(scene, log, job);
   place_instances(scene, plan, options, mesh_of_job, product, out);

@@ -15,7 +15,7 @@
 namespace panwright::compiler {
 
 struct Options {
-  std::optional<double> max_error;           // metres in the world: overrides the scene's need
+  std::optional<double> max_error;           // metres in the world: overrides the scene's budget
   std::uint64_t max_triangles = 1ull << 27;  // of all meshes in the file together
   bool strip_sources = false;                // leaves out the source map
   bool compress = false;                     // pan::WriteOptions; the identity does not know it
@@ -39,11 +39,11 @@ struct Report {
 // the number of threads. A shape that cannot be made is reported and left out with the decals on
 // it, the others are written.
 //
-// How closely a mesh follows its shape is decided by compiler/need.h, in metres in the world. Equal
-// shapes with equal needs of texture are stored once, for the smallest tolerance of their
-// instances, divided by how far each is stretched into the world. Round shapes that meet at a rim
-// get the same vertices there. The need, and what each mesh was made to, are stored when the scene,
-// an instance or max_error asks for something.
+// How closely a mesh follows its shape is decided by compiler/tolerance.h, in metres in the world.
+// Equal shapes with equal needs of texture are stored once, for the smallest tolerance of their
+// instances, divided by how far each is stretched into the world. Surfaces of revolution that meet
+// at a circular edge get the same vertices there. The budget, and what each mesh was made to, are
+// stored when the scene, an instance or max_error asks for something.
 //
 // Fails: E0001, E0103, E2003, E2010.
 Result<Report> compile(const scene::Scene& scene, const Options& options,

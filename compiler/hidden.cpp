@@ -8,7 +8,7 @@
 
 #include "base/parallel.h"
 #include "compiler/internal/jobs.h"
-#include "compiler/internal/sight.h"
+#include "compiler/internal/visibility.h"
 #include "geometry/tessellate/tessellate.h"
 
 namespace panwright::compiler {
@@ -20,7 +20,7 @@ using geometry::MeshShape;
 
 constexpr std::uint32_t kUnused = 0xffffffffu;
 
-// The meshes that the model will be made of, one for each instance; none: it cannot be made.
+// The meshes that the model will be made of, one per instance; none: it cannot be made.
 std::vector<MeshShape> meshes_of(const scene::Scene& scene, const std::vector<Mat4>& world,
                                  const Options& options, const Job& job_of_all) {
   const internal::Plan plan = internal::plan_of(scene, world, options);
@@ -80,14 +80,14 @@ class Pruner {
   void prune() {
     find_allowed();
     if (std::find(allowed_.begin(), allowed_.end(), 1) == allowed_.end()) return;
-    const internal::Sight sight = internal::sight_of(
+    const internal::Visibility visibility = internal::visibility_of(
         world(), {options_.rays_from_outside, options_.rays_per_triangle, options_.max_probes},
         job_);
-    report_.rays = sight.rays;
-    report_.reached = sight.last_found;
-    report_.doubtful = sight.doubtful;
-    decide(sight);
-    state_confidence(sight);
+    report_.rays = visibility.rays;
+    report_.reached = visibility.last_found;
+    report_.ambiguous = visibility.ambiguous;
+    decide(visibility);
+    state_confidence(visibility);
   }
 
   // What carries a decal stays whole, wherever its shape is used.
@@ -119,35 +119,35 @@ class Pruner {
         out.positions.push_back(Vec3(world_from_mesh * Vec4(p, 1)));
       for (const geometry::Triangle& t : meshes_[i]->triangles)
         out.triangles.push_back({base + t[0], base + t[1], base + t[2]});
-      out.clear.resize(out.triangles.size(), material.maps.cutout >= 0 ? 1 : 0);
-      out.wanted.resize(out.triangles.size(), allowed_[i]);
+      out.transparent.resize(out.triangles.size(), material.maps.cutout >= 0 ? 1 : 0);
+      out.candidate.resize(out.triangles.size(), allowed_[i]);
     }
     first_.push_back(out.triangles.size());
     return out;
   }
 
-  bool is_seen(const internal::Sight& sight, std::size_t instance) const {
+  bool is_seen(const internal::Visibility& visibility, std::size_t instance) const {
     if (!allowed_[instance]) return true;
-    const auto begin = sight.seen.begin() + static_cast<std::ptrdiff_t>(first_[instance]);
-    const auto end = sight.seen.begin() + static_cast<std::ptrdiff_t>(first_[instance + 1]);
+    const auto begin = visibility.seen.begin() + static_cast<std::ptrdiff_t>(first_[instance]);
+    const auto end = visibility.seen.begin() + static_cast<std::ptrdiff_t>(first_[instance + 1]);
     return std::find(begin, end, 1) != end;
   }
 
-  void decide(const internal::Sight& sight) {
+  void decide(const internal::Visibility& visibility) {
     std::vector<char> seen(scene_.instances.size());
     // of each shape, the triangles that some instance shows
     std::vector<std::vector<char>> shown(scene_.shapes.size());
     for (std::size_t i = 0; i < seen.size(); ++i) {
-      seen[i] = is_seen(sight, i);
+      seen[i] = is_seen(visibility, i);
       for (std::size_t t = first_[i]; t < first_[i + 1]; ++t)
-        report_.hidden += allowed_[i] && !sight.seen[t];
+        report_.hidden += allowed_[i] && !visibility.seen[t];
       if (!seen[i]) continue;
       const auto shape = static_cast<std::size_t>(scene_.instances[i].shape);
       if (!std::holds_alternative<MeshShape>(scene_.shapes[shape])) continue;
       std::vector<char>& show = shown[shape];
       show.resize(meshes_[i]->triangles.size(), 0);
       for (std::size_t t = 0; t < show.size(); ++t)
-        if (!allowed_[i] || sight.seen[first_[i] + t]) show[t] = 1;
+        if (!allowed_[i] || visibility.seen[first_[i] + t]) show[t] = 1;
     }
     for (std::size_t s = 0; s < shown.size(); ++s)
       if (!shown[s].empty()) reduce(s, shown[s]);
@@ -175,7 +175,7 @@ class Pruner {
       take(out.positions, mesh.positions, v);
       take(out.normals, mesh.normals, v);
       take(out.texcoords, mesh.texcoords, v);
-      take(out.colours, mesh.colours, v);
+      take(out.colors, mesh.colors, v);
     }
     for (std::size_t t = 0; t < show.size(); ++t) {
       const geometry::Triangle& from = mesh.triangles[t];
@@ -224,9 +224,9 @@ class Pruner {
   }
 
   // Nothing seen in n trials: with 95 % confidence the share is below 3 / n.
-  void state_confidence(const internal::Sight& sight) {
+  void state_confidence(const internal::Visibility& visibility) {
     if (report_.hidden == 0) return;
-    const auto probes = static_cast<double>(std::max<std::uint64_t>(1, sight.probes));
+    const auto probes = static_cast<double>(std::max<std::uint64_t>(1, visibility.probes));
     report_.open_share_each = std::min(1.0, 3 / probes);
     report_.open_share = std::min(1.0, 3 / (probes * static_cast<double>(report_.hidden)));
   }
@@ -236,8 +236,8 @@ class Pruner {
   const Job& job_;
   HiddenReport report_;
   std::vector<Mat4> world_from_node_;
-  std::vector<MeshShape> meshes_;   // one for each instance
-  std::vector<char> allowed_;       // one for each instance: may lose faces
+  std::vector<MeshShape> meshes_;   // one per instance
+  std::vector<char> allowed_;       // one per instance: may lose faces
   std::vector<std::size_t> first_;  // of each instance, in the world's triangles; and their end
 };
 

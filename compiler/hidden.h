@@ -12,7 +12,7 @@
 namespace panwright::compiler {
 
 struct HiddenOptions {
-  // one for each instance: whether it may lose faces; empty: all may. All of them hide others.
+  // one per instance: whether it may lose faces; empty: all may. All of them hide others.
   std::vector<char> may_lose;
   Options compile;                              // as the model will be compiled with
   std::uint64_t rays_from_outside = 1'000'000;  // at least
@@ -32,7 +32,7 @@ struct HiddenReport {
   std::uint64_t instances_after = 0;
   std::uint64_t hidden = 0;  // triangles never seen: what was removed, and what shared shapes keep
   // Never seen and kept: for want of max_probes, or as smooth neighbours of what is seen.
-  std::uint64_t doubtful = 0;
+  std::uint64_t ambiguous = 0;
   std::uint64_t rays = 0;
   std::uint64_t reached = 0;  // rays of the last round that found something new
   // With 95 % confidence, the share of all directions from points of the removed triangles together

@@ -24,7 +24,7 @@ using nlohmann::ordered_json;
 constexpr int kFloat = 5126, kShorts = 5123, kLongs = 5125;
 constexpr int kVertices = 34962, kElements = 34963;
 
-enum class Channel : std::uint8_t { colour, normal, roughness };
+enum class Channel : std::uint8_t { color, normal, roughness };
 
 // Surfaces of one glTF mesh: a pan mesh, material and texture each.
 using Parts = std::vector<std::array<std::int64_t, 3>>;
@@ -41,7 +41,7 @@ class Exporter {
     add_nodes();
     add_points();
     finish_nodes();
-    add_pictures();
+    add_textures();
     if (model_.decals().size() > 0) lost_.insert("decals");
     for (const std::string& what : lost_)
       log_.report_file(Code::W6402, model_.name(), fmt::format("glTF does not keep {}", what));
@@ -104,7 +104,7 @@ class Exporter {
     out["attributes"]["POSITION"] = add_positions(mesh.positions);
     out["attributes"]["NORMAL"] = add_vertices(mesh.normals, "VEC3");
     if (!mesh.texcoords.empty()) out["attributes"]["TEXCOORD_0"] = add_texcoords(mesh.texcoords);
-    if (!mesh.colours.empty()) out["attributes"]["COLOR_0"] = add_vertices(mesh.colours, "VEC3");
+    if (!mesh.colors.empty()) out["attributes"]["COLOR_0"] = add_vertices(mesh.colors, "VEC3");
     const bool shorts = !mesh.indices.shorts.empty();
     const std::size_t view =
         shorts
@@ -225,7 +225,7 @@ class Exporter {
     json_["nodes"] = nodes_;
   }
 
-  // ---- materials and pictures
+  // ---- materials and textures
 
   std::size_t texture_index(std::int32_t texture, Channel channel) {
     const auto [known, is_new] = textures_.try_emplace({texture, channel}, wanted_.size());
@@ -255,27 +255,27 @@ class Exporter {
     if (has_texcoords) {
       ordered_json& pbr = json["pbrMetallicRoughness"];
       if (texture >= 0 && maps.albedo >= 0)
-        lost_.insert("a second picture over the diffuse colour");
+        lost_.insert("a second texture over the diffuse colour");
       const bool metal = is_coloured_metal(material);
-      if (maps.reflectance >= 0 && !metal) lost_.insert("pictures of reflectance beside a colour");
-      const std::int32_t colour = metal ? maps.reflectance : maps.albedo;
+      if (maps.reflectance >= 0 && !metal) lost_.insert("images of reflectance beside a colour");
+      const std::int32_t color = metal ? maps.reflectance : maps.albedo;
       if (texture >= 0 && !metal)
-        pbr["baseColorTexture"] = texture_info(texture, Channel::colour, Vec2(1));
-      else if (colour >= 0)
-        pbr["baseColorTexture"] = texture_info(colour, Channel::colour, maps.repeat);
+        pbr["baseColorTexture"] = texture_info(texture, Channel::color, Vec2(1));
+      else if (color >= 0)
+        pbr["baseColorTexture"] = texture_info(color, Channel::color, maps.repeat);
       if (maps.roughness >= 0)
         pbr["metallicRoughnessTexture"] =
             texture_info(maps.roughness, Channel::roughness, maps.repeat);
       if (maps.normal >= 0)
         json["normalTexture"] = texture_info(maps.normal, Channel::normal, maps.repeat);
-      if (maps.cutout >= 0 && (texture < 0 || metal) && maps.cutout == colour) {
+      if (maps.cutout >= 0 && (texture < 0 || metal) && maps.cutout == color) {
         json["alphaMode"] = "MASK";
         json["alphaCutoff"] = maps.threshold;
       } else if (maps.cutout >= 0) {
-        lost_.insert("holes cut by a picture of their own");
+        lost_.insert("holes cut by a texture of their own");
       }
     } else if (texture >= 0) {
-      lost_.insert("pictures laid on by longitude and latitude");
+      lost_.insert("textures laid on by longitude and latitude");
     }
     json_["materials"].push_back(std::move(json));
     return known->second;
@@ -297,14 +297,14 @@ class Exporter {
       if (channel == Channel::roughness) {
         out[i + 1] = table[out[i]];
         out[i] = out[i + 2] = 255;
-      } else if (channel == Channel::colour && linear) {
+      } else if (channel == Channel::color && linear) {
         for (std::size_t k = 0; k < 3; ++k) out[i + k] = table[out[i + k]];
       }
     }
     return out;
   }
 
-  void add_pictures() {
+  void add_textures() {
     std::vector<std::string> packed(wanted_.size());
     parallel_for(
         wanted_.size(),

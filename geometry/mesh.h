@@ -16,7 +16,7 @@ struct Mesh {
   std::vector<Vec3> positions;      // V
   std::vector<Vec3> normals;        // V unit vectors, or empty
   std::vector<Vec2> texcoords;      // V, (0,0) the image's bottom left, or empty
-  std::vector<Vec3> colours;        // V linear RGB that multiply the diffuse colour, or empty
+  std::vector<Vec3> colors;         // V linear RGB that multiply the diffuse colour, or empty
   std::vector<Triangle> triangles;  // T, each index < V
   double error = 0;                 // metres: no point of the mesh lies further from the shape
   bool closed = false;              // every edge is shared by two triangles that run it oppositely

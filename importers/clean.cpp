@@ -49,8 +49,8 @@ void add(const CleanReport& from, CleanReport& to) {
        {&CleanReport::vertices_before, &CleanReport::vertices_after, &CleanReport::triangles_before,
         &CleanReport::triangles_after, &CleanReport::welded, &CleanReport::degenerate,
         &CleanReport::duplicates, &CleanReport::flipped, &CleanReport::normals_turned,
-        &CleanReport::pieces, &CleanReport::closed_pieces, &CleanReport::one_sided,
-        &CleanReport::non_manifold_edges, &CleanReport::border_edges, &CleanReport::rims,
+        &CleanReport::components, &CleanReport::closed_components, &CleanReport::one_sided,
+        &CleanReport::non_manifold_edges, &CleanReport::border_edges, &CleanReport::boundary_loops,
         &CleanReport::holes, &CleanReport::filled, &CleanReport::t_junctions})
     to.*member += from.*member;
   to.largest_move = std::max(to.largest_move, from.largest_move);
@@ -62,7 +62,7 @@ class SceneCleaner {
   SceneCleaner(scene::Scene& scene, const geometry::CleanOptions& options, const Job& job)
       : scene_(scene), options_(options), job_(job) {}
 
-  Hygiene run() {
+  MeshReport run() {
     const std::vector<Mat4> world = scene::world_from_nodes(scene_);
     list_meshes(world);
     Phase phase(job_, "cleaning", out_.meshes.size());
@@ -108,11 +108,11 @@ class SceneCleaner {
       stretch_[shape] = std::max(stretch_[shape], stretch_of(matrix).largest);
     }
     std::sort(out_.meshes.begin(), out_.meshes.end(),
-              [](const MeshHygiene& a, const MeshHygiene& b) { return a.shape < b.shape; });
+              [](const MeshQuality& a, const MeshQuality& b) { return a.shape < b.shape; });
   }
 
   void collect(std::uint32_t i, const std::vector<Mat4>& world) {
-    const MeshHygiene& mesh = out_.meshes[i];
+    const MeshQuality& mesh = out_.meshes[i];
     add(mesh.report, out_.total);
     const auto node = static_cast<std::size_t>(scene_.instances[mesh.instance].node);
     const double stretch = stretch_of(world[node]).largest;
@@ -132,7 +132,7 @@ class SceneCleaner {
       moved[i] = static_cast<std::int32_t>(kept.size());
       kept.push_back(std::move(scene_.instances[i]));
     }
-    for (MeshHygiene& mesh : out_.meshes)
+    for (MeshQuality& mesh : out_.meshes)
       mesh.instance = static_cast<std::uint32_t>(std::max(0, moved[mesh.instance]));
     scene_.instances = std::move(kept);
     std::erase_if(scene_.decals, [&](scene::Decal& decal) {
@@ -145,13 +145,13 @@ class SceneCleaner {
   const geometry::CleanOptions& options_;
   const Job& job_;
   std::vector<double> stretch_;  // of shapes into the world: the largest of their instances
-  Hygiene out_;
+  MeshReport out_;
 };
 
 // Where there is most of something, for a hint.
-std::string worst(const Hygiene& hygiene, std::uint64_t CleanReport::*member) {
-  const MeshHygiene* most = nullptr;
-  for (const MeshHygiene& mesh : hygiene.meshes)
+std::string worst(const MeshReport& mesh_report, std::uint64_t CleanReport::*member) {
+  const MeshQuality* most = nullptr;
+  for (const MeshQuality& mesh : mesh_report.meshes)
     if (!most || mesh.report.*member > most->report.*member) most = &mesh;
   return most ? fmt::format("most of them, {}, in {}", most->report.*member, in_quotes(most->path))
               : std::string();
@@ -161,8 +161,8 @@ std::string plural(std::uint64_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-void report(const Hygiene& hygiene, DiagnosticLog& log) {
-  const CleanReport& total = hygiene.total;
+void report(const MeshReport& mesh_report, DiagnosticLog& log) {
+  const CleanReport& total = mesh_report.total;
   std::string done;
   const auto tell = [&](std::uint64_t count, const char* one, const char* many) {
     if (count > 0) done += (done.empty() ? "" : ", ") + plural(count, one, many);
@@ -180,19 +180,19 @@ void report(const Hygiene& hygiene, DiagnosticLog& log) {
         Code::W6302, {},
         fmt::format("{} by more than two triangles",
                     plural(total.non_manifold_edges, "edge is shared", "edges are shared")),
-        worst(hygiene, &CleanReport::non_manifold_edges));
+        worst(mesh_report, &CleanReport::non_manifold_edges));
   if (total.holes > total.filled)
     log.report_file(
         Code::W6303, {},
-        fmt::format("{}, with rims of {:.4g} m in all",
+        fmt::format("{}, with boundary loops of {:.4g} m in all",
                     plural(total.holes - total.filled, "hole", "holes"), total.hole_length),
-        worst(hygiene, &CleanReport::holes));
+        worst(mesh_report, &CleanReport::holes));
   if (total.t_junctions > 0)
     log.report_file(
         Code::W6305, {},
         fmt::format("{} of other triangles", plural(total.t_junctions, "vertex stands on the edge",
                                                     "vertices stand on edges")),
-        worst(hygiene, &CleanReport::t_junctions));
+        worst(mesh_report, &CleanReport::t_junctions));
 }
 
 // An exact shape as it roughly is.
@@ -234,12 +234,12 @@ void insert_model_node(scene::Scene& scene, const scene::Transform& transform) {
 
 }  // namespace
 
-Result<Hygiene> clean_up(scene::Scene& scene, const geometry::CleanOptions& options,
-                         DiagnosticLog& log, const Job& job) {
-  return run_job(job, log, [&]() -> Result<Hygiene> {
-    Hygiene hygiene = SceneCleaner(scene, options, job).run();
-    report(hygiene, log);
-    return hygiene;
+Result<MeshReport> clean_up(scene::Scene& scene, const geometry::CleanOptions& options,
+                            DiagnosticLog& log, const Job& job) {
+  return run_job(job, log, [&]() -> Result<MeshReport> {
+    MeshReport mesh_report = SceneCleaner(scene, options, job).run();
+    report(mesh_report, log);
+    return mesh_report;
   });
 }
 

@@ -8,8 +8,8 @@
 #include "base/job.h"
 #include "base/result.h"
 #include "geometry/mesh/clean.h"
-#include "importers/hygiene.h"
 #include "importers/import.h"
+#include "importers/mesh_report.h"
 
 namespace panwright::importers {
 
@@ -21,8 +21,8 @@ namespace panwright::importers {
 //
 // Reports: N6301, W6302, W6303, W6305, once each for the scene. Fails: E0001, with a scene that is
 // of no more use.
-Result<Hygiene> clean_up(scene::Scene& scene, const geometry::CleanOptions& options,
-                         DiagnosticLog& log, const Job& job = {});
+Result<MeshReport> clean_up(scene::Scene& scene, const geometry::CleanOptions& options,
+                            DiagnosticLog& log, const Job& job = {});
 
 // Bounds in the world, of meshes by their vertices and of exact shapes by their tessellation to
 // a hundredth of their size.

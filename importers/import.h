@@ -25,8 +25,8 @@ struct Limits {
   std::uint64_t nodes = 1'000'000;    // of the scene, shared parts multiplied out
   std::uint64_t triangles = 1ull << 27;    // of all meshes together
   std::uint32_t depth = 256;               // of nodes
-  std::uint32_t files = 10'000;            // inlines, prototypes, buffers and pictures
-  std::uint64_t texture_bytes = 1u << 30;  // of decoded pictures together
+  std::uint32_t files = 10'000;            // inlines, prototypes, buffers and textures
+  std::uint64_t texture_bytes = 1u << 30;  // of decoded textures together
 };
 
 // The axis of the file that becomes the scene's +z. y: (x, y, z) → (x, −z, y).
@@ -40,18 +40,18 @@ struct Options {
   std::filesystem::path
       root;  // files named by the model lie in this folder; empty: the model's own
   std::optional<std::string> scene;  // glTF: a scene's name or number; none: the default one
-  std::uint32_t primitives = 0;      // VRML: segments around round shapes; 0: exact shapes
+  std::uint32_t primitives = 0;  // VRML: segments around surfaces of revolution; 0: exact shapes
   double crease_angle =
       30 * kDegree;       // radians, for meshes whose file gives neither normals nor one
   double deflection = 0;  // STEP: metres of triangles from their surfaces; 0: 1e-4 of the size
-  bool textures = true;   // pictures are read
+  bool textures = true;   // textures are read
   std::optional<Format> assume;  // of a file whose header does not say
 };
 
 // What a CAD file says of a material, beyond what the scene's material keeps. Linear colours.
 struct CadMaterial {
   std::string name;  // as in the file; may be empty, or stand more than once
-  Vec3 base_colour{0.8};
+  Vec3 base_color{0.8};
   double metallic = 0;   // 0 to 1
   double roughness = 1;  // 0 to 1, perceptual
   double opacity = 1;    // 0 to 1
@@ -75,9 +75,8 @@ struct Imported {
 //
 //   returns  what could be read, sound by scene::check; the log says whether that is all of it.
 //
-// Fails: E0001, E01…, E6001, E6002, E6003, E6101, E6201 to E6205, E6209, E6501, E6601. Reports E6…, W6…,
-// N6….
-// Cost: O(bytes); memory about 3 times the scene's arrays.
+// Fails: E0001, E01…, E6001, E6002, E6003, E6101, E6201 to E6205, E6209, E6501, E6601. Reports E6…,
+// W6…, N6…. Cost: O(bytes); memory about 3 times the scene's arrays.
 [[nodiscard]] Result<Imported> import_file(const std::filesystem::path& path,
                                            const Options& options, DiagnosticLog& log,
                                            const Job& job = {});

@@ -15,13 +15,14 @@
 namespace panwright::materials {
 
 // What the Sun's disc, of angular radius 4.6504e-3 rad at 1 AU, adds to the squares of alpha: half
-// vectors spread as those of facets do, by ρ²/16 along each axis, and alpha² is twice that.
+// vectors spread as those of microfacets do, by ρ²/16 along each axis, and alpha² is twice that.
 inline constexpr double kSunAlpha2 = 2.7033e-6;
 
-// What a law knows of a place beyond its normal.
+// What a BRDF knows of a place beyond its normal.
 struct ShadingContext {
-  panwright::Vec3 tangent{0};  // unit, square to the normal; 0 where facets are the same all around
-  double sun_alpha2 = 0;       // kSunAlpha2 over the square of the distance in AU; 0: a point Sun
+  panwright::Vec3 tangent{
+      0};  // unit, perpendicular to the normal; 0 where microfacets are the same all around
+  double sun_alpha2 = 0;  // kSunAlpha2 over the square of the distance in AU; 0: a point Sun
   // of a material with a reflectance map, what it holds; none: F0 of the indices
   std::optional<panwright::Vec3> reflectance = std::nullopt;
 };
@@ -38,7 +39,7 @@ using Vec3 = glm::dvec3;
 //   material                     fitted, see fit()
 //   returns                      0 where the light is below the horizon. A viewer below it is taken
 //                                to it: near the limb of a smoothly shaded mesh the interpolated
-//                                normal may face away from who sees the facet.
+//                                normal may face away from who sees the microfacet.
 //
 // Reciprocal while both directions are 1e-6 or more above the horizon.
 Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,

@@ -87,7 +87,7 @@ void over_half_vectors(const HalfSpace& space, const Vec3& v, bool lit, double e
   const Vec2 ahead = size > 0 ? stretched / size : Vec2(1, 0);
   const bool round = space.slope_x == space.slope_y;
   const double area = space.slope_x * space.slope_y;
-  // the domain's end moves fastest where r grows square to v: nodes are densest there
+  // the domain's end moves fastest where r grows perpendicular to v: nodes are densest there
   for (int quarter = 0; quarter < (round ? 2 : 4); ++quarter)
     for (const Node& a : nodes) {
       const double inner = 1 - a.x * a.x;
@@ -137,21 +137,22 @@ Value over_lights(const HalfSpace& space, const Vec3& v, int order, Lobe f, doub
 const Vec3 kUp(0, 0, 1);
 const Vec3 kTangent(1, 0, 0);
 
-double lobe(const Facets& facets, const Vec3& l, const Vec3& v) {
-  switch (facets.law) {
+double lobe(const Microfacets& microfacets, const Vec3& l, const Vec3& v) {
+  switch (microfacets.brdf) {
     case SpecularModel::beckmann:
-      return f64::beckmann_smith(facets.slope_x, facets.slope_y, kTangent, l, v, kUp);
+      return f64::beckmann_smith(microfacets.slope_x, microfacets.slope_y, kTangent, l, v, kUp);
     case SpecularModel::ggx:
-      return f64::ggx_smith(facets.slope_x, facets.slope_y, kTangent, l, v, kUp);
+      return f64::ggx_smith(microfacets.slope_x, microfacets.slope_y, kTangent, l, v, kUp);
     default:
-      return f64::cook_torrance(facets.slope_x, l, v, kUp);
+      return f64::cook_torrance(microfacets.slope_x, l, v, kUp);
   }
 }
 
-HalfSpace space_of(const Facets& facets) {
-  const bool ggx = facets.law == SpecularModel::ggx;
-  const double y = facets.law == SpecularModel::cook_torrance ? facets.slope_x : facets.slope_y;
-  return {facets.slope_x, y, !ggx};
+HalfSpace space_of(const Microfacets& microfacets) {
+  const bool ggx = microfacets.brdf == SpecularModel::ggx;
+  const double y =
+      microfacets.brdf == SpecularModel::cook_torrance ? microfacets.slope_x : microfacets.slope_y;
+  return {microfacets.slope_x, y, !ggx};
 }
 
 // ---- materials
@@ -181,9 +182,10 @@ Vec3 over_hemisphere(const Vec3& v, int order, F f) {
   return sum;
 }
 
-Facets facets_of(const Material& material) {
+Microfacets microfacets_of(const Material& material) {
   const Vec2 alpha = slopes_of(material).value_or(Vec2(0.5));
-  return {material.specular_model(), f64::facet_slope(alpha.x, 0), f64::facet_slope(alpha.y, 0)};
+  return {material.specular_model(), f64::microfacet_slope(alpha.x, 0),
+          f64::microfacet_slope(alpha.y, 0)};
 }
 
 // The half vectors of a material's own lobe; of a mirror those that a rough coat lends it.
@@ -193,10 +195,11 @@ HalfSpace own_space(const Material& material, const f64::SurfaceFields& s) {
     return {slope, slope, false};
   }
   if (material.specular_model() == SpecularModel::mirror) {
-    const double slope = f64::facet_slope((s.coat_index - 1) * std::sqrt(0.5) * s.coat_alpha, 0);
+    const double slope =
+        f64::microfacet_slope((s.coat_index - 1) * std::sqrt(0.5) * s.coat_alpha, 0);
     return {slope, slope, true};
   }
-  return space_of(facets_of(material));
+  return space_of(microfacets_of(material));
 }
 
 // ∫ f(l) cos_l dω over lights about the viewer, in steps of equal shares of the lobe.
@@ -223,19 +226,19 @@ Vec3 over_retro_lobe(double concentration, const Vec3& v, int order, F f) {
   return sum;
 }
 
-Vec3 facets_part(const Material& material, const f64::SurfaceFields& s, f64::Composition laws,
-                 const Vec3& v, int order) {
-  if (laws.laws.specular == SpecularModel::retroreflector) {
+Vec3 microfacet_part(const Material& material, const f64::SurfaceFields& s,
+                     f64::Composition composition, const Vec3& v, int order) {
+  if (composition.brdf_model.specular == SpecularModel::retroreflector) {
     const double wider = s.coat_index * s.coat_index;
     return over_retro_lobe(f64::retro_concentration(s) / wider, v, order, [&](const Vec3& l) {
-      return laws.laws.coated ? laws.coated_facets(s, l, v, kUp)
-                              : s.weights.y * laws.mirrored(s, l, v, kUp, 1.0);
+      return composition.brdf_model.coated ? composition.coated_microfacets(s, l, v, kUp)
+                                           : s.weights.y * composition.mirrored(s, l, v, kUp, 1.0);
     });
   }
   const HalfSpace space = own_space(material, s);
-  if (!laws.laws.coated)
+  if (!composition.brdf_model.coated)
     return over_lights<Vec3>(space, v, order, [&](const Vec3& l) {
-      return s.weights.y * laws.mirrored(s, l, v, kUp, 1.0);
+      return s.weights.y * composition.mirrored(s, l, v, kUp, 1.0);
     });
   const bool mirror = material.specular_model() == SpecularModel::mirror;
   const double n = mirror ? 1 : s.coat_index;
@@ -247,7 +250,7 @@ Vec3 facets_part(const Material& material, const f64::SurfaceFields& s, f64::Com
   const Vec3 inside = mirror ? v : f64::under_coat(v, kUp, n);
   const Vec3 seen = glm::transpose(world) * inside;
   if (!(seen.z > 0)) return Vec3(0);
-  // what is refracted out of the coat; tilted facets see that edge askew
+  // what is refracted out of the coat; tilted microfacets see that edge askew
   const bool level = tilted == kUp;
   const double edge = level && n > 1 ? std::sqrt((1 - 1 / n) * (1 + 1 / n)) : 0;
   const auto seen_as = [&](const Vec3& local) {
@@ -258,13 +261,14 @@ Vec3 facets_part(const Material& material, const f64::SurfaceFields& s, f64::Com
     if (mirror) {
       const double lobe =
           f64::tilted_share(tilted, l, v, kUp) * f64::mirror_below_coat(s, l, v, tilted);
-      return cosines * lobe * laws.coated_reflection(s, f64::half_cosine(l, v), l.z, v.z);
+      return cosines * lobe * composition.coated_reflection(s, f64::half_cosine(l, v), l.z, v.z);
     }
     const Vec3 aside(n * l.x, n * l.y, 0);
     const double sin2 = glm::dot(aside, aside);
     if (!(sin2 < 1)) return Vec3(0);
     // cosθ dω outside is n² times that inside
-    return cosines * n * n * laws.coated_facets(s, aside + Vec3(0, 0, std::sqrt(1 - sin2)), v, kUp);
+    return cosines * n * n *
+           composition.coated_microfacets(s, aside + Vec3(0, 0, std::sqrt(1 - sin2)), v, kUp);
   };
   return over_lights<Vec3>(space, seen, order, seen_as, edge);
 }
@@ -276,28 +280,28 @@ Vec3 albedo(const Material& material, const Vec3& v, int order,
   if (reflectance) s.reflectance = *reflectance;
   const f64::Composition all = f64::composition_of(material);
   f64::Composition smooth = all;
-  smooth.laws.specular = SpecularModel::none;
+  smooth.brdf_model.specular = SpecularModel::none;
   f64::Composition once = all;
-  once.laws.compensated = false;
+  once.brdf_model.compensated = false;
   Vec3 sum = over_hemisphere(v, std::min(order, 64), [&](const Vec3& l) {
-    if (!all.laws.coated) return smooth.bare(s, l, v, kUp);
+    if (!all.brdf_model.coated) return smooth.bare(s, l, v, kUp);
     Vec3 f = smooth.coated_diffuse(s, l, v, kUp);
-    if (all.laws.compensated) f += smooth.coated_many(s, l, v, kUp);
+    if (all.brdf_model.compensated) f += smooth.coated_compensation(s, l, v, kUp);
     return f;
   });
-  if (all.laws.coated || all.laws.specular == SpecularModel::mirror) {
+  if (all.brdf_model.coated || all.brdf_model.specular == SpecularModel::mirror) {
     const Mirrors mirrors =
         Scattering(material).reflecting(s.reflectance).mirrors(v, kUp, kTangent);
     for (int i = 0; i < mirrors.count; ++i)
       sum += mirrors.all[static_cast<std::size_t>(i)].reflectance;
   }
-  const bool peak = all.laws.coated && s.coat_alpha > 0;
+  const bool peak = all.brdf_model.coated && s.coat_alpha > 0;
   if (peak) sum += coat_peak_albedo(*material.coat, v, order);
   const bool blurred = peak && s.coat_index > 1;
-  if (all.laws.specular == SpecularModel::none ||
-      (all.laws.specular == SpecularModel::mirror && !blurred))
+  if (all.brdf_model.specular == SpecularModel::none ||
+      (all.brdf_model.specular == SpecularModel::mirror && !blurred))
     return sum;
-  return sum + facets_part(material, s, once, v, order);
+  return sum + microfacet_part(material, s, once, v, order);
 }
 
 Vec3 direction(double mu, double azimuth) {
@@ -333,13 +337,13 @@ Vec3 mean_over_cosines(const std::function<Vec3(double)>& f) {
 Vec3 mean_diffuse_albedo(const Material& material) {
   if (material.diffuse_model() == DiffuseModel::lambert) return material.diffuse;
   const f64::SurfaceFields s = f64::surface_of(material);
-  const f64::Composition laws = f64::composition_of(material);
+  const f64::Composition composition = f64::composition_of(material);
   Vec3 sum(0);
   for (const Node& a : gauss(16)) {
     const double mu = a.x * a.x;
     const Vec3 v = direction(mu, 0);
     sum += a.weight * 4 * a.x * mu *
-           over_hemisphere(v, 16, [&](const Vec3& l) { return laws.diffuse(s, l, v, kUp); });
+           over_hemisphere(v, 16, [&](const Vec3& l) { return composition.diffuse(s, l, v, kUp); });
   }
   return sum;
 }
@@ -348,25 +352,25 @@ double coat_peak_albedo(const Coat& coat, const Vec3& to_viewer, int nodes) {
   Material material;
   material.coat = coat;
   const f64::SurfaceFields s = f64::surface_of(material);
-  const double slope = f64::facet_slope(coat.alpha, 0);
+  const double slope = f64::microfacet_slope(coat.alpha, 0);
   return over_lights<double>({slope, slope, true}, to_viewer, nodes,
                              [&](const Vec3& l) { return f64::coat_peak(s, l, to_viewer, kUp); });
 }
 
-double coated_facets_albedo(const Material& material, const Vec3& to_viewer, int nodes) {
-  return facets_part(material, f64::surface_of(material, kTangent), f64::composition_of(material),
-                     to_viewer, nodes)
+double coated_microfacets_albedo(const Material& material, const Vec3& to_viewer, int nodes) {
+  return microfacet_part(material, f64::surface_of(material, kTangent),
+                         f64::composition_of(material), to_viewer, nodes)
       .x;
 }
 
-double facet_albedo(const Facets& facets, const Vec3& to_viewer, int nodes) {
+double microfacet_albedo(const Microfacets& microfacets, const Vec3& to_viewer, int nodes) {
   assert(to_viewer.z > 0);
-  return over_lights<double>(space_of(facets), to_viewer, nodes,
-                             [&](const Vec3& l) { return lobe(facets, l, to_viewer); });
+  return over_lights<double>(space_of(microfacets), to_viewer, nodes,
+                             [&](const Vec3& l) { return lobe(microfacets, l, to_viewer); });
 }
 
-double facet_mean_albedo(const Facets& facets, int nodes) {
-  const bool round = space_of(facets).slope_x == space_of(facets).slope_y;
+double microfacet_mean_albedo(const Microfacets& microfacets, int nodes) {
+  const bool round = space_of(microfacets).slope_x == space_of(microfacets).slope_y;
   double sum = 0;
   for (const Node& a : gauss(32)) {
     // μ = x²: losses are smooth in √μ
@@ -374,30 +378,31 @@ double facet_mean_albedo(const Facets& facets, int nodes) {
     double mean = 0;
     const int azimuths = round ? 1 : 8;
     for (int i = 0; i < azimuths; ++i)
-      mean += facet_albedo(facets, direction(mu, kPi / 2 * (i + 0.5) / azimuths), nodes) / azimuths;
+      mean += microfacet_albedo(microfacets, direction(mu, kPi / 2 * (i + 0.5) / azimuths), nodes) /
+              azimuths;
     sum += a.weight * 4 * a.x * mu * mean;
   }
   return sum;
 }
 
-double weak_furnace(const Facets& facets, const Vec3& v, int nodes) {
-  const double x = facets.slope_x;
-  const double y = space_of(facets).slope_y;
+double weak_furnace(const Microfacets& microfacets, const Vec3& v, int nodes) {
+  const double x = microfacets.slope_x;
+  const double y = space_of(microfacets).slope_y;
   const auto sine = [&](const Vec3& d) { return f64::sloped_sine(x, y, kTangent, d, kUp); };
   double sum = 0;
-  over_half_vectors(space_of(facets), v, false, 0, nodes, [&](const Vec3& h, double weight) {
+  over_half_vectors(space_of(microfacets), v, false, 0, nodes, [&](const Vec3& h, double weight) {
     const double cos_vh = std::max(glm::dot(v, h), 0.0);
     double g1 = 0;
     double d = 0;
     // D from a lobe whose half vector is its light and viewer
-    switch (facets.law) {
+    switch (microfacets.brdf) {
       case SpecularModel::beckmann:
-        g1 = v.z / (v.z + f64::beckmann_masked(v.z, sine(v)));
-        d = lobe(facets, h, h) * 4 * h.z * (h.z + 2 * f64::beckmann_masked(h.z, sine(h)));
+        g1 = v.z / (v.z + f64::beckmann_masking(v.z, sine(v)));
+        d = lobe(microfacets, h, h) * 4 * h.z * (h.z + 2 * f64::beckmann_masking(h.z, sine(h)));
         break;
       case SpecularModel::ggx:
         g1 = 2 * v.z / (v.z + std::sqrt(v.z * v.z + sine(v) * sine(v)));
-        d = lobe(facets, h, h) * 4 * h.z * std::sqrt(h.z * h.z + sine(h) * sine(h));
+        d = lobe(microfacets, h, h) * 4 * h.z * std::sqrt(h.z * h.z + sine(h) * sine(h));
         break;
       default:
         g1 = cos_vh > 0 ? std::min(1.0, 2 * h.z * v.z / cos_vh) : 1;

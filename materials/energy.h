@@ -8,10 +8,10 @@
 
 namespace panwright::materials {
 
-// Mirror facets about +z, x along +x, without Fresnel's law.
-struct Facets {
-  SpecularModel law = SpecularModel::beckmann;  // cook_torrance (slope_x alone), beckmann or ggx
-  double slope_x = 0.5;                         // 1e-6 to 1000
+// microfacets about +z, x along +x, without Fresnel's law.
+struct Microfacets {
+  SpecularModel brdf = SpecularModel::beckmann;  // cook_torrance (slope_x alone), beckmann or ggx
+  double slope_x = 0.5;                          // 1e-6 to 1000
   double slope_y = 0.5;
 };
 
@@ -21,14 +21,16 @@ struct Facets {
 //   nodes      of Gauss and Legendre's quadrature over each of radius and quarters of the azimuth:
 //              16, 32, 64 or 128. Smith's laws converge exponentially (1e-4 with 16, for cosines
 //              from 0.02 on), V-cavities with 1/nodes².
-[[nodiscard]] double facet_albedo(const Facets& facets, const Vec3& to_viewer, int nodes = 64);
+[[nodiscard]] double microfacet_albedo(const Microfacets& microfacets, const Vec3& to_viewer,
+                                       int nodes = 64);
 
-// 2∫E μ dμ, the mean over the azimuth where facets are not the same all around.
-[[nodiscard]] double facet_mean_albedo(const Facets& facets, int nodes = 32);
+// 2∫E μ dμ, the mean over the azimuth where microfacets are not the same all around.
+[[nodiscard]] double microfacet_mean_albedo(const Microfacets& microfacets, int nodes = 32);
 
 // ∫ D G1(v) max(0, v·h) dω / (n·v), which is 1 when D and G1 belong together, whatever is lost.
 // E. Heitz, "Understanding the masking-shadowing function in microfacet-based BRDFs", 2014.
-[[nodiscard]] double weak_furnace(const Facets& facets, const Vec3& to_viewer, int nodes = 64);
+[[nodiscard]] double weak_furnace(const Microfacets& microfacets, const Vec3& to_viewer,
+                                  int nodes = 64);
 
 // What a surface of a fitted material sends back of the light from one direction, or what a viewer
 // sees of it under an even sky: mirrors and coats included, tint 1, a Sun without a disc.
@@ -44,14 +46,14 @@ struct Facets {
 [[nodiscard]] Vec3 hemispherical_albedo(const Material& material);
 
 // The largest directional albedo found, of any channel, and where. Under a reflectance map that of
-// R = 1: the laws rise with it.
+// R = 1: the BRDFs rise with it.
 struct Gain {
   double albedo = 0;
   double mu = 1;
 };
 [[nodiscard]] Gain energy_gain(const Material& material);
 
-// The same, none where it is not more than 1 + tolerance. A material that a few nodes find below
+// The same, none where it is at most 1 + tolerance. A material that a few nodes find below
 // 0.8 is looked at no closer. Cost: 0.1 ms, or that of energy_gain() beyond 0.8.
 [[nodiscard]] std::optional<Gain> gain_above(const Material& material, double tolerance);
 

@@ -26,7 +26,7 @@ void fit(Material& material) {
   material.fits = {};
   material.fits.f0 = f0_of(material);
   fit_hapke(material);
-  fit_facets(material);
+  fit_microfacets(material);
   fit_coat(material);
 }
 

@@ -21,81 +21,88 @@ constexpr const char* kUnglue = "#undef Real\n#undef Vec3\n#undef FORMULA\n#unde
 
 constexpr const char* kFresnel[] = {"no_fresnel", "dielectric_fresnel", "conductor_fresnel"};
 
-const char* many(const Laws& laws) {
-  if (!laws.compensated) return "no_many";
-  return laws.mapped ? "mapped_many" : "facet_many";
+const char* many(const BrdfModel& brdf_model) {
+  if (!brdf_model.compensated) return "no_compensation";
+  return brdf_model.mapped ? "mapped_compensation" : "microfacet_compensation";
 }
 
-// Texts that families need, each once, in an order in which they may stand: what is called stands
-// before who calls it.
-std::string law_texts(std::span<const Laws> families) {
+// Texts that BRDF models need, each once, in an order in which they may stand: what is called
+// stands before who calls it.
+std::string brdf_texts(std::span<const BrdfModel> brdf_models) {
   std::string text;
   for (const FormulaFile& file : kFormulaFiles) {
     bool used = file.shared;
-    for (const Laws& laws : families)
-      used = used || static_cast<int>(laws.diffuse) == file.diffuse ||
-             static_cast<int>(laws.specular) == file.specular;
+    for (const BrdfModel& brdf_model : brdf_models)
+      used = used || static_cast<int>(brdf_model.diffuse) == file.diffuse ||
+             static_cast<int>(brdf_model.specular) == file.specular;
     if (used) text += *file.text;
   }
   return text;
 }
 
-const char* layers(const Laws& laws) {
-  if (!laws.coated) return "bare";
-  return laws.specular == SpecularModel::mirror ? "coated_mirror" : "coated";
+const char* layers(const BrdfModel& brdf_model) {
+  if (!brdf_model.coated) return "bare";
+  return brdf_model.specular == SpecularModel::mirror ? "coated_mirror" : "coated";
 }
 
-std::string surface_functions(const Laws& laws) {
-  const std::string fresnel =
-      std::string(laws.mapped ? "mapped_" : "") + kFresnel[static_cast<std::size_t>(laws.fresnel)];
+std::string surface_functions(const BrdfModel& brdf_model) {
+  const std::string fresnel = std::string(brdf_model.mapped ? "mapped_" : "") +
+                              kFresnel[static_cast<std::size_t>(brdf_model.fresnel)];
   const std::pair<const char*, const char*> names[] = {
-      {"DIFFUSE", kDiffuseFunctions[static_cast<std::size_t>(laws.diffuse)]},
-      {"LOBE", kSpecularFunctions[static_cast<std::size_t>(laws.specular)]},
+      {"DIFFUSE", kDiffuseFunctions[static_cast<std::size_t>(brdf_model.diffuse)]},
+      {"LOBE", kSpecularFunctions[static_cast<std::size_t>(brdf_model.specular)]},
       {"FRESNEL", fresnel.c_str()},
-      {"MANY", many(laws)},
-      {"LAYERS", layers(laws)}};
+      {"MANY", many(brdf_model)},
+      {"LAYERS", layers(brdf_model)}};
   std::string text;
-  for (const auto& [name, law] : names) text += fmt::format("#define PANWRIGHT_{} {}\n", name, law);
+  for (const auto& [name, brdf] : names)
+    text += fmt::format("#define PANWRIGHT_{} {}\n", name, brdf);
   text += surface_text;
-  for (const auto& [name, law] : names) text += fmt::format("#undef PANWRIGHT_{}\n", name);
+  for (const auto& [name, brdf] : names) text += fmt::format("#undef PANWRIGHT_{}\n", name);
   return text;
 }
 
-// One function that calls that of a family.
+// One function that calls that of a BRDF model.
 std::string choice(const char* function, const char* parameters, const char* arguments,
-                   std::size_t families) {
-  std::string text = fmt::format("vec3 {}(uint family, {}) {{\n", function, parameters);
-  for (std::size_t i = 0; i + 1 < families; ++i)
-    text += fmt::format("  if (family == {}u) return {}_{}({});\n", i, function, i, arguments);
-  return text + fmt::format("  return {}_{}({});\n}}\n", function, families - 1, arguments);
+                   std::size_t brdf_models) {
+  std::string text = fmt::format("vec3 {}(uint brdf_model, {}) {{\n", function, parameters);
+  for (std::size_t i = 0; i + 1 < brdf_models; ++i)
+    text += fmt::format("  if (brdf_model == {}u) return {}_{}({});\n", i, function, i, arguments);
+  return text + fmt::format("  return {}_{}({});\n}}\n", function, brdf_models - 1, arguments);
 }
 
 }  // namespace
 
-std::string glsl_formulas(const Laws& laws) {
-  return kGlue + law_texts({&laws, 1}) + surface_functions(laws) + kUnglue;
+std::string glsl_formulas(const BrdfModel& brdf_model) {
+  return kGlue + brdf_texts({&brdf_model, 1}) + surface_functions(brdf_model) + kUnglue;
 }
 
-std::string glsl_formulas(std::span<const Laws> families) {
-  assert(!families.empty());
-  std::string text = kGlue + law_texts(families);
-  constexpr const char* kNames[] = {"mirrored",          "bare",          "coated_diffuse",
-                                    "coated_facets",     "coated_many",   "coated",
-                                    "coated_reflection", "coated_mirror", "surface_brdf",
+std::string glsl_formulas(std::span<const BrdfModel> brdf_models) {
+  assert(!brdf_models.empty());
+  std::string text = kGlue + brdf_texts(brdf_models);
+  constexpr const char* kNames[] = {"mirrored",
+                                    "bare",
+                                    "coated_diffuse",
+                                    "coated_microfacets",
+                                    "coated_compensation",
+                                    "coated",
+                                    "coated_reflection",
+                                    "coated_mirror",
+                                    "surface_brdf",
                                     "surface_radiance"};
-  for (std::size_t i = 0; i < families.size(); ++i) {
+  for (std::size_t i = 0; i < brdf_models.size(); ++i) {
     for (const char* name : kNames) text += fmt::format("#define {0} {0}_{1}\n", name, i);
-    text += surface_functions(families[i]);
+    text += surface_functions(brdf_models[i]);
     for (const char* name : kNames) text += fmt::format("#undef {}\n", name);
   }
   const char* const place = "Surface s, vec3 to_light, vec3 to_viewer, vec3 normal";
-  text += choice("surface_brdf", place, "s, to_light, to_viewer, normal", families.size());
+  text += choice("surface_brdf", place, "s, to_light, to_viewer, normal", brdf_models.size());
   text += choice("surface_radiance", fmt::format("{}, vec3 irradiance", place).c_str(),
-                 "s, to_light, to_viewer, normal, irradiance", families.size());
+                 "s, to_light, to_viewer, normal, irradiance", brdf_models.size());
   return text + kUnglue;
 }
 
-std::string glsl_all_laws() {
+std::string glsl_all_brdfs() {
   std::string text = kGlue;
   for (const FormulaFile& file : kFormulaFiles) text += *file.text;
   text += cells_text;

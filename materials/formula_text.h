@@ -8,12 +8,12 @@
 
 namespace panwright::materials {
 
-// The formulas that materials of one family of laws need, as GLSL 4.00 or later. Stands after
+// The formulas that materials of one BRDF model need, as GLSL 4.00 or later. Stands after
 // #version and before the code that calls it; it leaves no macros behind and these names:
 //
 //   struct Surface   the parameters (generated from schemas/material.toml); fill in every member
 //   that
-//                    the laws use
+//                    the BRDFs use
 //   vec3 surface_brdf(Surface s, vec3 to_light, vec3 to_viewer, vec3 normal)      1/sr
 //   vec3 surface_radiance(Surface s, vec3 to_light, vec3 to_viewer, vec3 normal,
 //                         vec3 irradiance)                                        irradiance/sr
@@ -22,15 +22,15 @@ namespace panwright::materials {
 // multiplied into s.diffuse. Every operation is `precise`: the bits are those of f32 in
 // materials/brdf.h wherever sums, products, divisions and square roots are rounded as IEEE 754
 // says.
-[[nodiscard]] std::string glsl_formulas(const Laws& laws);
+[[nodiscard]] std::string glsl_formulas(const BrdfModel& brdf_model);
 
-// The same for several families, one or more; surface_brdf and surface_radiance have a first
-// argument more, `uint family`, which counts them.
-[[nodiscard]] std::string glsl_formulas(std::span<const Laws> families);
+// The same for several BRDF models, one or more; surface_brdf and surface_radiance have a first
+// argument more, `uint brdf_model`, which counts them.
+[[nodiscard]] std::string glsl_formulas(std::span<const BrdfModel> brdf_models);
 
-// Every law and helper, without surface_brdf and surface_radiance: for programs that call single
+// Every BRDF and helper, without surface_brdf and surface_radiance: for programs that call single
 // formulas.
-[[nodiscard]] std::string glsl_all_laws();
+[[nodiscard]] std::string glsl_all_brdfs();
 
 // Reading a material of a pan in a shader. Stands behind glsl_formulas(); the shader defines
 //

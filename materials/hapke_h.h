@@ -17,7 +17,7 @@ class HapkeH {
   double operator()(double x) const;
 
  private:
-  std::vector<double> logs_;  // ln(1 − w·atan(t)/t), one for each t
+  std::vector<double> logs_;  // ln(1 − w·atan(t)/t), one per t
 };
 
 // HapkeH(w)(x), for few x.

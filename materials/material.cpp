@@ -166,15 +166,15 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
   return material;
 }
 
-Laws laws_of(const Material& material) {
-  Laws laws{.diffuse = material.diffuse_model(), .specular = material.specular_model()};
+BrdfModel brdf_model_of(const Material& material) {
+  BrdfModel brdf_model{.diffuse = material.diffuse_model(), .specular = material.specular_model()};
   if (has_microfacets(material) && material.refract)
-    laws.fresnel =
+    brdf_model.fresnel =
         material.extinction == Vec3(0) ? FresnelModel::dielectric : FresnelModel::conductor;
-  laws.compensated = material.fits.many_scale != Vec3(0);
-  laws.coated = material.coat.has_value();
-  laws.mapped = has_microfacets(material) && material.maps.reflectance >= 0;
-  return laws;
+  brdf_model.compensated = material.fits.compensation_scale != Vec3(0);
+  brdf_model.coated = material.coat.has_value();
+  brdf_model.mapped = has_microfacets(material) && material.maps.reflectance >= 0;
+  return brdf_model;
 }
 
 std::optional<Vec2> slopes_of(const Material& material) {
@@ -227,16 +227,16 @@ double eon_roughness(double sigma) {
 }
 
 std::vector<std::uint32_t> variants_of(std::span<const Material> materials) {
-  std::map<Laws, std::uint32_t> uses;
-  for (const Material& material : materials) ++uses[laws_of(material)];
-  std::vector<std::pair<Laws, std::uint32_t>> families(uses.begin(), uses.end());
-  std::stable_sort(families.begin(), families.end(),
+  std::map<BrdfModel, std::uint32_t> uses;
+  for (const Material& material : materials) ++uses[brdf_model_of(material)];
+  std::vector<std::pair<BrdfModel, std::uint32_t>> brdf_models(uses.begin(), uses.end());
+  std::stable_sort(brdf_models.begin(), brdf_models.end(),
                    [](const auto& a, const auto& b) { return a.second > b.second; });
-  for (std::uint32_t i = 0; i < families.size(); ++i)
-    uses[families[i].first] = std::min(i, kMostVariants - 1);
+  for (std::uint32_t i = 0; i < brdf_models.size(); ++i)
+    uses[brdf_models[i].first] = std::min(i, kMostVariants - 1);
   std::vector<std::uint32_t> variants;
   variants.reserve(materials.size());
-  for (const Material& material : materials) variants.push_back(uses[laws_of(material)]);
+  for (const Material& material : materials) variants.push_back(uses[brdf_model_of(material)]);
   return variants;
 }
 

@@ -19,18 +19,18 @@ namespace panwright::materials {
 
 enum class FresnelModel : std::uint32_t { none, dielectric, conductor };
 
-// Which formulas a material needs: materials of equal laws share one shader.
-struct Laws {
+// Which formulas a material needs: materials of equal BRDFs share one shader.
+struct BrdfModel {
   DiffuseModel diffuse = DiffuseModel::lambert;
   SpecularModel specular = SpecularModel::none;
   FresnelModel fresnel = FresnelModel::none;
   bool compensated = false;  // multiple scattering between microfacets
   bool coated = false;
   bool mapped = false;  // microfacets whose reflectance comes from a map
-  auto operator<=>(const Laws&) const = default;
+  auto operator<=>(const BrdfModel&) const = default;
 };
 
-Laws laws_of(const Material& material);
+BrdfModel brdf_model_of(const Material& material);
 
 // RMS slopes of the microfacets of cook_torrance, beckmann and ggx along u and v; none for others.
 std::optional<Vec2> slopes_of(const Material& material);
@@ -49,8 +49,8 @@ double eon_roughness(double sigma);
 // The degrees whose product with kDegree is `radians`, to the last bit where there are such.
 double exact_degrees(double radians);
 
-// A shader for each material: 0 to kMostVariants − 1. Materials of equal laws share one; when there
-// are more than variants, the rarest share the last.
+// A shader for each material: 0 to kMostVariants − 1. Materials of equal BRDFs share one; when
+// there are more than variants, the rarest share the last.
 inline constexpr std::uint32_t kMostVariants = 8;
 std::vector<std::uint32_t> variants_of(std::span<const Material> materials);
 

@@ -102,15 +102,15 @@ Point minimised(const Cost& cost, const Point& start, double step) {
       ->at;
 }
 
-// ---- laws
+// ---- BRDFs
 
 // A number in (0, 1) from one without bounds, and back.
 double bounded(double x) { return 1 / (1 + det::exp(-x)); }
 double unbounded(double p) { return det::log(p / (1 - p)); }
 
-// A law as a function of parameters in (0, 1).
+// A BRDF as a function of parameters in (0, 1).
 struct Model {
-  const char* law;
+  const char* brdf;
   std::vector<Point> starts;
   std::function<Material(const Point&)> material;
   std::function<std::string(const Point&)> text;
@@ -127,17 +127,17 @@ std::string diffuse_text(double albedo) {
 }
 
 // Facets in the place of part of a diffuse surface, without Fresnel's law.
-Material facets(SpecularModel law, const Point& p) {
+Material microfacets(SpecularModel brdf, const Point& p) {
   Material m = diffuse(1);
   m.specular = Vec3(1);
-  m.specular_brdf = with_slopes(law, Vec2(p[2]));
+  m.specular_brdf = with_slopes(brdf, Vec2(p[2]));
   m.compensation = Compensation::off;
   // the two weights never add up to more than 1
   m.weights = {p[0] * (1 - p[1]), p[1], 0};
   return m;
 }
 
-std::string facets_text(const char* tag, const Point& p) {
+std::string microfacets_text(const char* tag, const Point& p) {
   return fmt::format(
       "<diffuse> 1 1 1 </diffuse>\n<specular> 1 1 1 </specular>\n<reflect> {:.4g} {:.4g} 0 "
       "</reflect>\n<{} energy=\"single\"> {:.4g} </{}>",
@@ -161,12 +161,12 @@ std::vector<Model> models() {
                    return diffuse_text(p[0]) + fmt::format("\n<eon> {:.4g} </eon>", p[1]);
                  }});
   const std::vector<Point> starts{{0.3, 0.1, 0.1}, {0.3, 0.1, 0.3}, {0.05, 0.3, 0.03}};
-  all.push_back({"GGX facets over Lambert", starts,
-                 [](const Point& p) { return facets(SpecularModel::ggx, p); },
-                 [](const Point& p) { return facets_text("ggx", p); }});
-  all.push_back({"Beckmann facets over Lambert", starts,
-                 [](const Point& p) { return facets(SpecularModel::beckmann, p); },
-                 [](const Point& p) { return facets_text("beckmann", p); }});
+  all.push_back({"GGX microfacets over Lambert", starts,
+                 [](const Point& p) { return microfacets(SpecularModel::ggx, p); },
+                 [](const Point& p) { return microfacets_text("ggx", p); }});
+  all.push_back({"Beckmann microfacets over Lambert", starts,
+                 [](const Point& p) { return microfacets(SpecularModel::beckmann, p); },
+                 [](const Point& p) { return microfacets_text("beckmann", p); }});
   // parameters: albedo, slope, and the index from 1 to 2.5
   all.push_back({"Lambert under a coat",
                  {{0.3, 0.2, 0.33}, {0.3, 0.05, 0.33}, {0.03, 0.05, 0.33}},
@@ -209,7 +209,7 @@ Residuals residuals(const Material& material, const std::vector<Reading>& readin
 
 Point all_bounded(const Point& x) {
   Point p(x.size());
-  // note: away from 0, where slopes have no law
+  // note: away from 0, where slopes have no BRDF
   for (std::size_t i = 0; i < x.size(); ++i) p[i] = std::max(bounded(x[i]), 1e-4);
   return p;
 }
@@ -269,7 +269,7 @@ Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, Di
   return readings;
 }
 
-std::vector<Fit> fitted_laws(const std::vector<Reading>& readings, double floor) {
+std::vector<Fit> fitted_brdfs(const std::vector<Reading>& readings, double floor) {
   std::vector<Fit> fits;
   for (const Model& model : models()) {
     const Cost cost = [&](const Point& x) {
@@ -290,10 +290,10 @@ std::vector<Fit> fitted_laws(const std::vector<Reading>& readings, double floor)
     }
     const Point p = all_bounded(best);
     Fit one;
-    one.law = model.law;
+    one.brdf = model.brdf;
     one.text = model.text(p);
     one.material = model.material(p);
-    one.material.name = model.law;
+    one.material.name = model.brdf;
     fit(one.material);
     const Residuals r = residuals(one.material, readings, floor);
     one.rms_decades = r.rms_decades;

@@ -1,4 +1,4 @@
-// Measured reflectance, and laws fitted to it.
+// Measured reflectance, and BRDFs fitted to it.
 #pragma once
 
 #include <filesystem>
@@ -31,17 +31,17 @@ struct Reading {
 // light and viewer above the horizon.
 Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, DiagnosticLog& log);
 
-// A law, with the numbers that come nearest to readings.
+// A BRDF, with the numbers that come nearest to readings.
 struct Fit {
-  std::string law;         // in words
+  std::string brdf;        // in words
   std::string text;        // its fields as pxn
   Material material;       // fitted; the same in all channels
-  double rms_decades = 0;  // root of the mean square of log10(law/reading)
+  double rms_decades = 0;  // root of the mean square of log10(BRDF/reading)
   double max_decades = 0;  // the largest of them
-  double rms = 0;          // root of the mean square of law − reading, 1/sr
+  double rms = 0;          // root of the mean square of BRDF − reading, 1/sr
 };
 
-// Fits each of our laws that a single band can tell: Lambert, EON, and mirror facets and lacquers
+// Fits each of our BRDFs that a single band can tell: Lambert, EON, and microfacets and lacquers
 // over them. Logarithms are compared, so that the glint does not outweigh everything else; readings
 // below `floor` count as that much, where instruments see their own noise.
 //
@@ -49,6 +49,6 @@ struct Fit {
 //
 // Deterministic: simplices of J. A. Nelder, R. Mead, "A simplex method for function minimization",
 // 1965, from several starts. Cost: about a second for a thousand readings.
-std::vector<Fit> fitted_laws(const std::vector<Reading>& readings, double floor = 1e-3);
+std::vector<Fit> fitted_brdfs(const std::vector<Reading>& readings, double floor = 1e-3);
 
 }  // namespace panwright::materials

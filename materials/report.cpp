@@ -37,7 +37,7 @@ void compare_precisions(const Material& material, MaterialReport& out) {
   const Vec3 tangent(1, 0, 0);
   // all that a reflectance map may say
   std::vector<ShadingContext> locals{{tangent, kSunAlpha2, {}}};
-  if (laws_of(material).mapped)
+  if (brdf_model_of(material).mapped)
     for (const double r : {0.0, 0.5, 1.0}) locals.push_back({tangent, kSunAlpha2, Vec3(r)});
   struct Pair {
     Vec3 exact;
@@ -90,12 +90,13 @@ bool may_gain(const Material& m) {
   // plane albedo 1 − γH is at most 1 but for the opposition effects, which come on top
   const auto* hapke = std::get_if<Hapke>(&m.diffuse_brdf);
   if (hapke != nullptr) diffuse = hapke->w * (1 + hapke->b0) * (1 + hapke->b_c0) < 0.5 ? 0.5 : 1e9;
-  // facets that are not the same all around are balanced in the mean over the azimuth; a rough coat
-  // over facets that scatter more than once reflects up to 6 % of what diffuse light has passed
+  // microfacets that are not the same all around are balanced in the mean over the azimuth; a rough
+  // coat over microfacets that scatter more than once reflects up to 6 % of what diffuse light has
+  // passed
   constexpr double kNearlyAll = 0.9;
   const Vec2 alpha = slopes_of(m).value_or(Vec2(0));
   const bool brushed = alpha.x != alpha.y && (m.coat || !m.refract || m.maps.reflectance >= 0);
-  const bool twice = m.coat && m.coat->alpha > 0 && m.fits.many_scale != Vec3(0);
+  const bool twice = m.coat && m.coat->alpha > 0 && m.fits.compensation_scale != Vec3(0);
   const bool uneven = brushed || (twice && m.weights.x * largest(m.diffuse) > 0);
   bool gain = false;
   for (int k = 0; k < 3; ++k) {
@@ -107,22 +108,22 @@ bool may_gain(const Material& m) {
   return gain;
 }
 
-std::string laws_in_words(const Material& m) {
+std::string brdf_in_words(const Material& m) {
   std::string words;
-  const Laws laws = laws_of(m);
-  if (laws.specular != SpecularModel::none) {
-    words = info_of(laws.specular).title;
-    if (laws.fresnel == FresnelModel::conductor) words += " of a conductor";
-    if (laws.fresnel == FresnelModel::dielectric) words += " of a dielectric";
-    if (laws.mapped) words += " of mapped reflectance";
-    if (laws.compensated) words += ", all scattering";
+  const BrdfModel brdf_model = brdf_model_of(m);
+  if (brdf_model.specular != SpecularModel::none) {
+    words = info_of(brdf_model.specular).title;
+    if (brdf_model.fresnel == FresnelModel::conductor) words += " of a conductor";
+    if (brdf_model.fresnel == FresnelModel::dielectric) words += " of a dielectric";
+    if (brdf_model.mapped) words += " of mapped reflectance";
+    if (brdf_model.compensated) words += ", all scattering";
   }
   if (m.weights.x > 0 && m.diffuse != Vec3(0)) {
     if (!words.empty()) words += " over ";
-    words += info_of(laws.diffuse).title;
+    words += info_of(brdf_model.diffuse).title;
   }
   if (words.empty()) words = "black";
-  if (laws.coated) words += ", under a clear coat";
+  if (brdf_model.coated) words += ", under a clear coat";
   if (m.cells) words += ", laid out as cells";
   return words;
 }

@@ -13,8 +13,8 @@ namespace panwright::materials {
 
 struct MaterialReport {
   struct Albedo {
-    double mu;  // cosine of the direction
-    Vec3 rgb{0};   // directional albedo
+    double mu;    // cosine of the direction
+    Vec3 rgb{0};  // directional albedo
   };
   std::vector<Albedo> directional;
   Vec3 hemispherical{0};  // 2∫E μ dμ
@@ -32,11 +32,11 @@ struct MaterialReport {
 // Cost: about a tenth of a second.
 [[nodiscard]] MaterialReport material_report(const Material& material, std::span<const double> mus);
 
-// Whether the laws of a material could gain energy although its weights and colours do not (those
+// Whether the BRDFs of a material could gain energy although its weights and colours do not (those
 // are W1402): a bound, so that the quadrature of energy_gain() is needed for few. False is certain.
 [[nodiscard]] bool may_gain(const Material& material);
 
-// The laws of a material in words, as "GGX facets of a conductor under a coat, Lambert".
-[[nodiscard]] std::string laws_in_words(const Material& material);
+// The BRDFs of a material in words, as "GGX microfacets of a conductor under a coat, Lambert".
+[[nodiscard]] std::string brdf_in_words(const Material& material);
 
 }  // namespace panwright::materials

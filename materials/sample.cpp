@@ -9,7 +9,7 @@
 namespace panwright::materials {
 namespace {
 
-// share of the facets in choosing a direction where a reflectance map leaves less
+// share of the microfacets in choosing a direction where a reflectance map leaves less
 constexpr double kLeastMapped = 0.04;
 
 double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
@@ -35,14 +35,14 @@ Vec3 unit(const Vec3& v) { return v / std::max(std::sqrt(glm::dot(v, v)), 1e-300
 
 // Half vectors of a lobe, about +z.
 struct HalfVectors {
-  SpecularModel law = SpecularModel::none;
+  SpecularModel brdf = SpecularModel::none;
   double slope_x = 1;
   double slope_y = 1;
   double shine = 0;
 
   Vec3 sample(const Vec3& v, const Vec2& u) const {
     const auto [sin_phi, cos_phi] = det::sincos(2 * kPi * u.x);
-    if (law == SpecularModel::ggx) {
+    if (brdf == SpecularModel::ggx) {
       // directions of a cap of the unit sphere, whose half vectors are the visible normals
       const Vec3 stretched = unit({slope_x * v.x, slope_y * v.y, v.z});
       const double z = (1 - u.y) * (1 + stretched.z) - stretched.z;
@@ -50,7 +50,7 @@ struct HalfVectors {
       const Vec3 h = Vec3(r * cos_phi, r * sin_phi, z) + stretched;
       return unit({slope_x * h.x, slope_y * h.y, std::max(h.z, 0.0)});
     }
-    if (law == SpecularModel::blinn_phong) {
+    if (brdf == SpecularModel::blinn_phong) {
       const double cosine = det::exp(det::log(1 - u.y) / (shine + 2));
       const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
       return {sine * cos_phi, sine * sin_phi, cosine};
@@ -66,13 +66,13 @@ struct HalfVectors {
     if (!(h.z > 0 && length > 1e-6 && v.z > 0)) return 0;
     const double cosine = h.z / length;
     const double cos_vh = 0.5 * length;
-    if (law == SpecularModel::blinn_phong)
+    if (brdf == SpecularModel::blinn_phong)
       return (shine + 2) / (8 * kPi * cos_vh) * det::exp((shine + 1) * det::log(cosine));
     const double x = h.x / (slope_x * h.z);
     const double y = h.y / (slope_y * h.z);
     const double spread = x * x + y * y;
     const double area = kPi * slope_x * slope_y;
-    if (law == SpecularModel::ggx) {
+    if (brdf == SpecularModel::ggx) {
       const double ratio = 1 / (cosine * cosine * (1 + spread));
       const double sx = slope_x * v.x;
       const double sy = slope_y * v.y;
@@ -101,7 +101,7 @@ struct RetroLobe {
 // Chances of what sample() may do; they add up to 1 (to 0 on a black surface).
 struct Chances {
   double diffuse = 0;
-  double facets = 0;
+  double microfacets = 0;
   double peak = 0;  // a rough coat
   double mirror_peak = 0;
   double mirror_below = 0;
@@ -132,13 +132,13 @@ double narrowest_slope(const Material& material) {
 struct Scattering::Parts {
   f64::SurfaceFields surface;
   f64::Composition composition;
-  double lost = 0;  // see mean_loss()
+  double lost = 0;  // see mean_albedo_deficit()
   std::shared_ptr<const HapkeHCorrection> exact_h;
 
   explicit Parts(const Material& material)
       : surface(f64::surface_of(material)), composition(f64::composition_of(material)) {
-    if (composition.laws.compensated) lost = mean_loss(material);
-    if (composition.laws.diffuse != DiffuseModel::hapke) return;
+    if (composition.brdf_model.compensated) lost = mean_albedo_deficit(material);
+    if (composition.brdf_model.diffuse != DiffuseModel::hapke) return;
     exact_h = std::make_shared<const HapkeHCorrection>(std::get<Hapke>(material.diffuse_brdf).w,
                                                        material.fits.hapke_h);
     surface.exact_h = exact_h.get();
@@ -151,8 +151,8 @@ struct Scattering::Parts {
     return s;
   }
 
-  bool coated() const { return composition.laws.coated; }
-  bool mirror() const { return composition.laws.specular == SpecularModel::mirror; }
+  bool coated() const { return composition.brdf_model.coated; }
+  bool mirror() const { return composition.brdf_model.specular == SpecularModel::mirror; }
   bool smooth_coat() const { return coated() && !(surface.coat_alpha > 0); }
   // a rough coat blurs a mirror below
   bool mirror_shows() const {
@@ -171,51 +171,52 @@ struct Scattering::Parts {
   }
   Vec3 mirror_below(double cosine) const { return mirror_below(cosine, cosine, cosine); }
 
-  bool retro() const { return composition.laws.specular == SpecularModel::retroreflector; }
+  bool retro() const { return composition.brdf_model.specular == SpecularModel::retroreflector; }
   // through a coat the lobe is wider by its index
   RetroLobe retro_lobe(const f64::SurfaceFields& s) const {
     return {f64::retro_concentration(s) / (s.coat_index * s.coat_index)};
   }
 
   HalfVectors peak() const {
-    const double slope = f64::facet_slope(surface.coat_alpha, 0);
+    const double slope = f64::microfacet_slope(surface.coat_alpha, 0);
     return {SpecularModel::beckmann, slope, slope, 0};
   }
 
-  HalfVectors facets(const f64::SurfaceFields& s) const {
+  HalfVectors microfacets(const f64::SurfaceFields& s) const {
     if (mirror()) {
       const double bent = (s.coat_index - 1) * std::sqrt(0.5) * s.coat_alpha;
-      const double slope = f64::facet_slope(bent, 0);
+      const double slope = f64::microfacet_slope(bent, 0);
       return {SpecularModel::beckmann, slope, slope, 0};
     }
-    double x = f64::facet_slope(s.alpha_x, 0);
-    double y = f64::facet_slope(s.alpha_y, 0);
-    const SpecularModel law = composition.laws.specular;
-    if (law == SpecularModel::cook_torrance) y = x;
-    if (f64::same_all_around(x, y, s.tangent) > 0) x = y = std::sqrt(x * y);
-    return {law, x, y, s.shine};
+    double x = f64::microfacet_slope(s.alpha_x, 0);
+    double y = f64::microfacet_slope(s.alpha_y, 0);
+    const SpecularModel brdf = composition.brdf_model.specular;
+    if (brdf == SpecularModel::cook_torrance) y = x;
+    if (f64::isotropic(x, y, s.tangent) > 0) x = y = std::sqrt(x * y);
+    return {brdf, x, y, s.shine};
   }
 
   Chances chances(const f64::SurfaceFields& s, double cosine) const {
     Chances c;
     const double passing = 1 - first(cosine);
-    const SpecularModel law = composition.laws.specular;
+    const SpecularModel brdf = composition.brdf_model.specular;
     const double inner = coated() ? f64::refracted_cosine(cosine, s.coat_index) : cosine;
     c.diffuse = passing * s.weights.x * largest(s.diffuse);
-    if (composition.laws.compensated)
+    if (composition.brdf_model.compensated)
       c.diffuse += (smooth_coat() ? passing : 1) * s.weights.y *
-                   largest(s.specular * s.many_scale) * kPi * lost * f64::facet_loss(s, cosine);
+                   largest(s.specular * s.compensation_scale) * kPi * lost *
+                   f64::microfacet_albedo_deficit(s, cosine);
     if (mirror_shows()) {
       c.mirror_below = largest(mirror_below(cosine));
-    } else if (law != SpecularModel::none) {
+    } else if (brdf != SpecularModel::none) {
       Vec3 fresnel = composition.fresnel(s, inner, coated() ? s.coat_index : 1.0);
-      // where a map says 0, facets still reflect towards grazing
-      if (composition.laws.mapped) fresnel = glm::max(fresnel, Vec3(kLeastMapped));
-      c.facets = passing * s.weights.y * largest(s.specular * fresnel);
+      // where a map says 0, microfacets still reflect towards grazing
+      if (composition.brdf_model.mapped) fresnel = glm::max(fresnel, Vec3(kLeastMapped));
+      c.microfacets = passing * s.weights.y * largest(s.specular * fresnel);
     }
     (smooth_coat() ? c.mirror_peak : c.peak) = first(cosine);
     // every part gets its twentieth at least
-    double* const all[] = {&c.diffuse, &c.facets, &c.peak, &c.mirror_peak, &c.mirror_below};
+    double* const all[] = {&c.diffuse, &c.microfacets, &c.peak, &c.mirror_peak, &c.mirror_below};
     double sum = 0;
     for (const double* one : all) sum += *one;
     if (!(sum > 1e-30)) return {};
@@ -228,7 +229,7 @@ struct Scattering::Parts {
     return c;
   }
 
-  // Directions below the coat, and the normal that facets have there.
+  // Directions below the coat, and the normal that microfacets have there.
   struct Below {
     Vec3 normal;
     Vec3 to_viewer;
@@ -246,15 +247,16 @@ struct Scattering::Parts {
     const double cosine = glm::dot(normal, to_light);
     if (!(cosine > 0)) return 0;
     double density = c.diffuse * cosine / kPi;
-    if (c.facets > 0 && retro()) {
-      density += c.facets * retro_lobe(s).pdf(to_light, to_viewer);
-    } else if (c.facets > 0) {
+    if (c.microfacets > 0 && retro()) {
+      density += c.microfacets * retro_lobe(s).pdf(to_light, to_viewer);
+    } else if (c.microfacets > 0) {
       const Below in = below(s, to_viewer, normal);
       const Frame frame(in.normal, s.tangent);
       const Vec3 l = in.refracted ? f64::under_coat(to_light, normal, s.coat_index) : to_light;
       const double shrunk =
           in.refracted ? cosine / (s.coat_index * s.coat_index * glm::dot(normal, l)) : 1;
-      density += c.facets * shrunk * facets(s).pdf(frame.local(l), frame.local(in.to_viewer));
+      density +=
+          c.microfacets * shrunk * microfacets(s).pdf(frame.local(l), frame.local(in.to_viewer));
     }
     if (c.peak > 0) {
       const Frame frame(normal, s.tangent);
@@ -274,11 +276,11 @@ struct Scattering::Parts {
     return frame.world(2 * cos_vh * h - v);
   }
 
-  Vec3 drawn_by_facets(const f64::SurfaceFields& s, const Vec3& to_viewer, const Vec3& normal,
-                       const Vec2& u) const {
+  Vec3 drawn_by_microfacets(const f64::SurfaceFields& s, const Vec3& to_viewer, const Vec3& normal,
+                            const Vec2& u) const {
     if (retro()) return retro_lobe(s).sample(to_viewer, u);
     const Below in = below(s, to_viewer, normal);
-    const Vec3 l = drawn(facets(s), Frame(in.normal, s.tangent), in.to_viewer, u);
+    const Vec3 l = drawn(microfacets(s), Frame(in.normal, s.tangent), in.to_viewer, u);
     if (!in.refracted || !(glm::dot(normal, l) > 0)) return l;
     // out of the coat
     const Vec3 aside = s.coat_index * (l - normal * glm::dot(normal, l));
@@ -347,8 +349,8 @@ std::optional<Sampled> Scattering::sample(const Vec3& to_viewer, const Vec3& nor
   };
   if (is(c.mirror_peak)) return mirrored(0, c.mirror_peak);
   if (is(c.mirror_below)) return mirrored(parts_->smooth_coat() ? 1 : 0, c.mirror_below);
-  if (is(c.facets)) {
-    sampled.to_light = parts_->drawn_by_facets(s, v, normal, u);
+  if (is(c.microfacets)) {
+    sampled.to_light = parts_->drawn_by_microfacets(s, v, normal, u);
   } else if (is(c.peak)) {
     sampled.to_light = Parts::drawn(parts_->peak(), Frame(normal, s.tangent), v, u);
   } else {

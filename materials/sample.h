@@ -12,8 +12,8 @@ namespace panwright::materials {
 
 // A direction drawn for a viewer.
 struct Sampled {
-  Vec3 to_light{0};       // unit
-  Vec3 weight{0};         // f cosθ over the density: what its radiance is multiplied by
+  Vec3 to_light{0};    // unit
+  Vec3 weight{0};      // f cosθ over the density: what its radiance is multiplied by
   double pdf = 0;      // 1/sr; 0 where delta
   bool delta = false;  // a mirror's direction: nothing else leads there
 };
@@ -34,13 +34,13 @@ struct Mirrors {
   int count = 0;
 };
 
-// The authored laws of one material in double, for a point Sun: mirrors and smooth coats are
+// The authored BRDFs of one material in double, for a point Sun: mirrors and smooth coats are
 // directions, which brdf() leaves out. H of Hapke's law is exact here, where f64::brdf() of
 // materials/brdf.h has the fit that shaders use.
 //
-// Directions are unit vectors that point away from the surface; tangent: unit, square to the
-// normal, or 0 where facets are the same all around; tint multiplies diffuse. A viewer below the
-// horizon is taken to it, as brdf() of materials/brdf.h does. Nothing returned is ever NaN or
+// Directions are unit vectors that point away from the surface; tangent: unit, perpendicular to the
+// normal, or 0 where microfacets are the same all around; tint multiplies diffuse. A viewer below
+// the horizon is taken to it, as brdf() of materials/brdf.h does. Nothing returned is ever NaN or
 // infinite. May be used from several threads.
 class Scattering {
  public:

@@ -57,19 +57,19 @@ struct Tables {
   std::vector<layout::Texture> textures;
   std::vector<layout::Frame> frames;
   std::vector<layout::Source> sources;
-  std::vector<layout::Need> need;
+  std::vector<layout::Budget> budget;
   std::vector<layout::Keypoint> keypoints;
   std::vector<layout::Decal> decals;
 };
 
 void add_meshes(const std::vector<PackedMesh>& meshes, Tables& tables) {
-  std::uint64_t vertices = 0, texcoords = 0, colours = 0, bytes = 0;
+  std::uint64_t vertices = 0, texcoords = 0, colors = 0, bytes = 0;
   for (const PackedMesh& mesh : meshes) {
     const std::size_t count = mesh.vertex_count();
     assert(mesh.triangle_count() > 0 && mesh.indices.size() % 3 == 0);
     assert(mesh.normals.size() == 3 * count && mesh.positions.size() == 3 * count);
     assert(mesh.texcoords.empty() || mesh.texcoords.size() == 2 * count);
-    assert(mesh.colours.empty() || mesh.colours.size() == 3 * count);
+    assert(mesh.colors.empty() || mesh.colors.size() == 3 * count);
     layout::Mesh record{};
     store(record.origin, mesh.origin);
     record.error = mesh.error;
@@ -95,10 +95,10 @@ void add_meshes(const std::vector<PackedMesh>& meshes, Tables& tables) {
       record.first_texcoord = static_cast<std::uint32_t>(texcoords);
       texcoords += count;
     }
-    if (!mesh.colours.empty()) {
-      record.flags |= layout::kMeshColours;
-      record.first_colour = static_cast<std::uint32_t>(colours);
-      colours += count;
+    if (!mesh.colors.empty()) {
+      record.flags |= layout::kMeshColors;
+      record.first_color = static_cast<std::uint32_t>(colors);
+      colors += count;
     }
     vertices += count;
     bytes += index_bytes(mesh);
@@ -124,8 +124,9 @@ void add_textures(const std::vector<TextureContent>& textures, Tables& tables) {
 }
 
 void add_truth(const Contents& contents, Tables& tables) {
-  assert(contents.mesh_needs.empty() || contents.mesh_needs.size() == contents.meshes.size());
-  if (contents.need) tables.need.push_back(*contents.need);
+  assert(contents.mesh_tolerances.empty() ||
+         contents.mesh_tolerances.size() == contents.meshes.size());
+  if (contents.budget) tables.budget.push_back(*contents.budget);
   for (const KeypointContent& point : contents.keypoints) {
     layout::Keypoint record{};
     store(record.position, point.position);
@@ -252,10 +253,10 @@ bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log
       write_array(contents, &PackedMesh::positions, SectionKind::positions, writer, log, job) &&
       write_array(contents, &PackedMesh::normals, SectionKind::normals, writer, log, job) &&
       write_array(contents, &PackedMesh::texcoords, SectionKind::texcoords, writer, log, job) &&
-      write_array(contents, &PackedMesh::colours, SectionKind::colours, writer, log, job) &&
+      write_array(contents, &PackedMesh::colors, SectionKind::colors, writer, log, job) &&
       write_indices(contents, writer, log, job) && write_texels(contents, writer, log, job) &&
-      writer.section(SectionKind::need, bytes_of(tables.need), log) &&
-      writer.section(SectionKind::mesh_needs, bytes_of(contents.mesh_needs), log) &&
+      writer.section(SectionKind::budget, bytes_of(tables.budget), log) &&
+      writer.section(SectionKind::mesh_tolerances, bytes_of(contents.mesh_tolerances), log) &&
       writer.section(SectionKind::keypoints, bytes_of(tables.keypoints), log) &&
       writer.section(SectionKind::decals, bytes_of(tables.decals), log);
   job.poll();
@@ -289,7 +290,7 @@ PackedMesh packed(const geometry::Mesh& mesh, std::string name) {
   }
   out.error = mesh.error + worst;
   out.normals = rounded(mesh.normals);
-  out.colours = rounded(mesh.colours);
+  out.colors = rounded(mesh.colors);
   out.texcoords.reserve(2 * mesh.texcoords.size());
   for (const Vec2& t : mesh.texcoords) {
     out.texcoords.push_back(static_cast<float>(t.x));

@@ -21,8 +21,8 @@ namespace {
 using layout::FieldType;
 using layout::SectionKind;
 
-using Keys = std::vector<Hash128>;  // one for each record, all different
-using Ids = std::vector<Hash128>;   // one for each string
+using Keys = std::vector<Hash128>;  // one per record, all different
+using Ids = std::vector<Hash128>;   // one per string
 
 Hash128 joined(std::initializer_list<Hash128> parts) {
   return hash128(std::as_bytes(std::span(parts.begin(), parts.size())));
@@ -123,14 +123,14 @@ class Comparison {
   void meshes();
   void mesh(const std::string& where, std::size_t i, std::size_t j);
   void vertices(const std::string& where, std::size_t i, std::size_t j);
-  bool other_picture(std::int32_t a, std::int32_t b) const;
+  bool other_image(std::int32_t a, std::int32_t b) const;
   void instances();
   void materials();
   void textures();
   void frames();
   void keypoints();
   void decals();
-  void need();
+  void budget();
   void inputs();
   void build();
   void sources();
@@ -187,15 +187,16 @@ std::string value_words(const layout::FieldRule& field, const std::byte* record)
 // A field that numbers the values of an enumeration.
 bool is_enumeration(const layout::FieldRule& field) {
   const std::string_view name(field.name);
-  return name.ends_with("_law") || name == "reason";
+  return name.ends_with("_brdf") || name == "reason";
 }
 
 std::string enumeration_words(const layout::FieldRule& field, const std::byte* record) {
   std::uint32_t value;
   std::memcpy(&value, record + field.offset, sizeof value);
   const std::string_view name(field.name);
-  if (name == "reason") return std::string(reason_name(static_cast<layout::NeedReason>(value)));
-  return std::string(name == "diffuse_law"
+  if (name == "reason")
+    return std::string(reason_name(static_cast<layout::ToleranceReason>(value)));
+  return std::string(name == "diffuse_brdf"
                          ? materials::info_of(static_cast<materials::DiffuseModel>(value)).name
                          : materials::info_of(static_cast<materials::SpecularModel>(value)).name);
 }
@@ -252,7 +253,7 @@ std::string instance_words(const Model& model, std::size_t i) {
                      node_words(model, instance.node));
 }
 // A reference to a texture, which may be -1.
-std::string picture_words(const Model& model, std::int32_t texture) {
+std::string image_words(const Model& model, std::int32_t texture) {
   return texture < 0 ? "no texture" : texture_words(model, texture);
 }
 std::string input_words(const Model& model, std::size_t i) {
@@ -297,8 +298,8 @@ void Comparison::vertices(const std::string& where, std::size_t i, std::size_t j
     });
     if (slid > 0) add(where, fmt::format("texcoords lie up to {:.6g} apart", slid));
   }
-  if (a.colours.size() == b.colours.size()) {
-    const double tinted = largest(a.colours, b.colours, [](const auto& p, const auto& q) {
+  if (a.colors.size() == b.colors.size()) {
+    const double tinted = largest(a.colors, b.colors, [](const auto& p, const auto& q) {
       return glm::length(vec3(p) - vec3(q));
     });
     if (tinted > 0) add(where, fmt::format("colours differ by up to {:.6g}", tinted));
@@ -317,10 +318,10 @@ void Comparison::mesh(const std::string& where, std::size_t i, std::size_t j) {
   };
   flag(layout::kMeshClosed, "closed");
   flag(layout::kMeshTexcoords, "texcoords");
-  flag(layout::kMeshColours, "colours");
-  const auto needs_a = a_.model.mesh_needs(), needs_b = b_.model.mesh_needs();
+  flag(layout::kMeshColors, "colours");
+  const auto needs_a = a_.model.mesh_tolerances(), needs_b = b_.model.mesh_tolerances();
   if (!needs_a.empty() && !needs_b.empty())
-    fields(SectionKind::mesh_needs, where, needs_a[i], needs_b[j], {"reserved"});
+    fields(SectionKind::mesh_tolerances, where, needs_a[i], needs_b[j], {"reserved"});
   if (a.vertex_count == b.vertex_count) vertices(where, i, j);
   if (a.triangle_count == b.triangle_count) {
     const Indices in_a = a_.model.mesh(i).indices, in_b = b_.model.mesh(j).indices;
@@ -337,7 +338,7 @@ void Comparison::meshes() {
         [&](std::size_t i, std::size_t j) { mesh(mesh_words(a_.model, i), i, j); });
 }
 
-bool Comparison::other_picture(std::int32_t a, std::int32_t b) const {
+bool Comparison::other_image(std::int32_t a, std::int32_t b) const {
   if (a < 0 || b < 0) return a != b;
   return a_.textures[a] != b_.textures[b];
 }
@@ -350,10 +351,10 @@ void Comparison::instances() {
       add(instance_words(a_.model, i),
           fmt::format("{} in a, {} in b", material_words(a_.model, a.material),
                       material_words(b_.model, b.material)));
-    if (other_picture(a.texture, b.texture))
+    if (other_image(a.texture, b.texture))
       add(instance_words(a_.model, i),
-          fmt::format("{} in a, {} in b", picture_words(a_.model, a.texture),
-                      picture_words(b_.model, b.texture)));
+          fmt::format("{} in a, {} in b", image_words(a_.model, a.texture),
+                      image_words(b_.model, b.texture)));
   });
 }
 
@@ -379,9 +380,9 @@ void Comparison::materials() {
     brdfs(material_a.diffuse_brdf, material_b.diffuse_brdf);
     brdfs(material_a.specular_brdf, material_b.specular_brdf);
     const auto map = [&](const char* name, std::int32_t in_a, std::int32_t in_b) {
-      if (other_picture(in_a, in_b))
-        add(where, fmt::format("{}: {} in a, {} in b", name, picture_words(a_.model, in_a),
-                               picture_words(b_.model, in_b)));
+      if (other_image(in_a, in_b))
+        add(where, fmt::format("{}: {} in a, {} in b", name, image_words(a_.model, in_a),
+                               image_words(b_.model, in_b)));
     };
     map("albedo_map", a.albedo_map, b.albedo_map);
     map("normal_map", a.normal_map, b.normal_map);
@@ -452,14 +453,14 @@ void Comparison::decals() {
   });
 }
 
-void Comparison::need() {
+void Comparison::budget() {
   const auto only_in = [](bool in_a) { return in_a ? "only in a" : "only in b"; };
-  const layout::Need *a = a_.model.need(), *b = b_.model.need();
+  const layout::Budget *a = a_.model.budget(), *b = b_.model.budget();
   if (a && b)
-    fields(SectionKind::need, "need", *a, *b, {"reserved"});
+    fields(SectionKind::budget, "budget", *a, *b, {"reserved"});
   else if (a || b)
-    add("need", only_in(a != nullptr));
-  const bool in_a = !a_.model.mesh_needs().empty(), in_b = !b_.model.mesh_needs().empty();
+    add("budget", only_in(a != nullptr));
+  const bool in_a = !a_.model.mesh_tolerances().empty(), in_b = !b_.model.mesh_tolerances().empty();
   if (in_a != in_b) add("needs of the meshes", only_in(in_a));
 }
 
@@ -575,7 +576,7 @@ Differences Comparison::run() {
   frames();
   keypoints();
   decals();
-  need();
+  budget();
   unknown_sections();
   build();
   inputs();

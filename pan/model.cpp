@@ -64,12 +64,12 @@ std::span<const layout::Frame> Model::frames() const {
 std::span<const layout::Source> Model::sources() const {
   return array<layout::Source>(SectionKind::sources);
 }
-const layout::Need* Model::need() const {
-  const auto records = array<layout::Need>(SectionKind::need);
+const layout::Budget* Model::budget() const {
+  const auto records = array<layout::Budget>(SectionKind::budget);
   return records.empty() ? nullptr : records.data();
 }
-std::span<const layout::MeshNeed> Model::mesh_needs() const {
-  return array<layout::MeshNeed>(SectionKind::mesh_needs);
+std::span<const layout::MeshTolerance> Model::mesh_tolerances() const {
+  return array<layout::MeshTolerance>(SectionKind::mesh_tolerances);
 }
 std::span<const layout::Keypoint> Model::keypoints() const {
   return array<layout::Keypoint>(SectionKind::keypoints);
@@ -92,8 +92,8 @@ std::span<const layout::Float3> Model::normals() const {
 std::span<const layout::Float2> Model::texcoords() const {
   return array<layout::Float2>(SectionKind::texcoords);
 }
-std::span<const layout::Float3> Model::colours() const {
-  return array<layout::Float3>(SectionKind::colours);
+std::span<const layout::Float3> Model::colors() const {
+  return array<layout::Float3>(SectionKind::colors);
 }
 std::span<const std::byte> Model::index_bytes() const { return section(SectionKind::indices); }
 std::span<const std::byte> Model::texel_bytes() const { return section(SectionKind::texels); }
@@ -116,8 +116,8 @@ MeshView Model::mesh(std::size_t index) const {
   view.normals = normals().subspan(record.first_vertex, record.vertex_count);
   if (record.flags & layout::kMeshTexcoords)
     view.texcoords = texcoords().subspan(record.first_texcoord, record.vertex_count);
-  if (record.flags & layout::kMeshColours)
-    view.colours = colours().subspan(record.first_colour, record.vertex_count);
+  if (record.flags & layout::kMeshColors)
+    view.colors = colors().subspan(record.first_color, record.vertex_count);
   const std::byte* run = index_bytes().data() + record.index_offset;
   const std::size_t count = std::size_t{3} * record.triangle_count;
   if (record.index_size == 2)
@@ -215,7 +215,7 @@ std::string kind_name(std::uint32_t kind) {
   return fmt::format("kind {}", kind);
 }
 
-std::string_view reason_name(layout::NeedReason reason) {
+std::string_view reason_name(layout::ToleranceReason reason) {
   constexpr std::string_view kNames[] = {
       "explicit_counts", "tolerance", "shape", "pixels", "flux", "centroid", "command_line"};
   assert(static_cast<std::size_t>(reason) < std::size(kNames));

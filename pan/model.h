@@ -37,7 +37,7 @@ struct MeshView {
   std::span<const layout::Float3> positions;  // V, metres, relative to the mesh's origin
   std::span<const layout::Float3> normals;    // V unit vectors
   std::span<const layout::Float2> texcoords;  // V, or empty
-  std::span<const layout::Float3> colours;    // V linear RGB, or empty
+  std::span<const layout::Float3> colors;     // V linear RGB, or empty
   Indices indices;                            // 3*T, each < V
 };
 
@@ -124,9 +124,9 @@ class Model {
   std::span<const layout::Material> materials() const;  // a std430 buffer as it stands
   std::span<const layout::Texture> textures() const;
   std::span<const layout::Frame> frames() const;
-  std::span<const layout::Source> sources() const;       // one for each instance, or empty
-  const layout::Need* need() const;                      // null: the model was compiled for nothing
-  std::span<const layout::MeshNeed> mesh_needs() const;  // one for each mesh, or empty
+  std::span<const layout::Source> sources() const;  // one per instance, or empty
+  const layout::Budget* budget() const;             // null: the model was compiled for nothing
+  std::span<const layout::MeshTolerance> mesh_tolerances() const;  // one per mesh, or empty
   std::span<const layout::Keypoint> keypoints() const;
   std::span<const layout::Decal> decals() const;  // later ones lie over earlier ones
   std::span<const layout::Input> inputs() const;
@@ -135,7 +135,7 @@ class Model {
   std::span<const layout::Float3> positions() const;
   std::span<const layout::Float3> normals() const;
   std::span<const layout::Float2> texcoords() const;
-  std::span<const layout::Float3> colours() const;
+  std::span<const layout::Float3> colors() const;
   std::span<const std::byte> index_bytes() const;
   std::span<const std::byte> texel_bytes() const;
   std::span<const std::uint32_t> string_offsets() const;  // strings + 1
@@ -163,7 +163,7 @@ class Model {
   // "root/body/dish": the names from the root; a node without a name is shown as its [index].
   std::string node_path(std::size_t index) const;
 
-  // World matrices, one for each node, root first; all finite.
+  // World matrices, one per node, root first; all finite.
   std::vector<Mat4> world_from_nodes() const;
   // world_from_node times node_from_frame.
   Mat4 world_from_frame(std::size_t index) const;
@@ -204,7 +204,7 @@ layout::Material record_from(const materials::Material& material, std::uint32_t 
 std::string kind_name(std::uint32_t kind);
 
 // "flux", "pixels"…: a value's name in the format.
-std::string_view reason_name(layout::NeedReason reason);
+std::string_view reason_name(layout::ToleranceReason reason);
 
 // Node, frame and decal matrices.
 Mat4 parent_from_node(const layout::Node& node);

@@ -44,7 +44,7 @@ struct PackedMesh {
   std::vector<float> positions;        // 3*V, relative to origin
   std::vector<float> normals;          // 3*V, unit
   std::vector<float> texcoords;        // 2*V, or empty
-  std::vector<float> colours;          // 3*V, or empty
+  std::vector<float> colors;           // 3*V, or empty
   std::vector<std::uint32_t> indices;  // 3*T, each < V; stored in 2 bytes where V <= 65535
 
   std::size_t vertex_count() const { return positions.size() / 3; }
@@ -104,20 +104,20 @@ struct InputContent {
 
 // A model as the compiler hands it over.
 struct Contents {
-  std::string version;                         // "panwright 0.1.0"
-  std::string options;                         // "max_error=0.001 …", a fixed order
-  std::vector<InputContent> inputs;            // in order of first use
-  std::vector<NodeContent> nodes;              // at least the root
-  std::vector<PackedMesh> meshes;              //
-  std::vector<InstanceContent> instances;      //
-  std::vector<materials::Material> materials;  //
-  std::vector<TextureContent> textures;        //
-  std::vector<FrameContent> frames;            //
-  std::vector<SourceContent> sources;          // one for each instance, or empty
-  std::optional<layout::Need> need;            // what it was compiled for
-  std::vector<layout::MeshNeed> mesh_needs;    // one for each mesh, or empty
-  std::vector<KeypointContent> keypoints;      //
-  std::vector<DecalContent> decals;            // from the lowest to the topmost
+  std::string version;                                 // "panwright 0.1.0"
+  std::string options;                                 // "max_error=0.001 …", a fixed order
+  std::vector<InputContent> inputs;                    // in order of first use
+  std::vector<NodeContent> nodes;                      // at least the root
+  std::vector<PackedMesh> meshes;                      //
+  std::vector<InstanceContent> instances;              //
+  std::vector<materials::Material> materials;          //
+  std::vector<TextureContent> textures;                //
+  std::vector<FrameContent> frames;                    //
+  std::vector<SourceContent> sources;                  // one per instance, or empty
+  std::optional<layout::Budget> budget;                // what it was compiled for
+  std::vector<layout::MeshTolerance> mesh_tolerances;  // one per mesh, or empty
+  std::vector<KeypointContent> keypoints;              //
+  std::vector<DecalContent> decals;                    // from the lowest to the topmost
 };
 
 // Rounds a mesh to float about the centre of its bounds. The error of the result holds the

@@ -11,11 +11,11 @@ namespace {
 
 // the layers that an item needs
 LayerSet layers_of(const Variant& variant) {
-  LayerSet set = 1u << kSeenLayer;
-  if (variant.textured || variant.coloured || variant.albedo_map) set |= 1u << kPaintLayer;
+  LayerSet set = 1u << kNormalLayer;
+  if (variant.textured || variant.colored || variant.albedo_map) set |= 1u << kAlbedoLayer;
   if (variant.normal_map || variant.roughness_map || variant.cells)
-    set |= 1u << kPaintLayer | 1u << kRoughLayer;
-  if (variant.brushed) set |= 1u << kPaintLayer | 1u << kRoughLayer | 1u << kTangentLayer;
+    set |= 1u << kAlbedoLayer | 1u << kRoughnessLayer;
+  if (variant.brushed) set |= 1u << kAlbedoLayer | 1u << kRoughnessLayer | 1u << kTangentLayer;
   if (variant.reflectance_map) set |= 1u << kReflectanceLayer;
   return set;
 }
@@ -104,17 +104,17 @@ Result<std::shared_ptr<const ModelResources>> Device::resources(const world::Mod
     impl->triangles += model->meshes()[item.mesh].triangle_count;
     impl->layers |= layers_of(item.variant);
   }
-  impl->families = families_of(*model);
+  impl->brdf_models = families_of(*model);
   bool good = false;
   try {
-    good = impl->gpu.upload(*impl_->context, *model, impl->list, impl->families, log, job);
+    good = impl->gpu.upload(*impl_->context, *model, impl->list, impl->brdf_models, log, job);
   } catch (const Cancelled&) {
     report_cancelled(log);
   }
   impl_->model_bytes += impl->gpu.bytes();
   if (!good || !impl_->went_well(log)) return failed;
   ++impl_->models_uploaded;
-  if (!impl->gpu.decals().empty()) impl->layers |= 1u << kPaintLayer;
+  if (!impl->gpu.decals().empty()) impl->layers |= 1u << kAlbedoLayer;
   auto shared = std::make_shared<const ModelResources>(std::move(impl));
   impl_->models[model.get()] = shared;
   return shared;

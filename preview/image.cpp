@@ -37,7 +37,7 @@ std::optional<ImageFormat> image_format(const std::filesystem::path& path) {
   return std::nullopt;
 }
 
-bool stores_truth(ImageFormat format) {
+bool stores_ground_truth(ImageFormat format) {
   return format == ImageFormat::exr || format == ImageFormat::npz;
 }
 

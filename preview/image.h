@@ -1,4 +1,4 @@
-// Images of linear radiance with their truth layers, and the files they are written to
+// Images of linear radiance with their ground truth layers, and the files they are written to
 // (docs/conventions.md 4 and 8). Nothing here needs OpenGL.
 #pragma once
 
@@ -36,7 +36,7 @@ struct Image {
 
   std::vector<std::pair<std::string, std::string>> metadata;  // name, value; into EXR headers
 
-  bool has_truth() const { return !depth.empty(); }
+  bool has_ground_truth() const { return !depth.empty(); }
   std::size_t pixels() const { return std::size_t{width} * height; }
 };
 
@@ -52,8 +52,8 @@ enum class ImageFormat {
 // The format that a file name's extension asks for, in any letter case.
 std::optional<ImageFormat> image_format(const std::filesystem::path& path);
 
-// Whether a format stores the truth layers; otherwise they need not be rendered.
-bool stores_truth(ImageFormat format);
+// Whether a format stores the ground truth layers; otherwise they need not be rendered.
+bool stores_ground_truth(ImageFormat format);
 
 // Writes an image in the format of its extension, atomically. Layers that the image does not have
 // are left out. The bytes depend on the image and ev alone.
@@ -61,7 +61,7 @@ bool stores_truth(ImageFormat format);
 //   ev            exposure of a PNG, in stops
 //   sync_seconds  the time spent in fsync is added to it when given
 //
-// Expects: radiance and coverage of the size; truth layers of the size, or empty.
+// Expects: radiance and coverage of the size; ground truth layers of the size, or empty.
 // Fails: E0202 for another extension; E0103.
 bool write_image(const std::filesystem::path& path, const Image& image, double ev,
                  DiagnosticLog& log, double* sync_seconds = nullptr);

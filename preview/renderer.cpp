@@ -10,11 +10,11 @@
 #include <optional>
 #include <utility>
 
+#include "preview/frame/ground_truth.h"
 #include "preview/frame/passes.h"
 #include "preview/frame/read_back.h"
 #include "preview/frame/samples.h"
 #include "preview/frame/sampling.h"
-#include "preview/frame/truth.h"
 
 namespace panwright::preview {
 namespace {
@@ -52,14 +52,14 @@ std::array<GLenum, kLayers> layer_formats(LayerSet layers, bool shadows) {
 
 // An image of the camera's size. Radiance and coverage are what was there before; the rest is
 // background.
-void reset(Image& image, const world::Camera& camera, bool truth) {
+void reset(Image& image, const world::Camera& camera, bool ground_truth) {
   image.width = camera.width;
   image.height = camera.height;
   image.metadata.clear();
   image.standard_error.clear();
   image.radiance.resize(3 * image.pixels());
   image.coverage.resize(image.pixels());
-  const std::size_t pixels = truth ? image.pixels() : 0;
+  const std::size_t pixels = ground_truth ? image.pixels() : 0;
   image.depth.assign(pixels, INFINITY);
   image.range.assign(pixels, INFINITY);
   image.normal.assign(3 * pixels, 0);
@@ -82,7 +82,7 @@ struct Renderer::Impl {
     Image image;
     world::Camera camera;
     bool flat = false;
-    std::vector<TruthTarget> targets;
+    std::vector<GroundTruthTarget> targets;
     std::size_t tiles = 0;  // that were submitted and not taken
     SamplingReport report;
     const char* why_empty = nullptr;  // of W5006
@@ -136,7 +136,7 @@ struct Renderer::Impl {
   std::unique_ptr<Sampling> sampling;  // the same
   std::optional<Ring> radiance;        // the same
   std::optional<Ring> ids;             // triangles
-  RenderTarget seen_target;            // what Layer names
+  RenderTarget g_buffer;               // what Layer names
   RenderTarget color_target;           // radiance of samples, where pixels have several
   RenderTarget bare_target;            // of seconds_of_bare_draw
   std::array<Frame, kMostInFlight> frames;
@@ -194,7 +194,7 @@ bool Renderer::Impl::ensure_target(RenderTarget& target, std::span<const GLenum>
 void Renderer::Impl::make_passes() {
   if (passes) return;
   passes = std::make_unique<Passes>(shared);
-  sampling = std::make_unique<Sampling>(shared, *passes, seen_target, color_target);
+  sampling = std::make_unique<Sampling>(shared, *passes, g_buffer, color_target);
   constexpr PixelFormat kRadiance{GL_RGBA32F, GL_RGBA, GL_FLOAT, 4 * sizeof(float)};
   constexpr PixelFormat kIds{GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, sizeof(TriangleId)};
   static_assert(sizeof(TriangleId) == 8);
@@ -236,7 +236,7 @@ bool Renderer::Impl::fail(ReadBack::Wait why, DiagnosticLog& log) {
 void Renderer::Impl::use_tile(const Ring& ring, const TileUnderWay& tile, const void* pixels) {
   Frame& frame = frames[tile.frame];
   if (&ring == &*ids) {
-    fill_truth(
+    fill_ground_truth(
         frame.camera, frame.flat, frame.targets, tile.tile,
         {static_cast<const TriangleId*>(pixels), std::size_t{tile.tile.width} * tile.tile.height},
         frame.image);
@@ -292,7 +292,7 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
   const bool shadows = options.shadow_side > 0;
   const auto formats = layer_formats(layers, shadows);
   const bool adaptive = options.samples == 0 || (options.adaptive && options.samples > 1);
-  if (!adaptive && (!ensure_target(seen_target, formats, true, width, height, log) ||
+  if (!adaptive && (!ensure_target(g_buffer, formats, true, width, height, log) ||
                     (options.samples > 1 &&
                      !ensure_target(color_target, kRadianceFormats, true, width, height, log))))
     return false;
@@ -315,14 +315,14 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
                        std::min(tile_side, image.height), log))
       return false;
     passes->upload(scene, on_tile, options.samples, options.flat);
-    if (!passes->draw(scene, on_tile, options.samples, pass, seen_target, job))
+    if (!passes->draw(scene, on_tile, options.samples, pass, g_buffer, job))
       return fail(ReadBack::Wait::cancelled, log);
     if (!shared.read_through_buffers) {
       // shading waits for the geometry there; here a job that is cancelled is heard
       const auto drawn = wait_until_drawn(gl, job);
       if (drawn != ReadBack::Wait::done) return fail(drawn, log);
     }
-    passes->shade(scene, on_tile, options.samples, seen_target,
+    passes->shade(scene, on_tile, options.samples, g_buffer,
                   options.samples > 1 ? color_target : pixels);
     if (options.samples > 1 &&
         !sampling->resolve(pixels, tile.width, tile.height, options.samples, false, log))
@@ -351,7 +351,7 @@ bool Renderer::Impl::sampled(const FrameScene& scene, const RenderOptions& optio
 bool Renderer::Impl::submit_truth(const FrameScene& scene, const RenderOptions& options,
                                   std::size_t frame, DiagnosticLog& log) {
   const Image& image = frames[frame].image;
-  std::vector<TruthTarget>& targets = frames[frame].targets;
+  std::vector<GroundTruthTarget>& targets = frames[frame].targets;
   targets.resize(scene.visible.targets.size());
   if (targets.empty()) return true;
   const std::uint32_t side = std::min(options.tile_side, shared.context->limits().framebuffer_side);
@@ -388,7 +388,7 @@ bool Renderer::Impl::fits(const world::World& world, const world::Camera& camera
     return false;
   }
   const std::uint64_t bytes =
-      std::uint64_t{camera.width} * camera.height * (options.truth ? 48 : 16);
+      std::uint64_t{camera.width} * camera.height * (options.ground_truth ? 48 : 16);
   if (bytes <= options.max_bytes) return true;
   log.report_file(
       Code::E5003, {},
@@ -440,7 +440,7 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
     frame.image = std::move(spare.back());
     spare.pop_back();
   }
-  reset(frame.image, camera, options.truth);
+  reset(frame.image, camera, options.ground_truth);
   frame.image.unit = world.sun().irradiance ? "W/(m^2 sr)" : "1/sr";
   frame.camera = camera;
   frame.flat = options.flat;
@@ -449,7 +449,7 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
   frame.why_empty = why_empty(world, *visible);
   const FrameScene scene{world, camera, states, *visible};
   if (submit_radiance(scene, options, index, log) &&
-      (!options.truth || submit_truth(scene, options, index, log))) {
+      (!options.ground_truth || submit_truth(scene, options, index, log))) {
     ++used_frames;
     return true;
   }

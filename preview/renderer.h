@@ -35,7 +35,7 @@ struct RenderOptions {
   bool flat = false;               // shade by the triangles' own normals
   unsigned shadow_side = 2048;     // texels a side of the map of what the Sun sees, 16 to 16384 (or
                                    // what the context takes); 0: nothing casts shadows
-  bool truth = false;              // also depth, range, normal (without bumps) and ids, at the
+  bool ground_truth = false;       // also depth, range, normal (without bumps) and ids, at the
                                    // pixels' centres
   std::uint32_t tile_side = 2048;  // samples that are drawn at once, a side; ≥ samples
   std::uint64_t max_bytes = 12ull << 30;  // of the image in memory

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pxn/text/atoms.h"
+#include "pxn/text/content_tokens.h"
 #include "pxn/text/markup.h"
 #include "pxn/text/xml.h"
 
@@ -15,7 +15,7 @@ namespace panwright::pxn {
 
 namespace {
 
-using xml::Atom;
+using xml::ContentToken;
 using xml::kBlanks;
 using xml::Markup;
 using xml::Piece;
@@ -332,20 +332,21 @@ class Formatter {
     lay_out_tag(tag, around, ">");
     std::size_t columns = column_ + width(tag_) + name.size() + 3;
     if (columns + 1 > kColumns || tag_.find('\n') != std::string::npos) return false;
-    xml::Atoms atoms(content, values.numbers);
+    xml::ContentTokens content_tokens(content, values.numbers);
     std::size_t words = 0;
     bool aside = false;
-    for (Atom atom = atoms.next(); !atom.bytes.empty(); atom = atoms.next()) {
-      if ((aside || atom.aside) && atom.lines_before > 0) return false;
-      if (atom.bytes.find('\n') != std::string_view::npos) return false;
-      const bool begins_tuple = words > 0 && !aside && !atom.aside && words % values.tuple == 0;
+    for (ContentToken token = content_tokens.next(); !token.bytes.empty();
+         token = content_tokens.next()) {
+      if ((aside || token.aside) && token.lines_before > 0) return false;
+      if (token.bytes.find('\n') != std::string_view::npos) return false;
+      const bool begins_tuple = words > 0 && !aside && !token.aside && words % values.tuple == 0;
       tag_ += begins_tuple && values.tuple > 1 ? "  " : " ";
-      tag_ += atom.bytes;
+      tag_ += token.bytes;
       if (column_ + width(tag_) + name.size() + 4 > kColumns) return false;
-      aside = atom.aside;
-      words += atom.aside ? 0 : 1;
+      aside = token.aside;
+      words += token.aside ? 0 : 1;
     }
-    if (aside && atoms.lines_behind() > 0) return false;
+    if (aside && content_tokens.lines_behind() > 0) return false;
     put(tag_);
     put(" ");
     put_end_tag(name);
@@ -360,18 +361,19 @@ class Formatter {
     const xml::TagValues& values = xml::values_of_tag(around, name);
     put_tag(tag, around, ">");
     open_.push_back(name);
-    xml::Atoms atoms(content, values.numbers);
+    xml::ContentTokens content_tokens(content, values.numbers);
     std::size_t words = 0;
     gap_ = Gap::line;
     bool first = true;
-    for (Atom atom = atoms.next(); !atom.bytes.empty(); atom = atoms.next(), first = false) {
-      if (atom.aside) {
+    for (ContentToken token = content_tokens.next(); !token.bytes.empty();
+         token = content_tokens.next(), first = false) {
+      if (token.aside) {
         put_group();
-        if (atom.lines_before > 0)
+        if (token.lines_before > 0)
           new_line(indent());
         else
           put(" ");
-        put_comment(atom.bytes);
+        put_comment(token.bytes);
         gap_ = first ? Gap::line : Gap::blank;
         continue;
       }
@@ -381,12 +383,12 @@ class Formatter {
       }
       if (group_.empty()) {
         if (gap_ == Gap::none) gap_ = Gap::blank;
-        if (gap_ == Gap::blank && atom.lines_before > 0) gap_ = Gap::line;
+        if (gap_ == Gap::blank && token.lines_before > 0) gap_ = Gap::line;
       } else {
         breaks_.push_back(group_.size());
         group_.push_back(' ');
       }
-      group_ += atom.bytes;
+      group_ += token.bytes;
       ++words;
     }
     put_group();

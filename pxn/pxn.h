@@ -24,7 +24,7 @@ struct Limits {
   std::uint32_t depth = 256;               // of elements, includes counted; ≤ 1024
   std::uint32_t include_depth = 64;        // files inside files
   std::uint32_t includes = 10'000;         // of one model, includes multiplied out
-  std::uint64_t texture_bytes = 1u << 30;  // of decoded pictures together
+  std::uint64_t texture_bytes = 1u << 30;  // of decoded textures together
 };
 
 struct Options {
@@ -40,7 +40,7 @@ struct Options {
 //
 //   returns  what could be read, sound by scene::check, whenever the top file has a root element of
 //            a version that is known, and the limits of elements and nodes hold; the log says
-//            whether that is all of it. Equal materials, spheres and pictures are stored once, and
+//            whether that is all of it. Equal materials, spheres and textures are stored once, and
 //            the shapes of a file included many times.
 //
 // Nodes: the root "root"; each group, transform, rotate and include, and each shape, as a node of

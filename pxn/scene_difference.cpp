@@ -15,7 +15,7 @@ bool same_shape(const geometry::Shape& a, const geometry::Shape& b) {
   const geometry::Mesh& m = **mesh_a;
   const geometry::Mesh& n = **mesh_b;
   return m.positions == n.positions && m.normals == n.normals && m.texcoords == n.texcoords &&
-         m.colours == n.colours && m.triangles == n.triangles && m.error == n.error &&
+         m.colors == n.colors && m.triangles == n.triangles && m.error == n.error &&
          m.closed == n.closed;
 }
 
@@ -76,8 +76,8 @@ class Comparison {
       return x.name == y.name && place(x.node, y.node) && x.position == y.position ? "" : x.name;
     });
     list("decal", a_.decals, b_.decals,
-         [&](const auto& x, const auto& y) { return decal(x, y) ? "" : "its picture or place"; });
-    const scene::Need &m = a_.need, &n = b_.need;
+         [&](const auto& x, const auto& y) { return decal(x, y) ? "" : "its texture or place"; });
+    const scene::Budget &m = a_.budget, &n = b_.budget;
     if (m.tolerance != n.tolerance || m.nearest != n.nearest || m.ifov != n.ifov ||
         m.pixels != n.pixels || m.flux != n.flux || m.centroid != n.centroid)
       say("the budget");

@@ -14,7 +14,7 @@ namespace panwright::pxn {
 struct UpgradedFile {
   std::string path;       // as given
   std::string text;       // in canonical form; empty: it is of level 1 already
-  std::size_t paths = 0;  // of includes and pictures that had to change
+  std::size_t paths = 0;  // of includes and textures that had to change
 };
 
 // Writes files of level 0 in the words of level 1, with their comments: transform and rotate with
@@ -31,7 +31,7 @@ struct UpgradedFile {
 // Fails: what pxn::read reports; E1317 when the text would not mean the same.
 // Reports: N1318. Cost: that of reading the models twice.
 [[nodiscard]] Result<std::vector<UpgradedFile>> upgraded(std::span<const std::string> paths,
-                                                         const Options& options,
-                                                         DiagnosticLog& log, const Job& job = {});
+                                                         const Options& options, DiagnosticLog& log,
+                                                         const Job& job = {});
 
 }  // namespace panwright::pxn

@@ -41,8 +41,8 @@ class UniqueNames {
 
 class Writer {
  public:
-  Writer(const scene::Scene& scene, const PictureName& picture)
-      : scene_(scene), picture_(picture), out_(text_) {}
+  Writer(const scene::Scene& scene, const TextureName& image_name)
+      : scene_(scene), texture_(image_name), out_(text_) {}
 
   std::string run() {
     collect();
@@ -201,29 +201,29 @@ class Writer {
            a.up == b.up && a.width == b.width && a.height == b.height;
   }
 
-  std::string picture(std::int32_t texture) const {
+  std::string image_name(std::int32_t texture) const {
     const auto index = static_cast<std::size_t>(texture);
-    return picture_ ? picture_(index) : scene_.textures[index].name;
+    return texture_ ? texture_(index) : scene_.textures[index].name;
   }
 
   // ---- definitions
 
   void budget() {
-    const scene::Need& need = scene_.need;
-    const bool camera = need.nearest && need.ifov;
-    if (!need.tolerance && !camera && !need.flux) return;
+    const scene::Budget& budget = scene_.budget;
+    const bool camera = budget.nearest && budget.ifov;
+    if (!budget.tolerance && !camera && !budget.flux) return;
     out_.open("budget");
     const auto term = [&](std::string_view name, const std::optional<double>& value) {
       if (value) out_.attribute(name, *value);
     };
-    term("tolerance", need.tolerance);
+    term("tolerance", budget.tolerance);
     if (camera) {
-      term("nearest", need.nearest);
-      term("ifov", need.ifov);
-      term("pixels", need.pixels);
-      term("centroid", need.centroid);
+      term("nearest", budget.nearest);
+      term("ifov", budget.ifov);
+      term("pixels", budget.pixels);
+      term("centroid", budget.centroid);
     }
-    term("flux", need.flux);
+    term("flux", budget.flux);
     out_.close("budget");
   }
 
@@ -238,7 +238,7 @@ class Writer {
     out_.open("material");
     out_.attribute("name", materials_[index]);
     const auto map = [&](std::string_view name, std::int32_t texture) {
-      if (texture != scene::kNone) out_.attribute(name, picture(texture));
+      if (texture != scene::kNone) out_.attribute(name, image_name(texture));
     };
     map("albedo_map", m.maps.albedo);
     map("normal_map", m.maps.normal);
@@ -259,7 +259,7 @@ class Writer {
     brdfs(m);
     if (m.maps.cutout != scene::kNone) {
       out_.open("cutout");
-      out_.attribute("image", picture(m.maps.cutout));
+      out_.attribute("image", image_name(m.maps.cutout));
       out_.attribute("threshold", m.maps.threshold);
       out_.close("cutout");
     }
@@ -378,7 +378,7 @@ class Writer {
     out_.open("data");
     out_.open("include");
     out_.attribute("type", "raw");
-    out_.attribute("file", picture(texture));
+    out_.attribute("file", image_name(texture));
     out_.close("include");
     out_.close("data");
     out_.open("child");
@@ -433,7 +433,7 @@ class Writer {
     out_.open("decal");
     if (!decal.name.empty()) out_.attribute("name", plain(decal.name));
     out_.attribute("on", group.on);
-    out_.attribute("image", picture(decal.texture));
+    out_.attribute("image", image_name(decal.texture));
     out_.attribute("at", decal.at);
     out_.numbers("size", std::array{decal.width, decal.height});
     if (decal.normal) out_.attribute("normal", *decal.normal);
@@ -442,7 +442,7 @@ class Writer {
   }
 
   const scene::Scene& scene_;
-  const PictureName& picture_;
+  const TextureName& texture_;
   std::string text_;
   ElementWriter out_;
   std::vector<At> at_;                  // by node
@@ -453,7 +453,7 @@ class Writer {
 
 }  // namespace
 
-std::string to_text(const scene::Scene& scene, const PictureName& name) {
+std::string to_text(const scene::Scene& scene, const TextureName& name) {
   DiagnosticLog log;
   Limits limits;
   limits.elements = std::numeric_limits<std::uint32_t>::max();

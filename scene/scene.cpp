@@ -45,7 +45,7 @@ std::string check_nodes(const Scene& scene) {
 std::string check_mesh(const geometry::Mesh& mesh) {
   const std::size_t vertices = mesh.positions.size();
   const auto fits = [&](std::size_t size) { return size == 0 || size == vertices; };
-  if (!fits(mesh.normals.size()) || !fits(mesh.texcoords.size()) || !fits(mesh.colours.size()))
+  if (!fits(mesh.normals.size()) || !fits(mesh.texcoords.size()) || !fits(mesh.colors.size()))
     return "has attribute lists of different length";
   for (const geometry::Triangle& triangle : mesh.triangles)
     for (const std::uint32_t index : triangle)
@@ -150,12 +150,12 @@ std::string check_truth(const Scene& scene) {
   return {};
 }
 
-std::string check_need(const Scene& scene) {
-  const Need& need = scene.need;
+std::string check_budget(const Scene& scene) {
+  const Budget& budget = scene.budget;
   for (const auto& term :
-       {need.tolerance, need.nearest, need.ifov, need.pixels, need.flux, need.centroid})
+       {budget.tolerance, budget.nearest, budget.ifov, budget.pixels, budget.flux, budget.centroid})
     if (term && (!(*term > 0) || !std::isfinite(*term)))
-      return fmt::format("the need has a term of {}", *term);
+      return fmt::format("the budget has a term of {}", *term);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const auto& tolerance = scene.instances[i].tolerance;
     if (tolerance && (!(*tolerance > 0) || !std::isfinite(*tolerance)))
@@ -192,7 +192,7 @@ std::vector<Mat4> world_from_nodes(const Scene& scene) {
 
 std::string check(const Scene& scene) {
   for (const auto& part : {check_nodes, check_shapes, check_instances, check_rest, check_truth,
-                           check_need, check_maps, check_joints}) {
+                           check_budget, check_maps, check_joints}) {
     const std::string problem = part(scene);
     if (!problem.empty()) return problem;
   }

@@ -40,7 +40,7 @@ struct Node {
   Source source;
 };
 
-// A picture that multiplies the diffuse colour.
+// A texture that multiplies the diffuse colour.
 struct Texture {
   std::string name;                // file name as written
   std::uint32_t width = 0;         // pixels
@@ -56,7 +56,7 @@ enum class Mapping : std::uint8_t {
 };
 
 // What the model is for, and so how closely it has to follow its shapes. Absent terms ask nothing.
-struct Need {
+struct Budget {
   std::optional<double> tolerance;  // metres
   std::optional<double> nearest;    // metres from the camera to the nearest surface, > 0
   std::optional<double> ifov;       // radians, the angle of a pixel, > 0
@@ -75,19 +75,19 @@ struct Instance {
   std::int32_t texture = kNone;
   Mapping mapping = Mapping::texcoords;
   Mat4 texture_from_shape{1};       // for Mapping::sphere
-  std::optional<double> tolerance;  // metres in the world: overrides the need
+  std::optional<double> tolerance;  // metres in the world: overrides the budget
   bool prunable = false;            // a mesh whose faces may go where nobody outside can see them
   Source source;
 };
 
-// A picture laid on a shape: over the diffuse colour where its alpha is 1, nothing where it is 0.
+// A texture laid on a shape: over the diffuse colour where its alpha is 1, nothing where it is 0.
 // Seen from outside it is upright along `up`; it reaches half its larger side deep to both sides of
 // the point, and faces away from the normal do not take it.
 struct Decal {
   std::string name;
   std::int32_t instance = 0;
   std::int32_t texture = 0;
-  Vec3 at{0};                  // the picture's centre, in the shape's frame, metres; moved to the
+  Vec3 at{0};                  // the texture's centre, in the shape's frame, metres; moved to the
                                // nearest point of the surface
   std::optional<Vec3> normal;  // outwards, any length; none: the surface's there
   std::optional<Vec3> up;      // any length; none: +z, or +y where the normal is along z
@@ -96,7 +96,7 @@ struct Decal {
   Source source;
 };
 
-// A point whose place in a picture is wanted as truth.
+// A point whose place in an image is wanted as ground truth.
 struct Keypoint {
   std::string name;
   std::int32_t node = 0;
@@ -150,7 +150,7 @@ struct Scene {
   std::vector<Keypoint> keypoints;  // names are unique
   std::vector<Decal> decals;        // later ones lie over earlier ones
   std::vector<Joint> joints;        // names need not be unique
-  Need need;
+  Budget budget;
   std::vector<Input> inputs;  // in order of first use
 };
 
@@ -165,7 +165,7 @@ struct Decomposed {
 };
 std::optional<Decomposed> decomposed(const Mat4& matrix);
 
-// World matrices, one for each node, root first.
+// World matrices, one per node, root first.
 std::vector<Mat4> world_from_nodes(const Scene& scene);
 
 // Whether every index, number and name of a scene is as documented above; says what is not.

@@ -175,7 +175,7 @@ def choice_text(schema):
     out = [MARK.rstrip(), "// Members of Composition: the BRDF of the models that are used."]
     for part, kind, name in (("diffuse", "Vec3", "diffuse"), ("specular", "Real", "lobe")):
         out += ["", f"Real {name}(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {{".replace(
-            "Real", kind, 1), f"  switch (laws.{part}) {{"]
+            "Real", kind, 1), f"  switch (brdf_model.{part}) {{"]
         models = brdfs(schema, part)
         for brdf in models[1:]:
             out += [f"    case {part.capitalize()}Model::{brdf['name']}:",

@@ -109,7 +109,7 @@ def pan_text(schema):
     out += indented(read_lines(schema["structs"]["Material"]["parameter"], "m", schema))
     for part in PARTS:
         model = f"materials::{part.capitalize()}Model"
-        out += [f"  m.{part}_brdf = materials::default_brdf(static_cast<{model}>(r.{part}_law));",
+        out += [f"  m.{part}_brdf = materials::default_brdf(static_cast<{model}>(r.{part}_brdf));",
                 f"  std::visit([&](auto& b) {{ read(r, b); }}, m.{part}_brdf);"]
     for struct in schema["struct"]:
         if struct["name"] == "Material":
@@ -131,7 +131,7 @@ def pan_text(schema):
     out += ["  r.name = name;"]
     out += indented(store_lines(schema["structs"]["Material"]["parameter"], "m", schema))
     for part in PARTS:
-        out += [f"  r.{part}_law = static_cast<std::uint32_t>(m.{part}_brdf.index());",
+        out += [f"  r.{part}_brdf = static_cast<std::uint32_t>(m.{part}_brdf.index());",
                 f"  std::visit([&](const auto& b) {{ store(r, b); }}, m.{part}_brdf);"]
     for struct in schema["struct"]:
         if struct["name"] == "Material":
@@ -150,12 +150,12 @@ def pan_text(schema):
     for brdf in schema["brdf"]:
         if brdf["since"]:
             model = f"materials::{brdf['part'].capitalize()}Model::{brdf['name']}"
-            out += [f"  if (r.{brdf['part']}_law == static_cast<std::uint32_t>({model}))",
+            out += [f"  if (r.{brdf['part']}_brdf == static_cast<std::uint32_t>({model}))",
                     f"    features |= layout::kFeature{feature_name(brdf)};"]
     out += ["  return features;", "}", "",
             "std::optional<std::string> material_limit_broken(const layout::Material& r) {"]
     for part in PARTS:
-        out.append(f"  switch (static_cast<materials::{part.capitalize()}Model>(r.{part}_law)) {{")
+        out.append(f"  switch (static_cast<materials::{part.capitalize()}Model>(r.{part}_brdf)) {{")
         for brdf in brdfs(schema, part):
             lines = limit_lines(brdf["parameter"], "", schema)
             if lines:

@@ -1,4 +1,4 @@
-"""The XSDs of the pxn language, one for each level."""
+"""The XSDs of the pxn language, one per level."""
 
 import copy
 from xml.sax.saxutils import escape, quoteattr

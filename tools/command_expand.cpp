@@ -25,8 +25,8 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments.add("input", options.input, "The model, a .pxn file").required().type("FILE.pxn");
   arguments
       .add("-o,--output", options.output,
-           "The text; pictures are written beside it as PNG, unless they are there (-: standard "
-           "output, without pictures)")
+           "The text; images are written beside it as PNG, unless they are there (-: standard "
+           "output, without textures)")
       .required()
       .type("FILE.pxn");
   declare(arguments, options.read);
@@ -53,20 +53,20 @@ int run(const Options& options, const Host& host) {
   if (!scene) return context.finish();
   const std::size_t errors = log.errors();
   context.step("write");
-  std::vector<std::string> pictures;
+  std::vector<std::string> images;
   if (!standard) {
-    auto written = pxn::write_pictures(*scene, options.output, log);
+    auto written = pxn::write_textures(*scene, options.output, log);
     if (!written) return context.finish();
-    pictures = std::move(*written);
+    images = std::move(*written);
   }
   const std::string text = standard
                                ? pxn::to_text(*scene)
-                               : pxn::to_text(*scene, [&](std::size_t i) { return pictures[i]; });
+                               : pxn::to_text(*scene, [&](std::size_t i) { return images[i]; });
   const bool done = write_file(options.output, as_bytes(text), log);
   context.result()["output"] = options.output;
   context.result()["nodes"] = scene->nodes.size();
   context.result()["shapes"] = scene->instances.size();
-  context.result()["pictures"] = pictures;
+  context.result()["pictures"] = images;
   if (!options.common.json && done && errors > 0)
     fmt::print(stderr, "panwright: wrote {} without what could not be read\n", options.output);
   return context.finish();

@@ -7,10 +7,10 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "importers/clean.h"
-#include "pxn/skeleton.h"
+#include "pxn/import_template.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
-#include "tools/hygiene_page.h"
+#include "tools/mesh_report_page.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -42,7 +42,7 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("OUT");
   arguments
       .add("--report", options.report,
-           "Write what cleaning found: .txt, .json, or .html with pictures")
+           "Write what cleaning found: .txt, .json, or .html with images")
       .type("FILE");
   arguments.flag("--compress", options.compress,
                  "A smaller .pan, slower to load, that programs of format 1.0 refuse");
@@ -147,23 +147,23 @@ void describe(const importers::Imported& imported, CommandContext& context) {
   }
 }
 
-bool write_report(const importers::Hygiene& hygiene, const scene::Scene& scene,
+bool write_report(const importers::MeshReport& mesh_report, const scene::Scene& scene,
                   const Options& options, CommandContext& context) {
   context.step("report");
   const std::string extension = workspace::extension_of(options.report);
   std::string text;
   if (extension == ".json")
-    text = importers::to_json(hygiene);
+    text = importers::to_json(mesh_report);
   else if (extension == ".html")
-    text = hygiene_page(hygiene, scene, options.input, options.open);
+    text = mesh_report_page(mesh_report, scene, options.input, options.open);
   else
-    text = importers::to_text(hygiene);
+    text = importers::to_text(mesh_report);
   return write_file(options.report, as_bytes(text), context.log());
 }
 
 // The pxn text that stands around the file; the file's path as seen from the text's folder.
-void write_skeleton(const importers::Imported& imported, const Options& options,
-                    CommandContext& context) {
+void write_import_template(const importers::Imported& imported, const Options& options,
+                           CommandContext& context) {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::path folder = fs::absolute(options.output, error).parent_path();
@@ -177,10 +177,10 @@ void write_skeleton(const importers::Imported& imported, const Options& options,
         fmt::format("{} does not lie in the folder of {} or below it, where imports are found",
                     in_quotes(options.input), in_quotes(options.output)));
   else
-    write_file(
-        options.output,
-        as_bytes(pxn::skeleton(imported, file.generic_string(), attributes_of(options.open.cad))),
-        context.log());
+    write_file(options.output,
+               as_bytes(pxn::import_template(imported, file.generic_string(),
+                                             attributes_of(options.open.cad))),
+               context.log());
 }
 
 int run(const Options& options, const Host& host) {
@@ -203,7 +203,7 @@ int run(const Options& options, const Host& host) {
   context.add_timings(std::exchange(found.steps, {}));
   if (!imported) return context.finish();
   std::size_t errors = log.errors();
-  if (!options.report.empty() && !write_report(found.hygiene.value_or(importers::Hygiene{}),
+  if (!options.report.empty() && !write_report(found.mesh_report.value_or(importers::MeshReport{}),
                                                imported->scene, options, context))
     return context.finish();
   if (options.output.empty()) {
@@ -214,7 +214,7 @@ int run(const Options& options, const Host& host) {
   context.result()["output"] = options.output;
   if (extension == ".pxn") {
     context.step("write");
-    write_skeleton(*imported, options, context);
+    write_import_template(*imported, options, context);
   } else {
     if (!imported->scene.joints.empty())
       log.report_file(Code::N6007, options.input,

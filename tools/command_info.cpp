@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "base/text.h"
-#include "compiler/need.h"
+#include "compiler/tolerance.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "workspace/open.h"
@@ -64,7 +64,7 @@ Json parameters_json(const Part& part) {
   return out;
 }
 
-using pan::layout::NeedReason;
+using pan::layout::ToleranceReason;
 
 // A length with the unit that keeps it readable.
 std::string length_words(double metres) {
@@ -93,15 +93,15 @@ std::string angle_words(double radians) {
 }
 
 // What decided a tolerance, for people.
-std::string reason_words(const pan::Model& model, NeedReason reason) {
+std::string reason_words(const pan::Model& model, ToleranceReason reason) {
   switch (reason) {
-    case NeedReason::explicit_counts:
+    case ToleranceReason::explicit_counts:
       return "as given";
-    case NeedReason::tolerance:
-      return model.need() && model.need()->tolerance > 0 ? "tolerance" : "default";
-    case NeedReason::shape:
+    case ToleranceReason::tolerance:
+      return model.budget() && model.budget()->tolerance > 0 ? "tolerance" : "default";
+    case ToleranceReason::shape:
       return "the shape's own";
-    case NeedReason::command_line:
+    case ToleranceReason::command_line:
       return "--max-error";
     default:
       return std::string(pan::reason_name(reason));
@@ -133,28 +133,29 @@ Totals totals_of(const pan::Model& model) {
 }
 
 // How many meshes each term decided, in the order of the reasons.
-std::vector<std::pair<NeedReason, std::size_t>> decisions_of(const pan::Model& model) {
+std::vector<std::pair<ToleranceReason, std::size_t>> decisions_of(const pan::Model& model) {
   std::array<std::size_t, 7> counts{};
-  for (const auto& need : model.mesh_needs()) ++counts[need.reason];
-  std::vector<std::pair<NeedReason, std::size_t>> out;
+  for (const auto& budget : model.mesh_tolerances()) ++counts[budget.reason];
+  std::vector<std::pair<ToleranceReason, std::size_t>> out;
   for (std::uint32_t i = 0; i < counts.size(); ++i)
-    if (counts[i] > 0) out.emplace_back(NeedReason{i}, counts[i]);
+    if (counts[i] > 0) out.emplace_back(ToleranceReason{i}, counts[i]);
   return out;
 }
 
 Json need_json(const pan::Model& model) {
-  if (!model.need()) return nullptr;
-  const pan::layout::Need& need = *model.need();
+  if (!model.budget()) return nullptr;
+  const pan::layout::Budget& budget = *model.budget();
   const auto term = [](double value) { return value > 0 ? Json(value) : Json(nullptr); };
-  Json out{{"tolerance", term(need.tolerance)},
-           {"nearest", term(need.nearest)},
-           {"ifov", term(need.ifov)},
-           {"pixels", term(need.pixels)},
-           {"flux", term(need.flux)},
-           {"centroid", term(need.centroid)},
-           {"smallest_tolerance", term(need.smallest)}};
-  const double pixels = compiler::tolerance_of_pixels(need.pixels, need.ifov, need.nearest);
-  const double centroid = compiler::tolerance_of_centroid(need.centroid, need.ifov, need.nearest);
+  Json out{{"tolerance", term(budget.tolerance)},
+           {"nearest", term(budget.nearest)},
+           {"ifov", term(budget.ifov)},
+           {"pixels", term(budget.pixels)},
+           {"flux", term(budget.flux)},
+           {"centroid", term(budget.centroid)},
+           {"smallest_tolerance", term(budget.smallest)}};
+  const double pixels = compiler::tolerance_of_pixels(budget.pixels, budget.ifov, budget.nearest);
+  const double centroid =
+      compiler::tolerance_of_centroid(budget.centroid, budget.ifov, budget.nearest);
   out["gives"] = {{"pixels", term(pixels)}, {"centroid", term(centroid)}};
   out["meshes_decided_by"] = Json::object();
   for (const auto& [reason, count] : decisions_of(model))
@@ -163,15 +164,15 @@ Json need_json(const pan::Model& model) {
 }
 
 Json mesh_need_json(const pan::Model& model, std::size_t mesh) {
-  if (model.mesh_needs().empty()) return nullptr;
-  const auto& need = model.mesh_needs()[mesh];
-  const bool asked = need.tolerance > 0;
-  return {{"tolerance", asked ? Json(need.tolerance) : Json(nullptr)},
-          {"ratio", asked ? Json(model.meshes()[mesh].error / need.tolerance) : Json(nullptr)},
-          {"reason", pan::reason_name(NeedReason{need.reason})}};
+  if (model.mesh_tolerances().empty()) return nullptr;
+  const auto& budget = model.mesh_tolerances()[mesh];
+  const bool asked = budget.tolerance > 0;
+  return {{"tolerance", asked ? Json(budget.tolerance) : Json(nullptr)},
+          {"ratio", asked ? Json(model.meshes()[mesh].error / budget.tolerance) : Json(nullptr)},
+          {"reason", pan::reason_name(ToleranceReason{budget.reason})}};
 }
 
-Json truth_json(const pan::Model& model) {
+Json ground_truth_json(const pan::Model& model) {
   Json out;
   out["keypoints"] = Json::array();
   const auto world = model.world_from_nodes();
@@ -246,8 +247,10 @@ Json tables_json(const pan::Model& model) {
     const materials::Material full = pan::material_from(material, {});
     out["materials"].push_back(
         {{"name", model.material_name(i)},
-         {"diffuse_law", diffuse_word(material.diffuse_law)},
-         {"specular_law", specular_word(material.specular_law)},
+         {"diffuse_model", diffuse_word(material.diffuse_brdf)},
+         {"specular_model", specular_word(material.specular_brdf)},
+         {"diffuse_law", diffuse_word(material.diffuse_brdf)},  // as it was called
+         {"specular_law", specular_word(material.specular_brdf)},
          {"diffuse_brdf", parameters_json(full.diffuse_brdf)},
          {"specular_brdf", parameters_json(full.specular_brdf)},
          {"coat", full.coat ? parameters_json(*full.coat) : Json(nullptr)},
@@ -261,7 +264,7 @@ Json tables_json(const pan::Model& model) {
                              {"triangles", mesh.triangle_count},
                              {"vertices", mesh.vertex_count},
                              {"error", mesh.error},
-                             {"need", mesh_need_json(model, i)},
+                             {"budget", mesh_need_json(model, i)},
                              {"closed", (mesh.flags & pan::layout::kMeshClosed) != 0}});
   }
   out["textures"] = Json::array();
@@ -290,49 +293,50 @@ std::string plural(std::uint64_t n, const char* one, const char* many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);
 }
 
-constexpr double kRoundingAlone = 5e-3;  // of what was asked: the chords of round shapes take most
+constexpr double kRoundingAlone =
+    5e-3;  // of what was asked: the chords of surfaces of revolution take most
 
 // "error 0.21 mm of 0.25 mm asked (86 %, flux)"
 std::string mesh_error_words(const pan::Model& model, std::size_t i) {
   const double error = model.meshes()[i].error;
   const std::string achieved = error > 0 ? length_words(error) : "0";
-  if (model.mesh_needs().empty()) return fmt::format("error {} in its own frame", achieved);
-  const auto& need = model.mesh_needs()[i];
-  const std::string reason = reason_words(model, NeedReason{need.reason});
-  if (!(need.tolerance > 0)) return fmt::format("error {} ({})", achieved, reason);
-  const double ratio = error / need.tolerance;
+  if (model.mesh_tolerances().empty()) return fmt::format("error {} in its own frame", achieved);
+  const auto& budget = model.mesh_tolerances()[i];
+  const std::string reason = reason_words(model, ToleranceReason{budget.reason});
+  if (!(budget.tolerance > 0)) return fmt::format("error {} ({})", achieved, reason);
+  const double ratio = error / budget.tolerance;
   // what is flat is exact, whatever was asked
   return fmt::format(
-      "error {} of {} asked ({})", achieved, length_words(need.tolerance),
+      "error {} of {} asked ({})", achieved, length_words(budget.tolerance),
       ratio < kRoundingAlone ? "rounding alone" : fmt::format("{:.0f} %, {}", 100 * ratio, reason));
 }
 
 void print_need(const pan::Model& model) {
-  if (!model.need()) return;
-  const pan::layout::Need& need = *model.need();
+  if (!model.budget()) return;
+  const pan::layout::Budget& budget = *model.budget();
   std::vector<std::string> lines;
-  if (need.nearest > 0 && need.ifov > 0)
+  if (budget.nearest > 0 && budget.ifov > 0)
     lines.push_back(fmt::format("nearest {}, {} a pixel: a pixel covers {}",
-                                length_words(need.nearest), angle_words(need.ifov),
-                                length_words(need.nearest * need.ifov)));
-  if (need.tolerance > 0)
-    lines.push_back(fmt::format("tolerance {}", length_words(need.tolerance)));
-  if (need.pixels > 0)
+                                length_words(budget.nearest), angle_words(budget.ifov),
+                                length_words(budget.nearest * budget.ifov)));
+  if (budget.tolerance > 0)
+    lines.push_back(fmt::format("tolerance {}", length_words(budget.tolerance)));
+  if (budget.pixels > 0)
     lines.push_back(fmt::format(
-        "silhouettes to {:.4g} px, gives {}", need.pixels,
-        length_words(compiler::tolerance_of_pixels(need.pixels, need.ifov, need.nearest))));
-  if (need.centroid > 0)
-    lines.push_back(fmt::format(
-        "photocentres to {:.4g} px, gives {}", need.centroid,
-        length_words(compiler::tolerance_of_centroid(need.centroid, need.ifov, need.nearest))));
-  if (need.flux > 0)
+        "silhouettes to {:.4g} px, gives {}", budget.pixels,
+        length_words(compiler::tolerance_of_pixels(budget.pixels, budget.ifov, budget.nearest))));
+  if (budget.centroid > 0)
+    lines.push_back(fmt::format("photocentres to {:.4g} px, gives {}", budget.centroid,
+                                length_words(compiler::tolerance_of_centroid(
+                                    budget.centroid, budget.ifov, budget.nearest))));
+  if (budget.flux > 0)
     lines.push_back(fmt::format("flux to {:.4g} %, gives {:.3g} % of a shape's radius",
-                                100 * need.flux, 100 * need.flux / compiler::kFluxFactor));
+                                100 * budget.flux, 100 * budget.flux / compiler::kFluxFactor));
   std::string decided;
   for (const auto& [reason, count] : decisions_of(model))
     decided += fmt::format("{}{} for {}", decided.empty() ? "decided by " : ", ",
                            reason_words(model, reason), plural(count, "mesh", "meshes"));
-  if (need.smallest > 0) decided += "; finest " + length_words(need.smallest) + " in the world";
+  if (budget.smallest > 0) decided += "; finest " + length_words(budget.smallest) + " in the world";
   if (!decided.empty()) lines.push_back(decided);
   const char* label = "budget";
   for (const std::string& line : lines) {
@@ -349,8 +353,8 @@ void print_mesh(const pan::Model& model, std::size_t i) {
              mesh.flags & pan::layout::kMeshClosed ? "closed" : "open", mesh_error_words(model, i));
 }
 
-// Of all meshes together: how many triangles, the largest error, and the largest share of what was
-// asked.
+// Of all meshes together: the number of triangles, the largest error, and the largest share of what
+// was asked.
 std::string meshes_words(const pan::Model& model, const Totals& totals) {
   std::string words = counted(totals.unique_triangles, "triangle");
   const auto meshes = model.meshes();
@@ -365,8 +369,8 @@ std::string meshes_words(const pan::Model& model, const Totals& totals) {
                : "; no error";
   double ratio = 0;
   auto nearest = meshes.end();
-  for (std::size_t i = 0; i < model.mesh_needs().size(); ++i) {
-    const double tolerance = model.mesh_needs()[i].tolerance;
+  for (std::size_t i = 0; i < model.mesh_tolerances().size(); ++i) {
+    const double tolerance = model.mesh_tolerances()[i].tolerance;
     if (!(tolerance > 0) || meshes[i].error / tolerance <= ratio) continue;
     ratio = meshes[i].error / tolerance;
     nearest = meshes.begin() + static_cast<std::ptrdiff_t>(i);
@@ -413,11 +417,11 @@ void print_materials(const pan::Model& model) {
     add(material.reflectance_map, "reflectance");
     add(material.cutout_map, "cutout");
     fmt::print("material  {}: {} + {}{}\n", model.material_name(i),
-               diffuse_word(material.diffuse_law), specular_word(material.specular_law), maps);
+               diffuse_word(material.diffuse_brdf), specular_word(material.specular_brdf), maps);
   }
 }
 
-void print_truth(const pan::Model& model) {
+void print_ground_truth(const pan::Model& model) {
   for (std::size_t i = 0; i < model.frames().size(); ++i)
     fmt::print("frame     {} at {}\n", model.frame_name(i),
                place_words(Vec3(model.world_from_frame(i)[3])));
@@ -475,14 +479,14 @@ void print_text(const std::string& path, const pan::Model& model, const Totals& 
   fmt::print("{}: {}, {}, {} in {}\n", path, counted(model.bytes().size(), "byte"),
              counted(totals.triangles, "triangle"), counted(model.instances().size(), "instance"),
              plural(model.meshes().size(), "mesh", "meshes"));
-  std::string truth;
+  std::string ground_truth;
   const auto add = [&](std::size_t count, const char* noun) {
-    if (count > 0) truth += (truth.empty() ? "" : ", ") + counted(count, noun);
+    if (count > 0) ground_truth += (ground_truth.empty() ? "" : ", ") + counted(count, noun);
   };
   add(model.frames().size(), "frame");
   add(model.keypoints().size(), "keypoint");
   add(model.decals().size(), "decal");
-  if (!truth.empty()) fmt::print("with      {}\n", truth);
+  if (!ground_truth.empty()) fmt::print("with      {}\n", ground_truth);
   fmt::print("made by   {} ({})\n", model.version(), model.options());
   fmt::print("build id  {}\n", model.build_id().hex());
   print_storage(model);
@@ -496,7 +500,7 @@ void print_text(const std::string& path, const pan::Model& model, const Totals& 
   for (std::size_t i = 0; i < model.textures().size(); ++i)
     fmt::print("texture   {}: {}x{}\n", model.texture_name(i), model.textures()[i].width,
                model.textures()[i].height);
-  print_truth(model);
+  print_ground_truth(model);
   for (const auto& input : model.inputs())
     fmt::print("input     {}, {} bytes\n", model.string(input.path), input.bytes);
 }
@@ -532,7 +536,7 @@ int run(const Options& options, const Host& host) {
   out["instances"] = instances_json(*model);
   out["budget"] = need_json(*model);
   out.update(tables_json(*model));
-  out.update(truth_json(*model));
+  out.update(ground_truth_json(*model));
   out["sections"] = sections_json(*model);
   if (!options.common.json) print_text(options.input, *model, totals, options.meshes);
   return context.finish();

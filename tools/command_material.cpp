@@ -17,9 +17,9 @@
 #include "pxn/materials.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
-#include "tools/label.h"
 #include "tools/material_plots.h"
 #include "tools/material_scene.h"
+#include "tools/overlay_text.h"
 #include "workspace/drawer.h"
 #include "workspace/open.h"
 #include "workspace/views.h"
@@ -58,12 +58,12 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments.add("--svg", options.svg, "Write plots of albedo and lobes into this folder")
       .folder()
       .type("FOLDER");
-  arguments.add("--fit", options.fit, "Fit our laws to a table of measured reflectance")
+  arguments.add("--fit", options.fit, "Fit our BRDFs to a table of measured reflectance")
       .type("TABLE");
   arguments
       .add("--render", options.render, "Draw a sphere, a tilted tile and a wrinkled tile of each")
       .type("FILE.png");
-  arguments.add("--width", options.width, "Pixels across one material's picture")
+  arguments.add("--width", options.width, "Pixels across one material's texture")
       .range(60, 4096)
       .type("PIXELS");
   arguments.add("--engine", options.engine, "gl or reference")
@@ -184,12 +184,13 @@ std::optional<double> computed_absorptance(const DescribedMaterial& described) {
   return materials::solar_absorptance(stack, 1);
 }
 
-Json certificate_json(const DescribedMaterial& described, const materials::MaterialReport& c,
-                      const Speed& speed) {
+Json report_json(const DescribedMaterial& described, const materials::MaterialReport& c,
+                 const Speed& speed) {
   const pxn::Provenance& from = described.provenance;
   Json out;
   out["name"] = described.material.name;
-  out["laws"] = materials::laws_in_words(described.material);
+  out["brdf"] = materials::brdf_in_words(described.material);
+  out["laws"] = out["brdf"];  // as it was called
   out["directional_albedo"] = Json::array();
   for (const auto& each : c.directional)
     out["directional_albedo"].push_back({{"mu", each.mu}, {"rgb", as_json(each.rgb)}});
@@ -219,9 +220,9 @@ void print_provenance(const pxn::Provenance& from) {
     if (!words->empty()) fmt::print("{:<21} {}\n", name, *words);
 }
 
-void print_certificate(const DescribedMaterial& described, const materials::MaterialReport& c,
-                       const Speed& speed) {
-  fmt::print("{}: {}\n", described.material.name, materials::laws_in_words(described.material));
+void print_report(const DescribedMaterial& described, const materials::MaterialReport& c,
+                  const Speed& speed) {
+  fmt::print("{}: {}\n", described.material.name, materials::brdf_in_words(described.material));
   print_provenance(described.provenance);
   fmt::print("cosine  angle   directional albedo at 650, 550, 450 nm\n");
   for (const auto& each : c.directional)
@@ -261,8 +262,8 @@ bool write_plots(const std::string& folder, const materials::Material& material,
   return write("-albedo.svg", albedo_plot(material)) && write("-slices.svg", slices_plot(material));
 }
 
-// One picture of a material's samples.
-Result<preview::Image> sample_picture(const materials::Material& material, const Options& options,
+// One image of a material's samples.
+Result<preview::Image> sample_texture(const materials::Material& material, const Options& options,
                                       workspace::Drawer& drawer, CommandContext& context) {
   DiagnosticLog& log = context.log();
   const auto bytes = compiler::compiled(sample_scene(material), {}, log, context.job());
@@ -278,7 +279,7 @@ Result<preview::Image> sample_picture(const materials::Material& material, const
   return std::move(drawn->image);
 }
 
-// All pictures on one sheet, in columns, with their names.
+// All images on one sheet, in columns, with their names.
 bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& options,
                  CommandContext& context) {
   workspace::DrawOptions draw;
@@ -307,17 +308,17 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& optio
   sheet.coverage.assign(sheet.pixels(), 0.0f);
   for (std::size_t i = 0; i < all.size(); ++i) {
     context.step("render " + all[i].material.name);
-    const auto picture = sample_picture(all[i].material, options, *drawer, context);
-    if (!picture) return false;
+    const auto image = sample_texture(all[i].material, options, *drawer, context);
+    if (!image) return false;
     const auto x = static_cast<std::uint32_t>(i % columns) * options.width;
     const auto y = static_cast<std::uint32_t>(i / columns) * cell_height;
-    write_label(sheet, x + 10, y + 8, 2, all[i].material.name);
-    for (std::uint32_t row = 0; row < picture->height; ++row) {
-      const std::size_t from = std::size_t{row} * picture->width;
+    write_overlay_text(sheet, x + 10, y + 8, 2, all[i].material.name);
+    for (std::uint32_t row = 0; row < image->height; ++row) {
+      const std::size_t from = std::size_t{row} * image->width;
       const std::size_t to = std::size_t{y + kLabelHeight + row} * sheet.width + x;
-      std::copy_n(picture->radiance.begin() + static_cast<std::ptrdiff_t>(3 * from),
-                  3 * picture->width, sheet.radiance.begin() + static_cast<std::ptrdiff_t>(3 * to));
-      std::copy_n(picture->coverage.begin() + static_cast<std::ptrdiff_t>(from), picture->width,
+      std::copy_n(image->radiance.begin() + static_cast<std::ptrdiff_t>(3 * from), 3 * image->width,
+                  sheet.radiance.begin() + static_cast<std::ptrdiff_t>(3 * to));
+      std::copy_n(image->coverage.begin() + static_cast<std::ptrdiff_t>(from), image->width,
                   sheet.coverage.begin() + static_cast<std::ptrdiff_t>(to));
     }
   }
@@ -325,7 +326,7 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& optio
   return preview::write_image(options.render, sheet, 0, context.log());
 }
 
-// Laws fitted to a table, the best first, and the best as text.
+// BrdfModel fitted to a table, the best first, and the best as text.
 void fit_table(const Options& options, CommandContext& context) {
   context.step("read " + options.fit);
   const auto readings = materials::read_measured(options.fit, context.log());
@@ -340,23 +341,24 @@ void fit_table(const Options& options, CommandContext& context) {
     context.log().report_file(Code::E1409, options.fit, "every reading is 0");
     return;
   }
-  const std::vector<materials::Fit> fits = materials::fitted_laws(*readings, floor);
+  const std::vector<materials::Fit> fits = materials::fitted_brdfs(*readings, floor);
   Json& out = context.result();
   out["readings"] = readings->size();
   out["fits"] = Json::array();
   if (!context.options().json)
     fmt::print(
         "{} of {}, those below {:.2g}/sr taken as that\n"
-        "RMS of log10(law/reading), largest, RMS of the difference in 1/sr\n",
+        "RMS of log10(BRDF/reading), largest, RMS of the difference in 1/sr\n",
         counted(readings->size(), "reading"), options.fit, floor);
   for (const materials::Fit& fit : fits) {
-    out["fits"].push_back({{"law", fit.law},
+    out["fits"].push_back({{"brdf", fit.brdf},
+                           {"law", fit.brdf},  // as it was called
                            {"rms_decades", fit.rms_decades},
                            {"max_decades", fit.max_decades},
                            {"rms", fit.rms},
                            {"text", fit.text}});
     if (!context.options().json)
-      fmt::print("{:<30} {:.3f}  {:.3f}  {:.4g}\n", fit.law, fit.rms_decades, fit.max_decades,
+      fmt::print("{:<30} {:.3f}  {:.3f}  {:.4g}\n", fit.brdf, fit.rms_decades, fit.max_decades,
                  fit.rms);
   }
   if (!context.options().json)
@@ -373,7 +375,7 @@ void list(const CommandContext& context) {
     DiagnosticLog log;
     const auto preset = pxn::preset(name, log);
     if (preset && !context.options().json)
-      fmt::print("{:<24} {}\n", name, materials::laws_in_words(preset->material));
+      fmt::print("{:<24} {}\n", name, materials::brdf_in_words(preset->material));
   }
 }
 
@@ -413,12 +415,12 @@ int run(const Options& options, const Host& host) {
       break;
     }
     context.step("certify " + each.material.name);
-    const materials::MaterialReport certificate = materials::material_report(each.material, *mus);
+    const materials::MaterialReport report = materials::material_report(each.material, *mus);
     const Speed speed = speed_of(each.material);
-    out["materials"].push_back(certificate_json(each, certificate, speed));
+    out["materials"].push_back(report_json(each, report, speed));
     if (!options.common.json) {
       if (&each != &all.front()) fmt::print("\n");
-      print_certificate(each, certificate, speed);
+      print_report(each, report, speed);
     }
     if (!options.svg.empty() && !write_plots(options.svg, each.material, context)) break;
   }

@@ -306,7 +306,7 @@ int run(const Options& options, const Host& host) {
   }
   auto read = options.read.opening(log);
   if (!read) return context.finish();
-  // what nobody outside sees costs a picture less than its removal
+  // what nobody outside sees costs an image less than its removal
   read->prune = false;
   std::vector<workspace::TargetFile> targets;
   for (const std::string& text : options.targets) targets.push_back(workspace::target_file(text));

@@ -184,7 +184,7 @@ std::string fit_plot(const std::vector<materials::Reading>& readings, const mate
   }
   const double bottom = std::floor(det::log10(least));
   const double top = std::max(std::ceil(det::log10(most)), bottom + 1);
-  Plot plot(fmt::format("{}: {:.3f} decades RMS", fit.law, fit.rms_decades),
+  Plot plot(fmt::format("{}: {:.3f} decades RMS", fit.brdf, fit.rms_decades),
             "viewing angle, degrees (light from the left)", "f, 1/sr", -90, 90, bottom, top);
   for (int x = -90; x <= 90; x += 30) plot.x_tick(x, std::to_string(x));
   for (double y = bottom; y <= top; y += 1) plot.y_tick(y, fmt::format("1e{:.0f}", y));

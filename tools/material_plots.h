@@ -17,7 +17,7 @@ std::string albedo_plot(const materials::Material& material);
 // light from 0°, 30°, 60° and 80°; mean of the channels, under the Sun's disc.
 std::string slices_plot(const materials::Material& material);
 
-// Readings in the plane of incidence as dots, and a law fitted to them as lines, over the viewing
+// Readings in the plane of incidence as dots, and a BRDF fitted to them as lines, over the viewing
 // angle; one colour for each of up to four angles of the light. Logarithmic.
 std::string fit_plot(const std::vector<materials::Reading>& readings, const materials::Fit& fit);
 

@@ -83,7 +83,7 @@ Quat facing(const Vec3& normal) {
 scene::Scene sample_scene(const materials::Material& material) {
   scene::Scene scene;
   scene.materials.push_back(material);
-  scene.need.tolerance = 2e-4;
+  scene.budget.tolerance = 2e-4;
   scene::Node root;
   root.name = "root";
   scene.nodes.push_back(root);

@@ -66,15 +66,15 @@ bool Drawer::prepare(const world::World& world, DiagnosticLog& log, const Job& j
   return true;
 }
 
-bool Drawer::submit(const world::World& world, const world::Camera& camera, bool truth,
+bool Drawer::submit(const world::World& world, const world::Camera& camera, bool ground_truth,
                     DiagnosticLog& log, const Job& job) {
   if (impl_->renderer) {
     preview::RenderOptions options = impl_->options.gl;
-    options.truth = truth;
+    options.ground_truth = ground_truth;
     return impl_->renderer->submit(world, camera, options, log, job);
   }
   preview::ReferenceOptions options = impl_->options.reference;
-  options.truth = truth;
+  options.ground_truth = ground_truth;
   auto traced = impl_->reference.render(world, camera, options, log, job);
   if (!traced) {
     if (job.cancelled()) impl_->traced.clear();
@@ -108,9 +108,9 @@ void Drawer::recycle(preview::Image image) {
   if (impl_->renderer) impl_->renderer->recycle(std::move(image));
 }
 
-Result<Drawn> Drawer::draw(const world::World& world, const world::Camera& camera, bool truth,
-                           DiagnosticLog& log, const Job& job) {
-  if (!submit(world, camera, truth, log, job)) return failed;
+Result<Drawn> Drawer::draw(const world::World& world, const world::Camera& camera,
+                           bool ground_truth, DiagnosticLog& log, const Job& job) {
+  if (!submit(world, camera, ground_truth, log, job)) return failed;
   return collect(log, job);
 }
 

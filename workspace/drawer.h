@@ -84,7 +84,7 @@ class Drawer {
   // was begun before stays, but after E0001 and E5001, when all is dropped, and after a failure of
   // collect().
   static constexpr std::size_t kMostInFlight = preview::Renderer::kMostInFlight;
-  bool submit(const world::World& world, const world::Camera& camera, bool truth,
+  bool submit(const world::World& world, const world::Camera& camera, bool ground_truth,
               DiagnosticLog& log, const Job& job = {});
   Result<Drawn> collect(DiagnosticLog& log, const Job& job = {});
   std::size_t in_flight() const;
@@ -93,10 +93,10 @@ class Drawer {
 
   // Draws a world.
   //
-  //   truth  whether the truth layers are wanted
+  //   truth  whether the ground truth layers are wanted
   // Expects: targets; camera, Sun and options as the engine wants them.
   // Fails: E0001, E5003. Reports: W5006, W5008.
-  Result<Drawn> draw(const world::World& world, const world::Camera& camera, bool truth,
+  Result<Drawn> draw(const world::World& world, const world::Camera& camera, bool ground_truth,
                      DiagnosticLog& log, const Job& job = {});
 
  private:

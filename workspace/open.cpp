@@ -154,7 +154,7 @@ Result<importers::Imported> read_cad(const std::filesystem::path& path, const Op
     clean.crease_angle = cad.crease_deg * kDegree;
     auto found = importers::clean_up(imported->scene, clean, log, job);
     if (!found) return failed;
-    if (report != nullptr) report->hygiene = *std::move(found);
+    if (report != nullptr) report->mesh_report = *std::move(found);
   }
   for (scene::Instance& instance : imported->scene.instances) instance.prunable = !cad.keep_hidden;
   return imported;

@@ -14,8 +14,8 @@
 #include "base/result.h"
 #include "compiler/compile.h"
 #include "compiler/hidden.h"
-#include "importers/hygiene.h"
 #include "importers/import.h"
+#include "importers/mesh_report.h"
 #include "scene/scene.h"
 #include "world/world.h"
 
@@ -47,7 +47,7 @@ struct OpenOptions {
   std::uint64_t max_triangles = 1ull << 27;
   CadOptions cad;  // for models that are CAD files
   // Whether imports with hidden="remove" (the default), and CAD files unless keep_hidden, lose what
-  // no picture from outside shows. A model that is shown once and not stored may do without.
+  // no image from outside shows. A model that is shown once and not stored may do without.
   bool prune = true;
 };
 
@@ -60,8 +60,8 @@ struct Step {
 // What opening a file, or part of it, has found. Calls add to it.
 struct OpenReport {
   std::vector<Step> steps;
-  std::optional<importers::Hygiene> hygiene;     // of a CAD file that was cleaned
-  std::optional<compiler::HiddenReport> hidden;  // where something might have gone
+  std::optional<importers::MeshReport> mesh_report;  // of a CAD file that was cleaned
+  std::optional<compiler::HiddenReport> hidden;      // where something might have gone
 };
 
 // The extension in lower case, with its point. Empty: none.

@@ -174,9 +174,9 @@ class Run {
     job_.poll();
     const View& view = views_[index];
     pose(view);
-    const bool truth = preview::stores_truth(*preview::image_format(view.output));
+    const bool ground_truth = preview::stores_ground_truth(*preview::image_format(view.output));
     const auto start = Clock::now();
-    if (!drawer_->submit(current_, view.camera, truth, log_, job_)) return false;
+    if (!drawer_->submit(current_, view.camera, ground_truth, log_, job_)) return false;
     Drawing drawing;
     drawing.view = index;
     drawing.ev = view.ev - stops_of_sun(current_.sun());

@@ -21,7 +21,7 @@ struct Bounds {
 // large translations of both cancel in double before the small ones of the nodes are added.
 struct EvaluatedInstance {
   Stamp shape_stamp = 0;                   // of the state that this is evaluated from
-  std::vector<Mat4> model_from_nodes;      // one for each node of the model
+  std::vector<Mat4> model_from_nodes;      // one per node of the model
   std::vector<std::uint8_t> node_visible;  // 0 or 1, what is above a node included
   // Of the boxes of all visible meshes: at least what is there, no less. None: nothing is visible.
   std::optional<Bounds> bounds;

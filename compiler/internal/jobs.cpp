@@ -52,7 +52,7 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
   std::vector<Stretch> stretches(world.size());
   for (std::size_t i = 0; i < world.size(); ++i) stretches[i] = stretch_of(world[i]);
   Plan plan;
-  plan.asked = scene.need.any() || options.max_error.has_value();
+  plan.asked = scene.budget.any() || options.max_error.has_value();
   std::map<JobKey, std::uint32_t> known;
   for (const scene::Instance& instance : scene.instances) {
     const auto shape = static_cast<std::size_t>(instance.shape);
@@ -61,7 +61,7 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
     job.textured = needs_texcoords(scene, instance);
     job.mapping = instance.mapping;
     job.texture_from_shape = instance.texture_from_shape;
-    // a picture of the file's own lies where the file says: nowhere
+    // a texture of the file's own lies where the file says: nowhere
     if (const auto* mesh = std::get_if<geometry::MeshShape>(job.shape))
       job.boxed = job.textured && instance.texture == scene::kNone && (*mesh)->texcoords.empty();
     job.user = &instance;
@@ -70,11 +70,11 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
     if (added) plan.jobs.push_back(std::move(job));
     plan.job_of.push_back(place->second);
     const Stretch& stretch = stretches[static_cast<std::size_t>(instance.node)];
-    const Tolerance tolerance = tolerance_for(scene.need, scene.shapes[shape], stretch,
+    const Tolerance tolerance = tolerance_for(scene.budget, scene.shapes[shape], stretch,
                                               {instance.tolerance, options.max_error});
     refine(plan.jobs[place->second], tolerance, stretch);
     plan.asked |= instance.tolerance.has_value();
-    if (tolerance.reason != pan::layout::NeedReason::explicit_counts)
+    if (tolerance.reason != pan::layout::ToleranceReason::explicit_counts)
       plan.smallest =
           plan.smallest > 0 ? std::min(plan.smallest, tolerance.metres) : tolerance.metres;
   }
@@ -82,7 +82,7 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
     const auto instance = static_cast<std::size_t>(scene.decals[i].instance);
     plan.jobs[plan.job_of[instance]].decals.push_back(static_cast<std::uint32_t>(i));
   }
-  share_rims(world, scene, plan);
+  share_circular_edges(world, scene, plan);
   return plan;
 }
 
@@ -91,7 +91,7 @@ geometry::TessellationOptions tessellation_of(const MeshJob& job, const Options&
   out.max_error = job.max_error;
   out.max_triangles = options.max_triangles;
   out.texcoords = job.textured && !job.projected();
-  out.rim_segments = job.rim_segments;
+  out.edge_segments = job.edge_segments;
   return out;
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "compiler/compile.h"
-#include "compiler/need.h"
+#include "compiler/tolerance.h"
 #include "geometry/tessellate/tessellate.h"
 #include "scene/scene.h"
 
@@ -20,16 +20,16 @@ struct MeshJob {
   bool boxed = false;  // a mesh without texture coordinates that gets those of its bounds
   const scene::Instance* user = nullptr;  // the first one
   double max_error = 0;                   // metres in the shape's frame, > 0: the smallest asked
-  pan::layout::NeedReason reason = pan::layout::NeedReason::tolerance;
-  std::uint32_t rim_segments = 0;  // 0: as many as the error needs
+  pan::layout::ToleranceReason reason = pan::layout::ToleranceReason::tolerance;
+  std::uint32_t edge_segments = 0;  // 0: as many as the error needs
   std::vector<std::uint32_t> decals;
   bool projected() const { return textured && mapping == scene::Mapping::sphere; }
 };
 
 struct Plan {
   std::vector<MeshJob> jobs;
-  std::vector<std::uint32_t> job_of;  // one for each instance
-  bool asked = false;                 // by a need, an instance or the command line
+  std::vector<std::uint32_t> job_of;  // one per instance
+  bool asked = false;                 // by a budget, an instance or the command line
   double smallest = 0;                // tolerance in the world, metres; 0: nothing was left open
 };
 
@@ -41,12 +41,13 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
 
 geometry::TessellationOptions tessellation_of(const MeshJob& job, const Options& options);
 
-// Gives jobs whose rims meet in the world as many segments as the most that one of them needs, so
-// that their vertices meet too. Rims meet that have centre, axis and radius in common to 1e-6 of
-// the radius. Where they are turned against each other up to an eighth more segments are tried;
-// where none fits, and where an ellipse was made of a rim, they are left alone.
+// Gives jobs whose circular edges meet in the world as many segments as the most that one of them
+// needs, so that their vertices meet too. CircularEdges meet that have centre, axis and radius in
+// common to 1e-6 of the radius. Where they are turned against each other up to an eighth more
+// segments are tried; where none fits, and where an ellipse was made of a circular edge, they are
+// left alone.
 //
 // Cost: O(instances) expected, whatever their number at one place.
-void share_rims(const std::vector<Mat4>& world, const scene::Scene& scene, Plan& plan);
+void share_circular_edges(const std::vector<Mat4>& world, const scene::Scene& scene, Plan& plan);
 
 }  // namespace panwright::compiler::internal

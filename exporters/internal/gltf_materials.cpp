@@ -17,7 +17,7 @@ double unit(double x) { return std::clamp(x, 0.0, 1.0); }
 ordered_json list(const Vec3& v) { return ordered_json::array({unit(v.x), unit(v.y), unit(v.z)}); }
 
 // Reflectance at normal incidence.
-Vec3 facing_reflectance(const materials::Material& m) {
+Vec3 reflectance_at_normal(const materials::Material& m) {
   if (!m.refract) return Vec3(1);
   Vec3 f(1);
   for (int c = 0; c < 3; ++c) {
@@ -37,12 +37,12 @@ double slope_of(const materials::Material& m) {
 
 void list_lost(const materials::Material& m, std::set<std::string>& lost) {
   if (m.diffuse_model() != DiffuseModel::lambert && m.weights.x > 0)
-    lost.insert("diffuse laws other than Lambert's");
+    lost.insert("diffuse BRDFs other than Lambert's");
   const auto slopes = materials::slopes_of(m);
   if (slopes && slopes->x != slopes->y) lost.insert("slopes that differ along u and v");
   const SpecularModel model = m.specular_model();
   if (model != SpecularModel::none && model != SpecularModel::ggx && model != SpecularModel::mirror)
-    lost.insert("specular laws other than GGX");
+    lost.insert("specular BRDFs other than GGX");
   if (m.cells) lost.insert("solar cells");
   if (m.coat && (m.coat->index != 1.5 || m.coat->depth != Vec3(0)))
     lost.insert("index and depth of coats");
@@ -56,7 +56,7 @@ bool shines(const materials::Material& m) {
 }  // namespace
 
 bool is_coloured_metal(const materials::Material& m) {
-  return m.maps.reflectance >= 0 && materials::laws_of(m).mapped && shines(m) &&
+  return m.maps.reflectance >= 0 && materials::brdf_model_of(m).mapped && shines(m) &&
          m.weights.x * m.diffuse == Vec3(0) && !m.cells;
 }
 
@@ -65,17 +65,17 @@ ordered_json exported(const materials::Material& m, std::set<std::string>& lost,
   list_lost(m, lost);
   ordered_json json = {{"name", m.name}};
   const Vec3 diffuse = m.weights.x * m.diffuse;
-  const bool coloured = is_coloured_metal(m);
-  const Vec3 reflectance = coloured ? Vec3(1) : facing_reflectance(m);
-  const Vec3 facing = shines(m) ? m.weights.y * m.specular * reflectance : Vec3(0);
+  const bool colored = is_coloured_metal(m);
+  const Vec3 reflectance = colored ? Vec3(1) : reflectance_at_normal(m);
+  const Vec3 f0 = shines(m) ? m.weights.y * m.specular * reflectance : Vec3(0);
   // what reflects more than any clear dielectric, and more than it scatters, is a metal
   const bool metal =
-      coloured || (shines(m) && (m.extinction != Vec3(0) ||
-                                 (mean(facing) > 0.2 && mean(facing) > mean(diffuse))));
+      colored ||
+      (shines(m) && (m.extinction != Vec3(0) || (mean(f0) > 0.2 && mean(f0) > mean(diffuse))));
   ordered_json pbr;
   ordered_json more = ordered_json::object();
   if (metal && mean(diffuse) > 0) lost.insert("the diffuse part of metals");
-  const Vec3 base = metal ? facing : diffuse / glm::max(Vec3(1) - facing, Vec3(1e-3));
+  const Vec3 base = metal ? f0 : diffuse / glm::max(Vec3(1) - f0, Vec3(1e-3));
   pbr["baseColorFactor"] = {unit(base.x), unit(base.y), unit(base.z), 1.0};
   pbr["metallicFactor"] = metal ? 1.0 : 0.0;
   pbr["roughnessFactor"] = unit(std::sqrt(slope_of(m)));
@@ -94,7 +94,7 @@ ordered_json exported(const materials::Material& m, std::set<std::string>& lost,
       // no index: its strength over that of glass
       more["KHR_materials_specular"] = {
           {"specularFactor", 1.0},
-          {"specularColorFactor", {facing.x / 0.04, facing.y / 0.04, facing.z / 0.04}}};
+          {"specularColorFactor", {f0.x / 0.04, f0.y / 0.04, f0.z / 0.04}}};
     }
   }
   json["pbrMetallicRoughness"] = std::move(pbr);

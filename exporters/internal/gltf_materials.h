@@ -13,7 +13,7 @@ namespace panwright::exporters {
 // nothing else.
 bool is_coloured_metal(const materials::Material& material);
 
-// What glTF's material keeps of ours, without pictures. Of a coloured metal, the factor of its map.
+// What glTF's material keeps of ours, without textures. Of a coloured metal, the factor of its map.
 //
 //   lost        gets what it does not keep
 //   extensions  gets the names of those that are used

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "geometry/internal/first_equal.h"
+#include "geometry/internal/deduplicate.h"
 
 namespace panwright::geometry {
 
@@ -112,7 +112,7 @@ std::vector<std::uint32_t> welded_by_sorting(std::span<const Vec3> positions) {
 
 std::vector<std::uint32_t> welded(std::span<const Vec3> positions) {
   if (positions.size() <= kFew) return welded_by_comparing(positions);
-  auto first = first_equal(
+  auto first = deduplicate(
       positions.size(), [&](std::uint32_t i) { return mixed(key_of(positions[i])); },
       [&](std::uint32_t a, std::uint32_t b) {
         return key_of(positions[a]) == key_of(positions[b]);

@@ -80,14 +80,14 @@ bool finite(const V& v) {
 
 void check_vertices(const Mesh& mesh, MeshReport& report) {
   const std::size_t vertices = mesh.positions.size();
-  for (const std::size_t length : {mesh.normals.size(), mesh.texcoords.size(), mesh.colours.size()})
+  for (const std::size_t length : {mesh.normals.size(), mesh.texcoords.size(), mesh.colors.size()})
     report.bad_lengths += length != 0 && length != vertices;
   const auto sound = [](const auto& list, std::size_t i) {
     return i >= list.size() || finite(list[i]);
   };
   for (std::size_t i = 0; i < vertices; ++i)
     report.non_finite += !(finite(mesh.positions[i]) && sound(mesh.normals, i) &&
-                           sound(mesh.texcoords, i) && sound(mesh.colours, i));
+                           sound(mesh.texcoords, i) && sound(mesh.colors, i));
   for (const Vec3& n : mesh.normals)
     report.bad_normals += finite(n) && std::fabs(glm::length(n) - 1) > 1e-6;
 }

@@ -9,14 +9,14 @@
 #include <optional>
 
 #include "base/parallel.h"
-#include "geometry/internal/first_equal.h"
+#include "geometry/internal/deduplicate.h"
 #include "geometry/internal/triangle.h"
 #include "geometry/internal/weld.h"
+#include "geometry/mesh/internal/boundary_loops.h"
 #include "geometry/mesh/internal/clean_orient.h"
 #include "geometry/mesh/internal/edges.h"
 #include "geometry/mesh/internal/normals.h"
 #include "geometry/mesh/internal/reorder.h"
-#include "geometry/mesh/internal/rims.h"
 #include "geometry/mesh/internal/tjunction.h"
 #include "geometry/mesh/strip.h"
 
@@ -56,7 +56,7 @@ class Cleaner {
     if (options_.drop_degenerate) drop_collapsed();
     if (options_.drop_duplicates) drop_duplicates();
     job_.poll();
-    edges_ = edges_of(mesh_, place_);
+    edges_ = edges_of(mesh_, unique_position_);
     if (options_.drop_degenerate) drop_slivers();
     job_.poll();
     turn();
@@ -70,8 +70,8 @@ class Cleaner {
     // what comes now needs the room
     edges_ = {};
     piece_of_ = std::vector<std::uint32_t>();
-    if (mesh_.normals.empty()) compute_normals(mesh_, options_.crease_angle, place_);
-    place_ = std::vector<std::uint32_t>();
+    if (mesh_.normals.empty()) compute_normals(mesh_, options_.crease_angle, unique_position_);
+    unique_position_ = std::vector<std::uint32_t>();
     job_.poll();
     if (options_.reorder) reorder_triangles(mesh_);
     compact_vertices(mesh_, !options_.reorder);
@@ -82,22 +82,22 @@ class Cleaner {
 
  private:
   void weld() {
-    place_ = welded_within(mesh_.positions, options_.weld ? options_.tolerance : 0);
+    unique_position_ = welded_within(mesh_.positions, options_.weld ? options_.tolerance : 0);
     if (!options_.weld) return;
     if (options_.tolerance > 0) {
       double largest = 0;
-      for (std::size_t v = 0; v < place_.size(); ++v) {
-        const Vec3 off = mesh_.positions[place_[v]] - mesh_.positions[v];
+      for (std::size_t v = 0; v < unique_position_.size(); ++v) {
+        const Vec3 off = mesh_.positions[unique_position_[v]] - mesh_.positions[v];
         largest = std::max(largest, glm::dot(off, off));
       }
       report_.largest_move = std::sqrt(largest);
-      for (std::size_t v = 0; v < place_.size(); ++v)
-        mesh_.positions[v] = mesh_.positions[place_[v]];
+      for (std::size_t v = 0; v < unique_position_.size(); ++v)
+        mesh_.positions[v] = mesh_.positions[unique_position_[v]];
     }
-    const bool plain = mesh_.normals.empty() && mesh_.texcoords.empty() && mesh_.colours.empty();
+    const bool plain = mesh_.normals.empty() && mesh_.texcoords.empty() && mesh_.colors.empty();
     std::vector<std::uint32_t> seams;
     if (!plain) seams = same_vertices();
-    const std::vector<std::uint32_t>& first = plain ? place_ : seams;
+    const std::vector<std::uint32_t>& first = plain ? unique_position_ : seams;
     for (std::size_t v = 0; v < first.size(); ++v) report_.welded += first[v] != v;
     if (report_.welded == 0) return;
     for_chunks(mesh_.triangles.size(), [&](std::size_t i) {
@@ -108,36 +108,36 @@ class Cleaner {
   // For each vertex the first one at its place that looks the same.
   std::vector<std::uint32_t> same_vertices() const {
     const auto hash = [&](std::uint32_t v) {
-      std::uint64_t h = hash_step(kHashSeed, place_[v]);
+      std::uint64_t h = hash_step(kHashSeed, unique_position_[v]);
       if (!mesh_.normals.empty()) h = hashed(h, mesh_.normals[v]);
       if (!mesh_.texcoords.empty()) h = hashed(h, mesh_.texcoords[v]);
-      if (!mesh_.colours.empty()) h = hashed(h, mesh_.colours[v]);
+      if (!mesh_.colors.empty()) h = hashed(h, mesh_.colors[v]);
       return hash_end(h);
     };
     const auto equal = [&](std::uint32_t a, std::uint32_t b) {
-      return place_[a] == place_[b] &&
+      return unique_position_[a] == unique_position_[b] &&
              (mesh_.normals.empty() || mesh_.normals[a] == mesh_.normals[b]) && same_look(a, b);
     };
-    auto first = first_equal(place_.size(), hash, equal);
+    auto first = deduplicate(unique_position_.size(), hash, equal);
     if (first) return std::move(*first);
     // hashes that someone chose: each vertex stays itself
-    std::vector<std::uint32_t> none(place_.size());
+    std::vector<std::uint32_t> none(unique_position_.size());
     std::iota(none.begin(), none.end(), 0u);
     return none;
   }
 
   bool same_look(std::uint32_t a, std::uint32_t b) const {
     return (mesh_.texcoords.empty() || mesh_.texcoords[a] == mesh_.texcoords[b]) &&
-           (mesh_.colours.empty() || mesh_.colours[a] == mesh_.colours[b]);
+           (mesh_.colors.empty() || mesh_.colors[a] == mesh_.colors[b]);
   }
 
-  std::array<std::uint32_t, 3> places(std::size_t triangle) const {
+  std::array<std::uint32_t, 3> unique_positions(std::size_t triangle) const {
     const Triangle& t = mesh_.triangles[triangle];
-    return {place_[t[0]], place_[t[1]], place_[t[2]]};
+    return {unique_position_[t[0]], unique_position_[t[1]], unique_position_[t[2]]};
   }
 
   bool is_collapsed(std::size_t triangle) const {
-    const auto [a, b, c] = places(triangle);
+    const auto [a, b, c] = unique_positions(triangle);
     return a == b || b == c || c == a;
   }
 
@@ -164,11 +164,11 @@ class Cleaner {
       const bool sliver =
           measure(mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]).degenerate();
       const std::uint32_t* twin = &edges_.twin[3 * i];
-      marked[i] = sliver && std::max({twin[0], twin[1], twin[2]}) >= Edges::kMany;
+      marked[i] = sliver && std::max({twin[0], twin[1], twin[2]}) >= Edges::kNonManifold;
     });
     const std::uint64_t dropped = drop(marked);
     report_.degenerate += dropped;
-    if (dropped > 0) edges_ = edges_of(mesh_, place_);
+    if (dropped > 0) edges_ = edges_of(mesh_, unique_position_);
   }
 
   // Whether one of two triangles with the same corners can go: they are wound alike, or back to
@@ -177,8 +177,8 @@ class Cleaner {
     const Triangle& a = mesh_.triangles[first];
     const Triangle& b = mesh_.triangles[again];
     std::size_t turn = 0;
-    while (place_[b[turn]] != place_[a[0]]) ++turn;
-    if (place_[b[(turn + 1) % 3]] == place_[a[1]]) return true;
+    while (unique_position_[b[turn]] != unique_position_[a[0]]) ++turn;
+    if (unique_position_[b[(turn + 1) % 3]] == unique_position_[a[1]]) return true;
     for (std::size_t k = 0; k < 3; ++k)
       if (!same_look(a[k], b[(turn + 3 - k) % 3])) return false;
     return true;
@@ -187,7 +187,7 @@ class Cleaner {
   void drop_duplicates() {
     const std::size_t count = mesh_.triangles.size();
     const auto sorted = [&](std::uint32_t i) {
-      auto key = places(i);
+      auto key = unique_positions(i);
       std::sort(key.begin(), key.end());
       return key;
     };
@@ -195,7 +195,7 @@ class Cleaner {
       const auto key = sorted(i);
       return hash_end(hash_step(hash_step(hash_step(kHashSeed, key[0]), key[1]), key[2]));
     };
-    const auto first = first_equal(
+    const auto first = deduplicate(
         count, hash, [&](std::uint32_t a, std::uint32_t b) { return sorted(a) == sorted(b); });
     if (!first) return;
     std::vector<char> marked(count);
@@ -207,24 +207,24 @@ class Cleaner {
   }
 
   void turn() {
-    Orientation orientation = orientation_of(mesh_, place_, edges_);
-    pieces_ = std::move(orientation.pieces);
-    piece_of_ = std::move(orientation.piece_of);
-    report_.pieces = pieces_.size();
-    for (const Piece& piece : pieces_) {
-      report_.closed_pieces += piece.closed;
-      report_.one_sided += piece.one_sided;
-      if (!options_.orient || piece.flipped == 0) continue;
-      report_.flipped += piece.flipped;
-      const Triangle& t = mesh_.triangles[piece.first];
+    Orientation orientation = orientation_of(mesh_, unique_position_, edges_);
+    components_ = std::move(orientation.components);
+    piece_of_ = std::move(orientation.component_of);
+    report_.components = components_.size();
+    for (const Component& component : components_) {
+      report_.closed_components += component.closed;
+      report_.one_sided += component.one_sided;
+      if (!options_.orient || component.flipped == 0) continue;
+      report_.flipped += component.flipped;
+      const Triangle& t = mesh_.triangles[component.first];
       add_spot({SpotKind::flipped,
                 (mesh_.positions[t[0]] + mesh_.positions[t[1]] + mesh_.positions[t[2]]) / 3.0,
-                std::sqrt(piece.area), piece.flipped});
+                std::sqrt(component.area), component.flipped});
     }
     if (!options_.orient || report_.flipped == 0) return;
     flip(orientation.flip);
     edges_ = {};
-    edges_ = edges_of(mesh_, place_);
+    edges_ = edges_of(mesh_, unique_position_);
   }
 
   void flip(const std::vector<char>& marked) {
@@ -266,8 +266,8 @@ class Cleaner {
       copy(mesh_.positions, v);
       copy(mesh_.normals, v);
       copy(mesh_.texcoords, v);
-      copy(mesh_.colours, v);
-      copy(place_, v);
+      copy(mesh_.colors, v);
+      copy(unique_position_, v);
     }
     Vec3& normal = mesh_.normals[turned[v]];
     normal = Vec3(0) - normal;
@@ -296,9 +296,9 @@ class Cleaner {
     sort_spots();
   }
 
-  std::array<Vec3, 2> ends(std::uint32_t side) const {
-    const Triangle& t = mesh_.triangles[side / 3];
-    return {mesh_.positions[t[side % 3]], mesh_.positions[t[(side + 1) % 3]]};
+  std::array<Vec3, 2> ends(std::uint32_t half_edge) const {
+    const Triangle& t = mesh_.triangles[half_edge / 3];
+    return {mesh_.positions[t[half_edge % 3]], mesh_.positions[t[(half_edge + 1) % 3]]};
   }
 
   void find_junctions() {
@@ -312,33 +312,34 @@ class Cleaner {
       }
       distance = std::max(options_.tolerance, kJunction * glm::length(high - low));
     }
-    const std::vector<Junction> junctions = junctions_of(mesh_, place_, edges_, distance);
+    const std::vector<Junction> junctions = junctions_of(mesh_, unique_position_, edges_, distance);
     report_.t_junctions = junctions.size();
     for (const Junction& junction : junctions) {
-      const auto [a, b] = ends(junction.side);
+      const auto [a, b] = ends(junction.half_edge);
       add_spot({SpotKind::t_junction, mesh_.positions[junction.vertex], glm::length(b - a), 1});
     }
   }
 
   void find_holes() {
-    const std::vector<BorderLoop> rims = rims_of(mesh_, place_, edges_);
-    report_.rims = rims.size();
-    for (const BorderLoop& rim : rims) {
-      if (!(rim.length * rim.length < pieces_[piece_of_[rim.triangle]].area)) continue;
+    const std::vector<BoundaryLoop> boundary_loops =
+        boundary_loops_of(mesh_, unique_position_, edges_);
+    report_.boundary_loops = boundary_loops.size();
+    for (const BoundaryLoop& loop : boundary_loops) {
+      if (!(loop.length * loop.length < components_[piece_of_[loop.triangle]].area)) continue;
       ++report_.holes;
-      report_.hole_length += rim.length;
+      report_.hole_length += loop.length;
       Vec3 middle(0);
-      for (const std::uint32_t v : rim.places)
-        middle += mesh_.positions[v] / static_cast<double>(rim.places.size());
-      add_spot({SpotKind::hole, middle, rim.length, rim.places.size()});
+      for (const std::uint32_t v : loop.unique_positions)
+        middle += mesh_.positions[v] / static_cast<double>(loop.unique_positions.size());
+      add_spot({SpotKind::hole, middle, loop.length, loop.unique_positions.size()});
       if (!options_.fill_holes) continue;
-      fill(mesh_, rim);
+      fill(mesh_, loop);
       ++report_.filled;
     }
     if (report_.filled == 0) return;
-    for (std::size_t v = place_.size(); v < mesh_.positions.size(); ++v)
-      place_.push_back(static_cast<std::uint32_t>(v));
-    edges_ = edges_of(mesh_, place_);
+    for (std::size_t v = unique_position_.size(); v < mesh_.positions.size(); ++v)
+      unique_position_.push_back(static_cast<std::uint32_t>(v));
+    edges_ = edges_of(mesh_, unique_position_);
   }
 
   void add_spot(const Spot& spot) { report_.spots.push_back(spot); }
@@ -368,9 +369,9 @@ class Cleaner {
   const CleanOptions& options_;
   const Job& job_;
   CleanReport report_;
-  std::vector<std::uint32_t> place_;  // V: the vertex that stands for all at its place
+  std::vector<std::uint32_t> unique_position_;  // V: the vertex that stands for all at its place
   Edges edges_;
-  std::vector<Piece> pieces_;
+  std::vector<Component> components_;
   std::vector<std::uint32_t> piece_of_;  // T
 };
 

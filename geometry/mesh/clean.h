@@ -33,10 +33,10 @@ enum class SpotKind : std::uint8_t { non_manifold_edge, hole, t_junction, flippe
 // A place to look at.
 struct Spot {
   SpotKind kind = SpotKind::hole;
-  Vec3 at{0};              // the middle of what is wrong, in the mesh's frame
-  double length = 0;       // metres: of the edge, of the hole's rim; of a flipped piece the
-                           // root of its area
-  std::uint64_t size = 0;  // edges of a hole's rim, faces of a piece or at an edge
+  Vec3 at{0};         // the middle of what is wrong, in the mesh's frame
+  double length = 0;  // metres: of the edge, of the hole's boundary loop; of a flipped component
+                      // the root of its area
+  std::uint64_t size = 0;  // edges of a hole's boundary loop, faces of a component or at an edge
 };
 
 struct CleanReport {
@@ -50,15 +50,15 @@ struct CleanReport {
   std::uint64_t duplicates = 0;
   std::uint64_t flipped = 0;         // triangles
   std::uint64_t normals_turned = 0;  // triangles whose normals pointed away from their outside
-  std::uint64_t pieces = 0;          // connected by edges that two triangles share
-  std::uint64_t closed_pieces = 0;
-  std::uint64_t one_sided = 0;           // pieces without two sides, as Möbius' strip: left alone
+  std::uint64_t components = 0;      // connected by edges that two triangles share
+  std::uint64_t closed_components = 0;
+  std::uint64_t one_sided = 0;  // components without two sides, as Möbius' strip: left alone
   std::uint64_t non_manifold_edges = 0;  // shared by three triangles or more
   std::uint64_t border_edges = 0;        // of one triangle
-  std::uint64_t rims = 0;                // closed loops of border edges
-  std::uint64_t holes = 0;               // rims whose length² is below the area of their piece
-  double hole_length = 0;                // metres, of their rims
-  std::uint64_t filled = 0;              // holes
+  std::uint64_t boundary_loops = 0;      // closed loops of border edges
+  std::uint64_t holes = 0;   // boundary loops whose length² is below the area of their component
+  double hole_length = 0;    // metres, of their boundary loops
+  std::uint64_t filled = 0;  // holes
   std::uint64_t t_junctions = 0;  // border vertices inside other border edges; at least so many
   std::vector<Spot> spots;        // by kind, then as max_spots says
 };
@@ -68,11 +68,11 @@ struct CleanReport {
 // Welding takes vertices in order: each goes to the first vertex that stayed within the tolerance,
 // so none moves further. What differs in normal, texture coordinates or colour stays apart, at the
 // same place. Orientation: neighbours across an edge that two triangles share are wound alike.
-// Closed pieces then enclose a positive volume. An open piece is turned where it seems inside out
-// by the cones from its centroid and most rays from outside that meet it see its back; else
-// as most of its area was written. Normals that the mesh had are turned
-// where they then point away from the outside of their triangle, on the mean of its corners.
-// Equal meshes give equal bytes, whatever the number of threads.
+// Closed components then enclose a positive volume. An open component is turned where it seems
+// inside out by the cones from its centroid and most rays from outside that meet it see its back;
+// else as most of its area was written. Normals that the mesh had are turned where they then point
+// away from the outside of their triangle, on the mean of its corners. Equal meshes give equal
+// bytes, whatever the number of threads.
 //
 //   mesh  closed is set anew; error grows by the largest move
 //   job   polled between the steps; once it is cancelled, Cancelled is thrown and the mesh is of no

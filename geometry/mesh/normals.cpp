@@ -9,7 +9,7 @@
 #include <unordered_map>
 
 #include "base/parallel.h"
-#include "geometry/internal/lists.h"
+#include "geometry/internal/compressed_rows.h"
 #include "geometry/internal/triangle.h"
 #include "geometry/internal/weld.h"
 #include "geometry/mesh/internal/normals.h"
@@ -43,7 +43,7 @@ class Facets {
   Corner corner(std::uint32_t corner) {
     const std::uint32_t triangle = corner / 3;
     Facet& facet = recent_[triangle & (recent_.size() - 1)];
-    if (facet.triangle != triangle) measure_facet(triangle, facet);
+    if (facet.triangle != triangle) measure_microfacets(triangle, facet);
     return {facet.normal, facet.angles[corner % 3]};
   }
 
@@ -54,7 +54,7 @@ class Facets {
     std::array<double, 3> angles;
   };
 
-  void measure_facet(std::uint32_t i, Facet& facet) const {
+  void measure_microfacets(std::uint32_t i, Facet& facet) const {
     const Triangle& t = mesh_.triangles[i];
     const Vec3& a = mesh_.positions[t[0]];
     const Vec3& b = mesh_.positions[t[1]];
@@ -96,19 +96,19 @@ class Fans {
        std::vector<Number>& number_of)
       : mesh_(mesh),
         place_(place),
-        facets_(mesh),
+        microfacets_(mesh),
         crease_(crease),
         cos_crease_(det::cos(std::min(kPi, crease + kAngleSlack))),
         number_of_(number_of) {}
 
-  std::vector<Vec3> normals;  // one for each group
+  std::vector<Vec3> normals;  // one per group
 
   // Facets that share an edge at this vertex are joined across it where it is smooth.
   void group_vertex(std::uint32_t v, std::span<const std::uint32_t> corners) {
     const auto count = static_cast<std::uint32_t>(corners.size());
     if (count == 0) return;
     here_.clear();
-    for (const std::uint32_t corner : corners) here_.push_back(facets_.corner(corner));
+    for (const std::uint32_t corner : corners) here_.push_back(microfacets_.corner(corner));
     parent_.resize(count);
     std::iota(parent_.begin(), parent_.end(), 0u);
     if (count > 1) join_all(corners, v);
@@ -208,7 +208,7 @@ class Fans {
 
   const Mesh& mesh_;
   std::span<const std::uint32_t> place_;
-  Facets facets_;
+  Facets microfacets_;
   double crease_;
   double cos_crease_;
   std::vector<Number>& number_of_;
@@ -297,19 +297,19 @@ class NormalBuilder {
     }
   }
 
-  Lists corners_at(std::uint32_t begin, std::uint32_t end) const {
-    Lists lists;
-    std::vector<std::uint32_t>& start = lists.start;
+  CompressedRows corners_at(std::uint32_t begin, std::uint32_t end) const {
+    CompressedRows rows;
+    std::vector<std::uint32_t>& start = rows.start;
     start.assign(end - begin + 2, 0);
     for_corners(begin, end,
                 [&](std::uint32_t place, std::uint32_t) { ++start[place - begin + 2]; });
     for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
-    lists.items.resize(start.back());
+    rows.items.resize(start.back());
     for_corners(begin, end, [&](std::uint32_t place, std::uint32_t corner) {
-      lists.items[start[place - begin + 1]++] = corner;
+      rows.items[start[place - begin + 1]++] = corner;
     });
     start.pop_back();
-    return lists;
+    return rows;
   }
 
   // Groups are numbered in order of their vertices, whichever thread finds them. A part of the
@@ -324,7 +324,7 @@ class NormalBuilder {
     parallel_for(tasks, [&](std::size_t i) {
       const std::uint32_t begin = bound(i, tasks);
       const std::uint32_t end = bound(i + 1, tasks);
-      const Lists corners = corners_at(begin, end);
+      const CompressedRows corners = corners_at(begin, end);
       for (std::uint32_t v = begin; v < end; ++v)
         if (corners[v - begin].size() > kNoNumber) fits = false;
       if (!fits) return;
@@ -440,7 +440,7 @@ class NormalBuilder {
     };
     copy(mesh_.positions);
     copy(mesh_.texcoords);
-    copy(mesh_.colours);
+    copy(mesh_.colors);
     return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
   }
 
@@ -450,7 +450,7 @@ class NormalBuilder {
   std::vector<Number> number_of_;           // 3*T, of the groups at a place; kNoNumber: no area
   std::vector<Reach> reach_;                // of each chunk of triangles
   std::vector<std::uint32_t> first_group_;  // of each place, kNone: no facet with area
-  std::vector<Vec3> group_normals_;         // one for each group
+  std::vector<Vec3> group_normals_;         // one per group
   std::vector<char> used_;                  // of each vertex that was there
   std::vector<std::uint32_t> group_at_;     // of each vertex, grows with them
   std::vector<std::uint32_t> next_;         // copy of the same vertex

@@ -42,7 +42,7 @@ struct InstanceCaster::Impl {
   std::vector<std::shared_ptr<MeshSearch>> unbuilt;  // of these, and of the flattened ones
   std::vector<Placed> placed;
   std::vector<SearchMesh> flattened;  // in world coordinates
-  std::vector<AxisBox> boxes;         // one for each placed, world; taken by the tree
+  std::vector<AxisBox> boxes;         // one per placed, world; taken by the tree
   BoxTree tree;
   bool built = false;
 

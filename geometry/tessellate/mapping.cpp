@@ -116,7 +116,7 @@ class Mapper {
     };
     copy(mesh_.positions);
     copy(mesh_.normals);
-    copy(mesh_.colours);
+    copy(mesh_.colors);
     mesh_.texcoords.push_back(uv);
     return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
   }
@@ -172,7 +172,7 @@ void apply_box_mapping(Mesh& mesh) {
           copy = static_cast<std::uint32_t>(mesh.positions.size());
           mesh.positions.push_back(p);
           if (!mesh.normals.empty()) mesh.normals.push_back(Vec3(mesh.normals[v]));
-          if (!mesh.colours.empty()) mesh.colours.push_back(Vec3(mesh.colours[v]));
+          if (!mesh.colors.empty()) mesh.colors.push_back(Vec3(mesh.colors[v]));
           mesh.texcoords.emplace_back();
         }
         used[v] = 1;

@@ -45,7 +45,7 @@ class Sink {
 };
 
 void feed(const MeshShape& s, Sink& to) {
-  to.all(s->positions, s->normals, s->texcoords, s->colours, s->triangles);
+  to.all(s->positions, s->normals, s->texcoords, s->colors, s->triangles);
 }
 template <class S>
 void feed(const S& s, Sink& to) {

@@ -17,8 +17,8 @@ namespace panwright::geometry {
 
 // All shapes stand about the origin, their axis on z unless it says otherwise; lengths in metres,
 // angles in radians. Plain data: problem_of() says what is wrong with one. Those with texture
-// coordinates by parameter say which; (0, 0) is the picture's bottom left, and u runs eastward,
-// counter-clockwise seen from +z, so that pictures are not mirrored from outside.
+// coordinates by parameter say which; (0, 0) is the texture's bottom left, and u runs eastward,
+// counter-clockwise seen from +z, so that textures are not mirrored from outside.
 
 // Angles about the z axis, from the first to the last, counter-clockwise from +x.
 struct Sector {
@@ -124,9 +124,9 @@ struct Torus {
 };
 
 // A paraboloid that opens to +z, its vertex at the origin: z = r²/(4·focal_length). With a
-// thickness a closed shell, whose back is the same surface moved to −z, with a flat rim; without
-// one, open. u, v: the square around the dish seen from +z, x from −diameter/2 to diameter/2; its
-// back seen from −z.
+// thickness a closed shell, whose back is the same surface moved to −z, with a flat circular edge;
+// without one, open. u, v: the square around the dish seen from +z, x from −diameter/2 to
+// diameter/2; its back seen from −z.
 struct Dish {
   double diameter = 1;        // > 0
   double focal_length = 0.5;  // > 0
@@ -230,7 +230,7 @@ std::optional<ShapeProblem> problem_of(const Shape& shape);
 // kind once. Meshes are not examined.
 //
 // Cost: O(points log points), of profiles that go to and fro O(points²), up to 20 million pairs.
-std::vector<ShapeProblem> doubts_of(const Shape& shape);
+std::vector<ShapeProblem> shape_warnings_of(const Shape& shape);
 
 // Whether the surface has no border, by its parameters. A mesh: as it says.
 bool is_closed(const Shape& shape);

@@ -78,11 +78,11 @@ double planned_triangles(const Shape& shape, const TessellationOptions& options)
       shape);
 }
 
-std::vector<Rim> rims_of(const Shape& shape) {
+std::vector<CircularEdge> circular_edges_of(const Shape& shape) {
   return std::visit(
-      [](const auto& s) -> std::vector<Rim> {
-        if constexpr (requires { internal::rims(s); })
-          return internal::rims(s);
+      [](const auto& s) -> std::vector<CircularEdge> {
+        if constexpr (requires { internal::circular_edges(s); })
+          return internal::circular_edges(s);
         else
           return {};
       },

@@ -19,18 +19,18 @@ struct TessellationOptions {
   double max_error = 1e-3;  // metres, > 0; used where the shape has no explicit counts
   bool texcoords = false;   // makes uv coordinates; no triangle runs across a seam
   std::uint64_t max_triangles = 1ull << 27;
-  // Segments about the axis that rims shared with other shapes need; 0: none is shared. With it
-  // rims stand on the shape, at the angles begin + i·(end − begin)/segments, and equal rims of two
-  // shapes are equal bit for bit. With fewer than segments_of() the mesh's error may pass
-  // max_error.
-  std::uint32_t rim_segments = 0;
+  // Segments about the axis that circular edges shared with other shapes need; 0: none is shared.
+  // With it circular edges stand on the shape, at the angles begin + i·(end − begin)/segments, and
+  // equal circular edges of two shapes are equal bit for bit. With fewer than segments_of() the
+  // mesh's error may pass max_error.
+  std::uint32_t edge_segments = 0;
 };
 
 // Triangulates a shape. Explicit counts are obeyed exactly, with vertices on the shape; otherwise
 // the mesh has about the fewest triangles for which none of its points lies further than max_error
 // from the shape. Round outlines then keep their area: vertices lie outside by as much as gives a
 // polygon the area of its circle (and a sphere's by as much as facets dip inside), unless
-// rim_segments asks for shared rims.
+// edge_segments asks for shared circular edges.
 //
 //   returns  closed where the shape is closed (texture seams aside), counter-clockwise seen from
 //            outside; analytic unit normals; no degenerate triangles;
@@ -55,20 +55,20 @@ Result<Mesh> tessellated(const Shape& shape, const TessellationOptions& options,
 double planned_triangles(const Shape& shape, const TessellationOptions& options);
 
 // A round edge or end of a shape, where another shape may stand against it.
-struct Rim {
+struct CircularEdge {
   Vec3 centre{0};
-  Vec3 axis{0};   // unit; the rim runs counter-clockwise about it
-  Vec3 start{0};  // from the centre to the rim's first point: its length is the radius
+  Vec3 axis{0};   // unit; the circular edge runs counter-clockwise about it
+  Vec3 start{0};  // from the centre to the circular edge's first point: its length is the radius
   double sector = 2 * kPi;
 };
 
-// The rims of a shape: those of cylinder, cone, disc, dish, lathe, sphere sectors, and the ends of
-// tubes. Empty for shapes without, and for those with explicit counts.
-std::vector<Rim> rims_of(const Shape& shape);
+// The circular edges of a shape: those of cylinder, cone, disc, dish, lathe, sphere sectors, and
+// the ends of tubes. Empty for shapes without, and for those with explicit counts.
+std::vector<CircularEdge> circular_edges_of(const Shape& shape);
 
-// The fewest segments about the axis with which, as rim_segments, tessellated() keeps max_error on
-// a shape with rims: a few more than without shared rims, as rims stand on the shape then. 2^31
-// where no number does.
+// The fewest segments about the axis with which, as edge_segments, tessellated() keeps max_error on
+// a shape with circular edges: a few more than without shared circular edges, as circular edges
+// stand on the shape then. 2^31 where no number does.
 std::uint32_t segments_of(const Shape& shape, const TessellationOptions& options);
 
 // What tessellated() asks of an authored mesh, for callers that need no copy of it.

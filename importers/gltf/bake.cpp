@@ -16,7 +16,9 @@ namespace {
 class Coding {
  public:
   explicit Coding(bool srgb) {
-    const auto value = [&](double code) { return srgb ? linear_from_srgb(code / 255) : code / 255; };
+    const auto value = [&](double code) {
+      return srgb ? linear_from_srgb(code / 255) : code / 255;
+    };
     for (std::size_t i = 0; i < 256; ++i) values_[i] = value(static_cast<double>(i));
     for (std::size_t i = 0; i < 255; ++i) edges_[i] = value(static_cast<double>(i) + 0.5);
   }
@@ -31,7 +33,7 @@ class Coding {
   std::array<double, 255> edges_{};  // half way between two codes
 };
 
-// The two texels of one axis beside the centre of another picture's texel, and the second's share.
+// The two texels of one axis beside the centre of another texture's texel, and the second's share.
 struct Pair {
   std::size_t first = 0;
   std::size_t second = 0;
@@ -54,9 +56,9 @@ std::vector<Pair> pairs(std::uint32_t from, std::uint32_t to) {
 
 class Reader {
  public:
-  Reader(const BakeSource& source, std::uint32_t width, std::uint32_t height, const Coding& colours,
+  Reader(const BakeSource& source, std::uint32_t width, std::uint32_t height, const Coding& colors,
          const Coding& numbers)
-      : image_(source.image), colours_(source.srgb ? colours : numbers), numbers_(numbers) {
+      : image_(source.image), colors_(source.srgb ? colors : numbers), numbers_(numbers) {
     if (!image_) return;
     columns_ = pairs(image_->width, width);
     rows_ = pairs(image_->height, height);
@@ -76,12 +78,12 @@ class Reader {
  private:
   Vec4 texel(std::size_t x, std::size_t y) const {
     const std::uint8_t* code = &image_->rgba[4 * (y * image_->width + x)];
-    return {colours_.value(code[0]), colours_.value(code[1]), colours_.value(code[2]),
+    return {colors_.value(code[0]), colors_.value(code[1]), colors_.value(code[2]),
             numbers_.value(code[3])};
   }
 
   const DecodedImage* image_;
-  const Coding& colours_;
+  const Coding& colors_;
   const Coding& numbers_;
   std::vector<Pair> columns_;
   std::vector<Pair> rows_;
@@ -105,14 +107,14 @@ std::uint32_t baked_height(std::span<const BakeSource> sources) {
 
 Baked baked(std::span<const BakeSource> sources, std::span<const bool> srgb,
             const std::function<void(std::span<const Vec4>, std::span<Vec4>)>& texel) {
-  const Coding colours(true), numbers(false);
+  const Coding colors(true), numbers(false);
   Baked out{baked_width(sources), baked_height(sources), {}};
   assert(out.width > 0 && out.height > 0);
-  out.pictures.resize(srgb.size());
-  for (auto& picture : out.pictures) picture.resize(std::size_t{4} * out.width * out.height);
+  out.textures.resize(srgb.size());
+  for (auto& texture : out.textures) texture.resize(std::size_t{4} * out.width * out.height);
   std::vector<Reader> readers;
   for (const BakeSource& source : sources)
-    readers.emplace_back(source, out.width, out.height, colours, numbers);
+    readers.emplace_back(source, out.width, out.height, colors, numbers);
   parallel_for(out.height, [&](std::size_t y) {
     std::vector<Vec4> from(sources.size()), to(srgb.size());
     for (std::size_t x = 0; x < out.width; ++x) {
@@ -120,8 +122,8 @@ Baked baked(std::span<const BakeSource> sources, std::span<const bool> srgb,
       texel(from, to);
       for (std::size_t i = 0; i < to.size(); ++i) {
         const Vec4 value = glm::clamp(to[i], Vec4(0), Vec4(1));
-        std::uint8_t* code = &out.pictures[i][4 * (y * out.width + x)];
-        for (int k = 0; k < 4; ++k) code[k] = (srgb[i] && k < 3 ? colours : numbers).code(value[k]);
+        std::uint8_t* code = &out.textures[i][4 * (y * out.width + x)];
+        for (int k = 0; k < 4; ++k) code[k] = (srgb[i] && k < 3 ? colors : numbers).code(value[k]);
       }
     }
   });

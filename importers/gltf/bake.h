@@ -1,4 +1,4 @@
-// Pictures that are computed from others, texel by texel. Private to importers/gltf.
+// Textures that are computed from others, texel by texel. Private to importers/gltf.
 #pragma once
 
 #include <cstdint>
@@ -19,18 +19,18 @@ struct BakeSource {
 struct Baked {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::vector<std::vector<std::uint8_t>> pictures;  // each 4·width·height, row 0 the top row
+  std::vector<std::vector<std::uint8_t>> textures;  // each 4·width·height, row 0 the top row
 };
 
 // The side of what is made of them: the longest.
 std::uint32_t baked_width(std::span<const BakeSource> sources);
 std::uint32_t baked_height(std::span<const BakeSource> sources);
 
-// Computes pictures as large as the largest source; smaller ones are read bilinear, repeated.
+// Computes textures as large as the largest source; smaller ones are read bilinear, repeated.
 //
-//   sources  one or more with a picture
-//   srgb     for each picture made, whether its RGB is stored as sRGB codes
-//   texel    of the sources' texels, 0 to 1, those of the pictures; taken to 0 to 1. Called from
+//   sources  one or more with a texture
+//   srgb     for each texture made, whether its RGB is stored as sRGB codes
+//   texel    of the sources' texels, 0 to 1, those of the textures; taken to 0 to 1. Called from
 //            several threads.
 Baked baked(std::span<const BakeSource> sources, std::span<const bool> srgb,
             const std::function<void(std::span<const Vec4>, std::span<Vec4>)>& texel);

@@ -42,7 +42,7 @@ struct Loaded {
 class SceneBuilder {
  public:
   SceneBuilder(Document& document, const tinygltf::Model& model)
-      : d_(document), model_(model), pictures_(document, model, out_.scene) {}
+      : d_(document), model_(model), texture_cache_(document, model, out_.scene) {}
 
   Result<Imported> build() {
     out_.format = Format::gltf;
@@ -219,13 +219,13 @@ class SceneBuilder {
     }
   }
 
-  // What a material loses on a mesh: vertex colours multiply the diffuse colour alone, and pictures
+  // What a material loses on a mesh: vertex colours multiply the diffuse colour alone, and textures
   // repeat.
   void note_losses(const geometry::Mesh& mesh, std::int32_t material) {
     const auto index = static_cast<std::size_t>(material);
-    const auto is_white = [](const Vec3& colour) { return colour == Vec3(1); };
-    if (!mesh.colours.empty() && out_.materials[index].metallic > 0 &&
-        !std::all_of(mesh.colours.begin(), mesh.colours.end(), is_white) &&
+    const auto is_white = [](const Vec3& color) { return color == Vec3(1); };
+    if (!mesh.colors.empty() && out_.materials[index].metallic > 0 &&
+        !std::all_of(mesh.colors.begin(), mesh.colors.end(), is_white) &&
         coloured_metals_.insert(material).second)
       ++lost_["vertex colours on metal"];
     const auto [u, v] = repeats_[index];
@@ -237,7 +237,7 @@ class SceneBuilder {
     };
     if (std::any_of(mesh.texcoords.begin(), mesh.texcoords.end(), is_lost) &&
         beyond_edges_.insert(material).second)
-      ++lost_["pictures that do not repeat"];
+      ++lost_["textures that do not repeat"];
   }
 
   // A mesh that has joints waits for them without normals, and may stand somewhere without them.
@@ -355,11 +355,11 @@ class SceneBuilder {
     }
   }
 
-  std::int32_t material_index(int material, bool with_pictures) {
+  std::int32_t material_index(int material, bool with_textures) {
     const auto [place, is_new] = material_places_.try_emplace(
-        {material, with_pictures}, static_cast<std::int32_t>(out_.scene.materials.size()));
+        {material, with_textures}, static_cast<std::int32_t>(out_.scene.materials.size()));
     if (!is_new) return place->second;
-    BuiltMaterial built = material_of(model_, material, with_pictures, pictures_);
+    BuiltMaterial built = material_of(model_, material, with_textures, texture_cache_);
     for (const std::string& what : built.cad.lost) ++lost_[what];
     out_.scene.materials.push_back(std::move(built.material));
     out_.materials.push_back(std::move(built.cad));
@@ -396,14 +396,14 @@ class SceneBuilder {
   Document& d_;
   const tinygltf::Model& model_;
   Imported out_;
-  Pictures pictures_;
+  TextureReader texture_cache_;
   std::vector<Visit> todo_;
   std::map<int, std::int32_t> scene_nodes_;  // by glTF's number
   std::map<std::string, Loaded> loaded_;
   std::map<std::pair<int, bool>, std::int32_t> material_places_;
   std::map<std::string, std::size_t> lost_;
   std::set<std::int32_t> coloured_metals_;
-  std::set<std::int32_t> beyond_edges_;       // of pictures that do not repeat
+  std::set<std::int32_t> beyond_edges_;       // of textures that do not repeat
   std::vector<std::array<bool, 2>> repeats_;  // BuiltMaterial's, of each material
   std::unique_ptr<SkinPoser> skins_;
   std::vector<bool> used_meshes_;

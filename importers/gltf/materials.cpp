@@ -20,7 +20,7 @@ constexpr double kMirror = 0.985;
 // it, so that what the map says follows it as closely, dark or bright.
 constexpr double kUnderMaps = 0.66;
 
-Vec3 colour_from(const std::vector<double>& numbers, Vec3 otherwise) {
+Vec3 color_from(const std::vector<double>& numbers, Vec3 otherwise) {
   return numbers.size() >= 3 ? Vec3(numbers[0], numbers[1], numbers[2]) : otherwise;
 }
 
@@ -36,7 +36,7 @@ class Extension {
   double number(const std::string& key, double otherwise) const {
     return value_ && value_->Has(key) ? value_->Get(key).GetNumberAsDouble() : otherwise;
   }
-  Vec3 colour(const std::string& key, Vec3 otherwise) const {
+  Vec3 color(const std::string& key, Vec3 otherwise) const {
     if (!value_ || !value_->Has(key)) return otherwise;
     const Value& list = value_->Get(key);
     for (int k = 0; k < 3; ++k) otherwise[k] = list.Get(k).GetNumberAsDouble();
@@ -110,23 +110,23 @@ struct Look {
   double metallic = 1;
   double roughness = 1;
   double index = 1.5;
-  double specular = 1;      // KHR_materials_specular
-  Vec3 specular_colour{1};  // the same
-  std::optional<Vec3> f0;   // KHR_materials_pbrSpecularGlossiness gives it as it is
+  double specular = 1;     // KHR_materials_specular
+  Vec3 specular_color{1};  // the same
+  std::optional<Vec3> f0;  // KHR_materials_pbrSpecularGlossiness gives it as it is
 
   // Reflectance at normal incidence of what is no metal.
   Vec3 dielectric() const {
     if (f0) return *f0;
     const double root = (index - 1) / (index + 1);
-    return specular * glm::min((index > 0 ? root * root : 1.0) * specular_colour, Vec3(1));
+    return specular * glm::min((index > 0 ? root * root : 1.0) * specular_color, Vec3(1));
   }
 };
 
 class MaterialBuilder {
  public:
-  MaterialBuilder(const tinygltf::Material& from, std::string name, bool with_pictures,
-                  Pictures& pictures)
-      : from_(from), pictures_(pictures), with_pictures_(with_pictures) {
+  MaterialBuilder(const tinygltf::Material& from, std::string name, bool with_textures,
+                  TextureReader& textures)
+      : from_(from), texture_cache_(textures), with_textures_(with_textures) {
     out_.cad.name = from.name;
     out_.material.name = std::move(name);
   }
@@ -134,12 +134,12 @@ class MaterialBuilder {
   BuiltMaterial build() {
     Look look = read_look();
     read_maps(look);
-    set_laws(look);
+    set_brdfs(look);
     set_emission();
     set_coat();
     set_opacity();
     list_lost();
-    out_.cad.base_colour = look.base;
+    out_.cad.base_color = look.base;
     out_.cad.metallic = look.metallic;
     out_.cad.roughness = look.roughness;
     materials::fit(out_.material);
@@ -153,17 +153,17 @@ class MaterialBuilder {
     Look look;
     const Extension glossy(from_, "KHR_materials_pbrSpecularGlossiness");
     if (glossy) {
-      look.base = glossy.colour("diffuseFactor", Vec3(1));
+      look.base = glossy.color("diffuseFactor", Vec3(1));
       alpha_ = glossy.fourth("diffuseFactor", 1);
       look.metallic = 0;
       look.roughness = 1 - glossy.number("glossinessFactor", 1);
-      look.f0 = glossy.colour("specularFactor", Vec3(1));
+      look.f0 = glossy.color("specularFactor", Vec3(1));
       base_texture_ = glossy.texture("diffuseTexture");
       gloss_texture_ = glossy.texture("specularGlossinessTexture");
       return look;
     }
     const tinygltf::PbrMetallicRoughness& pbr = from_.pbrMetallicRoughness;
-    look.base = colour_from(pbr.baseColorFactor, Vec3(1));
+    look.base = color_from(pbr.baseColorFactor, Vec3(1));
     if (pbr.baseColorFactor.size() == 4) alpha_ = pbr.baseColorFactor[3];
     look.metallic = pbr.metallicFactor;
     look.roughness = pbr.roughnessFactor;
@@ -172,20 +172,20 @@ class MaterialBuilder {
     look.index = Extension(from_, "KHR_materials_ior").number("ior", 1.5);
     const Extension specular(from_, "KHR_materials_specular");
     look.specular = specular.number("specularFactor", 1);
-    look.specular_colour = specular.colour("specularColorFactor", Vec3(1));
+    look.specular_color = specular.color("specularColorFactor", Vec3(1));
     if (specular.has("specularTexture") || specular.has("specularColorTexture"))
       lose("specular textures");
     return look;
   }
 
-  // Whether a picture lies over the coordinates that the surface gets; others are lost.
+  // Whether a texture lies over the coordinates that the surface gets; others are lost.
   template <class Info>
   bool lies_right(const Info& info, const char* name) {
-    if (info.index < 0 || !with_pictures_) return false;
+    if (info.index < 0 || !with_textures_) return false;
     const TexcoordChoice choice = choice_of(info);
     if (out_.texcoords.set < 0) out_.texcoords = choice;
     if (choice == out_.texcoords) {
-      const std::array<bool, 2> repeats = pictures_.repeats(info.index);
+      const std::array<bool, 2> repeats = texture_cache_.repeats(info.index);
       for (std::size_t k = 0; k < 2; ++k) out_.repeats[k] = out_.repeats[k] && repeats[k];
       return true;
     }
@@ -198,10 +198,11 @@ class MaterialBuilder {
     out_.cad.textured = base_texture_.index >= 0;
     const bool has_base = lies_right(base_texture_, "base colour");
     if (lies_right(from_.normalTexture, "normal"))
-      maps.normal = pictures_.texture(from_.normalTexture.index, PictureUse::normal);
+      maps.normal = texture_cache_.texture(from_.normalTexture.index, TextureUse::normal);
     if (maps.normal >= 0 && from_.normalTexture.scale != 1) lose("scale of the normal texture");
     const bool has_rough = lies_right(rough_texture_, "roughness");
-    if (has_rough) maps.roughness = pictures_.texture(rough_texture_.index, PictureUse::roughness);
+    if (has_rough)
+      maps.roughness = texture_cache_.texture(rough_texture_.index, TextureUse::roughness);
     const bool has_gloss = lies_right(gloss_texture_, "specular-glossiness");
     if (has_gloss) {
       read_gloss(look, has_base);
@@ -209,39 +210,40 @@ class MaterialBuilder {
       read_metal(look, has_base, has_rough);
     }
     if (!mapped_ && has_base)
-      maps.albedo = pictures_.texture(base_texture_.index, PictureUse::colour);
+      maps.albedo = texture_cache_.texture(base_texture_.index, TextureUse::color);
     if (from_.alphaMode == "MASK" && has_base) {
-      maps.cutout = maps.albedo >= 0 ? maps.albedo
-                                     : pictures_.texture(base_texture_.index, PictureUse::colour);
+      maps.cutout = maps.albedo >= 0
+                        ? maps.albedo
+                        : texture_cache_.texture(base_texture_.index, TextureUse::color);
       maps.threshold = std::clamp(from_.alphaCutoff / std::max(alpha_, 1e-6), 0.0, 1.0);
     }
   }
 
-  void use(const RecipePictures& pictures) {
+  void use(const RecipeTextures& textures) {
     materials::Maps& maps = out_.material.maps;
     mapped_ = true;
-    maps.albedo = pictures.albedo;
-    maps.reflectance = pictures.reflectance;
-    if (pictures.roughness >= 0) maps.roughness = pictures.roughness;
+    maps.albedo = textures.albedo;
+    maps.reflectance = textures.reflectance;
+    if (textures.roughness >= 0) maps.roughness = textures.roughness;
   }
 
-  // Metals take their colour as reflectance. Without room for the pictures, or where they lie over
+  // Metals take their colour as reflectance. Without room for the textures, or where they lie over
   // other coordinates, means stand for them.
   void read_metal(Look& look, bool has_base, bool has_rough) {
     const double factor = look.metallic;
-    const Vec4 parts = pictures_.mean(rough_texture_.index, false);
+    const Vec4 parts = texture_cache_.mean(rough_texture_.index, false);
     look.metallic *= parts.z;
     if (!(look.metallic > 0)) return;
-    const bool even = pictures_.is_even(rough_texture_.index, 2);
+    const bool even = texture_cache_.is_even(rough_texture_.index, 2);
     const bool one_place = (has_base || base_texture_.index < 0) && (has_rough || even);
-    if (with_pictures_ && one_place && (has_base || !even)) {
+    if (with_textures_ && one_place && (has_base || !even)) {
       MetalRecipe recipe;
       if (has_base) recipe.base = base_texture_.index;
       if (!even) recipe.metal = rough_texture_.index;
       recipe.factor = look.base;
       recipe.metallic = even ? look.metallic : factor;
       recipe.dielectric = look.dielectric();
-      if (const auto made = pictures_.metal(recipe)) {
+      if (const auto made = texture_cache_.metal(recipe)) {
         use(*made);
         metal_in_albedo_ = !even;
         return;
@@ -249,8 +251,8 @@ class MaterialBuilder {
     }
     if (!even) lose("metallic texture; its mean is used");
     if (base_texture_.index < 0) return;
-    metal_colour_ = Vec3(pictures_.mean(base_texture_.index, true));
-    if (with_pictures_) lose("base colour texture on metal; its mean is used");
+    metal_colour_ = Vec3(texture_cache_.mean(base_texture_.index, true));
+    if (with_textures_) lose("base colour texture on metal; its mean is used");
   }
 
   void read_gloss(Look& look, bool has_base) {
@@ -259,7 +261,7 @@ class MaterialBuilder {
     recipe.specular = gloss_texture_.index;
     recipe.factor = *look.f0;
     recipe.glossiness = 1 - look.roughness;
-    if (const auto made = pictures_.gloss(recipe)) {
+    if (const auto made = texture_cache_.gloss(recipe)) {
       use(*made);
       return;
     }
@@ -268,12 +270,12 @@ class MaterialBuilder {
 
   // glTF 2.0 specification, appendix B: a dielectric and a metal, mixed. Facets are the same as
   // there; Schlick's curve becomes the reflectance of a refractive index.
-  void set_laws(const Look& look) {
+  void set_brdfs(const Look& look) {
     materials::Material& m = out_.material;
     const Vec3 dielectric = look.dielectric();
     const double largest = std::max({dielectric.x, dielectric.y, dielectric.z});
     m.diffuse = look.base;
-    // what the albedo's picture says already
+    // what the albedo's texture says already
     if (!metal_in_albedo_) m.diffuse *= 1 - look.metallic;
     if (!look.f0)
       m.diffuse *= Vec3(1) - dielectric;
@@ -287,14 +289,14 @@ class MaterialBuilder {
     m.specular = Vec3(1);
     if (mapped_) {
       set_reflectance(Vec3(kUnderMaps));
-      // of glossiness, the picture has the slopes
+      // of glossiness, the texture has the slopes
       if (look.f0) m.specular_brdf = materials::Ggx{1, 1};
       return;
     }
     if (look.metallic <= 0 && !look.f0) {
       m.specular = Vec3(look.specular);
       Vec3 n(look.index);
-      if (look.specular_colour != Vec3(1) || look.index <= 0)
+      if (look.specular_color != Vec3(1) || look.index <= 0)
         for (int k = 0; k < 3; ++k)
           n[k] = index_of_reflectance(dielectric[k] / std::max(look.specular, 1e-12));
       m.refract = n;
@@ -320,11 +322,11 @@ class MaterialBuilder {
   }
 
   void set_emission() {
-    Vec3 emissive = colour_from(from_.emissiveFactor, Vec3(0));
+    Vec3 emissive = color_from(from_.emissiveFactor, Vec3(0));
     emissive *= Extension(from_, "KHR_materials_emissive_strength").number("emissiveStrength", 1);
     if (emissive == Vec3(0)) return;
     if (from_.emissiveTexture.index >= 0) {
-      emissive *= Vec3(pictures_.mean(from_.emissiveTexture.index, true));
+      emissive *= Vec3(texture_cache_.mean(from_.emissiveTexture.index, true));
       lose("emissive texture; its mean is used");
     }
     out_.material.emissive = glm::min(emissive, Vec3(1e6));
@@ -374,8 +376,8 @@ class MaterialBuilder {
   }
 
   const tinygltf::Material& from_;
-  Pictures& pictures_;
-  bool with_pictures_;
+  TextureReader& texture_cache_;
+  bool with_textures_;
   BuiltMaterial out_;
   double alpha_ = 1;
   Vec3 metal_colour_{1};
@@ -430,8 +432,8 @@ TexcoordChoice texcoords_of(const tinygltf::Model& model, int index) {
   return {};
 }
 
-BuiltMaterial material_of(const tinygltf::Model& model, int index, bool with_pictures,
-                          Pictures& pictures) {
+BuiltMaterial material_of(const tinygltf::Model& model, int index, bool with_textures,
+                          TextureReader& textures) {
   if (index < 0) {
     BuiltMaterial none;
     none.material.name = "none";
@@ -440,7 +442,7 @@ BuiltMaterial material_of(const tinygltf::Model& model, int index, bool with_pic
   }
   const tinygltf::Material& from = model.materials[static_cast<std::size_t>(index)];
   const std::string name = from.name.empty() ? fmt::format("material{}", index) : from.name;
-  return MaterialBuilder(from, name, with_pictures, pictures).build();
+  return MaterialBuilder(from, name, with_textures, textures).build();
 }
 
 }  // namespace panwright::importers::gltf

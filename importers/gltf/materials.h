@@ -1,22 +1,22 @@
 // Materials of glTF → ours. Private to importers/gltf.
 #pragma once
 
-#include "importers/gltf/pictures.h"
 #include "importers/gltf/primitives.h"
+#include "importers/gltf/textures.h"
 
 namespace panwright::importers::gltf {
 
 struct BuiltMaterial {
   materials::Material material;
   CadMaterial cad;
-  TexcoordChoice texcoords;  // what its pictures lie over
+  TexcoordChoice texcoords;  // what its textures lie over
   // whether all of them repeat along u and v; ours do, whatever the file says
   std::array<bool, 2> repeats{true, true};
 };
 
-// The material of that index; −1: what a surface without one gets. Pictures only where asked for.
-BuiltMaterial material_of(const tinygltf::Model& model, int index, bool with_pictures,
-                          Pictures& pictures);
+// The material of that index; −1: what a surface without one gets. Textures only where asked for.
+BuiltMaterial material_of(const tinygltf::Model& model, int index, bool with_textures,
+                          TextureReader& textures);
 
 // Which texture coordinates a material needs.
 TexcoordChoice texcoords_of(const tinygltf::Model& model, int index);

@@ -208,9 +208,9 @@ class SurfaceReader {
     if (!source_.packed()) compare_bounds(static_cast<std::size_t>(position), mesh.positions);
     mesh.normals = source_.read<Vec3>("NORMAL");
     keep_if_fitting(mesh.normals, "NORMAL");
-    mesh.colours = source_.read<Vec3>("COLOR_0");
-    keep_if_fitting(mesh.colours, "COLOR_0");
-    clamp_colours(mesh.colours);
+    mesh.colors = source_.read<Vec3>("COLOR_0");
+    keep_if_fitting(mesh.colors, "COLOR_0");
+    clamp_colors(mesh.colors);
     read_texcoords(texcoords, out);
     if (!triangles(mesh)) return Surface{};
     morph(weights, mesh);
@@ -293,12 +293,12 @@ class SurfaceReader {
     list.clear();
   }
 
-  void clamp_colours(std::vector<Vec3>& colours) {
+  void clamp_colors(std::vector<Vec3>& colors) {
     std::size_t beyond = 0;
-    for (Vec3& colour : colours) {
-      const Vec3 within = glm::clamp(colour, Vec3(0), Vec3(1));
-      if (within != colour) ++beyond;
-      colour = within;
+    for (Vec3& color : colors) {
+      const Vec3 within = glm::clamp(color, Vec3(0), Vec3(1));
+      if (within != color) ++beyond;
+      color = within;
     }
     if (beyond > 0)
       wrong(Code::W6212, "/attributes/COLOR_0",
@@ -315,7 +315,7 @@ class SurfaceReader {
     const auto [sine, cosine] = det::sincos(choice.rotation);
     for (Vec2& p : uv) {
       const Vec2 scaled = p * choice.scale;
-      // counter-clockwise as pictures are seen, v downwards
+      // counter-clockwise as textures are seen, v downwards
       const Vec2 turned(cosine * scaled.x + sine * scaled.y, cosine * scaled.y - sine * scaled.x);
       const Vec2 moved = turned + choice.offset;
       const bool finite = std::isfinite(moved.x) && std::isfinite(moved.y);

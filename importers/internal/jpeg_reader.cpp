@@ -23,7 +23,7 @@ constexpr std::uint64_t kMostVisits = 1ull << 32;   // of pixels
 constexpr std::uint64_t kWorkingMemory = 16 << 20;  // bytes, beside coefficients
 
 // Whether a warning of the library says that pixels are lost or made up.
-bool means_loss(int warning) {
+bool means_deficit(int warning) {
   switch (warning) {
     case JWRN_ARITH_BAD_CODE:
     case JWRN_HIT_MARKER:
@@ -64,7 +64,7 @@ class JpegReader : private ImageReader {
   static void warn(j_common_ptr jpeg, int level) {
     const int code = jpeg->err->msg_code;
     if (level >= 0) return;
-    if (means_loss(code) || (code == JWRN_EXTRANEOUS_DATA && self(jpeg).passed_over_data()))
+    if (means_deficit(code) || (code == JWRN_EXTRANEOUS_DATA && self(jpeg).passed_over_data()))
       leave(jpeg);
   }
   // Whether the bytes that were passed over before a marker look like the rest of a scan, of which

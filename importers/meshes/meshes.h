@@ -6,7 +6,7 @@
 
 namespace panwright::importers::meshes {
 
-// Reads a file with the material libraries and pictures that it names.
+// Reads a file with the material libraries and textures that it names.
 //
 //   format  obj, stl or ply
 //

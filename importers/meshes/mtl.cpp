@@ -21,8 +21,8 @@ constexpr std::size_t kMostLost = 30;     // properties of a material that are t
 constexpr std::size_t kMostHints = 50;    // unknown names that are looked for among the known,
 constexpr std::size_t kMostNames = 1000;  // where these are no more
 
-// How many words follow an option of a picture; those of o, s and t may be fewer.
-constexpr std::pair<std::string_view, int> kPictureOptions[] = {
+// How many words follow an option of a texture; those of o, s and t may be fewer.
+constexpr std::pair<std::string_view, int> kImageOptions[] = {
     {"-blendu", 1},  {"-blendv", 1}, {"-boost", 1},  {"-mm", 2},         {"-o", 3},
     {"-s", 3},       {"-t", 3},      {"-texres", 1}, {"-clamp", 1},      {"-bm", 1},
     {"-imfchan", 1}, {"-type", 1},   {"-cc", 1},     {"-colorspace", 1},
@@ -48,9 +48,9 @@ constexpr std::string_view kIgnored[] = {"ka", "tf", "sharpness", "map_aat", "kt
 
 class MtlReader {
  public:
-  MtlReader(Session& session, std::string path, SharedText bytes, FileId source,
+  MtlReader(ReaderContext& context, std::string path, SharedText bytes, FileId source,
             std::vector<MtlMaterial>& out)
-      : s_(session), path_(std::move(path)), bytes_(std::move(bytes)), source_(source), out_(out) {}
+      : s_(context), path_(std::move(path)), bytes_(std::move(bytes)), source_(source), out_(out) {}
 
   void read() {
     Lines lines(*bytes_);
@@ -86,9 +86,9 @@ class MtlReader {
 
   void read_property(const std::string& key, std::string_view word, std::string_view rest) {
     MtlMaterial& m = out_.back();
-    if (key == "kd") return read_colour(word, rest, m.diffuse);
-    if (key == "ks") return read_colour(word, rest, m.specular);
-    if (key == "ke") return read_colour(word, rest, m.emissive);
+    if (key == "kd") return read_color(word, rest, m.diffuse);
+    if (key == "ks") return read_color(word, rest, m.specular);
+    if (key == "ke") return read_color(word, rest, m.emissive);
     if (key == "ns") return read_number(word, rest, m.shine);
     if (key == "ni") return read_number(word, rest, m.index);
     if (key == "pr") return read_number(word, rest, m.roughness);
@@ -109,8 +109,8 @@ class MtlReader {
       if (value) m.model = static_cast<int>(std::clamp(*value, 0.0, 100.0));
       return;
     }
-    if (key == "map_kd") return read_picture(rest, m.albedo);
-    if (key == "norm" || key == "map_kn") return read_picture(rest, m.normal);
+    if (key == "map_kd") return read_texture(rest, m.albedo);
+    if (key == "norm" || key == "map_kn") return read_texture(rest, m.normal);
     for (const auto& [name, what] : kLostMaps)
       if (key == name) return lose(std::string(what));
     if (std::find(std::begin(kIgnored), std::end(kIgnored), key) == std::end(kIgnored))
@@ -138,29 +138,29 @@ class MtlReader {
   }
 
   // One number stands for three.
-  void read_colour(std::string_view word, std::string_view rest, std::optional<Vec3>& out) {
-    Vec3 colour(0);
+  void read_color(std::string_view word, std::string_view rest, std::optional<Vec3>& out) {
+    Vec3 color(0);
     std::string_view value = next_word(rest);
     if (value == "spectral" || value == "xyz") return lose(fmt::format("{} {}", word, value));
     for (int k = 0; k < 3; ++k) {
       if (k > 0) value = next_word(rest);
       if (k == 1 && value.empty()) {
-        colour = Vec3(colour.x);
+        color = Vec3(color.x);
         break;
       }
       const auto number = parse_double(value);
       if (!number) return bad_number(word, value);
-      colour[k] = *number;
+      color[k] = *number;
     }
-    out = glm::clamp(colour, Vec3(0), Vec3(1));
+    out = glm::clamp(color, Vec3(0), Vec3(1));
   }
 
-  void read_picture(std::string_view rest, MtlPicture& out) {
+  void read_texture(std::string_view rest, MtlTexture& out) {
     std::string_view ahead = rest;
     for (std::string_view word = next_word(ahead); word.starts_with('-'); word = next_word(ahead)) {
-      const auto* option = std::find_if(std::begin(kPictureOptions), std::end(kPictureOptions),
+      const auto* option = std::find_if(std::begin(kImageOptions), std::end(kImageOptions),
                                         [&](const auto& known) { return known.first == word; });
-      if (option == std::end(kPictureOptions)) break;
+      if (option == std::end(kImageOptions)) break;
       rest = ahead;
       read_option(*option, rest, out);
       ahead = rest;
@@ -172,7 +172,7 @@ class MtlReader {
   }
 
   void read_option(const std::pair<std::string_view, int>& option, std::string_view& rest,
-                   MtlPicture& out) {
+                   MtlTexture& out) {
     Vec3 numbers(option.first == "-s" ? 1.0 : 0.0);
     for (int k = 0; k < option.second; ++k) {
       std::string_view ahead = rest;
@@ -184,19 +184,19 @@ class MtlReader {
     if (option.first == "-s")
       out.repeat = Vec2(numbers);
     else if ((option.first == "-o" || option.first == "-t") && numbers != Vec3(0))
-      lose("offset of a picture");
+      lose("offset of a texture");
   }
 
-  Session& s_;
+  ReaderContext& s_;
   std::string path_;
   SharedText bytes_;
   FileId source_;
   std::vector<MtlMaterial>& out_;
 };
 
-// The laws of VRML's materials: Lambert, and Blinn and Phong's lobe where there is a specular
+// The BRDFs of VRML's materials: Lambert, and Blinn and Phong's lobe where there is a specular
 // colour and the illumination model wants one.
-void set_laws(const MtlMaterial& from, materials::Material& m, CadMaterial& cad) {
+void set_brdfs(const MtlMaterial& from, materials::Material& m, CadMaterial& cad) {
   const bool highlights = from.model.value_or(2) >= 2;
   const Vec3 specular = highlights ? from.specular.value_or(Vec3(0)) : Vec3(0);
   if (specular != Vec3(0)) {
@@ -267,11 +267,11 @@ std::int32_t MtlLibraries::number_of(std::string_view name, SourceSpan where) {
   return number;
 }
 
-std::int32_t MtlLibraries::scene_material(std::int32_t number, bool coloured, bool texcoords) {
-  if (number < 0) return assembly_.plain_material(coloured);
+std::int32_t MtlLibraries::scene_material(std::int32_t number, bool colored, bool texcoords) {
+  if (number < 0) return assembly_.plain_material(colored);
   const MtlMaterial& from = materials_[static_cast<std::size_t>(number)];
-  const bool pictures = texcoords && (!from.albedo.name.empty() || !from.normal.name.empty());
-  const auto [place, is_new] = made_.try_emplace({number, pictures}, scene::kNone);
+  const bool textures = texcoords && (!from.albedo.name.empty() || !from.normal.name.empty());
+  const auto [place, is_new] = made_.try_emplace({number, textures}, scene::kNone);
   if (!is_new) return place->second;
   materials::Material m;
   CadMaterial cad;
@@ -281,19 +281,19 @@ std::int32_t MtlLibraries::scene_material(std::int32_t number, bool coloured, bo
   const Vec3 usual = cad.textured ? Vec3(1) : m.diffuse;
   m.diffuse = from.diffuse.value_or(usual);
   if (cad.textured && m.diffuse == Vec3(0)) {
-    // some programs write no colour beside a picture, and mean the picture's
+    // some programs write no colour beside a texture, and mean the texture's
     s_.trouble(Code::W6502, "black", from.albedo.where,
-               [] { return "a picture over a black 'Kd'; its own colours are taken"; });
+               [] { return "a texture over a black 'Kd'; its own colours are taken"; });
     m.diffuse = Vec3(1);
   }
-  set_laws(from, m, cad);
-  if (pictures && !from.albedo.name.empty()) {
-    m.maps.albedo = assembly_.picture(from.albedo.name, from.library, false, from.albedo.where);
+  set_brdfs(from, m, cad);
+  if (textures && !from.albedo.name.empty()) {
+    m.maps.albedo = assembly_.texture(from.albedo.name, from.library, false, from.albedo.where);
     m.maps.repeat = from.albedo.repeat;
   }
-  if (pictures && !from.normal.name.empty())
-    m.maps.normal = assembly_.picture(from.normal.name, from.library, true, from.normal.where);
-  cad.base_colour = m.diffuse;
+  if (textures && !from.normal.name.empty())
+    m.maps.normal = assembly_.texture(from.normal.name, from.library, true, from.normal.where);
+  cad.base_color = m.diffuse;
   cad.metallic = std::clamp(from.metallic.value_or(0), 0.0, 1.0);
   if (from.roughness) cad.roughness = std::clamp(*from.roughness, 0.0, 1.0);
   cad.opacity = from.opacity.value_or(1);

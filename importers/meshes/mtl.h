@@ -8,12 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "importers/meshes/session.h"
+#include "importers/meshes/reader_context.h"
 
 namespace panwright::importers::meshes {
 
-// A picture that a material names.
-struct MtlPicture {
+// A texture that a material names.
+struct MtlTexture {
   std::string name;  // empty: none
   SourceSpan where;  // in the library
   Vec2 repeat{1};    // option -s
@@ -28,14 +28,14 @@ struct MtlMaterial {
   std::optional<double> roughness, metallic;        // Pr, Pm
   std::optional<double> index;                      // Ni
   std::optional<int> model;                         // illum
-  MtlPicture albedo, normal;                        // map_Kd, norm
+  MtlTexture albedo, normal;                        // map_Kd, norm
   std::vector<std::string> lost;
 };
 
 // The materials that an OBJ file may use.
 class MtlLibraries {
  public:
-  MtlLibraries(Session& session, Assembly& assembly) : s_(session), assembly_(assembly) {}
+  MtlLibraries(ReaderContext& context, Assembly& assembly) : s_(context), assembly_(assembly) {}
 
   // Reads what a line "mtllib" names: one file whose name may hold blanks, or several.
   void read(std::string_view names, SourceSpan where);
@@ -46,14 +46,14 @@ class MtlLibraries {
   // The scene's material for a number; −1: for none.
   //
   //   coloured   the vertices have colours
-  //   texcoords  pictures can be laid on
-  std::int32_t scene_material(std::int32_t number, bool coloured, bool texcoords);
+  //   texcoords  textures can be laid on
+  std::int32_t scene_material(std::int32_t number, bool colored, bool texcoords);
 
  private:
   void read_library(std::string_view name, SourceSpan where);
   void read_text(const std::string& path, const SharedText& bytes, SourceSpan where);
 
-  Session& s_;
+  ReaderContext& s_;
   Assembly& assembly_;
   std::vector<MtlMaterial> materials_;
   std::map<std::string, std::int32_t, std::less<>> numbers_;

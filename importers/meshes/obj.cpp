@@ -36,10 +36,10 @@ bool is_in(const std::string_view (&list)[kSize], std::string_view word) {
 
 class ObjReader {
  public:
-  ObjReader(Session& session, std::string_view text)
-      : s_(session),
-        assembly_(session, Format::obj),
-        libraries_(session, assembly_),
+  ObjReader(ReaderContext& context, std::string_view text)
+      : s_(context),
+        assembly_(context, Format::obj),
+        libraries_(context, assembly_),
         lines_(text) {}
 
   Result<Imported> read() {
@@ -122,10 +122,10 @@ class ObjReader {
     // note: its number is used up even when it has no place
     l_.points.push_back(sound ? Vec3(n[0], n[1], n[2])
                               : Vec3(std::numeric_limits<double>::quiet_NaN()));
-    if (count < 6 && l_.colours.empty()) return;
-    if (l_.colours.empty() && !s_.charge(l_.points.size() * sizeof(Vec3))) return;
-    l_.colours.resize(l_.points.size(), Vec3(1));
-    if (count == 6) l_.colours.back() = glm::clamp(Vec3(n[3], n[4], n[5]), Vec3(0), Vec3(1));
+    if (count < 6 && l_.colors.empty()) return;
+    if (l_.colors.empty() && !s_.charge(l_.points.size() * sizeof(Vec3))) return;
+    l_.colors.resize(l_.points.size(), Vec3(1));
+    if (count == 6) l_.colors.back() = glm::clamp(Vec3(n[3], n[4], n[5]), Vec3(0), Vec3(1));
   }
 
   void read_normal(std::string_view rest) {
@@ -275,7 +275,7 @@ class ObjReader {
       geometry::Mesh mesh = mesher.mesh_of(part.ranges, &part == &parts_.back());
       if (mesh.triangles.empty() || part.node < 0) continue;
       const std::int32_t material =
-          libraries_.scene_material(part.material, !mesh.colours.empty(), !mesh.texcoords.empty());
+          libraries_.scene_material(part.material, !mesh.colors.empty(), !mesh.texcoords.empty());
       assembly_.add_part(part.node, std::move(mesh), material, part.where);
     }
   }
@@ -288,7 +288,7 @@ class ObjReader {
     std::vector<ObjMesher::Range> ranges;
   };
 
-  Session& s_;
+  ReaderContext& s_;
   Assembly assembly_;
   MtlLibraries libraries_;
   Lines lines_;
@@ -310,8 +310,8 @@ class ObjReader {
 
 Result<Imported> read_obj(Files& files, const InputFile& file, const Options& options,
                           DiagnosticLog& log) {
-  Session session(files, file, options, true, log);
-  return ObjReader(session, *file.bytes).read();
+  ReaderContext context(files, file, options, true, log);
+  return ObjReader(context, *file.bytes).read();
 }
 
 }  // namespace panwright::importers::meshes

@@ -29,7 +29,7 @@ void append(Mesh& out, Mesh&& mesh) {
   add(out.positions, mesh.positions);
   add(out.normals, mesh.normals);
   add(out.texcoords, mesh.texcoords);
-  add(out.colours, mesh.colours);
+  add(out.colors, mesh.colors);
   for (Triangle t : mesh.triangles) {
     for (std::uint32_t& v : t) v += offset;
     out.triangles.push_back(t);
@@ -43,7 +43,7 @@ bool ObjMesher::Key::operator==(const Key& other) const {
          corner.normal == other.corner.normal && smoothing == other.smoothing;
 }
 
-ObjMesher::ObjMesher(Session& session, ObjLists& lists) : s_(session), l_(lists) {
+ObjMesher::ObjMesher(ReaderContext& context, ObjLists& lists) : s_(context), l_(lists) {
   first_.assign(l_.points.size(), kNoIndex);
 }
 
@@ -143,8 +143,8 @@ void ObjMesher::complete(Mesh& mesh, std::span<const Key> keys) const {
       mesh.texcoords.push_back(key.corner.texcoord < 0
                                    ? Vec2(0)
                                    : l_.texcoords[static_cast<std::size_t>(key.corner.texcoord)]);
-    if (!l_.colours.empty())
-      mesh.colours.push_back(l_.colours[static_cast<std::size_t>(key.corner.point)]);
+    if (!l_.colors.empty())
+      mesh.colors.push_back(l_.colors[static_cast<std::size_t>(key.corner.point)]);
   }
   finish_normals(mesh, smoothing == kByCrease ? s_.options.crease_angle : kPi);
 }
@@ -190,8 +190,8 @@ Mesh ObjMesher::finished() {
       keys_, [&](const Key& key) { return key.smoothing == keys_[0].smoothing; });
   Mesh out = one ? std::move(mesh_) : by_smoothing();
   if (one) complete(out, keys_);
-  if (std::ranges::all_of(out.colours, [](const Vec3& c) { return c == Vec3(1); }))
-    out.colours.clear();
+  if (std::ranges::all_of(out.colors, [](const Vec3& c) { return c == Vec3(1); }))
+    out.colors.clear();
   return out;
 }
 

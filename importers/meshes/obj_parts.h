@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "importers/meshes/session.h"
+#include "importers/meshes/reader_context.h"
 
 namespace panwright::importers::meshes {
 
@@ -26,7 +26,7 @@ inline constexpr std::int64_t kByCrease = 0;
 
 struct ObjLists {
   std::vector<Vec3> points;     // not finite: no place
-  std::vector<Vec3> colours;    // linear; as many as points, or none
+  std::vector<Vec3> colors;     // linear; as many as points, or none
   std::vector<Vec2> texcoords;  // (0,0) the image's bottom left
   std::vector<Vec3> normals;
   std::vector<ObjCorner> corners;
@@ -36,7 +36,7 @@ struct ObjLists {
 // Makes the mesh of one part after another; keeps its lists between them.
 class ObjMesher {
  public:
-  ObjMesher(Session& session, ObjLists& lists);
+  ObjMesher(ReaderContext& context, ObjLists& lists);
 
   struct Range {
     std::size_t begin = 0;
@@ -62,7 +62,7 @@ class ObjMesher {
   geometry::Mesh by_smoothing();
   void complete(geometry::Mesh& mesh, std::span<const Key> keys) const;
 
-  Session& s_;
+  ReaderContext& s_;
   ObjLists& l_;
   std::vector<std::uint32_t> first_;  // of each point, its newest vertex
   std::vector<Key> keys_;             // of each vertex

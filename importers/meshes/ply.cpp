@@ -9,8 +9,8 @@
 #include "base/text.h"
 #include "geometry/mesh/strip.h"
 #include "importers/meshes/ply_values.h"
+#include "importers/meshes/reader_context.h"
 #include "importers/meshes/readers.h"
-#include "importers/meshes/session.h"
 
 // note: no reader of Debian's is used. OpenMesh's and assimp's round doubles to single precision;
 // both hang on damaged files, and assimp's crashes on some.
@@ -54,9 +54,9 @@ constexpr std::pair<std::string_view, Slot> kSlotNames[] = {
 
 class PlyReader {
  public:
-  PlyReader(Session& session, PlyHeader header)
-      : s_(session),
-        assembly_(session, Format::ply),
+  PlyReader(ReaderContext& context, PlyHeader header)
+      : s_(context),
+        assembly_(context, Format::ply),
         header_(std::move(header)),
         text_(header_.order == PlyOrder::text),
         values_(header_.body, header_.order) {}
@@ -204,7 +204,7 @@ class PlyReader {
   }
 
   // Whole numbers are sRGB, parts of the largest of their type; others are linear.
-  static double colour_of(double value, PlyType type) {
+  static double color_of(double value, PlyType type) {
     if (is_float(type)) return std::clamp(value, 0.0, 1.0);
     const double most = bytes_of(type) == 1 ? 255 : bytes_of(type) == 2 ? 65535 : 255;
     return linear_from_srgb(std::clamp(value / most, 0.0, 1.0));
@@ -222,7 +222,7 @@ class PlyReader {
     mesh_.positions.reserve(count);
     std::array<double, 256> linear;
     for (std::size_t k = 0; k < linear.size(); ++k)
-      linear[k] = colour_of(static_cast<double>(k), PlyType::uint8);
+      linear[k] = color_of(static_cast<double>(k), PlyType::uint8);
     std::array<double, kSlots> at{};
     for (std::uint64_t i = 0; i < count && going_; ++i) {
       for (std::size_t k = 0; k < slots.size() && going_; ++k) {
@@ -235,7 +235,7 @@ class PlyReader {
         if (!number(property.type, value)) return cut_short(element, i);
         if (slots[k] >= kRed && slots[k] <= kBlue) {
           const bool byte = property.type == PlyType::uint8 && value >= 0 && value <= 255;
-          value = byte ? linear[static_cast<std::size_t>(value)] : colour_of(value, property.type);
+          value = byte ? linear[static_cast<std::size_t>(value)] : color_of(value, property.type);
         }
         at[slots[k]] = value;
       }
@@ -249,7 +249,7 @@ class PlyReader {
     mesh_.positions.push_back({at[kX], at[kY], at[kZ]});
     if (has_normals_) mesh_.normals.push_back({at[kNx], at[kNy], at[kNz]});
     if (has_colours_)
-      mesh_.colours.push_back({finite(at[kRed]), finite(at[kGreen]), finite(at[kBlue])});
+      mesh_.colors.push_back({finite(at[kRed]), finite(at[kGreen]), finite(at[kBlue])});
     if (has_texcoords_) mesh_.texcoords.push_back({finite(at[kU]), finite(at[kV])});
   }
 
@@ -418,7 +418,7 @@ class PlyReader {
         v = static_cast<std::uint32_t>(mesh_.positions.size());
         mesh_.positions.push_back(mesh_.positions[point]);
         if (has_normals_) mesh_.normals.push_back(mesh_.normals[point]);
-        if (has_colours_) mesh_.colours.push_back(mesh_.colours[point]);
+        if (has_colours_) mesh_.colors.push_back(mesh_.colors[point]);
         mesh_.texcoords.push_back(wedges_[c]);
         next.push_back(next[point]);
         next[point] = v;
@@ -452,21 +452,21 @@ class PlyReader {
     drop_unused(mesh_);
     finish_normals(mesh_, s_.options.crease_angle);
     const SourceSpan where = s_.at(0, 0);
-    const bool coloured = !mesh_.colours.empty();
+    const bool colored = !mesh_.colors.empty();
     std::int32_t material = scene::kNone;
     if (!header_.texture.empty() && !mesh_.texcoords.empty()) {
       materials::Material textured;
       textured.name = header_.texture;
       textured.diffuse = Vec3(1);
-      textured.maps.albedo = assembly_.picture(header_.texture, s_.file.path, false, where);
+      textured.maps.albedo = assembly_.texture(header_.texture, s_.file.path, false, where);
       CadMaterial cad;
       cad.name = header_.texture;
-      cad.base_colour = Vec3(1);
+      cad.base_color = Vec3(1);
       cad.textured = true;
       if (textured.maps.albedo >= 0)
         material = assembly_.add_material(std::move(textured), std::move(cad));
     }
-    if (material < 0) material = assembly_.plain_material(coloured);
+    if (material < 0) material = assembly_.plain_material(colored);
     const std::int32_t node = assembly_.add_node(0, {}, "mesh", where);
     if (node >= 0) assembly_.add_part(node, std::move(mesh_), material, where);
   }
@@ -476,7 +476,7 @@ class PlyReader {
     std::uint32_t where;  // byte in the body
   };
 
-  Session& s_;
+  ReaderContext& s_;
   Assembly assembly_;
   PlyHeader header_;
   bool text_;
@@ -496,9 +496,9 @@ Result<Imported> read_ply(Files& files, const InputFile& file, const Options& op
                           DiagnosticLog& log) {
   PlyHeader header = ply_header_of(*file.bytes);
   const bool text = header.order == PlyOrder::text;
-  Session session(files, file, options, text, log);
-  if (header.problem.empty()) return PlyReader(session, std::move(header)).read();
-  log.report(Code::E6501, session.at(header.place), header.problem);
+  ReaderContext context(files, file, options, text, log);
+  if (header.problem.empty()) return PlyReader(context, std::move(header)).read();
+  log.report(Code::E6501, context.at(header.place), header.problem);
   return failed;
 }
 

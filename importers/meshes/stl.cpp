@@ -3,8 +3,8 @@
 #include <cstring>
 
 #include "base/text.h"
+#include "importers/meshes/reader_context.h"
 #include "importers/meshes/readers.h"
-#include "importers/meshes/session.h"
 #include "importers/meshes/text.h"
 
 // note: no reader of Debian's is used. OpenMesh's hangs on damaged files and never says that they
@@ -51,7 +51,7 @@ bool is_binary(std::string_view bytes) {
 
 class BinaryReader {
  public:
-  BinaryReader(Session& session, std::string_view bytes) : s_(session), bytes_(bytes) {}
+  BinaryReader(ReaderContext& context, std::string_view bytes) : s_(context), bytes_(bytes) {}
 
   Result<Imported> read() {
     Assembly assembly(s_, Format::stl);
@@ -131,14 +131,14 @@ class BinaryReader {
     return std::min(said, held);
   }
 
-  Session& s_;
+  ReaderContext& s_;
   std::string_view bytes_;
 };
 
 class TextReader {
  public:
-  TextReader(Session& session, std::string_view text)
-      : s_(session), assembly_(session, Format::stl), lines_(text) {}
+  TextReader(ReaderContext& context, std::string_view text)
+      : s_(context), assembly_(context, Format::stl), lines_(text) {}
 
   Result<Imported> read() {
     std::string_view line;
@@ -261,7 +261,7 @@ class TextReader {
     in_solid_ = broken_ = false;
   }
 
-  Session& s_;
+  ReaderContext& s_;
   Assembly assembly_;
   Lines lines_;
   Mesh mesh_;  // of the solid
@@ -280,9 +280,9 @@ Result<Imported> read_stl(Files& files, const InputFile& file, const Options& op
                           DiagnosticLog& log) {
   const std::string_view bytes = *file.bytes;
   const bool binary = is_binary(bytes);
-  Session session(files, file, options, !binary, log);
-  if (binary) return BinaryReader(session, bytes).read();
-  return TextReader(session, bytes).read();
+  ReaderContext context(files, file, options, !binary, log);
+  if (binary) return BinaryReader(context, bytes).read();
+  return TextReader(context, bytes).read();
 }
 
 }  // namespace panwright::importers::meshes

@@ -9,11 +9,11 @@ namespace panwright::importers::vrml {
 
 Result<Imported> read(Files& files, const InputFile& file, const Options& options,
                       DiagnosticLog& log) {
-  Session session(files, options, log);
+  ReaderContext context(files, options, log);
   try {
-    Document* document = session.open(file);
+    Document* document = context.open(file);
     if (document == nullptr) return failed;
-    Builder builder(session);
+    Builder builder(context);
     builder.enter(*document, {});
     builder.once = true;
     build(builder, *document, 0);

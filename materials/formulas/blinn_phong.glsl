@@ -1,5 +1,5 @@
 // (n.h)^shine, times what makes the albedo at normal incidence 1. 1/sr.
-// J. F. Blinn, "Models of light reflection for computer synthesized pictures", 1977.
+// J. F. Blinn, "Models of light reflection for computer synthesized textures", 1977.
 
 // integral over the hemisphere of (n.h)^shine (n.l) for v = n, inverted
 FORMULA Real blinn_phong_scale(Real shine) {

@@ -33,12 +33,12 @@ FORMULA Vec3 slab_remainder(Real first, Vec3 below, Vec3 depth, Real cos_t) {
 }
 
 // What the coat's outer surface reflects of the light from a direction. Facets of a rough one reflect
-// another share than a plane does, whose difference is fitted; over facets that scatter more than
+// another share than a plane does, whose difference is fitted; over microfacets that scatter more than
 // once the fit stands for those, and a rough coat passes what a smooth one does.
 FORMULA Real coat_first(Surface s, Real cosine) {
   Real plane = s.coat_share * fresnel_dielectric(cosine, s.coat_index);
-  if (!(s.coat_alpha > Real(0)) || dot3(s.many_scale, Vec3(Real(1))) > Real(0)) return plane;
-  return min(max(plane + loss_polynomial(s, cosine), Real(0)), Real(1));
+  if (!(s.coat_alpha > Real(0)) || dot3(s.compensation_scale, Vec3(Real(1))) > Real(0)) return plane;
+  return min(max(plane + albedo_deficit_polynomial(s, cosine), Real(0)), Real(1));
 }
 
 // How much of what a mirror below reflects comes out of a slab, all reflections between its faces
@@ -66,9 +66,9 @@ FORMULA Vec3 through_coat(Surface s, Vec3 below, Real cos_nl, Real cos_nv) {
          (transmittance(s.coat_depth, min(path, Real(1e10))) * below / at_least(again, Real(1e-10)));
 }
 
-// What facets under the coat scatter more than once is multiplied by this: it comes and leaves
+// What microfacets under the coat scatter more than once is multiplied by this: it comes and leaves
 // through the coat.
-FORMULA Vec3 many_through_coat(Surface s, Real cos_nl, Real cos_nv) {
+FORMULA Vec3 compensation_through_coat(Surface s, Real cos_nl, Real cos_nv) {
   Real n = s.coat_index;
   Real path = Real(1) / refracted_cosine(cos_nl, n) + Real(1) / refracted_cosine(cos_nv, n);
   Vec3 through = transmittance(s.coat_depth, min(path, Real(1e10)));
@@ -93,7 +93,7 @@ FORMULA Vec3 tilted_normal(Surface s, Vec3 normal, Real scale) {
   return tilted / max(length3(tilted), Real(1e-10));
 }
 
-// What a tilted facet shows of itself to light and viewer, against the surface that it is part of.
+// What a tilted microfacet shows of itself to light and viewer, against the surface that it is part of.
 FORMULA Real tilted_share(Vec3 tilted, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Real light = max(dot3(tilted, to_light), Real(0)) / max(dot3(normal, to_light), Real(1e-10));
   Real viewer = max(dot3(tilted, to_viewer), Real(0)) / max(dot3(normal, to_viewer), Real(1e-10));
@@ -105,6 +105,6 @@ FORMULA Real tilted_share(Vec3 tilted, Vec3 to_light, Vec3 to_viewer, Vec3 norma
 FORMULA Real mirror_below_coat(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 tilted) {
   Real bent = (s.coat_index - Real(1)) * Real(0.7071067811865476) * s.coat_alpha;
   if (!(bent > Real(0))) return disc_lobe(s.sun_alpha2, to_light, to_viewer, tilted);
-  Real slope = facet_slope(bent, s.sun_alpha2);
+  Real slope = microfacet_slope(bent, s.sun_alpha2);
   return beckmann_smith(slope, slope, s.tangent, to_light, to_viewer, tilted);
 }

@@ -1,9 +1,9 @@
-// Mirror facets with Beckmann slopes in V-cavities: F D G / (4 (n.l) (n.v)), D normalised so that
-// the facets' projections add up to the surface. 1/sr.
+// microfacets with Beckmann slopes in V-cavities: F D G / (4 (n.l) (n.v)), D normalised so that
+// the microfacets' projections add up to the surface. 1/sr.
 // R. L. Cook, K. E. Torrance, "A reflectance model for computer graphics", 1982. Their print has no
 // 1/pi in D but one beside F and no 4: it is four times as bright and reflects more than it gets.
 
-// D, 1/sr. slope: RMS m of the facets, taken as 1e-6 (a thousandth of what the Sun's disc blurs)
+// D, 1/sr. slope: RMS m of the microfacets, taken as 1e-6 (a thousandth of what the Sun's disc blurs)
 // when smaller and as 1000 when larger.
 FORMULA Real beckmann(Real tan2, Real slope) {
   Real m = min(max(slope, Real(1e-6)), Real(1000));
@@ -21,7 +21,7 @@ FORMULA Real v_cavity(Real cos_nl, Real cos_nv, Real both2) {
   return Real(1) / max(Real(4) * small * large, both2 * large / (small + large));
 }
 
-// D G / (4 (n.l) (n.v)): the whole lobe but for the Fresnel reflectance of the facets.
+// D G / (4 (n.l) (n.v)): the whole lobe but for the Fresnel reflectance of the microfacets.
 FORMULA Real cook_torrance(Real slope, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Real cos_nl = dot3(normal, to_light);
   Real cos_nv = dot3(normal, to_viewer);

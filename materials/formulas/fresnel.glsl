@@ -41,14 +41,14 @@ FORMULA Real fresnel_conductor(Real cos_i, Real n, Real k) {
   return min(Real(0.5) * (rs + rp), Real(1));
 }
 
-// F of a surface whose reflectance at normal incidence is not F0 (facing) but R: linear in R, from 0
+// F of a surface whose reflectance at normal incidence is not F0 (f0) but R: linear in R, from 0
 // to 1, F where R = F0. From F0 upwards it rises as Schlick's curve would with R; where a conductor
 // dips below F0, in proportion. C. Schlick, "An inexpensive BRDF model for physically-based
 // rendering", 1994.
-FORMULA Real fresnel_from(Real fresnel, Real facing, Real reflectance) {
-  if (fresnel < facing) return reflectance * (fresnel / facing);
-  if (!(facing < Real(0.999999))) return reflectance;
-  Real rise = (fresnel - facing) / (Real(1) - facing);
+FORMULA Real fresnel_from(Real fresnel, Real f0, Real reflectance) {
+  if (fresnel < f0) return reflectance * (fresnel / f0);
+  if (!(f0 < Real(0.999999))) return reflectance;
+  Real rise = (fresnel - f0) / (Real(1) - f0);
   return reflectance + rise * (Real(1) - reflectance);
 }
 
@@ -60,7 +60,7 @@ FORMULA Vec3 mapped_fresnel(Surface s, Vec3 fresnel) {
 
 FORMULA Vec3 no_fresnel(Surface s, Real cos_i, Real outer) { return Vec3(Real(1)); }
 
-// outer: refractive index of what lies over the facets
+// outer: refractive index of what lies over the microfacets
 FORMULA Vec3 dielectric_fresnel(Surface s, Real cos_i, Real outer) {
   return Vec3(fresnel_dielectric(cos_i, s.indices.x / outer),
               fresnel_dielectric(cos_i, s.indices.y / outer),

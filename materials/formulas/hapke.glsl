@@ -87,7 +87,7 @@ FORMULA Real hapke(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Real eta_g = hapke_eta(t, cos_g, sin_g);
   Real chi = Real(1) / sqrt(Real(1) + Real(3.1415926535897932) * t * t);
 
-  // 1 - f + f chi mu/eta: facets unseen are the more often unlit the smaller the azimuth is,
+  // 1 - f + f chi mu/eta: microfacets unseen are the more often unlit the smaller the azimuth is,
   // f = exp(-2 tan(azimuth/2))
   Real grade = Real(2) * sqrt(sin2_half / max(cos2_half, Real(1e-30)));
   Real apart = one_minus_exp(grade) + exp_negative(grade) * (cos_s / eta_s);
@@ -109,6 +109,6 @@ FORMULA Real hapke(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
          (mu_s / eta_s) * (mu_g / eta_g) / (mu_s + mu_g) / apart;
 }
 
-FORMULA Vec3 hapke_law(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+FORMULA Vec3 hapke_brdf(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   return s.diffuse * hapke(s, to_light, to_viewer, normal);
 }

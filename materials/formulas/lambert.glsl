@@ -5,6 +5,6 @@ FORMULA Vec3 lambert(Vec3 albedo, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   return albedo * Real(0.31830988618379067);
 }
 
-FORMULA Vec3 lambert_law(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+FORMULA Vec3 lambert_brdf(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   return lambert(s.diffuse, to_light, to_viewer, normal);
 }

@@ -7,6 +7,6 @@ FORMULA Real lommel_seeliger(Real w, Vec3 to_light, Vec3 to_viewer, Vec3 normal)
   return w * Real(0.079577471545947668) / max(cos_nl + cos_nv, Real(1e-10));
 }
 
-FORMULA Vec3 lommel_seeliger_law(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+FORMULA Vec3 lommel_seeliger_brdf(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   return s.diffuse * lommel_seeliger(s.hapke_w, to_light, to_viewer, normal);
 }

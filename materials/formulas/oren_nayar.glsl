@@ -1,6 +1,6 @@
 // Diffuse V-cavities whose slopes are Gaussian with standard deviation sigma (radians), with one
 // interreflection. 1/sr, the albedo included: the second term goes with its square. Where the fit
-// turns negative (steep facets, backward azimuths, both angles near grazing) it is 0.
+// turns negative (steep microfacets, backward azimuths, both angles near grazing) it is 0.
 // M. Oren, S. K. Nayar, "Generalization of Lambert's reflectance model", 1994, equations 27 and 28.
 FORMULA Vec3 oren_nayar(Vec3 albedo, Real sigma, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Real cos_nl = dot3(normal, to_light);
@@ -40,6 +40,6 @@ FORMULA Vec3 oren_nayar(Vec3 albedo, Real sigma, Vec3 to_light, Vec3 to_viewer, 
   return albedo * ((max(direct, Real(0)) + albedo * twice) * Real(0.31830988618379067));
 }
 
-FORMULA Vec3 oren_nayar_law(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+FORMULA Vec3 oren_nayar_brdf(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   return oren_nayar(s.diffuse, s.oren, to_light, to_viewer, normal);
 }

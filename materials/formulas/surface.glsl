@@ -1,12 +1,12 @@
-// A material's laws put together. PANWRIGHT_DIFFUSE, PANWRIGHT_LOBE and PANWRIGHT_MANY name functions
+// A material's laws put together. PANWRIGHT_DIFFUSE, PANWRIGHT_LOBE and PANWRIGHT_COMPENSATION name functions
 // of (Surface, to_light, to_viewer, normal), PANWRIGHT_FRESNEL one of (Surface, cosine, index
 // outside), PANWRIGHT_LAYERS `bare`, `coated` or `coated_mirror`.
 
-// Mirror facets, `outer` over them.
+// microfacets, `outer` over them.
 FORMULA Vec3 mirrored(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Real outer) {
   return s.specular * (PANWRIGHT_FRESNEL(s, half_cosine(to_light, to_viewer), outer) *
                            PANWRIGHT_LOBE(s, to_light, to_viewer, normal) +
-                       PANWRIGHT_MANY(s, to_light, to_viewer, normal));
+                       PANWRIGHT_COMPENSATION(s, to_light, to_viewer, normal));
 }
 
 // The surface by itself.
@@ -24,8 +24,8 @@ FORMULA Vec3 coated_diffuse(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 norma
 
 // Facets under the coat. They see refracted light: at normal incidence slopes look larger by the
 // coat's index from outside, towards grazing by more. What is reflected so flat that the coat keeps
-// it is lost here, and comes back in coated_many.
-FORMULA Vec3 coated_facets(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+// it is lost here, and comes back in coated_compensation.
+FORMULA Vec3 coated_microfacets(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Real n = s.coat_index;
   Vec3 l = under_coat(to_light, normal, n);
   Vec3 v = under_coat(to_viewer, normal, n);
@@ -38,19 +38,19 @@ FORMULA Vec3 coated_facets(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal
                                            PANWRIGHT_LOBE(s, l, v, tilted))));
 }
 
-// What facets and coat send back and forth until it leaves.
-FORMULA Vec3 coated_many(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  Vec3 through = many_through_coat(s, max(dot3(normal, to_light), Real(0)),
+// What microfacets and coat send back and forth until it leaves.
+FORMULA Vec3 coated_compensation(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  Vec3 through = compensation_through_coat(s, max(dot3(normal, to_light), Real(0)),
                                    max(dot3(normal, to_viewer), Real(0)));
-  return s.weights.y * s.specular * through * PANWRIGHT_MANY(s, to_light, to_viewer, normal);
+  return s.weights.y * s.specular * through * PANWRIGHT_COMPENSATION(s, to_light, to_viewer, normal);
 }
 
 // The surface under its coat: a peak of the coat, one of the surface below with all reflections
 // between the two, and diffuse light that passes the coat twice.
 FORMULA Vec3 coated(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   return Vec3(coat_peak(s, to_light, to_viewer, normal)) +
-         coated_facets(s, to_light, to_viewer, normal) +
-         coated_many(s, to_light, to_viewer, normal) +
+         coated_microfacets(s, to_light, to_viewer, normal) +
+         coated_compensation(s, to_light, to_viewer, normal) +
          coated_diffuse(s, to_light, to_viewer, normal);
 }
 
@@ -71,13 +71,13 @@ FORMULA Vec3 coated_mirror(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal
          lobe * coated_reflection(s, half_cosine(to_light, to_viewer),
                                   max(dot3(normal, to_light), Real(0)),
                                   max(dot3(normal, to_viewer), Real(0))) +
-         coated_many(s, to_light, to_viewer, normal) +
+         coated_compensation(s, to_light, to_viewer, normal) +
          coated_diffuse(s, to_light, to_viewer, normal);
 }
 
 // The reflectance of a material, 1/sr. 0 where the light is below the horizon. Near the limb of a
-// smoothly shaded mesh a facet can be seen whose interpolated normal faces away: such a viewer is
-// taken to the horizon, which continues the laws and leaves no dark rim.
+// smoothly shaded mesh a microfacet can be seen whose interpolated normal faces away: such a viewer is
+// taken to the horizon, which continues the BRDFs and leaves no dark rim.
 FORMULA Vec3 surface_brdf(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   if (!(dot3(normal, to_light) > Real(0))) return Vec3(Real(0));
   Real cos_nv = dot3(normal, to_viewer);

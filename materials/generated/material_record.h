@@ -182,7 +182,7 @@ struct Maps {
   std::int32_t reflectance = -1;
   std::int32_t cutout = -1;  // alpha: the surface is there where it reaches the threshold
   double threshold = 0.5;  // What alpha must reach
-  Vec2 repeat{1};  // How often the pictures repeat along u and v of the shape
+  Vec2 repeat{1};  // How often the textures repeat along u and v of the shape
   bool any() const {
     return albedo >= 0 || normal >= 0 || roughness >= 0 || reflectance >= 0 || cutout >= 0;
   }
@@ -192,8 +192,9 @@ struct Maps {
 // Numbers that follow from a material's parameters, computed once in double; what a shader needs
 // in the place of integrals. All 0 where the BRDFs do not use them.
 struct Fits {
-  std::array<double, 8> loss{};  // 1 − E(cos): seven coefficients and a bend; see facets.glsl
-  Vec3 many_scale{0};  // factor of loss(l)·loss(v), 1/sr
+  // 1 − E(cos): seven coefficients and a bend; see facets.glsl
+  std::array<double, 8> albedo_deficit{};
+  Vec3 compensation_scale{0};  // factor of loss(l)·loss(v), 1/sr
   std::array<double, 8> hapke_h{};  // of H(x); see hapke.glsl
   // share of diffuse light from below that the coat sends back, times the albedo below over
   // diffuse

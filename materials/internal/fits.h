@@ -11,29 +11,30 @@ namespace panwright::materials {
 // Facets whose lost light is less than this part of what falls on them are left as they are.
 inline constexpr double kWorthCompensation = 0.01;
 
-// fits.loss and fits.many_scale of beckmann and ggx where compensation asks for them; fits.error
-// where it is larger than what stands there.
-void fit_facets(Material& material);
+// fits.albedo_deficit and fits.compensation_scale of beckmann and ggx where compensation asks for
+// them; fits.error where it is larger than what stands there.
+void fit_microfacets(Material& material);
 
-// fits.coat_return, and for a rough coat fits.loss unless fit_facets() filled it. Needs what
-// fit_hapke() and fit_facets() give.
+// fits.coat_return, and for a rough coat fits.albedo_deficit unless fit_microfacets() filled it.
+// Needs what fit_hapke() and fit_microfacets() give.
 void fit_coat(Material& material);
 
-// 2∫ f loss μ dμ of a fitted material, f what its smooth coat passes: see facet_loss in
-// materials/formulas/facets.glsl.
-double mean_loss(const Material& material);
+// 2∫ f loss μ dμ of a fitted material, f what its smooth coat passes: see microfacet_albedo_deficit
+// in materials/formulas/microfacets.glsl.
+double mean_albedo_deficit(const Material& material);
 
 // What the outer surface of a rough coat reflects of light from a direction, and what comes out
-// again of the light that facets below it reflect, once. nodes: see facet_albedo().
+// again of the light that microfacets below it reflect, once. nodes: see microfacet_albedo().
 //
-// Expects: to_viewer above the horizon; the coat rough; the material one of facets, without tint
+// Expects: to_viewer above the horizon; the coat rough; the material one of microfacets, without
+// tint
 double coat_peak_albedo(const Coat& coat, const Vec3& to_viewer, int nodes);
-double coated_facets_albedo(const Material& material, const Vec3& to_viewer, int nodes);
+double coated_microfacets_albedo(const Material& material, const Vec3& to_viewer, int nodes);
 
 // ∫ f(μ) dμ from 0 to 1, of functions that are smooth in √μ.
 Vec3 mean_over_cosines(const std::function<Vec3(double)>& f);
 
-// The albedo of the diffuse law under an even sky, by itself: weight 1, no coat. RGB.
+// The albedo of the diffuse BRDF under an even sky, by itself: weight 1, no coat. RGB.
 Vec3 mean_diffuse_albedo(const Material& material);
 
 // material.fits.hapke_h and, where it is larger than what stands there, fits.error.

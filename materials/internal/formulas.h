@@ -14,7 +14,7 @@
 
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
-// laws share one list of parameters
+// BRDFs share one list of parameters
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
 

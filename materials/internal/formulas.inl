@@ -15,7 +15,7 @@ inline Real ldexp(Real a, int k) {
 }
 
 #define FORMULA inline
-// laws take their parameters by value in GLSL, by reference here
+// BRDFs take their parameters by value in GLSL, by reference here
 #define Surface SurfaceParameters
 #include "materials/internal/generated/parameters.glsl"
 #undef Surface
@@ -34,15 +34,15 @@ inline Real hapke_h_of(Surface s, Real x) {
 #undef FORMULA
 #undef PANWRIGHT_H
 
-// surface_brdf and surface_radiance of any laws.
+// surface_brdf and surface_radiance of any BRDFs.
 struct Composition {
-  Laws laws;
+  BrdfModel brdf_model;
 
 #include "materials/internal/generated/brdf_choice.inl"
 
   // by the indices, whatever a map says
   Vec3 own_fresnel(Surface s, Real cosine, Real outer) const {
-    switch (laws.fresnel) {
+    switch (brdf_model.fresnel) {
       case FresnelModel::none:
         break;
       case FresnelModel::dielectric:
@@ -53,18 +53,18 @@ struct Composition {
     return no_fresnel(s, cosine, outer);
   }
   Vec3 fresnel(Surface s, Real cosine, Real outer) const {
-    if (!laws.mapped) return own_fresnel(s, cosine, outer);
-    if (laws.fresnel == FresnelModel::none) return mapped_no_fresnel(s, cosine, outer);
+    if (!brdf_model.mapped) return own_fresnel(s, cosine, outer);
+    if (brdf_model.fresnel == FresnelModel::none) return mapped_no_fresnel(s, cosine, outer);
     return mapped_fresnel(s, own_fresnel(s, cosine, outer));
   }
   Vec3 many(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {
-    if (!laws.compensated) return no_many(s, to_light, to_viewer, normal);
-    return laws.mapped ? mapped_many(s, to_light, to_viewer, normal)
-                       : facet_many(s, to_light, to_viewer, normal);
+    if (!brdf_model.compensated) return no_compensation(s, to_light, to_viewer, normal);
+    return brdf_model.mapped ? mapped_compensation(s, to_light, to_viewer, normal)
+                       : microfacet_compensation(s, to_light, to_viewer, normal);
   }
   Vec3 layers(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-    if (!laws.coated) return bare(s, to_light, to_viewer, normal);
-    return laws.specular == SpecularModel::mirror ? coated_mirror(s, to_light, to_viewer, normal)
+    if (!brdf_model.coated) return bare(s, to_light, to_viewer, normal);
+    return brdf_model.specular == SpecularModel::mirror ? coated_mirror(s, to_light, to_viewer, normal)
                                                 : coated(s, to_light, to_viewer, normal);
   }
 
@@ -72,17 +72,17 @@ struct Composition {
 #define PANWRIGHT_DIFFUSE diffuse
 #define PANWRIGHT_LOBE lobe
 #define PANWRIGHT_FRESNEL fresnel
-#define PANWRIGHT_MANY many
+#define PANWRIGHT_COMPENSATION many
 #define PANWRIGHT_LAYERS layers
 #include "materials/formulas/surface.glsl"
 #undef FORMULA
 #undef PANWRIGHT_DIFFUSE
 #undef PANWRIGHT_LOBE
 #undef PANWRIGHT_FRESNEL
-#undef PANWRIGHT_MANY
+#undef PANWRIGHT_COMPENSATION
 #undef PANWRIGHT_LAYERS
 };
 
 #include "materials/internal/generated/surface_of.inl"
 
-inline Composition composition_of(const Material& material) { return {laws_of(material)}; }
+inline Composition composition_of(const Material& material) { return {brdf_model_of(material)}; }

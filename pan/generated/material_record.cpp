@@ -123,9 +123,9 @@ materials::Material material_from(const layout::Material& r, std::string_view na
     m.refract = Vec3(double{r.refract[0]}, double{r.refract[1]}, double{r.refract[2]});
   m.extinction = {double{r.extinction[0]}, double{r.extinction[1]}, double{r.extinction[2]}};
   m.compensation = static_cast<materials::Compensation>(r.compensation);
-  m.diffuse_brdf = materials::default_brdf(static_cast<materials::DiffuseModel>(r.diffuse_law));
+  m.diffuse_brdf = materials::default_brdf(static_cast<materials::DiffuseModel>(r.diffuse_brdf));
   std::visit([&](auto& b) { read(r, b); }, m.diffuse_brdf);
-  m.specular_brdf = materials::default_brdf(static_cast<materials::SpecularModel>(r.specular_law));
+  m.specular_brdf = materials::default_brdf(static_cast<materials::SpecularModel>(r.specular_brdf));
   std::visit([&](auto& b) { read(r, b); }, m.specular_brdf);
   if (r.coat_index > 0) {
     auto& b = m.coat.emplace();
@@ -150,8 +150,8 @@ materials::Material material_from(const layout::Material& r, std::string_view na
   m.maps.cutout = r.cutout_map;
   m.maps.threshold = double{r.cutout_threshold};
   m.maps.repeat = {double{r.map_repeat[0]}, double{r.map_repeat[1]}};
-  m.fits.loss = {double{r.loss[0]}, double{r.loss[1]}, double{r.loss[2]}, double{r.loss[3]}, double{r.loss[4]}, double{r.loss[5]}, double{r.loss[6]}, double{r.loss[7]}};
-  m.fits.many_scale = {double{r.many_scale[0]}, double{r.many_scale[1]}, double{r.many_scale[2]}};
+  m.fits.albedo_deficit = {double{r.albedo_deficit[0]}, double{r.albedo_deficit[1]}, double{r.albedo_deficit[2]}, double{r.albedo_deficit[3]}, double{r.albedo_deficit[4]}, double{r.albedo_deficit[5]}, double{r.albedo_deficit[6]}, double{r.albedo_deficit[7]}};
+  m.fits.compensation_scale = {double{r.compensation_scale[0]}, double{r.compensation_scale[1]}, double{r.compensation_scale[2]}};
   m.fits.hapke_h = {double{r.hapke_h[0]}, double{r.hapke_h[1]}, double{r.hapke_h[2]}, double{r.hapke_h[3]}, double{r.hapke_h[4]}, double{r.hapke_h[5]}, double{r.hapke_h[6]}, double{r.hapke_h[7]}};
   m.fits.coat_return = {double{r.coat_return[0]}, double{r.coat_return[1]}, double{r.coat_return[2]}};
   m.fits.f0 = {double{r.reflectance[0]}, double{r.reflectance[1]}, double{r.reflectance[2]}};
@@ -187,9 +187,9 @@ layout::Material record_from(const materials::Material& m, std::uint32_t name) {
   r.extinction[1] = static_cast<float>(m.extinction.y);
   r.extinction[2] = static_cast<float>(m.extinction.z);
   r.compensation = static_cast<std::uint32_t>(m.compensation);
-  r.diffuse_law = static_cast<std::uint32_t>(m.diffuse_brdf.index());
+  r.diffuse_brdf = static_cast<std::uint32_t>(m.diffuse_brdf.index());
   std::visit([&](const auto& b) { store(r, b); }, m.diffuse_brdf);
-  r.specular_law = static_cast<std::uint32_t>(m.specular_brdf.index());
+  r.specular_brdf = static_cast<std::uint32_t>(m.specular_brdf.index());
   std::visit([&](const auto& b) { store(r, b); }, m.specular_brdf);
   if (m.coat) {
     const auto& b = *m.coat;
@@ -224,17 +224,17 @@ layout::Material record_from(const materials::Material& m, std::uint32_t name) {
   r.cutout_threshold = static_cast<float>(m.maps.threshold);
   r.map_repeat[0] = static_cast<float>(m.maps.repeat.x);
   r.map_repeat[1] = static_cast<float>(m.maps.repeat.y);
-  r.loss[0] = static_cast<float>(m.fits.loss[0]);
-  r.loss[1] = static_cast<float>(m.fits.loss[1]);
-  r.loss[2] = static_cast<float>(m.fits.loss[2]);
-  r.loss[3] = static_cast<float>(m.fits.loss[3]);
-  r.loss[4] = static_cast<float>(m.fits.loss[4]);
-  r.loss[5] = static_cast<float>(m.fits.loss[5]);
-  r.loss[6] = static_cast<float>(m.fits.loss[6]);
-  r.loss[7] = static_cast<float>(m.fits.loss[7]);
-  r.many_scale[0] = static_cast<float>(m.fits.many_scale.x);
-  r.many_scale[1] = static_cast<float>(m.fits.many_scale.y);
-  r.many_scale[2] = static_cast<float>(m.fits.many_scale.z);
+  r.albedo_deficit[0] = static_cast<float>(m.fits.albedo_deficit[0]);
+  r.albedo_deficit[1] = static_cast<float>(m.fits.albedo_deficit[1]);
+  r.albedo_deficit[2] = static_cast<float>(m.fits.albedo_deficit[2]);
+  r.albedo_deficit[3] = static_cast<float>(m.fits.albedo_deficit[3]);
+  r.albedo_deficit[4] = static_cast<float>(m.fits.albedo_deficit[4]);
+  r.albedo_deficit[5] = static_cast<float>(m.fits.albedo_deficit[5]);
+  r.albedo_deficit[6] = static_cast<float>(m.fits.albedo_deficit[6]);
+  r.albedo_deficit[7] = static_cast<float>(m.fits.albedo_deficit[7]);
+  r.compensation_scale[0] = static_cast<float>(m.fits.compensation_scale.x);
+  r.compensation_scale[1] = static_cast<float>(m.fits.compensation_scale.y);
+  r.compensation_scale[2] = static_cast<float>(m.fits.compensation_scale.z);
   r.hapke_h[0] = static_cast<float>(m.fits.hapke_h[0]);
   r.hapke_h[1] = static_cast<float>(m.fits.hapke_h[1]);
   r.hapke_h[2] = static_cast<float>(m.fits.hapke_h[2]);
@@ -260,20 +260,20 @@ std::span<const std::string_view> brdf_slots() {
 
 std::uint64_t features_of([[maybe_unused]] const layout::Material& r) {
   std::uint64_t features = 0;
-  if (r.specular_law == static_cast<std::uint32_t>(materials::SpecularModel::retroreflector))
+  if (r.specular_brdf == static_cast<std::uint32_t>(materials::SpecularModel::retroreflector))
     features |= layout::kFeatureBrdfRetroreflector;
   return features;
 }
 
 std::optional<std::string> material_limit_broken(const layout::Material& r) {
-  switch (static_cast<materials::DiffuseModel>(r.diffuse_law)) {
+  switch (static_cast<materials::DiffuseModel>(r.diffuse_brdf)) {
     case materials::DiffuseModel::hapke:
       if (!(r.porosity <= 0.7F)) return broken("porosity", r.porosity, "at most 0.7");
       break;
     default:
       break;
   }
-  switch (static_cast<materials::SpecularModel>(r.specular_law)) {
+  switch (static_cast<materials::SpecularModel>(r.specular_brdf)) {
     case materials::SpecularModel::cook_torrance:
       if (!(r.cook[1] > 0.0F)) return broken("alpha", r.cook[1], "above 0");
       break;

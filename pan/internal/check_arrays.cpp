@@ -114,8 +114,8 @@ void check_elements(const Model& model, SectionKind kind, std::uint64_t begin, s
         if (!all_finite(&first[i].x, 2)) found.values.add(begin + i);
       break;
     }
-    case SectionKind::colours: {
-      const layout::Float3* first = &model.colours()[begin];
+    case SectionKind::colors: {
+      const layout::Float3* first = &model.colors()[begin];
       if (all_finite_not_negative(&first->x, 3 * n)) break;
       for (std::size_t i = 0; i < n; ++i)
         if (!all_finite_not_negative(&first[i].x, 3)) found.values.add(begin + i);
@@ -183,7 +183,7 @@ void describe(const Model& model, SectionKind kind, const Found& found, Problems
                                                  t.x, t.y, others(found.values))});
   } else {
     const bool normal = kind == SectionKind::normals;
-    const layout::Float3& v = (normal ? model.normals() : model.colours())[at];
+    const layout::Float3& v = (normal ? model.normals() : model.colors())[at];
     problems.push_back(
         {Code::E4012,
          fmt::format("{}[{}] is {} {} {}, it must be {}{}", normal ? "normals" : "colours", at, v.x,

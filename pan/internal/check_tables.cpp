@@ -249,7 +249,7 @@ std::optional<Problem> mesh_form_problem(const layout::Mesh& mesh, std::size_t i
 }
 
 std::optional<Problem> mesh_problem(const Model& model) {
-  std::uint64_t vertices = 0, texcoords = 0, colours = 0, bytes = 0;
+  std::uint64_t vertices = 0, texcoords = 0, colors = 0, bytes = 0;
   const auto meshes = model.meshes();
   const auto misplaced = [](std::size_t i, const char* field, std::uint64_t is,
                             std::uint64_t must) {
@@ -261,18 +261,18 @@ std::optional<Problem> mesh_problem(const Model& model) {
     const layout::Mesh& mesh = meshes[i];
     if (auto problem = mesh_form_problem(mesh, i)) return problem;
     const bool has_texcoords = mesh.flags & layout::kMeshTexcoords;
-    const bool has_colours = mesh.flags & layout::kMeshColours;
+    const bool has_colors = mesh.flags & layout::kMeshColors;
     const std::uint64_t texcoord = has_texcoords ? texcoords : 0;
-    const std::uint64_t colour = has_colours ? colours : 0;
+    const std::uint64_t color = has_colors ? colors : 0;
     if (mesh.first_vertex != vertices)
       return misplaced(i, "first_vertex", mesh.first_vertex, vertices);
     if (mesh.index_offset != bytes) return misplaced(i, "index_offset", mesh.index_offset, bytes);
     if (mesh.first_texcoord != texcoord)
       return misplaced(i, "first_texcoord", mesh.first_texcoord, texcoord);
-    if (mesh.first_colour != colour) return misplaced(i, "first_colour", mesh.first_colour, colour);
+    if (mesh.first_color != color) return misplaced(i, "first_colour", mesh.first_color, color);
     vertices += mesh.vertex_count;
     texcoords += has_texcoords ? mesh.vertex_count : 0;
-    colours += has_colours ? mesh.vertex_count : 0;
+    colors += has_colors ? mesh.vertex_count : 0;
     // note: counts are below 2^32 and records below 2^58, so no sum overflows before it is compared
     bytes += (std::uint64_t{3} * mesh.triangle_count * mesh.index_size + 3) / 4 * 4;
   }
@@ -282,7 +282,7 @@ std::optional<Problem> mesh_problem(const Model& model) {
   } arrays[] = {{SectionKind::positions, vertices},
                 {SectionKind::normals, vertices},
                 {SectionKind::texcoords, texcoords},
-                {SectionKind::colours, colours},
+                {SectionKind::colors, colors},
                 {SectionKind::indices, bytes}};
   for (const auto& array : arrays)
     if (count_of(model, array.kind) != array.needed)
@@ -363,12 +363,12 @@ std::optional<Problem> frame_problem(const Model& model) {
 }
 
 std::optional<Problem> need_problem(const Model& model) {
-  if (const std::uint64_t count = count_of(model, SectionKind::need); count > 1)
+  if (const std::uint64_t count = count_of(model, SectionKind::budget); count > 1)
     return Problem{Code::E4012,
                    fmt::format("section 'need' has {} records, one is the most", count)};
-  const std::uint64_t count = model.mesh_needs().size();
+  const std::uint64_t count = model.mesh_tolerances().size();
   if (count != 0 && count != model.meshes().size())
-    return Problem{Code::E4010, fmt::format("section 'mesh_needs' has {}, section 'meshes' {}",
+    return Problem{Code::E4010, fmt::format("section 'mesh_tolerances' has {}, section 'meshes' {}",
                                             counted(count, "element"), model.meshes().size())};
   return {};
 }

@@ -55,22 +55,24 @@ auto order(const DrawItem& item) {
 }  // namespace
 
 Families families_of(const pan::Model& model) {
-  std::vector<materials::Laws> of_material;
+  std::vector<materials::BrdfModel> of_material;
   for (const pan::layout::Material& record : model.materials())
-    of_material.push_back(materials::laws_of(pan::material_from(record, {})));
-  Families families;
+    of_material.push_back(materials::brdf_model_of(pan::material_from(record, {})));
+  Families brdf_models;
   for (const pan::layout::Material& record : model.materials()) {
     const double change = normal_change(pan::material_from(record, {}));
-    families.normal_change.push_back(
+    brdf_models.normal_change.push_back(
         static_cast<std::uint32_t>(std::clamp(-16 * std::log2(change), 0.0, 255.0)));
   }
-  families.all = of_material;
-  std::sort(families.all.begin(), families.all.end());
-  families.all.erase(std::unique(families.all.begin(), families.all.end()), families.all.end());
-  for (const materials::Laws& laws : of_material)
-    families.of_material.push_back(static_cast<std::uint32_t>(
-        std::lower_bound(families.all.begin(), families.all.end(), laws) - families.all.begin()));
-  return families;
+  brdf_models.all = of_material;
+  std::sort(brdf_models.all.begin(), brdf_models.all.end());
+  brdf_models.all.erase(std::unique(brdf_models.all.begin(), brdf_models.all.end()),
+                        brdf_models.all.end());
+  for (const materials::BrdfModel& brdf_model : of_material)
+    brdf_models.of_material.push_back(static_cast<std::uint32_t>(
+        std::lower_bound(brdf_models.all.begin(), brdf_models.all.end(), brdf_model) -
+        brdf_models.all.begin()));
+  return brdf_models;
 }
 
 std::vector<DrawItem> draw_list(const pan::Model& model) {
@@ -85,12 +87,13 @@ std::vector<DrawItem> draw_list(const pan::Model& model) {
     DrawItem item;
     item.variant.shading = material.variant;
     item.variant.textured = instance.texture >= 0;
-    item.variant.coloured = (mesh.flags & layout::kMeshColours) != 0;
+    item.variant.colored = (mesh.flags & layout::kMeshColors) != 0;
     item.variant.albedo_map = material.albedo_map >= 0;
     item.variant.normal_map = material.normal_map >= 0;
     item.variant.roughness_map = material.roughness_map >= 0;
-    item.variant.reflectance_map = material.reflectance_map >= 0 &&
-                                   materials::laws_of(pan::material_from(material, {})).mapped;
+    item.variant.reflectance_map =
+        material.reflectance_map >= 0 &&
+        materials::brdf_model_of(pan::material_from(material, {})).mapped;
     item.variant.cutout = material.cutout_map >= 0;
     item.variant.cells = material.cell_count[0] > 0;
     item.variant.brushed = is_brushed(material);

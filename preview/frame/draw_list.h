@@ -16,10 +16,10 @@
 
 namespace panwright::preview {
 
-// The families of materials that a model has; each is shaded by a program of its own.
+// The BRDF models that a model has; each is shaded by a program of its own.
 struct Families {
-  std::vector<materials::Laws> all;        // sorted
-  std::vector<std::uint32_t> of_material;  // into all, one for each material
+  std::vector<materials::BrdfModel> all;   // sorted
+  std::vector<std::uint32_t> of_material;  // into all, one per material
   // how far a normal may turn within a pixel that one sample shades, 2^(-w/16) rad; one for each
   // material, 0 to 255
   std::vector<std::uint32_t> normal_change;
@@ -30,11 +30,11 @@ Families families_of(const pan::Model& model);
 struct Variant {
   std::uint32_t shading = 0;  // variant of the material
   bool textured = false;
-  bool coloured = false;
+  bool colored = false;
   bool albedo_map = false;
   bool normal_map = false;
   bool roughness_map = false;
-  bool reflectance_map = false;  // of a material with mirror facets
+  bool reflectance_map = false;  // of a material with microfacets
   bool cutout = false;
   bool cells = false;
   bool brushed = false;   // its light depends on the direction along u

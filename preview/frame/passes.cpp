@@ -19,30 +19,30 @@ void copy_cells(const materials::Cells& cells, const float coat_return[3], DrawB
     block.cells[axis] = static_cast<float>(cells.count[axis]);
     block.cells[axis + 2] = static_cast<float>(cells.gap[axis]);
   }
-  copy_floats(cells.gap_color, block.gap_colour);
-  copy_floats(cells.finger_color, block.finger_colour);
-  block.gap_colour[3] = static_cast<float>(std::floor(cells.fingers + 0.5));
-  block.finger_colour[3] = static_cast<float>(cells.finger_width);
-  std::copy_n(coat_return, 3, block.lift + 1);
+  copy_floats(cells.gap_color, block.gap_color);
+  copy_floats(cells.finger_color, block.finger_color);
+  block.gap_color[3] = static_cast<float>(std::floor(cells.fingers + 0.5));
+  block.finger_color[3] = static_cast<float>(cells.finger_width);
+  std::copy_n(coat_return, 3, block.normal_offset + 1);
 }
 
 // what the fragments of a tile share
 ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const Tile& tile,
                      unsigned samples, unsigned stands_for) {
   const Mat3 axes = glm::mat3_cast(camera.world_from_camera);
-  Vec3 sight = axes[2];
+  Vec3 view_ray = axes[2];
   Vec3 right(0);
   Vec3 down(0);
   if (camera.projection == world::Projection::perspective) {
     const Vec2 corner = (Vec2(tile.x, tile.y) - camera.principal) / camera.focal;
-    sight = axes * Vec3(corner, 1);
+    view_ray = axes * Vec3(corner, 1);
     right = axes[0] / (camera.focal.x * samples);
     down = axes[1] / (camera.focal.y * samples);
   }
   ViewBlock block{};
-  copy_floats(sight, block.sight);
-  copy_floats(right, block.sight_right);
-  copy_floats(down, block.sight_down);
+  copy_floats(view_ray, block.view_ray);
+  copy_floats(right, block.view_ray_right);
+  copy_floats(down, block.view_ray_down);
   copy_floats(glm::normalize(sun.direction), block.to_sun);
   block.to_sun[3] = static_cast<float>(materials::kSunAlpha2 / (sun.distance * sun.distance));
   copy_floats(sun.irradiance.value_or(Vec3(1)), block.irradiance);
@@ -78,21 +78,21 @@ void TileScene::find(const FrameScene& scene, const Tile& whole) {
     target.first_block = blocks;
     target.drawn.clear();
     target.classes.clear();
-    const Families& families = scene.state(v).model().families;
-    by_family_.assign(families.all.size(), {kNone, 0, true});
+    const Families& brdf_models = scene.state(v).model().brdf_models;
+    by_family_.assign(brdf_models.all.size(), {kNone, 0, true});
     for (std::uint32_t i = 0; i < visible.items.size(); ++i) {
       if (!may_touch(scene.camera, whole, 1.0, visible.boxes[i])) continue;
       const DrawItem& item = list[visible.items[i]];
       target.drawn.push_back(i);
-      const std::uint32_t family = families.of_material[item.material];
-      TileTarget::ShadingClass& shading = by_family_[family];
-      if (shading.family == kNone) shading = {family, item.material, true};
+      const std::uint32_t brdf_model = brdf_models.of_material[item.material];
+      TileTarget::ShadingClass& shading = by_family_[brdf_model];
+      if (shading.brdf_model == kNone) shading = {brdf_model, item.material, true};
       if (shading.material != item.material) shading.one_material = false;
     }
     target.part = touched_part(scene.camera, whole, visible.boxes, target.drawn);
     if (target.part.width == 0 || target.part.height == 0) continue;
     for (const TileTarget::ShadingClass& one : by_family_)
-      if (one.family != kNone) target.classes.push_back(one);
+      if (one.brdf_model != kNone) target.classes.push_back(one);
     tile = around(tile, target.part);
     blocks += target.drawn.size();
     ++count;
@@ -153,12 +153,12 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
       bool good = program(model, item.variant, pass, shadows, &problem) != 0;
       if (is_shaded(pass)) {
         if (!model.gpu.decals().empty()) good = good && device_.programs.decal(&problem) != 0;
-        const materials::Laws& family =
-            model.families.all[model.families.of_material[item.material]];
+        const materials::BrdfModel& brdf_model =
+            model.brdf_models.all[model.brdf_models.of_material[item.material]];
         good = good && device_.programs.classes(&problem) != 0;
         for (const bool one : {false, true})
-          good =
-              good && device_.programs.shading(family, model.layers, one, shadows, &problem) != 0;
+          good = good &&
+                 device_.programs.shading(brdf_model, model.layers, one, shadows, &problem) != 0;
       }
       if (good) continue;
       log.report_file(Code::E5001, {},
@@ -204,13 +204,13 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
         block.id[0] = visible.first_id + index + 1;
         block.id[1] = tile.tile.x * samples;
         block.id[2] = tile.tile.y * samples;
-        block.id[3] = state.model().families.normal_change[item.material];
+        block.id[3] = state.model().brdf_models.normal_change[item.material];
         copy_floats(item.diffuse, block.diffuse);
         copy_repeat(item, block);
         copy_cells(item.cells, model.materials()[item.material].coat_return, block);
         if (scene.shadows)
-          place_before_sun(scene.shadows->place(target.visible), model.meshes()[item.mesh], item,
-                           flat, block);
+          light_space_sample(scene.shadows->place(target.visible), model.meshes()[item.mesh], item,
+                             flat, block);
         std::memcpy(blocks_.data() + first + k * draw_stride_, &block, sizeof block);
       }
     }
@@ -253,7 +253,7 @@ bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned sampl
       if (belongs(one) && !draw_items(scene, one, pass, job)) return false;
     if (!is_shaded(pass)) continue;
     for (const TileTarget& one : tile.targets)
-      if (belongs(one)) draw_decals(scene, one, target.colors[kSeenLayer]);
+      if (belongs(one)) draw_decals(scene, one, target.colors[kNormalLayer]);
   }
   return !job.cancelled();
 }
@@ -288,7 +288,7 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
   return true;
 }
 
-// lays pictures over the colours of what is seen
+// lays images over the colours of what is seen
 void Passes::draw_decals(const FrameScene& scene, const TileTarget& target, const GlTexture& seen) {
   const TargetState& state = scene.state(target.visible);
   const ModelResources::Impl& model = state.model();
@@ -299,19 +299,19 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target, cons
     places_[visible.items[target.drawn[k]]] = k;
   gl_.UseProgram(device_.programs.decal(nullptr));
   // whose the sample is, is read where its sign is written: the barrier makes that sound
-  gl_.BindTextureUnit(kSeenUnit, seen.id());
+  gl_.BindTextureUnit(kNormalUnit, seen.id());
   gl_.TextureBarrier();
   // every program puts a vertex on the same spot, so what is seen has the very depth that is there
   gl_.DepthFunc(GL_EQUAL);
   gl_.DepthMask(GL_FALSE);
   for (GLuint layer = 0; layer <= kSunLayer; ++layer) {
-    const GLboolean paint = layer == kPaintLayer;
-    gl_.ColorMaski(layer, paint, paint, paint, layer == kSeenLayer);
+    const GLboolean albedo = layer == kAlbedoLayer;
+    gl_.ColorMaski(layer, albedo, albedo, albedo, layer == kNormalLayer);
   }
-  gl_.Enablei(GL_BLEND, kSeenLayer);
-  gl_.BlendEquationi(kSeenLayer, GL_MIN);
-  gl_.Enablei(GL_BLEND, kPaintLayer);
-  gl_.BlendFunci(kPaintLayer, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl_.Enablei(GL_BLEND, kNormalLayer);
+  gl_.BlendEquationi(kNormalLayer, GL_MIN);
+  gl_.Enablei(GL_BLEND, kAlbedoLayer);
+  gl_.BlendFunci(kAlbedoLayer, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   const DrawItem* last = nullptr;
   for (std::size_t i = 0; i < model.gpu.decals().size(); ++i) {
     const std::uint32_t k = places_[model.gpu.decals()[i].item];
@@ -326,9 +326,9 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target, cons
     model.gpu.draw_decal(i);
     last = &item;
   }
-  gl_.Disablei(GL_BLEND, kPaintLayer);
-  gl_.Disablei(GL_BLEND, kSeenLayer);
-  gl_.BlendEquationi(kSeenLayer, GL_FUNC_ADD);
+  gl_.Disablei(GL_BLEND, kAlbedoLayer);
+  gl_.Disablei(GL_BLEND, kNormalLayer);
+  gl_.BlendEquationi(kNormalLayer, GL_FUNC_ADD);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(GL_GREATER);
@@ -341,7 +341,7 @@ void Passes::scissor(const Tile& tile, const Tile& part, unsigned samples) const
 }
 
 void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samples,
-                   const RenderTarget& seen, const RenderTarget& color, const Blocks& blocks) {
+                   const RenderTarget& g_buffer, const RenderTarget& color, const Blocks& blocks) {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, color.framebuffer.id());
   const bool apart = blocks.a_row > 0;
   const Tile window{0, 0, apart ? blocks.a_row : tile.tile.width,
@@ -355,14 +355,12 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
   gl_.ClearBufferfv(GL_DEPTH, 0, &nothing);
   constexpr float kNothing[4] = {};
   gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
-  constexpr std::pair<Layer, GLuint> kUnits[] = {{kSeenLayer, kSeenUnit},
-                                                 {kPaintLayer, kPaintUnit},
-                                                 {kRoughLayer, kRoughUnit},
-                                                 {kTangentLayer, kTangentUnit},
-                                                 {kReflectanceLayer, kReflectanceUnit},
-                                                 {kSunLayer, kSunUnit}};
+  constexpr std::pair<Layer, GLuint> kUnits[] = {
+      {kNormalLayer, kNormalUnit},           {kAlbedoLayer, kAlbedoUnit},
+      {kRoughnessLayer, kRoughnessUnit},     {kTangentLayer, kTangentUnit},
+      {kReflectanceLayer, kReflectanceUnit}, {kSunLayer, kSunUnit}};
   for (const auto& [layer, unit] : kUnits)
-    if (seen.colors[layer]) gl_.BindTextureUnit(unit, seen.colors[layer].id());
+    if (g_buffer.colors[layer]) gl_.BindTextureUnit(unit, g_buffer.colors[layer].id());
   gl_.BindVertexArray(screen_.id());
   gl_.Enable(GL_SCISSOR_TEST);
   // where no class is asked for, the depth test leaves nothing to run
@@ -379,7 +377,7 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
                    static_cast<GLuint>(scene.state(target.visible).items().size()), first_class, 0);
     gl_.DrawArrays(GL_TRIANGLES, 0, 3);
     first_classes_.push_back(first_class);
-    first_class += static_cast<GLuint>(model.families.all.size());
+    first_class += static_cast<GLuint>(model.brdf_models.all.size());
   }
   gl_.DepthFunc(GL_EQUAL);
   gl_.DepthMask(GL_FALSE);
@@ -391,12 +389,12 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
     model.gpu.bind_materials();
     for (const TileTarget::ShadingClass& one : target.classes) {
       if (one.one_material) model.gpu.bind_one_material(one.material);
-      gl_.UseProgram(device_.programs.shading(model.families.all[one.family], model.layers,
+      gl_.UseProgram(device_.programs.shading(model.brdf_models.all[one.brdf_model], model.layers,
                                               one.one_material, scene.shadows != nullptr, nullptr));
       gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
       gl_.Uniform2ui(kBlocksLocation, samples, blocks.a_row);
-      gl_.Uniform1f(kDepthLocation,
-                    static_cast<float>(first_classes_[t] + one.family + 1) * (1.0f / 1048576.0f));
+      gl_.Uniform1f(kDepthLocation, static_cast<float>(first_classes_[t] + one.brdf_model + 1) *
+                                        (1.0f / 1048576.0f));
       gl_.DrawArrays(GL_TRIANGLES, 0, 3);
     }
   }

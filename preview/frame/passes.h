@@ -35,13 +35,13 @@ struct FrameScene {
 struct TileTarget {
   std::uint32_t visible = 0;         // into VisibleSet::targets
   std::vector<std::uint32_t> drawn;  // into its items, ascending
-  // what is shaded by one program: a family of materials of the model
+  // what is shaded by one program: a BRDF model of materials of the model
   struct ShadingClass {
-    std::uint32_t family = 0;
+    std::uint32_t brdf_model = 0;
     std::uint32_t material = 0;  // the first
     bool one_material = true;
   };
-  std::vector<ShadingClass> classes;  // ascending by family
+  std::vector<ShadingClass> classes;  // ascending by BRDF model
   std::size_t first_block = 0;        // in the buffer of blocks
   Tile part;                          // of the tile that it may fall on
 };
@@ -88,9 +88,10 @@ class Passes {
             const RenderTarget& target, const Job& job,
             const std::function<void(bool first)>& clear = {});
 
-  // Turns what is seen into radiance, target by target, one family of materials after the other.
+  // Turns what is seen into radiance, target by target, the materials of one BRDF model after the
+  // other.
   void shade(const FrameScene& scene, const TileScene& tile, unsigned samples,
-             const RenderTarget& seen, const RenderTarget& color, const Blocks& blocks = {});
+             const RenderTarget& g_buffer, const RenderTarget& color, const Blocks& blocks = {});
 
   // A vertex array without vertices.
   GLuint screen() const { return screen_.id(); }

@@ -94,17 +94,22 @@ void merge(Level& level, const Level& more) {
   level.error.insert(level.error.end(), more.error.begin(), more.error.end());
 }
 
-// The errors above which pixels are to be sampled more, so that what is left has a sum of squares
-// of at most `budget`.
+// The error above which pixels are to be sampled more, so that what is left has a sum of squares of
+// at most `budget`. What the last level leaves cannot be helped: the others have the rest of it,
+// and a tenth at least, or every pixel would be taken to the last level in vain.
 float threshold(std::span<const Level> levels, double budget) {
+  double left = budget;
+  for (const float error : levels.back().error)
+    left -= static_cast<double>(error) * static_cast<double>(error);
+  left = std::max(left, 0.1 * budget);
   std::vector<float> errors;
-  for (const Level& level : levels)
+  for (const Level& level : levels.first(levels.size() - 1))
     errors.insert(errors.end(), level.error.begin(), level.error.end());
   std::sort(errors.begin(), errors.end());
   double sum = 0;
   for (const float error : errors) {
     sum += static_cast<double>(error) * static_cast<double>(error);
-    if (sum > budget) return error;
+    if (sum > left) return error;
   }
   return INFINITY;
 }
@@ -338,8 +343,8 @@ bool Sampling::classify(const Frame& frame, const TileScene& on_tile, unsigned s
   gl_.Disable(GL_CULL_FACE);
   gl_.BindVertexArray(passes_.screen());
   gl_.BindTextureUnit(kSamplesUnit, coverage_.colors[0].id());
-  gl_.BindTextureUnit(kSeenUnit, seen_.colors[0].id());
-  gl_.BindTextureUnit(kPaintUnit, color_.colors[1].id());
+  gl_.BindTextureUnit(kNormalUnit, seen_.colors[0].id());
+  gl_.BindTextureUnit(kAlbedoUnit, color_.colors[1].id());
   gl_.BindTextureUnit(kMaterialsUnit, coverage_.depth.id());
   gl_.UseProgram(device_.programs.classify(nullptr));
   gl_.Uniform1ui(0, samples);
@@ -397,7 +402,7 @@ void Sampling::clear_runs(const Tile& tile, unsigned samples, GLsizei count, boo
   gl_.Disable(GL_CULL_FACE);
   gl_.DepthFunc(GL_ALWAYS);
   for (GLuint layer = 0; layer <= kSunLayer; ++layer) {
-    const GLboolean on = first && layer == kSeenLayer;
+    const GLboolean on = first && layer == kNormalLayer;
     gl_.ColorMaski(layer, on, on, on, on);
   }
   gl_.UseProgram(device_.programs.runs(nullptr));

@@ -46,9 +46,9 @@ world::Pose relative_pose(const world::Pose& anchor, const world::Pose& model) {
   return {turn * (model.translation - anchor.translation), turn * model.rotation};
 }
 
-void place_before_sun(const SunPlace& place, const pan::layout::Mesh& mesh, const DrawItem& item,
-                      bool flat, DrawBlock& block) {
-  const SunFrame& frame = place.frame;
+void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, const DrawItem& item,
+                        bool flat, DrawBlock& block) {
+  const LightSpace& frame = place.frame;
   const Mat4 sun_from_mesh =
       frame.sun_from_model *
       (place.anchor ? item.model_from_mesh : place.anchor_from_model * item.model_from_mesh);
@@ -60,7 +60,7 @@ void place_before_sun(const SunPlace& place, const pan::layout::Mesh& mesh, cons
                                                  : place.anchor_turn * item.model_normal_from_mesh),
               block.sun_normal_from_mesh);
   // a chord is as deep below the smooth surface as others stand out of it
-  block.lift[0] = flat ? 0.0f : static_cast<float>(2 * mesh.error);
+  block.normal_offset[0] = flat ? 0.0f : static_cast<float>(2 * mesh.error);
 }
 
 std::vector<std::vector<std::uint32_t>> neighbour_groups(std::span<const Vec3> centres,
@@ -241,7 +241,7 @@ bool ShadowMaps::refresh(Device::Impl& device, const world::World& world,
         if (!one.anchor) placed_.back().model_from_mesh = anchor_from_model * item.model_from_mesh;
       }
     }
-    map.frame = fitted_sun_frame(placed_, group.to_sun, side_);
+    map.frame = fitted_light_space(placed_, group.to_sun, side_);
   }
   targets_.assign(group.targets.begin(), group.targets.end());
   add_casters(map, world, states, group.targets);

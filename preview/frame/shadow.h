@@ -11,7 +11,7 @@
 #include "base/job.h"
 #include "preview/context.h"
 #include "preview/frame/draw_list.h"
-#include "preview/frame/sun_frame.h"
+#include "preview/frame/light_space.h"
 #include "preview/frame/target_states.h"
 #include "preview/gl/gl_objects.h"
 #include "preview/gl/programs.h"
@@ -21,17 +21,17 @@ namespace panwright::preview {
 // A pose as seen from another one: anchor_from_model of two world_from_model.
 world::Pose relative_pose(const world::Pose& anchor, const world::Pose& model);
 
-// Where a target stands before the Sun: on the map of one receiver, or of several that share it.
+// Where a target stands in light space: on the map of one receiver, or of several that share it.
 struct SunPlace {
-  SunFrame frame;  // of the anchor: the first receiver of the map
+  LightSpace frame;  // of the anchor: the first receiver of the map
   bool anchor = true;
   Mat4 anchor_from_model{1};  // where it is not the anchor itself
   Mat3 anchor_turn{1};
 };
 
-// The rows of a block that place an item before the Sun. flat: shaded by its triangles' normals.
-void place_before_sun(const SunPlace& place, const pan::layout::Mesh& mesh, const DrawItem& item,
-                      bool flat, DrawBlock& block);
+// The rows of a block that place an item in light space. flat: shaded by its triangles' normals.
+void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, const DrawItem& item,
+                        bool flat, DrawBlock& block);
 
 // The depths of what the Sun sees, and their slopes. A surface casts a shadow on a point where each
 // of the two lies on the far side of the other's plane (shaders/shadow.glsl), so surfaces shadow
@@ -76,7 +76,7 @@ class ShadowMaps {
     Vec3 to_sun{0};  // of the anchor's frame, unit; 0: nothing is drawn
     std::vector<Member> receivers;
     std::vector<Member> casters;
-    SunFrame frame;
+    LightSpace frame;
     std::uint64_t last_use = 0;  // number of an update
     GlTexture depths;
     GlTexture slopes;

@@ -21,7 +21,7 @@ struct ModelResources::Impl {
   std::shared_ptr<Device> device;
   world::ModelPtr model;
   std::vector<DrawItem> list;  // as the model stands by itself
-  Families families;           // shading classes
+  Families brdf_models;        // shading classes
   LayerSet layers = 0;         // that its items need
   GpuModel gpu;
   std::uint64_t triangles = 0;

@@ -18,7 +18,8 @@ std::string defined(const char* name, bool yes) {
 }
 
 std::string layer_names(LayerSet layers) {
-  return defined("PAINTED", has(layers, kPaintLayer)) + defined("ROUGH", has(layers, kRoughLayer)) +
+  return defined("PAINTED", has(layers, kAlbedoLayer)) +
+         defined("ROUGH", has(layers, kRoughnessLayer)) +
          defined("BRUSHED", has(layers, kTangentLayer));
 }
 
@@ -38,7 +39,7 @@ GlProgram Programs::made(const std::string& vertex, const std::string& fragment,
 GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool shadows,
                           std::string* problem) {
   unsigned key = layers;
-  for (const bool bit : {v.textured, v.coloured, v.albedo_map, v.normal_map, v.roughness_map,
+  for (const bool bit : {v.textured, v.colored, v.albedo_map, v.normal_map, v.roughness_map,
                          v.reflectance_map, v.cutout, v.cells, v.tangents, flat, shadows})
     key = 2 * key + bit;
   GlProgram& program = geometry_[key];
@@ -47,27 +48,27 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
         v.albedo_map || v.normal_map || v.roughness_map || v.reflectance_map || v.cutout;
     const std::string head =
         kVersion + defined("GEOMETRY", true) + layer_names(layers) +
-        defined("TEXTURED", v.textured) + defined("COLOURED", v.coloured) +
+        defined("TEXTURED", v.textured) + defined("COLOURED", v.colored) +
         defined("ALBEDO_MAP", v.albedo_map) + defined("BUMPED", v.normal_map) +
         defined("ROUGHNESS_MAP", v.roughness_map) + defined("REFLECTANCE_MAP", v.reflectance_map) +
         defined("MAPPED", mapped) + defined("CELLS", v.cells) + defined("TANGENTS", v.tangents) +
         defined("FLAT", flat) + defined("SHADOWED", shadows) + draw_glsl;
     const std::string pattern = v.cells ? materials::glsl_cells() : std::string();
-    const std::string place = shadows ? shadow_place_glsl : "";
+    const std::string place = shadows ? light_space_glsl : "";
     program = made(head + model_vert,
                    head + pattern + cutout_text(v.cutout) + place + geometry_frag, problem);
   }
   return program.id();
 }
 
-GLuint Programs::shading(const materials::Laws& family, LayerSet layers, bool one_material,
+GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
                          bool shadows, std::string* problem) {
-  GlProgram& program = shading_[{family, (layers * 2 + one_material) * 2 + shadows}];
+  GlProgram& program = shading_[{brdf_model, (layers * 2 + one_material) * 2 + shadows}];
   if (!program) {
     std::string head = kVersion;
-    head += sample_place_glsl + layer_names(layers) + defined("REFLECTING", family.mapped) +
+    head += sample_place_glsl + layer_names(layers) + defined("REFLECTING", brdf_model.mapped) +
             defined("ONE_MATERIAL", one_material);
-    head += materials::glsl_formulas(family) + materials::glsl_material_loader();
+    head += materials::glsl_formulas(brdf_model) + materials::glsl_material_loader();
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
     program = made(std::string(kVersion) + screen_vert, head + shading_frag, problem);
   }

@@ -20,11 +20,11 @@ inline constexpr GLuint kDecalBinding = 3;
 inline constexpr GLuint kShadowBinding = 4;
 inline constexpr GLuint kDiffuseMapUnit = 0;  // textures
 inline constexpr GLuint kTriangleNormalsUnit = 1;
-inline constexpr GLuint kSeenUnit = 2;
-inline constexpr GLuint kPaintUnit = 3;
+inline constexpr GLuint kNormalUnit = 2;
+inline constexpr GLuint kAlbedoUnit = 3;
 inline constexpr GLuint kMaterialsUnit = 4;
 inline constexpr GLuint kItemsUnit = 5;
-inline constexpr GLuint kRoughUnit = 6;
+inline constexpr GLuint kRoughnessUnit = 6;
 inline constexpr GLuint kAlbedoMapUnit = 7;
 inline constexpr GLuint kNormalMapUnit = 8;
 inline constexpr GLuint kRoughnessMapUnit = 9;
@@ -44,12 +44,12 @@ inline constexpr GLint kBlocksLocation = 2;
 
 // What is kept of each sample between the two steps of a drawing.
 enum Layer : unsigned {
-  kSeenLayer,
-  kPaintLayer,
-  kRoughLayer,
+  kNormalLayer,
+  kAlbedoLayer,
+  kRoughnessLayer,
   kTangentLayer,
   kReflectanceLayer,
-  kSunLayer,  // the place before the Sun, where there are shadows
+  kSunLayer,  // the position in light space, where there are shadows
   kLayers
 };
 // Those that there are, the Sun's apart, a bit for each: the first always, paint below roughness
@@ -59,9 +59,9 @@ constexpr bool has(LayerSet set, Layer layer) { return (set >> layer & 1) != 0; 
 
 // Uniform blocks, in std140.
 struct alignas(16) ViewBlock {
-  float sight[4];        // world direction through the tile's upper left corner, any length
-  float sight_right[4];  // its change from sample to sample
-  float sight_down[4];
+  float view_ray[4];        // world direction through the tile's upper left corner, any length
+  float view_ray_right[4];  // its change from sample to sample
+  float view_ray_down[4];
   float to_sun[4];      // world, unit; w: what its disc adds to alpha²
   float irradiance[4];  // RGB; w: log2 of the samples a side that one stands for
 };
@@ -73,15 +73,15 @@ struct alignas(16) DrawBlock {
   float diffuse[4];         // RGB
   float repeat[4];          // of maps: x, y, and their signs
   float cells[4];           // their count along u and v, their gaps
-  float gap_colour[4];      // RGB, fingers
-  float finger_colour[4];   // RGB, their width
-  float sun_from_mesh[12];  // rows of 4, as SunFrame says
+  float gap_color[4];       // RGB, fingers
+  float finger_color[4];    // RGB, their width
+  float sun_from_mesh[12];  // rows of 4, as LightSpace says
   float sun_normal_from_mesh[12];  // columns of 3, each padded to 4
-  float lift[4];                   // x: how far a point is moved out before it is lit, mesh frame;
+  float normal_offset[4];          // x: how far a point is moved out before it is lit, mesh frame;
                                    // others: what glass over cells sends back of diffuse light
 };
 struct alignas(16) DecalBlock {
-  float place[12];  // rows of 4: from positions to picture coordinates and height over depth
+  float place[12];  // rows of 4: from positions to image coordinates and height over depth
   float outwards[4];
 };
 
@@ -94,8 +94,8 @@ class Programs {
   //
   GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows,
                   std::string* problem);
-  GLuint shading(const materials::Laws& family, LayerSet layers, bool one_material, bool shadows,
-                 std::string* problem);
+  GLuint shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
+                 bool shadows, std::string* problem);
   GLuint classes(std::string* problem);
   GLuint shadow(bool cutout, std::string* problem);
   GLuint ids(bool cutout, std::string* problem);
@@ -114,7 +114,7 @@ class Programs {
 
   const GladGLContext& gl_;
   std::map<unsigned, GlProgram> geometry_;
-  std::map<std::pair<materials::Laws, unsigned>, GlProgram> shading_;
+  std::map<std::pair<materials::BrdfModel, unsigned>, GlProgram> shading_;
   GlProgram classes_;
   std::array<GlProgram, 2> shadow_;
   std::array<GlProgram, 2> ids_;

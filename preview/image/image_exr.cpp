@@ -78,7 +78,7 @@ bool write_exr(AtomicFile& file, const Image& image, DiagnosticLog& log) {
       layers.add("error.G", image.standard_error, 1, 3);
       layers.add("error.B", image.standard_error, 2, 3);
     }
-    if (image.has_truth()) {
+    if (image.has_ground_truth()) {
       layers.add("Z", image.depth, 0, 1);
       layers.add("range", image.range, 0, 1);
       layers.add("N.X", image.normal, 0, 3);

@@ -44,7 +44,7 @@ bool write_npz(AtomicFile& file, const Image& image, DiagnosticLog& log) {
   };
   bool good =
       add("radiance", "<f4", 3, image.radiance) && add("coverage", "<f4", 0, image.coverage);
-  if (good && image.has_truth())
+  if (good && image.has_ground_truth())
     good = add("depth", "<f4", 0, image.depth) && add("range", "<f4", 0, image.range) &&
            add("normal", "<f4", 3, image.normal) && add("target_id", "<u4", 0, image.target_id) &&
            add("node_id", "<u4", 0, image.node_id) &&

@@ -40,8 +40,8 @@ GlBuffer GpuModel::uploaded(std::span<const T> values) {
 }
 
 bool GpuModel::upload(const Context& context, const pan::Model& model,
-                      std::span<const DrawItem> list, const Families& families, DiagnosticLog& log,
-                      const Job& job) {
+                      std::span<const DrawItem> list, const Families& brdf_models,
+                      DiagnosticLog& log, const Job& job) {
   context_ = &context;
   gl_ = &context.gl();
   const GladGLContext& gl = *gl_;
@@ -56,7 +56,7 @@ bool GpuModel::upload(const Context& context, const pan::Model& model,
   positions_ = uploaded(model.positions());
   normals_ = uploaded(model.normals());
   texcoords_ = uploaded(model.texcoords());
-  colours_ = uploaded(model.colours());
+  colors_ = uploaded(model.colors());
   indices_ = uploaded(model.index_bytes());
 
   vertex_array_ = make_vertex_array(gl);
@@ -70,13 +70,13 @@ bool GpuModel::upload(const Context& context, const pan::Model& model,
   attribute(1, 3);
   attribute(2, 2);
   attribute(3, 3);
-  return fits(gl, "vertices", log) && upload_materials(model, list, families, log) &&
+  return fits(gl, "vertices", log) && upload_materials(model, list, brdf_models, log) &&
          upload_decals(model, list, log) && upload_textures(model, list, log, job) &&
          upload_tangents(model, list, log, job);
 }
 
 bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawItem> list,
-                                const Families& families, DiagnosticLog& log) {
+                                const Families& brdf_models, DiagnosticLog& log) {
   const GladGLContext& gl = *gl_;
   const std::uint64_t texels = integer(gl, GL_MAX_TEXTURE_BUFFER_SIZE);
   const std::uint64_t rows = sizeof(layout::Material) / (4 * sizeof(float));
@@ -96,7 +96,7 @@ bool GpuModel::upload_materials(const pan::Model& model, std::span<const DrawIte
   std::vector<std::uint32_t> items;
   for (const DrawItem& item : list) {
     items.push_back(item.material);
-    items.push_back(families.of_material[item.material]);
+    items.push_back(brdf_models.of_material[item.material]);
     items.push_back(0);
     items.push_back(0);
   }
@@ -122,16 +122,16 @@ bool GpuModel::upload_textures(const pan::Model& model, std::span<const DrawItem
     const auto bind = [&](GLuint unit, std::int32_t texture, TextureRole role, float threshold) {
       if (texture >= 0) bindings.push_back({unit, textures_.number({texture, role, threshold})});
     };
-    // what colour a hole has in the picture that cuts it counts nowhere
-    const auto colour = [&](std::int32_t texture) {
-      return texture == material.cutout_map ? TextureRole::premultiplied : TextureRole::colour;
+    // what colour a hole has in the texture that cuts it counts nowhere
+    const auto color = [&](std::int32_t texture) {
+      return texture == material.cutout_map ? TextureRole::premultiplied : TextureRole::color;
     };
-    bind(kDiffuseMapUnit, item.texture, colour(item.texture), 0);
-    bind(kAlbedoMapUnit, material.albedo_map, colour(material.albedo_map), 0);
+    bind(kDiffuseMapUnit, item.texture, color(item.texture), 0);
+    bind(kAlbedoMapUnit, material.albedo_map, color(material.albedo_map), 0);
     bind(kNormalMapUnit, material.normal_map, TextureRole::normal, 0);
     bind(kRoughnessMapUnit, material.roughness_map, TextureRole::roughness, 0);
     if (item.variant.reflectance_map)
-      bind(kReflectanceMapUnit, material.reflectance_map, colour(material.reflectance_map), 0);
+      bind(kReflectanceMapUnit, material.reflectance_map, color(material.reflectance_map), 0);
     bind(kCutoutMapUnit, material.cutout_map, TextureRole::cutout, material.cutout_threshold);
   }
   for (std::size_t i = 0; i < decals_.size(); ++i)
@@ -177,8 +177,8 @@ GpuModel::Repeated GpuModel::repeated(const pan::MeshView& mesh, const Tangents&
       for (const std::uint32_t vertex : tangents.repeats) all.push_back(values[vertex]);
     return uploaded(std::span<const T>(all));
   };
-  return {longer(mesh.positions), longer(mesh.normals), longer(mesh.texcoords),
-          longer(mesh.colours), uploaded(std::span<const std::uint32_t>(tangents.indices))};
+  return {longer(mesh.positions), longer(mesh.normals), longer(mesh.texcoords), longer(mesh.colors),
+          uploaded(std::span<const std::uint32_t>(tangents.indices))};
 }
 
 bool GpuModel::upload_decals(const pan::Model& model, std::span<const DrawItem> list,
@@ -252,12 +252,12 @@ void GpuModel::bind_vertices(const layout::Mesh& mesh, std::size_t mesh_index) c
     bind(0, own->positions, 0, sizeof(layout::Float3));
     bind(1, own->normals, 0, sizeof(layout::Float3));
     bind(2, own->texcoords, 0, sizeof(layout::Float2));
-    bind(3, own->colours, 0, sizeof(layout::Float3));
+    bind(3, own->colors, 0, sizeof(layout::Float3));
   } else {
     bind(0, positions_, mesh.first_vertex, sizeof(layout::Float3));
     bind(1, normals_, mesh.first_vertex, sizeof(layout::Float3));
     bind(2, texcoords_, mesh.first_texcoord, sizeof(layout::Float2));
-    bind(3, colours_, mesh.first_colour, sizeof(layout::Float3));
+    bind(3, colors_, mesh.first_color, sizeof(layout::Float3));
   }
   if (!tangents_at_.empty())
     gl.VertexArrayVertexBuffer(array, kTangentAttribute, tangents_.id(),

@@ -25,7 +25,7 @@ class GpuModel {
   // that have normal maps, and decals.
   // Fails: E5003. Throws Cancelled: what was uploaded goes with this.
   bool upload(const Context& context, const pan::Model& model, std::span<const DrawItem> list,
-              const Families& families, DiagnosticLog& log, const Job& job);
+              const Families& brdf_models, DiagnosticLog& log, const Job& job);
   std::uint64_t bytes() const { return bytes_; }  // uploaded so far
 
   // Computes and uploads the triangles' normals, once. Fails: E5003.
@@ -55,13 +55,13 @@ class GpuModel {
  private:
   // A mesh with vertices repeated for its tangents.
   struct Repeated {
-    GlBuffer positions, normals, texcoords, colours, indices;
+    GlBuffer positions, normals, texcoords, colors, indices;
   };
 
   template <class T>
   GlBuffer uploaded(std::span<const T> values);
   bool upload_materials(const pan::Model& model, std::span<const DrawItem> list,
-                        const Families& families, DiagnosticLog& log);
+                        const Families& brdf_models, DiagnosticLog& log);
   bool upload_textures(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log,
                        const Job& job);
   bool upload_tangents(const pan::Model& model, std::span<const DrawItem> list, DiagnosticLog& log,
@@ -82,17 +82,17 @@ class GpuModel {
   const GladGLContext* gl_ = nullptr;
   std::uint64_t bytes_ = 0;
   GlVertexArray vertex_array_;
-  GlBuffer positions_, normals_, texcoords_, colours_, indices_;
+  GlBuffer positions_, normals_, texcoords_, colors_, indices_;
   GlBuffer materials_, padded_materials_, items_;
   GlTexture materials_texture_, items_texture_;
   std::size_t material_stride_ = 0;  // bytes, of padded_materials_
   GpuTextures textures_;
-  std::vector<std::vector<Binding>> bindings_;  // one for each item
+  std::vector<std::vector<Binding>> bindings_;  // one per item
   GlSampler map_sampler_;                       // repeats
   GlSampler decal_sampler_;                     // clamps
   GlBuffer tangents_;
-  std::vector<std::uint64_t> tangents_at_;         // bytes, one for each mesh
-  std::vector<std::optional<Repeated>> repeated_;  // one for each mesh, where there are tangents
+  std::vector<std::uint64_t> tangents_at_;         // bytes, one per mesh
+  std::vector<std::optional<Repeated>> repeated_;  // one per mesh, where there are tangents
   std::vector<PlacedDecal> decals_;                // their indices are in decal_indices_
   struct DecalRange {
     std::uint64_t first = 0;  // bytes, in decal_indices_
@@ -106,7 +106,7 @@ class GpuModel {
   GlBuffer triangle_normals_;
   GlTexture triangle_normals_texture_;
   std::uint64_t flat_triangles_ = 0;                // of one part
-  std::vector<std::uint64_t> triangle_normals_at_;  // bytes, one for each mesh
+  std::vector<std::uint64_t> triangle_normals_at_;  // bytes, one per mesh
 };
 
 }  // namespace panwright::preview

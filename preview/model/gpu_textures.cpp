@@ -26,7 +26,7 @@ GLenum format_of(TextureRole role, bool whole) {
   }
 }
 
-// Which textures coordinates leave at the top or the bottom. Others end there: a picture around a
+// Which textures coordinates leave at the top or the bottom. Others end there: a texture around a
 // sphere must not mix its poles.
 std::vector<char> repeated_upwards(const pan::Model& model) {
   constexpr float kRounding = 1e-5f;

@@ -1,4 +1,4 @@
-// The pictures of a model on a context. Private to preview.
+// The images of a model on a context. Private to preview.
 #pragma once
 
 #include <cstdint>
@@ -15,15 +15,15 @@
 
 namespace panwright::preview {
 
-// What is asked of a picture. The threshold is 0 but for cutouts.
+// What is asked of a texture. The threshold is 0 but for cutouts.
 struct TextureUse {
   std::int32_t texture = 0;
-  TextureRole role = TextureRole::colour;
+  TextureRole role = TextureRole::color;
   float threshold = 0;
   auto operator<=>(const TextureUse&) const = default;
 };
 
-// A picture is stored once for each thing asked of it.
+// A texture is stored once for each thing asked of it.
 class GpuTextures {
  public:
   // The number of a use; the same for equal uses. All of them come before upload().
@@ -38,7 +38,7 @@ class GpuTextures {
  private:
   std::vector<TextureUse> uses_;
   std::map<TextureUse, std::uint32_t> numbers_;
-  std::vector<GlTexture> textures_;  // one for each use
+  std::vector<GlTexture> textures_;  // one per use
   std::uint64_t bytes_ = 0;
 };
 

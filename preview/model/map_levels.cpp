@@ -123,7 +123,7 @@ std::vector<TextureLevel> map_levels(std::span<const std::uint8_t> rgba, std::ui
   const bool numbers = role == TextureRole::normal || role == TextureRole::roughness;
   TextureLevel first = decoded_level(rgba, width, height, linear || numbers, job);
   switch (role) {
-    case TextureRole::colour:
+    case TextureRole::color:
       for_texels(first, [](float* texel) { texel[3] = 1; });
       break;
     case TextureRole::premultiplied:

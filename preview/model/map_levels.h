@@ -1,5 +1,5 @@
-// The levels of the pictures that a surface reads: what each channel holds depends on what the
-// picture is for. Private to preview; nothing here needs OpenGL.
+// The levels of the textures that a surface reads: what each channel holds depends on what the
+// image is for. Private to preview; nothing here needs OpenGL.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 namespace panwright::preview {
 
 enum class TextureRole : std::uint8_t {
-  colour,         // RGB linear; A 1
+  color,          // RGB linear; A 1
   premultiplied,  // RGB linear times A, A: the colour of a transparent texel counts nowhere
   normal,         // RGB: mean of the unit normals, shorter than 1 where they differ; A: see below
   roughness,      // R: the red code as it is
@@ -21,7 +21,7 @@ enum class TextureRole : std::uint8_t {
 // Channels that a texture of the role needs: 1, 2 or 4.
 unsigned channels(TextureRole role);
 
-// All levels of a picture, with these contents. Normal and roughness maps are linear whatever the
+// All levels of a texture, with these contents. Normal and roughness maps are linear whatever the
 // file says, cutouts read alpha, which always is.
 //
 // Normal maps: level 0 holds unit vectors, never inwards. A mean of normals is exact for what is

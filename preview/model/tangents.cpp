@@ -42,7 +42,7 @@ std::vector<std::uint32_t> groups(const pan::MeshView& mesh) {
   return group;
 }
 
-// The direction in which u grows over a triangle, and how its picture lies.
+// The direction in which u grows over a triangle, and how its texture lies.
 struct Direction {
   Vec3 along{0};     // unit; 0: none
   int mirrored = 0;  // 0 or 1

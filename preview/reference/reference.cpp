@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "preview/reference/internal/rounds.h"
+#include "preview/reference/internal/batches.h"
 #include "preview/reference/internal/view_rays.h"
 
 namespace panwright::preview {
@@ -18,9 +18,9 @@ using namespace reference;
 
 constexpr std::uint32_t kMaxSide = 16384;
 // enough to know an error to an eighth
-constexpr std::uint32_t kLeastRounds = 32;
-constexpr std::uint32_t kFewestRounds = 8;
-// samples of a round with until_error: fewer would cost more in threads than in rays
+constexpr std::uint32_t kLeastBatches = 32;
+constexpr std::uint32_t kFewestBatches = 8;
+// samples of a batch with until_error: fewer would cost more in threads than in rays
 constexpr double kRoundWork = 8192;
 constexpr double kWidestPsf = 64;  // pixels
 // bytes for each pixel that a target may fall on, while it is rendered
@@ -31,60 +31,61 @@ constexpr std::uint64_t kPixelBytes = 200;
   return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
          std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
          std::isfinite(camera.principal.x + camera.principal.y) && unit(camera.world_from_camera) &&
-         options.samples >= kFewestRounds && options.until_error >= 0 && options.psf_sigma >= 0 &&
+         options.samples >= kFewestBatches && options.until_error >= 0 && options.psf_sigma >= 0 &&
          options.psf_sigma <= kWidestPsf;
 }
 
 // the largest grid of powers of two with at most this many samples
-void set_grid(Shot& shot, double samples) {
-  while (2.0 * shot.round_samples() <= samples && shot.round_samples() < 1u << 20)
-    (shot.columns == shot.rows ? shot.columns : shot.rows) *= 2;
+void set_grid(ViewSamples& view, double samples) {
+  while (2.0 * view.batch_samples() <= samples && view.batch_samples() < 1u << 20)
+    (view.columns == view.rows ? view.columns : view.rows) *= 2;
 }
 
 // The largest relative standard error of the channels that have any light; 0: none has.
-double relative_error(const Rounds& rounds) {
-  const Vec3 error = rounds.total().error(0, rounds.rounds());
+double relative_error(const Batches& batches) {
+  const Vec3 error = batches.total().error(0, batches.batches());
   double result = 0;
   for (int k = 0; k < 3; ++k) {
-    const double flux = rounds.total().mean(0)[k];
+    const double flux = batches.total().mean(0)[k];
     if (flux > 0) result = std::max(result, error[k] / flux);
   }
   return result;
 }
 
-// Adds rounds until the total is as good as it is wanted. Whether to go on is asked a few times
-// only, after 32 rounds and more, so that it hardly favours rounds that agree by chance.
-void refine(Rounds& rounds, const Shot& shot, const ReferenceOptions& options, DiagnosticLog& log) {
+// Adds batches until the total is as good as it is wanted. Whether to go on is asked a few times
+// only, after 32 batches and more, so that it hardly favours batches that agree by chance.
+void refine(Batches& batches, const ViewSamples& view, const ReferenceOptions& options,
+            DiagnosticLog& log) {
   const std::uint64_t most =
-      std::max<std::uint64_t>(rounds.rounds(), options.max_samples / shot.round_samples());
+      std::max<std::uint64_t>(batches.batches(), options.max_samples / view.batch_samples());
   constexpr std::uint32_t kSlices = 16;  // of what is added at once, for a terminal to show
   constexpr double kParts = 1000;
-  Phase phase(rounds.job, "tracing", static_cast<std::uint64_t>(kParts));
+  Phase phase(batches.job, "tracing", static_cast<std::uint64_t>(kParts));
   double shown = 0;
   for (;;) {
-    const double error = relative_error(rounds);
+    const double error = relative_error(batches);
     if (!(error > options.until_error)) return;
-    if (rounds.rounds() >= most) {
+    if (batches.batches() >= most) {
       log.report_file(Code::W5008, {},
                       fmt::format("the flux is known to {:.2g} of itself after {} samples a pixel; "
                                   "{:.2g} was wanted",
-                                  error, std::uint64_t{rounds.rounds()} * shot.round_samples(),
+                                  error, std::uint64_t{batches.batches()} * view.batch_samples(),
                                   options.until_error));
       return;
     }
     const double ratio = error / options.until_error;
-    const double wanted = rounds.rounds() * (1.1 * ratio * ratio - 1) + 1;
-    const double step = std::clamp(wanted, 4.0, 3.0 * rounds.rounds());
+    const double wanted = batches.batches() * (1.1 * ratio * ratio - 1) + 1;
+    const double step = std::clamp(wanted, 4.0, 3.0 * batches.batches());
     auto left = static_cast<std::uint32_t>(
-        std::min<double>(step, static_cast<double>(most - rounds.rounds())));
-    // errors fall with the square root of the rounds
-    const double all = rounds.rounds() * ratio * ratio;
+        std::min<double>(step, static_cast<double>(most - batches.batches())));
+    // errors fall with the square root of the batches
+    const double all = batches.batches() * ratio * ratio;
     const std::uint32_t slice = std::max(1u, left / kSlices);
     while (left > 0) {
       const std::uint32_t some = std::min(left, slice);
-      rounds.add(some);
+      batches.add(some);
       left -= some;
-      const double done = std::floor(std::min(1.0, rounds.rounds() / all) * kParts);
+      const double done = std::floor(std::min(1.0, batches.batches() / all) * kParts);
       phase.advance(static_cast<std::uint64_t>(std::max(0.0, done - shown)));
       shown = std::max(shown, done);
     }
@@ -92,8 +93,8 @@ void refine(Rounds& rounds, const Shot& shot, const ReferenceOptions& options, D
 }
 
 // what lies at the pixels' centres
-void add_truth(const TraceScene& scene, const world::World& world, const world::Camera& camera,
-               bool flat, Image& image, const Job& job) {
+void add_ground_truth(const TraceScene& scene, const world::World& world,
+                      const world::Camera& camera, bool flat, Image& image, const Job& job) {
   image.depth.resize(image.pixels(), INFINITY);
   image.range.resize(image.pixels(), INFINITY);
   image.normal.resize(3 * image.pixels());
@@ -184,7 +185,7 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   image.unit = world.sun().irradiance ? "W/(m^2 sr)" : "1/sr";
   const std::vector<Cell> cells = cells_of(scene, wide);
   const std::uint64_t bytes =
-      image.pixels() * (options.truth ? 60 : 28) + cells.size() * kPixelBytes;
+      image.pixels() * (options.ground_truth ? 60 : 28) + cells.size() * kPixelBytes;
   if (bytes > options.max_bytes) {
     log.report_file(
         Code::E5003, {},
@@ -200,40 +201,40 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
   std::vector<Sun> suns;
   for (const TraceScene::Placed& placed : scene.targets())
     suns.emplace_back(world.sun(), placed.frame.world_from, options.sun_disc);
-  Shot shot{scene, suns, wide, {options.bounces, options.flat}, options.seed};
+  ViewSamples view{scene, suns, wide, {options.bounces, options.flat}, options.seed};
   if (!cells.empty()) {
-    double each = options.samples / static_cast<double>(kLeastRounds);
+    double each = options.samples / static_cast<double>(kLeastBatches);
     if (options.until_error > 0)
       each = std::clamp(kRoundWork / static_cast<double>(cells.size()), each,
-                        std::max<double>(each, options.max_samples / kLeastRounds));
-    set_grid(shot, each);
+                        std::max<double>(each, options.max_samples / kLeastBatches));
+    set_grid(view, each);
     const auto weight = [&](std::uint32_t column, std::uint32_t row) {
       return pixel_weight(camera, column, row);
     };
-    std::unique_ptr<Rounds> rounds;
+    std::unique_ptr<Batches> batches;
     if (margin > 0) {
-      rounds = blurred_rounds(shot, cells, options.psf_sigma, margin, weight);
+      batches = blurred_batches(view, cells, options.psf_sigma, margin, weight);
     } else {
       std::vector<double> weights;
       for (const Cell& cell : cells) weights.push_back(weight(cell.column, cell.row));
-      rounds = box_rounds(shot, cells, std::move(weights));
+      batches = box_batches(view, cells, std::move(weights));
     }
-    rounds->job = job;
+    batches->job = job;
     const std::uint32_t wanted =
-        (options.samples + shot.round_samples() - 1) / shot.round_samples();
+        (options.samples + view.batch_samples() - 1) / view.batch_samples();
     const bool until = options.until_error > 0;
-    rounds->add(until ? std::max(wanted, kLeastRounds) : std::max(wanted, kFewestRounds));
-    if (until) refine(*rounds, shot, options, log);
-    rounds->write(result);
-    result.rounds = rounds->rounds();
-    result.samples = std::uint64_t{rounds->rounds()} * shot.round_samples() * cells.size();
-    result.flux = Vec3(rounds->total().mean(0));
-    result.flux_error = rounds->total().error(0, rounds->rounds());
-    result.camera_rays = rounds->counts().camera;
-    result.shadow_rays = rounds->counts().shadow;
-    result.bounce_rays = rounds->counts().bounce;
+    batches->add(until ? std::max(wanted, kLeastBatches) : std::max(wanted, kFewestBatches));
+    if (until) refine(*batches, view, options, log);
+    batches->write(result);
+    result.batches = batches->batches();
+    result.samples = std::uint64_t{batches->batches()} * view.batch_samples() * cells.size();
+    result.flux = Vec3(batches->total().mean(0));
+    result.flux_error = batches->total().error(0, batches->batches());
+    result.camera_rays = batches->counts().camera;
+    result.shadow_rays = batches->counts().shadow;
+    result.bounce_rays = batches->counts().bounce;
   }
-  if (options.truth) add_truth(scene, world, camera, options.flat, image, job);
+  if (options.ground_truth) add_ground_truth(scene, world, camera, options.flat, image, job);
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
     log.report_file(Code::W5006, {}, empty_because(world, scene, cells));
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -17,9 +17,9 @@ namespace panwright::preview {
 
 struct ReferenceOptions {
   // Points for each pixel, spent on the part of it where a target may be; 8 or more. They come in
-  // 32 independent rounds, or one for each point if those are fewer, on jittered grids.
+  // 32 independent batches, or one per point if those are fewer, on jittered grids.
   std::uint32_t samples = 64;
-  // Relative standard error of the total flux, in its worst channel, that further rounds are added
+  // Relative standard error of the total flux, in its worst channel, that further batches are added
   // for; 0: none are.
   double until_error = 0;
   std::uint32_t max_samples = 1u << 26;  // for each pixel, with until_error
@@ -30,14 +30,14 @@ struct ReferenceOptions {
   bool sun_disc = true;  // false: a point at infinity, no penumbra
   double psf_sigma = 0;  // pixels: the image is blurred by this Gaussian before pixels average it
   bool flat = false;     // shade by the triangles' own normals
-  bool truth = false;    // also the truth layers of the image
+  bool ground_truth = false;              // also the ground truth layers of the image
   std::uint64_t max_bytes = 12ull << 30;  // of the image and its sums in memory
 };
 
 // One view with what is known about its error. H = height, W = width of the image.
 struct ReferenceImage {
   Image image;
-  // 3*H*W one standard error of the radiance, in its unit. Widened for the few rounds it is found
+  // 3*H*W one standard error of the radiance, in its unit. Widened for the few batches it is found
   // from, so that true errors divided by it have an RMS of 1.
   std::vector<float> standard_error;
 
@@ -46,7 +46,7 @@ struct ReferenceImage {
   Vec3 flux{0};
   Vec3 flux_error{0};  // one standard error, widened likewise
 
-  std::uint32_t rounds = 0;
+  std::uint32_t batches = 0;
   std::uint64_t samples = 0;      // of the whole image
   std::uint64_t camera_rays = 0;  // rays that left the camera and came near a target
   std::uint64_t shadow_rays = 0;
@@ -69,8 +69,8 @@ struct ReferenceWork {
 // disc, whole, whose irradiance on a plane that faces it is that of the world, from what emits, and
 // by `bounces` interreflections; targets shadow and light each other. A point is lit where its
 // shading normal faces the Sun and a ray to it, started past the chord error of the mesh towards
-// the smooth surface, is free (docs/conventions.md 14). Sides, maps, decals and truth layers as in
-// renderer.h, but that holes are always sharp.
+// the smooth surface, is free (docs/conventions.md 14). Sides, maps, decals and ground truth layers
+// as in renderer.h, but that holes are always sharp.
 //
 // It shares the formulas of materials/, the reader of pan files and the ray caster with the
 // preview, and nothing else: placement, textures, decals, tangents, view rays and truth are its

@@ -4,10 +4,10 @@
 // of the target: its first item, how many it has; what stands below the numbers of its classes
 layout(location = 0) uniform uvec4 range;
 layout(binding = 5) uniform usamplerBuffer items;    // x: material, y: class
-layout(binding = 2) uniform sampler2D seen_samples;  // as geometry.frag leaves them
+layout(binding = 2) uniform sampler2D normal_samples;  // as geometry.frag leaves them
 
 void main() {
-  int item = abs(int(texelFetch(seen_samples, sample_place(), 0).w)) - 1 - int(range.x);
+  int item = abs(int(texelFetch(normal_samples, sample_place(), 0).w)) - 1 - int(range.x);
   if (item < 0 || item >= int(range.y)) discard;
   // exact: a power of two, and numbers far below 2^23
   gl_FragDepth = float(texelFetch(items, item).y + range.z + 1u) * (1.0 / 1048576.0);

@@ -5,13 +5,13 @@ layout(location = 2) uniform float smoothness;    // greatest second difference 
 layout(location = 3) uniform uvec2 size;          // of the tile, pixels
 layout(location = 4) uniform vec2 depth_step;     // x·depth + y: depth that counts as a step
 layout(binding = 18) uniform usampler2D coverage;  // N×N, as coverage.frag leaves it
-layout(binding = 2) uniform sampler2D seen_samples;  // one a pixel, as geometry.frag leaves them
+layout(binding = 2) uniform sampler2D normal_samples;  // one a pixel, as geometry.frag leaves them
 layout(binding = 3) uniform sampler2D lights;        // as shading.frag leaves them
 layout(binding = 4) uniform sampler2D depths;        // N×N
 
 layout(location = 0) out float mark;
 
-int item_at(ivec2 pixel) { return abs(int(texelFetch(seen_samples, pixel, 0).w)); }
+int item_at(ivec2 pixel) { return abs(int(texelFetch(normal_samples, pixel, 0).w)); }
 
 bool is_one_thing(ivec2 pixel, uvec2 one) {
   ivec2 first = pixel * int(side);
@@ -68,10 +68,10 @@ void main() {
   mark = 1.0;
   uvec2 one = texelFetch(coverage, pixel * int(side), 0).xy;
   if (!is_one_thing(pixel, one)) return;
-  float seen = texelFetch(seen_samples, pixel, 0).w;
+  float normal_sample = texelFetch(normal_samples, pixel, 0).w;
   int item = int(one.x & 0xffffffu);
   // sign: its maps hold more than one sample shows
-  if (seen < 0.0 || int(seen) != item) return;
+  if (normal_sample < 0.0 || int(normal_sample) != item) return;
   mark = 0.0;
   if (item == 0) return;
   mark = 1.0;

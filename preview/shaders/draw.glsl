@@ -7,11 +7,11 @@ layout(std140, binding = 1) uniform Draw {
   vec4 diffuse;  // colour of the material
   vec4 repeat;   // x, y: multiply the texcoords of maps; z, w: their signs
   vec4 cells;    // x, y: cells in one unit of texcoords; z, w: gaps, parts of their pitch
-  vec4 gap_colour;     // RGB; a: fingers on a cell
-  vec4 finger_colour;  // RGB; a: part of their pitch that they cover
-  vec4 sun_from_mesh[3];  // rows: the place before the Sun (sun_frame.h)
+  vec4 gap_color;     // RGB; a: fingers on a cell
+  vec4 finger_color;  // RGB; a: part of their pitch that they cover
+  vec4 sun_from_mesh[3];  // rows: the position in light space (light_space.h)
   mat3 sun_normal_from_mesh;
-  vec4 lift;  // x: how far a point is moved out before it is lit, mesh frame; y, z, w: the share of
+  vec4 normal_offset;  // x: how far a point is moved out before it is lit, mesh frame; y, z, w: the share of
               // diffuse light that the glass over cells sends back
 }
 draw;

@@ -2,20 +2,20 @@
 // sample and not once for each of the many fragments that small triangles throw away. Defined in
 // front: version, draw.glsl, any of PAINTED ROUGH BRUSHED (the layers there are), TEXTURED COLOURED
 // FLAT, ALBEDO_MAP BUMPED ROUGHNESS_MAP REFLECTANCE_MAP (MAPPED with each of these), TANGENTS (BUMPED has them), CELLS
-// with its formulas, CUTOUT with cutout.glsl, and SHADOWED with shadow_place.glsl.
+// with its formulas, CUTOUT with cutout.glsl, and SHADOWED with light_space.glsl.
 
 #if defined(MAPPED) || defined(TEXTURED)
 layout(std140, binding = 0) uniform View {
-  vec4 sight;
-  vec4 sight_right;
-  vec4 sight_down;
+  vec4 view_ray;
+  vec4 view_ray_right;
+  vec4 view_ray_down;
   vec4 to_sun;
   vec4 irradiance;  // w: log2 of the N×N samples that one stands for, 0 when it stands for itself
 }
 view;
 
 // How far a map may be from what it holds in finer detail: of colours and shares; of unit normals.
-const float kColourDetail = 1.0 / 64.0;
+const float kColorDetail = 1.0 / 64.0;
 const float kNormalDetail = 1.0 / 64.0;
 
 bool differs(vec4 coarse, vec4 fine, float most) {
@@ -34,7 +34,7 @@ layout(binding = 0) uniform sampler2D diffuse_map;
 layout(location = 1) in vec2 surface_texcoord;
 #endif
 #ifdef COLOURED
-layout(location = 2) in vec3 surface_colour;
+layout(location = 2) in vec3 surface_color;
 #endif
 #if defined(MAPPED) && !defined(CUTOUT)
 layout(location = 3) in vec2 map_texcoord;
@@ -60,14 +60,14 @@ layout(location = 9) in vec2 cell_place;  // in pitches
 
 // xyz: world normal of any length, on the side that is seen; w: item + 1, exact in a float, negative
 // where maps hold more than this sample can show
-layout(location = 0) out vec4 seen;
+layout(location = 0) out vec4 normal_sample;
 #ifdef PAINTED
-layout(location = 1) out vec4 paint;  // diffuse colour; a: length of the mean normal
+layout(location = 1) out vec4 albedo;  // diffuse colour; a: length of the mean normal
 #endif
 #ifdef ROUGH
 // factor of the roughness; squared slope of unseen bumps; share of cells with their fingers, and in
 // these of cells without
-layout(location = 2) out vec4 rough;
+layout(location = 2) out vec4 roughness_sample;
 #endif
 #ifdef BRUSHED
 layout(location = 3) out vec4 brush;  // world direction along the tangent, of any length
@@ -77,10 +77,10 @@ layout(location = 4) out vec4 reflectance;  // RGB; what has no map is not asked
 #endif
 
 #ifdef CUTOUT
-// Pictures of surfaces with holes are premultiplied: what colour a hole has counts nowhere.
-vec3 colour_of(vec4 texel) { return texel.a > 0.0 ? texel.rgb / texel.a : texel.rgb; }
+// Textures of surfaces with holes are premultiplied: what colour a hole has counts nowhere.
+vec3 color_of(vec4 texel) { return texel.a > 0.0 ? texel.rgb / texel.a : texel.rgb; }
 #else
-vec3 colour_of(vec4 texel) { return texel.rgb; }
+vec3 color_of(vec4 texel) { return texel.rgb; }
 #endif
 
 #ifdef BUMPED
@@ -106,7 +106,7 @@ void main() {
   vec3 normal = mesh_normal;
 #endif
 #ifdef SHADOWED
-  sun_sample = place_before_sun(gl_FrontFacing ? normal : -normal);
+  sun_sample = light_space_sample(gl_FrontFacing ? normal : -normal);
 #endif
   float length_of_mean = 1.0;
   vec2 roughness = vec2(1.0, 0.0);
@@ -134,39 +134,39 @@ void main() {
 #endif
   normal = draw.world_normal_from_mesh * normal;
   // the back of an open mesh is as good as its front
-  seen = vec4(gl_FrontFacing ? normal : -normal, float(draw.id.x));
+  normal_sample = vec4(gl_FrontFacing ? normal : -normal, float(draw.id.x));
 #ifdef PAINTED
-  vec3 colour = vec3(1.0);
+  vec3 color = vec3(1.0);
 #ifdef TEXTURED
-  colour *= colour_of(texture(diffuse_map, surface_texcoord));
+  color *= color_of(texture(diffuse_map, surface_texcoord));
 #endif
 #ifdef ALBEDO_MAP
-  colour *= colour_of(texture(albedo_map, map_texcoord));
+  color *= color_of(texture(albedo_map, map_texcoord));
 #endif
 #ifdef COLOURED
-  colour *= surface_colour;
+  color *= surface_color;
 #endif
-  colour *= draw.diffuse.rgb;
+  color *= draw.diffuse.rgb;
 #ifdef CELLS
   // the box around the sample's footprint
   vec2 size = abs(dFdx(cell_place)) + abs(dFdy(cell_place));
   shares = cell_shares(cell_place.x, cell_place.y, size.x, size.y, draw.cells.z, draw.cells.w,
-                       draw.gap_colour.a, draw.finger_colour.a);
+                       draw.gap_color.a, draw.finger_color.a);
   // light goes back and forth between each part and the glass: c/(1 - c r) is what is mixed
-  vec3 back = draw.lift.yzw;
-  vec3 cell = colour / max(1.0 - min(colour, vec3(1.0)) * back, vec3(1e-10));
-  vec3 line = draw.finger_colour.rgb;
+  vec3 back = draw.normal_offset.yzw;
+  vec3 cell = color / max(1.0 - min(color, vec3(1.0)) * back, vec3(1e-10));
+  vec3 line = draw.finger_color.rgb;
   line = line / max(1.0 - min(line, vec3(1.0)) * back, vec3(1e-10));
-  colour = (shares.x * cell + shares.y * line) / max(1.0 - shares.z, 1e-20);
-  colour = colour / (1.0 + colour * back);
+  color = (shares.x * cell + shares.y * line) / max(1.0 - shares.z, 1e-20);
+  color = color / (1.0 + color * back);
 #endif
-  paint = vec4(colour, length_of_mean);
+  albedo = vec4(color, length_of_mean);
 #endif
 #ifdef ROUGH
-  rough = vec4(roughness, 1.0 - shares.z, shares.x / max(1.0 - shares.z, 1e-20));
+  roughness_sample = vec4(roughness, 1.0 - shares.z, shares.x / max(1.0 - shares.z, 1e-20));
 #endif
 #ifdef REFLECTANCE_MAP
-  reflectance = vec4(colour_of(texture(reflectance_map, map_texcoord)), 1.0);
+  reflectance = vec4(color_of(texture(reflectance_map, map_texcoord)), 1.0);
 #endif
 #if defined(MAPPED) || defined(TEXTURED)
   if (view.irradiance.w > 0.0) {
@@ -174,11 +174,11 @@ void main() {
     float finer = -view.irradiance.w;
 #ifdef TEXTURED
     rich = rich || differs(texture(diffuse_map, surface_texcoord),
-                           texture(diffuse_map, surface_texcoord, finer), kColourDetail);
+                           texture(diffuse_map, surface_texcoord, finer), kColorDetail);
 #endif
 #ifdef ALBEDO_MAP
     rich = rich || differs(texture(albedo_map, map_texcoord), texture(albedo_map, map_texcoord, finer),
-                           kColourDetail);
+                           kColorDetail);
 #endif
 #ifdef BUMPED
     rich = rich || differs(texture(normal_map, map_texcoord), texture(normal_map, map_texcoord, finer),
@@ -186,13 +186,13 @@ void main() {
 #endif
 #ifdef ROUGHNESS_MAP
     rich = rich || differs(texture(roughness_map, map_texcoord),
-                           texture(roughness_map, map_texcoord, finer), kColourDetail);
+                           texture(roughness_map, map_texcoord, finer), kColorDetail);
 #endif
 #ifdef REFLECTANCE_MAP
     rich = rich || differs(texture(reflectance_map, map_texcoord),
-                           texture(reflectance_map, map_texcoord, finer), kColourDetail);
+                           texture(reflectance_map, map_texcoord, finer), kColorDetail);
 #endif
-    if (rich) seen.w = -seen.w;
+    if (rich) normal_sample.w = -normal_sample.w;
   }
 #endif
 #ifdef CUTOUT

@@ -3,8 +3,8 @@
 layout(location = 0) in vec3 position;  // metres, relative to the mesh's origin
 layout(location = 1) in vec3 normal;    // mesh frame
 layout(location = 2) in vec2 texcoord;
-layout(location = 3) in vec3 colour;
-layout(location = 4) in vec4 tangent;  // mesh frame; w: -1 where the picture is mirrored
+layout(location = 3) in vec3 color;
+layout(location = 4) in vec4 tangent;  // mesh frame; w: -1 where the texture is mirrored
 
 #ifdef GEOMETRY
 #ifndef FLAT
@@ -14,7 +14,7 @@ layout(location = 0) out vec3 mesh_normal;
 layout(location = 1) out vec2 surface_texcoord;
 #endif
 #ifdef COLOURED
-layout(location = 2) out vec3 surface_colour;
+layout(location = 2) out vec3 surface_color;
 #endif
 #endif
 #ifdef MAPPED
@@ -28,12 +28,12 @@ layout(location = 9) out vec2 cell_place;
 #endif
 
 #ifdef SHADOWED
-layout(location = 7) out vec3 sun_place;
+layout(location = 7) out vec3 light_space_position;
 #endif
 
 #ifdef DECAL
 layout(std140, binding = 3) uniform Decal {
-  vec4 place[3];  // times (position, 1): texcoords of the picture, height over its depth
+  vec4 place[3];  // times (position, 1): texcoords of the texture, height over its depth
   vec4 outwards;  // xyz: its normal in the mesh frame
 }
 decal;
@@ -57,7 +57,7 @@ void main() {
   surface_texcoord = clamp(texcoord, vec2(-kFarOut), vec2(kFarOut));
 #endif
 #ifdef COLOURED
-  surface_colour = colour;
+  surface_color = color;
 #endif
 #endif
 #ifdef MAPPED
@@ -71,7 +71,7 @@ void main() {
 #endif
 #ifdef SHADOWED
   for (int row = 0; row < 3; ++row)
-    sun_place[row] = dot(draw.sun_from_mesh[row], vec4(position, 1.0));
+    light_space_position[row] = dot(draw.sun_from_mesh[row], vec4(position, 1.0));
 #endif
 #ifdef DECAL
   vec4 at = vec4(position, 1.0);

@@ -5,8 +5,8 @@ layout(std140, binding = 4) uniform Shadow {
 }
 shadow;
 
-layout(binding = 2) uniform sampler2D seen_samples;    // as geometry.frag leaves them
-layout(binding = 12) uniform usampler2D sun_samples;   // as shadow_place.glsl leaves them
+layout(binding = 2) uniform sampler2D normal_samples;    // as geometry.frag leaves them
+layout(binding = 12) uniform usampler2D sun_samples;   // as light_space.glsl leaves them
 layout(binding = 13) uniform sampler2D shadow_depths;  // 1 towards the Sun, 0 away from it
 layout(binding = 14) uniform sampler2D shadow_slopes;
 
@@ -63,7 +63,7 @@ bool sun_varies(ivec2 sample_at, int item) {
   for (int axis = 0; axis < 2; ++axis)
     for (int side = -1; side < 2; side += 2) {
       ivec2 there = sample_at + side * ivec2(1 - axis, axis);
-      if (abs(int(texelFetch(seen_samples, there, 0).w)) == item)
+      if (abs(int(texelFetch(normal_samples, there, 0).w)) == item)
         change[axis] =
             float(side) * (uintBitsToFloat(texelFetch(sun_samples, there, 0).xyz) - place);
     }

@@ -13,7 +13,7 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "geometry/tessellate/tessellate.h"
-#include "pxn/build/graft.h"
+#include "pxn/build/attach.h"
 #include "pxn/text/grammar.h"
 
 namespace panwright::pxn {
@@ -166,29 +166,30 @@ class Assembler {
     std::set<std::string> names;
     for (const Item& item : part.items) {
       if (item.kind != ItemKind::use && item.kind != ItemKind::include) continue;
-      const bool has_details = item.details != kNoDetails;
-      if (has_details && !part.details[item.details].name.empty())
-        names.insert(part.details[item.details].name);
+      const bool has_properties = item.properties != kNoProperties;
+      if (has_properties && !part.properties[item.properties].name.empty())
+        names.insert(part.properties[item.properties].name);
       else if (item.kind == ItemKind::include)
         names.merge(std::set(written_in(loader_.part(item.data))));
     }
     return written_[&part] = std::move(names);
   }
 
-  const Details* details_of(const Use& use, const Item& item) const {
-    return item.details == kNoDetails ? nullptr : &use.part->details[item.details];
+  const NodeProperties* properties_of(const Use& use, const Item& item) const {
+    return item.properties == kNoProperties ? nullptr : &use.part->properties[item.properties];
   }
 
   // As written, or after the element with a number.
   std::string name_of(const Use& use, const Item& item) {
-    const Details* details = details_of(use, item);
-    if (details != nullptr && !details->name.empty()) return details->name;
+    const NodeProperties* properties = properties_of(use, item);
+    if (properties != nullptr && !properties->name.empty()) return properties->name;
     return numbered(std::string(use.part->file->document.name(item.element)));
   }
 
   scene::Transform transform_of(const Use& use, const Item& item) const {
-    const Details* details = details_of(use, item);
-    return details != nullptr && details->transform ? *details->transform : scene::Transform{};
+    const NodeProperties* properties = properties_of(use, item);
+    return properties != nullptr && properties->transform ? *properties->transform
+                                                          : scene::Transform{};
   }
 
   scene::Source source_of(const Use& use, const Item& item) const {
@@ -229,8 +230,9 @@ class Assembler {
     }
     scene_.nodes.push_back(std::move(node));
     context.node = static_cast<std::int32_t>(scene_.nodes.size() - 1);
-    if (const Details* details = details_of(use, item); details && details->material >= 0) {
-      const NamedMaterial& material = loader_.material(details->material);
+    if (const NodeProperties* properties = properties_of(use, item);
+        properties && properties->material >= 0) {
+      const NamedMaterial& material = loader_.material(properties->material);
       context.fields = material.fields;
       context.material_name = material.name;
       context.appearance = material.place;
@@ -251,11 +253,11 @@ class Assembler {
       instance.texture_from_shape = context.texture_from_node;
     }
     instance.source = source_of(use, item);
-    if (const Details* details = details_of(use, item)) {
-      instance.tolerance = details->tolerance;
-      if (!details->name.empty())
-        use.shapes[details->name].emplace_back(index,
-                                               static_cast<std::int32_t>(scene_.instances.size()));
+    if (const NodeProperties* properties = properties_of(use, item)) {
+      instance.tolerance = properties->tolerance;
+      if (!properties->name.empty())
+        use.shapes[properties->name].emplace_back(
+            index, static_cast<std::int32_t>(scene_.instances.size()));
     }
     scene_.instances.push_back(std::move(instance));
   }
@@ -368,12 +370,12 @@ class Assembler {
       return;
     }
     const Part& part = loader_.part(item.data);
-    const Details* details = details_of(use, item);
-    const bool has_name = details != nullptr && !details->name.empty();
+    const NodeProperties* properties = properties_of(use, item);
+    const bool has_name = properties != nullptr && !properties->name.empty();
     std::string base =
         used ? part.name : std::filesystem::path(part.file->found.path).stem().string();
     if (base.empty()) base = "include";
-    const std::string name = has_name ? details->name : named(use, base);
+    const std::string name = has_name ? properties->name : named(use, base);
     scene::Transform transform = transform_of(use, item);
     if (!used && part.file->y_up) transform = with_y_up(transform);
     if (!enter(use, item, name, transform, context)) return;
@@ -407,7 +409,7 @@ class Assembler {
                          ? cad_material(place.model, model, from.instances[i].material)
                          : named_material(place.materials[i]);
     }
-    graft(model, place, materials, context.node, plain_shapes_, scene_);
+    attach(model, place, materials, context.node, plain_shapes_, scene_);
   }
 
   std::int32_t named_material(std::int32_t index) {

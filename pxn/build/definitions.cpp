@@ -177,18 +177,19 @@ void Loader::define(File& file, std::uint32_t element, std::size_t attribute, De
 
 void Loader::read_budget(File& file, std::uint32_t element) {
   Values& values = *file.values;
-  scene::Need need;
-  need.tolerance = values.real(element, attribute::budget_tolerance);
-  need.nearest = values.real(element, attribute::budget_nearest);
-  need.ifov = values.real(element, attribute::budget_ifov);
-  need.pixels = values.real(element, attribute::budget_pixels);
-  need.flux = values.real(element, attribute::budget_flux);
-  need.centroid = values.real(element, attribute::budget_centroid);
-  if (need.nearest && need.ifov && !need.pixels && !values.has(element, attribute::budget_pixels))
-    need.pixels = kDefaultPixels;
-  need.source = {file.found.path, file.positions[element].first, file.positions[element].second};
+  scene::Budget budget;
+  budget.tolerance = values.real(element, attribute::budget_tolerance);
+  budget.nearest = values.real(element, attribute::budget_nearest);
+  budget.ifov = values.real(element, attribute::budget_ifov);
+  budget.pixels = values.real(element, attribute::budget_pixels);
+  budget.flux = values.real(element, attribute::budget_flux);
+  budget.centroid = values.real(element, attribute::budget_centroid);
+  if (budget.nearest && budget.ifov && !budget.pixels &&
+      !values.has(element, attribute::budget_pixels))
+    budget.pixels = kDefaultPixels;
+  budget.source = {file.found.path, file.positions[element].first, file.positions[element].second};
   if (file.level == 0) {
-    scene_.need = need;
+    scene_.budget = budget;
     return;
   }
   reporter_.report(Code::N1314, file.document.tag_span(element), file.document, element, [&] {

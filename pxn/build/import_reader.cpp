@@ -10,7 +10,7 @@
 #include "importers/clean.h"
 #include "pxn/build/loader.h"
 #include "pxn/build/pattern.h"
-#include "pxn/skeleton.h"
+#include "pxn/import_template.h"
 
 namespace panwright::pxn {
 
@@ -148,7 +148,7 @@ void Loader::note_unused(Work& work, std::uint32_t element, importers::Format fo
     note(attribute::import_deflection, "'deflection' is for STEP files only");
 }
 
-// Moves shapes, pictures and inputs of a CAD file into the scene.
+// Moves shapes, textures and inputs of a CAD file into the scene.
 void Loader::take_over(ImportedModel& model, const FoundFile& found) {
   scene::Scene& from = model.imported.scene;
   const std::filesystem::path folder = std::filesystem::path(found.path).parent_path();
@@ -183,16 +183,16 @@ void Loader::read_import(Work& work, std::uint32_t element) {
   const std::size_t instances = models_[*model].imported.scene.instances.size();
   import.removed.resize(instances);
   import.materials.assign(instances, -1);
-  import.keeps_picture.assign(instances, 1);
+  import.keeps_texture.assign(instances, 1);
   import.keep_hidden = values.text_or_default(element, attribute::import_hidden) == "keep";
   const xml::Document& document = work.file.document;
   const std::uint32_t end = document.elements[element].next;
   for (std::uint32_t c = element + 1; c < end; c = document.elements[c].next)
     read_import_rule(work, c, import);
-  const std::uint32_t details = read_details(work, element);
+  const std::uint32_t properties = read_properties(work, element);
   work.part.imports.push_back(std::move(import));
   add_item(work, ItemKind::import, element,
-           static_cast<std::uint32_t>(work.part.imports.size() - 1), details);
+           static_cast<std::uint32_t>(work.part.imports.size() - 1), properties);
 }
 
 // Which instances of the file a rule is about; reported as W1501 when there are none.
@@ -272,7 +272,7 @@ void Loader::read_import_rule(Work& work, std::uint32_t rule, PartImport& import
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (!chosen[i]) continue;
     import.materials[i] = static_cast<std::int32_t>(*index);
-    import.keeps_picture[i] = static_cast<char>(keep);
+    import.keeps_texture[i] = static_cast<char>(keep);
   }
 }
 

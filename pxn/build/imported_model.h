@@ -9,7 +9,7 @@
 
 namespace panwright::pxn {
 
-// A CAD file, read once for each way it is imported; its shapes and pictures stand in the scene.
+// A CAD file, read once for each way it is imported; its shapes and textures stand in the scene.
 struct ImportedModel {
   // the node that names and paths are counted from: the file's root, or the one that holds its unit
   // and axes
@@ -26,7 +26,7 @@ struct PartImport {
   std::vector<char> removed;  // of each of the file's instances
   std::vector<std::int32_t>
       materials;                    // of each instance, index into Loader::materials; −1: its own
-  std::vector<char> keeps_picture;  // of each instance
+  std::vector<char> keeps_texture;  // of each instance
   bool keep_hidden = false;
 };
 

@@ -187,7 +187,7 @@ std::optional<FoundFile> Loader::find(Work& work, std::uint32_t element, std::si
 // ---- items
 
 std::optional<std::uint32_t> Loader::add_item(Work& work, ItemKind kind, std::uint32_t element,
-                                              std::uint32_t data, std::uint32_t details) {
+                                              std::uint32_t data, std::uint32_t properties) {
   // note: the root is a node as well
   if (++items_ >= options_.limits.nodes && repeats_ > 0) {
     if (complete_)
@@ -200,7 +200,7 @@ std::optional<std::uint32_t> Loader::add_item(Work& work, ItemKind kind, std::ui
     return std::nullopt;
   }
   const auto index = static_cast<std::uint32_t>(work.part.items.size());
-  work.part.items.push_back({kind, element, index + 1, data, details});
+  work.part.items.push_back({kind, element, index + 1, data, properties});
   return index;
 }
 
@@ -220,16 +220,16 @@ void Loader::walk(Work& work, std::uint32_t element, std::uint32_t depth) {
       check_group_count(work, element);
       [[fallthrough]];
     case ElementId::node:
-      read_node(work, element, depth, read_details(work, element));
+      read_node(work, element, depth, read_properties(work, element));
       break;
     case ElementId::transform:
     case ElementId::transform_1:
     case ElementId::rotate: {
-      const std::uint32_t details = read_details(work, element);
-      auto& transform = work.part.details[details].transform;
+      const std::uint32_t properties = read_properties(work, element);
+      auto& transform = work.part.properties[properties].transform;
       if (!transform) transform.emplace();
       read_placing_children(work, element, *transform);
-      read_node(work, element, depth, details);
+      read_node(work, element, depth, properties);
       break;
     }
     case ElementId::appearance:
@@ -270,8 +270,8 @@ void Loader::walk(Work& work, std::uint32_t element, std::uint32_t depth) {
 }
 
 void Loader::read_node(Work& work, std::uint32_t element, std::uint32_t depth,
-                       std::uint32_t details) {
-  const auto item = add_item(work, ItemKind::node, element, 0, details);
+                       std::uint32_t properties) {
+  const auto item = add_item(work, ItemKind::node, element, 0, properties);
   if (!item) return;
   if (const std::uint32_t child = child_of(work.file.document, element, ElementId::child))
     walk_children(work, child, depth + 2);
@@ -409,9 +409,9 @@ void Loader::read_repeat(Work& work, std::uint32_t element, std::uint32_t depth)
     const std::size_t decals = work.part.decals.size();
     work.run = static_cast<std::uint32_t>(work.part.runs.size());
     work.part.runs.push_back({first, first, outer_run});
-    const std::uint32_t details = read_details(work, element);
-    if (details != kNoDetails)
-      read_node(work, element, depth, details);
+    const std::uint32_t properties = read_properties(work, element);
+    if (properties != kNoProperties)
+      read_node(work, element, depth, properties);
     else
       walk_children(work, element, depth + 1);
     // those without decals are of no interest
@@ -467,8 +467,8 @@ void Loader::read_include(Work& work, std::uint32_t element, std::uint32_t depth
   if (work.file.level + 1 + inner.include_height > options_.limits.include_depth) return too_deep();
   if (!fits_in(work, element, where, inner, *name, depth)) return;
   work.part.include_height = std::max(work.part.include_height, inner.include_height + 1);
-  const std::uint32_t details = modern ? read_details(work, element) : kNoDetails;
-  add_item(work, ItemKind::include, element, *index, details);
+  const std::uint32_t properties = modern ? read_properties(work, element) : kNoProperties;
+  add_item(work, ItemKind::include, element, *index, properties);
 }
 
 void Loader::read_use(Work& work, std::uint32_t element, std::uint32_t depth) {
@@ -487,7 +487,7 @@ void Loader::read_use(Work& work, std::uint32_t element, std::uint32_t depth) {
     });
     return;
   }
-  const std::uint32_t details = read_details(work, element);
+  const std::uint32_t properties = read_properties(work, element);
   Arguments arguments;
   if (!read_arguments(work, element, *definition, arguments)) return;
   if (nesting_ >= options_.limits.depth) {
@@ -504,7 +504,7 @@ void Loader::read_use(Work& work, std::uint32_t element, std::uint32_t depth) {
   const Part& inner = parts_[*index];
   if (!fits_in(work, element, where, inner, definition->name, depth)) return;
   work.part.include_height = std::max(work.part.include_height, inner.include_height);
-  add_item(work, ItemKind::use, element, *index, details);
+  add_item(work, ItemKind::use, element, *index, properties);
 }
 
 bool Loader::fits_in(Work& work, std::uint32_t element, SourceSpan where, const Part& inner,

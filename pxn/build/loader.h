@@ -23,8 +23,8 @@ namespace panwright::pxn {
 
 struct Preset;
 
-// Shapes, textures, inputs and the need go into the scene, each once; parts say which of them stand
-// where.
+// Shapes, textures, inputs and the budget go into the scene, each once; parts say which of them
+// stand where.
 class Loader {
  public:
   Loader(Files& files, const Options& options, Reporter& reporter, scene::Scene& scene,
@@ -53,8 +53,8 @@ class Loader {
     const Scope* scope;          // the file's, or that of a repeat's variable
     std::uint32_t run = kNoRun;  // of the innermost repeat around
   };
-  // How a picture is meant. Each way of the same file is a texture of its own.
-  enum class Picture { color, linear, cutout };
+  // How a texture is meant. Each way of the same file is a texture of its own.
+  enum class TextureKind { color, linear, cutout };
 
   // ---- loader.cpp: files and nodes
   std::optional<std::uint32_t> load(const FoundFile& file, SourceSpan included_at,
@@ -63,8 +63,9 @@ class Loader {
   void walk(Work& work, std::uint32_t element, std::uint32_t depth);
   void walk_children(Work& work, std::uint32_t element, std::uint32_t depth);
   std::optional<std::uint32_t> add_item(Work& work, ItemKind kind, std::uint32_t element,
-                                        std::uint32_t data, std::uint32_t details = kNoDetails);
-  void read_node(Work& work, std::uint32_t element, std::uint32_t depth, std::uint32_t details);
+                                        std::uint32_t data,
+                                        std::uint32_t properties = kNoProperties);
+  void read_node(Work& work, std::uint32_t element, std::uint32_t depth, std::uint32_t properties);
   void read_appearance(Work& work, std::uint32_t element, std::uint32_t depth);
   void read_texture(Work& work, std::uint32_t element, std::uint32_t depth);
   static std::uint64_t least_items(const File& file, std::uint32_t element, std::uint64_t limit);
@@ -105,7 +106,7 @@ class Loader {
   void check_overrides();
 
   // ---- details.cpp: what nodes and shapes say about themselves
-  std::uint32_t read_details(Work& work, std::uint32_t element);
+  std::uint32_t read_properties(Work& work, std::uint32_t element);
   bool read_rotation(Work& work, std::uint32_t element, Quat& out);
   std::optional<Quat> unit_quat(Work& work, std::uint32_t element, SourceSpan where,
                                 std::span<const double> q);
@@ -133,15 +134,15 @@ class Loader {
   // Those of a named material's conductor and coat.
   void read_spectra(Work& work, std::uint32_t element, materials::Fields& fields);
 
-  // ---- pictures.cpp
+  // ---- textures.cpp
   std::optional<std::uint32_t> read_sphere_texture(Work& work, std::uint32_t element);
   void read_decal(Work& work, std::uint32_t element);
   materials::Maps read_maps(Work& work, std::uint32_t element, const materials::Maps& base);
-  std::optional<std::uint32_t> picture(Work& work, std::uint32_t element, std::size_t attribute,
-                                       Picture use);
-  std::optional<std::uint32_t> load_picture(Work& work, std::uint32_t element,
+  std::optional<std::uint32_t> texture_of(Work& work, std::uint32_t element, std::size_t attribute,
+                                          TextureKind use);
+  std::optional<std::uint32_t> load_texture(Work& work, std::uint32_t element,
                                             std::size_t attribute, const std::string& file,
-                                            const FoundFile& found, Picture use);
+                                            const FoundFile& found, TextureKind use);
 
   Files& files_;
   const Options& options_;
@@ -155,7 +156,7 @@ class Loader {
   std::deque<ImportedModel> models_;
   std::map<std::string, std::optional<std::uint32_t>> known_models_;  // by file and options
   std::map<std::string, std::optional<std::uint32_t>> known_files_;   // by key: their parts
-  std::map<std::pair<std::string, Picture>, std::optional<std::uint32_t>> known_pictures_;
+  std::map<std::pair<std::string, TextureKind>, std::optional<std::uint32_t>> known_textures_;
   std::map<std::string, std::optional<materials::Conductor>> known_spectra_;
   std::map<Hash128, std::uint32_t> known_shapes_;
   std::map<std::pair<const File*, std::uint32_t>, std::uint32_t> known_meshes_;  // in repeats

@@ -38,7 +38,7 @@ class MeshReader {
     if (positions == 0 || strips == 0) return nullptr;
     const bool positions_ok = read_list(positions, mesh_.positions);
     read_optional(ElementId::normals, mesh_.normals);
-    read_optional(ElementId::colours, mesh_.colours);
+    read_optional(ElementId::colours, mesh_.colors);
     std::vector<Vec3> texcoords;
     read_optional(ElementId::texcoords, texcoords);
     for (const Vec3& t : texcoords) mesh_.texcoords.push_back(Vec2(t));

@@ -36,20 +36,20 @@ enum class ItemKind : std::uint8_t {
   import,      // data: index into imports
 };
 
-inline constexpr std::uint32_t kNoDetails = 0xffffffffu;
+inline constexpr std::uint32_t kNoProperties = 0xffffffffu;
 
 // Items stand in document order, those of a repeat as often as it runs; those inside one follow it,
 // up to `end`.
 struct Item {
   ItemKind kind;
   std::uint32_t element;
-  std::uint32_t end;      // item index, past the last one inside
-  std::uint32_t data;     // by kind
-  std::uint32_t details;  // index into details, or kNoDetails
+  std::uint32_t end;         // item index, past the last one inside
+  std::uint32_t data;        // by kind
+  std::uint32_t properties;  // index into details, or kNoProperties
 };
 
 // What nodes, shapes and uses may say about themselves.
-struct Details {
+struct NodeProperties {
   std::string name;  // as written; empty: after the kind
   std::optional<scene::Transform> transform;
   std::int32_t material = -1;       // index into Loader::materials
@@ -125,7 +125,7 @@ struct Part {
   std::uint32_t element = 0;  // the root, or the <part>
   std::string name;           // of a <part>
   std::vector<Item> items;
-  std::vector<Details> details;
+  std::vector<NodeProperties> properties;
   std::vector<materials::Fields> fields;
   std::vector<PartFrame> frames;
   std::vector<PartKeypoint> keypoints;

@@ -34,7 +34,7 @@ class ShapeReader {
       report(*problem);
       return std::nullopt;
     }
-    for (const geometry::ShapeProblem& doubt : geometry::doubts_of(*shape)) report(doubt);
+    for (const geometry::ShapeProblem& doubt : geometry::shape_warnings_of(*shape)) report(doubt);
     return shape;
   }
 

@@ -38,8 +38,8 @@ struct Expressions::Implementation {
   struct Entry {
     Formula formula;
     Program program;
-    std::optional<Kind> kind;  // for operands of these dimensions
-    std::vector<Dimension> kind_of;
+    std::optional<QuantityKind> kind;  // for operands of these dimensions
+    std::vector<Dimension> quantity_kind_of;
   };
 
   std::unordered_map<std::uint64_t, Entry> entries;
@@ -122,15 +122,15 @@ struct Expressions::Implementation {
 
   // The kind of an entry's value, as far as its text tells; nothing where kinds clash.
   bool find_kind(Entry& entry, ExpressionProblem& problem) const {
-    if (entry.kind && entry.kind_of == dimensions) return true;
-    entry.kind = kind_of(entry.formula, dimensions, problem);
-    entry.kind_of = dimensions;
+    if (entry.kind && entry.quantity_kind_of == dimensions) return true;
+    entry.kind = quantity_kind_of(entry.formula, dimensions, problem);
+    entry.quantity_kind_of = dimensions;
     return entry.kind.has_value();
   }
 
   // The kind of a value from how it follows its operands.
-  Kind measured(Program& program, double value) {
-    using Measure = Kind::Measure;
+  QuantityKind measured(Program& program, double value) {
+    using Measure = QuantityKind::Measure;
     const auto length = follows(program, Dimension::length, value);
     const auto angle = follows(program, Dimension::angle, value);
     if (!length || (*length == 0 && !angle)) return {};
@@ -177,7 +177,7 @@ std::optional<Measured> Expressions::evaluate(std::string_view text, std::uint64
   if (!own.find_kind(entry, problem)) return std::nullopt;
   const auto value = entry.program.run(own.inputs);
   if (value)
-    return Measured{*value, entry.kind->measure != Kind::Measure::unknown
+    return Measured{*value, entry.kind->measure != QuantityKind::Measure::unknown
                                 ? *entry.kind
                                 : own.measured(entry.program, *value)};
   own.not_finite(entry, text.size(), problem);

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string_view>
 
+#include "pxn/expression/dimensions.h"
 #include "pxn/expression/formula.h"
-#include "pxn/expression/kinds.h"
 #include "pxn/expression/scope.h"
 
 namespace panwright::pxn {
@@ -15,7 +15,7 @@ namespace panwright::pxn {
 // The value of an expression, in SI, and what it measures as far as that can be told.
 struct Measured {
   double value = 0;
-  Kind kind;
+  QuantityKind kind;
 };
 
 // Evaluates expressions, and keeps what it has read of them: an expression of the same place is

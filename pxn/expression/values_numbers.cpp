@@ -91,10 +91,10 @@ std::string noun(const schemas::Value& value) {
 bool is_expression(std::string_view token) { return token.find('{') != std::string_view::npos; }
 
 // Dimension::none where a kind has none, or may be any.
-Dimension dimension_of(const Kind& kind) {
+Dimension dimension_of(const QuantityKind& kind) {
   for (const Dimension dimension :
        {Dimension::length, Dimension::angle, Dimension::ratio, Dimension::pixels})
-    if (kind == kind_of(dimension)) return dimension;
+    if (kind == quantity_kind_of(dimension)) return dimension;
   return Dimension::none;
 }
 
@@ -353,7 +353,7 @@ std::optional<Values::Amount> Values::read_computed(std::uint32_t element, const
   amount.dimension = dimension_of(measured->kind);
   if (value.kind == schemas::ValueKind::quantity) return amount;
   const bool is_part = amount.dimension == Dimension::ratio && value.dimension == Dimension::none;
-  const bool is_other = measured->kind.measure == Kind::Measure::other;
+  const bool is_other = measured->kind.measure == QuantityKind::Measure::other;
   if (is_other ||
       (amount.dimension != Dimension::none && amount.dimension != value.dimension && !is_part)) {
     bad_kind(element, text, token, value.dimension, name_of(measured->kind));

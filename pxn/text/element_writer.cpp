@@ -77,7 +77,7 @@ class ChildWriter {
   void operator()(const geometry::MeshShape& mesh) {
     vectors("positions", "vec3", mesh->positions);
     if (!mesh->normals.empty()) vectors("normals", "vec3", mesh->normals);
-    if (!mesh->colours.empty()) vectors("colours", "rgb", mesh->colours);
+    if (!mesh->colors.empty()) vectors("colours", "rgb", mesh->colors);
     if (!mesh->texcoords.empty()) {
       out_.open("texcoords");
       for (const Vec2& t : mesh->texcoords) out_.element("vec3", std::array{t.x, t.y, 0.0});

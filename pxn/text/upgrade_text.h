@@ -9,7 +9,7 @@
 
 namespace panwright::pxn {
 
-// What an include or picture of level 0 is called from the file's own folder, as UTF-8; nothing: it
+// What an include or texture of level 0 is called from the file's own folder, as UTF-8; nothing: it
 // cannot be found, and stays.
 using NewPath = std::function<std::optional<std::string>(const std::string& file)>;
 

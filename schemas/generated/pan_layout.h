@@ -47,10 +47,10 @@ enum class SpecularModel : std::uint32_t {
   retroreflector = 6,  // Corner cubes with a circular face: light goes back to where it comes from (since 1.1)
 };
 
-// Which term of the need decided a tolerance.
-enum class NeedReason : std::uint32_t {
+// Which term of the budget decided a tolerance.
+enum class ToleranceReason : std::uint32_t {
   explicit_counts = 0,  // none: the shape gives its counts, or is a mesh
-  tolerance = 1,  // the model's tolerance, or the compiler's default where the need gives none
+  tolerance = 1,  // the model's tolerance, or the compiler's default where the budget gives none
   shape = 2,  // the shape's own tolerance
   pixels = 3,  // silhouette, in pixels
   flux = 4,  // flux
@@ -74,7 +74,7 @@ enum class ChunkForm : std::uint32_t {
 // Bits of Mesh.flags.
 inline constexpr std::uint32_t kMeshClosed = 1u << 0;  // every edge is shared by two triangles that run it oppositely
 inline constexpr std::uint32_t kMeshTexcoords = 1u << 1;  // the mesh has a run in texcoords
-inline constexpr std::uint32_t kMeshColours = 1u << 2;  // the mesh has a run in colours
+inline constexpr std::uint32_t kMeshColors = 1u << 2;  // the mesh has a run in colours
 
 // Bits of Texture.flags.
 inline constexpr std::uint32_t kTextureLinear = 1u << 0;  // RGB is linear; otherwise it is sRGB encoded. A is always linear
@@ -210,7 +210,7 @@ struct Mesh {
   std::uint32_t flags;  // MeshFlags
   std::uint32_t name;  // may be empty
   std::uint32_t first_texcoord;  // place of the mesh's V texcoords; 0 without them
-  std::uint32_t first_colour;  // place of the mesh's V colours; 0 without them
+  std::uint32_t first_color;  // place of the mesh's V colours; 0 without them
 };
 static_assert(sizeof(Mesh) == 96);
 static_assert(offsetof(Mesh, origin) == 0);
@@ -225,7 +225,7 @@ static_assert(offsetof(Mesh, index_size) == 76);
 static_assert(offsetof(Mesh, flags) == 80);
 static_assert(offsetof(Mesh, name) == 84);
 static_assert(offsetof(Mesh, first_texcoord) == 88);
-static_assert(offsetof(Mesh, first_colour) == 92);
+static_assert(offsetof(Mesh, first_color) == 92);
 
 // A mesh at a node, with what covers it.
 struct Instance {
@@ -272,17 +272,18 @@ struct Material {
   // diffuse
   float coat_return[3];
   float tilt_u;  // slope of cells against their cover glass along u
-  // light that microfacets scatter more than once: factor of loss(l)*loss(v), 1/sr; all 0: none
-  float many_scale[3];
+  // light that microfacets scatter more than once: factor of (1 - E(l))*(1 - E(v)), 1/sr; all 0:
+  // none
+  float compensation_scale[3];
   float tilt_v;  // and along v
   // polynomial of what single scattering misses, of microfacets alone or with their coat, or of
-  // what a rough coat reflects more than a smooth one (materials/formulas/facets.glsl):
+  // what a rough coat reflects more than a smooth one (materials/formulas/microfacets.glsl):
   // coefficients of 1, x ... x^6, and b; x^2 = c (1 + |b|)/(c + |b|), c the cosine, its square
   // where b < 0
-  float loss[8];
+  float albedo_deficit[8];
   float hapke_h[8];  // coefficients of H(x), see materials/formulas/hapke.glsl
-  std::uint32_t diffuse_law;  // DiffuseModel
-  std::uint32_t specular_law;  // SpecularModel
+  std::uint32_t diffuse_brdf;  // DiffuseModel
+  std::uint32_t specular_brdf;  // SpecularModel
   std::uint32_t compensation;  // Compensation: automatic, on, off
   std::uint32_t variant;  // which shader: materials of one variant share it
   std::uint32_t name;  // may be empty; a shader skips it
@@ -334,12 +335,12 @@ static_assert(offsetof(Material, coat_depth) == 144);
 static_assert(offsetof(Material, hapke_k) == 156);
 static_assert(offsetof(Material, coat_return) == 160);
 static_assert(offsetof(Material, tilt_u) == 172);
-static_assert(offsetof(Material, many_scale) == 176);
+static_assert(offsetof(Material, compensation_scale) == 176);
 static_assert(offsetof(Material, tilt_v) == 188);
-static_assert(offsetof(Material, loss) == 192);
+static_assert(offsetof(Material, albedo_deficit) == 192);
 static_assert(offsetof(Material, hapke_h) == 224);
-static_assert(offsetof(Material, diffuse_law) == 256);
-static_assert(offsetof(Material, specular_law) == 260);
+static_assert(offsetof(Material, diffuse_brdf) == 256);
+static_assert(offsetof(Material, specular_brdf) == 260);
 static_assert(offsetof(Material, compensation) == 264);
 static_assert(offsetof(Material, variant) == 268);
 static_assert(offsetof(Material, name) == 272);
@@ -362,12 +363,12 @@ static_assert(offsetof(Material, reflectance_map) == 364);
 static_assert(offsetof(Material, reflectance) == 368);
 static_assert(offsetof(Material, reserved_b) == 380);
 
-// A picture of RGBA8 texels, row 0 the top row. Texcoord (0, 0) is the bottom left corner of the
-// picture, (1, 1) the top right.
+// A texture of RGBA8 texels, row 0 the top row. Texcoord (0, 0) is the bottom left corner of the
+// texture, (1, 1) the top right.
 struct Texture {
   std::uint32_t width;  // pixels: 
   std::uint32_t height;  // pixels: 
-  std::uint64_t offset;  // bytes: place of the picture in texels
+  std::uint64_t offset;  // bytes: place of the texture in texels
   std::uint64_t bytes;  // bytes: 4 x width x height
   std::uint32_t flags;  // TextureFlags
   std::uint32_t name;  // file name as written
@@ -393,7 +394,7 @@ static_assert(offsetof(Frame, rotation) == 24);
 static_assert(offsetof(Frame, node) == 56);
 static_assert(offsetof(Frame, name) == 60);
 
-// A point whose place in a picture is wanted as truth.
+// A point whose place in a texture is wanted as ground truth.
 struct Keypoint {
   double position[3];  // m: in the node's coordinates
   std::uint32_t node;
@@ -404,14 +405,14 @@ static_assert(offsetof(Keypoint, position) == 0);
 static_assert(offsetof(Keypoint, node) == 24);
 static_assert(offsetof(Keypoint, name) == 28);
 
-// A picture laid on an instance. A point of its mesh, in the decal's frame, takes the texel at
+// A texture laid on an instance. A point of its mesh, in the decal's frame, takes the texel at
 // texcoord (x/width + 1/2, y/height + 1/2) where both lie in 0 to 1, |z| <= depth, and the
-// normal of the side that is seen has z > 0; the diffuse colour is mixed with the picture by its
+// normal of the side that is seen has z > 0; the diffuse colour is mixed with the texture by its
 // alpha. Later decals lie over earlier ones.
 struct Decal {
   double origin[3];  // m: in the mesh's coordinates, its origin added
   // mesh_from_decal, unit quaternion w x y z, to 1e-12 in its squared length; z points outwards,
-  // y to the top of the picture
+  // y to the top of the texture
   double rotation[4];
   double width;  // m: > 0
   double height;  // m: > 0
@@ -433,7 +434,7 @@ static_assert(offsetof(Decal, name) == 88);
 static_assert(offsetof(Decal, reserved) == 92);
 
 // What the model was compiled for; a term of 0 was not given.
-struct Need {
+struct Budget {
   // m: allowed distance between a mesh and its shape, as authored or by --max-error
   double tolerance;
   double nearest;  // m: from the camera to the nearest surface
@@ -444,27 +445,27 @@ struct Need {
   double smallest;  // m: the smallest tolerance that a mesh was made to, in the world
   std::uint32_t reserved[2];  // 0
 };
-static_assert(sizeof(Need) == 64);
-static_assert(offsetof(Need, tolerance) == 0);
-static_assert(offsetof(Need, nearest) == 8);
-static_assert(offsetof(Need, ifov) == 16);
-static_assert(offsetof(Need, pixels) == 24);
-static_assert(offsetof(Need, flux) == 32);
-static_assert(offsetof(Need, centroid) == 40);
-static_assert(offsetof(Need, smallest) == 48);
-static_assert(offsetof(Need, reserved) == 56);
+static_assert(sizeof(Budget) == 64);
+static_assert(offsetof(Budget, tolerance) == 0);
+static_assert(offsetof(Budget, nearest) == 8);
+static_assert(offsetof(Budget, ifov) == 16);
+static_assert(offsetof(Budget, pixels) == 24);
+static_assert(offsetof(Budget, flux) == 32);
+static_assert(offsetof(Budget, centroid) == 40);
+static_assert(offsetof(Budget, smallest) == 48);
+static_assert(offsetof(Budget, reserved) == 56);
 
 // What a mesh was made to.
-struct MeshNeed {
+struct MeshTolerance {
   // m: allowed error, in the mesh's own coordinates; 0: counts were given, or the mesh was
   double tolerance;
-  std::uint32_t reason;  // NeedReason: the term that asked for it
+  std::uint32_t reason;  // ToleranceReason: the term that asked for it
   std::uint32_t reserved;  // 0
 };
-static_assert(sizeof(MeshNeed) == 16);
-static_assert(offsetof(MeshNeed, tolerance) == 0);
-static_assert(offsetof(MeshNeed, reason) == 8);
-static_assert(offsetof(MeshNeed, reserved) == 12);
+static_assert(sizeof(MeshTolerance) == 16);
+static_assert(offsetof(MeshTolerance, tolerance) == 0);
+static_assert(offsetof(MeshTolerance, reason) == 8);
+static_assert(offsetof(MeshTolerance, reserved) == 12);
 
 // Where an instance was written.
 struct Source {
@@ -519,11 +520,11 @@ enum class SectionKind : std::uint32_t {
   positions = 12,
   normals = 13,
   texcoords = 14,
-  colours = 15,
+  colors = 15,
   indices = 16,
   texels = 17,
-  need = 18,
-  mesh_needs = 19,
+  budget = 18,
+  mesh_tolerances = 19,
   keypoints = 20,
   decals = 21,
 };
@@ -555,11 +556,11 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
     {SectionKind::positions, "positions", 12, 12, 4, false, false},
     {SectionKind::normals, "normals", 12, 12, 4, false, false},
     {SectionKind::texcoords, "texcoords", 8, 8, 4, false, false},
-    {SectionKind::colours, "colours", 12, 12, 4, false, false},
+    {SectionKind::colors, "colors", 12, 12, 4, false, false},
     {SectionKind::indices, "indices", 1, 1, 1, false, false},
     {SectionKind::texels, "texels", 1, 1, 1, false, false},
-    {SectionKind::need, "need", 64, 64, 8, true, false},
-    {SectionKind::mesh_needs, "mesh_needs", 16, 16, 8, true, false},
+    {SectionKind::budget, "budget", 64, 64, 8, true, false},
+    {SectionKind::mesh_tolerances, "mesh_tolerances", 16, 16, 8, true, false},
     {SectionKind::keypoints, "keypoints", 32, 32, 8, true, false},
     {SectionKind::decals, "decals", 96, 96, 8, true, false},
 };
@@ -641,7 +642,7 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
     {SectionKind::meshes, "first_texcoord", 88, FieldType::u32, 1,
      FieldRuleKind::any, SectionKind::build, 0, 0},
-    {SectionKind::meshes, "first_colour", 92, FieldType::u32, 1,
+    {SectionKind::meshes, "first_color", 92, FieldType::u32, 1,
      FieldRuleKind::any, SectionKind::build, 0, 0},
     {SectionKind::instances, "node", 0, FieldType::u32, 1,
      FieldRuleKind::reference, SectionKind::nodes, 0, 0},
@@ -693,17 +694,17 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
     {SectionKind::materials, "tilt_u", 172, FieldType::f32, 1,
      FieldRuleKind::finite, SectionKind::build, 0, 0},
-    {SectionKind::materials, "many_scale", 176, FieldType::f32, 3,
+    {SectionKind::materials, "compensation_scale", 176, FieldType::f32, 3,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
     {SectionKind::materials, "tilt_v", 188, FieldType::f32, 1,
      FieldRuleKind::finite, SectionKind::build, 0, 0},
-    {SectionKind::materials, "loss", 192, FieldType::f32, 8,
+    {SectionKind::materials, "albedo_deficit", 192, FieldType::f32, 8,
      FieldRuleKind::finite, SectionKind::build, 0, 0},
     {SectionKind::materials, "hapke_h", 224, FieldType::f32, 8,
      FieldRuleKind::finite, SectionKind::build, 0, 0},
-    {SectionKind::materials, "diffuse_law", 256, FieldType::u32, 1,
+    {SectionKind::materials, "diffuse_brdf", 256, FieldType::u32, 1,
      FieldRuleKind::range, SectionKind::build, 0u, 4u},
-    {SectionKind::materials, "specular_law", 260, FieldType::u32, 1,
+    {SectionKind::materials, "specular_brdf", 260, FieldType::u32, 1,
      FieldRuleKind::range, SectionKind::build, 0u, 6u},
     {SectionKind::materials, "compensation", 264, FieldType::u32, 1,
      FieldRuleKind::range, SectionKind::build, 0u, 2u},
@@ -791,33 +792,33 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::any, SectionKind::build, 0, 0},
     {SectionKind::texcoords, "y", 4, FieldType::f32, 1,
      FieldRuleKind::any, SectionKind::build, 0, 0},
-    {SectionKind::colours, "x", 0, FieldType::f32, 1,
+    {SectionKind::colors, "x", 0, FieldType::f32, 1,
      FieldRuleKind::any, SectionKind::build, 0, 0},
-    {SectionKind::colours, "y", 4, FieldType::f32, 1,
+    {SectionKind::colors, "y", 4, FieldType::f32, 1,
      FieldRuleKind::any, SectionKind::build, 0, 0},
-    {SectionKind::colours, "z", 8, FieldType::f32, 1,
+    {SectionKind::colors, "z", 8, FieldType::f32, 1,
      FieldRuleKind::any, SectionKind::build, 0, 0},
-    {SectionKind::need, "tolerance", 0, FieldType::f64, 1,
+    {SectionKind::budget, "tolerance", 0, FieldType::f64, 1,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::need, "nearest", 8, FieldType::f64, 1,
+    {SectionKind::budget, "nearest", 8, FieldType::f64, 1,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::need, "ifov", 16, FieldType::f64, 1,
+    {SectionKind::budget, "ifov", 16, FieldType::f64, 1,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::need, "pixels", 24, FieldType::f64, 1,
+    {SectionKind::budget, "pixels", 24, FieldType::f64, 1,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::need, "flux", 32, FieldType::f64, 1,
+    {SectionKind::budget, "flux", 32, FieldType::f64, 1,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::need, "centroid", 40, FieldType::f64, 1,
+    {SectionKind::budget, "centroid", 40, FieldType::f64, 1,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::need, "smallest", 48, FieldType::f64, 1,
+    {SectionKind::budget, "smallest", 48, FieldType::f64, 1,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::need, "reserved", 56, FieldType::u32, 2,
+    {SectionKind::budget, "reserved", 56, FieldType::u32, 2,
      FieldRuleKind::zero, SectionKind::build, 0, 0},
-    {SectionKind::mesh_needs, "tolerance", 0, FieldType::f64, 1,
+    {SectionKind::mesh_tolerances, "tolerance", 0, FieldType::f64, 1,
      FieldRuleKind::not_negative, SectionKind::build, 0, 0},
-    {SectionKind::mesh_needs, "reason", 8, FieldType::u32, 1,
+    {SectionKind::mesh_tolerances, "reason", 8, FieldType::u32, 1,
      FieldRuleKind::range, SectionKind::build, 0u, 6u},
-    {SectionKind::mesh_needs, "reserved", 12, FieldType::u32, 1,
+    {SectionKind::mesh_tolerances, "reserved", 12, FieldType::u32, 1,
      FieldRuleKind::zero, SectionKind::build, 0, 0},
     {SectionKind::keypoints, "position", 0, FieldType::f64, 3,
      FieldRuleKind::finite, SectionKind::build, 0, 0},

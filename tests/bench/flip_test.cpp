@@ -15,7 +15,7 @@ std::vector<float> plain(float r, float g, float b, std::size_t pixels) {
   return rgb;
 }
 
-// Plain pictures have no features: the colours' distance alone counts. White and black are 100
+// Plain images have no features: the colours' distance alone counts. White and black are 100
 // apart in lightness; 100^0.7 = 25.12, the most is 203.28^0.7 = 41.28, and beyond 0.4 of that the
 // scale runs from 0.95 to 1.
 TEST(Flip, WhiteAndBlack) {

@@ -5,14 +5,14 @@
 #include <cmath>
 
 #include "compiler/compile.h"
-#include "compiler/need.h"
+#include "compiler/tolerance.h"
 #include "pan/model.h"
 #include "tests/compiler/facet_sums.h"
 
 namespace panwright::compiler {
 namespace {
 
-using pan::layout::NeedReason;
+using pan::layout::ToleranceReason;
 
 geometry::Sphere ball(double radius) {
   geometry::Sphere sphere;
@@ -47,14 +47,14 @@ pan::Model model_of(const scene::Scene& scene, const Options& options = {}) {
   return *std::move(model);
 }
 
-NeedReason reason(const pan::Model& model, std::size_t mesh) {
-  return NeedReason{model.mesh_needs()[mesh].reason};
+ToleranceReason reason(const pan::Model& model, std::size_t mesh) {
+  return ToleranceReason{model.mesh_tolerances()[mesh].reason};
 }
 
 TEST(Budget, NothingIsStoredWhenNothingIsAsked) {
   const pan::Model model = model_of(scene_of({{ball(1), Vec3(1)}}));
-  EXPECT_FALSE(model.need());
-  EXPECT_TRUE(model.mesh_needs().empty());
+  EXPECT_FALSE(model.budget());
+  EXPECT_TRUE(model.mesh_tolerances().empty());
   EXPECT_LE(model.meshes()[0].error, kDefaultTolerance);
 }
 
@@ -63,80 +63,80 @@ TEST(Budget, TheNeedIsStoredWithWhatCameOfIt) {
       scene_of({{ball(1), Vec3(1)},
                 {geometry::Sphere{1, geometry::SphereCounts{8, 12}, -1, 1, {}}, Vec3(1)},
                 {ball(0.01), Vec3(1)}});
-  scene.need.nearest = 20;
-  scene.need.ifov = 1e-4;
-  scene.need.pixels = 0.5;
-  scene.need.flux = 1e-2;
+  scene.budget.nearest = 20;
+  scene.budget.ifov = 1e-4;
+  scene.budget.pixels = 0.5;
+  scene.budget.flux = 1e-2;
   const pan::Model model = model_of(scene);
-  ASSERT_TRUE(model.need());
-  EXPECT_EQ(model.need()->tolerance, 0);
-  EXPECT_EQ(model.need()->nearest, 20);
-  EXPECT_EQ(model.need()->ifov, 1e-4);
-  EXPECT_EQ(model.need()->pixels, 0.5);
-  EXPECT_EQ(model.need()->flux, 1e-2);
-  EXPECT_EQ(model.need()->centroid, 0);
-  EXPECT_DOUBLE_EQ(model.need()->smallest, 1e-4 / kFluxFactor);
-  ASSERT_EQ(model.mesh_needs().size(), 3u);
-  EXPECT_EQ(reason(model, 0), NeedReason::pixels);
-  EXPECT_DOUBLE_EQ(model.mesh_needs()[0].tolerance, 1e-3);
-  EXPECT_EQ(reason(model, 1), NeedReason::explicit_counts);
-  EXPECT_EQ(model.mesh_needs()[1].tolerance, 0);
-  EXPECT_EQ(reason(model, 2), NeedReason::flux);
+  ASSERT_TRUE(model.budget());
+  EXPECT_EQ(model.budget()->tolerance, 0);
+  EXPECT_EQ(model.budget()->nearest, 20);
+  EXPECT_EQ(model.budget()->ifov, 1e-4);
+  EXPECT_EQ(model.budget()->pixels, 0.5);
+  EXPECT_EQ(model.budget()->flux, 1e-2);
+  EXPECT_EQ(model.budget()->centroid, 0);
+  EXPECT_DOUBLE_EQ(model.budget()->smallest, 1e-4 / kFluxFactor);
+  ASSERT_EQ(model.mesh_tolerances().size(), 3u);
+  EXPECT_EQ(reason(model, 0), ToleranceReason::pixels);
+  EXPECT_DOUBLE_EQ(model.mesh_tolerances()[0].tolerance, 1e-3);
+  EXPECT_EQ(reason(model, 1), ToleranceReason::explicit_counts);
+  EXPECT_EQ(model.mesh_tolerances()[1].tolerance, 0);
+  EXPECT_EQ(reason(model, 2), ToleranceReason::flux);
   for (const std::size_t i : {0u, 2u}) {
-    EXPECT_LE(model.meshes()[i].error, model.mesh_needs()[i].tolerance);
-    EXPECT_GE(model.meshes()[i].error, 0.5 * model.mesh_needs()[i].tolerance);
+    EXPECT_LE(model.meshes()[i].error, model.mesh_tolerances()[i].tolerance);
+    EXPECT_GE(model.meshes()[i].error, 0.5 * model.mesh_tolerances()[i].tolerance);
   }
 }
 
 TEST(Budget, TolerancesAreMetresInTheWorld) {
   scene::Scene scene = scene_of({{ball(1), Vec3(1)}, {ball(2), {10, 10, 10}}});
-  scene.need.tolerance = 1e-2;
+  scene.budget.tolerance = 1e-2;
   const pan::Model model = model_of(scene);
-  EXPECT_DOUBLE_EQ(model.mesh_needs()[0].tolerance, 1e-2);
-  EXPECT_DOUBLE_EQ(model.mesh_needs()[1].tolerance, 1e-3);
+  EXPECT_DOUBLE_EQ(model.mesh_tolerances()[0].tolerance, 1e-2);
+  EXPECT_DOUBLE_EQ(model.mesh_tolerances()[1].tolerance, 1e-3);
   EXPECT_LE(10 * model.meshes()[1].error, 1e-2);
   // along a chain of nodes, by its largest stretch
   scene.nodes[2].parent = 1;
   scene.nodes[1].parent_from_node.scale = {1, 1, -4};
   scene.nodes[1].parent_from_node.rotation = quat_from_fixed_xyz({0.3, 0.2, 0.1});
-  EXPECT_DOUBLE_EQ(model_of(scene).mesh_needs()[1].tolerance, 1e-2 / 40);
+  EXPECT_DOUBLE_EQ(model_of(scene).mesh_tolerances()[1].tolerance, 1e-2 / 40);
 }
 
 TEST(Budget, OneMeshServesTheMostDemandingInstance) {
   scene::Scene scene = scene_of({{ball(1), Vec3(1)}, {ball(1), Vec3(1)}, {ball(1), Vec3(0.5)}});
-  scene.need.tolerance = 1e-2;
+  scene.budget.tolerance = 1e-2;
   scene.instances[1].tolerance = 1e-3;
   scene.instances[2].tolerance = 1e-3;
   const pan::Model model = model_of(scene);
   ASSERT_EQ(model.meshes().size(), 1u);
-  EXPECT_DOUBLE_EQ(model.mesh_needs()[0].tolerance, 1e-3);
-  EXPECT_EQ(reason(model, 0), NeedReason::shape);
-  EXPECT_EQ(model.need()->smallest, 1e-3);
+  EXPECT_DOUBLE_EQ(model.mesh_tolerances()[0].tolerance, 1e-3);
+  EXPECT_EQ(reason(model, 0), ToleranceReason::shape);
+  EXPECT_EQ(model.budget()->smallest, 1e-3);
 }
 
 TEST(Budget, AnInstanceAloneAsks) {
   scene::Scene scene = scene_of({{ball(1), Vec3(1)}, {ball(2), Vec3(1)}});
   scene.instances[1].tolerance = 0.25;
   const pan::Model model = model_of(scene);
-  ASSERT_TRUE(model.need());
-  EXPECT_EQ(model.need()->tolerance, 0);
-  EXPECT_EQ(reason(model, 0), NeedReason::tolerance);
-  EXPECT_EQ(model.mesh_needs()[0].tolerance, kDefaultTolerance);
-  EXPECT_EQ(reason(model, 1), NeedReason::shape);
-  EXPECT_EQ(model.mesh_needs()[1].tolerance, 0.25);
+  ASSERT_TRUE(model.budget());
+  EXPECT_EQ(model.budget()->tolerance, 0);
+  EXPECT_EQ(reason(model, 0), ToleranceReason::tolerance);
+  EXPECT_EQ(model.mesh_tolerances()[0].tolerance, kDefaultTolerance);
+  EXPECT_EQ(reason(model, 1), ToleranceReason::shape);
+  EXPECT_EQ(model.mesh_tolerances()[1].tolerance, 0.25);
 }
 
 TEST(Budget, TheCommandLineOverridesEverything) {
   scene::Scene scene = scene_of({{ball(1), Vec3(1)}, {ball(2), Vec3(1)}});
-  scene.need.tolerance = 1e-5;
+  scene.budget.tolerance = 1e-5;
   scene.instances[1].tolerance = 0.25;
   Options options;
   options.max_error = 0.03;
   const pan::Model model = model_of(scene, options);
-  EXPECT_EQ(model.need()->tolerance, 0.03);
+  EXPECT_EQ(model.budget()->tolerance, 0.03);
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(model.mesh_needs()[i].tolerance, 0.03);
-    EXPECT_EQ(reason(model, i), NeedReason::command_line);
+    EXPECT_EQ(model.mesh_tolerances()[i].tolerance, 0.03);
+    EXPECT_EQ(reason(model, i), ToleranceReason::command_line);
   }
 }
 
@@ -145,12 +145,12 @@ TEST(Budget, PartsKeepTheFluxAndThePhotocentreTheyWereMadeFor) {
   scene::Scene scene = scene_of({{ball(0.5), Vec3(3)}});
   const double radius = 1.5, pixel = 200 * 5e-5;  // metres
   for (const bool by_flux : {true, false}) {
-    scene.need = {};
-    scene.need.nearest = 200;
-    scene.need.ifov = 5e-5;
-    (by_flux ? scene.need.flux : scene.need.centroid) = by_flux ? 0.02 : 0.25;
+    scene.budget = {};
+    scene.budget.nearest = 200;
+    scene.budget.ifov = 5e-5;
+    (by_flux ? scene.budget.flux : scene.budget.centroid) = by_flux ? 0.02 : 0.25;
     const pan::Model model = model_of(scene);
-    EXPECT_EQ(reason(model, 0), by_flux ? NeedReason::flux : NeedReason::centroid);
+    EXPECT_EQ(reason(model, 0), by_flux ? ToleranceReason::flux : ToleranceReason::centroid);
     geometry::Mesh mesh;
     const pan::MeshView view = model.mesh(0);
     for (const auto& p : view.positions) mesh.positions.push_back(3.0 * Vec3(p.x, p.y, p.z));
@@ -182,7 +182,7 @@ TEST(Budget, PartsKeepTheFluxAndThePhotocentreTheyWereMadeFor) {
 TEST(Budget, NearlyFlatAndUpsideDownWorldsAreBounded) {
   scene::Scene scene =
       scene_of({{ball(1), {1e-12, 1, 1}}, {ball(1), Vec3(1e-200)}, {ball(1), {1, -1, 1}}});
-  scene.need.flux = 0.1;
+  scene.budget.flux = 0.1;
   Options options;
   options.max_triangles = 100000;
   DiagnosticLog log;

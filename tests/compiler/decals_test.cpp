@@ -18,7 +18,7 @@ scene::Scene scene_of(const geometry::Shape& shape) {
   scene.shapes = {shape};
   scene.instances.emplace_back();
   scene.textures.push_back({"flag.png", 1, 1, {1, 2, 3, 255}, false});
-  scene.need.tolerance = 1e-4;
+  scene.budget.tolerance = 1e-4;
   return scene;
 }
 

@@ -77,7 +77,7 @@ TEST_P(Examples, CompilesWithoutAWord) {
   const auto bytes = compiler::compiled(scene_, {}, log_);
   EXPECT_TRUE(bytes);
   EXPECT_EQ(to_text(log_), "");
-  EXPECT_TRUE(scene_.need.any()) << "examples show what a budget is";
+  EXPECT_TRUE(scene_.budget.any()) << "examples show what a budget is";
 }
 
 TEST_P(Examples, HasItsFramesAndKeypoints) {

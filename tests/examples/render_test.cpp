@@ -1,4 +1,4 @@
-// The examples as pictures: each is drawn, and calibration targets show what they are for.
+// The examples as images: each is drawn, and calibration targets show what they are for.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ struct Picture {
   double at(std::size_t x, std::size_t y) const { return rgb[3 * (y * width + x)]; }
 };
 
-// A picture of an example; `options` as on the command line.
+// An image of an example; `options` as on the command line.
 Picture drawn(const std::string& model, const std::array<std::size_t, 2>& size,
               std::vector<std::string> options) {
   const support::TemporaryFolder folder;
@@ -35,39 +35,39 @@ Picture drawn(const std::string& model, const std::array<std::size_t, 2>& size,
   const support::Outcome outcome = support::run(options);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
-  Picture picture{size[0], size[1], std::vector<float>(3 * size[0] * size[1])};
+  Picture image{size[0], size[1], std::vector<float>(3 * size[0] * size[1])};
   const std::string bytes = support::contents(output);
-  const std::size_t wanted = picture.rgb.size() * sizeof(float);
+  const std::size_t wanted = image.rgb.size() * sizeof(float);
   EXPECT_GT(bytes.size(), wanted);
   if (bytes.size() > wanted)
-    std::memcpy(picture.rgb.data(), bytes.data() + bytes.size() - wanted, wanted);
-  return picture;
+    std::memcpy(image.rgb.data(), bytes.data() + bytes.size() - wanted, wanted);
+  return image;
 }
 
-TEST(ExamplePictures, ShowSomething) {
+TEST(ExampleImages, ShowSomething) {
   const std::vector<std::vector<std::string>> views = {
       {"servicer/servicer.pxn", "9 -9 6"},     {"client/client.pxn", "10 -12 6"},
       {"cubesat/cubesat.pxn", "0.6 -0.6 0.4"}, {"calibration/board.pxn", "0.3 -1.2 0.2"},
       {"calibration/plates.pxn", "0 -1.2 0"},  {"calibration/spheres.pxn", "0 -12 0"}};
   for (const auto& view : views) {
-    const Picture picture =
+    const Picture image =
         drawn(view[0], {96, 96}, {"--camera", view[1], "--fov", "40", "--sun", "1 -0.7 0.6"});
     std::size_t lit = 0;
-    for (std::size_t i = 0; i < picture.rgb.size(); i += 3) lit += picture.rgb[i] > 0;
+    for (std::size_t i = 0; i < image.rgb.size(); i += 3) lit += image.rgb[i] > 0;
     EXPECT_GT(lit, 96u * 96 / 40) << view[0];
     EXPECT_LT(lit, 96u * 96 * 3 / 4) << view[0];
   }
 }
 
 // Under a Sun at the plates' normal, radiance is the albedo over pi.
-TEST(ExamplePictures, StepWedgeShowsItsAlbedos) {
-  const Picture picture = drawn("calibration/plates.pxn", {320, 160},
-                                {"--camera", "0 -2 0", "--ortho", "0.8", "--sun", "0 -1 0"});
+TEST(ExampleImages, StepWedgeShowsItsAlbedos) {
+  const Picture image = drawn("calibration/plates.pxn", {320, 160},
+                              {"--camera", "0 -2 0", "--ortho", "0.8", "--sun", "0 -1 0"});
   for (int i = 0; i < 10; ++i) {
     const double x = (i % 5 - 2) * 0.12;
     const double z = (0.5 - i / 5) * 0.12;
-    const double radiance = picture.at(static_cast<std::size_t>(160 + x / 0.8 * 320),
-                                       static_cast<std::size_t>(80 - z / 0.8 * 320));
+    const double radiance = image.at(static_cast<std::size_t>(160 + x / 0.8 * 320),
+                                     static_cast<std::size_t>(80 - z / 0.8 * 320));
     const double albedo = 0.9 * std::pow(0.7, i);
     // measured: 8.3e-8, single precision
     EXPECT_NEAR(radiance * kPi / albedo, 1, 2e-7) << i;
@@ -76,7 +76,7 @@ TEST(ExamplePictures, StepWedgeShowsItsAlbedos) {
 
 // The flux of a Lambert sphere at phase angle a: 2/3 albedo r^2 (sin a + (pi - a) cos a)/pi for
 // unit irradiance (Russell, "On the albedo of the planets and their satellites", 1916).
-TEST(ExamplePictures, LambertSpheresHaveTheirPhaseCurve) {
+TEST(ExampleImages, LambertSpheresHaveTheirPhaseCurve) {
   constexpr std::size_t kWidth = 960;
   constexpr std::size_t kHeight = 480;
   constexpr double kAcross = 6;  // metres
@@ -84,7 +84,7 @@ TEST(ExamplePictures, LambertSpheresHaveTheirPhaseCurve) {
   for (const double phase : {0.0, 40.0, 90.0}) {
     const double a = phase * kPi / 180;
     const std::string sun = std::to_string(std::sin(a)) + " " + std::to_string(-std::cos(a)) + " 0";
-    const Picture picture = drawn(
+    const Picture image = drawn(
         "calibration/spheres.pxn", {kWidth, kHeight},
         {"--camera", "0 -12 0", "--ortho", "6", "--sun", sun, "--samples", "4", "--no-shadows"});
     for (int i = 0; i < 4; ++i) {
@@ -95,7 +95,7 @@ TEST(ExamplePictures, LambertSpheresHaveTheirPhaseCurve) {
       double flux = 0;
       for (auto row = static_cast<std::size_t>(y - half); row < y + half; ++row)
         for (auto column = static_cast<std::size_t>(x - half); column < x + half; ++column)
-          flux += picture.at(column, row) * kPixel * kPixel;
+          flux += image.at(column, row) * kPixel * kPixel;
       const double expected =
           2.0 / 3 * 0.8 * std::pow(0.5, i) * 0.25 * (std::sin(a) + (kPi - a) * std::cos(a)) / kPi;
       // The model's budget is 1e-3. Measured: 1e-6, 1.4e-5 and 6.0e-5 at the three angles, most

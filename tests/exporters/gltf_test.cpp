@@ -26,7 +26,7 @@ std::optional<pan::Model> compiled(const scene::Scene& scene) {
   return *std::move(model);
 }
 
-// A sphere, a box twice, mirrored once, with a picture, a coat, a frame and a keypoint.
+// A sphere, a box twice, mirrored once, with a texture, a coat, a frame and a keypoint.
 scene::Scene spacecraft() {
   scene::Scene scene;
   scene.nodes.resize(3);
@@ -56,8 +56,8 @@ scene::Scene spacecraft() {
   scene.materials[2].name = "panel";
   scene.materials[2].maps.repeat = {2, 3};
   for (auto& material : scene.materials) materials::fit(material);
-  scene::Texture picture{"p.png", 2, 1, {255, 0, 0, 255, 0, 255, 10, 255}, false};
-  scene.textures.push_back(picture);
+  scene::Texture texture{"p.png", 2, 1, {255, 0, 0, 255, 0, 255, 10, 255}, false};
+  scene.textures.push_back(texture);
   scene.materials[2].maps.albedo = 0;
   scene.instances.resize(3);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -148,26 +148,26 @@ TEST(GltfExport, NamesMaterialsAndPointsComeBack) {
     const materials::Material& material = out.imported->scene.materials[i];
     if (cad.name == "gold") {
       // F at normal incidence of these n and k
-      EXPECT_NEAR(cad.base_colour.x, (0.64 + 9) / (1.44 + 9), 1e-6);
+      EXPECT_NEAR(cad.base_color.x, (0.64 + 9) / (1.44 + 9), 1e-6);
       EXPECT_EQ(cad.metallic, 1);
       EXPECT_NEAR(cad.roughness, 0.5, 1e-7);
     } else if (cad.name == "paint") {
-      EXPECT_LE(glm::length(cad.base_colour - Vec3(0.8)), 1e-6);
+      EXPECT_LE(glm::length(cad.base_color - Vec3(0.8)), 1e-6);
       EXPECT_EQ(cad.metallic, 0);
       EXPECT_EQ(material.specular_model(), materials::SpecularModel::none);
       EXPECT_TRUE(material.coat);
       EXPECT_LE(glm::length(material.emissive - Vec3(3, 0, 1)), 1e-6);
     } else if (cad.name == "panel") {
       ASSERT_GE(material.maps.albedo, 0);
-      const scene::Texture& picture =
+      const scene::Texture& texture =
           out.imported->scene.textures[static_cast<std::size_t>(material.maps.albedo)];
-      EXPECT_EQ(picture.rgba, (std::vector<std::uint8_t>{255, 0, 0, 255, 0, 255, 10, 255}));
+      EXPECT_EQ(texture.rgba, (std::vector<std::uint8_t>{255, 0, 0, 255, 0, 255, 10, 255}));
     }
   }
 }
 
 // A reflectance map without diffuse light is the colour of a metal; beside it, it is named.
-TEST(GltfExport, ReflectanceMapsAreTheColourOfMetals) {
+TEST(GltfExport, ReflectanceMapsAreTheColorOfMetals) {
   scene::Scene scene = spacecraft();
   scene.materials[2] = scene.materials[0];
   scene.materials[2].name = "panel";
@@ -184,7 +184,7 @@ TEST(GltfExport, ReflectanceMapsAreTheColourOfMetals) {
     DiagnosticLog log;
     const auto glb = glb_from(*model, log);
     ASSERT_TRUE(glb);
-    EXPECT_EQ(to_text(log).find("pictures of reflectance beside a colour") != std::string::npos,
+    EXPECT_EQ(to_text(log).find("images of reflectance beside a colour") != std::string::npos,
               diffuse);
     const Loaded out = load({reinterpret_cast<const char*>(glb->data()), glb->size()});
     ASSERT_TRUE(out.imported) << out.text();
@@ -196,10 +196,10 @@ TEST(GltfExport, ReflectanceMapsAreTheColourOfMetals) {
       EXPECT_EQ(material.maps.reflectance >= 0, !diffuse);
       if (diffuse) continue;
       EXPECT_EQ(out.imported->materials[i].metallic, 1);
-      EXPECT_EQ(out.imported->materials[i].base_colour, Vec3(1));
-      const scene::Texture& picture =
+      EXPECT_EQ(out.imported->materials[i].base_color, Vec3(1));
+      const scene::Texture& texture =
           out.imported->scene.textures[static_cast<std::size_t>(material.maps.reflectance)];
-      EXPECT_EQ(picture.rgba, (std::vector<std::uint8_t>{255, 0, 0, 255, 0, 255, 10, 255}));
+      EXPECT_EQ(texture.rgba, (std::vector<std::uint8_t>{255, 0, 0, 255, 0, 255, 10, 255}));
     }
     EXPECT_TRUE(found);
   }

@@ -7,7 +7,7 @@
 
 namespace panwright::fuzz {
 
-// Reads the bytes as a glTF or GLB file whose buffers and pictures may be the same bytes, checks
+// Reads the bytes as a glTF or GLB file whose buffers and textures may be the same bytes, checks
 // the scene, compiles it, checks the pan file that results, and writes that as GLB.
 void gltf(std::span<const std::byte> input);
 

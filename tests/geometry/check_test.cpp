@@ -27,7 +27,7 @@ TEST(Check, BadLengths) {
   Mesh mesh = cube();
   mesh.normals.assign(7, {0, 0, 1});
   mesh.texcoords.assign(9, {0, 0});
-  mesh.colours.assign(8, {1, 1, 1});
+  mesh.colors.assign(8, {1, 1, 1});
   EXPECT_EQ(check(mesh).bad_lengths, 2u);
 }
 
@@ -48,8 +48,8 @@ TEST(Check, NumbersThatAreNotFinite) {
   mesh.normals[2].z = -HUGE_VAL;
   mesh.texcoords.assign(8, {0, 0});
   mesh.texcoords[3].y = std::nan("");
-  mesh.colours.assign(8, {0, 0, 0});
-  mesh.colours[3].z = std::nan("");  // the same vertex counts once
+  mesh.colors.assign(8, {0, 0, 0});
+  mesh.colors[3].z = std::nan("");  // the same vertex counts once
   const MeshReport report = check(mesh);
   EXPECT_EQ(report.non_finite, 4u);
   EXPECT_TRUE(std::isfinite(report.area));

@@ -12,8 +12,8 @@
 
 #include "base/parallel.h"
 #include "geometry/internal/weld.h"
+#include "geometry/mesh/internal/boundary_loops.h"
 #include "geometry/mesh/internal/edges.h"
-#include "geometry/mesh/internal/rims.h"
 #include "geometry/mesh/internal/tjunction.h"
 #include "shapes.h"
 
@@ -70,7 +70,7 @@ Mesh sheet(std::uint32_t n) {
 
 bool same(const Mesh& a, const Mesh& b) {
   return a.positions == b.positions && a.normals == b.normals && a.texcoords == b.texcoords &&
-         a.colours == b.colours && a.triangles == b.triangles && a.closed == b.closed &&
+         a.colors == b.colors && a.triangles == b.triangles && a.closed == b.closed &&
          a.error == b.error;
 }
 
@@ -81,8 +81,8 @@ TEST(Clean, ACleanSphereLosesNothing) {
   EXPECT_EQ(mesh.triangles.size(), before.triangles.size());
   EXPECT_EQ(mesh.positions.size(), before.positions.size());
   EXPECT_EQ(report.flipped + report.duplicates + report.degenerate + report.holes, 0u);
-  EXPECT_EQ(report.pieces, 1u);
-  EXPECT_EQ(report.closed_pieces, 1u);
+  EXPECT_EQ(report.components, 1u);
+  EXPECT_EQ(report.closed_components, 1u);
   EXPECT_TRUE(mesh.closed);
   const MeshReport found = check(mesh);
   EXPECT_TRUE(found.closed);
@@ -154,7 +154,7 @@ TEST(Clean, SeamsStayApart) {
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   mesh.texcoords = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {1, 1}, {0, 1}};
-  mesh.colours.assign(6, Vec3(1));
+  mesh.colors.assign(6, Vec3(1));
   mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
   clean(mesh, {});
   // (0, 1, 0) looks the same on both, (1, 0, 0) does not
@@ -176,11 +176,11 @@ TEST(Clean, DuplicatesGoAndTwoSidedSheetsBecomeOne) {
   for (const Triangle& t : mesh.triangles) EXPECT_GT(facet_normal(mesh, t).z, 0.99);
 }
 
-TEST(Clean, SheetsWithTwoPicturesKeepBoth) {
+TEST(Clean, SheetsWithTwoTexturesKeepBoth) {
   Mesh mesh = sheet(2);
   append(mesh, sheet(2), Vec3(0), true);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-    mesh.colours.push_back(v < 9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0));
+    mesh.colors.push_back(v < 9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0));
   EXPECT_EQ(clean(mesh, {}).duplicates, 0u);
   EXPECT_EQ(mesh.triangles.size(), 16u);
 }
@@ -222,8 +222,8 @@ TEST(Clean, ClosedPiecesFaceOutwards) {
   ASSERT_GT(turned, 0u);
   const double sphere = check(shapes::sphere(8, 9)).volume;
   const CleanReport report = clean(mesh, {});
-  EXPECT_EQ(report.pieces, 3u);
-  EXPECT_EQ(report.closed_pieces, 3u);
+  EXPECT_EQ(report.components, 3u);
+  EXPECT_EQ(report.closed_components, 3u);
   EXPECT_EQ(report.flipped, shapes::sphere(8, 9).triangles.size() + turned);
   const MeshReport found = check(mesh);
   EXPECT_EQ(found.misoriented_edges, 0u);
@@ -315,7 +315,7 @@ TEST(Clean, MoebiusStripsAreLeftAlone) {
   const CleanReport report = clean(mesh, options);
   EXPECT_EQ(report.one_sided, 1u);
   EXPECT_EQ(report.flipped, 0u);
-  EXPECT_EQ(report.rims, 0u);  // half-edges need two sides
+  EXPECT_EQ(report.boundary_loops, 0u);  // half-edges need two sides
   EXPECT_EQ(report.border_edges, 2 * n);
   EXPECT_EQ(mesh.triangles.size(), before.size());
 }
@@ -326,12 +326,12 @@ TEST(Clean, OpenMeshIsQuietAndStaysAsItWas) {
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}};
   mesh.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}};
-  const std::vector<std::uint32_t> place = {0, 1, 2, 3, 4};
+  const std::vector<std::uint32_t> unique_position = {0, 1, 2, 3, 4};
   std::ostringstream printed;
   omerr().connect(printed);
   for (const bool enabled : {true, false}) {
     enabled ? omerr().enable() : omerr().disable();
-    (void)rims_of(mesh, place, edges_of(mesh, place));
+    (void)boundary_loops_of(mesh, unique_position, edges_of(mesh, unique_position));
     EXPECT_EQ(omerr().is_enabled(), enabled);
   }
   omerr().enable();
@@ -344,7 +344,7 @@ TEST(Clean, OpenMeshIsQuietAndStaysAsItWas) {
 TEST(Clean, HolesAreFoundMeasuredAndFilled) {
   Mesh mesh = bare(shapes::sphere(30, 40));
   const double volume = check(mesh).volume;
-  // the pole's cap goes: a rim of 40 edges, and elsewhere one triangle
+  // the pole's cap goes: a boundary loop of 40 edges, and elsewhere one triangle
   std::erase_if(mesh.triangles, [&](const Triangle& t) {
     return std::any_of(t.begin(), t.end(),
                        [&](std::uint32_t v) { return mesh.positions[v].z > 0.9999; });
@@ -353,7 +353,7 @@ TEST(Clean, HolesAreFoundMeasuredAndFilled) {
   ASSERT_FALSE(check(mesh).closed);
   Mesh open = mesh;
   const CleanReport report = clean(open, {});
-  EXPECT_EQ(report.rims, 2u);
+  EXPECT_EQ(report.boundary_loops, 2u);
   EXPECT_EQ(report.holes, 2u);
   ASSERT_EQ(report.spots.size(), 2u);
   EXPECT_EQ(report.spots[0].size, 40u);
@@ -374,7 +374,7 @@ TEST(Clean, HolesAreFoundMeasuredAndFilled) {
   EXPECT_GT(found.volume, volume - kPi * radius * radius * (1 - std::cos(kPi / 30)));
 }
 
-TEST(Clean, LongRimsAreFilledByAFan) {
+TEST(Clean, LongBoundaryLoopsAreFilledByAFan) {
   DiagnosticLog log;
   Cylinder tube;
   tube.caps = Caps::none;
@@ -390,10 +390,10 @@ TEST(Clean, LongRimsAreFilledByAFan) {
   EXPECT_NEAR(check(mesh).volume, area * 100, 1e-10);
 }
 
-TEST(Clean, RimsOfSheetsAreNoHoles) {
+TEST(Clean, BoundaryLoopsOfSheetsAreNoHoles) {
   Mesh mesh = sheet(5);
   const CleanReport report = clean(mesh, {});
-  EXPECT_EQ(report.rims, 1u);
+  EXPECT_EQ(report.boundary_loops, 1u);
   EXPECT_EQ(report.holes, 0u);
   EXPECT_EQ(report.border_edges, 20u);
 }
@@ -404,25 +404,25 @@ TEST(Clean, JunctionsAgainstEachVertexAndEdge) {
     Mesh mesh = sheet(n);
     append(mesh, sheet(5), Vec3(1, 0, 0));
     append(mesh, sheet(2), Vec3(1e-9, 1, 0));
-    const std::vector<std::uint32_t> place = welded(mesh.positions);
-    const Edges edges = edges_of(mesh, place);
+    const std::vector<std::uint32_t> unique_position = welded(mesh.positions);
+    const Edges edges = edges_of(mesh, unique_position);
     const double distance = 1e-7;
-    const std::vector<Junction> found = junctions_of(mesh, place, edges, distance);
+    const std::vector<Junction> found = junctions_of(mesh, unique_position, edges, distance);
     std::vector<Junction> expected;
     std::set<std::uint32_t> border;
-    for (const std::uint32_t side : edges.border)
+    for (const std::uint32_t half_edge : edges.border)
       for (const std::uint32_t k : {0u, 1u})
-        border.insert(place[mesh.triangles[side / 3][(side + k) % 3]]);
+        border.insert(unique_position[mesh.triangles[half_edge / 3][(half_edge + k) % 3]]);
     for (const std::uint32_t v : border) {
-      for (const std::uint32_t side : edges.border) {
-        const Vec3 a = mesh.positions[mesh.triangles[side / 3][side % 3]];
-        const Vec3 b = mesh.positions[mesh.triangles[side / 3][(side + 1) % 3]];
+      for (const std::uint32_t half_edge : edges.border) {
+        const Vec3 a = mesh.positions[mesh.triangles[half_edge / 3][half_edge % 3]];
+        const Vec3 b = mesh.positions[mesh.triangles[half_edge / 3][(half_edge + 1) % 3]];
         const Vec3 p = mesh.positions[v];
         const double length = glm::length(b - a);
         const double along = glm::dot(p - a, b - a) / length;
         if (along > distance && along < length - distance &&
             glm::length(p - a - along * (b - a) / length) <= distance) {
-          expected.push_back({v, side});
+          expected.push_back({v, half_edge});
           break;
         }
       }
@@ -551,7 +551,7 @@ TEST(Clean, CrowdsStayFast) {
   mesh.positions.push_back({0, 1e6, 0});
   mesh.triangles.push_back({180'000, 180'001, 180'002});
   const CleanReport report = clean(mesh, {});
-  EXPECT_EQ(report.pieces, 60'001u);
+  EXPECT_EQ(report.components, 60'001u);
   EXPECT_EQ(check(mesh).non_finite, 0u);
 }
 

@@ -182,7 +182,7 @@ TEST(Box, RoundFacesStayWhereTheyAreAndNormalsAreSmooth) {
     EXPECT_EQ(++places[std::make_tuple(p.x + 0.0, p.y + 0.0, p.z + 0.0)], 1);
 }
 
-TEST(Box, PicturesStandUprightOnEachFace) {
+TEST(Box, TexturesStandUprightOnEachFace) {
   // seen from outside: u to the right, v up; +z up for the sides, +y for the ends
   const std::pair<Vec3, std::pair<Vec3, Vec3>> faces[] = {
       {{1, 0, 0}, {{0, 1, 0}, {0, 0, 1}}},  {{-1, 0, 0}, {{0, -1, 0}, {0, 0, 1}}},

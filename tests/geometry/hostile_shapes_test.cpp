@@ -118,9 +118,9 @@ TEST(HostileShapes, Tubes) {
     if (random() < 0.2) tube.counts.along = static_cast<std::uint32_t>(random() * 30);
     made += expect_problem_or_mesh(tube, random() < 0.5);
     if (const auto problem = problem_of(tube)) continue;
-    for (const Rim& rim : rims_of(tube)) {
-      EXPECT_NEAR(glm::length(rim.axis), 1, 1e-12);
-      EXPECT_TRUE(is_finite(rim.start));
+    for (const CircularEdge& edge : circular_edges_of(tube)) {
+      EXPECT_NEAR(glm::length(edge.axis), 1, 1e-12);
+      EXPECT_TRUE(is_finite(edge.start));
     }
   }
   EXPECT_GT(made, 500);

@@ -9,7 +9,7 @@
 namespace panwright::geometry {
 namespace {
 
-// Every triangle is a sensible piece of the picture, and every corner is where it belongs.
+// Every triangle is a sensible piece of the texture, and every corner is where it belongs.
 void expect_mapped(const Mesh& mesh, const Mat4& texture_from_mesh, double widest) {
   ASSERT_EQ(mesh.texcoords.size(), mesh.positions.size());
   for (const Triangle& t : mesh.triangles) {
@@ -65,7 +65,7 @@ TEST(SphereMapping, InAnotherFrame) {
     const std::size_t triangles = mesh.triangles.size();
     apply_sphere_mapping(mesh, frame);
     EXPECT_EQ(mesh.triangles.size(), triangles);
-    // a pole of the picture inside a triangle: three longitudes lie on two thirds of a circle
+    // a pole of the texture inside a triangle: three longitudes lie on two thirds of a circle
     expect_mapped(mesh, frame, 2.0 / 3 + 1e-12);
     EXPECT_TRUE(check(mesh).closed);
   }

@@ -47,10 +47,10 @@ TEST(Normals, ASmoothCubeHasEight) {
 TEST(Normals, OriginalVerticesKeepTheirIndexAndCopiesFollowInOrderOfUse) {
   Mesh mesh = shapes::cube();
   mesh.texcoords.resize(8);
-  mesh.colours.resize(8);
+  mesh.colors.resize(8);
   for (std::size_t i = 0; i < 8; ++i) {
     mesh.texcoords[i] = {double(i), 0.5};
-    mesh.colours[i] = Vec3(double(i));
+    mesh.colors[i] = Vec3(double(i));
   }
   const Mesh original = mesh;
   compute_normals(mesh, 0.1);
@@ -62,7 +62,7 @@ TEST(Normals, OriginalVerticesKeepTheirIndexAndCopiesFollowInOrderOfUse) {
       const std::uint32_t from = original.triangles[i][k];
       EXPECT_EQ(mesh.positions[v], original.positions[from]);
       EXPECT_EQ(mesh.texcoords[v], original.texcoords[from]);
-      EXPECT_EQ(mesh.colours[v], original.colours[from]);
+      EXPECT_EQ(mesh.colors[v], original.colors[from]);
       if (seen[v]) continue;
       EXPECT_EQ(v, v < 8 ? from : next++);
       seen[v] = true;
@@ -98,8 +98,8 @@ TEST(Normals, SoupAndSharedVerticesAgree) {
   }
 }
 
-// A closed can: the side is smooth about it, the rims are sharp.
-TEST(Normals, ACylinderKeepsItsRims) {
+// A closed can: the side is smooth about it, the circular edges are sharp.
+TEST(Normals, ACylinderKeepsItsCircularEdges) {
   Mesh mesh;
   const std::uint32_t n = 36;
   for (std::uint32_t i = 0; i < n; ++i) {

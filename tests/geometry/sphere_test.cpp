@@ -162,7 +162,7 @@ TEST(Sphere, TexcoordsFollowLongitudeAndLatitude) {
       const double expected = std::atan2(p.y, p.x) / (2 * M_PI);
       EXPECT_NEAR(std::remainder(uv.x - expected, 1.0), 0, 1e-15);
     }
-    // no triangle runs back across the picture
+    // no triangle runs back across the texture
     EXPECT_LE(high - low, 1.0 / quads + 1e-12);
     EXPECT_GE(low, 0);
     EXPECT_LE(high, 1);
@@ -280,8 +280,9 @@ TEST(Sphere, BytesDoNotDependOnTheNumberOfThreads) {
     TessellationOptions options;
     options.max_error = 3e-6;
     Result<Mesh> mesh = failed;
-    run_on_threads(Job({threads, {}}),
-                   [&] { mesh = tessellated(Sphere{1, {}}, options, {}, log); });
+    run_on_threads(Job({threads, {}}), [&] {
+      mesh = tessellated(Sphere{1, {}}, options, {}, log);
+    });
     return std::tuple{hash64(std::as_bytes(std::span(mesh->positions))),
                       hash64(std::as_bytes(std::span(mesh->normals))),
                       hash64(std::as_bytes(std::span(mesh->triangles))), mesh->error};

@@ -11,14 +11,14 @@
 namespace panwright::geometry::tubes {
 
 inline Mesh made(const Tube& tube, double max_error, bool texcoords = false,
-                 std::uint32_t rim = 0) {
+                 std::uint32_t edge = 0) {
   const auto problem = problem_of(tube);
   EXPECT_FALSE(problem) << problem->message;
   DiagnosticLog log;
   TessellationOptions options;
   options.max_error = max_error;
   options.texcoords = texcoords;
-  options.rim_segments = rim;
+  options.edge_segments = edge;
   auto mesh = tessellated(tube, options, {}, log);
   EXPECT_TRUE(mesh.ok());
   return mesh.ok() ? *mesh : Mesh{};

@@ -1,4 +1,4 @@
-// Tubes: errors, counts, coordinates, normals, rims.
+// Tubes: errors, counts, coordinates, normals, circular edges.
 
 #include <gtest/gtest.h>
 
@@ -183,21 +183,21 @@ TEST(Tube, NormalsAreAcrossThePath) {
   EXPECT_LT(worst, 2e-4);
 }
 
-TEST(Tube, RimsStandWhereTheMeshHasThem) {
+TEST(Tube, CircularEdgesStandWhereTheMeshHasThem) {
   const Tube tubes[] = {Tube{.path = {{0, 0, -1}, {0, 0, 2}}, .radius = 0.25},
                         Tube{.path = {{1, 2, 3}, {4, 2, 3}, {4, 4, 5}}, .radius = 0.1}, helix(0.1)};
   for (const Tube& tube : tubes) {
-    const std::vector<Rim> rims = rims_of(tube);
-    ASSERT_EQ(rims.size(), 2u);
+    const std::vector<CircularEdge> circular_edges = circular_edges_of(tube);
+    ASSERT_EQ(circular_edges.size(), 2u);
     const std::uint32_t n = 24;
     const Mesh mesh = made(tube, 1e-2, false, n);
-    for (const Rim& rim : rims) {
-      EXPECT_NEAR(glm::length(rim.start), tube.radius, 1e-16);
-      EXPECT_NEAR(glm::dot(rim.start, rim.axis), 0, 1e-16);
+    for (const CircularEdge& edge : circular_edges) {
+      EXPECT_NEAR(glm::length(edge.start), tube.radius, 1e-16);
+      EXPECT_NEAR(glm::dot(edge.start, edge.axis), 0, 1e-16);
       for (std::uint32_t i = 0; i < n; ++i) {
         const double angle = 2 * M_PI * i / n;
-        const Vec3 expected = rim.centre + std::cos(angle) * rim.start +
-                              std::sin(angle) * glm::cross(rim.axis, rim.start);
+        const Vec3 expected = edge.centre + std::cos(angle) * edge.start +
+                              std::sin(angle) * glm::cross(edge.axis, edge.start);
         double nearest = 1;
         for (const Vec3& p : mesh.positions) nearest = std::min(nearest, glm::length(p - expected));
         EXPECT_LT(nearest, 2e-15);  // 9e-16 measured
@@ -205,13 +205,16 @@ TEST(Tube, RimsStandWhereTheMeshHasThem) {
     }
   }
   // along z as a cylinder's: from +x, to the last bit
-  const Rim rim = rims_of(tubes[0])[0];
-  EXPECT_EQ(rim.start, Vec3(0.25, 0, 0));
-  EXPECT_EQ(rim.axis, Vec3(0, 0, 1));
-  EXPECT_EQ(rims_of(Tube{.path = helix(1).path, .radius = 0.1, .counts = {8, 0}}).size(), 0u);
-  EXPECT_EQ(rims_of(ring(8, 1, 0.1)).size(), 0u);
+  const CircularEdge edge = circular_edges_of(tubes[0])[0];
+  EXPECT_EQ(edge.start, Vec3(0.25, 0, 0));
+  EXPECT_EQ(edge.axis, Vec3(0, 0, 1));
+  EXPECT_EQ(circular_edges_of(Tube{.path = helix(1).path, .radius = 0.1, .counts = {8, 0}}).size(),
+            0u);
+  EXPECT_EQ(circular_edges_of(ring(8, 1, 0.1)).size(), 0u);
   EXPECT_EQ(
-      rims_of(Tube{.path = {{0, 0, 0}, {1, 0, 0}}, .radius = 0.2, .inner_radius = 0.1}).size(), 4u);
+      circular_edges_of(Tube{.path = {{0, 0, 0}, {1, 0, 0}}, .radius = 0.2, .inner_radius = 0.1})
+          .size(),
+      4u);
 }
 
 TEST(Tube, CountsAreObeyedWithVerticesOnTheShape) {

@@ -13,10 +13,10 @@ namespace {
 TEST(Weld, FirstOccurrence) {
   shapes::Random random(3);
   std::vector<Vec3> positions;
-  const double places[] = {0.0, -0.0, 1.0, std::nan(""), HUGE_VAL, 5e-324};
+  const double unique_positions[] = {0.0, -0.0, 1.0, std::nan(""), HUGE_VAL, 5e-324};
   for (int i = 0; i < 600; ++i)
-    positions.push_back(
-        {places[int(random() * 6)], places[int(random() * 6)], places[int(random() * 6)]});
+    positions.push_back({unique_positions[int(random() * 6)], unique_positions[int(random() * 6)],
+                         unique_positions[int(random() * 6)]});
   const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
   const std::vector<std::uint32_t> first = welded(positions);
   for (std::size_t i = 0; i < positions.size(); ++i) {

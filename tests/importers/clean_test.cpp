@@ -61,14 +61,15 @@ const Mesh& first_mesh(const scene::Scene& scene) {
 TEST(CleanScene, EachMeshOnceAndExactShapesAsTheyAre) {
   Imported model = sample(2);
   DiagnosticLog log;
-  const Hygiene hygiene = *clean_up(model.scene, {}, log);
+  const MeshReport mesh_report = *clean_up(model.scene, {}, log);
   EXPECT_EQ(scene::check(model.scene), "");
-  ASSERT_EQ(hygiene.meshes.size(), 1u);
-  EXPECT_EQ(hygiene.meshes[0].instances, 2u);
-  EXPECT_EQ(hygiene.meshes[0].path, "body/left");
-  EXPECT_EQ(hygiene.total.welded, 22u);  // 30 corners, 8 places
-  EXPECT_EQ(hygiene.total.holes, 0u);  // its rim is 8 m long, about 20 m² of surface: rather open
-  EXPECT_EQ(hygiene.total.rims, 1u);
+  ASSERT_EQ(mesh_report.meshes.size(), 1u);
+  EXPECT_EQ(mesh_report.meshes[0].instances, 2u);
+  EXPECT_EQ(mesh_report.meshes[0].path, "body/left");
+  EXPECT_EQ(mesh_report.total.welded, 22u);  // 30 corners, 8 places
+  EXPECT_EQ(mesh_report.total.holes,
+            0u);  // its rim is 8 m long, about 20 m² of surface: rather open
+  EXPECT_EQ(mesh_report.total.boundary_loops, 1u);
   EXPECT_EQ(first_mesh(model.scene).positions.size(), 20u);  // creases between five faces
   EXPECT_TRUE(std::holds_alternative<geometry::Sphere>(model.scene.shapes[1]));
   EXPECT_TRUE(log.contains(Code::N6301));
@@ -81,19 +82,19 @@ TEST(CleanScene, SpotsStandInTheWorld) {
   mesh.triangles.push_back({30, 31, 32});
   model.scene.shapes[0] = std::make_shared<const Mesh>(mesh);
   DiagnosticLog log;
-  const Hygiene hygiene = *clean_up(model.scene, {}, log);
-  ASSERT_FALSE(hygiene.spots.empty());
-  const WorldSpot& spot = hygiene.spots[0];
+  const MeshReport mesh_report = *clean_up(model.scene, {}, log);
+  ASSERT_FALSE(mesh_report.spots.empty());
+  const WorldSpot& spot = mesh_report.spots[0];
   EXPECT_EQ(spot.kind, geometry::SpotKind::non_manifold_edge);
   EXPECT_EQ(spot.at, Vec3(2, 2, 0));
   EXPECT_EQ(spot.length, 4);
   EXPECT_TRUE(log.contains(Code::W6302));
-  const auto json = nlohmann::json::parse(to_json(hygiene));
+  const auto json = nlohmann::json::parse(to_json(mesh_report));
   EXPECT_EQ(json["total"]["non_manifold_edges"], 1);
   EXPECT_EQ(json["spots"][0]["kind"], "non-manifold edge");
   EXPECT_EQ(json["spots"][0]["at"], (std::vector<double>{2, 2, 0}));
   EXPECT_EQ(json["meshes"][0]["path"], "body/left");
-  EXPECT_NE(to_text(hygiene).find("1 edge of three triangles or more"), std::string::npos);
+  EXPECT_NE(to_text(mesh_report).find("1 edge of three triangles or more"), std::string::npos);
 }
 
 TEST(CleanScene, HolesAndJunctionsAreWarnedOf) {
@@ -109,12 +110,12 @@ TEST(CleanScene, HolesAndJunctionsAreWarnedOf) {
     mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
   model.scene.shapes[0] = std::make_shared<const Mesh>(mesh);
   DiagnosticLog log;
-  const Hygiene hygiene = *clean_up(model.scene, {}, log);
+  const MeshReport mesh_report = *clean_up(model.scene, {}, log);
   // the rim of the gap: two sides of it, and along the side of the cube and back
-  EXPECT_EQ(hygiene.total.t_junctions, 1u);
+  EXPECT_EQ(mesh_report.total.t_junctions, 1u);
   EXPECT_TRUE(log.contains(Code::W6305));
-  EXPECT_EQ(hygiene.total.holes, 1u);
-  EXPECT_NEAR(hygiene.total.hole_length, 1.5 + 2 * std::sqrt(0.125) + 2, 1e-15);
+  EXPECT_EQ(mesh_report.total.holes, 1u);
+  EXPECT_NEAR(mesh_report.total.hole_length, 1.5 + 2 * std::sqrt(0.125) + 2, 1e-15);
   EXPECT_TRUE(log.contains(Code::W6303));
 }
 
@@ -128,9 +129,9 @@ TEST(CleanScene, TolerancesAreMetresInTheWorld) {
     DiagnosticLog log;
     geometry::CleanOptions options;
     options.tolerance = tolerance;
-    const Hygiene hygiene = *clean_up(model.scene, options, log);
-    EXPECT_EQ(hygiene.total.largest_move > 0, tolerance > 1e-6);
-    EXPECT_LE(hygiene.total.largest_move, tolerance);
+    const MeshReport mesh_report = *clean_up(model.scene, options, log);
+    EXPECT_EQ(mesh_report.total.largest_move > 0, tolerance > 1e-6);
+    EXPECT_LE(mesh_report.total.largest_move, tolerance);
   }
 }
 
@@ -163,7 +164,7 @@ TEST(Place, GuessesTheUnitThatMakesASpacecraft) {
   };
   const Case cases[] = {{4, "m", true},        {0.05, "m", true},   {500, "m", true},
                         {501, "mm", true},     {3'000, "mm", true}, {109'000, "mm", true},
-                        {160'000, "mm", true}, {0.004, "m", true}, {0, "m", true},
+                        {160'000, "mm", true}, {0.004, "m", true},  {0, "m", true},
                         {1e30, "m", false},    {1e-9, "m", true}};
   for (const Case& one : cases) {
     const UnitGuess guess = guessed_unit(one.size);

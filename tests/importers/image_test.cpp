@@ -1,4 +1,4 @@
-// Pictures: pixels against files made here byte by byte, and what is refused.
+// Images: pixels against files made here byte by byte, and what is refused.
 
 #include "importers/image.h"
 
@@ -181,7 +181,7 @@ std::string jpeg(int width, int height, const Pixels& rgb) {
 struct JpegKind {
   const char* name;
   int components = 3;
-  J_COLOR_SPACE colours = JCS_YCbCr;
+  J_COLOR_SPACE colors = JCS_YCbCr;
   int across = 1, down = 1;  // of the first component
   bool progressive = false;
   bool arithmetic = false;
@@ -206,7 +206,7 @@ std::string packed(const JpegKind& kind, unsigned width, unsigned height, const 
                         : kind.components == 4 ? JCS_CMYK
                                                : JCS_RGB;
   jpeg_set_defaults(&jpeg);
-  jpeg_set_colorspace(&jpeg, kind.colours);
+  jpeg_set_colorspace(&jpeg, kind.colors);
   jpeg_set_quality(&jpeg, 90, TRUE);
   jpeg.comp_info[0].h_samp_factor = kind.across;
   jpeg.comp_info[0].v_samp_factor = kind.down;
@@ -321,18 +321,18 @@ TEST(Image, JpegsAreLimitedInScans) {
   EXPECT_THAT(d.problem.message, HasSubstr("more than 200 scans"));
 }
 
-TEST(Image, JpegColours) {
-  for (const Pixels& colour :
+TEST(Image, JpegColors) {
+  for (const Pixels& color :
        {Pixels{255, 0, 0}, Pixels{0, 128, 255}, Pixels{17, 99, 3}, Pixels{255, 255, 255}}) {
     Pixels rgb;
-    for (int i = 0; i < 40 * 24; ++i) rgb.insert(rgb.end(), colour.begin(), colour.end());
+    for (int i = 0; i < 40 * 24; ++i) rgb.insert(rgb.end(), color.begin(), color.end());
     const Decoded d = decode(jpeg(40, 24, rgb));
     ASSERT_FALSE(d.problem.code) << d.problem.message;
     ASSERT_EQ(d.image.width, 40u);
     ASSERT_EQ(d.image.height, 24u);
     // flat colours survive to rounding of the colour transform, there and back; measured 1
     for (std::size_t i = 0; i < d.image.rgba.size(); ++i)
-      ASSERT_NEAR(d.image.rgba[i], i % 4 == 3 ? 255 : colour[i % 4], 2);
+      ASSERT_NEAR(d.image.rgba[i], i % 4 == 3 ? 255 : color[i % 4], 2);
   }
 }
 

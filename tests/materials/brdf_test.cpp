@@ -23,7 +23,7 @@ Material figure8() {
   return m;
 }
 
-TEST(Brdf, WeightsTimesColourTimesLaw) {
+TEST(Brdf, WeightsTimesColorTimesBrdf) {
   const double lobe = f64::fresnel_dielectric(f64::half_cosine(kLight, kViewer), 1.5) *
                       f64::cook_torrance(0.15, kLight, kViewer, kNormal);
   ASSERT_GT(lobe, 0.01);
@@ -32,7 +32,7 @@ TEST(Brdf, WeightsTimesColourTimesLaw) {
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(got[k], want[k], 1e-15);
 }
 
-TEST(Brdf, EveryPairOfLaws) {
+TEST(Brdf, EveryPairOfBrdfs) {
   for (const auto diffuse : {DiffuseModel::lambert, DiffuseModel::oren_nayar, DiffuseModel::hapke,
                              DiffuseModel::eon, DiffuseModel::lommel_seeliger})
     for (const auto specular :
@@ -124,8 +124,8 @@ TEST(Brdf, NoIndexIsAMirror) {
               glass, 1e-15);
 }
 
-// Smooth normals near the limb: the law goes on as at the horizon, without a dark rim and without a
-// step; light from below gives nothing.
+// Smooth normals near the limb: the BRDF goes on as at the horizon, without a dark rim and without
+// a step; light from below gives nothing.
 TEST(Brdf, HorizonOfTheViewer) {
   Material m = figure8();
   const Vec3 light = from_angles(1.0, kPi / 2);
@@ -144,7 +144,7 @@ TEST(Brdf, HorizonOfTheViewer) {
   }
 }
 
-TEST(Brdf, PreparedIsTheSame) {
+TEST(Brdf, CompiledIsTheSame) {
   Material m = figure8();
   for (int kind = 0; kind < 3; ++kind) {
     if (kind == 1) m.coat = Coat{.index = 1.5, .alpha = 0.1, .depth = Vec3(0.1)};

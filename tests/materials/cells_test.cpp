@@ -126,9 +126,9 @@ TEST(Cells, PartsAreMaterials) {
   panel.cells = kPanels[1];
   fit(panel);
   const auto [cell, finger, gap] = cell_parts(panel);
-  EXPECT_EQ(laws_of(cell), laws_of(panel));
-  EXPECT_EQ(laws_of(finger), (Laws{.coated = true}));
-  EXPECT_EQ(laws_of(gap), Laws{});
+  EXPECT_EQ(brdf_model_of(cell), brdf_model_of(panel));
+  EXPECT_EQ(brdf_model_of(finger), (BrdfModel{.coated = true}));
+  EXPECT_EQ(brdf_model_of(gap), BrdfModel{});
   EXPECT_EQ(gap.diffuse, panel.cells->gap_color);
   EXPECT_EQ(finger.diffuse, panel.cells->finger_color);
   EXPECT_EQ(gap.weights, Vec3(1, 0, 0));

@@ -69,7 +69,7 @@ TEST(CookTorrance, DirectionalAlbedoOfTheSeedLobe) {
     EXPECT_NEAR(albedo(0.15, 1.5, kMu[i], 400), table[i], 2e-4) << kMu[i];
 }
 
-// ∫ D G1(v) max(0, v.h) dω / (n.v) = 1: facets fill the view, whatever the slope. Heitz 2014.
+// ∫ D G1(v) max(0, v.h) dω / (n.v) = 1: microfacets fill the view, whatever the slope. Heitz 2014.
 TEST(CookTorrance, WeakWhiteFurnace) {
   double worst = 0;
   for (const double m : {0.05, 0.15, 0.3, 0.5, 1.0})
@@ -118,8 +118,7 @@ TEST(CookTorrance, PrintedFormIsFourTimesBrighter) {
   const double vh = glm::dot(v, h);
   const double g = std::min({1.0, 2 * h.z * v.z / vh, 2 * h.z * l.z / vh});
   const double printed = d * g / kPi / (l.z * v.z);
-  EXPECT_NEAR(f64::cook_torrance_as_printed(0.15, l, v, kNormal), printed,
-              1e-13 * printed);
+  EXPECT_NEAR(f64::cook_torrance_as_printed(0.15, l, v, kNormal), printed, 1e-13 * printed);
   EXPECT_NEAR(f64::cook_torrance(0.15, l, v, kNormal), printed / 4, 1e-13 * printed);
 }
 

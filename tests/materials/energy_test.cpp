@@ -12,11 +12,11 @@ namespace {
 
 constexpr std::array kMu{0.01, 0.02, 0.05, 0.10, 0.25, 0.50, 0.75, 1.00};
 
-Material mirror_facets(SpecularModel law, double x, double y) {
+Material microfacet_material(SpecularModel brdf, double x, double y) {
   Material m;
   m.weights = {0, 1, 0};
   m.specular = Vec3(1);
-  m.specular_brdf = with_slopes(law, {x, y});
+  m.specular_brdf = with_slopes(brdf, {x, y});
   return m;
 }
 
@@ -30,28 +30,28 @@ double duntley(double n) {
 }
 
 TEST(Energy, CompensatedFacetsLoseNothing) {
-  for (const SpecularModel law : {SpecularModel::beckmann, SpecularModel::ggx})
+  for (const SpecularModel brdf : {SpecularModel::beckmann, SpecularModel::ggx})
     for (const double slope : {0.02, 0.06, 0.1, 0.15, 0.3, 1.0}) {
-      Material m = mirror_facets(law, slope, slope);
+      Material m = microfacet_material(brdf, slope, slope);
       m.compensation = Compensation::on;
       fit(m);
       double worst = 0;
       for (int i = 1; i <= 24; ++i)
         worst = std::max(worst, std::fabs(directional_albedo(m, i * i / 576.0).x - 1));
-      std::printf("%d %g: %.2e, said %.2e\n", static_cast<int>(law), slope, worst, m.fits.error);
-      EXPECT_LE(worst, m.fits.error + 2e-5) << static_cast<int>(law) << ' ' << slope;
+      std::printf("%d %g: %.2e, said %.2e\n", static_cast<int>(brdf), slope, worst, m.fits.error);
+      EXPECT_LE(worst, m.fits.error + 2e-5) << static_cast<int>(brdf) << ' ' << slope;
       // where it switches itself on; measured 1.6e-3 (GGX 0.06), 1.6e-3 (Beckmann 0.15)
       m.compensation = Compensation::automatic;
       fit(m);
-      if (laws_of(m).compensated) {
+      if (brdf_model_of(m).compensated) {
         EXPECT_LE(worst, 2e-3) << slope;
       }
       // 1 - E_avg is 1.06 % for Beckmann's 0.15, 1 % for GGX's 0.055
-      EXPECT_EQ(laws_of(m).compensated, slope >= (law == SpecularModel::ggx ? 0.06 : 0.15));
+      EXPECT_EQ(brdf_model_of(m).compensated, slope >= (brdf == SpecularModel::ggx ? 0.06 : 0.15));
     }
 }
 
-// All 0, but for what facets reflect at normal incidence.
+// All 0, but for what microfacets reflect at normal incidence.
 Fits uncompensated(const Material& material) {
   Fits fits;
   fits.f0 = material.fits.f0;
@@ -59,7 +59,7 @@ Fits uncompensated(const Material& material) {
 }
 
 TEST(Energy, CompensationIsForThoseWhoNeedIt) {
-  Material m = mirror_facets(SpecularModel::ggx, 0.3, 0.3);
+  Material m = microfacet_material(SpecularModel::ggx, 0.3, 0.3);
   m.compensation = Compensation::off;
   fit(m);
   EXPECT_EQ(m.fits, uncompensated(m));
@@ -70,25 +70,26 @@ TEST(Energy, CompensationIsForThoseWhoNeedIt) {
   m.refract = Vec3(0.2);
   m.extinction = Vec3(4);
   fit(m);
-  EXPECT_GT(m.fits.many_scale.x, 0);
+  EXPECT_GT(m.fits.compensation_scale.x, 0);
   m.specular = {1, 0.5, 0};  // a tint counts once for each reflection
   fit(m);
-  EXPECT_GT(m.fits.many_scale.x, m.fits.many_scale.y);
-  EXPECT_EQ(m.fits.many_scale.z, 0);
+  EXPECT_GT(m.fits.compensation_scale.x, m.fits.compensation_scale.y);
+  EXPECT_EQ(m.fits.compensation_scale.z, 0);
   m.specular = Vec3(0.01);
   fit(m);
   EXPECT_EQ(m.fits, uncompensated(m));
   // Fms = F²E/(1 − F(1 − E)) for a grey F = 1/2 and E = .84687 (the table's, α = 0.3)
-  m = mirror_facets(SpecularModel::ggx, 0.3, 0.3);
+  m = microfacet_material(SpecularModel::ggx, 0.3, 0.3);
   m.specular = Vec3(0.5);
   fit(m);
   const double f = 0.5 * 0.5 * 0.84687 / (1 - 0.5 * (1 - 0.84687));
-  EXPECT_NEAR(m.fits.many_scale.x, f / (0.5 * kPi * (1 - 0.84687)), 1e-3);
+  EXPECT_NEAR(m.fits.compensation_scale.x, f / (0.5 * kPi * (1 - 0.84687)), 1e-3);
 }
 
-// What the polynomial leaves where facets are not the same all around: the mean over the azimuth.
+// What the polynomial leaves where microfacets are not the same all around: the mean over the
+// azimuth.
 TEST(Energy, BrushedFacetsAreCompensatedInTheMean) {
-  Material m = mirror_facets(SpecularModel::ggx, 0.4, 0.1);
+  Material m = microfacet_material(SpecularModel::ggx, 0.4, 0.1);
   fit(m);
   for (const double mu : {0.2, 0.6}) {
     double mean = 0;
@@ -102,7 +103,8 @@ TEST(Energy, BrushedFacetsAreCompensatedInTheMean) {
   EXPECT_LE(m.fits.error, 0.09);  // measured 0.079
 }
 
-// The balance of a whole stack: coat's peak, facets seen through it, and what goes back and forth.
+// The balance of a whole stack: coat's peak, microfacets seen through it, and what goes back and
+// forth.
 struct Balance {
   double least = 1e9;
   double most = 0;
@@ -123,24 +125,24 @@ Balance balance(const Material& m) {
 TEST(Energy, WhiteFacetsUnderACoatLoseNothing) {
   for (const double coat : {0.0, 0.05, 0.3})
     for (const double n : {1.1, 1.5, 4.0})
-      for (const SpecularModel law : {SpecularModel::beckmann, SpecularModel::ggx})
+      for (const SpecularModel brdf : {SpecularModel::beckmann, SpecularModel::ggx})
         for (const double slope : {0.02, 0.05, 0.2, 1.0}) {
-          Material m = mirror_facets(law, slope, slope);
+          Material m = microfacet_material(brdf, slope, slope);
           m.coat = Coat{.index = n, .alpha = coat};
           fit(m);
-          if (!laws_of(m).compensated) continue;
+          if (!brdf_model_of(m).compensated) continue;
           const Balance e = balance(m);
           // a third of all light without compensation; measured 1.8e-3, 3.4e-3 and 4.8e-3
           const double bound = coat > 0 ? 5e-3 : slope < 0.2 ? 4e-3 : 2e-3;
           EXPECT_GE(e.least, 1 - bound)
-              << static_cast<int>(law) << ' ' << slope << ' ' << n << ' ' << coat;
+              << static_cast<int>(brdf) << ' ' << slope << ' ' << n << ' ' << coat;
           EXPECT_LE(e.most, 1 + bound)
-              << static_cast<int>(law) << ' ' << slope << ' ' << n << ' ' << coat;
+              << static_cast<int>(brdf) << ' ' << slope << ' ' << n << ' ' << coat;
           EXPECT_EQ(reciprocity_residual(m), 0);
         }
-  // facets that are not the same all around, in the mean over the azimuth; measured 2e-4
+  // microfacets that are not the same all around, in the mean over the azimuth; measured 2e-4
   for (const double ratio : {2.0, 20.0}) {
-    Material m = mirror_facets(SpecularModel::ggx, 0.4, 0.4 / ratio);
+    Material m = microfacet_material(SpecularModel::ggx, 0.4, 0.4 / ratio);
     m.coat = Coat{.index = 1.5};
     fit(m);
     const Balance e = balance(m);
@@ -163,10 +165,10 @@ TEST(Energy, RoughCoatsKeepTheBalance) {
       EXPECT_LE(e.most, 1 + bound) << slope << ' ' << n;
       EXPECT_EQ(reciprocity_residual(m), 0);
 
-      m = mirror_facets(SpecularModel::mirror, 0.5, 0.5);
+      m = microfacet_material(SpecularModel::mirror, 0.5, 0.5);
       m.coat = Coat{.index = n, .alpha = slope};
       fit(m);
-      if (!laws_of(m).compensated) continue;
+      if (!brdf_model_of(m).compensated) continue;
       e = balance(m);
       EXPECT_GE(e.least, 1 - 2e-3) << slope << ' ' << n;  // measured 1e-3
       EXPECT_LE(e.most, 1 + 2e-3) << slope << ' ' << n;
@@ -175,7 +177,7 @@ TEST(Energy, RoughCoatsKeepTheBalance) {
 
 // What takes light at each turn: more turns, less light, and white ones are the limit.
 TEST(Energy, StacksThatAbsorb) {
-  Material m = mirror_facets(SpecularModel::ggx, 0.2, 0.2);
+  Material m = microfacet_material(SpecularModel::ggx, 0.2, 0.2);
   m.specular = {1, 0.9, 0.5};
   m.coat = Coat{.index = 1.5};
   fit(m);
@@ -201,7 +203,7 @@ TEST(Energy, StacksThatAbsorb) {
 }
 
 TEST(Energy, TheSeedLobe) {
-  Material m = mirror_facets(SpecularModel::cook_torrance, 0.15, 0.15);
+  Material m = microfacet_material(SpecularModel::cook_torrance, 0.15, 0.15);
   m.refract = Vec3(1.5);
   fit(m);
   const std::pair<double, double> table[] = {{.02, .584878}, {.05, .491689}, {.10, .381832},
@@ -221,16 +223,17 @@ TEST(Energy, LambertAndHemispheres) {
     EXPECT_EQ(e.z, 0);
   }
   EXPECT_NEAR(hemispherical_albedo(m).x, 0.8, 1e-12);
-  EXPECT_NEAR(hemispherical_albedo(mirror_facets(SpecularModel::ggx, 0.5, 0.5)).x, 0.70024, 6e-6);
+  EXPECT_NEAR(hemispherical_albedo(microfacet_material(SpecularModel::ggx, 0.5, 0.5)).x, 0.70024,
+              6e-6);
   // a mirror of glass
-  m = mirror_facets(SpecularModel::mirror, 0.5, 0.5);
+  m = microfacet_material(SpecularModel::mirror, 0.5, 0.5);
   m.refract = Vec3(1.5);
   EXPECT_NEAR(hemispherical_albedo(m).x, 0.0917779593, 1e-9);
 }
 
 // Blinn-Phong's lobe conserves at normal incidence and loses elsewhere.
 TEST(Energy, BlinnPhong) {
-  Material m = mirror_facets(SpecularModel::blinn_phong, 0.5, 0.5);
+  Material m = microfacet_material(SpecularModel::blinn_phong, 0.5, 0.5);
   for (const double shine : {0.0, 1.0, 10.0, 100.0, 1000.0}) {
     m.specular_brdf = BlinnPhong{shine};
     EXPECT_NEAR(directional_albedo(m, 1).x, 1, 1e-9) << shine;  // measured 2e-11
@@ -294,26 +297,27 @@ TEST(Energy, NothingGainsUnderACoat) {
       m.diffuse = Vec3(1);
       m.coat = Coat{.index = n, .alpha = alpha};
       fit(m);
-      // rough coats: their facets reflect a little more than a plane holds back; measured 1.4e-3
+      // rough coats: their microfacets reflect a little more than a plane holds back;
+      // measured 1.4e-3
       EXPECT_LE(energy_gain(m).albedo, alpha > 0 ? 1 + 2e-3 : 1 + 1e-6) << alpha << ' ' << n;
-      for (const SpecularModel law :
+      for (const SpecularModel brdf :
            {SpecularModel::blinn_phong, SpecularModel::cook_torrance, SpecularModel::beckmann,
             SpecularModel::ggx, SpecularModel::mirror}) {
-        m = mirror_facets(law, 0.2, 0.2);
-        if (law == SpecularModel::blinn_phong) m.specular_brdf = BlinnPhong{50};
+        m = microfacet_material(brdf, 0.2, 0.2);
+        if (brdf == SpecularModel::blinn_phong) m.specular_brdf = BlinnPhong{50};
         m.coat = Coat{.index = n, .alpha = alpha};
         fit(m);
         EXPECT_LE(energy_gain(m).albedo, 1 + 2e-3)
-            << static_cast<int>(law) << ' ' << alpha << ' ' << n;
+            << static_cast<int>(brdf) << ' ' << alpha << ' ' << n;
         EXPECT_EQ(reciprocity_residual(m), 0);
-        m = mirror_facets(law, 0.1, 0.2);
-        if (law == SpecularModel::blinn_phong) m.specular_brdf = BlinnPhong{50};
+        m = microfacet_material(brdf, 0.1, 0.2);
+        if (brdf == SpecularModel::blinn_phong) m.specular_brdf = BlinnPhong{50};
         m.coat = Coat{.index = n, .alpha = alpha};
         m.cells = Cells{.tilt = {0.02, 0.01}};
         fit(m);
         // right in the mean over the azimuth; tilts add 1e-2
         EXPECT_LE(energy_gain(m).albedo, 1 + m.fits.error + 1e-2)
-            << static_cast<int>(law) << ' ' << alpha << ' ' << n;
+            << static_cast<int>(brdf) << ' ' << alpha << ' ' << n;
         EXPECT_LE(reciprocity_residual(m), 1e-13);
       }
     }
@@ -321,7 +325,7 @@ TEST(Energy, NothingGainsUnderACoat) {
 
 // Fused silica over silver, and cover glass over a cell: the tables of incoherent slabs.
 TEST(Energy, SecondSurfaceMirrors) {
-  Material m = mirror_facets(SpecularModel::mirror, 0.5, 0.5);
+  Material m = microfacet_material(SpecularModel::mirror, 0.5, 0.5);
   m.refract = Vec3(.16262, .14512, .13550);
   m.extinction = {4.0728, 3.19, 2.1997};
   m.coat = Coat{.index = 1.46};
@@ -349,7 +353,7 @@ TEST(Energy, SecondSurfaceMirrors) {
 
 // A narrow lobe below refracts as rays do: its slopes look index times larger.
 TEST(Energy, FacetsLookRougherThroughACoat) {
-  Material m = mirror_facets(SpecularModel::beckmann, 0.01, 0.01);
+  Material m = microfacet_material(SpecularModel::beckmann, 0.01, 0.01);
   m.coat = Coat{.index = 1.5};
   fit(m);
   const Scattering scattering(m);
@@ -380,16 +384,16 @@ TEST(Energy, GainsAreFoundByAFewNodes) {
           EXPECT_EQ(quick->mu, slow.mu);
         }
   EXPECT_GT(gains, 5);
-  m = mirror_facets(SpecularModel::blinn_phong, 0.5, 0.5);
+  m = microfacet_material(SpecularModel::blinn_phong, 0.5, 0.5);
   m.specular = Vec3(1.2);
   m.specular_brdf = BlinnPhong{500};
   EXPECT_NEAR(gain_above(m, 1e-3)->albedo, 1.2, 1e-6);
 }
 
 TEST(Energy, Deterministic) {
-  Material m = mirror_facets(SpecularModel::beckmann, 0.35, 0.2);
+  Material m = microfacet_material(SpecularModel::beckmann, 0.35, 0.2);
   fit(m);
-  Material again = mirror_facets(SpecularModel::beckmann, 0.35, 0.2);
+  Material again = microfacet_material(SpecularModel::beckmann, 0.35, 0.2);
   fit(again);
   EXPECT_EQ(m.fits, again.fits);
   EXPECT_EQ(directional_albedo(m, 0.3, 0.4), directional_albedo(again, 0.3, 0.4));

@@ -10,9 +10,9 @@ namespace {
 const Vec3 kNormal(0, 0, 1);
 constexpr std::array kMu{.1, .25, .5, .75, 1.0};
 
-// Directional albedo with the ring around the viewer's plane split where the law has its kink.
+// Directional albedo with the ring around the viewer's plane split where the BRDF has its kink.
 template <class Law>
-double albedo(double mu, Law law) {
+double albedo(double mu, Law brdf) {
   const Vec3 v = hard_cases::direction(mu, 0);
   const double theta_v = std::acos(mu);
   double sum = 0;
@@ -24,7 +24,7 @@ double albedo(double mu, Law law) {
           const double from = part == 0 ? 0 : theta_v, to = part == 0 ? theta_v : kPi / 2;
           const double theta = from + x * (to - from);
           sum += wx * wy * (to - from) * kPi / 2 * std::cos(theta) * std::sin(theta) *
-                 law(from_angles(theta, kPi / 2 * (y + quarter)), v);
+                 brdf(from_angles(theta, kPi / 2 * (y + quarter)), v);
         }
   return sum;
 }
@@ -51,8 +51,8 @@ TEST(Eon, Table) {
       const double mu = kMu[k];
       EXPECT_NEAR(fon_albedo(row.r, mu), row.albedo[k], 6e-10) << row.r << ' ' << mu;
       const double a = f64::fon_scale(row.r);
-      const double loss = row.r * a * f64::fon_loss(mu, std::sqrt(1 - mu * mu));
-      EXPECT_NEAR(1 - loss, row.albedo[k], 6e-10) << row.r << ' ' << mu;
+      const double albedo_deficit = row.r * a * f64::fon_albedo_deficit(mu, std::sqrt(1 - mu * mu));
+      EXPECT_NEAR(1 - albedo_deficit, row.albedo[k], 6e-10) << row.r << ' ' << mu;
     }
   EXPECT_NEAR(eon_albedo(.8, .25, .5), .793257159, 6e-10);
   EXPECT_NEAR(eon_albedo(.8, .5, .5), .786882605, 6e-10);
@@ -69,28 +69,29 @@ TEST(Eon, LossIsThePapers) {
     const double mu = i * 1e-3, s = std::sqrt((1 - mu) * (1 + mu));
     const double g = s * (std::acos(mu) - s * mu) + 2.0 / 3 * (s / mu * (1 - s * s * s) - s);
     const double want = 0.5 - 2 / (3 * kPi) - g / kPi;
-    worst = std::max(worst, std::fabs(f64::fon_loss(mu, s) - want));
+    worst = std::max(worst, std::fabs(f64::fon_albedo_deficit(mu, s) - want));
   }
   EXPECT_LE(worst, 1e-13) << worst;  // measured 3.7e-14, theirs at mu = 0.001
   // towards grazing 2 mu/pi, to the last digits and in float too
   for (const double mu : {1e-8, 1e-6, 1e-4}) {
     const double s = std::sqrt((1 - mu) * (1 + mu));
     const double want = 2 * mu / kPi;
-    EXPECT_NEAR(f64::fon_loss(mu, s) / kPi * 2 / want, f64::fon_loss(mu, s) / mu, 1e-12);
+    EXPECT_NEAR(f64::fon_albedo_deficit(mu, s) / kPi * 2 / want,
+                f64::fon_albedo_deficit(mu, s) / mu, 1e-12);
     const float mu32 = static_cast<float>(mu), s32 = static_cast<float>(s);
-    EXPECT_NEAR(static_cast<double>(f32::fon_loss(mu32, s32)) /
-                    f64::fon_loss(static_cast<double>(mu32), static_cast<double>(s32)),
+    EXPECT_NEAR(static_cast<double>(f32::fon_albedo_deficit(mu32, s32)) /
+                    f64::fon_albedo_deficit(static_cast<double>(mu32), static_cast<double>(s32)),
                 1, 3e-7);
   }
 }
 
 // Mean of the loss over the hemisphere: 6/(5π) − 1/6.
-TEST(Eon, MeanLoss) {
+TEST(Eon, MeanAlbedoDeficit) {
   double sum = 0;
   for (const auto& [x, w] : gauss(64)) {
     const double theta = x * kPi / 2;
     sum += w * kPi / 2 * 2 * std::sin(theta) * std::cos(theta) *
-           f64::fon_loss(std::cos(theta), std::sin(theta));
+           f64::fon_albedo_deficit(std::cos(theta), std::sin(theta));
   }
   EXPECT_NEAR(sum, 6 / (5 * kPi) - 1.0 / 6, 1e-14);
 }

@@ -1,4 +1,4 @@
-// Mirror facets with Smith's masking against tables, closed forms and the text-book.
+// microfacets with Smith's masking against tables, closed forms and the text-book.
 #include <gtest/gtest.h>
 
 #include "materials/brdf.h"
@@ -16,7 +16,7 @@ const Vec3 kTangent(1, 0, 0);
 
 struct Kind {
   const char* name;
-  SpecularModel law;
+  SpecularModel brdf;
   double (*lobe)(double, double, f64::Vec3, f64::Vec3, f64::Vec3, f64::Vec3);
   float (*lobe32)(float, float, f32::Vec3, f32::Vec3, f32::Vec3, f32::Vec3);
 };
@@ -25,34 +25,34 @@ const Kind kKinds[] = {
     {"ggx", SpecularModel::ggx, f64::ggx_smith, f32::ggx_smith}};
 
 // D and Λ as the papers print them, with std functions.
-double printed_d(SpecularModel law, const Vec3& h, double ax, double ay) {
+double printed_d(SpecularModel brdf, const Vec3& h, double ax, double ay) {
   const double spread = (h.x * h.x / (ax * ax) + h.y * h.y / (ay * ay)) / (h.z * h.z);
   const double c4 = std::pow(h.z, 4);
-  if (law == SpecularModel::beckmann) return std::exp(-spread) / (kPi * ax * ay * c4);
+  if (brdf == SpecularModel::beckmann) return std::exp(-spread) / (kPi * ax * ay * c4);
   return 1 / (kPi * ax * ay * c4 * (1 + spread) * (1 + spread));
 }
 
-double printed_lambda(SpecularModel law, const Vec3& v, double ax, double ay) {
+double printed_lambda(SpecularModel brdf, const Vec3& v, double ax, double ay) {
   const double slope = std::sqrt(v.x * v.x * ax * ax + v.y * v.y * ay * ay) / v.z;
   if (slope == 0) return 0;
-  if (law == SpecularModel::ggx) return (std::sqrt(1 + slope * slope) - 1) / 2;
+  if (brdf == SpecularModel::ggx) return (std::sqrt(1 + slope * slope) - 1) / 2;
   const double x = 1 / slope;
   return (std::exp(-x * x) / (x * std::sqrt(kPi)) - std::erfc(x)) / 2;
 }
 
-double printed(SpecularModel law, const Vec3& l, const Vec3& v, double ax, double ay) {
+double printed(SpecularModel brdf, const Vec3& l, const Vec3& v, double ax, double ay) {
   const Vec3 h = glm::normalize(l + v);
-  const double g = 1 / (1 + printed_lambda(law, l, ax, ay) + printed_lambda(law, v, ax, ay));
-  return printed_d(law, h, ax, ay) * g / (4 * l.z * v.z);
+  const double g = 1 / (1 + printed_lambda(brdf, l, ax, ay) + printed_lambda(brdf, v, ax, ay));
+  return printed_d(brdf, h, ax, ay) * g / (4 * l.z * v.z);
 }
 
-TEST(Facets, TextbookForm) {
+TEST(Microfacets, TextbookForm) {
   for (const Kind& kind : kKinds) {
     double worst = 0;
     for (const auto& [ax, ay] : {std::pair{0.3, 0.3}, std::pair{0.5, 0.1}, std::pair{0.05, 1.0}})
       for (const auto& pair : hard_cases::random_pairs(0.02, 20000)) {
         const Vec3 l = glm::normalize(Vec3(pair.l)), v = glm::normalize(Vec3(pair.v));
-        const double want = printed(kind.law, l, v, ax, ay);
+        const double want = printed(kind.brdf, l, v, ax, ay);
         if (want < 1e-20) continue;
         const double got = kind.lobe(ax, ay, kTangent, l, v, kNormal);
         worst = std::max(worst, std::fabs(got - want) / want);
@@ -63,9 +63,9 @@ TEST(Facets, TextbookForm) {
 }
 
 // The tables of directional albedo, F = 1, four to five digits by 200×200 quadrature of others.
-TEST(Facets, DirectionalAlbedo) {
+TEST(Microfacets, DirectionalAlbedo) {
   const struct {
-    SpecularModel law;
+    SpecularModel brdf;
     double slope;
     std::array<double, 7> albedo;
   } rows[] = {
@@ -89,30 +89,30 @@ TEST(Facets, DirectionalAlbedo) {
     double worst = 0;
     for (std::size_t i = 0; i < kMu.size(); ++i)
       for (const double azimuth : {0.0, 2.0}) {
-        const Facets facets{row.law, row.slope, row.slope};
-        const double got = facet_albedo(facets, hard_cases::direction(kMu[i], azimuth));
+        const Microfacets microfacets{row.brdf, row.slope, row.slope};
+        const double got = microfacet_albedo(microfacets, hard_cases::direction(kMu[i], azimuth));
         worst = std::max(worst, std::fabs(got - row.albedo[i]));
       }
     // measured: V-cavities 1.16e-4 at most (m = 0.5, where finer quadrature stays), Beckmann 8e-6,
     // GGX 4.2e-5
-    EXPECT_LE(worst, 1.3e-4) << static_cast<int>(row.law) << ' ' << row.slope << ' ' << worst;
+    EXPECT_LE(worst, 1.3e-4) << static_cast<int>(row.brdf) << ' ' << row.slope << ' ' << worst;
   }
 }
 
 // Another quadrature altogether: uniform nodes over the hemisphere of lights.
-TEST(Facets, DirectionalAlbedoByLights) {
+TEST(Microfacets, DirectionalAlbedoByLights) {
   for (const Kind& kind : kKinds)
     for (const double mu : {0.3, 0.8}) {
       const Vec3 v = hard_cases::direction(mu, 0.7);
       const double want = cosine_integral(
           [&](const Vec3& l) { return kind.lobe(0.6, 0.9, kTangent, l, v, kNormal); }, 60);
-      EXPECT_NEAR(facet_albedo({kind.law, 0.6, 0.9}, v), want, 1e-7) << kind.name;
+      EXPECT_NEAR(microfacet_albedo({kind.brdf, 0.6, 0.9}, v), want, 1e-7) << kind.name;
     }
 }
 
-TEST(Facets, MeanAlbedo) {
+TEST(Microfacets, MeanAlbedo) {
   const struct {
-    SpecularModel law;
+    SpecularModel brdf;
     double slope, albedo;
   } rows[] = {{SpecularModel::beckmann, 0.05, .99881}, {SpecularModel::beckmann, 0.15, .98941},
               {SpecularModel::beckmann, 0.3, .95899},  {SpecularModel::beckmann, 0.5, .89342},
@@ -120,22 +120,22 @@ TEST(Facets, MeanAlbedo) {
               {SpecularModel::ggx, 0.15, .94619},      {SpecularModel::ggx, 0.3, .84687},
               {SpecularModel::ggx, 0.5, .70024},       {SpecularModel::ggx, 1.0, .40914}};
   for (const auto& row : rows)
-    EXPECT_NEAR(facet_mean_albedo({row.law, row.slope, row.slope}), row.albedo, 6e-6)
-        << static_cast<int>(row.law) << ' ' << row.slope;
+    EXPECT_NEAR(microfacet_mean_albedo({row.brdf, row.slope, row.slope}), row.albedo, 6e-6)
+        << static_cast<int>(row.brdf) << ' ' << row.slope;
 }
 
-TEST(Facets, WeakWhiteFurnace) {
+TEST(Microfacets, WeakWhiteFurnace) {
   double worst = 0;
-  for (const SpecularModel law :
+  for (const SpecularModel brdf :
        {SpecularModel::cook_torrance, SpecularModel::beckmann, SpecularModel::ggx})
     for (const double x : {1e-3, 0.05, 0.15, 0.5, 1.0})
       for (const double ratio : {1.0, 0.1, 0.01})
         for (const double mu : kMu) {
           const Vec3 v = hard_cases::direction(mu, 0.5);
-          const double at = std::fabs(weak_furnace({law, x, x * ratio}, v) - 1);
+          const double at = std::fabs(weak_furnace({brdf, x, x * ratio}, v) - 1);
           worst = std::max(worst, at);
           // Smith's laws: 2.8e-12 and 1.2e-9 (the far tail)
-          if (law != SpecularModel::cook_torrance) {
+          if (brdf != SpecularModel::cook_torrance) {
             EXPECT_LE(at, 3e-9) << x << ' ' << ratio;
           }
         }
@@ -143,7 +143,7 @@ TEST(Facets, WeakWhiteFurnace) {
 }
 
 // ∫ D (n·h) dω = 1, by panels in slope space; D from the lobe whose light and viewer are h.
-TEST(Facets, ProjectedAreaIsOne) {
+TEST(Microfacets, ProjectedAreaIsOne) {
   const auto nodes = gauss(40);
   for (const Kind& kind : kKinds)
     for (const double x : {0.003, 0.1, 0.5})
@@ -158,7 +158,7 @@ TEST(Facets, ProjectedAreaIsOne) {
               const double phi = 2 * kPi * (k + 0.5) / 64;
               const Vec3 slope(x * r * std::cos(phi), y * r * std::sin(phi), 1);
               const Vec3 h = slope / glm::length(slope);
-              const double lambda = printed_lambda(kind.law, h, x, y);
+              const double lambda = printed_lambda(kind.brdf, h, x, y);
               const double d =
                   kind.lobe(x, y, kTangent, h, h, kNormal) * 4 * h.z * h.z * (1 + 2 * lambda);
               // dω = cos³ d²slope
@@ -169,7 +169,7 @@ TEST(Facets, ProjectedAreaIsOne) {
       }
 }
 
-TEST(Facets, AnisotropicReducesToIsotropic) {
+TEST(Microfacets, AnisotropicReducesToIsotropic) {
   for (const Kind& kind : kKinds) {
     double worst = 0;
     for (const auto& pair : hard_cases::random_pairs(1e-4, 20000)) {
@@ -188,7 +188,7 @@ TEST(Facets, AnisotropicReducesToIsotropic) {
 }
 
 // Turned by 90 degrees, x is y.
-TEST(Facets, QuarterTurnSwapsTheSlopes) {
+TEST(Microfacets, QuarterTurnSwapsTheSlopes) {
   for (const Kind& kind : kKinds)
     for (const auto& pair : hard_cases::random_pairs(1e-3, 5000)) {
       const Vec3 l = glm::normalize(Vec3(pair.l)), v = glm::normalize(Vec3(pair.v));
@@ -200,23 +200,23 @@ TEST(Facets, QuarterTurnSwapsTheSlopes) {
     }
 }
 
-TEST(Facets, MaskingOfBeckmann) {
+TEST(Microfacets, MaskingOfBeckmann) {
   double worst64 = 0, worst32 = 0;
   for (double x = 1e-6; x < 8; x = x * 1.003 + 1e-4) {
     const double want = (std::exp(-x * x) / std::sqrt(kPi) - x * std::erfc(x)) / 2;
-    worst64 = std::max(worst64, std::fabs(f64::beckmann_masked(x, 1.0) - want));
+    worst64 = std::max(worst64, std::fabs(f64::beckmann_masking(x, 1.0) - want));
     const auto single = static_cast<float>(x);
     const double y = static_cast<double>(single);
     const double want32 = (std::exp(-y * y) / std::sqrt(kPi) - y * std::erfc(y)) / 2;
-    worst32 = std::max(worst32,
-                       std::fabs(static_cast<double>(f32::beckmann_masked(single, 1.0f)) - want32));
+    worst32 = std::max(
+        worst32, std::fabs(static_cast<double>(f32::beckmann_masking(single, 1.0f)) - want32));
   }
   EXPECT_LE(worst64, 5e-15) << worst64;  // measured 2.7e-15
   EXPECT_LE(worst32, 2e-7) << worst32;   // measured 1.3e-7
 }
 
-// Float against double where the highlight is: the bounds of the house on D, for the whole lobe.
-TEST(Facets, FloatNearTheHighlight) {
+// Float against double where the highlight is: the bounds of the project on D, for the whole lobe.
+TEST(Microfacets, FloatNearTheHighlight) {
   for (const Kind& kind : kKinds)
     for (const double slope : {1e-4, 1e-3, 1e-2, 0.15})
       for (const double ratio : {1.0, 0.5}) {
@@ -240,7 +240,7 @@ TEST(Facets, FloatNearTheHighlight) {
 }
 
 // The Sun's disc adds to the squares of Beckmann's slopes, and is by itself what a mirror shows.
-TEST(Facets, TheSunsDisc) {
+TEST(Microfacets, TheSunsDisc) {
   f64::SurfaceFields s{};
   s.alpha_x = s.alpha_y = 1e-4;
   s.sun_alpha2 = 2.7e-6;
@@ -267,7 +267,7 @@ TEST(Facets, TheSunsDisc) {
 }
 
 // GGX under the Sun: the mean of the point Sun's lobe over the disc, from the peak into the tails.
-TEST(Facets, GgxUnderTheSunsDisc) {
+TEST(Microfacets, GgxUnderTheSunsDisc) {
   const double radius = 4.6504e-3;
   const Vec3 n(0, 0, 1);
   // bounds of peak, flank and tail; measured 6.3e-3, 2e-3, 3e-4 and 1e-4, 5e-5, 1e-5 (the widened

@@ -20,18 +20,18 @@ constexpr std::array kSpecular{SpecularModel::none,          SpecularModel::blin
                                SpecularModel::cook_torrance, SpecularModel::beckmann,
                                SpecularModel::ggx,           SpecularModel::mirror};
 
-// The text of a family has the laws that it calls, and none of the long ones that it does not.
-TEST(FormulaText, HoldsItsLaws) {
+// The text of a BRDF model has the BRDFs that it calls, and none of the long ones that it does not.
+TEST(FormulaText, HoldsItsBrdfs) {
   const std::pair<DiffuseModel, const char*> diffuse[] = {
-      {DiffuseModel::oren_nayar, "Vec3 oren_nayar_law("},
-      {DiffuseModel::hapke, "Vec3 hapke_law("},
-      {DiffuseModel::eon, "Vec3 eon_law("},
-      {DiffuseModel::lommel_seeliger, "Vec3 lommel_seeliger_law("}};
+      {DiffuseModel::oren_nayar, "Vec3 oren_nayar_brdf("},
+      {DiffuseModel::hapke, "Vec3 hapke_brdf("},
+      {DiffuseModel::eon, "Vec3 eon_brdf("},
+      {DiffuseModel::lommel_seeliger, "Vec3 lommel_seeliger_brdf("}};
   for (const DiffuseModel d : kDiffuse)
     for (const SpecularModel s : kSpecular) {
       const std::string text = glsl_formulas({.diffuse = d, .specular = s});
-      for (const auto& [law, function] : diffuse) {
-        if (law == d)
+      for (const auto& [brdf, function] : diffuse) {
+        if (brdf == d)
           EXPECT_THAT(text, HasSubstr(function));
         else
           EXPECT_THAT(text, Not(HasSubstr(function)));
@@ -42,14 +42,14 @@ TEST(FormulaText, HoldsItsLaws) {
     }
 }
 
-// Several families stand side by side under names of their own.
+// Several BRDF models stand side by side under names of their own.
 TEST(FormulaText, FamiliesAreChosenByNumber) {
-  const Laws families[] = {{.diffuse = DiffuseModel::hapke},
-                           {.specular = SpecularModel::ggx, .coated = true}};
-  const std::string text = glsl_formulas(families);
-  EXPECT_THAT(text, HasSubstr("if (family == 0u) return surface_brdf_0(s"));
+  const BrdfModel brdf_models[] = {{.diffuse = DiffuseModel::hapke},
+                                   {.specular = SpecularModel::ggx, .coated = true}};
+  const std::string text = glsl_formulas(brdf_models);
+  EXPECT_THAT(text, HasSubstr("if (BRDF model == 0u) return surface_brdf_0(s"));
   EXPECT_THAT(text, HasSubstr("return surface_brdf_1(s"));
-  EXPECT_THAT(text, HasSubstr("Vec3 hapke_law("));
+  EXPECT_THAT(text, HasSubstr("Vec3 hapke_brdf("));
 }
 
 // What stands behind each `mark`, up to `end`.
@@ -77,7 +77,7 @@ TEST(FormulaText, LeavesNoMacros) {
 // No value is computed outside a precise variable: locals are declared so, and what is returned is
 // one of them or a constant.
 TEST(FormulaText, EveryValueIsPrecise) {
-  const std::string text = glsl_all_laws() + glsl_formulas(Laws{});
+  const std::string text = glsl_all_brdfs() + glsl_formulas(BrdfModel{});
   EXPECT_GT(all_behind(text, "  precise ", "\n").size(), 100u);
   for (const char* type : {"  Real ", "  Vec3 "})
     for (const std::string& rest : all_behind(text, type, "/\n"))

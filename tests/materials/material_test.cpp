@@ -113,7 +113,7 @@ TEST(Material, EnergyOfWeights) {
   EXPECT_EQ(settle(f).codes, Codes{});
 }
 
-TEST(Material, EnergyOfColours) {
+TEST(Material, EnergyOfColors) {
   Fields f;
   f.diffuse = Vec3(0.2, 1.5, 0.2);
   EXPECT_EQ(settle(f).codes, Codes{Code::W1402});

@@ -1,4 +1,4 @@
-// Tables of measured reflectance: reading, and laws that are found again.
+// Tables of measured reflectance: reading, and BRDFs that are found again.
 
 #include "materials/measured.h"
 
@@ -103,7 +103,7 @@ std::vector<Reading> synthetic(const Material& material) {
   return readings;
 }
 
-// What a law made is found again, to the digits that the search stops at.
+// What a BRDF made is found again, to the digits that the search stops at.
 TEST(Fits, FindWhatMadeTheReadings) {
   Material m;
   m.diffuse = Vec3(1);
@@ -112,8 +112,8 @@ TEST(Fits, FindWhatMadeTheReadings) {
   m.compensation = Compensation::off;
   m.weights = {0.35, 0.2, 0};
   fit(m);
-  const std::vector<Fit> fits = fitted_laws(synthetic(m), 1e-6);
-  EXPECT_EQ(fits.front().law, "GGX facets over Lambert");
+  const std::vector<Fit> fits = fitted_brdfs(synthetic(m), 1e-6);
+  EXPECT_EQ(fits.front().brdf, "GGX microfacets over Lambert");
   EXPECT_LT(fits.front().rms_decades, 1e-4);  // measured 3e-6
   EXPECT_NEAR(std::get<Ggx>(fits.front().material.specular_brdf).alpha_x, 0.17, 1e-4);
   EXPECT_NEAR(fits.front().material.weights.x, 0.35, 1e-4);
@@ -125,9 +125,9 @@ TEST(Fits, FindWhatMadeTheReadings) {
 TEST(Fits, FlatReadingsAreLambert) {
   Material m;
   m.diffuse = Vec3(0.4);
-  const std::vector<Fit> fits = fitted_laws(synthetic(m), 1e-6);
+  const std::vector<Fit> fits = fitted_brdfs(synthetic(m), 1e-6);
   const auto lambert =
-      std::find_if(fits.begin(), fits.end(), [](const Fit& f) { return f.law == "Lambert"; });
+      std::find_if(fits.begin(), fits.end(), [](const Fit& f) { return f.brdf == "Lambert"; });
   EXPECT_NEAR(lambert->material.diffuse.y, 0.4, 1e-6);
   EXPECT_LT(lambert->rms_decades, 1e-6);
 }

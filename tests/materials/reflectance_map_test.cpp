@@ -16,7 +16,7 @@ namespace {
 
 const Vec3 kNormal(0, 0, 1);
 
-Material facets(double slope, const std::optional<Vec3>& n, const Vec3& k = Vec3(0)) {
+Material microfacets(double slope, const std::optional<Vec3>& n, const Vec3& k = Vec3(0)) {
   Material m;
   m.weights = {0, 1, 0};
   m.specular = Vec3(1);
@@ -41,7 +41,7 @@ double textbook(double cos_i, double n, double k) {
   return static_cast<double>((std::norm(rs) + std::norm(rp)) / 2);
 }
 
-double facing(double n, double k) {
+double f0_of(double n, double k) {
   return ((n - 1) * (n - 1) + k * k) / ((n + 1) * (n + 1) + k * k);
 }
 
@@ -50,20 +50,20 @@ const Vec3 kN(0.17, 1.37, 3.5);
 const Vec3 kK(3.1, 7.6, 3.3);
 
 TEST(ReflectanceMap, FitIsTheClosedForm) {
-  for (const SpecularModel law : {SpecularModel::cook_torrance, SpecularModel::beckmann,
-                                  SpecularModel::ggx, SpecularModel::mirror}) {
-    Material m = facets(0.3, kN, kK);
-    m.specular_brdf = with_slopes(law, Vec2(0.3));
+  for (const SpecularModel brdf : {SpecularModel::cook_torrance, SpecularModel::beckmann,
+                                   SpecularModel::ggx, SpecularModel::mirror}) {
+    Material m = microfacets(0.3, kN, kK);
+    m.specular_brdf = with_slopes(brdf, Vec2(0.3));
     fit(m);
     for (int i = 0; i < 3; ++i)  // measured 2e-16
-      EXPECT_NEAR(m.fits.f0[i], facing(kN[i], kK[i]), 1e-14);
+      EXPECT_NEAR(m.fits.f0[i], f0_of(kN[i], kK[i]), 1e-14);
     m.coat = Coat{.index = 1.5};
     fit(m);
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(m.fits.f0[i], facing(kN[i] / 1.5, kK[i] / 1.5), 1e-14);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(m.fits.f0[i], f0_of(kN[i] / 1.5, kK[i] / 1.5), 1e-14);
     m.coat = {};
     m.extinction = Vec3(0);
     fit(m);
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(m.fits.f0[i], facing(kN[i], 0), 1e-14);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(m.fits.f0[i], f0_of(kN[i], 0), 1e-14);
     m.refract = {};
     fit(m);
     EXPECT_EQ(m.fits.f0, Vec3(1));
@@ -71,10 +71,10 @@ TEST(ReflectanceMap, FitIsTheClosedForm) {
   Material m;
   fit(m);
   EXPECT_EQ(m.fits.f0, Vec3(0));
-  EXPECT_FALSE(laws_of(m).mapped);
-  m.maps.reflectance = 0;  // without facets
-  EXPECT_FALSE(laws_of(m).mapped);
-  EXPECT_TRUE(laws_of(facets(0.3, {})).mapped);
+  EXPECT_FALSE(brdf_model_of(m).mapped);
+  m.maps.reflectance = 0;  // without microfacets
+  EXPECT_FALSE(brdf_model_of(m).mapped);
+  EXPECT_TRUE(brdf_model_of(microfacets(0.3, {})).mapped);
 }
 
 // Schlick's curve from F0 becomes Schlick's curve from R.
@@ -90,7 +90,7 @@ TEST(ReflectanceMap, SchlickStaysSchlick) {
 // The lobe is what the indices leave it, Fresnel's term apart: that is linear in R, 0 to 1, its own
 // where R = F0, R at normal incidence, and 1 at grazing.
 TEST(ReflectanceMap, TakesThePlaceOfF0) {
-  Material m = facets(0.4, kN, kK);
+  Material m = microfacets(0.4, kN, kK);
   m.compensation = Compensation::off;
   fit(m);
   Material bright = m;
@@ -107,7 +107,7 @@ TEST(ReflectanceMap, TakesThePlaceOfF0) {
       for (const double r : {0.0, 0.02, 0.3, 0.7, 1.0}) {
         const Vec3 f = f64::brdf(m, l, v, kNormal, Vec3(1), under(Vec3(r)));
         for (int k = 0; k < 3; ++k) {
-          const double own = textbook(cosine, kN[k], kK[k]), f0 = facing(kN[k], kK[k]);
+          const double own = textbook(cosine, kN[k], kK[k]), f0 = f0_of(kN[k], kK[k]);
           const double want = own < f0 ? r * own / f0 : r + (own - f0) * (1 - r) / (1 - f0);
           worst = std::max(worst, std::fabs(f[k] / lobe[k] - want));
           EXPECT_GE(f[k], 0);
@@ -125,7 +125,7 @@ TEST(ReflectanceMap, TakesThePlaceOfF0) {
   std::printf("worst %.1e\n", worst);
   EXPECT_LE(worst, 2e-15);  // measured 4.4e-16
   // where F is 1, or near it, R is all there is
-  const Material mirror = facets(0.4, {});
+  const Material mirror = microfacets(0.4, {});
   const Vec3 l = from_angles(0.3, 0.3), v = from_angles(0.5, 2.0);
   EXPECT_EQ(f64::brdf(bright, l, v, kNormal) * 0.25, [&] {
     Material once = mirror;
@@ -136,10 +136,10 @@ TEST(ReflectanceMap, TakesThePlaceOfF0) {
   EXPECT_EQ(f64::fresnel_from(1 - 1e-8, 1 - 1e-7, 0.25), 0.25);
 }
 
-// A mean over texels is the law of the mean texel: what mip levels rest on.
+// A mean over texels is the BRDF of the mean texel: what mip levels rest on.
 TEST(ReflectanceMap, IsLinear) {
-  for (const Material& m :
-       {facets(0.1, kN, kK), facets(0.8, kN, kK), facets(0.5, Vec3(1.5)), facets(0.5, {})}) {
+  for (const Material& m : {microfacets(0.1, kN, kK), microfacets(0.8, kN, kK),
+                            microfacets(0.5, Vec3(1.5)), microfacets(0.5, {})}) {
     for (const double polar : {0.1, 0.9, 1.4}) {
       const Vec3 l = from_angles(polar, 0.3), v = from_angles(0.7, 2.0);
       const auto f = [&](double r) {
@@ -155,10 +155,10 @@ TEST(ReflectanceMap, IsLinear) {
 TEST(ReflectanceMap, NoMapGainsEnergy) {
   std::vector<std::pair<const char*, Material>> all;
   for (const double slope : {0.05, 0.3, 1.0}) {
-    all.push_back({"F = 1", facets(slope, {})});
-    all.push_back({"conductors", facets(slope, kN, kK)});
-    all.push_back({"dielectric", facets(slope, Vec3(1.5))});
-    Material m = facets(slope, kN, kK);
+    all.push_back({"F = 1", microfacets(slope, {})});
+    all.push_back({"conductors", microfacets(slope, kN, kK)});
+    all.push_back({"dielectric", microfacets(slope, Vec3(1.5))});
+    Material m = microfacets(slope, kN, kK);
     m.coat = Coat{.index = 1.5};
     fit(m);
     all.push_back({"conductors under a coat", m});
@@ -195,12 +195,12 @@ TEST(ReflectanceMap, NoMapGainsEnergy) {
   }
 }
 
-// White everywhere, under an even sky: facets that scatter more than once send all of it back.
+// White everywhere, under an even sky: microfacets that scatter more than once send all of it back.
 TEST(ReflectanceMap, WhiteFurnace) {
   double worst = 0;
   for (const double slope : {0.3, 0.6, 1.0}) {
-    const Material m = facets(slope, {});
-    ASSERT_TRUE(laws_of(m).compensated);
+    const Material m = microfacets(slope, {});
+    ASSERT_TRUE(brdf_model_of(m).compensated);
     for (const double mu : {0.05, 0.2, 0.5, 1.0})
       worst = std::max(worst, std::fabs(directional_albedo(m, mu, 0, Vec3(1)).x - 1));
   }
@@ -211,12 +211,13 @@ TEST(ReflectanceMap, WhiteFurnace) {
 // Float follows double whatever the map says.
 TEST(ReflectanceMap, ReportLooksAtAllOfIt) {
   const std::array<double, 1> mus{0.5};
-  for (const Material& m : {facets(0.3, kN, kK), facets(0.3, Vec3(1.5))}) {
+  for (const Material& m : {microfacets(0.3, kN, kK), microfacets(0.3, Vec3(1.5))}) {
     const MaterialReport c = material_report(m, mus);
     std::printf("float: worst %.1e, rms %.1e\n", c.f32_error, c.f32_rms);
     EXPECT_LE(c.f32_rms, 1e-6);  // measured 4.7e-7
   }
-  EXPECT_NE(laws_in_words(facets(0.3, kN, kK)).find("of mapped reflectance"), std::string::npos);
+  EXPECT_NE(brdf_in_words(microfacets(0.3, kN, kK)).find("of mapped reflectance"),
+            std::string::npos);
 }
 
 TEST(ReflectanceMap, WithoutFacetsItIsIdle) {

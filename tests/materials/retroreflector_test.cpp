@@ -167,7 +167,7 @@ TEST(Retroreflector, Report) {
   std::printf("float: worst %.1e, rms %.1e\n", report.f32_error, report.f32_rms);
   EXPECT_LE(report.f32_rms, 1e-6);  // measured 2.5e-7
   EXPECT_EQ(report.reciprocity, 0);
-  EXPECT_EQ(laws_in_words(m), "corner-cube retroreflector");
+  EXPECT_EQ(brdf_in_words(m), "corner-cube retroreflector");
 }
 
 }  // namespace

@@ -28,63 +28,64 @@ Scattering scattering_of(const Case& c) {
   return c.reflectance ? plain.reflecting(*c.reflectance) : plain;
 }
 
-Case facets(const char* name, SpecularModel law, double x, double y) {
+Case microfacets(const char* name, SpecularModel brdf, double x, double y) {
   Case c{name, {}, {}};
   c.material.weights = {0, 1, 0};
   c.material.specular = {0.9, 0.7, 0.5};
   c.material.specular_brdf =
-      law == SpecularModel::blinn_phong ? SpecularBrdf(BlinnPhong{30}) : with_slopes(law, {x, y});
+      brdf == SpecularModel::blinn_phong ? SpecularBrdf(BlinnPhong{30}) : with_slopes(brdf, {x, y});
   return c;
 }
 
 std::vector<Case> cases() {
   std::vector<Case> all;
   all.push_back({"lambert", {}, {}});
-  all.push_back(facets("blinn_phong", SpecularModel::blinn_phong, 0.5, 0.5));
-  all.push_back(facets("cook_torrance", SpecularModel::cook_torrance, 0.3, 0.3));
-  all.push_back(facets("beckmann", SpecularModel::beckmann, 0.4, 0.4));
-  all.push_back(facets("brushed beckmann", SpecularModel::beckmann, 0.5, 0.15));
-  all.push_back(facets("ggx", SpecularModel::ggx, 0.3, 0.3));
-  all.push_back(facets("brushed ggx", SpecularModel::ggx, 0.2, 0.6));
-  Case silver = facets("silver", SpecularModel::ggx, 0.5, 0.5);
+  all.push_back(microfacets("blinn_phong", SpecularModel::blinn_phong, 0.5, 0.5));
+  all.push_back(microfacets("cook_torrance", SpecularModel::cook_torrance, 0.3, 0.3));
+  all.push_back(microfacets("beckmann", SpecularModel::beckmann, 0.4, 0.4));
+  all.push_back(microfacets("brushed beckmann", SpecularModel::beckmann, 0.5, 0.15));
+  all.push_back(microfacets("ggx", SpecularModel::ggx, 0.3, 0.3));
+  all.push_back(microfacets("brushed ggx", SpecularModel::ggx, 0.2, 0.6));
+  Case silver = microfacets("silver", SpecularModel::ggx, 0.5, 0.5);
   silver.material.refract = Vec3(0.15);
   silver.material.extinction = Vec3(3);
   all.push_back(silver);
-  Case mixed = facets("mixed", SpecularModel::ggx, 0.25, 0.25);
+  Case mixed = microfacets("mixed", SpecularModel::ggx, 0.25, 0.25);
   mixed.material.weights = {0.6, 0.4, 0};
   mixed.material.refract = Vec3(1.5);
   all.push_back(mixed);
-  Case paint = facets("paint under a rough coat", SpecularModel::none, 0.5, 0.5);
+  Case paint = microfacets("paint under a rough coat", SpecularModel::none, 0.5, 0.5);
   paint.material.weights = {1, 0, 0};
   paint.material.diffuse = {0.9, 0.5, 0.1};
   paint.material.coat = Coat{.index = 1.5, .alpha = 0.2};
   all.push_back(paint);
-  Case foil = facets("foil under film", SpecularModel::beckmann, 0.2, 0.1);
+  Case foil = microfacets("foil under film", SpecularModel::beckmann, 0.2, 0.1);
   foil.material.coat = Coat{.index = 1.7, .alpha = 0, .depth = {0.1, 0.5, 1}};
   all.push_back(foil);
-  Case cell = facets("tilted mirror under glass", SpecularModel::mirror, 0.5, 0.5);
+  Case cell = microfacets("tilted mirror under glass", SpecularModel::mirror, 0.5, 0.5);
   cell.material.weights = {0.2, 0.8, 0};
   cell.material.coat = Coat{.index = 1.5};
   cell.material.cells = Cells{.tilt = {0.03, -0.02}};
   all.push_back(cell);
   // below, at and above F0; red dips towards grazing
-  Case panel = facets("mapped metal", SpecularModel::ggx, 0.4, 0.4);
+  Case panel = microfacets("mapped metal", SpecularModel::ggx, 0.4, 0.4);
   panel.material.refract = Vec3(3.5, 0.5, 1.5);
   panel.material.extinction = Vec3(3, 2, 2);
   panel.material.maps.reflectance = 0;
   panel.reflectance = Vec3(0.1, 0.9, 0);
   all.push_back(panel);
-  Case film = facets("mapped mirror under film", SpecularModel::mirror, 0.5, 0.5);
+  Case film = microfacets("mapped mirror under film", SpecularModel::mirror, 0.5, 0.5);
   film.material.refract = Vec3(0.2);
   film.material.extinction = Vec3(4);
   film.material.coat = Coat{.index = 1.5, .alpha = 0.4, .depth = {0.1, 0.2, 0.3}};
   film.material.maps.reflectance = 0;
   film.reflectance = Vec3(0.25, 1, 0);
   all.push_back(film);
-  Case cube = facets("retroreflector", SpecularModel::retroreflector, 0.5, 0.5);
+  Case cube = microfacets("retroreflector", SpecularModel::retroreflector, 0.5, 0.5);
   cube.material.specular_brdf = Retroreflector{.index = 1.46, .width = 0.08};
   all.push_back(cube);
-  Case tape = facets("wide retroreflector with a cut-off", SpecularModel::retroreflector, 0.5, 0.5);
+  Case tape =
+      microfacets("wide retroreflector with a cut-off", SpecularModel::retroreflector, 0.5, 0.5);
   tape.material.specular_brdf = Retroreflector{.depth = 0.2, .cutoff = 1.2, .width = 0.3};
   tape.material.weights = {0.3, 0.7, 0};
   all.push_back(tape);
@@ -199,7 +200,7 @@ TEST(Sample, DirectionsFollowTheirDensity) {
 }
 
 TEST(Sample, Mirrors) {
-  Case c = facets("mirror", SpecularModel::mirror, 0.5, 0.5);
+  Case c = microfacets("mirror", SpecularModel::mirror, 0.5, 0.5);
   Scattering scattering(c.material);
   EXPECT_TRUE(scattering.has_delta());
   EXPECT_EQ(scattering.mirror_reflectance(0.3), c.material.specular);
@@ -225,7 +226,7 @@ TEST(Sample, Mirrors) {
   EXPECT_NEAR(two.all[1].to_light.x, -std::sin(0.2), 1e-14);
 }
 
-TEST(Sample, EvaluationIsThatOfTheLaws) {
+TEST(Sample, EvaluationIsThatOfTheBrdfs) {
   for (const Case& c : cases()) {
     const Scattering scattering = scattering_of(c);
     for (const Vec3& v : kViewers) {
@@ -235,9 +236,9 @@ TEST(Sample, EvaluationIsThatOfTheLaws) {
     }
   }
   // maps multiply slopes
-  Case c = facets("ggx", SpecularModel::ggx, 0.3, 0.2);
+  Case c = microfacets("ggx", SpecularModel::ggx, 0.3, 0.2);
   c.material.compensation = Compensation::off;
-  Case half = facets("ggx", SpecularModel::ggx, 0.15, 0.1);
+  Case half = microfacets("ggx", SpecularModel::ggx, 0.15, 0.1);
   half.material.compensation = Compensation::off;
   const Vec3 l = from_angles(0.5, 1.1), v = from_angles(0.6, 4);
   EXPECT_EQ(Scattering(c.material).scaled(0.5).brdf(l, v, kNormal, kTangent, kWhite),

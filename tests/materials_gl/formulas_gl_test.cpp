@@ -175,7 +175,7 @@ TEST_P(FormulasGl, EveryFormulaOverTheHardCases) {
     all.push_back(beckmann_near_specular(slope, 20000));
     all.back().name += " m = " + std::to_string(slope);
   }
-  const std::string text = materials::glsl_all_laws();
+  const std::string text = materials::glsl_all_brdfs();
   for (const Formula& formula : all) {
     const Shader shader(context_->gl(), text, "", formula.expression, kHelpers);
     check(formula.name, formula.cases,
@@ -212,7 +212,7 @@ TEST_P(FormulasGl, EveryFamily) {
   for (const auto& more : {tilted_grid(), random_pairs(-0.2, 5000), near_specular(0.25, 5000)})
     cases.insert(cases.end(), more.begin(), more.end());
   const glm::vec3 irradiance(1.5f, 1.0f, 0.5f);
-  // numbers that a float holds, one for each parameter of a model; scales and counts apart
+  // numbers that a float holds, one per parameter of a model; scales and counts apart
   const auto dyadic = [](const materials::Parameter& parameter, std::span<double> values) {
     static constexpr std::pair<std::string_view, double> kNumbers[] = {
         {"shine", 24},      {"g_scale", 0.5}, {"alpha", 0.25},     {"alpha_x", 0.25},
@@ -222,15 +222,15 @@ TEST_P(FormulasGl, EveryFamily) {
     for (const auto& [name, number] : kNumbers)
       if (parameter.name == name) values[0] = number;
   };
-  const auto compare_laws = [&](const char* name) {
+  const auto compare_brdfs = [&](const char* name) {
     materials::fit(m);
     const glm::vec3 reflectance(0.75f, 0.03125f, 0.5f);  // asked under a map only
     auto surface = materials::f32::surface_of(m, glm::vec3(1, 0, 0), 2.7e-6f);
     surface.reflectance = reflectance;
     const std::string statements = surface_text(surface);
     const materials::ShadingContext local{Vec3(1, 0, 0), 2.7e-6f, Vec3(reflectance)};
-    const Shader shader(context_->gl(), materials::glsl_formulas(materials::laws_of(m)), statements,
-                        "surface_radiance(s, l, v, n, vec3(1.5, 1.0, 0.5))");
+    const Shader shader(context_->gl(), materials::glsl_formulas(materials::brdf_model_of(m)),
+                        statements, "surface_radiance(s, l, v, n, vec3(1.5, 1.0, 0.5))");
     check(
         fmt::format("{} {} {} {}", name, static_cast<int>(m.diffuse_model()),
                     static_cast<int>(m.specular_model()), static_cast<int>(m.refract.has_value())),
@@ -241,27 +241,27 @@ TEST_P(FormulasGl, EveryFamily) {
   for (std::uint32_t d = 0; d < std::variant_size_v<materials::DiffuseBrdf>; ++d) {
     m.diffuse_brdf = materials::default_brdf(static_cast<DiffuseModel>(d));
     edit_parameters(m.diffuse_brdf, dyadic);
-    compare_laws("diffuse");
+    compare_brdfs("diffuse");
   }
   for (std::uint32_t s = 0; s < std::variant_size_v<materials::SpecularBrdf>; ++s) {
     m.specular_brdf = materials::default_brdf(static_cast<SpecularModel>(s));
     edit_parameters(m.specular_brdf, dyadic);
     m.refract = {};
-    compare_laws("specular");
+    compare_brdfs("specular");
     m.refract = Vec3(1.5, 2.5, 1);
-    compare_laws("dielectric");
+    compare_brdfs("dielectric");
     m.extinction = {7, 3, 0.5};
-    compare_laws("conductor");
+    compare_brdfs("conductor");
     m.coat = materials::Coat{1.5, 0.0625, Vec3(0.125, 0.25, 0.5)};
-    compare_laws("coated");
+    compare_brdfs("coated");
     m.maps.reflectance = 0;
-    compare_laws("coated, mapped");
+    compare_brdfs("coated, mapped");
     m.coat = {};
-    compare_laws("conductor, mapped");
+    compare_brdfs("conductor, mapped");
     m.extinction = Vec3(0);
-    compare_laws("dielectric, mapped");
+    compare_brdfs("dielectric, mapped");
     m.refract = {};
-    compare_laws("specular, mapped");
+    compare_brdfs("specular, mapped");
     m.maps.reflectance = -1;
   }
 }

@@ -85,7 +85,7 @@ TEST(Check, EveryCodeOfPanHasAnExample) {
 TEST(Check, HostileWordsNeverBreakTheReader) {
   support::OpenPan pristine(support::small_pan());
   const std::size_t texts = pristine.entry(layout::SectionKind::string_bytes).offset;
-  const std::size_t arrays_end = pristine.entry(layout::SectionKind::need).offset;
+  const std::size_t arrays_end = pristine.entry(layout::SectionKind::budget).offset;
   const std::size_t end = pristine.header().directory_offset;
   std::size_t sound = 0;
   for (std::size_t at = 128; at < end; at += 4) {
@@ -105,12 +105,12 @@ TEST(Check, HostileWordsNeverBreakTheReader) {
         const MeshView view = model->mesh(m);
         for (std::size_t i = 0; i < view.indices.size(); ++i)
           sum += static_cast<std::uint64_t>(view.positions[view.indices[i]].x != 0);
-        sum += model->mesh_name(m).size() + view.texcoords.size() + view.colours.size();
+        sum += model->mesh_name(m).size() + view.texcoords.size() + view.colors.size();
       }
       for (std::size_t t = 0; t < model->textures().size(); ++t) sum += model->texels(t).size();
       for (std::size_t n = 0; n < model->nodes().size(); ++n) sum += model->node_path(n).size();
-      for (const layout::MeshNeed& need : model->mesh_needs())
-        sum += reason_name(layout::NeedReason{need.reason}).size();
+      for (const layout::MeshTolerance& budget : model->mesh_tolerances())
+        sum += reason_name(layout::ToleranceReason{budget.reason}).size();
       for (std::size_t k = 0; k < model->keypoints().size(); ++k)
         sum += model->keypoint_name(k).size() + model->nodes()[model->keypoints()[k].node].name;
       for (std::size_t d = 0; d < model->decals().size(); ++d)

@@ -64,7 +64,7 @@ TEST(Compress, HeadersSayWhatAReaderNeeds) {
   EXPECT_EQ(packed.header().minor, 1);
   EXPECT_EQ(packed.header().required_features, layout::kFeatureCompressed);
   // short sections stay as they are, and so does the file of nothing else
-  EXPECT_EQ(packed.entry(SectionKind::need)->codec, 0u);
+  EXPECT_EQ(packed.entry(SectionKind::budget)->codec, 0u);
   EXPECT_NE(packed.entry(SectionKind::nodes)->codec, 0u);
   EXPECT_EQ(write_to_memory(support::small_contents(), {.compress = true}), support::small_pan());
 }

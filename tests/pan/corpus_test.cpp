@@ -101,8 +101,8 @@ TEST(Corpus, EveryKindOfThingIsInIt) {
     for (const layout::Mesh& mesh : model->meshes())
       seen.insert("indices of " + std::to_string(mesh.index_size));
     for (const layout::Material& material : model->materials()) {
-      diffuse.insert(std::to_string(material.diffuse_law));
-      specular.insert(std::to_string(material.specular_law));
+      diffuse.insert(std::to_string(material.diffuse_brdf));
+      specular.insert(std::to_string(material.specular_brdf));
     }
   }
   EXPECT_EQ(seen.size(), 21u + 2u);  // the kinds of 1.0, and indices of 2 and 4 bytes

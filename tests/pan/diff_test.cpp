@@ -111,9 +111,9 @@ TEST(Diff, Meshes) {
   expect_model({"mesh 'pläté': texcoords lie up to 0.25 apart"},
                [](Contents& c) { c.meshes[1].texcoords[0] = 0.25f; });
   expect_model({"mesh 'pläté': colours differ by up to 2"},
-               [](Contents& c) { c.meshes[1].colours[0] = 3; });
+               [](Contents& c) { c.meshes[1].colors[0] = 3; });
   expect_model({"mesh 'pläté': colours only in a"},
-               [](Contents& c) { c.meshes[1].colours.clear(); });
+               [](Contents& c) { c.meshes[1].colors.clear(); });
   expect_model({"mesh 'hull': 2 of 4 triangles have other corners"}, [](Contents& c) {
     std::swap(c.meshes[0].indices[0], c.meshes[0].indices[3]);
     std::swap(c.meshes[0].indices[1], c.meshes[0].indices[4]);
@@ -124,7 +124,7 @@ TEST(Diff, Meshes) {
   expect_model({"mesh 'extra': only in b"}, [](Contents& c) {
     c.meshes.push_back(c.meshes[0]);
     c.meshes[2].name = "extra";
-    c.mesh_needs.push_back({});
+    c.mesh_tolerances.push_back({});
   });
 }
 
@@ -134,7 +134,7 @@ TEST(Diff, InstancesMaterialsAndTextures) {
   expect_model({"mesh 'pläté' at node 'craft/body/[2]': texture 'skin.png' in a, no texture in b"},
                [](Contents& c) { c.instances[1].texture = -1; });
   expect_model({"material 'plastic': refract: 1.5 1.5 1.5 in a, 0 0 0 in b",
-                "material 'plastic': specular_law: cook_torrance in a, none in b"},
+                "material 'plastic': specular_brdf: cook_torrance in a, none in b"},
                [](Contents& c) {
                  c.materials[0].refract.reset();
                  c.materials[0].specular_brdf = materials::NoSpecular{};
@@ -167,7 +167,7 @@ TEST(Diff, Frames) {
   expect_model({"frame 'camera': only in a"}, [](Contents& c) { c.frames.clear(); });
 }
 
-TEST(Diff, MapsAreComparedByThePicturesTheyName) {
+TEST(Diff, MapsAreComparedByTheTexturesTheyName) {
   expect_model({"material 'paint': cutout_threshold: 0.5 in a, 0.25 in b",
                 "material 'paint': albedo_map: no texture in a, texture 'skin.png' in b",
                 "material 'paint': reflectance_map: no texture in a, texture 'skin.png' in b"},
@@ -176,7 +176,7 @@ TEST(Diff, MapsAreComparedByThePicturesTheyName) {
                  c.materials[1].maps.reflectance = 0;
                  c.materials[1].maps.threshold = 0.25;
                });
-  // the picture has another number and is the same
+  // the texture has another number and is the same
   static const std::vector<std::uint8_t> kTexel(4);
   Contents a = support::small_contents(), b = a;
   a.materials[1].maps.cutout = 0;
@@ -209,14 +209,15 @@ TEST(Diff, Decals) {
 }
 
 TEST(Diff, Needs) {
-  expect_model({"need: flux: 0.125 in a, 0.25 in b"}, [](Contents& c) { c.need->flux = 0.25; });
-  expect_model({"need: only in a"}, [](Contents& c) { c.need.reset(); });
-  expect_model({"needs of the meshes: only in a"}, [](Contents& c) { c.mesh_needs.clear(); });
+  expect_model({"need: flux: 0.125 in a, 0.25 in b"}, [](Contents& c) { c.budget->flux = 0.25; });
+  expect_model({"need: only in a"}, [](Contents& c) { c.budget.reset(); });
+  expect_model({"needs of the meshes: only in a"}, [](Contents& c) { c.mesh_tolerances.clear(); });
   expect_model({"mesh 'hull': tolerance: 0.25 in a, 0.5 in b",
                 "mesh 'hull': reason: flux in a, centroid in b"},
                [](Contents& c) {
-                 c.mesh_needs[0].tolerance = 0.5;
-                 c.mesh_needs[0].reason = static_cast<std::uint32_t>(layout::NeedReason::centroid);
+                 c.mesh_tolerances[0].tolerance = 0.5;
+                 c.mesh_tolerances[0].reason =
+                     static_cast<std::uint32_t>(layout::ToleranceReason::centroid);
                });
 }
 

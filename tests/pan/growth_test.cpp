@@ -48,7 +48,7 @@ TEST(Growth, AllTablesAtOnce) {
     if (info.table) file.restride_section(info.kind, info.stride + 8 * info.alignment);
   const Model model = load(file.seal().bytes());
   EXPECT_TRUE(diff(load(support::small_pan()), model).same_model());
-  EXPECT_EQ(model.mesh(1).colours[1].y, 1.0f);
+  EXPECT_EQ(model.mesh(1).colors[1].y, 1.0f);
 }
 
 TEST(Growth, LongerRecordsAreCompressedToo) {
@@ -142,7 +142,7 @@ TEST(Growth, TheBitOfAKnownBrdfMayBeMissing) {
   file.header().required_features = 0;
   file.header().minor = 0;
   const Model model = load(file.seal().bytes());
-  EXPECT_EQ(model.materials().front().specular_law, 6u);
+  EXPECT_EQ(model.materials().front().specular_brdf, 6u);
 }
 
 // What a reader does with a BRDF that is newer than it.

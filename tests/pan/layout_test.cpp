@@ -33,8 +33,8 @@ class Std430 {
 
 // struct Material { vec4 diffuse, specular, emissive, refract, extinction, cook, hapke, grains;
 //                   float porosity, oren, coat_index, coat_alpha;
-//                   vec4 coat_depth, coat_return, many_scale, loss[2], hapke_h[2];
-//                   uint diffuse_law, specular_law, compensation, variant, name; float fit_error;
+//                   vec4 coat_depth, coat_return, compensation_scale, loss[2], hapke_h[2];
+//                   uint diffuse_brdf, specular_brdf, compensation, variant, name; float fit_error;
 //                   uint flags; float cutout_threshold;
 //                   int albedo_map, normal_map, roughness_map, cutout_map;
 //                   vec2 map_repeat, cell_count, cell_gap; float fingers, finger_width;
@@ -52,10 +52,11 @@ TEST(Layout, MaterialIsStd430) {
     EXPECT_EQ(gpu.scalar(), at);
   for (const std::size_t at :
        {offsetof(Material, coat_depth), offsetof(Material, coat_return),
-        offsetof(Material, many_scale), offsetof(Material, loss), offsetof(Material, loss) + 16,
-        offsetof(Material, hapke_h), offsetof(Material, hapke_h) + 16})
+        offsetof(Material, compensation_scale), offsetof(Material, albedo_deficit),
+        offsetof(Material, albedo_deficit) + 16, offsetof(Material, hapke_h),
+        offsetof(Material, hapke_h) + 16})
     EXPECT_EQ(gpu.vec4(), at);
-  for (const std::size_t at : {offsetof(Material, diffuse_law), offsetof(Material, specular_law),
+  for (const std::size_t at : {offsetof(Material, diffuse_brdf), offsetof(Material, specular_brdf),
                                offsetof(Material, compensation), offsetof(Material, variant),
                                offsetof(Material, name), offsetof(Material, fit_error),
                                offsetof(Material, flags), offsetof(Material, cutout_threshold),
@@ -80,7 +81,7 @@ TEST(Layout, MaterialIsStd430) {
       {offsetof(Material, alpha_y), offsetof(Material, extinction)},
       {offsetof(Material, hapke_k), offsetof(Material, coat_depth)},
       {offsetof(Material, tilt_u), offsetof(Material, coat_return)},
-      {offsetof(Material, tilt_v), offsetof(Material, many_scale)},
+      {offsetof(Material, tilt_v), offsetof(Material, compensation_scale)},
       {offsetof(Material, reflectance_map), offsetof(Material, finger_color)}};
   for (const auto& [scalar, vector] : fourth) EXPECT_EQ(scalar, vector + 12);
 }

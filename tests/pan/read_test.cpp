@@ -74,18 +74,19 @@ TEST(Read, TablesComeBack) {
 TEST(Read, NeedsKeypointsAndDecalsComeBack) {
   const Contents contents = support::small_contents();
   const Model model = load(write_to_memory(contents));
-  ASSERT_TRUE(model.need());
-  EXPECT_EQ(model.need()->tolerance, 0.5);
-  EXPECT_EQ(model.need()->nearest, 100);
-  EXPECT_EQ(model.need()->ifov, 1e-4);
-  EXPECT_EQ(model.need()->pixels, 0.25);
-  EXPECT_EQ(model.need()->flux, 0.125);
-  EXPECT_EQ(model.need()->centroid, 0.0625);
-  EXPECT_EQ(model.need()->smallest, 0.5);
-  ASSERT_EQ(model.mesh_needs().size(), 2u);
-  EXPECT_EQ(model.mesh_needs()[0].tolerance, 0.25);
-  EXPECT_EQ(reason_name(layout::NeedReason{model.mesh_needs()[0].reason}), "flux");
-  EXPECT_EQ(reason_name(layout::NeedReason{model.mesh_needs()[1].reason}), "explicit_counts");
+  ASSERT_TRUE(model.budget());
+  EXPECT_EQ(model.budget()->tolerance, 0.5);
+  EXPECT_EQ(model.budget()->nearest, 100);
+  EXPECT_EQ(model.budget()->ifov, 1e-4);
+  EXPECT_EQ(model.budget()->pixels, 0.25);
+  EXPECT_EQ(model.budget()->flux, 0.125);
+  EXPECT_EQ(model.budget()->centroid, 0.0625);
+  EXPECT_EQ(model.budget()->smallest, 0.5);
+  ASSERT_EQ(model.mesh_tolerances().size(), 2u);
+  EXPECT_EQ(model.mesh_tolerances()[0].tolerance, 0.25);
+  EXPECT_EQ(reason_name(layout::ToleranceReason{model.mesh_tolerances()[0].reason}), "flux");
+  EXPECT_EQ(reason_name(layout::ToleranceReason{model.mesh_tolerances()[1].reason}),
+            "explicit_counts");
 
   ASSERT_EQ(model.keypoints().size(), 2u);
   EXPECT_EQ(model.keypoint_name(1), "tip");
@@ -108,14 +109,14 @@ TEST(Read, NeedsKeypointsAndDecalsComeBack) {
 }
 
 TEST(Read, NamesOfReasonsAreThoseOfTheLayout) {
-  using layout::NeedReason;
-  EXPECT_EQ(reason_name(NeedReason::explicit_counts), "explicit_counts");
-  EXPECT_EQ(reason_name(NeedReason::tolerance), "tolerance");
-  EXPECT_EQ(reason_name(NeedReason::shape), "shape");
-  EXPECT_EQ(reason_name(NeedReason::pixels), "pixels");
-  EXPECT_EQ(reason_name(NeedReason::flux), "flux");
-  EXPECT_EQ(reason_name(NeedReason::centroid), "centroid");
-  EXPECT_EQ(reason_name(NeedReason::command_line), "command_line");
+  using layout::ToleranceReason;
+  EXPECT_EQ(reason_name(ToleranceReason::explicit_counts), "explicit_counts");
+  EXPECT_EQ(reason_name(ToleranceReason::tolerance), "tolerance");
+  EXPECT_EQ(reason_name(ToleranceReason::shape), "shape");
+  EXPECT_EQ(reason_name(ToleranceReason::pixels), "pixels");
+  EXPECT_EQ(reason_name(ToleranceReason::flux), "flux");
+  EXPECT_EQ(reason_name(ToleranceReason::centroid), "centroid");
+  EXPECT_EQ(reason_name(ToleranceReason::command_line), "command_line");
 }
 
 TEST(Read, MapsComeBack) {
@@ -151,14 +152,14 @@ TEST(Read, MeshesComeBack) {
   EXPECT_EQ(hull.indices.size(), 12u);
   EXPECT_EQ(hull.indices[11], 2u);
   EXPECT_TRUE(hull.texcoords.empty());
-  EXPECT_TRUE(hull.colours.empty());
+  EXPECT_TRUE(hull.colors.empty());
   EXPECT_EQ(model.meshes()[0].flags, layout::kMeshClosed);
   EXPECT_EQ(model.meshes()[0].error, 0.25);  // no rounding: every coordinate is a float
   EXPECT_THAT(listed(model.meshes()[1].origin, 3), testing::ElementsAre(100.5, 0.5, 7));
   EXPECT_EQ(sheet.positions[2].x, 0.5f);
   EXPECT_EQ(sheet.positions[2].z, 0.0f);
   EXPECT_EQ(sheet.texcoords[2].y, 1.0f);
-  EXPECT_EQ(sheet.colours[1].y, 1.0f);
+  EXPECT_EQ(sheet.colors[1].y, 1.0f);
   EXPECT_EQ(sheet.normals[0].z, 1.0f);
   EXPECT_EQ(sheet.indices.shorts.size(), 3u);
 }
@@ -166,11 +167,11 @@ TEST(Read, MeshesComeBack) {
 TEST(Read, RunsOfSeveralMeshesDoNotMix) {
   // texcoords and colours stand only where a mesh has them, so their runs begin elsewhere
   Contents contents = support::small_contents();
-  contents.mesh_needs.clear();
+  contents.mesh_tolerances.clear();
   PackedMesh sheet = contents.meshes[1];
   sheet.texcoords[0] = 7;
   contents.meshes.push_back(sheet);
-  sheet.colours[0] = 8;
+  sheet.colors[0] = 8;
   sheet.texcoords.clear();
   contents.meshes.push_back(sheet);
   sheet.texcoords.assign(8, 9);
@@ -182,8 +183,8 @@ TEST(Read, RunsOfSeveralMeshesDoNotMix) {
   EXPECT_EQ(model.mesh(2).texcoords[0].x, 7.0f);
   EXPECT_TRUE(model.mesh(3).texcoords.empty());
   EXPECT_EQ(model.mesh(4).texcoords[0].x, 9.0f);
-  EXPECT_EQ(model.mesh(2).colours[0].x, 1.0f);
-  EXPECT_EQ(model.mesh(3).colours[0].x, 8.0f);
+  EXPECT_EQ(model.mesh(2).colors[0].x, 1.0f);
+  EXPECT_EQ(model.mesh(3).colors[0].x, 8.0f);
   EXPECT_EQ(model.mesh(4).positions[0].x, 0.25f);
   EXPECT_EQ(model.mesh(4).indices[2], 2u);
 }
@@ -272,8 +273,8 @@ TEST(Read, MinimalModel) {
   EXPECT_TRUE(model.meshes().empty());
   EXPECT_TRUE(model.sources().empty());
   EXPECT_FALSE(model.entry(SectionKind::sources));
-  EXPECT_FALSE(model.need());
-  EXPECT_TRUE(model.mesh_needs().empty());
+  EXPECT_FALSE(model.budget());
+  EXPECT_TRUE(model.mesh_tolerances().empty());
   EXPECT_TRUE(model.keypoints().empty());
   EXPECT_TRUE(model.decals().empty());
 }

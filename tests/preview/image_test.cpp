@@ -48,7 +48,7 @@ class ImageFiles : public testing::Test {
 };
 
 // every value differs from every other of its layer
-Image numbered(std::uint32_t width, std::uint32_t height, bool truth) {
+Image numbered(std::uint32_t width, std::uint32_t height, bool ground_truth) {
   Image image;
   image.width = width;
   image.height = height;
@@ -56,7 +56,7 @@ Image numbered(std::uint32_t width, std::uint32_t height, bool truth) {
   const std::size_t n = image.pixels();
   for (std::size_t i = 0; i < 3 * n; ++i) image.radiance.push_back(static_cast<float>(i) / 64);
   for (std::size_t i = 0; i < n; ++i) image.coverage.push_back(i % 2 ? 1.0f : 0.5f);
-  if (!truth) return image;
+  if (!ground_truth) return image;
   for (std::size_t i = 0; i < n; ++i) {
     image.depth.push_back(i ? 10 + static_cast<float>(i) : kInfinity);
     image.range.push_back(i ? 11 + static_cast<float>(i) : kInfinity);
@@ -86,10 +86,10 @@ TEST(ImageFormats, ByExtension) {
   EXPECT_EQ(image_format("b.Npz"), ImageFormat::npz);
   EXPECT_EQ(image_format("b.tif"), std::nullopt);
   EXPECT_EQ(image_format("png"), std::nullopt);
-  EXPECT_FALSE(stores_truth(ImageFormat::png));
-  EXPECT_FALSE(stores_truth(ImageFormat::npy));
-  EXPECT_TRUE(stores_truth(ImageFormat::exr));
-  EXPECT_TRUE(stores_truth(ImageFormat::npz));
+  EXPECT_FALSE(stores_ground_truth(ImageFormat::png));
+  EXPECT_FALSE(stores_ground_truth(ImageFormat::npy));
+  EXPECT_TRUE(stores_ground_truth(ImageFormat::exr));
+  EXPECT_TRUE(stores_ground_truth(ImageFormat::npz));
 }
 
 TEST_F(ImageFiles, OtherExtensionsAreRefused) {
@@ -163,7 +163,7 @@ TEST_F(ImageFiles, NpzHoldsEveryLayer) {
             "material_id.npy 3x5 <u4 105.0\n");
 }
 
-TEST_F(ImageFiles, NpzWithoutTruthHoldsTwoLayers) {
+TEST_F(ImageFiles, NpzWithoutGroundTruthHoldsTwoLayers) {
   DiagnosticLog log;
   ASSERT_TRUE(write_image(path("a.npz"), numbered(1, 1, false), 0, log));
   EXPECT_EQ(output_of(std::string(PANWRIGHT_PYTHON) + " " +

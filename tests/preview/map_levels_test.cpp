@@ -80,7 +80,7 @@ TEST(MapLevels, SlopesOfGaussianBumps) {
   }
 }
 
-TEST(MapLevels, PremultipliedColoursForgetWhatIsTransparent) {
+TEST(MapLevels, PremultipliedColorsForgetWhatIsTransparent) {
   auto codes = noise(32, 32);
   for (std::size_t i = 0; i < codes.size(); i += 8) codes[i + 3] = 0;
   auto other = codes;

@@ -76,7 +76,7 @@ TEST(Tangents, FollowUAlone) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_LE(glm::length(tangent(found, i) - exact), 2e-3);
 }
 
-// A picture mirrored about an edge: the edge's vertices are needed twice.
+// An image mirrored about an edge: the edge's vertices are needed twice.
 TEST(Tangents, MirrorsRepeatVertices) {
   Vertices mesh;
   for (const int x : {0, 1, 2})
@@ -94,7 +94,7 @@ TEST(Tangents, MirrorsRepeatVertices) {
   }
 }
 
-TEST(Tangents, AnyInTheirPlaneWhereThePictureHasNoArea) {
+TEST(Tangents, AnyInTheirPlaneWhereTheImageHasNoArea) {
   for (const Vec3& normal : {Vec3(0, 0, 1), Vec3(1, 0, 0), glm::normalize(Vec3(1, -2, 3))})
     for (const double scale : {0.0, 1e-30, 1e30}) {
       Vertices mesh;

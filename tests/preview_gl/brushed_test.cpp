@@ -7,12 +7,12 @@ namespace {
 
 using namespace testing_support;
 
-materials::Material brushed(materials::SpecularModel law) {
+materials::Material brushed(materials::SpecularModel brdf) {
   materials::Material material;
   material.diffuse = {0.3, 0.2, 0.1};
   material.specular = {0.9, 0.8, 0.7};
   material.weights = {0.4, 0.6, 0};
-  material.specular_brdf = materials::with_slopes(law, {0.15, 0.4});
+  material.specular_brdf = materials::with_slopes(brdf, {0.15, 0.4});
   materials::fit(material);
   return material;
 }
@@ -27,17 +27,17 @@ TEST(Brushed, SpheresAsPlaced) {
                 {glm::normalize(Quat(0.3, -0.5, 0.7, 0.2)), Vec3(1)},
                 {glm::normalize(Quat(0.8, 0.1, -0.5, 0.2)), Vec3(1, 0.5, 1.6)},
                 {glm::normalize(Quat(0.8, 0.1, -0.5, 0.2)), Vec3(-1, 0.8, 1.1)}};
-  for (const auto law : {materials::SpecularModel::beckmann, materials::SpecularModel::ggx})
+  for (const auto brdf : {materials::SpecularModel::beckmann, materials::SpecularModel::ggx})
     for (const bool texcoords : {false, true})
       for (const auto& place : places) {
-        const materials::Material material = brushed(law);
+        const materials::Material material = brushed(brdf);
         pan::Contents contents = single(sphere(120, 160, texcoords), material);
         contents.nodes[0].rotation = place.turn;
         contents.nodes[0].scale = place.scale;
         const pan::Model model = model_of(contents);
         View view = looking_from({1, -2, 0.6}, 1e4, 2 * std::asin(1.7 / 1e4), 160, 0.6);
         RenderOptions options;
-        options.truth = true;
+        options.ground_truth = true;
         options.shadow_side = 0;
         const Image image = rendered(model, view, options);
         expect_no_nan(image);
@@ -70,8 +70,8 @@ TEST(Brushed, SpheresAsPlaced) {
             worst = std::max(worst, std::fabs(drawn - at(t)));
             isotropic = std::max(isotropic, std::fabs(at(Vec3(0)) - at(t)));
           }
-        std::printf("law %d texcoords %d: %zu pixels, worst %.1e, isotropic %.1e\n",
-                    static_cast<int>(law), texcoords, pixels, worst / peak, isotropic / peak);
+        std::printf("BRDF %d texcoords %d: %zu pixels, worst %.1e, isotropic %.1e\n",
+                    static_cast<int>(brdf), texcoords, pixels, worst / peak, isotropic / peak);
         EXPECT_GT(pixels, 3000u);
         // measured 2.4e-6 around z and 4.4e-4 along u, which runs over facets of 3 degrees
         EXPECT_LE(worst / peak, texcoords ? 8e-4 : 5e-6);

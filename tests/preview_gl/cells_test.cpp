@@ -2,7 +2,7 @@
 #include "materials/cells.h"
 
 #include "materials/brdf.h"
-#include "pictures.h"
+#include "textured.h"
 
 namespace panwright::preview {
 namespace {

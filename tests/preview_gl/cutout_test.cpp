@@ -1,12 +1,12 @@
 // Holes: how much of a surface is there, and what is seen through them.
-#include "pictures.h"
+#include "textured.h"
 
 namespace panwright::preview {
 namespace {
 
 using namespace testing_support;
 
-// The share of a repeated picture where bilinear alpha reaches the threshold: many lines along x,
+// The share of a repeated texture where bilinear alpha reaches the threshold: many lines along x,
 // each exactly.
 double share_there(const std::vector<double>& alpha, int side, double threshold) {
   constexpr int kLines = 251;  // a texel
@@ -48,7 +48,7 @@ TEST(Cutout, ShareIsRightAtAnyRange) {
   for (const Case& c : {Case{net, 0.5}, Case{net, 0.9}, Case{soft, 0.3}, Case{soft, 0.75}}) {
     pan::Contents whole = single(plate(1, 1), lambert(0.9));
     whole.nodes[0].rotation = glm::angleAxis(0.4, Vec3(0, 0, 1));
-    Pictured contents(whole);
+    Textured contents(whole);
     std::vector<double> alpha(64 * 64);
     contents.materials[0].maps.cutout = contents.add(64, 64, false, [&](auto x, auto y) {
       alpha[y * 64 + x] = c.texel(x, y)[3] / 255.0;
@@ -63,7 +63,7 @@ TEST(Cutout, ShareIsRightAtAnyRange) {
         if (size * samples > 1600) continue;
         RenderOptions options;
         options.samples = samples;
-        options.truth = true;
+        options.ground_truth = true;
         const View view = above(size, 2);
         const Image image = rendered(model, view, options);
         expect_no_nan(image);
@@ -86,7 +86,7 @@ TEST(Cutout, ShareIsRightAtAnyRange) {
 
 // Three nets behind each other, far away: what passes is the product, whatever faces the camera.
 TEST(Cutout, LayersAreIndependent) {
-  Pictured contents(single(plate(1, 1), lambert(0.9)));
+  Textured contents(single(plate(1, 1), lambert(0.9)));
   contents.materials[0].maps.cutout = contents.add(64, 64, false, net);
   contents.materials[0].maps.repeat = Vec2(40);
   for (int layer = 1; layer < 3; ++layer) {
@@ -106,7 +106,7 @@ TEST(Cutout, LayersAreIndependent) {
 TEST(Cutout, WhatIsBehindAHole) {
   geometry::Mesh cage = box({2, 2, 2});
   for (const Vec3& p : cage.positions) cage.texcoords.push_back(Vec2(p.x + 0.5 * p.z, p.y) * 0.5);
-  Pictured contents(single(cage, lambert(0.5)));
+  Textured contents(single(cage, lambert(0.5)));
   // half of each face is a hole, and the other half of the face across
   contents.materials[0].maps.cutout =
       contents.add(2, 1, false, [](auto x, auto) { return grey(255, x == 0 ? 255 : 0); });
@@ -116,7 +116,7 @@ TEST(Cutout, WhatIsBehindAHole) {
   contents.instances.push_back({1, 1, 1, -1});
   const pan::Model model = model_of(contents);
   RenderOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   options.shadow_side = 0;
   const Vec3 sun = glm::normalize(Vec3(0.1, 0.2, 1));
   const Image image = rendered(model, above(200, 2.5, sun), options);
@@ -146,21 +146,21 @@ TEST(Cutout, WhatIsBehindAHole) {
   EXPECT_GT(ball, 1000u);
 }
 
-// The picture that cuts also colours: what colour its holes have shows nowhere, near or far.
+// The texture that cuts also colours: what colour its holes have shows nowhere, near or far.
 TEST(Cutout, ColoursOfHolesDoNotBleed) {
   for (const bool as_texture : {false, true})
     for (const std::uint32_t size : {500u, 40u, 4u}) {
       Image images[2];
       for (const int hidden : {0, 255}) {
-        Pictured contents(single(plate(1, 1), lambert(1)));
-        const auto picture = contents.add(64, 64, true, [&](auto x, auto y) {
+        Textured contents(single(plate(1, 1), lambert(1)));
+        const auto texture = contents.add(64, 64, true, [&](auto x, auto y) {
           return net(x, y)[3] ? grey(100) : grey(hidden, 0);
         });
-        contents.materials[0].maps.cutout = picture;
+        contents.materials[0].maps.cutout = texture;
         if (as_texture)
-          contents.instances[0].texture = picture;
+          contents.instances[0].texture = texture;
         else
-          contents.materials[0].maps.albedo = picture;
+          contents.materials[0].maps.albedo = texture;
         images[hidden / 255] = rendered(model_of(contents), above(size, 1.2));
         for (std::size_t i = 0; i < images[0].pixels(); ++i) {
           const float* p = &images[hidden / 255].radiance[3 * i];
@@ -176,7 +176,7 @@ TEST(Cutout, ColoursOfHolesDoNotBleed) {
 // Opaque at the threshold is there everywhere; under it, nowhere.
 TEST(Cutout, LimitsOfTheThreshold) {
   const auto share = [](double threshold, int code, std::uint32_t size) {
-    Pictured contents(single(plate(1, 1), lambert(1)));
+    Textured contents(single(plate(1, 1), lambert(1)));
     contents.materials[0].maps.cutout =
         contents.add(37, 11, false, [&](auto, auto) { return grey(9, code); });
     contents.materials[0].maps.threshold = threshold;
@@ -193,7 +193,7 @@ TEST(Cutout, LimitsOfTheThreshold) {
 }
 
 TEST(Cutout, TilesDrawTheSameHoles) {
-  Pictured contents(single(plate(1, 1), lambert(1)));
+  Textured contents(single(plate(1, 1), lambert(1)));
   contents.materials[0].maps.cutout = contents.add(64, 64, false, soft);
   contents.materials[0].maps.repeat = Vec2(8);
   const pan::Model model = model_of(contents);
@@ -211,8 +211,8 @@ TEST(Cutout, TilesDrawTheSameHoles) {
   }
 }
 
-// Pictures that no author makes, in every role at once, near, far and at grazing angles.
-TEST(Cutout, HostilePicturesGiveNoNan) {
+// Textures that no author makes, in every role at once, near, far and at grazing angles.
+TEST(Cutout, HostileTexturesGiveNoNan) {
   struct Shape {
     std::uint32_t width, height;
   };
@@ -228,16 +228,16 @@ TEST(Cutout, HostilePicturesGiveNoNan) {
           for (Vec2& t : mesh.texcoords) t = Vec2(0.5);  // no direction at all
         if (kind == 3)
           for (Vec2& t : mesh.texcoords) t *= 1e38;
-        Pictured contents(single(mesh, material));
+        Textured contents(single(mesh, material));
         std::uint32_t state = 7;
-        const auto picture = contents.add(shape.width, shape.height, false, [&](auto, auto) {
+        const auto texture = contents.add(shape.width, shape.height, false, [&](auto, auto) {
           state = state * 1664525u + 1013904223u;
           const auto code = static_cast<int>(state >> 24);
           return kind == 0 ? grey(0, 0) : kind == 1 ? grey(127, 127) : grey(code, 255 - code);
         });
-        contents.materials[0].maps = {picture, picture, picture, picture, kind == 0 ? -1 : picture,
+        contents.materials[0].maps = {texture, texture, texture, texture, kind == 0 ? -1 : texture,
                                       0.5,     repeat};
-        contents.instances[0].texture = picture;
+        contents.instances[0].texture = texture;
         contents.decals.push_back(
             {"decal", 0, 0, Vec3(0, 0, 1), Quat(1, 0, 0, 0), 1e-3, 1e3, 1e-300});
         contents.decals.push_back({"decal", 0, 0, Vec3(0, 0, 1), Quat(1, 0, 0, 0), 2, 2, 2});
@@ -246,7 +246,7 @@ TEST(Cutout, HostilePicturesGiveNoNan) {
         const pan::Model model = model_of(contents);
         for (const double distance : {1.001, 5.0, 1e5}) {
           RenderOptions options;
-          options.truth = true;
+          options.ground_truth = true;
           expect_no_nan(
               rendered(model, looking_from({1, -1, 1}, distance, 1.5 / distance, 24, 1), options));
         }

@@ -1,5 +1,5 @@
-// Pictures laid on instances, against their projection in double.
-#include "pictures.h"
+// Textures laid on instances, against their projection in double.
+#include "textured.h"
 
 namespace panwright::preview {
 namespace {
@@ -24,7 +24,7 @@ Texel black(std::uint32_t, std::uint32_t) { return grey(0); }
 
 // A black decal takes its share of a white plate's light, at any range and on any side of 1 pixel.
 TEST(Decals, BlackShareOfAWhitePlate) {
-  Pictured contents(single(plate(1, 1), lambert(1)));
+  Textured contents(single(plate(1, 1), lambert(1)));
   contents.add(30, 20, false, black);
   contents.decals = {
       decal_at({0.11, -0.07, 0.03}, glm::angleAxis(0.4, Vec3(0, 0, 1)), 0.45, 0.3, 0.05)};
@@ -46,7 +46,7 @@ TEST(Decals, BlackShareOfAWhitePlate) {
 
 // What a decal's colour is, where it lies, and which way up: four colours on a plate.
 TEST(Decals, LieTheRightWayUp) {
-  Pictured contents(single(plate(2, 2), lambert(0.25)));
+  Textured contents(single(plate(2, 2), lambert(0.25)));
   contents.materials[0].diffuse = {0.25, 0, 0.5};  // where a channel is 0, a decal still is not
   contents.add(2, 2, true, [](auto x, auto y) {
     if (y == 1) return x == 0 ? Texel{255, 0, 0, 255} : Texel{0, 255, 0, 255};
@@ -54,18 +54,18 @@ TEST(Decals, LieTheRightWayUp) {
   });
   contents.decals = {decal_at({0.5, 0.5, 0}, kUpright, 1, 1, 0.1)};
   const Image image = rendered(model_of(contents), above(64, 2));
-  const auto colour = [&](std::size_t x, std::size_t y) { return radiance_at(image, x, y) * kPi; };
-  EXPECT_LE(glm::length(colour(34, 2) - Vec3(1, 0, 0)), 1e-6);
-  EXPECT_LE(glm::length(colour(61, 2) - Vec3(0, 1, 0)), 1e-6);
-  EXPECT_LE(glm::length(colour(34, 29) - Vec3(0, 0, 1)), 1e-6);
-  EXPECT_LE(glm::length(colour(61, 29) - Vec3(1, 1, 1)), 1e-6);
-  EXPECT_LE(glm::length(colour(31, 2) - Vec3(0.25, 0, 0.5)), 1e-6);
-  EXPECT_LE(glm::length(colour(34, 32) - Vec3(0.25, 0, 0.5)), 1e-6);
+  const auto color = [&](std::size_t x, std::size_t y) { return radiance_at(image, x, y) * kPi; };
+  EXPECT_LE(glm::length(color(34, 2) - Vec3(1, 0, 0)), 1e-6);
+  EXPECT_LE(glm::length(color(61, 2) - Vec3(0, 1, 0)), 1e-6);
+  EXPECT_LE(glm::length(color(34, 29) - Vec3(0, 0, 1)), 1e-6);
+  EXPECT_LE(glm::length(color(61, 29) - Vec3(1, 1, 1)), 1e-6);
+  EXPECT_LE(glm::length(color(31, 2) - Vec3(0.25, 0, 0.5)), 1e-6);
+  EXPECT_LE(glm::length(color(34, 32) - Vec3(0.25, 0, 0.5)), 1e-6);
 }
 
 // Alpha mixes; later decals lie over earlier ones; 100 of them in order.
 TEST(Decals, MixInOrder) {
-  Pictured contents(single(plate(2, 2), lambert(0.5)));
+  Textured contents(single(plate(2, 2), lambert(0.5)));
   contents.add(1, 1, true, [](auto, auto) { return grey(255, 51); });
   contents.add(1, 1, true, [](auto, auto) { return grey(51, 102); });
   double expected = 0.5;
@@ -88,7 +88,7 @@ struct Compared {
 Compared compared(const pan::Contents& contents, const View& view, bool two_sided) {
   const pan::Model model = model_of(contents);
   RenderOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   options.samples = 1;
   options.shadow_side = 0;
   const Image image = rendered(model, view, options);
@@ -131,7 +131,7 @@ TEST(Decals, OnRoundBodies) {
   tube.closed = false;
   for (const geometry::Mesh& mesh : {sphere(60, 80), tube})
     for (const double depth : {0.02, 0.3, 5.0}) {
-      Pictured contents(single(mesh, lambert(1)));
+      Textured contents(single(mesh, lambert(1)));
       contents.add(16, 16, false, black);
       const Vec3 out = glm::normalize(Vec3(0.6, -1, 0.1));
       const Vec3 up = glm::normalize(Vec3(0.1, 0.2, 1) - out * glm::dot(out, Vec3(0.1, 0.2, 1)));
@@ -149,7 +149,7 @@ TEST(Decals, OnRoundBodies) {
 
 // From behind an open sheet its decal is not seen; a mirrored instance mirrors it.
 TEST(Decals, OneSideAndMirrors) {
-  Pictured contents(single(plate(2, 2), lambert(1)));
+  Textured contents(single(plate(2, 2), lambert(1)));
   contents.add(2, 1, true, [](auto x, auto) { return grey(x == 0 ? 0 : 128); });
   contents.decals = {decal_at(Vec3(0), kUpright, 1, 1, 0.1)};
   const Image front = rendered(model_of(contents), above(32, 2));
@@ -165,11 +165,11 @@ TEST(Decals, OneSideAndMirrors) {
 }
 
 // Far away, the mean of what is premultiplied; the colour of transparent texels is nowhere.
-TEST(Decals, TransparentTexelsHaveNoColour) {
+TEST(Decals, TransparentTexelsHaveNoColor) {
   for (const std::uint32_t size : {400u, 64u, 6u}) {
     Image images[2];
     for (const int hidden : {0, 255}) {
-      Pictured contents(single(plate(1, 1), lambert(0.4)));
+      Textured contents(single(plate(1, 1), lambert(0.4)));
       contents.add(63, 41, true, [&](auto x, auto y) {
         return (x / 4 + y / 4) % 2 ? grey(200, 255) : grey(hidden, 0);
       });
@@ -190,12 +190,12 @@ TEST(Decals, TransparentTexelsHaveNoColour) {
 
 // Holes stay holes, and truth knows nothing of paint.
 TEST(Decals, OverACutout) {
-  Pictured contents(single(plate(1, 1), lambert(1)));
+  Textured contents(single(plate(1, 1), lambert(1)));
   contents.add(8, 8, false, black);
   contents.materials[0].maps.cutout = contents.add(
       16, 16, false, [](auto x, auto y) { return grey(255, (x / 4 + y / 4) % 2 ? 255 : 0); });
   RenderOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   options.samples = 4;
   const View view = above(128, 1.1);
   const Image bare = rendered(model_of(contents), view, options);
@@ -211,7 +211,7 @@ TEST(Decals, OverACutout) {
 // One of many instances of a mesh, partly hidden, on a tilted view: no other one is painted, and
 // nothing in front of it.
 TEST(Decals, OnlyWhatIsSeenOfItsInstance) {
-  Pictured contents(single(sphere(60, 80), lambert(1)));
+  Textured contents(single(sphere(60, 80), lambert(1)));
   contents.add(8, 8, false, black);
   contents.nodes.push_back({"near", 0, Vec3(0.7, -2.5, 0), Quat(1, 0, 0, 0), Vec3(0.6)});
   contents.instances.push_back({1, 0, 0, -1});
@@ -219,7 +219,7 @@ TEST(Decals, OnlyWhatIsSeenOfItsInstance) {
   all.rotation = glm::angleAxis(kPi / 2, Vec3(1, 0, 0));  // z to −y
   contents.decals = {all};
   RenderOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   const View view = looking_from({0, -1, 0.1}, 9, 0.4, 200, 0.1);
   const Image image = rendered(model_of(contents), view, options);
   std::size_t painted = 0;
@@ -240,7 +240,7 @@ TEST(Decals, OnlyWhatIsSeenOfItsInstance) {
 TEST(Decals, OfWhatIsNotSeenDoNotShow) {
   const auto plain = [](double albedo) { return single(plate(1, 1), lambert(albedo)); };
   const auto decorated = [&](double albedo) {
-    Pictured contents(plain(albedo));
+    Textured contents(plain(albedo));
     contents.add(2, 2, false, black);
     contents.decals = {decal_at({0.25, 0, 0}, kUpright, 0.5, 1, 0.1)};
     return contents;
@@ -252,7 +252,7 @@ TEST(Decals, OfWhatIsNotSeenDoNotShow) {
   const world::ModelPtr marked = shared(decorated(0.75));
   const View view = above(16, 1);
   RenderOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   options.shadow_side = 0;
   for (const bool marked_first : {false, true}) {
     world::World world;

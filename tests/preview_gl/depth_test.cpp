@@ -1,4 +1,4 @@
-// Which of two surfaces is seen, and the truth layers against a ray caster.
+// Which of two surfaces is seen, and the ground truth layers against a ray caster.
 #include "models.h"
 #include "tests/support/ray_caster.h"
 
@@ -117,7 +117,7 @@ TEST_P(Truth, AgreesWithRays) {
   view.world_from_model.rotation = glm::angleAxis(0.4, Vec3(0, 0, 1));
   view.world_from_model.translation = {0.1, 0.2, -0.3};
   RenderOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   options.flat = true;
   const Image image = rendered(model, view, options);
   expect_no_nan(image);
@@ -182,11 +182,11 @@ INSTANTIATE_TEST_SUITE_P(Distances, Truth,
                                          std::tuple{world::Projection::orthographic, 1e5}));
 
 // Smooth normals of a sphere: the interpolated normal of a fine mesh is the radius.
-TEST(TruthLayers, SmoothNormalsOfASphere) {
+TEST(GroundTruthLayers, SmoothNormalsOfASphere) {
   const pan::Model model = model_of(single(sphere(200, 200), lambert(1)));
   const View view = looking_from({1, 2, 3}, 10, 0.25, 128);
   RenderOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   const Image image = rendered(model, view, options);
   double worst = 0;
   for (std::uint32_t y = 0; y < 128; ++y)

@@ -14,7 +14,7 @@ using namespace testing_support;
 
 bool refuses = false;      // to be made current
 bool was_reset = false;    // as a driver reports it
-int errors_to_report = 0;  // out of memory, one for each question
+int errors_to_report = 0;  // out of memory, one per question
 PFNGLGETERRORPROC real_get_error = nullptr;
 
 GLenum GLAD_API_PTR get_error() {

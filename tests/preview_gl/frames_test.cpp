@@ -91,7 +91,7 @@ TEST_P(FramesThrough, UnderWayAreTheSameBits) {
     DiagnosticLog log;
     std::vector<Image> expected;
     for (int i = 0; i < kFrames; ++i) {
-      scene.options.truth = i % 3 == 1;
+      scene.options.ground_truth = i % 3 == 1;
       const world::Camera camera = scene.advance(i);
       Renderer fresh(shared_device());
       auto image = fresh.render(scene.world, camera, scene.options, log);
@@ -107,7 +107,7 @@ TEST_P(FramesThrough, UnderWayAreTheSameBits) {
       renderer.recycle(*std::move(image));
     };
     for (int i = 0; i < kFrames; ++i) {
-      scene.options.truth = i % 3 == 1;
+      scene.options.ground_truth = i % 3 == 1;
       const world::Camera camera = scene.advance(i);
       ASSERT_TRUE(renderer.submit(scene.world, camera, scene.options, log)) << to_text(log);
       if (renderer.in_flight() == Renderer::kMostInFlight) end();
@@ -120,9 +120,9 @@ TEST_P(FramesThrough, UnderWayAreTheSameBits) {
 // Camera, Sun and a target move: after the first frames of a size, neither the context nor the heap
 // is asked for memory, and what goes to the context is the blocks of the frame.
 TEST_P(FramesThrough, AllocateNothing) {
-  for (const bool truth : {false, true}) {
+  for (const bool ground_truth : {false, true}) {
     Scene scene;
-    scene.options.truth = truth;
+    scene.options.ground_truth = ground_truth;
     const auto device = own_device(GetParam());
     Renderer renderer(device);
     DiagnosticLog log;
@@ -139,7 +139,7 @@ TEST_P(FramesThrough, AllocateNothing) {
     const std::uint64_t heap = heap_calls;
     ASSERT_GT(heap, 0u);  // it counts
     for (int i = 5; i < 10; ++i) frame(i);
-    EXPECT_EQ(heap_calls - heap, 0u) << "truth " << truth;
+    EXPECT_EQ(heap_calls - heap, 0u) << "truth " << ground_truth;
     const Device::Counts after = device->counts();
     EXPECT_EQ(after.allocations, before.allocations);
     EXPECT_EQ(after.programs, before.programs);
@@ -187,7 +187,7 @@ TEST(Frames, ARefusedFrameLeavesTheOneUnderWay) {
 TEST(Frames, CancelledAnywhereTheNextIsWhole) {
   Scene scene;
   scene.options.samples = 4;
-  scene.options.truth = true;
+  scene.options.ground_truth = true;
   Renderer renderer(own_device(false));
   DiagnosticLog log;
   const auto start = std::chrono::steady_clock::now();

@@ -13,7 +13,7 @@ TEST(HardCases, EmptyModel) {
   DiagnosticLog log;
   support::ModelRenderer renderer(shared_device(), model);
   RenderOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   const auto image = renderer.render(looking_from({0, 0, 1}, 1, 0.5, 16), options, log);
   ASSERT_TRUE(image);
   EXPECT_TRUE(log.contains(Code::W5006));
@@ -44,7 +44,7 @@ TEST(HardCases, CameraInside) {
   View view = looking_from({0, 0, 1}, 1, 2.5, 64);
   view.to_sun = {0, 0, 1};
   RenderOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   DiagnosticLog log;
   const pan::Model closed = model_of(single(room, lambert(1)));
   support::ModelRenderer renderer(shared_device(), closed);
@@ -77,7 +77,7 @@ TEST(HardCases, CrossingTheNearPlane) {
         view.camera.position, view.camera.position + Vec3(0, 1, 0) * size, {}, log);
     view.to_sun = {0, 0, 1};
     RenderOptions options;
-    options.truth = true;
+    options.ground_truth = true;
     const Image image = rendered(model, view, options);
     expect_no_nan(image);
     for (std::uint32_t y = 0; y < 64; ++y) {
@@ -99,7 +99,7 @@ TEST(HardCases, OnePixelAndOneRow) {
     View view = looking_from({0, -1, 0}, 10, 0.5, 1);
     set_field_of_view(view.camera, width, height, 0.5 * std::min(1.0, width / 100.0));
     RenderOptions options;
-    options.truth = true;
+    options.ground_truth = true;
     options.samples = 5;
     const Image image = rendered(model, view, options);
     EXPECT_EQ(image.width, width);
@@ -117,7 +117,7 @@ TEST(HardCases, ModelsOfAnySizeAtAnyDistance) {
       const double distance = size * far;
       const View view = looking_from({1, 2, -1}, distance, 2 * std::asin(1.2 / far), 200, 0.5);
       RenderOptions options;
-      options.truth = true;
+      options.ground_truth = true;
       const Image image = rendered(model_of(contents), view, options);
       expect_no_nan(image);
       // the silhouette: a cone of half angle asin(R/d)
@@ -147,7 +147,7 @@ TEST(HardCases, NormalsThatCancel) {
   geometry::Mesh mesh = plate(2, 2);
   mesh.normals = {{0, 0, 1}, {0, 0, -1}, {0, 0, 1}, {0, 0, -1}};
   RenderOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   expect_no_nan(
       rendered(model_of(single(mesh, lambert(1))), looking_from({0, 0, 1}, 10, 0.1, 65), options));
 }
@@ -161,7 +161,7 @@ TEST(Orthographic, PlateCoversItsArea) {
     view.camera.position = placed.position;
     view.camera.world_from_camera = placed.world_from_camera;
     RenderOptions options;
-    options.truth = true;
+    options.ground_truth = true;
     const Image image = rendered(model, view, options);
     double sum = 0;
     for (std::size_t i = 0; i < image.pixels(); ++i)
@@ -190,7 +190,7 @@ pan::Contents textured(const geometry::Mesh& mesh, std::vector<std::uint8_t>& rg
 }
 
 TEST(Textures, LieTheRightWayUp) {
-  // red, green / blue, white: the picture as a person sees it
+  // red, green / blue, white: the image as a person sees it
   std::vector<std::uint8_t> rgba{255, 0, 0,   255, 0,   255, 0,   255,
                                  0,   0, 255, 255, 255, 255, 255, 255};
   const pan::Model model = model_of(textured(plate(2, 2), rgba, 2, 2, true));
@@ -238,7 +238,7 @@ TEST(Textures, FarAwayTheyAreTheirMean) {
   }
 }
 
-// A sphere's texture has no seam: a constant picture gives the untextured image.
+// A sphere's texture has no seam: a constant texture gives the untextured image.
 TEST(Textures, NoSeamOnASphere) {
   std::vector<std::uint8_t> rgba(4 * 32 * 16, 255);
   const pan::Model with = model_of(textured(sphere(40, 40, true), rgba, 32, 16, true));
@@ -250,9 +250,9 @@ TEST(Textures, NoSeamOnASphere) {
     EXPECT_NEAR(a.radiance[i], b.radiance[i], 1e-6);
 }
 
-TEST(Colours, MultiplyTheDiffuseColour) {
+TEST(Colours, MultiplyTheDiffuseColor) {
   geometry::Mesh mesh = plate(2, 2);
-  mesh.colours = {{1, 0, 0.5}, {0, 1, 0.5}, {0, 1, 0.5}, {1, 0, 0.5}};  // along x
+  mesh.colors = {{1, 0, 0.5}, {0, 1, 0.5}, {0, 1, 0.5}, {1, 0, 0.5}};  // along x
   const pan::Model model = model_of(single(mesh, lambert(0.5)));
   View view = looking_from({0, 0, 1}, 1e4, 2 * std::atan(1e-4), 64);
   DiagnosticLog log;

@@ -1,4 +1,4 @@
-// What must not change a picture, and what must change it exactly so.
+// What must not change an image, and what must change it exactly so.
 #include <cstring>
 
 #include "models.h"
@@ -31,7 +31,7 @@ TEST(Invariance, TwoRendersAreEqualBits) {
   const View view = looking_from({1, 1, 1}, 20, 0.3, 200, 1);
   for (const bool flat : {false, true}) {
     RenderOptions options;
-    options.truth = true;
+    options.ground_truth = true;
     options.samples = 3;
     options.flat = flat;
     DiagnosticLog log;
@@ -75,7 +75,7 @@ TEST(Invariance, TilesDrawTheSameImage) {
   View view = looking_from({1, 1, 1}, 20, 0.3, 300, 1);
   view.camera.height = 217;
   RenderOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   for (const unsigned samples : {1u, 4u}) {
     options.samples = samples;
     options.tile_side = 2048;
@@ -102,7 +102,7 @@ TEST(Invariance, ScaleOfTheWholeSceneChangesNothing) {
     View view = looking_from({1, 1, 1}, 20, 0.3, 128, 1);
     view.camera.position *= scale;
     RenderOptions options;
-    options.truth = true;
+    options.ground_truth = true;
     const Image image = rendered(model, view, options);
     expect_no_nan(image);
     if (scale == 1) {

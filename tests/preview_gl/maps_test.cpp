@@ -2,23 +2,23 @@
 #include <cstring>
 
 #include "materials/brdf.h"
-#include "pictures.h"
+#include "textured.h"
 #include "tests/reference/reference_models.h"
 
 namespace panwright::preview {
 namespace {
 
-// pictures show glints as wide as the Sun's disc makes them
+// images show glints as wide as the Sun's disc makes them
 const materials::ShadingContext kUnderTheSun{Vec3(0), materials::kSunAlpha2};
 
 using namespace testing_support;
 
 // ---- albedo
 
-// Squares of 1 texel. The mean of the picture is the mean of the two whatever a texel spans.
+// Squares of 1 texel. The mean of the texture is the mean of the two whatever a texel spans.
 TEST(AlbedoMap, MeanOfACheckerAtAnyRange) {
   for (const double repeat : {1.0, 7.0}) {
-    Pictured contents(single(plate(1, 1), lambert(0.9)));
+    Textured contents(single(plate(1, 1), lambert(0.9)));
     contents.materials[0].maps.albedo =
         contents.add(64, 64, true, [](auto x, auto y) { return grey((x + y) % 2 ? 230 : 20); });
     contents.materials[0].maps.repeat = Vec2(repeat);
@@ -42,18 +42,18 @@ TEST(AlbedoMap, MeanOfACheckerAtAnyRange) {
   }
 }
 
-TEST(AlbedoMap, MultipliesTextureAndColours) {
+TEST(AlbedoMap, MultipliesTextureAndColors) {
   geometry::Mesh mesh = plate(1, 1);
-  mesh.colours.assign(4, Vec3(0.5, 0.25, 1));
-  Pictured contents(single(mesh, lambert(0.8)));
+  mesh.colors.assign(4, Vec3(0.5, 0.25, 1));
+  Textured contents(single(mesh, lambert(0.8)));
   contents.instances[0].texture =
       contents.add(1, 1, true, [](auto, auto) { return grey(51, 0); });  // alpha is not asked
   contents.materials[0].maps.albedo =
       contents.add(2, 2, false, [](auto, auto) { return grey(100, 7); });
   const Image image = rendered(model_of(contents), above(4, 1));
-  const double colour = 0.8 * 0.2 * srgb_decoded(100);
+  const double color = 0.8 * 0.2 * srgb_decoded(100);
   for (int k = 0; k < 3; ++k)  // measured 1.6e-7
-    EXPECT_NEAR(radiance_at(image, 1, 2)[k] * kPi / (colour * Vec3(0.5, 0.25, 1)[k]), 1, 5e-7);
+    EXPECT_NEAR(radiance_at(image, 1, 2)[k] * kPi / (color * Vec3(0.5, 0.25, 1)[k]), 1, 5e-7);
 }
 
 // ---- roughness
@@ -68,7 +68,7 @@ TEST(RoughnessMap, ConstantIsAScaledMaterial) {
     material.specular = Vec3(1);
     material.weights = {0.6, 0.4, 0};
     material.refract = Vec3(1.5);
-    Pictured with(single(sphere(30, 40, true), material));
+    Textured with(single(sphere(30, 40, true), material));
     with.materials[0].maps.roughness = with.add(4, 4, false, [&](auto, auto) {
       return Texel{std::uint8_t(code), 9, 77, 0};
     });
@@ -114,7 +114,7 @@ materials::Material glossy() {
   return material;
 }
 
-// A constant tilt is the tilted plate's reflectance; every way the picture can lie.
+// A constant tilt is the tilted plate's reflectance; every way the texture can lie.
 TEST(NormalMap, ConstantTiltInEveryLie) {
   const Texel texel = encoded(glm::normalize(Vec3(0.3, 0.15, 1)));
   const Vec3 tilt = decoded(texel);
@@ -140,7 +140,7 @@ TEST(NormalMap, ConstantTiltInEveryLie) {
               across = Vec3(-across.y, across.x, 0);
             }
             if (mirrored_uv) along = -along;
-            Pictured contents(single(mesh, glossy()));
+            Textured contents(single(mesh, glossy()));
             contents.nodes[0].scale = scale;
             contents.materials[0].maps.normal =
                 contents.add(2, 2, false, [&](auto, auto) { return texel; });
@@ -166,7 +166,7 @@ TEST(NormalMap, ConstantTiltInEveryLie) {
 
 // Bumps of a Lambert plate: near, middle, far. The mean is that of the texels' own radiances.
 TEST(NormalMap, MeanOfLambertBumpsAtAnyRange) {
-  Pictured contents(single(plate(1, 1), lambert(0.9)));
+  Textured contents(single(plate(1, 1), lambert(0.9)));
   Vec3 mean(0);
   contents.materials[0].maps.normal = contents.add(64, 64, false, [&](auto x, auto y) {
     const Texel texel = encoded(
@@ -190,7 +190,7 @@ TEST(NormalMap, MeanOfLambertBumpsAtAnyRange) {
 TEST(NormalMap, MeanOfGlossyBumpsAtAnyRange) {
   for (const double slope : {0.03, 0.1, 0.3})  // rms, of each axis
     for (const auto& [m, far] : {std::pair{0.05, 0.0}, {0.15, 0.0}, {0.15, 0.4}}) {
-      Pictured contents(single(plate(1, 1), glossy()));
+      Textured contents(single(plate(1, 1), glossy()));
       contents.materials[0].weights = {0, 1, 0};
       contents.materials[0].specular_brdf = materials::CookTorrance{.alpha = m};
       std::uint32_t state = 1;
@@ -244,8 +244,8 @@ Vec3 reflectance_of(const Texel& texel) {
   return Vec3(srgb_decoded(texel[0]), srgb_decoded(texel[1]), srgb_decoded(texel[2]));
 }
 
-// A constant map is the law with that R; what lies beside it without a map stays as it is.
-TEST(ReflectanceMap, ConstantIsTheLaw) {
+// A constant map is the BRDF with that R; what lies beside it without a map stays as it is.
+TEST(ReflectanceMap, ConstantIsTheBrdf) {
   double worst = 0;
   for (const bool coated : {false, true})
     for (const bool alone : {true, false})
@@ -254,7 +254,7 @@ TEST(ReflectanceMap, ConstantIsTheLaw) {
         materials::Material material = metal(0.4);
         if (coated) material.coat = materials::Coat{.index = 1.4};
         materials::fit(material);
-        Pictured contents(single(plate(1, 1), material));
+        Textured contents(single(plate(1, 1), material));
         contents.materials[0].maps.reflectance =
             contents.add(2, 2, false, [&](auto, auto) { return texel; });
         if (!alone) {
@@ -289,8 +289,8 @@ TEST(ReflectanceMap, WhiteOnAWhiteMirrorIsNone) {
   material.refract = {};
   material.extinction = Vec3(0);
   materials::fit(material);
-  ASSERT_NE(material.fits.many_scale, Vec3(0));
-  Pictured with(single(sphere(30, 40, true), material));
+  ASSERT_NE(material.fits.compensation_scale, Vec3(0));
+  Textured with(single(sphere(30, 40, true), material));
   with.materials[0].maps.reflectance = with.add(4, 4, false, [](auto, auto) { return grey(255); });
   const View view = looking_from({1, -2, 0.6}, 6, 0.4, 128, 0.5);
   const Image a = rendered(model_of(with), view);
@@ -299,10 +299,10 @@ TEST(ReflectanceMap, WhiteOnAWhiteMirrorIsNone) {
   EXPECT_EQ(a.radiance, b.radiance);
 }
 
-// The law is linear in R, so the mean picture is the law of the mean, whatever a texel spans.
+// The BRDF is linear in R, so the mean texture is the BRDF of the mean, whatever a texel spans.
 TEST(ReflectanceMap, MeanOfACheckerAtAnyRange) {
   const Texel dark{10, 200, 40, 255}, light{250, 90, 255, 255};
-  Pictured contents(single(plate(1, 1), metal(0.5)));
+  Textured contents(single(plate(1, 1), metal(0.5)));
   contents.materials[0].compensation = materials::Compensation::off;
   materials::fit(contents.materials[0]);
   contents.materials[0].maps.reflectance =
@@ -326,7 +326,7 @@ TEST(ReflectanceMap, MeanOfACheckerAtAnyRange) {
 TEST(ReflectanceMap, AgreesWithTheReference) {
   for (const bool round : {false, true})
     for (const bool roughened : {false, true}) {
-      Pictured contents(single(round ? sphere(90, 120, true) : plate(1.8, 1.8), metal(0.4)));
+      Textured contents(single(round ? sphere(90, 120, true) : plate(1.8, 1.8), metal(0.4)));
       contents.materials[0].maps.reflectance = contents.add(32, 16, false, [](auto x, auto y) {
         return Texel{static_cast<std::uint8_t>(60 + 6 * x), static_cast<std::uint8_t>(15 * y), 200,
                      255};

@@ -1,4 +1,4 @@
-// Every pair of laws, pixel by pixel, against the double-precision reading of the formulas.
+// Every pair of BRDFs, pixel by pixel, against the double-precision reading of the formulas.
 #include "materials/brdf.h"
 #include "models.h"
 
@@ -42,7 +42,7 @@ struct Comparison {
   double worst = 0;  // |error| over the brightest pixel's channel
 };
 
-// The radiance layer against the formulas at the truth layers' normals.
+// The radiance layer against the formulas at the ground truth layers' normals.
 Comparison compared(const Image& image, const View& view, const pan::Model& model) {
   std::vector<materials::Material> stored;
   for (const auto& record : model.materials()) stored.push_back(pan::material_from(record, ""));
@@ -70,19 +70,19 @@ Comparison compared(const Image& image, const View& view, const pan::Model& mode
   return result;
 }
 
-TEST(Materials, EveryPairOfLawsAloneAtAnyDistance) {
+TEST(Materials, EveryPairOfBrdfsAloneAtAnyDistance) {
   for (const materials::Material& material : all_pairs()) {
     const pan::Model model = model_of(single(sphere(60, 80), material));
     for (const double distance : {3.0, 1e5, 1e8}) {
       View view = looking_from({1, -2, 0.6}, distance, 2 * std::asin(1.05 / distance), 160, 0.9);
       view.sun_irradiance = Vec3(1361, 900, 0.5);
       RenderOptions options;
-      options.truth = true;
+      options.ground_truth = true;
       const Image image = rendered(model, view, options);
       expect_no_nan(image);
       const Comparison result = compared(image, view, model);
       EXPECT_GT(result.pixels, 15000u);
-      printf("law %d%d at %.0e: worst %.1e\n", static_cast<int>(material.diffuse_model()),
+      printf("BRDF %d%d at %.0e: worst %.1e\n", static_cast<int>(material.diffuse_model()),
              static_cast<int>(material.specular_model()), distance, result.worst);
       // measured 8e-7 to 2e-5: on edges the interpolated normal is up to 1/256 pixel off
       EXPECT_LE(result.worst, 2e-4)
@@ -104,7 +104,7 @@ TEST(Materials, ManyOnOneImageKeepApart) {
   const pan::Model model = model_of(contents);
   const View view = looking_from({0.2, -1, 0.1}, 20, 0.4, 256, 0.7);
   RenderOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   options.shadow_side = 0;
   for (const std::uint32_t tile_side : {2048u, 50u}) {  // tiles of one material, too
     options.tile_side = tile_side;

@@ -2,7 +2,7 @@
 // for. Oracles: sums in double over an image of N times the side; N×N everywhere; 16×16.
 #include <algorithm>
 
-#include "pictures.h"
+#include "textured.h"
 
 namespace panwright::preview {
 namespace {
@@ -96,15 +96,15 @@ TEST(Sampling, MeansAreThoseOfDoubles) {
 TEST(Sampling, OneSampleStandsForManyWhereItMay) {
   const pan::Model model = model_of(plates_and_struts());
   const View view = slanted(96);
-  const Image truth = with_samples(model, view, 16, false);
+  const Image ground_truth = with_samples(model, view, 16, false);
   for (const unsigned n : {2u, 3u, 4u, 8u}) {
     const Image full = with_samples(model, view, n, false);
     const Image some = with_samples(model, view, n, true);
     expect_no_nan(some);
     EXPECT_EQ(full.coverage, some.coverage) << n;
-    const double scale = rms(truth);
+    const double scale = rms(ground_truth);
     EXPECT_LE(rms(some, full), 0.01 * scale) << n;
-    EXPECT_LE(rms(some, truth), rms(full, truth) + 0.005 * scale) << n;
+    EXPECT_LE(rms(some, ground_truth), rms(full, ground_truth) + 0.005 * scale) << n;
     EXPECT_NEAR(flux(some), flux(full), 2e-3 * flux(full)) << n;
   }
 }
@@ -124,7 +124,7 @@ TEST(Sampling, NothingIsMissedThatManySamplesSee) {
 TEST(Sampling, AutomaticComesNearItsError) {
   const pan::Model model = model_of(plates_and_struts());
   const View view = slanted(64);
-  const Image truth = with_samples(model, view, 64, false);
+  const Image ground_truth = with_samples(model, view, 64, false);
   for (const double asked : {0.05, 0.01}) {
     DiagnosticLog log;
     support::ModelRenderer renderer(shared_device(), model);
@@ -140,8 +140,8 @@ TEST(Sampling, AutomaticComesNearItsError) {
     EXPECT_LE(report.flux, asked);
     EXPECT_GT(report.samples, 1);
     // measured at 1 %: 1.30 %
-    EXPECT_LE(rms(*image, truth), 1.4 * asked * rms(truth)) << asked;
-    EXPECT_NEAR(flux(*image), flux(truth), asked * flux(truth)) << asked;
+    EXPECT_LE(rms(*image, ground_truth), 1.4 * asked * rms(ground_truth)) << asked;
+    EXPECT_NEAR(flux(*image), flux(ground_truth), asked * flux(ground_truth)) << asked;
     const auto again = renderer.render(view, options, log);
     ASSERT_TRUE(again);
     EXPECT_EQ(again->radiance, image->radiance);

@@ -1,7 +1,7 @@
 // Shadows against closed forms and rays. A texel is one of the shadow map, an offset is measured
 // across the Sun's rays.
-#include "pictures.h"
-#include "preview/frame/sun_frame.h"
+#include "textured.h"
+#include "preview/frame/light_space.h"
 #include "tests/support/sun_rays.h"
 
 namespace panwright::preview {
@@ -23,7 +23,7 @@ struct Pair {
 Pair both(const pan::Model& model, const View& view, RenderOptions options = {}) {
   DiagnosticLog log;
   support::ModelRenderer renderer(shared_device(), model);
-  options.truth = true;
+  options.ground_truth = true;
   auto with = renderer.render(view, options, log);
   options.shadow_side = 0;
   auto without = renderer.render(view, options, log);
@@ -36,7 +36,7 @@ Pair both(const pan::Model& model, const View& view, RenderOptions options = {})
 // The longer side of a texel, metres.
 double texel(const pan::Model& model, const View& view, unsigned side) {
   const Vec3 to_sun = glm::conjugate(view.world_from_model.rotation) * glm::normalize(view.to_sun);
-  const SunFrame frame = fitted_sun_frame(draw_list(model), to_sun, side);
+  const LightSpace frame = fitted_light_space(draw_list(model), to_sun, side);
   return std::max(frame.extent.x, frame.extent.y) / side;
 }
 
@@ -373,7 +373,7 @@ TEST(Shadows, CornerOfThreePlates) {
 // What a net lets through: its holes' share.
 TEST(Shadows, HolesLetTheSunThrough) {
   for (const double repeat : {1.0, 30.0}) {
-    Pictured contents(meadow());
+    Textured contents(meadow());
     add(contents, plate(2, 2), Vec3(0, 0, 12));
     contents.materials.push_back(lambert(1));
     contents.instances[1].material = 1;

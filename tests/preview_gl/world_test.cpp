@@ -2,7 +2,7 @@
 #include <cstring>
 #include <random>
 
-#include "pictures.h"
+#include "textured.h"
 #include "preview/frame/shadow.h"
 #include "tests/support/sun_rays.h"
 
@@ -70,7 +70,7 @@ bool equal_bits(const Image& a, const Image& b) {
 
 RenderOptions truthful(unsigned shadow_side) {
   RenderOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   options.shadow_side = shadow_side;
   return options;
 }
@@ -186,7 +186,7 @@ Off against_rays(const std::vector<Body>& bodies, std::uint32_t receiver, View v
   const support::SunRays rays(merged, view);
   const pan::Model by_itself = model_of(single(bodies[receiver].mesh, lambert(1)));
   const Vec3 to_sun = glm::conjugate(bodies[receiver].pose.rotation) * glm::normalize(view.to_sun);
-  const SunFrame frame = fitted_sun_frame(draw_list(by_itself), to_sun, 512);
+  const LightSpace frame = fitted_light_space(draw_list(by_itself), to_sun, 512);
   const double texel = std::max(frame.extent.x, frame.extent.y) / 512;
   Off off;
   for (std::uint32_t y = 0; y < with.height; ++y)
@@ -338,7 +338,7 @@ std::vector<world::ModelPtr> small_models() {
   table.nodes.push_back({"top", 1, Vec3(0, 0, 0.6), Quat(1, 0, 0, 0), Vec3(1)});
   table.instances.push_back({1, 1, 0, -1});
   table.instances.push_back({2, 1, 0, -1});
-  Pictured net(single(plate(2, 2), lambert(0.9)));
+  Textured net(single(plate(2, 2), lambert(0.9)));
   net.materials[0].maps.cutout = net.add(
       16, 16, false, [](auto x, auto y) { return grey(200, x % 8 < 3 || y % 8 < 2 ? 255 : 0); });
   net.materials[0].maps.threshold = 0.5;

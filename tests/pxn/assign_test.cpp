@@ -1,4 +1,4 @@
-// Materials assigned to CAD parts, and what stays of the part's own colours and pictures.
+// Materials assigned to CAD parts, and what stays of the part's own colours and textures.
 #include <fmt/format.h>
 
 #include "tests/pxn/reading.h"
@@ -7,7 +7,7 @@ namespace panwright::pxn {
 namespace {
 
 // A plate with a colour at each vertex, on two nodes.
-constexpr const char* kColoured = R"(#VRML V2.0 utf8
+constexpr const char* kColored = R"(#VRML V2.0 utf8
 DEF a Transform { children Shape { appearance Appearance { material DEF Red Material { } }
   geometry DEF Plate IndexedFaceSet {
     coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0, 0 1 0 ] } coordIndex [ 0 1 2 3 ]
@@ -23,7 +23,7 @@ Reading dressed(const std::string& rule, int times = 1) {
                     "<repeat count=\"{}\"><import file=\"p.wrl\" translate=\"0 {{i}} 0\">{}"
                     "</import></repeat></pangu_model>",
                     times, rule)},
-       {"p.wrl", kColoured}});
+       {"p.wrl", kColored}});
 }
 
 const geometry::Mesh& mesh_of(const Reading& r, const scene::Instance& instance) {
@@ -34,7 +34,7 @@ const std::string& material_of(const Reading& r, const scene::Instance& instance
   return r.scene->materials[static_cast<std::size_t>(instance.material)].name;
 }
 
-TEST(Assign, VertexColoursGoWithThePictures) {
+TEST(Assign, VertexColorsGoWithTheTextures) {
   const Reading r = dressed("<assign materials=\"Red\" material=\"metal\"/>", 3);
   EXPECT_EQ(r.summary(), "");
   ASSERT_EQ(r.scene->instances.size(), 6u);
@@ -43,25 +43,25 @@ TEST(Assign, VertexColoursGoWithThePictures) {
     const geometry::Mesh& mesh = mesh_of(r, instance);
     const bool assigned = material_of(r, instance) == "metal";
     // the other part shares the mesh, and keeps its colours
-    EXPECT_EQ(mesh.colours.empty(), assigned) << material_of(r, instance);
+    EXPECT_EQ(mesh.colors.empty(), assigned) << material_of(r, instance);
     EXPECT_EQ(mesh.triangles.size(), 2u);
     shapes.insert(instance.shape);
   }
   EXPECT_EQ(shapes.size(), 2u) << "one copy, however often it stands there";
 }
 
-TEST(Assign, KeptPicturesKeepVertexColours) {
-  const Reading r = dressed("<assign materials=\"Red\" material=\"metal\" pictures=\"keep\"/>");
+TEST(Assign, KeptTexturesKeepVertexColors) {
+  const Reading r = dressed("<assign materials=\"Red\" material=\"metal\" textures=\"keep\"/>");
   ASSERT_EQ(r.scene->instances.size(), 2u);
   for (const scene::Instance& instance : r.scene->instances)
-    EXPECT_FALSE(mesh_of(r, instance).colours.empty());
+    EXPECT_FALSE(mesh_of(r, instance).colors.empty());
 }
 
-TEST(Assign, PartsWithoutARuleKeepTheirColours) {
+TEST(Assign, PartsWithoutARuleKeepTheirColors) {
   const Reading r = dressed("");
   ASSERT_EQ(r.scene->instances.size(), 2u);
   for (const scene::Instance& instance : r.scene->instances)
-    EXPECT_FALSE(mesh_of(r, instance).colours.empty());
+    EXPECT_FALSE(mesh_of(r, instance).colors.empty());
 }
 
 }  // namespace

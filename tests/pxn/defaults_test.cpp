@@ -78,12 +78,12 @@ const std::map<ElementId, std::string>& models() {
 const std::set<ElementId> kElsewhere = {ElementId::budget, ElementId::decal};
 
 Reading read_model(const std::string& nodes, const std::string& root = "") {
-  std::string picture = "P6 2 2 255\n";
-  for (int i = 0; i < 12; ++i) picture += static_cast<char>(20 * i);
+  std::string texture = "P6 2 2 255\n";
+  for (int i = 0; i < 12; ++i) texture += static_cast<char>(20 * i);
   return read_files(
       {{"m.pxn", "<pangu_model ver='1' " + root + ">" + nodes + "</pangu_model>"},
        {"part.pxn", "<pangu_model ver='1'><box size='1'/></pangu_model>"},
-       {"a.ppm", picture},
+       {"a.ppm", texture},
        {"a.wrl",
         "#VRML V2.0 utf8\nShape { appearance Appearance { material Material { diffuseColor 1 0 0 } "
         "texture ImageTexture { url \"a.ppm\" } } geometry IndexedFaceSet { coord Coordinate { "

@@ -8,9 +8,9 @@
 #include <set>
 
 #include "pxn/build/pattern.h"
+#include "pxn/import_template.h"
 #include "pxn/materials.h"
 #include "pxn/pxn.h"
-#include "pxn/skeleton.h"
 
 namespace panwright::pxn {
 namespace {
@@ -260,14 +260,14 @@ TEST(Import, its_nodes_count_towards_the_limit) {
   EXPECT_TRUE(log.contains(Code::E1008) || log.contains(Code::E6002)) << to_text(log);
 }
 
-// ---- skeletons
+// ---- import_templates
 
 TEST(Skeleton, reads_back_with_every_material_of_the_file_assigned) {
   const importers::MemoryFile files[] = {{"sat.wrl", kBoxes}};
   DiagnosticLog log;
   const auto imported = importers::import_memory(files, {}, log);
   ASSERT_TRUE(imported) << to_text(log);
-  const std::string text = skeleton(*imported, "sat.wrl", " units=\"m\"");
+  const std::string text = import_template(*imported, "sat.wrl", " units=\"m\"");
   const MemoryFile model[] = {{"top.pxn", text}, {"sat.wrl", kBoxes}};
   const auto scene = read_memory(model, {}, log);
   ASSERT_TRUE(scene);
@@ -320,7 +320,7 @@ TEST(Skeleton, each_material_is_assigned_its_own_whatever_its_name) {
   const auto imported = importers::import_memory(files, {}, log);
   ASSERT_TRUE(imported) << to_text(log);
   ASSERT_EQ(imported->materials.size(), names.size());
-  const std::string text = skeleton(*imported, "sat.gltf", "");
+  const std::string text = import_template(*imported, "sat.gltf", "");
   const MemoryFile model[] = {{"top.pxn", text}, cad};
   const auto scene = read_memory(model, {}, log);
   ASSERT_TRUE(scene) << text << to_text(log);
@@ -331,11 +331,11 @@ TEST(Skeleton, each_material_is_assigned_its_own_whatever_its_name) {
   EXPECT_EQ(worn.size(), names.size()) << text;
 }
 
-TEST(Guess, words_before_colours) {
-  const auto preset = [](const char* name, Vec3 colour, double metallic = 0) {
+TEST(Guess, words_before_colors) {
+  const auto preset = [](const char* name, Vec3 color, double metallic = 0) {
     importers::CadMaterial material;
     material.name = name;
-    material.base_colour = colour;
+    material.base_color = color;
     material.metallic = metallic;
     return guessed_preset(material).preset;
   };
@@ -357,11 +357,11 @@ TEST(Guess, every_guess_is_in_the_library) {
         "kapton", "anodized black", "anodised", "brushed",  "polished",   "mirror", "gold plated",
         "teflon", "copper",         "titanium", "cfrp",     "regolith",   "glass",  "aluminium",
         "foil",   "gold",           "black",    "white",    "silver_mli", ""})
-    for (const Vec3& colour :
+    for (const Vec3& color :
          {Vec3(0), Vec3(1), Vec3(0.5, 0.3, 0), Vec3(0, 0, 0.1), Vec3(1, 0, 0)}) {
       importers::CadMaterial material;
       material.name = name;
-      material.base_colour = colour;
+      material.base_color = color;
       EXPECT_TRUE(known.contains(guessed_preset(material).preset)) << name;
     }
 }

@@ -203,13 +203,13 @@ TEST(Level1, TheBudgetOfTheTopFileHolds) {
       "<budget nearest=\"5m\" ifov=\"0.2mrad\" flux=\"0.1%\" centroid=\"0.01px\"/>"
       "<sphere radius=\"1\" tolerance=\"2mm\"/>");
   EXPECT_EQ(r.summary(), "");
-  const scene::Need& need = r.scene->need;
-  EXPECT_EQ(need.nearest, 5);
-  EXPECT_EQ(need.ifov, 0.0002);
-  EXPECT_EQ(need.pixels, 0.25) << "the default";
-  EXPECT_EQ(need.flux, 0.001);
-  EXPECT_EQ(need.centroid, 0.01);
-  EXPECT_FALSE(need.tolerance);
+  const scene::Budget& budget = r.scene->budget;
+  EXPECT_EQ(budget.nearest, 5);
+  EXPECT_EQ(budget.ifov, 0.0002);
+  EXPECT_EQ(budget.pixels, 0.25) << "the default";
+  EXPECT_EQ(budget.flux, 0.001);
+  EXPECT_EQ(budget.centroid, 0.01);
+  EXPECT_FALSE(budget.tolerance);
   EXPECT_EQ(r.scene->instances[0].tolerance, 0.002);
 }
 

@@ -86,7 +86,7 @@ TEST(Mesh, ListsOfAnotherLengthAreLeftOut) {
                 list("texcoords", "vec3", kQuad) + strips({"0 1 2 3"}));
   EXPECT_EQ(r.codes(), (std::multiset<std::string>{"E2002", "E2002"}));
   EXPECT_EQ(mesh_of(r).normals[0], Vec3(0, 0, 1)) << "computed instead";
-  EXPECT_TRUE(mesh_of(r).colours.empty());
+  EXPECT_TRUE(mesh_of(r).colors.empty());
   EXPECT_EQ(mesh_of(r).texcoords.size(), 4u);
 }
 
@@ -98,7 +98,7 @@ TEST(Mesh, ABadNumberInThePositionsLeavesTheMeshOut) {
   EXPECT_TRUE(r.scene->shapes.empty());
 }
 
-TEST(Mesh, TheThirdTextureCoordinateIsZeroAndColoursReachOne) {
+TEST(Mesh, TheThirdTextureCoordinateIsZeroAndColorsReachOne) {
   EXPECT_THAT(read_mesh(list("positions", "vec3", kQuad) +
                         list("texcoords", "vec3", {{0, 0, 0}, {1, 0, 0.5}, {0, 1, 0}, {1, 1, 0}}) +
                         strips({"0 1 2 3"}))

@@ -1,4 +1,4 @@
-// Materials of level 1: laws, metals, coats, cells, the library.
+// Materials of level 1: BRDFs, metals, coats, cells, the library.
 
 #include <gtest/gtest.h>
 
@@ -31,11 +31,11 @@ Reading wearing(const std::string& fields, const std::string& attributes = "") {
 const materials::Material& worn(const Reading& r) { return r.scene->materials.at(0); }
 
 TEST(NamedMaterial, ReflectanceMaps) {
-  const auto with = [](const std::string& laws) {
+  const auto with = [](const std::string& brdf_model) {
     return read_files({{"m.pxn",
                         "<pangu_model ver=\"1\">\n<material name=\"m\" "
                         "reflectance_map=\"p.ppm\">\n" +
-                            laws + "\n</material><sphere material=\"m\"/></pangu_model>"},
+                            brdf_model + "\n</material><sphere material=\"m\"/></pangu_model>"},
                        {"p.ppm", std::string("P6 1 1 255\n") + "\xff\x80\x40"}});
   };
   const Reading metal = with("<ggx>0.3</ggx><conductor metal=\"Al\"/>");
@@ -43,14 +43,14 @@ TEST(NamedMaterial, ReflectanceMaps) {
   ASSERT_EQ(worn(metal).maps.reflectance, 0);
   EXPECT_EQ(worn(metal).maps.albedo, -1);
   EXPECT_FALSE(metal.scene->textures.at(0).linear);
-  EXPECT_TRUE(materials::laws_of(worn(metal)).mapped);
+  EXPECT_TRUE(materials::brdf_model_of(worn(metal)).mapped);
   // nothing that it could be the reflectance of
   const Reading paint = with("<diffuse>0.5 0.5 0.5</diffuse>");
   EXPECT_NE(paint.summary().find("N1405 reflectance_map has no effect"), std::string::npos)
       << paint.summary();
 }
 
-TEST(NamedMaterial, Laws) {
+TEST(NamedMaterial, BrdfModel) {
   const Reading eon = wearing("<diffuse>0.5 0.5 0.5</diffuse><eon>0.7</eon>");
   EXPECT_EQ(eon.summary(), "");
   EXPECT_EQ(worn(eon).diffuse_model(), DiffuseModel::eon);
@@ -72,7 +72,7 @@ TEST(NamedMaterial, Laws) {
   EXPECT_EQ(worn(ggx).weights, Vec3(0, 1, 0));
   EXPECT_EQ(worn(ggx).refract, materials::metal("Al")->n);
   EXPECT_EQ(worn(ggx).extinction, materials::metal("Al")->k);
-  EXPECT_EQ(materials::laws_of(worn(ggx)).fresnel, FresnelModel::conductor);
+  EXPECT_EQ(materials::brdf_model_of(worn(ggx)).fresnel, FresnelModel::conductor);
 
   const Reading one = wearing("<beckmann>0.2</beckmann>");
   EXPECT_EQ(worn(one).specular_model(), SpecularModel::beckmann);
@@ -125,7 +125,7 @@ TEST(NamedMaterial, Coats) {
   EXPECT_GT(worn(film).coat->depth.z, 2 * worn(film).coat->depth.x) << "amber";
 }
 
-TEST(NamedMaterial, InnerLawsReplaceOuterOnes) {
+TEST(NamedMaterial, InnerBrdfsReplaceOuterOnes) {
   const std::string base =
       "<material name=\"b\"><ggx>0.2</ggx><conductor metal=\"Au\"/>"
       "<provenance source=\"someone\"/></material>";

@@ -243,7 +243,7 @@ TEST(Scene, TheFileWithEverything) {
   EXPECT_EQ(mesh.positions[2], Vec3(0, 1, 0)) << "a comment in the text";
   EXPECT_EQ(mesh.positions[3], Vec3(1, 1, 0)) << "CDATA";
   EXPECT_EQ(mesh.normals[2], Vec3(0, 0, 1)) << "made unit";
-  EXPECT_EQ(mesh.colours[1], Vec3(0, 1, 0));
+  EXPECT_EQ(mesh.colors[1], Vec3(0, 1, 0));
   EXPECT_EQ(mesh.texcoords[3], Vec2(1, 1));
 }
 

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-// The scene of a text that was made of a scene, with its pictures beside it in memory.
+// The scene of a text that was made of a scene, with its textures beside it in memory.
 Reading read_again(const scene::Scene& scene) {
   std::vector<MemoryFile> files{{"again.pxn", to_text(scene, [](std::size_t i) {
                                    return "picture" + std::to_string(i) + ".png";
@@ -33,8 +33,8 @@ Reading read_again(const scene::Scene& scene) {
   return read_files(files);
 }
 
-// The names of pictures are those of files.
-scene::Scene with_names_of_pictures(scene::Scene scene) {
+// The names of images are those of files.
+scene::Scene with_names_of_textures(scene::Scene scene) {
   for (std::size_t i = 0; i < scene.textures.size(); ++i)
     scene.textures[i].name = "picture" + std::to_string(i) + ".png";
   return scene;
@@ -44,7 +44,7 @@ void expect_identity(const scene::Scene& scene, const std::string& what) {
   const Reading once = read_again(scene);
   ASSERT_TRUE(once.scene) << what << once.summary();
   EXPECT_FALSE(once.log.has_errors()) << what << once.summary();
-  EXPECT_EQ(scene_difference(with_names_of_pictures(scene), *once.scene, Likeness::same), "")
+  EXPECT_EQ(scene_difference(with_names_of_textures(scene), *once.scene, Likeness::same), "")
       << what << "\n"
       << to_text(scene).substr(0, 3000);
 }
@@ -135,13 +135,13 @@ class Maker {
     nodes(0, 0, scene::kNone, Mat4(1));
     while (scene_.instances.empty()) shape(0, scene::kNone, Mat4(1));
     for (std::uint32_t n = below(3), i = 0; i < n; ++i) decal(i);
-    if (below(2) == 0) scene_.need.tolerance = positive();
+    if (below(2) == 0) scene_.budget.tolerance = positive();
     if (below(2) == 0) {
-      scene_.need.nearest = positive();
-      scene_.need.ifov = positive() * 1e-4;
-      scene_.need.pixels = positive();
+      scene_.budget.nearest = positive();
+      scene_.budget.ifov = positive() * 1e-4;
+      scene_.budget.pixels = positive();
     }
-    if (below(2) == 0) scene_.need.flux = 1e-3 * unit();
+    if (below(2) == 0) scene_.budget.flux = 1e-3 * unit();
     return scene_;
   }
 
@@ -352,7 +352,7 @@ class Maker {
     if (below(2) == 0)
       for (std::size_t i = 0; i < m->positions.size(); ++i) {
         m->texcoords.push_back({any(), any()});
-        m->colours.push_back({unit(), unit(), unit()});
+        m->colors.push_back({unit(), unit(), unit()});
       }
     for (std::uint32_t j = 0; j + 1 < n; ++j)
       for (std::uint32_t i = 0; i + 1 < n; ++i) {
@@ -412,7 +412,7 @@ TEST(Writer, DifferencesAreSeen) {
   }));
   EXPECT_TRUE(differs([&](scene::Scene& s) { s.materials[material].diffuse.x += 1e-9; }));
   EXPECT_TRUE(differs([](scene::Scene& s) { s.instances[0].tolerance = 0.123; }));
-  EXPECT_TRUE(differs([](scene::Scene& s) { s.need.centroid = 0.123; }));
+  EXPECT_TRUE(differs([](scene::Scene& s) { s.budget.centroid = 0.123; }));
   EXPECT_TRUE(differs([](scene::Scene& s) { s.shapes[0] = geometry::Plane{0.123, 1}; }));
   EXPECT_TRUE(differs([](scene::Scene& s) { s.instances.pop_back(); }));
   // names of nodes and materials are not seen
@@ -426,7 +426,7 @@ TEST(Writer, DifferencesAreSeen) {
   EXPECT_EQ(scene_difference(scene, turned, Likeness::same), "");
 }
 
-TEST(Writer, PicturesBesideTheText) {
+TEST(Writer, TexturesBesideTheText) {
   const support::TemporaryFolder folder;
   std::mt19937 random(3);
   scene::Scene scene;
@@ -443,7 +443,7 @@ TEST(Writer, PicturesBesideTheText) {
   // one is there already
   folder.write("a.png", png_file(7, 14, scene.textures[1].rgba));
   DiagnosticLog log;
-  const auto names = write_pictures(scene, folder / "model.pxn", log);
+  const auto names = write_textures(scene, folder / "model.pxn", log);
   ASSERT_TRUE(names) << to_text(log);
   EXPECT_THAT(*names, testing::ElementsAre("model-1.png", "a.png", "model-2.png", "below/b.png",
                                            "model-3.png"));

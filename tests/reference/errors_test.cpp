@@ -51,21 +51,22 @@ TEST(ReferenceErrors, BarsAreHonest) {
     options.psf_sigma = sigma;
     options.seed = 1'000'000;
     options.samples = 1 << 15;
-    const ReferenceImage truth = traced(model, small_view(), options);
+    const ReferenceImage ground_truth = traced(model, small_view(), options);
     Bars flux, pixels;
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
       options.seed = seed;
       options.samples = 64;
       ReferenceImage result = traced(model, small_view(), options);
-      flux.add(result.flux.y - truth.flux.y, result.flux_error.y);
+      flux.add(result.flux.y - ground_truth.flux.y, result.flux_error.y);
       if (seed >= 60) continue;
       // a pixel has fewer samples to be right about than the whole image
       options.samples = 512;
       result = traced(model, small_view(), options);
-      for (std::size_t i = 1; i < truth.image.radiance.size(); i += 3)
+      for (std::size_t i = 1; i < ground_truth.image.radiance.size(); i += 3)
         // pixels that hardly see anything have no bell-shaped errors to speak of
-        if (truth.image.coverage[i / 3] > 0.05)
-          pixels.add(result.image.radiance[i] - truth.image.radiance[i], result.standard_error[i]);
+        if (ground_truth.image.coverage[i / 3] > 0.05)
+          pixels.add(result.image.radiance[i] - ground_truth.image.radiance[i],
+                     result.standard_error[i]);
     }
     printf("PSF %.1f: flux rms(error/sigma) %.3f, within 3 sigma %.4f; pixels %.3f, %.4f\n", sigma,
            flux.rms(), flux.share(), pixels.rms(), pixels.share());
@@ -84,7 +85,7 @@ TEST(ReferenceErrors, UntilErrorIsUnbiased) {
   ReferenceOptions options;
   options.seed = 1'000'000;
   options.samples = 1 << 15;
-  const ReferenceImage truth = traced(model, small_view(), options);
+  const ReferenceImage ground_truth = traced(model, small_view(), options);
   options.samples = 16;
   options.until_error = 4e-3;
   double sum = 0;
@@ -96,8 +97,8 @@ TEST(ReferenceErrors, UntilErrorIsUnbiased) {
     EXPECT_LE(std::max({result.flux_error.x / result.flux.x, result.flux_error.y / result.flux.y,
                         result.flux_error.z / result.flux.z}),
               options.until_error);
-    sum += result.flux.y / truth.flux.y - 1;
-    flux.add(result.flux.y - truth.flux.y, result.flux_error.y);
+    sum += result.flux.y / ground_truth.flux.y - 1;
+    flux.add(result.flux.y - ground_truth.flux.y, result.flux_error.y);
   }
   printf("mean of %d runs: %+.1e; rms(error/sigma) %.3f\n", kRuns, sum / kRuns, flux.rms());
   EXPECT_LE(std::fabs(sum / kRuns), 4 * options.until_error / std::sqrt(kRuns));
@@ -134,7 +135,7 @@ TEST(ReferenceErrors, SameBytesForAnyNumberOfThreads) {
     std::vector<ReferenceImage> results;
     for (const std::size_t threads : {1u, 2u, 3u}) {
       ReferenceOptions options;
-      options.truth = true;
+      options.ground_truth = true;
       options.psf_sigma = sigma;
       options.samples = 32;
       const Job job({threads, {}});
@@ -155,7 +156,7 @@ TEST(ReferenceErrors, SameBytesForAnyNumberOfThreads) {
       EXPECT_EQ(a.image.node_id, b.image.node_id);
       EXPECT_EQ(a.standard_error, b.standard_error);
       EXPECT_EQ(a.flux, b.flux);
-      EXPECT_EQ(a.rounds, b.rounds);
+      EXPECT_EQ(a.batches, b.batches);
     }
     EXPECT_NE(results[0].image.radiance, results[1].image.radiance);
   }

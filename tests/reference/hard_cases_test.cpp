@@ -30,7 +30,7 @@ TEST(ReferenceHardCases, NothingInView) {
   DiagnosticLog log;
   Reference reference;
   ReferenceOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   options.until_error = 0.01;
   const auto result = reference.render(world_of(model, view), view.camera, options, log);
   ASSERT_TRUE(result);
@@ -57,7 +57,7 @@ TEST(ReferenceHardCases, CameraInside) {
     const pan::Model model = model_of(single(mesh, lambert(0.5)));
     View view = looking_from({0.2, -0.7, 0.1}, 0.5, 1.5, 16, 30 * kDegree);
     ReferenceOptions options;
-    options.truth = true;
+    options.ground_truth = true;
     const ReferenceImage result = traced(model, view, options);
     const float covered = result.image.coverage[8 * 16 + 8];
     EXPECT_EQ(covered, closed ? 0 : 1);
@@ -129,7 +129,7 @@ TEST(ReferenceHardCases, TrianglesWithoutAreaAndOddNormals) {
     View view = looking_from({std::sin(tilt), 0.2, std::cos(tilt)}, 20, 0.1, 32);
     view.to_sun = {0, 0, 1};
     ReferenceOptions options;
-    options.truth = true;
+    options.ground_truth = true;
     expect_sound(traced(model, view, options));
   }
   // edge on, and from the plane of the plate
@@ -137,7 +137,7 @@ TEST(ReferenceHardCases, TrianglesWithoutAreaAndOddNormals) {
   expect_sound(traced(model, view));
 }
 
-// The same picture from 10 to 1e8 radii away, where floats of the world hold 8 m steps.
+// The same image from 10 to 1e8 radii away, where floats of the world hold 8 m steps.
 TEST(ReferenceHardCases, DistanceCostsNothing) {
   const pan::Model model = model_of(single(sphere(100, 100), lambert(1)));
   double first = 0;
@@ -145,7 +145,7 @@ TEST(ReferenceHardCases, DistanceCostsNothing) {
     View view = looking_from({1, -2, 0.5}, distance, 0.1, 64, 60 * kDegree);
     view.camera.focal = Vec2(28 * distance);
     ReferenceOptions options = direct_light(64);
-    options.truth = true;
+    options.ground_truth = true;
     const ReferenceImage result = traced(model, view, options);
     const double value = result.flux.x * distance * distance;
     if (first == 0) first = value;
@@ -201,7 +201,7 @@ TEST(ReferenceHardCases, ManyInstancesOfOneMesh) {
   View view = looking_from({0.3, -1, 0.4}, 200, 0.3, 64, 40 * kDegree);
   view.camera.position += Vec3(13.5);
   ReferenceOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   const ReferenceImage result = traced(model, view, options);
   EXPECT_GT(result.flux.x, 0);
   std::uint32_t most = 0;
@@ -216,7 +216,7 @@ TEST(ReferenceHardCases, NoShadowsOfFacetsOnASmoothSphere) {
   const pan::Model model = model_of(single(mesh, lambert(1)));
   const View view = looking_from({0, -1, 0}, 100, 0.021, 128, 90 * kDegree);
   ReferenceOptions options = direct_light(64);
-  options.truth = true;
+  options.ground_truth = true;
   const ReferenceImage result = traced(model, view, options);
   const Vec3 to_sun = glm::normalize(view.to_sun);
   std::size_t lit = 0, dark = 0;

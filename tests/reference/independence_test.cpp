@@ -30,7 +30,7 @@ TEST(ReferenceIndependence, TexturesAreDecodedAlike) {
     const auto level = [&](TextureRole role) {
       return map_levels(rgba, kWidth, kHeight, linear, role, threshold).front();
     };
-    const TextureLevel color = level(TextureRole::colour);
+    const TextureLevel color = level(TextureRole::color);
     const TextureLevel premultiplied = level(TextureRole::premultiplied);
     const TextureLevel normal = level(TextureRole::normal);
     const TextureLevel rough = level(TextureRole::roughness);

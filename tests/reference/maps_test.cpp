@@ -1,6 +1,6 @@
-// Pictures on surfaces, on plates seen straight from above.
+// Images on surfaces, on plates seen straight from above.
 #include "reference_models.h"
-#include "tests/preview_gl/pictures.h"
+#include "tests/preview_gl/textured.h"
 
 namespace panwright::preview {
 namespace {
@@ -10,7 +10,7 @@ using namespace testing_support;
 constexpr std::uint32_t kSide = 32;  // pixels across a plate of 1 m
 
 TEST(ReferenceMaps, AlbedoMapsKeepTheirMean) {
-  Pictured contents(single(plate(1, 1), lambert(0.8)));
+  Textured contents(single(plate(1, 1), lambert(0.8)));
   contents.materials[0].maps.albedo = contents.add(
       4, 4, true, [](std::uint32_t x, std::uint32_t) { return grey(x % 2 ? 255 : 0); });
   const ReferenceImage result = traced(model_of(contents), above(kSide, 1), direct_light(64));
@@ -20,7 +20,7 @@ TEST(ReferenceMaps, AlbedoMapsKeepTheirMean) {
 }
 
 TEST(ReferenceMaps, HolesAreSeenAndLitThrough) {
-  Pictured contents(single(plate(1, 1), lambert(0.8)));
+  Textured contents(single(plate(1, 1), lambert(0.8)));
   contents.materials[0].maps.cutout = contents.add(
       4, 4, true, [](std::uint32_t x, std::uint32_t) { return grey(255, x < 2 ? 255 : 0); });
   ReferenceImage result = traced(model_of(contents), above(kSide, 1), direct_light(64));
@@ -37,7 +37,7 @@ TEST(ReferenceMaps, HolesAreSeenAndLitThrough) {
 }
 
 TEST(ReferenceMaps, NormalMapsTilt) {
-  Pictured contents(single(plate(1, 1), lambert(1)));
+  Textured contents(single(plate(1, 1), lambert(1)));
   // (0.6, 0, 0.8) as codes
   contents.materials[0].maps.normal = contents.add(2, 2, true, [](std::uint32_t, std::uint32_t) {
     return Texel{204, 128, 230, 255};
@@ -76,7 +76,7 @@ TEST(ReferenceMaps, GapsDoNotEmit) {
 
 // A decal covers cells and grid lines, and leaves gaps; beside it everything is as it was.
 TEST(ReferenceMaps, DecalsLieOverCellsOnly) {
-  Pictured contents(single(plate(1, 1), solar_cells()));
+  Textured contents(single(plate(1, 1), solar_cells()));
   const double plain = 0.81 * (0.875 * 0.4 + 0.125 * 0.8) + 0.19 * 0.2;
   const auto flux = [&] {
     return traced(model_of(contents), above(kSide, 1), direct_light(256)).flux.x * kPi;
@@ -99,7 +99,7 @@ TEST(ReferenceMaps, DecalsLieOverCellsOnly) {
 // Where surfaces of two targets coincide, the first is seen, and a decal of the other does not
 // show.
 TEST(ReferenceMaps, DecalsOfWhatIsNotSeenDoNotShow) {
-  Pictured contents(single(plate(1, 1), lambert(0.75)));
+  Textured contents(single(plate(1, 1), lambert(0.75)));
   contents.add(2, 2, false, [](std::uint32_t, std::uint32_t) { return grey(0, 255); });
   pan::DecalContent decal;
   decal.name = "decal";

@@ -101,7 +101,7 @@ TEST(ReferenceSpheres, LommelSeeliger) {
   }
 }
 
-// The law itself is held by the tests of materials: here it is summed over the sphere.
+// The BRDF itself is held by the tests of materials: here it is summed over the sphere.
 TEST(ReferenceSpheres, Eon) {
   materials::Material material = lambert(0.8);
   material.diffuse_brdf = materials::Eon{0.7};

@@ -71,7 +71,7 @@ TEST(ReferenceWorlds, TwoTargetsAreOneMergedModel) {
   apart.set_sun(sun_of(view));
   ReferenceOptions options;
   options.samples = 1024;
-  options.truth = true;
+  options.ground_truth = true;
   const ReferenceImage two = traced(apart, view.camera, options);
   options.seed = 7;
   const ReferenceImage one = traced(model_of(both), view, options);
@@ -166,7 +166,7 @@ TEST(ReferenceWorlds, TheNearerTargetIsSeen) {
   const std::size_t near = added(world, "near", model, {{0.5, 0, 2}, Quat(1, 0, 0, 0)});
   Reference reference;
   ReferenceOptions options = direct_light(8);
-  options.truth = true;
+  options.ground_truth = true;
   const world::Camera camera = from_above(4, 2, 10);
   const auto column = [&](const ReferenceImage& result) {
     return std::vector<std::uint32_t>(result.image.target_id.begin() + 4,
@@ -190,7 +190,7 @@ TEST(ReferenceWorlds, TheNearerTargetIsSeen) {
 TEST(ReferenceWorlds, NothingToShow) {
   Reference reference;
   ReferenceOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   const world::Camera camera = from_above(4, 2, 10);
   world::World world;
   const auto expect_empty = [&](const char* why) {
@@ -301,7 +301,7 @@ TEST(ReferenceWorlds, KeptIsAsFresh) {
   ReferenceOptions options;
   options.samples = 8;
   options.bounces = 1;
-  options.truth = true;
+  options.ground_truth = true;
   world::World world;
   world.set_sun(sun_of(view));
   Reference kept;
@@ -365,7 +365,7 @@ TEST(ReferenceWorlds, FarFromTheOrigin) {
   world::Camera camera = view.camera;
   camera.position += away;
   ReferenceOptions options;
-  options.truth = true;
+  options.ground_truth = true;
   const ReferenceImage a = traced(near, view.camera, options);
   const ReferenceImage b = traced(far, camera, options);
   EXPECT_EQ(a.image.depth, b.image.depth);
@@ -389,7 +389,7 @@ TEST(ReferenceWorlds, FarFromEachOther) {
   world.set_sun(sun_of(view));
   ReferenceOptions options = direct_light(512);
   options.until_error = 1e-3;
-  options.truth = true;
+  options.ground_truth = true;
   const ReferenceImage result = traced(world, view.camera, options);
   const double exact =
       0.8 * oracles::lambert_sphere_intensity(60 * kDegree) / (distance * distance);
@@ -427,7 +427,7 @@ TEST(ReferenceWorlds, OneModelTwice) {
   world.set_sun(sun_of(view));
   ReferenceOptions options;
   options.samples = 256;
-  options.truth = true;
+  options.ground_truth = true;
   Reference reference;
   DiagnosticLog log;
   const auto two = reference.render(world, view.camera, options, log);
@@ -454,7 +454,7 @@ TEST(ReferenceWorlds, SameBytesForAnyNumberOfThreads) {
   world.set_sun(sun_of(view));
   ReferenceOptions options;
   options.samples = 32;
-  options.truth = true;
+  options.ground_truth = true;
   ReferenceImage one, three;
   run_on_threads(Job({1, {}}), [&] { one = traced(world, view.camera, options); });
   run_on_threads(Job({3, {}}), [&] { three = traced(world, view.camera, options); });

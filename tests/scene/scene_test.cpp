@@ -61,7 +61,7 @@ TEST(Check, NamesEachDefect) {
        }},
       {"not there", [](Scene& s) { s.shapes[1] = geometry::MeshShape(); }},
       {"index 3 of 3", [&](Scene& s) { with_mesh(s, [](auto& m) { m.triangles[0][2] = 3; }); }},
-      {"different length", [&](Scene& s) { with_mesh(s, [](auto& m) { m.colours.resize(2); }); }},
+      {"different length", [&](Scene& s) { with_mesh(s, [](auto& m) { m.colors.resize(2); }); }},
       {"not finite", [&](Scene& s) { with_mesh(s, [&](auto& m) { m.positions[0].x = nan; }); }},
       {"not unit", [&](Scene& s) { with_mesh(s, [](auto& m) { m.normals[0] = Vec3(0); }); }},
       {"refers to nothing", [](Scene& s) { s.instances[0].material = 1; }},

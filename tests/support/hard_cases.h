@@ -298,7 +298,7 @@ inline std::vector<Formula> formulas() {
   add(PANWRIGHT_FORMULA("fon", Vec3(fon(p[0], l, v, n))),
       with_parameters(grid(), singles(kRoughnesses)));
   add(PANWRIGHT_FORMULA("fon_loss",
-                        Vec3(fon_loss(p[0], sqrt(max(Real(1) - p[0] * p[0], Real(0)))))),
+                        Vec3(fon_albedo_deficit(p[0], sqrt(max(Real(1) - p[0] * p[0], Real(0)))))),
       numbers(1), false);
   add(PANWRIGHT_FORMULA(
           "hapke", Vec3(hapke(hapke_surface(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), l, v, n))),

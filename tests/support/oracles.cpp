@@ -91,9 +91,9 @@ struct Corners {
 };
 
 // Radon's rule: seven points, exact for polynomials of degree 5.
-class FacetQuadrature {
+class MicrofacetQuadrature {
  public:
-  FacetQuadrature(const Brdf& brdf, const Vec3& to_light, const Vec3& to_viewer)
+  MicrofacetQuadrature(const Brdf& brdf, const Vec3& to_light, const Vec3& to_viewer)
       : brdf_(brdf), to_light_(to_light), to_viewer_(to_viewer) {}
 
   // The mean of f·max(0, n·l) over a part of a facet, and of that times the place.
@@ -265,7 +265,7 @@ FarField facet_sum(const geometry::Mesh& mesh, const Brdf& brdf, const Vec3& to_
 FarField smooth_sum(const geometry::Mesh& mesh, const Brdf& brdf, const Vec3& to_light,
                     const Vec3& to_viewer, double tolerance) {
   assert(mesh.normals.size() == mesh.positions.size());
-  const FacetQuadrature quadrature(brdf, to_light, to_viewer);
+  const MicrofacetQuadrature quadrature(brdf, to_light, to_viewer);
   struct Seen {
     Corners corners;
     double projected;  // m²
@@ -292,12 +292,13 @@ FarField smooth_sum(const geometry::Mesh& mesh, const Brdf& brdf, const Vec3& to
   Moments total;
   double error = 0;
   for (const Seen& facet : seen) {
-    double facet_error = 0;
-    Moments moments = quadrature.refined(facet.corners, facet.coarse, allowed, 10, facet_error);
+    double microfacet_error = 0;
+    Moments moments =
+        quadrature.refined(facet.corners, facet.coarse, allowed, 10, microfacet_error);
     moments.sum *= facet.projected;
     for (Vec3& first : moments.first) first *= facet.projected;
     total.add(moments);
-    error += facet.projected * facet_error;
+    error += facet.projected * microfacet_error;
   }
   return total.field(error);
 }

@@ -241,7 +241,7 @@ void meshes(Collection& add) {
   mesh(Code::E4010, "an index offset near 2^64", [](Mesh* m) { m[1].index_offset = kHuge - 3; });
   mesh(Code::E4010, "texcoords before the first",
        [](Mesh* m) { m[1].first_texcoord = 0xffffffffu; });
-  mesh(Code::E4010, "colours past the end", [](Mesh* m) { m[1].first_colour = 1; });
+  mesh(Code::E4010, "colours past the end", [](Mesh* m) { m[1].first_color = 1; });
   mesh(Code::E4010, "texcoords that are not there", [](Mesh* m) { m[0].flags |= kMeshTexcoords; });
   mesh(Code::E4010, "texcoords that no mesh has", [](Mesh* m) { m[1].flags &= ~kMeshTexcoords; });
   mesh(Code::E4010, "a mesh's name", [](Mesh* m) { m[0].name = 0xffffffffu; });
@@ -277,9 +277,9 @@ void arrays(Collection& add) {
   add.changed(Code::E4012, "a NaN texcoord",
               [&](OpenPan& f) { f.at<Float2>(SectionKind::texcoords, 3).y = nan; });
   add.changed(Code::E4012, "a negative colour",
-              [](OpenPan& f) { f.at<Float3>(SectionKind::colours, 3).z = -1e-30f; });
+              [](OpenPan& f) { f.at<Float3>(SectionKind::colors, 3).z = -1e-30f; });
   add.changed(Code::E4012, "an infinite colour",
-              [&](OpenPan& f) { f.at<Float3>(SectionKind::colours, 0).x = infinity; });
+              [&](OpenPan& f) { f.at<Float3>(SectionKind::colors, 0).x = infinity; });
   add.changed(Code::E4010, "an index past the last vertex",
               [](OpenPan& f) { f.at<std::uint16_t>(SectionKind::indices, 11) = 4; });
   add.changed(Code::E4010, "an index of 0xffff",
@@ -310,9 +310,9 @@ void tables(Collection& add) {
   material(Code::E4012, "a negative weight", [](Material& m) { m.weight_s = -0.5f; });
   material(Code::E4012, "a refractive index of zero", [](Material& m) { m.refract[2] = 0; });
   material(Code::E4012, "a slope of zero", [](Material& m) { m.cook[1] = 0; });
-  material(Code::E4012, "an unknown diffuse law", [](Material& m) { m.diffuse_law = 5; });
-  material(Code::E4012, "an unknown specular law",
-           [](Material& m) { m.specular_law = 0x80000000u; });
+  material(Code::E4012, "an unknown diffuse BRDF", [](Material& m) { m.diffuse_brdf = 5; });
+  material(Code::E4012, "an unknown specular BRDF",
+           [](Material& m) { m.specular_brdf = 0x80000000u; });
   material(Code::E4012, "a reserved word of a material", [](Material& m) { m.reserved_b = 1; });
   material(Code::E4010, "a material's name", [](Material& m) { m.name = 1u << 31; });
   const auto texture = [&](Code code, const char* what,
@@ -321,9 +321,9 @@ void tables(Collection& add) {
   };
   texture(Code::E4010, "an offset of texels near 2^64", [](Texture& t) { t.offset = kHuge - 3; });
   texture(Code::E4010, "texels of another length", [](Texture& t) { t.bytes = kHuge; });
-  texture(Code::E4010, "a picture larger than its texels", [](Texture& t) { t.width = 16384; });
-  texture(Code::E4012, "a picture without width", [](Texture& t) { t.width = 0; });
-  texture(Code::E4012, "a picture of 2^32 - 1 rows", [](Texture& t) { t.height = 0xffffffffu; });
+  texture(Code::E4010, "a texture larger than its texels", [](Texture& t) { t.width = 16384; });
+  texture(Code::E4012, "a texture without width", [](Texture& t) { t.width = 0; });
+  texture(Code::E4012, "a texture of 2^32 - 1 rows", [](Texture& t) { t.height = 0xffffffffu; });
   texture(Code::E4012, "an unknown flag of a texture", [](Texture& t) { t.flags = 2; });
   add.changed(Code::E4010, "texels that no texture has", [](OpenPan& f) {
     f.resize_section(SectionKind::textures, 0);
@@ -347,25 +347,28 @@ void tables(Collection& add) {
 }
 
 void needs(Collection& add) {
-  add.changed(Code::E4012, "two needs", [](OpenPan& f) { f.resize_section(SectionKind::need, 2); });
-  const auto need = [&](const char* what, const std::function<void(Need&)>& change) {
-    add.changed(Code::E4012, what, [&](OpenPan& f) { change(f.at<Need>(SectionKind::need, 0)); });
+  add.changed(Code::E4012, "two needs",
+              [](OpenPan& f) { f.resize_section(SectionKind::budget, 2); });
+  const auto budget = [&](const char* what, const std::function<void(Budget&)>& change) {
+    add.changed(Code::E4012, what,
+                [&](OpenPan& f) { change(f.at<Budget>(SectionKind::budget, 0)); });
   };
-  need("a negative tolerance", [](Need& n) { n.tolerance = -1e-300; });
-  need("a NaN range", [](Need& n) { n.nearest = kNan; });
-  need("an infinite IFOV", [](Need& n) { n.ifov = kInfinity; });
-  need("a reserved word of a need", [](Need& n) { n.reserved[1] = 1; });
-  add.changed(Code::E4010, "a need of a mesh fewer than meshes",
-              [](OpenPan& f) { f.resize_section(SectionKind::mesh_needs, 1); });
-  add.changed(Code::E4010, "a need of a mesh more than meshes",
-              [](OpenPan& f) { f.resize_section(SectionKind::mesh_needs, 3); });
+  budget("a negative tolerance", [](Budget& n) { n.tolerance = -1e-300; });
+  budget("a NaN range", [](Budget& n) { n.nearest = kNan; });
+  budget("an infinite IFOV", [](Budget& n) { n.ifov = kInfinity; });
+  budget("a reserved word of a budget", [](Budget& n) { n.reserved[1] = 1; });
+  add.changed(Code::E4010, "a budget of a mesh fewer than meshes",
+              [](OpenPan& f) { f.resize_section(SectionKind::mesh_tolerances, 1); });
+  add.changed(Code::E4010, "a budget of a mesh more than meshes",
+              [](OpenPan& f) { f.resize_section(SectionKind::mesh_tolerances, 3); });
   add.changed(Code::E4012, "an unknown reason",
-              [](OpenPan& f) { f.at<MeshNeed>(SectionKind::mesh_needs, 1).reason = 7; });
-  add.changed(Code::E4012, "an infinite tolerance",
-              [](OpenPan& f) { f.at<MeshNeed>(SectionKind::mesh_needs, 1).tolerance = kInfinity; });
+              [](OpenPan& f) { f.at<MeshTolerance>(SectionKind::mesh_tolerances, 1).reason = 7; });
+  add.changed(Code::E4012, "an infinite tolerance", [](OpenPan& f) {
+    f.at<MeshTolerance>(SectionKind::mesh_tolerances, 1).tolerance = kInfinity;
+  });
 }
 
-void truth(Collection& add) {
+void ground_truth(Collection& add) {
   const auto keypoint = [&](Code code, const char* what,
                             const std::function<void(Keypoint&)>& change) {
     add.changed(code, what, [&](OpenPan& f) { change(f.at<Keypoint>(SectionKind::keypoints, 1)); });
@@ -379,7 +382,7 @@ void truth(Collection& add) {
     add.changed(code, what, [&](OpenPan& f) { change(f.at<Decal>(SectionKind::decals, 1)); });
   };
   decal(Code::E4010, "a decal on no instance", [](Decal& d) { d.instance = 2; });
-  decal(Code::E4010, "a decal without a picture", [](Decal& d) { d.texture = 1; });
+  decal(Code::E4010, "a decal without a texture", [](Decal& d) { d.texture = 1; });
   decal(Code::E4010, "a decal's name", [](Decal& d) { d.name = 0x7fffffffu; });
   decal(Code::E4012, "a decal that is not turned by a unit quaternion",
         [](Decal& d) { d.rotation[3] = 1e-3; });
@@ -487,7 +490,7 @@ std::vector<DamagedPan> damaged_pans() {
   arrays(add);
   tables(add);
   needs(add);
-  truth(add);
+  ground_truth(add);
   maps(add);
   strings(add);
   return add.take();

@@ -14,8 +14,8 @@ namespace {
 
 using pan::layout::DirectoryEntry;
 using pan::layout::Header;
-using pan::layout::NeedReason;
 using pan::layout::SectionKind;
+using pan::layout::ToleranceReason;
 
 geometry::Mesh tetrahedron() {
   geometry::Mesh mesh;
@@ -32,7 +32,7 @@ geometry::Mesh square() {
   mesh.positions = {{100, 0, 7}, {101, 0, 7}, {101, 1, 7}, {100, 1, 7}};
   mesh.normals.assign(4, {0, 0, 1});
   mesh.texcoords = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  mesh.colours = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
+  mesh.colors = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
   mesh.triangles = {{0, 1, 2}};
   return mesh;
 }
@@ -48,7 +48,7 @@ std::uint64_t hash_of_blocks(const std::byte* bytes, std::uint64_t length) {
 }  // namespace
 
 pan::Contents small_contents() {
-  static const std::array<std::uint8_t, 24> kPicture = [] {
+  static const std::array<std::uint8_t, 24> kImage = [] {
     std::array<std::uint8_t, 24> texels{};
     for (std::size_t i = 0; i < texels.size(); ++i) texels[i] = static_cast<std::uint8_t>(10 * i);
     return texels;
@@ -71,11 +71,11 @@ pan::Contents small_contents() {
   paint.name = "paint";
   paint.diffuse_brdf = materials::OrenNayar{0.25};
   contents.materials = {plastic, paint};
-  contents.textures = {{"skin.png", 2, 3, true, kPicture}};
+  contents.textures = {{"skin.png", 2, 3, true, kImage}};
   contents.frames = {{"camera", 1, {0, 0, 0.5}, {0.8, 0, 0, 0.6}}};
   contents.sources = {{"craft.pxn", 4, 7}, {"craft.pxn", 9, 3}};
-  contents.need = pan::layout::Need{0.5, 100, 1e-4, 0.25, 0.125, 0.0625, 0.5, {}};
-  contents.mesh_needs = {{0.25, static_cast<std::uint32_t>(NeedReason::flux), 0}, {}};
+  contents.budget = pan::layout::Budget{0.5, 100, 1e-4, 0.25, 0.125, 0.0625, 0.5, {}};
+  contents.mesh_tolerances = {{0.25, static_cast<std::uint32_t>(ToleranceReason::flux), 0}, {}};
   contents.keypoints = {{"corner", 1, {1, 1, 1}}, {"tip", 2, {0, 0, 0.1}}};
   contents.decals = {{"flag", 1, 0, {100.5, 0.5, 7}, {0.6, 0, 0, 0.8}, 0.5, 0.25, 0.25},
                      {"flag", 0, 0, {1, 1, 1}, {1, 0, 0, 0}, 2, 3, 1.5}};
@@ -85,10 +85,10 @@ pan::Contents small_contents() {
 std::vector<std::byte> small_pan() { return pan::write_to_memory(small_contents()); }
 
 pan::Contents regular_contents() {
-  constexpr std::uint32_t kQuads = 24, kSide = kQuads + 1, kPicture = 40;
+  constexpr std::uint32_t kQuads = 24, kSide = kQuads + 1, kImage = 40;
   static const std::vector<std::uint8_t> kTexels = [] {
     std::vector<std::uint8_t> texels;
-    for (std::uint32_t i = 0; i < 4 * kPicture * kPicture; ++i)
+    for (std::uint32_t i = 0; i < 4 * kImage * kImage; ++i)
       texels.push_back(static_cast<std::uint8_t>(i / 16));
     return texels;
   }();
@@ -97,7 +97,7 @@ pan::Contents regular_contents() {
     const double x = 0.25 * (i % kSide), y = 0.25 * (i / kSide);
     mesh.positions.emplace_back(x, y, 0);
     mesh.texcoords.emplace_back(x, y);
-    mesh.colours.emplace_back(1, 0.5, 0.25);
+    mesh.colors.emplace_back(1, 0.5, 0.25);
   }
   mesh.normals.assign(mesh.positions.size(), {0, 0, 1});
   for (std::uint32_t i = 0; i < kQuads * kQuads; ++i) {
@@ -107,8 +107,8 @@ pan::Contents regular_contents() {
   }
   pan::Contents contents = small_contents();
   contents.meshes.push_back(pan::packed(mesh, "sheet"));
-  contents.mesh_needs.push_back({});
-  contents.textures.push_back({"ramp.png", kPicture, kPicture, false, kTexels});
+  contents.mesh_tolerances.push_back({});
+  contents.textures.push_back({"ramp.png", kImage, kImage, false, kTexels});
   for (std::uint32_t i = 0; i < 80; ++i) {
     const auto node = static_cast<std::uint32_t>(contents.nodes.size());
     contents.nodes.push_back({"knot " + std::to_string(i), 0, {1.0 * i, 0, 0}});

@@ -10,11 +10,11 @@
 namespace panwright::support {
 
 // Every kind of record: three nodes, a tetrahedron and a coloured, textured square, two materials,
-// a 2 x 3 picture, a frame, sources, inputs, a need, two keypoints and two decals.
+// a 2 x 3 texture, a frame, sources, inputs, a budget, two keypoints and two decals.
 pan::Contents small_contents();
 std::vector<std::byte> small_pan();
 
-// A sheet of 24 x 24 quads, a row of nodes with frames, and a picture: small, and most sections are
+// A sheet of 24 x 24 quads, a row of nodes with frames, and a texture: small, and most sections are
 // long and regular enough to be compressed.
 pan::Contents regular_contents();
 std::vector<std::byte> compressed_pan();  // of it

@@ -8,7 +8,7 @@
 
 #include "base/math.h"
 #include "pan/model.h"
-#include "preview/frame/sun_frame.h"
+#include "preview/frame/light_space.h"
 #include "tests/support/ray_caster.h"
 #include "tests/support/view.h"
 
@@ -37,8 +37,8 @@ class SunRays {
 
   // Metres of a texel of the preview's shadow map, where the model stands as it was made.
   double texel(unsigned side) const {
-    const preview::SunFrame frame =
-        preview::fitted_sun_frame(preview::draw_list(model_), to_sun_, side);
+    const preview::LightSpace frame =
+        preview::fitted_light_space(preview::draw_list(model_), to_sun_, side);
     return std::max(frame.extent.x, frame.extent.y) / side;
   }
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "compiler/need.h"
+#include "compiler/tolerance.h"
 #include "pan/writer.h"
 #include "tests/support/pan_sample.h"
 #include "tests/support/paths.h"
@@ -38,10 +38,10 @@ class Info : public testing::Test {
 
 TEST_F(Info, SaysWhatWasAskedAndWhatCameOfIt) {
   pan::Contents contents = support::small_contents();
-  contents.need = pan::layout::Need{0, 50, 2e-4, 0.5, 0.02, 0.25, 1e-3, {}};
+  contents.budget = pan::layout::Budget{0, 50, 2e-4, 0.5, 0.02, 0.25, 1e-3, {}};
   contents.meshes[0].error = 2e-4;
-  contents.mesh_needs = {{2.5e-4, static_cast<std::uint32_t>(pan::layout::NeedReason::flux), 0},
-                         {}};
+  contents.mesh_tolerances = {
+      {2.5e-4, static_cast<std::uint32_t>(pan::layout::ToleranceReason::flux), 0}, {}};
   const std::string out = text(contents);
   EXPECT_THAT(out, HasSubstr("budget    nearest 50 m, 0.2 mrad a pixel: a pixel covers 10 mm\n"));
   EXPECT_THAT(out, HasSubstr("silhouettes to 0.5 px, gives 5 mm\n"));
@@ -58,25 +58,25 @@ TEST_F(Info, SaysWhatWasAskedAndWhatCameOfIt) {
   EXPECT_EQ(read["budget"]["gives"]["pixels"], 0.5 * 2e-4 * 50);
   EXPECT_EQ(read["budget"]["gives"]["centroid"], 0.25 * 2e-4 * 50 / compiler::kCentroidFactor);
   EXPECT_EQ(read["budget"]["meshes_decided_by"], json({{"explicit_counts", 1}, {"flux", 1}}));
-  EXPECT_EQ(read["meshes"][0]["need"]["reason"], "flux");
-  EXPECT_EQ(read["meshes"][0]["need"]["ratio"], 2e-4 / 2.5e-4);
-  EXPECT_EQ(read["meshes"][1]["need"]["tolerance"], nullptr);
+  EXPECT_EQ(read["meshes"][0]["budget"]["reason"], "flux");
+  EXPECT_EQ(read["meshes"][0]["budget"]["ratio"], 2e-4 / 2.5e-4);
+  EXPECT_EQ(read["meshes"][1]["budget"]["tolerance"], nullptr);
 }
 
 TEST_F(Info, WithoutABudgetThereIsNone) {
   pan::Contents contents = support::small_contents();
-  contents.need.reset();
-  contents.mesh_needs.clear();
+  contents.budget.reset();
+  contents.mesh_tolerances.clear();
   EXPECT_THAT(text(contents), Not(HasSubstr("budget")));
   EXPECT_THAT(text(contents), HasSubstr("error 250 mm in its own frame\n"));
   EXPECT_EQ(object(contents)["budget"], nullptr);
-  EXPECT_EQ(object(contents)["meshes"][0]["need"], nullptr);
+  EXPECT_EQ(object(contents)["meshes"][0]["budget"], nullptr);
 }
 
 TEST_F(Info, ShowsTheHeaviestMeshes) {
   pan::Contents contents = support::small_contents();
-  contents.mesh_needs.clear();
-  contents.need.reset();
+  contents.mesh_tolerances.clear();
+  contents.budget.reset();
   const auto lines = [](const std::string& out) {
     std::vector<std::string> found;
     for (std::size_t at = 0, end; (end = out.find('\n', at)) != std::string::npos; at = end + 1)

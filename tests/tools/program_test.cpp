@@ -47,7 +47,7 @@ TEST(Program, CompilesAndShowsFigure8) {
   EXPECT_GE(out["vertices"].get<int>(), 99 * 60 + 2);
   EXPECT_EQ(out["joints"], json::array());
   EXPECT_EQ(out["materials"].size(), 1u);
-  EXPECT_EQ(out["materials"][0]["specular_law"], "cook-torrance");
+  EXPECT_EQ(out["materials"][0]["specular_model"], "cook-torrance");
   EXPECT_EQ(out["meshes"][0]["triangles"], 11880);
   // docs/conventions.md 11: off by 1.494e-3 of the radius
   EXPECT_NEAR(out["meshes"][0]["error"].get<double>(), 1.494e-3, 2e-6);
@@ -74,9 +74,8 @@ TEST(Program, TheSameBytesEveryTime) {
 TEST(Program, HelpNamesEveryCommandAndUsageIsTwo) {
   const Outcome help = panwright({"--help"});
   EXPECT_EQ(help.code, 0);
-  for (const char* command :
-       {"compile", "check", "info", "render", "diff", "fmt", "upgrade", "expand", "explain",
-        "completion"}) {
+  for (const char* command : {"compile", "check", "info", "render", "diff", "fmt", "upgrade",
+                              "expand", "explain", "completion"}) {
     EXPECT_THAT(help.out, HasSubstr(command));
     EXPECT_EQ(panwright({command, "--help"}).code, 0);
   }
@@ -152,7 +151,7 @@ TEST(Program, JsonIsOneObjectOnStandardOutput) {
   EXPECT_EQ(version["pan_format"], "1.1");
 }
 
-TEST(Program, ColourFollowsTheUserAndNoColor) {
+TEST(Program, ColorFollowsTheUserAndNoColor) {
   const TemporaryFolder folder;
   const std::string bad = folder.write("m.pxn", model("<spere/>"));
   EXPECT_THAT(panwright({"check", bad}).err, Not(HasSubstr("\x1b[")));

@@ -103,7 +103,7 @@ TEST(Storage, SectionsThatAreIgnoredAreNamed) {
               HasSubstr("ignored   sections of this file: lights, kind 1000\n"));
 }
 
-// A picture of 16384 x 16384 black texels in 4 MiB: the most that the format lets a file claim.
+// A texture of 16384 x 16384 black texels in 4 MiB: the most that the format lets a file claim.
 std::vector<std::byte> bomb() {
   constexpr std::uint64_t kRaw = 4ull * 16384 * 16384, kChunk = 786432;
   std::vector<std::byte> stored;

@@ -101,7 +101,7 @@ TEST(Expand, TheServicerInOneFile) {
   ASSERT_EQ(panwright({"compile", out, "-o", folder / "b.pan"}).code, 0);
   const Outcome diff = panwright({"diff", folder / "a.pan", folder / "b.pan"});
   EXPECT_EQ(diff.code, 0) << diff.out;
-  // expanded, it stays as it is, pictures and all
+  // expanded, it stays as it is, images and all
   EXPECT_EQ(panwright({"expand", out, "-o", folder / "two.pxn"}).code, 0);
   EXPECT_EQ(contents(folder / "two.pxn"), text);
   EXPECT_EQ(panwright({"expand", out, "-o", out}).code, 2);

@@ -66,8 +66,8 @@ TEST(Open, ACadFileLosesWhatTheProgramTakesAway) {
   OpenReport report;
   auto imported = read_cad(relay, {}, log, {}, &report);
   ASSERT_TRUE(imported);
-  ASSERT_TRUE(report.hygiene);
-  EXPECT_GT(report.hygiene->total.triangles_before, 0u);
+  ASSERT_TRUE(report.mesh_report);
+  EXPECT_GT(report.mesh_report->total.triangles_before, 0u);
   const auto done = write_pan(
       imported->scene, {},
       {.output = folder / "a.pan", .strip_sources = false, .compress = false, .origin = " assume="},

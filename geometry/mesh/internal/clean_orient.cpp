@@ -16,14 +16,14 @@ namespace {
 constexpr std::uint32_t kNone = 0xffffffffu;
 // of area · radius: cones about the centroid that speak for inside out. A hemisphere has 0.5.
 constexpr double kInsideOut = 0.05;
-// of all open pieces together, and of one
+// of all open components together, and of one
 constexpr std::uint64_t kRays = 400'000;
 constexpr std::uint64_t kMostRays = 512;
 constexpr std::uint64_t kFewestRays = 32;
 // how many times more rays must see the back than the front
 constexpr double kMajority = 1.5;
 
-// Sums over one piece, with the windings that the flood gave.
+// Sums over one component, with the windings that the flood gave.
 struct Sums {
   Vec3 moment{0};  // area · centroid, about the mesh's centre
   double area = 0;
@@ -36,64 +36,64 @@ struct Sums {
 
 class Orienter {
  public:
-  Orienter(const Mesh& mesh, std::span<const std::uint32_t> place, const Edges& edges)
-      : mesh_(mesh), place_(place), edges_(edges) {}
+  Orienter(const Mesh& mesh, std::span<const std::uint32_t> unique_position, const Edges& edges)
+      : mesh_(mesh), unique_position_(unique_position), edges_(edges) {}
 
   Orientation run() {
     const std::size_t count = mesh_.triangles.size();
-    out_.piece_of.assign(count, kNone);
+    out_.component_of.assign(count, kNone);
     out_.flip.assign(count, 0);
     for (std::uint32_t i = 0; i < count; ++i)
-      if (out_.piece_of[i] == kNone) flood(i);
+      if (out_.component_of[i] == kNone) flood(i);
     for (std::uint32_t i = 0; i < count; ++i)
-      if (out_.pieces[out_.piece_of[i]].one_sided) out_.flip[i] = 0;
+      if (out_.components[out_.component_of[i]].one_sided) out_.flip[i] = 0;
     measure_pieces();
-    std::vector<char> turn(out_.pieces.size(), 0);
+    std::vector<char> turn(out_.components.size(), 0);
     std::vector<std::uint32_t> doubtful;
-    for (std::uint32_t p = 0; p < out_.pieces.size(); ++p) decide(p, turn, doubtful);
+    for (std::uint32_t p = 0; p < out_.components.size(); ++p) decide(p, turn, doubtful);
     ask_rays(doubtful, turn);
     for (std::uint32_t i = 0; i < count; ++i) {
-      const std::uint32_t p = out_.piece_of[i];
+      const std::uint32_t p = out_.component_of[i];
       out_.flip[i] = out_.flip[i] != turn[p];
-      out_.pieces[p].flipped += out_.flip[i] ? 1 : 0;
+      out_.components[p].flipped += out_.flip[i] ? 1 : 0;
     }
     return std::move(out_);
   }
 
  private:
-  std::uint32_t from(std::uint32_t side) const {
-    return place_[mesh_.triangles[side / 3][side % 3]];
+  std::uint32_t from(std::uint32_t half_edge) const {
+    return unique_position_[mesh_.triangles[half_edge / 3][half_edge % 3]];
   }
 
   void flood(std::uint32_t seed) {
-    const auto p = static_cast<std::uint32_t>(out_.pieces.size());
-    Piece piece;
-    piece.first = seed;
-    out_.piece_of[seed] = p;
+    const auto p = static_cast<std::uint32_t>(out_.components.size());
+    Component component;
+    component.first = seed;
+    out_.component_of[seed] = p;
     waiting_.assign(1, seed);
     while (!waiting_.empty()) {
       const std::uint32_t t = waiting_.back();
       waiting_.pop_back();
-      ++piece.triangles;
-      for (std::uint32_t side = 3 * t; side < 3 * t + 3; ++side) {
-        const std::uint32_t twin = edges_.twin[side];
-        if (twin >= Edges::kMany) {
-          piece.closed = false;
+      ++component.triangles;
+      for (std::uint32_t half_edge = 3 * t; half_edge < 3 * t + 3; ++half_edge) {
+        const std::uint32_t twin = edges_.twin[half_edge];
+        if (twin >= Edges::kNonManifold) {
+          component.closed = false;
           continue;
         }
-        const bool alike = edges_.misoriented > 0 && from(side) == from(twin);
+        const bool alike = edges_.misoriented > 0 && from(half_edge) == from(twin);
         const char flip = out_.flip[t] != (alike ? 1 : 0);
         const std::uint32_t other = twin / 3;
-        if (out_.piece_of[other] == kNone) {
-          out_.piece_of[other] = p;
+        if (out_.component_of[other] == kNone) {
+          out_.component_of[other] = p;
           out_.flip[other] = flip;
           waiting_.push_back(other);
         } else if (out_.flip[other] != flip) {
-          piece.one_sided = true;
+          component.one_sided = true;
         }
       }
     }
-    out_.pieces.push_back(piece);
+    out_.components.push_back(component);
   }
 
   std::array<Vec3, 3> corners(std::uint32_t triangle) const {
@@ -110,9 +110,9 @@ class Orienter {
       high = glm::max(high, p);
     }
     if (!mesh_.positions.empty()) centre_ = 0.5 * low + 0.5 * high;
-    sums_.resize(out_.pieces.size());
+    sums_.resize(out_.components.size());
     for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
-      Sums& sum = sums_[out_.piece_of[i]];
+      Sums& sum = sums_[out_.component_of[i]];
       const auto [a, b, c] = corners(i);
       const Vec3 cross = glm::cross(b - a, c - a);
       const double area = 0.5 * glm::length(cross);
@@ -127,18 +127,19 @@ class Orienter {
     }
   }
 
-  // Closed pieces by their volume; open ones as most of them was written, unless rays know better.
+  // Closed components by their volume; open ones as most of them was written, unless rays know
+  // better.
   void decide(std::uint32_t p, std::vector<char>& turn, std::vector<std::uint32_t>& doubtful) {
-    Piece& piece = out_.pieces[p];
+    Component& component = out_.components[p];
     const Sums& sum = sums_[p];
-    piece.area = sum.area;
-    if (piece.one_sided || !(sum.area > 0)) return;
+    component.area = sum.area;
+    if (component.one_sided || !(sum.area > 0)) return;
     const double radius = 0.5 * glm::length(sum.high - sum.low);
-    // cones from the piece's own centroid: what the mesh's centre adds to an open one is not its
-    // own
+    // cones from the component's own centroid: what the mesh's centre adds to an open one is not
+    // its own
     const double cones = (sum.volume - glm::dot(sum.moment / sum.area, sum.cross)) / 6;
     const double scale = sum.area * radius;
-    if (piece.closed) {
+    if (component.closed) {
       turn[p] = cones < -1e-12 * scale;
       // a sheet folded onto itself has no inside
       if (std::fabs(cones) <= 1e-12 * scale) turn[p] = 2 * sum.flipped_area > sum.area;
@@ -151,10 +152,11 @@ class Orienter {
   void ask_rays(const std::vector<std::uint32_t>& doubtful, std::vector<char>& turn) {
     if (doubtful.empty()) return;
     std::vector<std::vector<std::uint32_t>> triangles(doubtful.size());
-    std::vector<std::uint32_t> place_of(out_.pieces.size(), kNone);
+    std::vector<std::uint32_t> place_of(out_.components.size(), kNone);
     for (std::uint32_t i = 0; i < doubtful.size(); ++i) place_of[doubtful[i]] = i;
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
-      if (const std::uint32_t i = place_of[out_.piece_of[t]]; i != kNone) triangles[i].push_back(t);
+      if (const std::uint32_t i = place_of[out_.component_of[t]]; i != kNone)
+        triangles[i].push_back(t);
     InstanceCaster caster;
     caster.add(caster.add_mesh(mesh_.positions, mesh_.triangles), Mat4(1), false);
     caster.build();
@@ -168,8 +170,8 @@ class Orienter {
       if (inside_out[i]) turn[doubtful[i]] ^= 1;
   }
 
-  // From points on the piece, evenly by area: which side looks out?
-  bool shows_its_back(const std::vector<std::uint32_t>& triangles, std::uint32_t piece,
+  // From points on the component, evenly by area: which side looks out?
+  bool shows_its_back(const std::vector<std::uint32_t>& triangles, std::uint32_t component,
                       std::uint64_t rays, const std::vector<char>& turn,
                       const InstanceCaster& caster) const {
     std::vector<double> areas;
@@ -178,12 +180,12 @@ class Orienter {
       const auto [a, b, c] = corners(t);
       areas.push_back(total += glm::length(glm::cross(b - a, c - a)));
     }
-    const double size = glm::length(sums_[piece].high - sums_[piece].low);
+    const double size = glm::length(sums_[component].high - sums_[component].low);
     double front = 0;
     double back = 0;
     for (std::uint32_t r = 0; r < rays; ++r) {
-      const auto first = philox({r, 0, 0, 0}, {piece, 0x0f1e});
-      const auto second = philox({r, 1, 0, 0}, {piece, 0x0f1e});
+      const auto first = philox({r, 0, 0, 0}, {component, 0x0f1e});
+      const auto second = philox({r, 1, 0, 0}, {component, 0x0f1e});
       const auto at = std::lower_bound(areas.begin(), areas.end(), total * in_unit(first[0]));
       const std::uint32_t t = triangles[static_cast<std::size_t>(
           std::min<std::ptrdiff_t>(at - areas.begin(), std::ssize(areas) - 1))];
@@ -199,8 +201,8 @@ class Orienter {
       const double length = glm::length(normal);
       if (!(length > 0)) continue;
       const double cosine =
-          glm::dot(normal, direction) / length * (out_.flip[t] != turn[piece] ? -1 : 1);
-      // a start of 1e-5 of the piece keeps clear of the surface itself
+          glm::dot(normal, direction) / length * (out_.flip[t] != turn[component] ? -1 : 1);
+      // a start of 1e-5 of the component keeps clear of the surface itself
       if (caster.any({point, direction, 1e-5 * size})) continue;
       (cosine > 0 ? front : back) += std::fabs(cosine);
     }
@@ -208,7 +210,7 @@ class Orienter {
   }
 
   const Mesh& mesh_;
-  std::span<const std::uint32_t> place_;
+  std::span<const std::uint32_t> unique_position_;
   const Edges& edges_;
   Orientation out_;
   std::vector<Sums> sums_;
@@ -218,9 +220,9 @@ class Orienter {
 
 }  // namespace
 
-Orientation orientation_of(const Mesh& mesh, std::span<const std::uint32_t> place,
+Orientation orientation_of(const Mesh& mesh, std::span<const std::uint32_t> unique_position,
                            const Edges& edges) {
-  return Orienter(mesh, place, edges).run();
+  return Orienter(mesh, unique_position, edges).run();
 }
 
 }  // namespace panwright::geometry

@@ -1,4 +1,4 @@
-// Which way the pieces of a mesh face.
+// Which way the components of a mesh face.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace panwright::geometry {
 
-struct Piece {
+struct Component {
   std::uint32_t first = 0;  // its first triangle
   std::uint64_t triangles = 0;
   bool closed = true;         // every side has a twin
@@ -20,13 +20,13 @@ struct Piece {
 };
 
 struct Orientation {
-  std::vector<std::uint32_t> piece_of;  // T
-  std::vector<Piece> pieces;            // in order of their first triangles
-  std::vector<char> flip;               // T: whether the triangle is to be turned
+  std::vector<std::uint32_t> component_of;  // T
+  std::vector<Component> components;        // in order of their first triangles
+  std::vector<char> flip;                   // T: whether the triangle is to be turned
 };
 
 // See clean().
-Orientation orientation_of(const Mesh& mesh, std::span<const std::uint32_t> place,
+Orientation orientation_of(const Mesh& mesh, std::span<const std::uint32_t> unique_position,
                            const Edges& edges);
 
 }  // namespace panwright::geometry

@@ -9,22 +9,22 @@
 
 namespace panwright::geometry {
 
-// A side is 3·triangle + k and runs from corner k to the next one.
+// A half-edge is 3·triangle + k and runs from corner k to the next one.
 struct Edges {
-  static constexpr std::uint32_t kBorder = 0xffffffffu;  // of one triangle
-  static constexpr std::uint32_t kMany = 0xfffffffeu;    // of three triangles or more
-  std::vector<std::uint32_t> twin;    // 3*T: the other side of an edge of two triangles
-  std::vector<std::uint32_t> border;  // sides, ascending
-  std::vector<std::uint32_t> many;    // the first side of each edge of many triangles, ascending
+  static constexpr std::uint32_t kBorder = 0xffffffffu;       // of one triangle
+  static constexpr std::uint32_t kNonManifold = 0xfffffffeu;  // of three triangles or more
+  std::vector<std::uint32_t> twin;    // 3*T: the other half-edge of an edge of two triangles
+  std::vector<std::uint32_t> border;  // half-edges, ascending
+  std::vector<std::uint32_t> many;  // the first half-edge of each edge of many triangles, ascending
   std::vector<std::uint32_t> many_count;  // their triangles
   std::uint64_t misoriented = 0;          // edges whose two triangles run them alike
 };
 
 // Finds the edges of triangles between places. Triangles with two corners at one place have none:
-// the twin of their sides is kMany.
+// the twin of their half-edges is kNonManifold.
 //
 //   place    V, the first vertex at each one's place
 //   Cost: O(T log(triangles at a vertex))
-Edges edges_of(const Mesh& mesh, std::span<const std::uint32_t> place);
+Edges edges_of(const Mesh& mesh, std::span<const std::uint32_t> unique_position);
 
 }  // namespace panwright::geometry

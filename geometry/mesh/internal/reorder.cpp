@@ -65,7 +65,7 @@ void compact_vertices(Mesh& mesh, bool keep_order) {
   permute(mesh.positions, remap, count);
   permute(mesh.normals, remap, count);
   permute(mesh.texcoords, remap, count);
-  permute(mesh.colours, remap, count);
+  permute(mesh.colors, remap, count);
 }
 
 }  // namespace panwright::geometry

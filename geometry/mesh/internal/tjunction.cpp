@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "geometry/internal/first_equal.h"
+#include "geometry/internal/deduplicate.h"
 
 namespace panwright::geometry {
 
@@ -19,7 +19,7 @@ struct Edge {
   Vec3 b;
   std::uint32_t from;
   std::uint32_t to;
-  std::uint32_t side;
+  std::uint32_t half_edge;
 };
 
 std::uint64_t cell_hash(const Vec3& cell) {
@@ -93,16 +93,16 @@ bool lies_inside(const Vec3& p, const Edge& edge, double distance) {
 
 }  // namespace
 
-std::vector<Junction> junctions_of(const Mesh& mesh, std::span<const std::uint32_t> place,
+std::vector<Junction> junctions_of(const Mesh& mesh, std::span<const std::uint32_t> unique_position,
                                    const Edges& edges, double distance) {
   std::vector<Edge> border;
   std::vector<std::uint32_t> vertices;
   double total = 0;
-  for (const std::uint32_t side : edges.border) {
-    const Triangle& t = mesh.triangles[side / 3];
-    const std::uint32_t from = place[t[side % 3]];
-    const std::uint32_t to = place[t[(side + 1) % 3]];
-    border.push_back({mesh.positions[from], mesh.positions[to], from, to, side});
+  for (const std::uint32_t half_edge : edges.border) {
+    const Triangle& t = mesh.triangles[half_edge / 3];
+    const std::uint32_t from = unique_position[t[half_edge % 3]];
+    const std::uint32_t to = unique_position[t[(half_edge + 1) % 3]];
+    border.push_back({mesh.positions[from], mesh.positions[to], from, to, half_edge});
     total += glm::length(border.back().b - border.back().a);
     vertices.push_back(from);
     vertices.push_back(to);
@@ -122,8 +122,8 @@ std::vector<Junction> junctions_of(const Mesh& mesh, std::span<const std::uint32
     std::uint32_t best = kNone;
     samples.near(p, [&](std::uint32_t e) {
       const Edge& edge = border[e];
-      if (edge.side < best && edge.from != v && edge.to != v && lies_inside(p, edge, distance))
-        best = edge.side;
+      if (edge.half_edge < best && edge.from != v && edge.to != v && lies_inside(p, edge, distance))
+        best = edge.half_edge;
       return tries > 0 && --tries > 0;
     });
     if (best != kNone) out.push_back({v, best});

@@ -11,8 +11,8 @@
 namespace panwright::geometry {
 
 struct Junction {
-  std::uint32_t vertex = 0;  // a place
-  std::uint32_t side = 0;    // see Edges
+  std::uint32_t vertex = 0;     // a place
+  std::uint32_t half_edge = 0;  // see Edges
   bool operator==(const Junction&) const = default;
 };
 
@@ -22,7 +22,7 @@ struct Junction {
 //
 //   Cost: O(border) expected; gives up on crowded places after 64 tries for each border edge, and
 //   has found some of them then.
-std::vector<Junction> junctions_of(const Mesh& mesh, std::span<const std::uint32_t> place,
+std::vector<Junction> junctions_of(const Mesh& mesh, std::span<const std::uint32_t> unique_position,
                                    const Edges& edges, double distance);
 
 }  // namespace panwright::geometry

@@ -8,8 +8,8 @@
 #include "geometry/internal/triangle.h"
 #include "geometry/internal/weld.h"
 #include "geometry/tessellate/internal/flat.h"
+#include "geometry/tessellate/internal/revolution_problem.h"
 #include "geometry/tessellate/internal/revolve.h"
-#include "geometry/tessellate/internal/round_problem.h"
 
 namespace panwright::geometry::internal {
 

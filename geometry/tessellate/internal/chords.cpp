@@ -36,7 +36,7 @@ Chord chord_of(const Curve& curve, double begin, double end) {
 // s = cos(half)/cos φ. How far the curve stands from the scaled chord is, before division by the
 // chord's length, linear in s, so that the ends s = 1 and s = cos(half) decide.
 double chord_error(const Curve& curve, const Chord& chord, const Vec2& a, const Vec2& b,
-                   double cos_half, bool rim_a, bool rim_b) {
+                   double cos_half, bool edge_a, bool edge_b) {
   const Jet start = curve.at(chord.begin), stop = curve.at(chord.end);
   const Vec2 flat = b - a;
   const double reach = kReach * (chord.end - chord.begin);
@@ -47,8 +47,8 @@ double chord_error(const Curve& curve, const Chord& chord, const Vec2& a, const 
     const Vec2 from(s * a.x, a.y), to(s * b.x, b.y);
     const double moved_a = glm::length(from - start.p), moved_b = glm::length(to - stop.p);
     moved = std::max({moved, moved_a, moved_b});
-    if (rim_a) ends = std::max(ends, moved_a);
-    if (rim_b) ends = std::max(ends, moved_b);
+    if (edge_a) ends = std::max(ends, moved_a);
+    if (edge_b) ends = std::max(ends, moved_b);
     if (!covered) break;
     const Vec2 along = to - from;
     const double length = glm::length(along);
@@ -59,8 +59,8 @@ double chord_error(const Curve& curve, const Chord& chord, const Vec2& a, const 
       if (!(std::fabs(t) < reach)) covered = false;
       return t > 0 ? 1.05 * t : 0.95 * t;
     };
-    const double before = rim_a ? 0 : shifted(start, glm::dot(start.p - from, along) / length);
-    const double after = rim_b ? 0 : shifted(stop, glm::dot(to - stop.p, along) / length);
+    const double before = edge_a ? 0 : shifted(start, glm::dot(start.p - from, along) / length);
+    const double after = edge_b ? 0 : shifted(stop, glm::dot(to - stop.p, along) / length);
     if (!covered) continue;
     across =
         std::max(across, curve.largest_cross(chord.begin - before, chord.end + after, from, along));
@@ -136,7 +136,7 @@ class Layer {
       const ProfilePoint& q = result.points[i + 1];
       const double error =
           chord_error(curve_, chords[i], {p.radius, p.z}, {q.radius, q.z}, cos_half_,
-                      i == 0 && set_.first == End::rim, i + 1 == count && set_.last == End::rim);
+                      i == 0 && set_.first == End::edge, i + 1 == count && set_.last == End::edge);
       result.error = std::max(result.error, error);
     }
     result.t = std::move(t);
@@ -150,16 +150,17 @@ class Layer {
   }
 
  private:
-  // The length of the chord at an end, against the others: rims do not balance, so it is shorter.
+  // The length of the chord at an end, against the others: circular edges do not balance, so it is
+  // shorter.
   double end_length(double t, End end, double half_range) const {
-    if (end != End::rim || !set_.balanced) return 1;
+    if (end != End::edge || !set_.balanced) return 1;
     const Jet jet = curve_.at(t);
     const double lever = jet.p.x * jet.normal().x;
     const double dip = lever * dip_;
     const double sag = 2 * half_range - std::fabs(dip);
     if (!(sag > 0)) return 0.5;
     const double side = jet.curvature() < 0 ? -1 : 1;
-    const double middle = 0.5 * (lever * (set_.rim_factor - 1) + 0.5 * (dip + side * sag));
+    const double middle = 0.5 * (lever * (set_.edge_factor - 1) + 0.5 * (dip + side * sag));
     const double room = half_range - std::max(side * dip, 0.0) + side * middle;
     return std::sqrt(std::clamp(room / sag, 0.05, 1.0));
   }
@@ -171,7 +172,7 @@ class Layer {
     const Jet jet = curve_.at(t);
     const End end = first ? set_.first : last ? set_.last : End::loop;
     const Vec2 n = jet.normal();
-    if (end == End::rim) return {jet.p.x * set_.rim_factor, jet.p.y, n, 0};
+    if (end == End::edge) return {jet.p.x * set_.edge_factor, jet.p.y, n, 0};
     const double before = first && end != End::loop ? chords.front().sag
                           : first                   ? chords.back().sag
                                                     : chords[i - 1].sag;

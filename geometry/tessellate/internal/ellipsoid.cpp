@@ -11,8 +11,8 @@
 #include "geometry/tessellate/internal/circle.h"
 #include "geometry/tessellate/internal/maximum.h"
 #include "geometry/tessellate/internal/profile.h"
+#include "geometry/tessellate/internal/revolution_problem.h"
 #include "geometry/tessellate/internal/revolve.h"
-#include "geometry/tessellate/internal/round_problem.h"
 #include "geometry/tessellate/internal/tessellators.h"
 
 namespace panwright::geometry::internal {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "geometry/tessellate/internal/flat.h"
+#include "geometry/tessellate/internal/revolution_problem.h"
 #include "geometry/tessellate/internal/revolve.h"
-#include "geometry/tessellate/internal/round_problem.h"
 #include "geometry/tessellate/internal/triangulate.h"
 
 namespace panwright::geometry::internal {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "geometry/tessellate/internal/revolution_problem.h"
 #include "geometry/tessellate/internal/revolve.h"
-#include "geometry/tessellate/internal/round_problem.h"
 #include "geometry/tessellate/internal/tessellators.h"
 
 namespace panwright::geometry::internal {
@@ -230,11 +230,11 @@ double planned(const Lathe& s, const TessellationOptions& options) {
   return planned_triangles(revolution(s), options);
 }
 
-std::vector<Rim> rims(const Lathe& s) {
+std::vector<CircularEdge> circular_edges(const Lathe& s) {
   if (!(s.counts == Counts{}) || ends_meet(s)) return {};
-  std::vector<Rim> result;
+  std::vector<CircularEdge> result;
   for (const Vec2& p : {s.profile.front(), s.profile.back()})
-    if (p.x > 0) result.push_back(rim_at(p.x, p.y, s.sector));
+    if (p.x > 0) result.push_back(circular_edge(p.x, p.y, s.sector));
   return result;
 }
 

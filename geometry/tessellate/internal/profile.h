@@ -93,7 +93,7 @@ class CurveSamples {
 };
 
 // How a curve's end stands to what comes after.
-enum class End { rim, pole, loop };
+enum class End { edge, pole, loop };
 
 // One vertex of a profile: moved off the curve, with the normal of the curve.
 struct ProfilePoint {
@@ -107,7 +107,7 @@ struct ProfilePoint {
 struct ChordSettings {
   double half_range;    // the error to keep
   double half;          // angle of half a segment
-  double rim_factor;    // on the radius of rims
+  double edge_factor;   // on the radius of circular edges
   bool balanced;        // vertices move off the curve so that errors outside equal those inside
   std::uint32_t count;  // of chords; 0: as the error needs
   End first, last;

@@ -25,16 +25,16 @@ End end_of(const Curve& curve, bool last) {
   const Jet jet = curve.at(last ? curve.end() : curve.begin());
   // note: a quarter turn of an arc misses the axis by rounding
   const double size = std::max(std::fabs(jet.p.x), std::fabs(jet.p.y));
-  return std::fabs(jet.p.x) <= 1e-15 * size || jet.p.x == 0 ? End::pole : End::rim;
+  return std::fabs(jet.p.x) <= 1e-15 * size || jet.p.x == 0 ? End::pole : End::edge;
 }
 
 class Solver {
  public:
-  Solver(const Revolution& shape, const TessellationOptions& options, bool shared_rims)
+  Solver(const Revolution& shape, const TessellationOptions& options, bool shared_circular_edges)
       : shape_(shape),
         options_(options),
         balanced_(shape.counts.around == 0 && shape.counts.along == 0),
-        on_shape_(!balanced_ || shared_rims || options.rim_segments > 0) {
+        on_shape_(!balanced_ || shared_circular_edges || options.edge_segments > 0) {
     Vec2 low(0), high(0);
     bool first = true;
     const auto grow = [&](const Vec2& p) {
@@ -55,7 +55,7 @@ class Solver {
       grow(samples_.back()->high());
       lever_ = std::max(lever_, samples_.back()->largest_lever());
       for (const bool last : {false, true})
-        if (end_of(*part.curve, last) == End::rim)
+        if (end_of(*part.curve, last) == End::edge)
           rim_radius_ = std::max(
               rim_radius_, part.curve->at(last ? part.curve->end() : part.curve->begin()).p.x);
     }
@@ -74,7 +74,7 @@ class Solver {
       return layout_;
     }
     const double most = static_cast<double>(options_.max_triangles);
-    const bool free = shape_.counts.around == 0 && options_.rim_segments == 0;
+    const bool free = shape_.counts.around == 0 && options_.edge_segments == 0;
     std::uint32_t n = segments();
     if (!lay(n)) return too_many();
     // note: few wide segments bend a coarse profile in ways that its chords cannot mend
@@ -103,9 +103,10 @@ class Solver {
   bool lay(std::uint32_t segments) {
     layout_.segments = segments;
     const double half = 0.5 * span_of(shape_.sector) / segments;
-    layout_.rim_factor = on_shape_ ? 1 : area_factor(half);
-    layout_.error = rim_radius_ * std::max(layout_.rim_factor - 1,
-                                           1 - layout_.rim_factor * (1 - segment_dip(half, false)));
+    layout_.edge_factor = on_shape_ ? 1 : area_factor(half);
+    layout_.error =
+        rim_radius_ *
+        std::max(layout_.edge_factor - 1, 1 - layout_.edge_factor * (1 - segment_dip(half, false)));
     const double most = static_cast<double>(options_.max_triangles);
     if (!(segments * rows(segment_dip(half, balanced_)) <= 4 * most + 100)) return false;
     lay_parts(half);
@@ -142,7 +143,7 @@ class Solver {
   std::uint32_t segments() {
     const std::uint32_t fewest = fewest_segments(shape_.sector);
     if (shape_.counts.around != 0) return shape_.counts.around;
-    if (options_.rim_segments != 0) return std::max(fewest, options_.rim_segments);
+    if (options_.edge_segments != 0) return std::max(fewest, options_.edge_segments);
     least_ = fewest;
     if (rim_radius_ > 0)
       least_ = segments_within(half_range_ / rim_radius_, shape_.sector, on_shape_);
@@ -180,7 +181,7 @@ class Solver {
       }
       const ChordSettings settings{half_range_,
                                    half,
-                                   layout_.rim_factor,
+                                   layout_.edge_factor,
                                    balanced_,
                                    shape_.counts.along,
                                    end_of(*part.curve, false),
@@ -203,7 +204,7 @@ class Solver {
     const double length = glm::length(d);
     const Vec2 normal(d.y / length, -d.x / length);
     const bool plane = part.mapping != Mapping::angle;
-    const double k = layout_.rim_factor;
+    const double k = layout_.edge_factor;
     return {{k * part.from.x, part.from.y, normal,
              plane ? part.from.x / part.plane_radius : part.v_begin},
             {k * part.to.x, part.to.y, normal, plane ? part.to.x / part.plane_radius : part.v_end}};
@@ -266,8 +267,8 @@ Part Part::curved(Curve curve) {
 }
 
 Layout laid_out(const Revolution& revolution, const TessellationOptions& options,
-                bool shared_rims) {
-  return Solver(revolution, options, shared_rims).solve();
+                bool shared_circular_edges) {
+  return Solver(revolution, options, shared_circular_edges).solve();
 }
 
 double planned_triangles(const Revolution& revolution, const TessellationOptions& options) {
@@ -279,12 +280,12 @@ double planned_triangles(const Revolution& revolution, const TessellationOptions
 
 std::uint32_t shared_segments(const Revolution& revolution, const TessellationOptions& options) {
   TessellationOptions free = options;
-  free.rim_segments = 0;
+  free.edge_segments = 0;
   const Layout layout = laid_out(revolution, free, true);
   return layout.segments == 0 ? std::uint32_t{1} << 31 : layout.segments;
 }
 
-Rim rim_at(double radius, double z, const Sector& sector) {
+CircularEdge circular_edge(double radius, double z, const Sector& sector) {
   const det::SinCos start = directions(sector, fewest_segments(sector)).front();
   return {{0, 0, z}, {0, 0, 1}, {radius * start.cos, radius * start.sin, 0}, span_of(sector)};
 }

@@ -45,17 +45,17 @@ struct Layout {
   enum class State { good, too_fine, too_many };
   State state = State::good;
   std::uint32_t segments = 0;
-  double rim_factor = 1;
-  std::vector<std::vector<ProfilePoint>> parts;  // one for each part
+  double edge_factor = 1;
+  std::vector<std::vector<ProfilePoint>> parts;  // one per part
   double error = 0;                              // in exact arithmetic, metres
   double least_error = 0;                        // what float32 can keep, metres
   double triangles = 0;
   double vertices = 0;
 };
 
-// shared_rims: rims stand on the shape though options.rim_segments is 0
+// shared_circular_edges: circular edges stand on the shape though options.edge_segments is 0
 Layout laid_out(const Revolution& revolution, const TessellationOptions& options,
-                bool shared_rims = false);
+                bool shared_circular_edges = false);
 
 Result<Mesh> revolved(const Revolution& revolution, const TessellationOptions& options,
                       SourceSpan where, DiagnosticLog& log);
@@ -64,8 +64,8 @@ Result<Mesh> revolved(const Revolution& revolution, const TessellationOptions& o
 double planned_triangles(const Revolution& revolution, const TessellationOptions& options);
 std::uint32_t shared_segments(const Revolution& revolution, const TessellationOptions& options);
 
-// a rim of a revolution
-Rim rim_at(double radius, double z, const Sector& sector);
+// a circular edge of a revolution
+CircularEdge circular_edge(double radius, double z, const Sector& sector);
 
 // Fills in the error of a mesh: that of the shape and of rounding to float32 about the centre of
 // the mesh's bounds.

@@ -145,22 +145,22 @@ class Builder {
   // thinner than its outline asks for; a sector is a fan about the axis.
   void fill_cap(std::size_t index) {
     const auto& points = layout_.parts[index];
-    const ProfilePoint& rim = points.front().radius > 0 ? points.front() : points.back();
+    const ProfilePoint& edge = points.front().radius > 0 ? points.front() : points.back();
     const Mapping mapping = shape_.parts[index].mapping;
     const bool up = mapping == Mapping::above;
     const std::uint64_t start = cap_start_[index];
     const std::uint64_t count = directions_.size();
     for (std::uint64_t i = 0; i < count; ++i) {
       const det::SinCos angle = directions_[i];
-      set(start + i, {rim.radius * angle.cos, rim.radius * angle.sin, rim.z}, {0, 0, up ? 1 : -1},
-          plane_texcoord(mapping, rim.v, angle));
+      set(start + i, {edge.radius * angle.cos, edge.radius * angle.sin, edge.z},
+          {0, 0, up ? 1 : -1}, plane_texcoord(mapping, edge.v, angle));
     }
     Triangle* out = mesh_.triangles.data() + cap_triangles_[index];
     const auto emit = [&](std::uint64_t a, std::uint64_t b, std::uint64_t c) {
       *out++ = up ? triangle(a, b, c) : triangle(a, c, b);
     };
     if (!shape_.sector.whole()) {
-      set(start + count, {0, 0, rim.z}, {0, 0, up ? 1 : -1}, {0.5, 0.5});
+      set(start + count, {0, 0, edge.z}, {0, 0, up ? 1 : -1}, {0.5, 0.5});
       for (std::uint64_t i = 0; i + 1 < count; ++i) emit(start + count, start + i, start + i + 1);
       return;
     }
@@ -192,7 +192,7 @@ class Builder {
       const double side = last ? -1 : 1;
       const Vec3 normal(side * angle.sin, -side * angle.cos, 0);
       for (std::size_t i = 0; i < count; ++i) {
-        const double radius = layout_.rim_factor * shape_.wall[i].x;
+        const double radius = layout_.edge_factor * shape_.wall[i].x;
         const double u = shape_.wall[i].x / high.x;
         const double v = (shape_.wall[i].y - low.y) / (high.y - low.y);
         set(start + i, {radius * angle.cos, radius * angle.sin, shape_.wall[i].y}, normal,

@@ -8,8 +8,8 @@
 #include "base/text.h"
 #include "geometry/tessellate/internal/circle.h"
 #include "geometry/tessellate/internal/maximum.h"
+#include "geometry/tessellate/internal/revolution_problem.h"
 #include "geometry/tessellate/internal/revolve.h"
-#include "geometry/tessellate/internal/round_problem.h"
 #include "geometry/tessellate/internal/tessellators.h"
 
 namespace panwright::geometry {
@@ -309,13 +309,13 @@ double planned(const Sphere& s, const TessellationOptions& options) {
   return 2.0 * counts.quads * (counts.rings - 1.0);
 }
 
-std::vector<Rim> rims(const Sphere& s) {
+std::vector<CircularEdge> circular_edges(const Sphere& s) {
   if (s.whole() || s.counts) return {};
-  std::vector<Rim> result;
+  std::vector<CircularEdge> result;
   for (const double latitude : {s.latitude_min, s.latitude_max}) {
     if (std::fabs(latitude) >= 0.5 * kPi) continue;
     const det::SinCos angle = det::sincos(latitude);
-    result.push_back(rim_at(s.radius * angle.cos, s.radius * angle.sin, s.sector));
+    result.push_back(circular_edge(s.radius * angle.cos, s.radius * angle.sin, s.sector));
   }
   return result;
 }

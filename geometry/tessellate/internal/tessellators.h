@@ -40,12 +40,12 @@ double planned(const Torus& shape, const TessellationOptions&);
 double planned(const Dish& shape, const TessellationOptions&);
 double planned(const Lathe& shape, const TessellationOptions&);
 
-std::vector<Rim> rims(const Sphere& shape);
-std::vector<Rim> rims(const Cylinder& shape);
-std::vector<Rim> rims(const Cone& shape);
-std::vector<Rim> rims(const Disc& shape);
-std::vector<Rim> rims(const Dish& shape);
-std::vector<Rim> rims(const Lathe& shape);
+std::vector<CircularEdge> circular_edges(const Sphere& shape);
+std::vector<CircularEdge> circular_edges(const Cylinder& shape);
+std::vector<CircularEdge> circular_edges(const Cone& shape);
+std::vector<CircularEdge> circular_edges(const Disc& shape);
+std::vector<CircularEdge> circular_edges(const Dish& shape);
+std::vector<CircularEdge> circular_edges(const Lathe& shape);
 
 std::uint32_t segments(const Sphere& shape, const TessellationOptions&);
 std::uint32_t segments(const Cylinder& shape, const TessellationOptions&);
@@ -74,7 +74,7 @@ double planned(const Tube& shape, const TessellationOptions&);
 double planned(const Extrude& shape, const TessellationOptions&);
 double planned(const Polygons& shape, const TessellationOptions&);
 
-std::vector<Rim> rims(const Tube& shape);
+std::vector<CircularEdge> circular_edges(const Tube& shape);
 std::uint32_t segments(const Tube& shape, const TessellationOptions&);
 
 }  // namespace panwright::geometry::internal

@@ -6,8 +6,8 @@
 #include "base/text.h"
 #include "geometry/tessellate/internal/circle.h"
 #include "geometry/tessellate/internal/flat.h"
+#include "geometry/tessellate/internal/revolution_problem.h"
 #include "geometry/tessellate/internal/revolve.h"
-#include "geometry/tessellate/internal/round_problem.h"
 #include "geometry/tessellate/internal/tube_plan.h"
 
 namespace panwright::geometry::internal {
@@ -259,8 +259,8 @@ double planned(const Tube& shape, const TessellationOptions& options) {
   return plan_of(shape, options).triangles;
 }
 
-std::vector<Rim> rims(const Tube& shape) {
-  std::vector<Rim> result;
+std::vector<CircularEdge> circular_edges(const Tube& shape) {
+  std::vector<CircularEdge> result;
   if (shape.counts.around != 0) return result;
   for (const Frame& frame : end_frames(shape)) {
     result.push_back({frame.centre, frame.tangent, shape.radius * frame.right});
@@ -273,7 +273,7 @@ std::vector<Rim> rims(const Tube& shape) {
 std::uint32_t segments(const Tube& shape, const TessellationOptions& options) {
   if (shape.closed || shape.counts.around != 0) return 0;
   TessellationOptions own = options;
-  own.rim_segments = 0;
+  own.edge_segments = 0;
   return plan_of(shape, own).segments;
 }
 

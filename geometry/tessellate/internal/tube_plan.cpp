@@ -31,7 +31,7 @@ class Planner {
       plan_.state = TubePlan::State::too_fine;
       return std::move(plan_);
     }
-    exact_ = tube_.counts.around != 0 || tube_.counts.along != 0 || options_.rim_segments > 0;
+    exact_ = tube_.counts.around != 0 || tube_.counts.along != 0 || options_.edge_segments > 0;
     tube_.spline ? plan_spline() : plan_straights();
     return std::move(plan_);
   }
@@ -70,7 +70,7 @@ class Planner {
   }
   bool given_segments() {
     const std::uint32_t given =
-        tube_.counts.around != 0 ? tube_.counts.around : options_.rim_segments;
+        tube_.counts.around != 0 ? tube_.counts.around : options_.edge_segments;
     if (given != 0) set_segments(given, true);
     return given != 0;
   }
@@ -280,7 +280,7 @@ class Planner {
       if (i == 0) continue;
       measure(placer, sections[i - 1], here, outside_most, inside_most);
       const auto row = static_cast<std::uint32_t>(i);
-      // the last row is the first one, unless pictures tell them apart
+      // the last row is the first one, unless textures tell them apart
       if (closing && !options_.texcoords)
         plan_.bands.push_back({row - 1, 0, shift_});
       else

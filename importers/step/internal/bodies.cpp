@@ -50,7 +50,7 @@ class SharedPoints {
     return point;
   }
 
-  // One for each node of the edge's polygon, in its own direction; made at the first call.
+  // One per node of the edge's polygon, in its own direction; made at the first call.
   template <typename PositionOf>
   const std::vector<std::uint32_t>& of_edge(const TopoDS_Edge& edge, int nodes,
                                             PositionOf position_of) {
@@ -360,7 +360,7 @@ bool add_face(const TopoDS_Face& face, SharedPoints& points, PatchBuilder& patch
 
 }  // namespace
 
-Meshed meshed(const TopoDS_Shape& body, std::span<const std::int32_t> colours, double deflection) {
+Meshed meshed(const TopoDS_Shape& body, std::span<const std::int32_t> colors, double deflection) {
   triangulate(body, deflection * kMetre);
   Meshed out;
   SharedPoints points;
@@ -368,11 +368,11 @@ Meshed meshed(const TopoDS_Shape& body, std::span<const std::int32_t> colours, d
   std::size_t number = 0;
   for (TopExp_Explorer faces(body, TopAbs_FACE); faces.More(); faces.Next(), ++number) {
     const TopoDS_Face& face = TopoDS::Face(faces.Current());
-    const std::int32_t colour = number < colours.size() ? colours[number] : 0;
-    if (!add_face(face, points, patches[colour])) out.lost.push_back(face);
+    const std::int32_t color = number < colors.size() ? colors[number] : 0;
+    if (!add_face(face, points, patches[color])) out.lost.push_back(face);
   }
-  for (const auto& [colour, builder] : patches)
-    if (!builder.mesh()->triangles.empty()) out.patches.push_back({colour, builder.mesh()});
+  for (const auto& [color, builder] : patches)
+    if (!builder.mesh()->triangles.empty()) out.patches.push_back({color, builder.mesh()});
   return out;
 }
 

@@ -17,7 +17,7 @@ inline constexpr double kMetre = 1000;  // of the reader's unit, which is the mi
 
 // Faces of a body that look alike.
 struct Patch {
-  std::int32_t colour = 0;  // as given for each face
+  std::int32_t color = 0;  // as given for each face
   std::shared_ptr<geometry::Mesh> mesh;
 };
 
@@ -30,15 +30,15 @@ struct Meshed {
 // patches too; normals are those of the surfaces, so that edges are creased where surfaces are.
 //
 //   body        its location counts
-//   colours     one for each face, in the order of TopExp_Explorer; any numbers
+//   colours     one per face, in the order of TopExp_Explorer; any numbers
 //   deflection  metres, > 0
 //   returns     metres; triangles are counter-clockwise seen from outside
 //
 // Throws what OpenCASCADE throws.
-Meshed meshed(const TopoDS_Shape& body, std::span<const std::int32_t> colours, double deflection);
+Meshed meshed(const TopoDS_Shape& body, std::span<const std::int32_t> colors, double deflection);
 
-// About how many triangles meshed() makes, from curvatures at a few points of each face: to refuse
-// what no memory holds.
+// About the number of triangles meshed() makes, from curvatures at a few points of each face: to
+// refuse what no memory holds.
 double expected_triangles(const TopoDS_Shape& body, double deflection);
 
 // A shape that a body is, exactly, and its place.

@@ -88,9 +88,7 @@ class Silence {
 // OpenCASCADE's unit of length, which the host may have set to another one.
 class Millimetres {
  public:
-  Millimetres() : before_(Interface_Static::CVal(kName)) {
-    Interface_Static::SetCVal(kName, "MM");
-  }
+  Millimetres() : before_(Interface_Static::CVal(kName)) { Interface_Static::SetCVal(kName, "MM"); }
   ~Millimetres() { Interface_Static::SetCVal(kName, before_.c_str()); }
   Millimetres(const Millimetres&) = delete;
   Millimetres& operator=(const Millimetres&) = delete;
@@ -176,13 +174,13 @@ struct Body {
   TopoDS_Shape shape;  // at the part's origin when placed
   Mat4 part_from_body{1};
   std::string name;
-  std::vector<std::int32_t> colours;  // of its faces
+  std::vector<std::int32_t> colors;  // of its faces
 };
 
 // What stands at a body's node.
 struct Look {
   std::int32_t shape = 0;
-  std::int32_t colour = kInherited;
+  std::int32_t color = kInherited;
 };
 
 struct Made {
@@ -193,7 +191,7 @@ struct Made {
 struct Part {
   std::vector<Body> bodies;
   std::vector<Made> made;  // for each body
-  std::optional<Colour> colour;
+  std::optional<Colour> color;
   std::string material;
 };
 
@@ -359,7 +357,7 @@ class Reading {
 
   Result<Imported> build(const Handle(TDocStd_Document) & document) {
     shapes_ = XCAFDoc_DocumentTool::ShapeTool(document->Main());
-    colours_ = XCAFDoc_DocumentTool::ColorTool(document->Main());
+    colors_ = XCAFDoc_DocumentTool::ColorTool(document->Main());
     TDF_LabelSequence tops;
     shapes_->GetFreeShapes(tops);
     if (tops.IsEmpty()) return refused("there is no product in it");
@@ -448,12 +446,12 @@ class Reading {
     return it->second;
   }
 
-  std::optional<Colour> colour_at(const TDF_Label& label) const {
-    Quantity_ColorRGBA colour;
+  std::optional<Colour> color_at(const TDF_Label& label) const {
+    Quantity_ColorRGBA color;
     for (const XCAFDoc_ColorType type : {XCAFDoc_ColorSurf, XCAFDoc_ColorGen})
-      if (colours_->GetColor(label, type, colour))
-        return Colour{{colour.GetRGB().Red(), colour.GetRGB().Green(), colour.GetRGB().Blue()},
-                      colour.Alpha()};
+      if (colors_->GetColor(label, type, color))
+        return Colour{{color.GetRGB().Red(), color.GetRGB().Green(), color.GetRGB().Blue()},
+                      color.Alpha()};
     return std::nullopt;
   }
 
@@ -469,17 +467,17 @@ class Reading {
     return name->ToCString();
   }
 
-  std::int32_t index_of(const Colour& colour) {
-    const auto it = std::find(palette_.begin(), palette_.end(), colour);
+  std::int32_t index_of(const Colour& color) {
+    const auto it = std::find(palette_.begin(), palette_.end(), color);
     if (it != palette_.end()) return static_cast<std::int32_t>(it - palette_.begin());
-    palette_.push_back(colour);
+    palette_.push_back(color);
     return static_cast<std::int32_t>(palette_.size() - 1);
   }
 
   using Marks = NCollection_DataMap<TopoDS_Shape, TDF_Label, TopTools_ShapeMapHasher>;
 
   void find_bodies(const TDF_Label& product, Part& part) {
-    part.colour = colour_at(product);
+    part.color = color_at(product);
     part.material = material_at(product);
     Marks marks;  // sub-shapes with a name or colour of their own
     TDF_LabelSequence labels;
@@ -494,32 +492,32 @@ class Reading {
 
   std::int32_t marked(const TopoDS_Shape& shape, const Marks& marks, std::int32_t otherwise) {
     if (const TDF_Label* label = marks.Seek(shape))
-      if (const auto colour = colour_at(*label)) return index_of(*colour);
+      if (const auto color = color_at(*label)) return index_of(*color);
     return otherwise;
   }
 
-  void find_bodies_in(const TopoDS_Shape& shape, const Marks& marks, std::int32_t colour,
+  void find_bodies_in(const TopoDS_Shape& shape, const Marks& marks, std::int32_t color,
                       std::uint32_t depth, Part& part) {
     if (depth > options_.limits.depth) throw OverLimit{"depth"};
-    colour = marked(shape, marks, colour);
+    color = marked(shape, marks, color);
     switch (shape.ShapeType()) {
       case TopAbs_SOLID:
       case TopAbs_SHELL:
       case TopAbs_FACE:
-        add_body(shape, marks, colour, part);
+        add_body(shape, marks, color, part);
         break;
       case TopAbs_COMPOUND:
       case TopAbs_COMPSOLID: {
         TopoDS_Compound faces;  // loose ones make one body
         for (TopoDS_Iterator at(shape); at.More(); at.Next()) {
           if (at.Value().ShapeType() != TopAbs_FACE) {
-            find_bodies_in(at.Value(), marks, colour, depth + 1, part);
+            find_bodies_in(at.Value(), marks, color, depth + 1, part);
             continue;
           }
           if (faces.IsNull()) BRep_Builder().MakeCompound(faces);
           BRep_Builder().Add(faces, at.Value());
         }
-        if (!faces.IsNull()) add_body(faces, marks, colour, part);
+        if (!faces.IsNull()) add_body(faces, marks, color, part);
         break;
       }
       case TopAbs_WIRE:
@@ -534,20 +532,20 @@ class Reading {
     }
   }
 
-  void add_body(const TopoDS_Shape& shape, const Marks& marks, std::int32_t colour, Part& part) {
+  void add_body(const TopoDS_Shape& shape, const Marks& marks, std::int32_t color, Part& part) {
     if (++bodies_ > options_.limits.nodes) throw OverLimit{"nodes"};
     Body body;
     body.shape = shape;
     body.name = item_name(shape);
     for (TopExp_Explorer shells(shape, TopAbs_SHELL); shells.More(); shells.Next()) {
-      const std::int32_t of_shell = marked(shells.Current(), marks, colour);
+      const std::int32_t of_shell = marked(shells.Current(), marks, color);
       for (TopExp_Explorer at(shells.Current(), TopAbs_FACE); at.More(); at.Next())
-        body.colours.push_back(marked(at.Current(), marks, of_shell));
+        body.colors.push_back(marked(at.Current(), marks, of_shell));
     }
-    if (body.colours.empty())
+    if (body.colors.empty())
       for (TopExp_Explorer at(shape, TopAbs_FACE); at.More(); at.Next())
-        body.colours.push_back(marked(at.Current(), marks, colour));
-    if (body.colours.empty()) return;
+        body.colors.push_back(marked(at.Current(), marks, color));
+    if (body.colors.empty()) return;
     // made at the origin, so that bodies that differ by their place alone are one shape
     body.part_from_body = matrix_of(shape.Location().Transformation());
     body.shape.Location(TopLoc_Location());
@@ -588,13 +586,13 @@ class Reading {
         add_node(parent, matrix_of(transform), name, assembly ? "assembly" : "part", number);
     if (node == scene::kNone) return;
     // the occurrence's colour, else the product's, else that of what it is a part of
-    std::optional<Colour> colour = label == product ? std::nullopt : colour_at(label);
-    if (!colour) colour = colour_at(product);
-    if (!colour) colour = above;
+    std::optional<Colour> color = label == product ? std::nullopt : color_at(label);
+    if (!color) color = color_at(product);
+    if (!color) color = above;
     if (assembly) {
       TDF_LabelSequence components;
       XCAFDoc_ShapeTool::GetComponents(product, components);
-      for (int i = 1; i <= components.Length(); ++i) add(components.Value(i), node, colour);
+      for (int i = 1; i <= components.Length(); ++i) add(components.Value(i), node, color);
       return;
     }
     Part& part = parts_.at(key_of(product));
@@ -603,12 +601,12 @@ class Reading {
       part.made.push_back(made_of(body, out_.scene.nodes[static_cast<std::size_t>(node)].name));
     }
     for (std::size_t i = 0; i < part.bodies.size(); ++i)
-      place(part.bodies[i], part.made[i], part, node, colour);
+      place(part.bodies[i], part.made[i], part, node, color);
   }
 
   // A body stands at its part's node where it is alone and needs no transform.
   void place(const Body& body, const Made& made, const Part& part, std::int32_t node,
-             const std::optional<Colour>& colour) {
+             const std::optional<Colour>& color) {
     if (made.looks.empty()) return;
     const Mat4 part_from_shape = body.part_from_body * made.body_from_shape;
     if (part.bodies.size() > 1 || part_from_shape != Mat4(1))
@@ -621,9 +619,9 @@ class Reading {
       instance.node = node;
       instance.shape = look.shape;
       instance.material =
-          look.colour == kInherited
-              ? material_of(colour, part.material)
-              : material_of(palette_[static_cast<std::size_t>(look.colour)], part.material);
+          look.color == kInherited
+              ? material_of(color, part.material)
+              : material_of(palette_[static_cast<std::size_t>(look.color)], part.material);
       instance.source = source_of(number_of(body.shape));
       instances.push_back(std::move(instance));
     }
@@ -632,7 +630,7 @@ class Reading {
   // Bodies of one shape and the same colours are made once.
   Made made_of(const Body& body, const std::string& part) {
     const auto key = std::tuple(static_cast<const void*>(body.shape.TShape().get()),
-                                static_cast<int>(body.shape.Orientation()), body.colours);
+                                static_cast<int>(body.shape.Orientation()), body.colors);
     const auto known = made_.find(key);
     if (known != made_.end()) return known->second;
     Made made;
@@ -648,13 +646,12 @@ class Reading {
 
   Made make(const Body& body, const std::string& part) {
     Made made;
-    const bool one_colour =
-        std::all_of(body.colours.begin(), body.colours.end(),
-                    [&](std::int32_t colour) { return colour == body.colours[0]; });
-    if (one_colour) {
+    const bool one_color = std::all_of(body.colors.begin(), body.colors.end(),
+                                       [&](std::int32_t color) { return color == body.colors[0]; });
+    if (one_color) {
       if (auto exact = exact_of(body.shape)) {
         made.body_from_shape = exact->body_from_shape;
-        made.looks.push_back({add_shape(std::move(exact->shape)), body.colours[0]});
+        made.looks.push_back({add_shape(std::move(exact->shape)), body.colors[0]});
         return made;
       }
     }
@@ -662,13 +659,13 @@ class Reading {
     // note: what is expected may be twice what comes
     if (expected_triangles(body.shape, deflection_) > 4 * left + 1000) throw OverLimit{"triangles"};
     job_.poll();
-    const Meshed mesh = meshed(body.shape, body.colours, deflection_);
+    const Meshed mesh = meshed(body.shape, body.colors, deflection_);
     for (const TopoDS_Face& face : mesh.lost)
       report_lost(number_of(face), fmt::format("a face of {} cannot be meshed", in_quotes(part)));
     for (const Patch& patch : mesh.patches) {
       triangles_ += patch.mesh->triangles.size();
       if (triangles_ > options_.limits.triangles) throw OverLimit{"triangles"};
-      made.looks.push_back({add_shape(geometry::MeshShape(patch.mesh)), patch.colour});
+      made.looks.push_back({add_shape(geometry::MeshShape(patch.mesh)), patch.color});
     }
     return made;
   }
@@ -680,19 +677,19 @@ class Reading {
     return place->second;
   }
 
-  std::int32_t material_of(const std::optional<Colour>& colour, const std::string& name) {
+  std::int32_t material_of(const std::optional<Colour>& color, const std::string& name) {
     for (std::size_t i = 0; i < material_keys_.size(); ++i)
-      if (material_keys_[i].first == colour && material_keys_[i].second == name)
+      if (material_keys_[i].first == color && material_keys_[i].second == name)
         return static_cast<std::int32_t>(i);
-    material_keys_.emplace_back(colour, name);
+    material_keys_.emplace_back(color, name);
     materials::Material material;
     CadMaterial cad;
     material.name = cad.name = name;
-    if (colour) {
-      material.diffuse = glm::clamp(colour->rgb, Vec3(0), Vec3(1));
-      cad.opacity = std::clamp(colour->opacity, 0.0, 1.0);
+    if (color) {
+      material.diffuse = glm::clamp(color->rgb, Vec3(0), Vec3(1));
+      cad.opacity = std::clamp(color->opacity, 0.0, 1.0);
     }
-    cad.base_colour = material.diffuse;
+    cad.base_color = material.diffuse;
     if (cad.opacity < 1) {
       cad.lost.emplace_back("transparency");
       transparent_ = true;
@@ -716,7 +713,7 @@ class Reading {
   Imported out_;
   Handle(StepData_StepModel) model_;
   Handle(XCAFDoc_ShapeTool) shapes_;
-  Handle(XCAFDoc_ColorTool) colours_;
+  Handle(XCAFDoc_ColorTool) colors_;
   double deflection_ = 0;  // metres
   std::uint64_t triangles_ = 0;
   std::uint64_t bodies_ = 0;
@@ -735,8 +732,8 @@ class Reading {
 }  // namespace
 
 Result<Imported> read_document(const Text& text, std::string_view bytes, const std::string& path,
-                               const std::string& name, const Options& options,
-                               DiagnosticLog& log, const Job& job) {
+                               const std::string& name, const Options& options, DiagnosticLog& log,
+                               const Job& job) {
   const Silence silence;
   try {
     return Reading(text, path, name, options, log, job).run(bytes);

@@ -18,7 +18,7 @@ namespace {
 
 // Of materials that are equal to the scene.
 bool same(const CadMaterial& a, const CadMaterial& b) {
-  return a.name == b.name && a.base_colour == b.base_colour && a.metallic == b.metallic &&
+  return a.name == b.name && a.base_color == b.base_color && a.metallic == b.metallic &&
          a.roughness == b.roughness && a.opacity == b.opacity && a.textured == b.textured &&
          a.lost == b.lost;
 }
@@ -37,7 +37,7 @@ std::string listed(const std::map<std::string, std::uint64_t, std::less<>>& coun
 
 }  // namespace
 
-Builder::Builder(Session& of) : session(of) {
+Builder::Builder(ReaderContext& of) : context(of) {
   scene::Node root;
   root.name = "root";
   out_.scene.nodes.push_back(root);
@@ -46,26 +46,26 @@ Builder::Builder(Session& of) : session(of) {
 scene::Source Builder::source_of(SourceSpan where) {
   if (where.file == kNoFile) return {};
   if (once) {
-    const Position at = session.log.sources().position(where.file, where.begin);
-    return {session.path_of(where.file), at.line, at.column};
+    const Position at = context.log.sources().position(where.file, where.begin);
+    return {context.path_of(where.file), at.line, at.column};
   }
   // note: nodes that are shared ask for the same places again and again
   const auto [it, added] = positions_.try_emplace(std::uint64_t{where.file} << 32 | where.begin);
-  if (added) it->second = session.log.sources().position(where.file, where.begin);
-  return {session.path_of(where.file), it->second.line, it->second.column};
+  if (added) it->second = context.log.sources().position(where.file, where.begin);
+  return {context.path_of(where.file), it->second.line, it->second.column};
 }
 
 std::int32_t Builder::add_node(std::int32_t parent, const Mat4& parent_from_node,
                                std::string_view name, std::string_view kind, SourceSpan where) {
-  session.job.poll();
+  context.job.poll();
   std::optional<scene::Decomposed> parts = scene::Decomposed{};
   if (parent_from_node != Mat4(1)) parts = scene::decomposed(parent_from_node);
   if (!parts) {
-    session.log.report(Code::W6009, where, "its transform leaves nothing of what it holds");
+    context.log.report(Code::W6009, where, "its transform leaves nothing of what it holds");
     return scene::kNone;
   }
   auto& nodes = out_.scene.nodes;
-  if (nodes.size() + 1 >= session.options.limits.nodes) throw OverLimit{"nodes", where};
+  if (nodes.size() + 1 >= context.options.limits.nodes) throw OverLimit{"nodes", where};
   scene::Node node;
   node.name = name;
   std::replace(node.name.begin(), node.name.end(), '/', '_');
@@ -76,10 +76,10 @@ std::int32_t Builder::add_node(std::int32_t parent, const Mat4& parent_from_node
 }
 
 std::int32_t Builder::add_shape(geometry::Shape shape, SourceSpan where) {
-  session.job.poll();
+  context.job.poll();
   if (const auto* mesh = std::get_if<geometry::MeshShape>(&shape)) {
     const std::uint64_t count = (*mesh)->triangles.size();
-    if (count > session.options.limits.triangles - triangles_) throw OverLimit{"triangles", where};
+    if (count > context.options.limits.triangles - triangles_) throw OverLimit{"triangles", where};
   }
   const auto [place, added] = shapes_.try_emplace(geometry::hash_of(shape), 0);
   if (!added) return place->second;
@@ -125,7 +125,7 @@ std::int32_t Builder::add_phong(const Phong& phong, std::string_view name, bool 
     lost("colours outside of 0 to 1");
   materials::fit(material);
   cad.name = name;
-  cad.base_colour = material.diffuse;
+  cad.base_color = material.diffuse;
   cad.opacity = 1 - std::clamp(phong.transparency, 0.0, 1.0);
   cad.textured = textured;
   if (cad.opacity < 1) {
@@ -142,7 +142,7 @@ std::int32_t Builder::add_texture(scene::Texture texture) {
     grey = grey && texture.rgba[i] == texture.rgba[i + 1] && texture.rgba[i] == texture.rgba[i + 2];
     opaque = opaque && texture.rgba[i + 3] == 255;
   }
-  if (!opaque) lost("transparency of pictures");
+  if (!opaque) lost("transparency of textures");
   grey_.push_back(grey);
   out_.scene.textures.push_back(std::move(texture));
   return static_cast<std::int32_t>(out_.scene.textures.size() - 1);
@@ -153,49 +153,49 @@ bool Builder::is_grey(std::int32_t texture) const {
 }
 
 std::int32_t Builder::kept_texture(scene::Texture texture, SourceSpan where) {
-  if (texture.rgba.size() > session.options.limits.texture_bytes - texture_bytes_) {
-    session.log.report(Code::W6004, where, "the pictures are larger than the limit");
+  if (texture.rgba.size() > context.options.limits.texture_bytes - texture_bytes_) {
+    context.log.report(Code::W6004, where, "the textures are larger than the limit");
     return scene::kNone;
   }
   texture_bytes_ += texture.rgba.size();
   return add_texture(std::move(texture));
 }
 
-std::int32_t Builder::add_picture(std::span<const std::string_view> urls, SourceSpan where) {
-  if (!session.options.textures || urls.empty()) return scene::kNone;
-  std::string key = session.path_of(where.file);
+std::int32_t Builder::add_texture(std::span<const std::string_view> urls, SourceSpan where) {
+  if (!context.options.textures || urls.empty()) return scene::kNone;
+  std::string key = context.path_of(where.file);
   for (const std::string_view url : urls) key.append(1, '\0').append(url);
   const auto [asked, first] = asked_.try_emplace(key, scene::kNone);
   if (!first) return asked->second;
   std::string path;
-  const auto bytes = session.bytes_of(urls, where, &path);
+  const auto bytes = context.bytes_of(urls, where, &path);
   if (!bytes) return scene::kNone;
-  const auto [picture, unread] = pictures_.try_emplace(path, scene::kNone);
+  const auto [texture, unread] = texture_cache_.try_emplace(path, scene::kNone);
   if (unread) {
     DecodedImage image;
-    const std::uint64_t left = session.options.limits.texture_bytes - texture_bytes_;
+    const std::uint64_t left = context.options.limits.texture_bytes - texture_bytes_;
     const auto packed = as_bytes(*bytes);
     const ImageProblem problem =
         is_gif(packed) ? decode_gif(packed, left, image) : decode_image(packed, left, image);
     if (problem.code)
-      session.log.report(
+      context.log.report(
           Code::W6004, where,
-          fmt::format("{}: {}", in_quotes(session.files.display_name(path)), problem.message));
+          fmt::format("{}: {}", in_quotes(context.files.display_name(path)), problem.message));
     else
-      picture->second =
+      texture->second =
           kept_texture({path, image.width, image.height, std::move(image.rgba)}, where);
   }
-  asked->second = picture->second;
+  asked->second = texture->second;
   return asked->second;
 }
 
 std::int32_t Builder::add_image(std::span<const std::int32_t> image, SourceSpan where) {
-  if (!session.options.textures || image.size() < 4) return scene::kNone;
+  if (!context.options.textures || image.size() < 4) return scene::kNone;
   const auto width = static_cast<std::uint32_t>(image[0]);
   const auto height = static_cast<std::uint32_t>(image[1]);
   const std::int32_t components = image[2];
   if (width > kMaxTextureSide || height > kMaxTextureSide || components == 0) {
-    session.log.report(Code::W6004, where, "a picture of a size that is not used");
+    context.log.report(Code::W6004, where, "an image of a size that is not used");
     return scene::kNone;
   }
   scene::Texture texture{"SFImage", width, height, {}};
@@ -221,7 +221,7 @@ std::int32_t Builder::add_image(std::span<const std::int32_t> image, SourceSpan 
 void Builder::add_instance(std::int32_t node, std::int32_t shape, std::int32_t material,
                            std::int32_t texture, SourceSpan where) {
   auto& instances = out_.scene.instances;
-  if (instances.size() >= session.options.limits.nodes) throw OverLimit{"nodes", where};
+  if (instances.size() >= context.options.limits.nodes) throw OverLimit{"nodes", where};
   scene::Instance instance;
   instance.node = node;
   instance.shape = shape;
@@ -249,12 +249,12 @@ void Builder::lost(std::string_view property) {
 
 bool Builder::enter(const Node& node) {
   if (std::find(open_nodes_.begin(), open_nodes_.end(), &node) != open_nodes_.end()) {
-    session.log.report(Code::E6109, node.where,
+    context.log.report(Code::E6109, node.where,
                        fmt::format("this {} contains itself", in_quotes(node.type)));
     return false;
   }
-  if (open_nodes_.size() >= session.options.limits.depth) throw OverLimit{"depth", node.where};
-  if (++visits_ > session.options.limits.nodes) throw OverLimit{"nodes", node.where};
+  if (open_nodes_.size() >= context.options.limits.depth) throw OverLimit{"depth", node.where};
+  if (++visits_ > context.options.limits.nodes) throw OverLimit{"nodes", node.where};
   open_nodes_.push_back(&node);
   return true;
 }
@@ -264,9 +264,9 @@ void Builder::leave(const Node&) { open_nodes_.pop_back(); }
 bool Builder::enter(const Document& document, SourceSpan where) {
   if (std::find(open_documents_.begin(), open_documents_.end(), &document) !=
       open_documents_.end()) {
-    session.log.report(
+    context.log.report(
         Code::E6109, where,
-        fmt::format("{} contains itself", in_quotes(session.files.display_name(document.path))));
+        fmt::format("{} contains itself", in_quotes(context.files.display_name(document.path))));
     return false;
   }
   open_documents_.push_back(&document);
@@ -282,16 +282,16 @@ void Builder::lost_clamping(std::int32_t shape, bool repeat_s, bool repeat_t) {
   const auto leaves = [](double at) { return at < 0 || at > 1; };
   for (const Vec2& at : (*mesh)->texcoords)
     if ((!repeat_s && leaves(at.x)) || (!repeat_t && leaves(at.y)))
-      return lost("pictures that do not repeat");
+      return lost("textures that do not repeat");
 }
 
 Imported Builder::finished(Format format, std::string_view file_name) {
   out_.format = format;
-  out_.scene.inputs = session.further_inputs;
+  out_.scene.inputs = context.further_inputs;
   if (!skipped_.empty())
-    session.log.report_file(Code::N6007, file_name, fmt::format("skipped: {}", listed(skipped_)));
+    context.log.report_file(Code::N6007, file_name, fmt::format("skipped: {}", listed(skipped_)));
   if (!lost_.empty())
-    session.log.report_file(Code::N6008, file_name, fmt::format("lost: {}", listed(lost_)));
+    context.log.report_file(Code::N6008, file_name, fmt::format("lost: {}", listed(lost_)));
   return std::move(out_);
 }
 

@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "importers/vrml/internal/session.h"
+#include "importers/vrml/internal/reader_context.h"
 
 namespace panwright::importers::vrml {
 
@@ -26,9 +26,9 @@ struct Cache97;
 
 class Builder {
  public:
-  explicit Builder(Session& of);
+  explicit Builder(ReaderContext& of);
 
-  Session& session;
+  ReaderContext& context;
   // What is added now is met this once: nothing of it need be remembered.
   bool once = false;
 
@@ -45,9 +45,9 @@ class Builder {
   // as lost.
   std::int32_t add_phong(const Phong& phong, std::string_view name, bool textured);
 
-  // The picture that some URLs name, or kNone: as Session::bytes_of.
-  std::int32_t add_picture(std::span<const std::string_view> urls, SourceSpan where);
-  // The picture of an SFImage, bottom row first in the file; kNone: none, or past the limit.
+  // The texture that some URLs name, or kNone: as ReaderContext::bytes_of.
+  std::int32_t add_texture(std::span<const std::string_view> urls, SourceSpan where);
+  // The texture of an SFImage, bottom row first in the file; kNone: none, or past the limit.
   std::int32_t add_image(std::span<const std::int32_t> image, SourceSpan where);
   std::int32_t add_texture(scene::Texture texture);
   bool is_grey(std::int32_t texture) const;  // VRML 97: multiplies the diffuse colour then
@@ -60,7 +60,7 @@ class Builder {
   void skipped(std::string_view type);
   // Counted for the one note N6008.
   void lost(std::string_view property);
-  // A picture that does not repeat, on a mesh, is lost where the coordinates leave it.
+  // A texture that does not repeat, on a mesh, is lost where the coordinates leave it.
   void lost_clamping(std::int32_t shape, bool repeat_s, bool repeat_t);
 
   // Nodes on the way from the top, for cycles and depth. enter() reports E6109 and returns false
@@ -93,8 +93,8 @@ class Builder {
   std::unordered_map<Hash128, std::int32_t, ByLow> shapes_;
   // by name and all that tells materials apart
   std::multimap<std::pair<std::string, std::vector<double>>, std::int32_t> materials_;
-  std::map<std::string, std::int32_t> pictures_;  // by path
-  std::map<std::string, std::int32_t> asked_;     // by the file that asks, and all URLs
+  std::map<std::string, std::int32_t> texture_cache_;  // by path
+  std::map<std::string, std::int32_t> asked_;          // by the file that asks, and all URLs
   std::vector<bool> grey_;
   std::map<std::string, std::uint64_t, std::less<>> skipped_;
   std::map<std::string, std::uint64_t, std::less<>> lost_;

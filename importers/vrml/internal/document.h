@@ -172,7 +172,7 @@ struct Node {
   std::span<Node*> children;       // VRML 1.0, and nodes inside those that are not known
   Prototype* prototype = nullptr;  // an instance of this
   Node* owner = nullptr;           // the instance in whose body this is a copy
-  Node* body = nullptr;            // of an instance: see Session::actual
+  Node* body = nullptr;            // of an instance: see ReaderContext::actual
   bool expanded = false;           // whether body has been looked for
   bool again = false;              // a USE names it
   bool has_is = false;             // it or what stands below it takes values of an interface

@@ -78,11 +78,11 @@ class FaceMesher {
     if (!count()) return {};
     normals_ = attribute(in_.normals, 3, in_.normal_index, in_.normal_per_vertex, List::normals,
                          List::normal_index);
-    colours_ = attribute(in_.colours, 3, in_.color_index, in_.color_per_vertex, List::colours,
-                         List::color_index);
+    colors_ = attribute(in_.colors, 3, in_.color_index, in_.color_per_vertex, List::colors,
+                        List::color_index);
     texcoords_ = attribute(in_.texcoords, 2, in_.texcoord_index, true, List::texcoords,
                            List::texcoord_index);
-    if (normals_.splits_points() || colours_.splits_points() || texcoords_.splits_points())
+    if (normals_.splits_points() || colors_.splits_points() || texcoords_.splits_points())
       make_faces<true>();
     else
       make_faces<false>();
@@ -162,7 +162,7 @@ class FaceMesher {
              "a number that is not finite; the whole list is not used");
       return {};
     }
-    if (list == List::colours) report_bright(values);
+    if (list == List::colors) report_bright(values);
     bool sound = true;
     for_each_face(in_.coord_index, [&](std::size_t face, std::size_t begin, std::size_t end) {
       if (!sound || end - begin < 3) return;
@@ -173,14 +173,14 @@ class FaceMesher {
     return sound ? a : Attribute{};
   }
 
-  void report_bright(std::span<const double> colours) {
+  void report_bright(std::span<const double> colors) {
     const auto outside = [](double v) { return v < 0 || v > 1; };
-    const auto first = std::ranges::find_if(colours, outside);
-    if (first == colours.end()) return;
-    report(Code::W6114, List::colours, static_cast<std::size_t>(first - colours.begin()) / 3,
+    const auto first = std::ranges::find_if(colors, outside);
+    if (first == colors.end()) return;
+    report(Code::W6114, List::colors, static_cast<std::size_t>(first - colors.begin()) / 3,
            fmt::format("{} numbers of the list are no part of a colour, which are 0 to 1, and are "
                        "clamped",
-                       std::ranges::count_if(colours, outside)));
+                       std::ranges::count_if(colors, outside)));
   }
 
   bool is_coord_index(std::span<const std::int32_t> index) const {
@@ -219,7 +219,7 @@ class FaceMesher {
     const std::size_t guess = std::min(points_, in_.coord_index.size());
     out_.positions.reserve(guess);
     if (normals_.is_there()) out_.normals.reserve(guess);
-    if (colours_.is_there()) out_.colours.reserve(guess);
+    if (colors_.is_there()) out_.colors.reserve(guess);
     if (texcoords_.is_there()) out_.texcoords.reserve(guess);
     const bool many = in_.points.size() >= kManyNumbers && options_.served;
     if (!kSplit && many && all_finite_ && all_whole_) {
@@ -250,7 +250,7 @@ class FaceMesher {
       if (v == kNone) v = first_[point] = new_vertex({point, point, point, point});
       return v;
     } else {
-      const Key key{point, normals_.at(point, corner, face), colours_.at(point, corner, face),
+      const Key key{point, normals_.at(point, corner, face), colors_.at(point, corner, face),
                     texcoords_.at(point, corner, face)};
       for (int i = 0; v != kNone && i < kLongestSearch; ++i, v = keys_[v].next)
         if (keys_[v].key == key) return v;
@@ -263,7 +263,7 @@ class FaceMesher {
   struct Key {
     std::uint32_t point;
     std::uint32_t normal;
-    std::uint32_t colour;
+    std::uint32_t color;
     std::uint32_t texcoord;
     bool operator==(const Key&) const = default;
   };
@@ -271,8 +271,8 @@ class FaceMesher {
   std::uint32_t new_vertex(const Key& key) {
     out_.positions.push_back(vec3_at(in_.points, key.point));
     if (normals_.is_there()) out_.normals.push_back(vec3_at(normals_.values, key.normal));
-    if (colours_.is_there())
-      out_.colours.push_back(glm::clamp(vec3_at(colours_.values, key.colour), 0.0, 1.0));
+    if (colors_.is_there())
+      out_.colors.push_back(glm::clamp(vec3_at(colors_.values, key.color), 0.0, 1.0));
     if (texcoords_.is_there())
       out_.texcoords.push_back(
           {texcoords_.values[2 * key.texcoord], texcoords_.values[2 * key.texcoord + 1]});
@@ -376,7 +376,7 @@ class FaceMesher {
   bool all_finite_ = true;  // points
   bool all_whole_ = true;   // faces
   Attribute normals_;
-  Attribute colours_;
+  Attribute colors_;
   Attribute texcoords_;
   std::vector<std::uint32_t> first_;  // of each point, its newest vertex
   std::vector<Keyed> keys_;           // of each vertex

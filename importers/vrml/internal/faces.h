@@ -22,7 +22,7 @@ enum class List : std::uint8_t {
   coord_index,
   normals,
   normal_index,
-  colours,
+  colors,
   color_index,
   texcoords,
   texcoord_index,
@@ -54,15 +54,15 @@ struct FaceOptions {
 };
 
 // An IndexedFaceSet of either version of VRML. Lists are as in the file; an empty index list means
-// what the standard says: the coordinates' own, or one for each face in order.
+// what the standard says: the coordinates' own, or one per face in order.
 struct FaceSet {
   std::span<const double> points;              // 3*P
   std::span<const std::int32_t> coord_index;   // below 0 ends a face
   std::span<const double> normals;             // 3*N, any length; empty: none
-  std::span<const std::int32_t> normal_index;  // like coord_index, or one for each face
+  std::span<const std::int32_t> normal_index;  // like coord_index, or one per face
   bool normal_per_vertex = true;
-  std::span<const double> colours;            // 3*C, linear RGB; empty: none
-  std::span<const std::int32_t> color_index;  // like coord_index, or one for each face
+  std::span<const double> colors;             // 3*C, linear RGB; empty: none
+  std::span<const std::int32_t> color_index;  // like coord_index, or one per face
   bool color_per_vertex = true;
   std::span<const double> texcoords;             // 2*T, (0,0) the image's bottom left; empty: none
   std::span<const std::int32_t> texcoord_index;  // like coord_index
@@ -92,7 +92,7 @@ struct ElevationGrid {
   std::span<const double> heights;  // x_dimension*z_dimension, x runs first
   std::span<const double> normals;  // 3*N; empty: none
   bool normal_per_vertex = true;
-  std::span<const double> colours;  // 3*C; empty: none
+  std::span<const double> colors;  // 3*C; empty: none
   bool color_per_vertex = true;
   std::span<const double> texcoords;  // 2*T; empty: none
   bool ccw = true;

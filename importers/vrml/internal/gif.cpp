@@ -54,10 +54,10 @@ class GifReader {
   void skip_blocks() {
     for (unsigned size = byte(); size > 0; size = byte()) skip(size);
   }
-  void read_colours(unsigned flags) {
+  void read_colors(unsigned flags) {
     const std::size_t count = std::size_t{2} << (flags & 7);
-    colours_ = at_;
-    colour_count_ = count;
+    colors_ = at_;
+    color_count_ = count;
     skip(3 * count);
   }
 
@@ -67,7 +67,7 @@ class GifReader {
     out_.height = pair();
     const unsigned flags = byte();
     skip(2);
-    if (flags & 0x80) read_colours(flags);
+    if (flags & 0x80) read_colors(flags);
     for (;;) {
       switch (byte()) {
         case 0x21:  // an extension
@@ -79,14 +79,14 @@ class GifReader {
         case 0x2c:
           return read_frame();
         case 0x3b:
-          throw Damaged{"it holds no picture"};
+          throw Damaged{"it holds no image"};
         default:
           throw Damaged{fmt::format("byte {} begins no block", at_ - 1)};
       }
     }
   }
 
-  // What is transparent in the picture that follows.
+  // What is transparent in the image that follows.
   void read_control() {
     const std::size_t begin = at_;
     if (byte() == 4) {
@@ -106,8 +106,8 @@ class GifReader {
     frame.height = pair();
     const unsigned flags = byte();
     frame.interlaced = flags & 0x40;
-    if (flags & 0x80) read_colours(flags);
-    // screens of no size, and pictures that lie outside of theirs, are common
+    if (flags & 0x80) read_colors(flags);
+    // screens of no size, and images that lie outside of theirs, are common
     out_.width = std::max(out_.width, frame.left + frame.width);
     out_.height = std::max(out_.height, frame.top + frame.height);
     const std::uint64_t pixels = std::uint64_t{out_.width} * out_.height;
@@ -194,13 +194,13 @@ class GifReader {
     const auto line = static_cast<std::uint32_t>(place / frame.width);
     const std::uint32_t row = frame.interlaced ? row_of(line, frame.height) : line;
     if (static_cast<int>(index) == transparent_) return;
-    if (index >= colour_count_) throw Damaged{fmt::format("there is no colour {}", index)};
+    if (index >= color_count_) throw Damaged{fmt::format("there is no colour {}", index)};
     const std::uint64_t pixel = std::uint64_t{frame.top + row} * out_.width + frame.left + column;
-    std::memcpy(out_.rgba.data() + 4 * pixel, bytes_.data() + colours_ + 3 * std::size_t{index}, 3);
+    std::memcpy(out_.rgba.data() + 4 * pixel, bytes_.data() + colors_ + 3 * std::size_t{index}, 3);
     out_.rgba[4 * pixel + 3] = 255;
   }
 
-  // Rows of an interlaced picture come as each 8th from 0, from 4, each 4th from 2, each 2nd
+  // Rows of an interlaced image come as each 8th from 0, from 4, each 4th from 2, each 2nd
   // from 1.
   static std::uint32_t row_of(std::uint32_t line, std::uint32_t height) {
     constexpr std::uint32_t kPasses[][2] = {{0, 8}, {4, 8}, {2, 4}, {1, 2}};
@@ -216,8 +216,8 @@ class GifReader {
   std::uint64_t max_bytes_;
   DecodedImage& out_;
   std::size_t at_ = 0;
-  std::size_t colours_ = 0;  // place of the table
-  std::size_t colour_count_ = 0;
+  std::size_t colors_ = 0;  // place of the table
+  std::size_t color_count_ = 0;
   int transparent_ = -1;
   unsigned bits_ = 0;
   unsigned bit_count_ = 0;

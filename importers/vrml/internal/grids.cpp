@@ -66,7 +66,7 @@ geometry::Mesh mesh_of(const ElevationGrid& grid, const FaceOptions& options,
   faces.coord_index = index;
   faces.normals = grid.normals;
   faces.normal_per_vertex = grid.normal_per_vertex;
-  faces.colours = grid.colours;
+  faces.colors = grid.colors;
   faces.color_per_vertex = grid.color_per_vertex;
   faces.texcoords = grid.texcoords.empty() ? texcoords : grid.texcoords;
   faces.ccw = grid.ccw;

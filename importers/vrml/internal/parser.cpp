@@ -22,10 +22,10 @@ bool same_but_for_case(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-Parser::Parser(Session& session, Document& document)
-    : session_(session),
+Parser::Parser(ReaderContext& context, Document& document)
+    : context_(context),
       document_(document),
-      limits_(session.options.limits),
+      limits_(context.options.limits),
       arena_(*document.arena),
       begin_(document.text->data()),
       end_(document.text->data() + document.text->size()),
@@ -39,7 +39,7 @@ void Parser::run() {
   document_.text.forget(0, document_.text->size());
   if (bad != std::string::npos) {
     latin1_ = true;
-    session_.log.sources().set_encoding(document_.file, Encoding::latin1);
+    context_.log.sources().set_encoding(document_.file, Encoding::latin1);
     report(Code::W6116, span(begin_ + bad, begin_ + bad + 1),
            "the text is not UTF-8 from here on, and is read as Latin-1");
   }
@@ -166,7 +166,7 @@ SourceSpan Parser::here() {
 }
 
 void Parser::forget() {
-  session_.job.poll();
+  context_.job.poll();
   document_.text.forget(static_cast<std::size_t>(forgotten_ - begin_),
                         static_cast<std::size_t>(p_ - begin_));
   forgotten_ = p_;
@@ -182,7 +182,7 @@ bool Parser::terse() {
 
 void Parser::report(Code code, SourceSpan where, std::string message, std::string hint) {
   ++problems_;
-  session_.log.report(code, where, std::move(message), std::move(hint));
+  context_.log.report(code, where, std::move(message), std::move(hint));
 }
 
 // Says once, of the innermost, what the end of the text cuts off.
@@ -267,7 +267,7 @@ Node* Parser::use() {
 }
 
 Node* Parser::typed_node(std::string_view def) {
-  session_.job.poll();
+  context_.job.poll();
   skip_blanks();
   if (!at_word()) {
     report(Code::E6103, here(), "the type of a node is missing");

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "importers/vrml/internal/document.h"
-#include "importers/vrml/internal/session.h"
+#include "importers/vrml/internal/reader_context.h"
 
 namespace panwright::importers::vrml {
 
@@ -62,7 +62,7 @@ class Growing {
 class Parser {
  public:
   // Expects: document with path, file, format, text (its header checked), arena.
-  Parser(Session& session, Document& document);
+  Parser(ReaderContext& context, Document& document);
   // Reads the whole text into the document. Reports E6103 to E6118. Throws OverLimit.
   void run();
 
@@ -171,7 +171,7 @@ class Parser {
   void skip_stray(char close);  // tokens that mean nothing here, with one message
   void skip_string();
 
-  Session& session_;
+  ReaderContext& context_;
   Document& document_;
   const Limits& limits_;
   Arena& arena_;

@@ -6,7 +6,7 @@ namespace panwright::importers::vrml {
 
 namespace {
 
-// Boxes: x → x, y → −z, z → y. Round shapes: x → −z, y → −x, z → y.
+// Boxes: x → x, y → −z, z → y. Surfaces of revolution: x → −z, y → −x, z → y.
 const Mat4 kUpright{Vec4(1, 0, 0, 0), Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1)};
 const Mat4 kRound{Vec4(0, 0, -1, 0), Vec4(-1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1)};
 

@@ -1,4 +1,5 @@
-// The round shapes and boxes of both versions, which stand on y, as ours, which stand on z.
+// The surfaces of revolution and boxes of both versions, which stand on y, as ours, which stand on
+// z.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +13,16 @@ struct Primitive {
   Mat4 theirs_from_shape{1};
 };
 
-// textured: pictures are upright along the z of our boxes, so that they are turned.
+// textured: textures are upright along the z of our boxes, so that they are turned.
 Primitive box_of(const Vec3& size, bool textured);
 
-// Round shapes begin their texture at −z (ISO/IEC 14772-1, 6.13, 6.41).
+// Surfaces of revolution begin their texture at −z (ISO/IEC 14772-1, 6.13, 6.41).
 //
 //   segments  around the shape; 0: exact
 Primitive sphere_of(double radius, std::uint32_t segments);
 Primitive cylinder_of(double radius, double height, geometry::Caps caps, std::uint32_t segments);
 Primitive cone_of(double radius, double height, geometry::Caps caps, std::uint32_t segments);
-// At height y, looking up or down, with the outline of the round shapes.
+// At height y, looking up or down, with the outline of the surfaces of revolution.
 Primitive disc_of(double radius, double y, bool up, std::uint32_t segments);
 
 }  // namespace panwright::importers::vrml

@@ -4,7 +4,7 @@
 #include <unordered_map>
 
 #include "base/text.h"
-#include "importers/vrml/internal/session.h"
+#include "importers/vrml/internal/reader_context.h"
 
 namespace panwright::importers::vrml {
 
@@ -16,7 +16,7 @@ constexpr std::uint32_t kMostSteps = 64;  // instances that are instances, exter
 
 // What an EXTERNPROTO stands for: the prototype of its name ("#Name" of the URL) in the first of
 // its files that has one, or the first of a file without a name given.
-Prototype* Session::target_of(Prototype& prototype) {
+Prototype* ReaderContext::target_of(Prototype& prototype) {
   if (prototype.looked_for) return prototype.target;
   prototype.looked_for = true;
   std::string problem = "no file is named";
@@ -42,8 +42,8 @@ Prototype* Session::target_of(Prototype& prototype) {
 
 // A copy of one node of a body, and of what stands below it, as far as values of the interface are
 // used there; the rest is shared.
-Node* Session::copied(Node* node, Node& instance, const Prototype& prototype,
-                      std::unordered_map<const Node*, Node*>& done) {
+Node* ReaderContext::copied(Node* node, Node& instance, const Prototype& prototype,
+                            std::unordered_map<const Node*, Node*>& done) {
   if (!node->has_is) return node;
   Node*& known = done[node];
   if (known != nullptr) return known;
@@ -77,7 +77,7 @@ Node* Session::copied(Node* node, Node& instance, const Prototype& prototype,
   return out;
 }
 
-void Session::expand(Node& instance) {
+void ReaderContext::expand(Node& instance) {
   instance.expanded = true;
   Prototype* prototype = instance.prototype;
   if (prototype->external) {
@@ -106,7 +106,7 @@ void Session::expand(Node& instance) {
   instance.body = copied(prototype->body[0], instance, *prototype, done);
 }
 
-Node* Session::actual(Node* node) {
+Node* ReaderContext::actual(Node* node) {
   for (std::uint32_t step = 0; node != nullptr && node->prototype != nullptr; ++step) {
     if (step > kMostSteps) {
       log.report(Code::E6109, node->where,

@@ -169,7 +169,7 @@ void Scene10::lod(Node& node) {
 void Scene10::inlined(Node& node) {
   const Field* name = node.find("name");
   if (name != nullptr) {
-    Document* document = builder_.session.inlined(name->value.strings(), name->where);
+    Document* document = builder_.context.inlined(name->value.strings(), name->where);
     settle();
     if (document != nullptr && state_.anchor != scene::kNone &&
         builder_.enter(*document, name->where)) {
@@ -197,7 +197,7 @@ Binding Scene10::binding(Node& node) {
   const auto found = words.find(text);
   if (found != words.end()) return found->second;
   const Field* field = node.find("value");
-  builder_.session.log.report(Code::E6107, field != nullptr ? field->where : node.where,
+  builder_.context.log.report(Code::E6107, field != nullptr ? field->where : node.where,
                               fmt::format("{} is no binding", in_quotes(text)));
   return Binding::standard;
 }
@@ -223,7 +223,7 @@ void Scene10::matrix_transform(Node& node) {
   Mat4 m;
   for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = numbers[static_cast<std::size_t>(i)];
   if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) {
-    builder_.session.log.report(Code::W6118, node.find("matrix")->where,
+    builder_.context.log.report(Code::W6118, node.find("matrix")->where,
                                 "the last column of a matrix is 0 0 0 1; it is taken for that");
     for (int i = 0; i < 4; ++i) m[i][3] = i == 3 ? 1 : 0;
   }
@@ -297,7 +297,7 @@ void Scene10::cube(Node& node) {
   for (std::size_t i = 0; i < 8; ++i)
     for (std::size_t k = 0; k < 3; ++k)
       points[3 * i + k] = size[static_cast<int>(k)] * ((i >> k) % 2 == 1 ? 0.5 : -0.5);
-  // front, back, left, right, top, bottom: each from its picture's bottom left
+  // front, back, left, right, top, bottom: each from its texture's bottom left
   constexpr std::array<std::int32_t, 30> kFaces = {4, 5, 7, 6, -1, 1, 0, 2, 3, -1, 0, 4, 6, 2, -1,
                                                    5, 1, 3, 7, -1, 6, 7, 3, 2, -1, 0, 1, 5, 4, -1};
   constexpr std::array<double, 8> kSquare = {0, 0, 1, 0, 1, 1, 0, 1};
@@ -359,7 +359,7 @@ void Scene10::cone(Node& node) {
 // A shape with the material of one of the node's parts.
 void Scene10::add_primitive(Node& node, const Primitive& primitive, std::size_t part) {
   if (const auto problem = geometry::problem_of(primitive.shape)) {
-    builder_.session.log.report(Code::W6009, node.where,
+    builder_.context.log.report(Code::W6009, node.where,
                                 fmt::format("{}; it is left out", problem->message));
     return;
   }

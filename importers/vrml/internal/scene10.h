@@ -49,8 +49,8 @@ class Materials10 {
   std::size_t size() const { return size_; }
   Phong at(std::size_t item) const;  // counts round
   bool only_diffuse_varies() const { return others_ <= 1; }
-  bool lit() const { return lit_; }             // false: its colours were emissive alone
-  std::vector<double> diffuse_colours() const;  // 3*size
+  bool lit() const { return lit_; }            // false: its colours were emissive alone
+  std::vector<double> diffuse_colors() const;  // 3*size
   std::string_view name() const;
 
  private:
@@ -74,7 +74,7 @@ struct Faces10 {
   bool own_texcoords = true;  // asked for by the node, not left by one before it
 };
 
-// How a binding finds items: the index, and whether it is one for each corner.
+// How a binding finds items: the index, and whether it is one per corner.
 struct Bound10 {
   std::vector<std::int32_t> owned;
   std::span<const std::int32_t> index;
@@ -104,7 +104,7 @@ class Scene10 {
   struct Part {
     std::int32_t shape;
     std::int32_t material;
-    bool coloured;  // the mesh has colours of its own
+    bool colored;  // the mesh has colours of its own
   };
 
   // groups
@@ -147,7 +147,7 @@ class Scene10 {
   Binding binding(Node& node);
   void settle();  // makes the node of the frame
   std::int32_t place_of(const Node& node, const Mat4& here_from_shape);
-  std::uint32_t segments() const { return builder_.session.options.primitives; }
+  std::uint32_t segments() const { return builder_.context.options.primitives; }
   bool has_parts_of_their_own() const;  // side, top and bottom may differ in material
   void add_primitive(Node& node, const Primitive& primitive, std::size_t part);
   std::int32_t texture_index();

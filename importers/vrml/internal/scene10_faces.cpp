@@ -130,7 +130,7 @@ Phong Materials10::at(std::size_t item) const {
   Phong phong;
   if (node_ == nullptr) return phong;
   const std::size_t wanted = item % size_;
-  const auto colour = [&](std::span<const double> list, Vec3& out) {
+  const auto color = [&](std::span<const double> list, Vec3& out) {
     if (list.size() < 3) return;
     const std::size_t i = 3 * std::min(wanted, list.size() / 3 - 1);
     out = Vec3(list[i], list[i + 1], list[i + 2]);
@@ -138,21 +138,21 @@ Phong Materials10::at(std::size_t item) const {
   const auto number = [&](std::span<const double> list, double& out) {
     if (!list.empty()) out = list[std::min(wanted, list.size() - 1)];
   };
-  colour(diffuse_, phong.diffuse);
-  colour(specular_, phong.specular);
-  colour(emissive_, phong.emissive);
+  color(diffuse_, phong.diffuse);
+  color(specular_, phong.specular);
+  color(emissive_, phong.emissive);
   number(shininess_, phong.shininess);
   number(transparency_, phong.transparency);
   return phong;
 }
 
-std::vector<double> Materials10::diffuse_colours() const {
-  std::vector<double> colours;
+std::vector<double> Materials10::diffuse_colors() const {
+  std::vector<double> colors;
   for (std::size_t i = 0; i < size_; ++i) {
     const Vec3 c = at(i).diffuse;
-    colours.insert(colours.end(), {c.x, c.y, c.z});
+    colors.insert(colors.end(), {c.x, c.y, c.z});
   }
-  return colours;
+  return colors;
 }
 
 std::string_view Materials10::name() const {
@@ -166,7 +166,7 @@ std::int32_t Scene10::texture_index() {
   const Node& node = *state_.texture;
   if (const Field* name = node.find("filename");
       name != nullptr && !node.string("filename").empty())
-    return builder_.add_picture(name->value.strings(), name->where);
+    return builder_.add_texture(name->value.strings(), name->where);
   const auto known = images_.find(&node);
   if (known != images_.end()) return known->second;
   const Field* image = node.find("image");
@@ -204,7 +204,7 @@ void Scene10::report(const Node& node, const ListProblems& problems) {
         holder = state_.texcoords;
         field = "point";
         break;
-      case List::colours:
+      case List::colors:
         holder = state_.material;
         field = "diffuseColor";
         break;
@@ -215,9 +215,9 @@ void Scene10::report(const Node& node, const ListProblems& problems) {
     SourceSpan where = node.where;
     if (at != nullptr) {
       const std::size_t width = std::max<std::size_t>(1, width_of(at->value.type));
-      where = place_of_item(builder_.session.log.sources(), *at, width * problem.item);
+      where = place_of_item(builder_.context.log.sources(), *at, width * problem.item);
     }
-    builder_.session.log.report(problem.code, where, problem.message);
+    builder_.context.log.report(problem.code, where, problem.message);
   }
 }
 
@@ -225,7 +225,7 @@ void Scene10::face_set(Node& node) {
   const Field* coord_index = node.find("coordIndex");
   if (coord_index == nullptr || coord_index->value.integers().empty()) return;
   if (state_.coordinates == nullptr) {
-    builder_.session.log.report(Code::W6009, node.where, "no Coordinate3 stands before it");
+    builder_.context.log.report(Code::W6009, node.where, "no Coordinate3 stands before it");
     return;
   }
   Faces10 faces;
@@ -257,8 +257,8 @@ void Scene10::add_faces(Node& node, const Faces10& faces) {
   if (known == parts_.end()) known = parts_.emplace(use, parts_of(node, faces)).first;
   for (const Part& part : known->second) {
     const std::int32_t material =
-        one && !part.coloured ? builder_.add_phong(materials.at(0), materials.name(), textured)
-                              : part.material;
+        one && !part.colored ? builder_.add_phong(materials.at(0), materials.name(), textured)
+                             : part.material;
     builder_.add_instance(place, part.shape, material, texture, node.where);
   }
 }
@@ -293,14 +293,14 @@ FaceSet Scene10::set_of(Node& node, const Faces10& faces, const Bound10& normals
 void Scene10::add_part(Node& node, const Faces10& faces, const FaceSet& set, Phong phong, bool once,
                        std::vector<Part>& parts) {
   const bool textured = texture_index() != scene::kNone;
-  const Limits& limits = builder_.session.options.limits;
-  FaceOptions options{builder_.session.options.crease_angle, limits.triangles, limits.memory,
+  const Limits& limits = builder_.context.options.limits;
+  FaceOptions options{builder_.context.options.crease_angle, limits.triangles, limits.memory,
                       textured};
   if (once && builder_.once) {
     const bool points = coordinates_are_served();
     options.served = [this, &node, points](List list) {
-      if (list == List::coord_index) builder_.session.release(node, "coordIndex");
-      if (list == List::points && points) builder_.session.release(*state_.coordinates, "point");
+      if (list == List::coord_index) builder_.context.release(node, "coordIndex");
+      if (list == List::points && points) builder_.context.release(*state_.coordinates, "point");
     };
   }
   ListProblems problems;
@@ -323,15 +323,15 @@ void Scene10::add_part(Node& node, const Faces10& faces, const FaceSet& set, Pho
     }
   }
   // colours multiply the diffuse colour
-  const bool coloured = !mesh.colours.empty();
-  if (coloured) phong.diffuse = Vec3(1);
+  const bool colored = !mesh.colors.empty();
+  if (colored) phong.diffuse = Vec3(1);
   const auto shape = std::make_shared<const geometry::Mesh>(std::move(mesh));
   const std::int32_t index = builder_.add_shape(shape, node.where);
   if (textured)
     builder_.lost_clamping(index, state_.texture->strings("wrapS")[0] != "CLAMP",
                            state_.texture->strings("wrapT")[0] != "CLAMP");
   parts.push_back(
-      {index, builder_.add_phong(phong, Materials10(state_.material).name(), textured), coloured});
+      {index, builder_.add_phong(phong, Materials10(state_.material).name(), textured), colored});
 }
 
 std::vector<Scene10::Part> Scene10::parts_of(Node& node, const Faces10& faces) {
@@ -357,8 +357,8 @@ std::vector<Scene10::Part> Scene10::parts_of(Node& node, const Faces10& faces) {
     used = in_order_of_use(items, materials.size());
   if (used.empty() || used.size() > kMostParts) {
     if (!materials.only_diffuse_varies()) builder_.lost("materials that vary over one shape");
-    const std::vector<double> colours = materials.diffuse_colours();
-    set.colours = colours;
+    const std::vector<double> colors = materials.diffuse_colors();
+    set.colors = colors;
     set.color_index = items;
     set.color_per_vertex = bound_to.per_vertex;
     add_part(node, faces, set, materials.at(0), true, parts);

@@ -54,7 +54,7 @@ std::int32_t Scene97::add(Node* node, std::int32_t parent) {
   std::int32_t made = scene::kNone;
   if (node->prototype == nullptr) {
     made = add_actual(*node, node->name, parent, false);
-  } else if (Node* const body = session_.actual(node)) {
+  } else if (Node* const body = context_.actual(node)) {
     const bool joint = is_joint(*node);
     const std::string_view name = node->name.empty() ? body->name : node->name;
     if (builder_.enter(*body)) {
@@ -104,7 +104,7 @@ std::int32_t Scene97::add_actual(const Node& node, std::string_view name, std::i
                        "Normal",
                        "TextureCoordinate",
                        "FontStyle"})) {
-    session_.log.report(Code::W6115, node.where,
+    context_.log.report(Code::W6115, node.where,
                         fmt::format("{} stands outside of a Shape", in_quotes(node.type)));
     return scene::kNone;
   }
@@ -162,7 +162,7 @@ std::int32_t Scene97::add_inline(const Node& node, std::string_view name, std::i
   const std::int32_t made = builder_.add_node(parent, Mat4(1), name, node.spec->name, node.where);
   const Field* urls = node.find("url");
   if (urls == nullptr || urls->value.strings().empty()) return made;
-  Document* document = session_.inlined(urls->value.strings(), urls->where);
+  Document* document = context_.inlined(urls->value.strings(), urls->where);
   if (document == nullptr || !builder_.enter(*document, urls->where)) return made;
   const bool once = std::exchange(builder_.once, false);
   build(builder_, *document, made);

@@ -43,21 +43,21 @@ struct Cache97 {
   };
   struct Meshed {
     std::int32_t shape = scene::kNone;
-    bool coloured = false;
+    bool colored = false;
   };
-  // by geometry, texture transform, whether it has a picture, and that one is in colour
+  // by geometry, texture transform, whether it has a texture, and that one is in colour
   std::unordered_map<Key, Meshed, KeyHash> meshes;
-  std::unordered_set<const Node*> pictured;  // of them, geometries made for a picture
+  std::unordered_set<const Node*> textured;  // of them, geometries made for a texture
   std::uint64_t made_again = 0;              // triangles of the meshes after the first for each
   std::unordered_map<const Node*, std::int32_t> pixels;  // by PixelTexture
-  // by appearance, whether it has a picture, and its diffuse colour is replaced
+  // by appearance, whether it has a texture, and its diffuse colour is replaced
   std::unordered_map<Key, std::int32_t, KeyHash> materials;
 };
 
 class Scene97 {
  public:
   Scene97(Builder& builder, Cache97& cache)
-      : builder_(builder), session_(builder.session), cache_(cache) {}
+      : builder_(builder), context_(builder.context), cache_(cache) {}
 
   // Returns the node of the scene that stands for it, or scene::kNone.
   std::int32_t add(Node* node, std::int32_t parent);
@@ -96,7 +96,7 @@ class Scene97 {
   std::int32_t place(const Primitive& primitive, const Look& look, std::int32_t parent,
                      std::string_view name, const Node& geometry);
   bool sound(const geometry::Shape& shape, const Node& geometry);
-  std::int32_t mesh_shape(Node& geometry, const Look& look, bool* coloured);
+  std::int32_t mesh_shape(Node& geometry, const Look& look, bool* colored);
   Cache97::Meshed make_mesh(Node& geometry, const Look& look);
   FaceOptions face_options(const Look& look) const;
   geometry::Mesh face_set(Node& node, const Look& look, ListProblems& problems);
@@ -108,7 +108,7 @@ class Scene97 {
   std::span<const double> list_of(const Node& node, std::string_view member,
                                   std::string_view field);
   Look look_of(const Node& shape);
-  std::int32_t material_of(const Look& look, bool coloured);
+  std::int32_t material_of(const Look& look, bool colored);
   std::int32_t make_material(const Look& look, bool textured, bool replaced);
 
   // scene97_joints.cpp
@@ -117,7 +117,7 @@ class Scene97 {
   void add_masses(const Node& instance, scene::Joint& joint);
 
   Builder& builder_;
-  Session& session_;
+  ReaderContext& context_;
   Cache97& cache_;
 };
 

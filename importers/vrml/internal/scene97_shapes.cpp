@@ -36,7 +36,7 @@ constexpr Place kPlaces[] = {
     {List::coord_index, "", "coordIndex"},
     {List::normals, "normal", "vector"},
     {List::normal_index, "", "normalIndex"},
-    {List::colours, "color", "color"},
+    {List::colors, "color", "color"},
     {List::color_index, "", "colorIndex"},
     {List::texcoords, "texCoord", "point"},
     {List::texcoord_index, "", "texCoordIndex"},
@@ -82,7 +82,7 @@ std::int32_t Scene97::add_shape(const Node& node, std::string_view name, std::in
     else
       add(child, parent);
   }
-  Node* geometry = session_.actual(written);
+  Node* geometry = context_.actual(written);
   if (geometry == nullptr || geometry->spec == nullptr) return scene::kNone;
   const std::string_view type = geometry->spec->name;
   if (type == "IndexedLineSet" || type == "PointSet" || type == "Text") {
@@ -98,24 +98,24 @@ std::int32_t Scene97::add_shape(const Node& node, std::string_view name, std::in
   std::int32_t made = scene::kNone;
   if (add_primitive(*geometry, look, parent, name, &made)) return made;
   if (type != "IndexedFaceSet" && type != "ElevationGrid" && type != "Extrusion") {
-    session_.log.report(Code::W6115, geometry->where,
+    context_.log.report(Code::W6115, geometry->where,
                         fmt::format("{} is no geometry", in_quotes(geometry->type)));
     return scene::kNone;
   }
-  bool coloured = false;
-  const std::int32_t shape = mesh_shape(*geometry, look, &coloured);
+  bool colored = false;
+  const std::int32_t shape = mesh_shape(*geometry, look, &colored);
   if (shape == scene::kNone) return scene::kNone;
   if (look.texture != scene::kNone && !(look.repeat_s && look.repeat_t))
     builder_.lost_clamping(shape, look.repeat_s, look.repeat_t);
   made = builder_.add_node(parent, Mat4(1), name, "Shape", node.where);
-  builder_.add_instance(made, shape, material_of(look, coloured), look.texture, node.where);
+  builder_.add_instance(made, shape, material_of(look, colored), look.texture, node.where);
   return made;
 }
 
 bool Scene97::sound(const geometry::Shape& shape, const Node& geometry) {
   const auto problem = geometry::problem_of(shape);
   if (!problem) return true;
-  session_.log.report(Code::W6009, geometry.where,
+  context_.log.report(Code::W6009, geometry.where,
                       fmt::format("the {} is left out: {}", geometry.type, problem->message));
   return false;
 }
@@ -137,7 +137,7 @@ std::int32_t Scene97::place(const Primitive& primitive, const Look& look, std::i
 bool Scene97::add_primitive(const Node& geometry, const Look& look, std::int32_t parent,
                             std::string_view name, std::int32_t* made) {
   const std::string_view type = geometry.spec->name;
-  const std::uint32_t segments = session_.options.primitives;
+  const std::uint32_t segments = context_.options.primitives;
   if (type == "Box") {
     *made = place(box_of(geometry.vec3("size"), look.texture != scene::kNone), look, parent, name,
                   geometry);
@@ -161,7 +161,7 @@ bool Scene97::add_round(const Node& geometry, const Look& look, std::int32_t par
   const bool side = geometry.flag("side");
   const bool bottom = geometry.flag("bottom");
   const bool top = !cone && geometry.flag("top");
-  const std::uint32_t segments = session_.options.primitives;
+  const std::uint32_t segments = context_.options.primitives;
   if (side) {
     const geometry::Caps caps = bottom && (top || cone) ? geometry::Caps::both
                                 : bottom                ? geometry::Caps::bottom
@@ -184,15 +184,15 @@ std::span<const double> Scene97::list_of(const Node& node, std::string_view memb
                                          std::string_view field) {
   const Field* const written = node.find(member);
   if (written == nullptr || written->value.nodes().empty()) return {};
-  const Node* list = session_.actual(written->value.nodes()[0]);
+  const Node* list = context_.actual(written->value.nodes()[0]);
   if (list == nullptr || list->spec == nullptr || list->spec->find(field) == nullptr) return {};
   return list->numbers(field);
 }
 
 FaceOptions Scene97::face_options(const Look& look) const {
-  const Limits& limits = session_.options.limits;
-  return {session_.options.crease_angle, limits.triangles,
-          limits.memory - std::min(limits.memory, session_.memory_used),
+  const Limits& limits = context_.options.limits;
+  return {context_.options.crease_angle, limits.triangles,
+          limits.memory - std::min(limits.memory, context_.memory_used),
           look.texture != scene::kNone};
 }
 
@@ -201,7 +201,7 @@ geometry::Mesh Scene97::face_set(Node& node, const Look& look, ListProblems& pro
   faces.points = list_of(node, "coord", "point");
   faces.normals = list_of(node, "normal", "vector");
   const bool replaced = look.texture != scene::kNone && !look.grey;
-  if (!replaced) faces.colours = list_of(node, "color", "color");
+  if (!replaced) faces.colors = list_of(node, "color", "color");
   faces.texcoords = list_of(node, "texCoord", "point");
   // what is not written is as FaceSet has it: small parts are many, and mostly write two fields
   for (const Field& field : node.fields) {
@@ -218,10 +218,10 @@ geometry::Mesh Scene97::face_set(Node& node, const Look& look, ListProblems& pro
 
 // A list of a face set that is not asked for again.
 void Scene97::release(Node& geometry, List list) {
-  if (list == List::coord_index) return session_.release(geometry, "coordIndex");
+  if (list == List::coord_index) return context_.release(geometry, "coordIndex");
   Node* coord = geometry.node("coord");
   const bool own = coord != nullptr && !coord->again && coord->owner == nullptr;
-  if (own && coord->prototype == nullptr) session_.release(*coord, "point");
+  if (own && coord->prototype == nullptr) context_.release(*coord, "point");
 }
 
 geometry::Mesh Scene97::elevation_grid(const Node& node, const Look& look, ListProblems& problems) {
@@ -234,7 +234,7 @@ geometry::Mesh Scene97::elevation_grid(const Node& node, const Look& look, ListP
   grid.normals = list_of(node, "normal", "vector");
   grid.normal_per_vertex = node.flag("normalPerVertex");
   const bool replaced = look.texture != scene::kNone && !look.grey;
-  if (!replaced) grid.colours = list_of(node, "color", "color");
+  if (!replaced) grid.colors = list_of(node, "color", "color");
   grid.color_per_vertex = node.flag("colorPerVertex");
   grid.texcoords = list_of(node, "texCoord", "point");
   grid.ccw = node.flag("ccw");
@@ -261,15 +261,15 @@ void Scene97::report(const ListProblems& problems, const Node& node) {
     SourceSpan where = node.where;
     for (const Place& place : kPlaces) {
       if (place.list != problem.list) continue;
-      const Node* holder = place.member.empty() ? &node : session_.actual(node.node(place.member));
+      const Node* holder = place.member.empty() ? &node : context_.actual(node.node(place.member));
       const Field* field = holder != nullptr ? holder->find(place.field) : nullptr;
-      if (field != nullptr) where = place_of_item(session_.log.sources(), *field, problem.item);
+      if (field != nullptr) where = place_of_item(context_.log.sources(), *field, problem.item);
     }
-    session_.log.report(problem.code, where, problem.message);
+    context_.log.report(problem.code, where, problem.message);
   }
 }
 
-std::int32_t Scene97::mesh_shape(Node& geometry, const Look& look, bool* coloured) {
+std::int32_t Scene97::mesh_shape(Node& geometry, const Look& look, bool* colored) {
   Cache97::Meshed meshed;
   if (builder_.once && look.once) {
     meshed = make_mesh(geometry, look);
@@ -281,7 +281,7 @@ std::int32_t Scene97::mesh_shape(Node& geometry, const Look& look, bool* coloure
     if (added) it->second = make_mesh(geometry, look);
     meshed = it->second;
   }
-  *coloured = meshed.coloured;
+  *colored = meshed.colored;
   return meshed.shape;
 }
 
@@ -296,7 +296,7 @@ Cache97::Meshed Scene97::make_mesh(Node& geometry, const Look& look) {
   for (const ListProblem& problem : problems)
     if (problem.code == Code::E6002) throw OverLimit{};
   if (mesh.triangles.empty()) {
-    session_.log.report(Code::W6009, geometry.where,
+    context_.log.report(Code::W6009, geometry.where,
                         fmt::format("this {} has no faces", geometry.type));
     return meshed;
   }
@@ -304,7 +304,7 @@ Cache97::Meshed Scene97::make_mesh(Node& geometry, const Look& look) {
     if (!builder_.once || !look.once) count_made(geometry, mesh.triangles.size());
     if (look.transform != nullptr) transform_texcoords(*look.transform, mesh);
   }
-  meshed.coloured = !mesh.colours.empty();
+  meshed.colored = !mesh.colors.empty();
   meshed.shape =
       builder_.add_shape(std::make_shared<const geometry::Mesh>(std::move(mesh)), geometry.where);
   return meshed;
@@ -312,9 +312,9 @@ Cache97::Meshed Scene97::make_mesh(Node& geometry, const Look& look) {
 
 // Equal meshes are one in the scene, but making them again and again takes time, too.
 void Scene97::count_made(const Node& geometry, std::uint64_t triangles) {
-  if (cache_.pictured.insert(&geometry).second) return;
+  if (cache_.textured.insert(&geometry).second) return;
   cache_.made_again += triangles;
-  if (cache_.made_again > session_.options.limits.triangles)
+  if (cache_.made_again > context_.options.limits.triangles)
     throw OverLimit{"triangles", geometry.where};
 }
 
@@ -323,30 +323,30 @@ void Scene97::count_made(const Node& geometry, std::uint64_t triangles) {
 Scene97::Look Scene97::look_of(const Node& shape) {
   Look look;
   const Node* written = shape.node("appearance");
-  look.appearance = session_.actual(shape.node("appearance"));
+  look.appearance = context_.actual(shape.node("appearance"));
   if (look.appearance == nullptr || look.appearance->spec == nullptr ||
       look.appearance->spec->name != "Appearance") {
     look.appearance = nullptr;
     return look;
   }
   const Node* material = look.appearance->node("material");
-  look.material = session_.actual(look.appearance->node("material"));
+  look.material = context_.actual(look.appearance->node("material"));
   if (look.material != nullptr &&
       (look.material->spec == nullptr || look.material->spec->name != "Material"))
     look.material = nullptr;
   for (const Node* named : {material, look.material, written, look.appearance})
     if (named != nullptr && look.name.empty()) look.name = named->name;
-  const Node* transform = session_.actual(look.appearance->node("textureTransform"));
+  const Node* transform = context_.actual(look.appearance->node("textureTransform"));
   if (transform != nullptr && transform->spec != nullptr &&
       transform->spec->name == "TextureTransform")
     look.transform = transform;
-  const Node* texture = session_.actual(look.appearance->node("texture"));
+  const Node* texture = context_.actual(look.appearance->node("texture"));
   if (texture == nullptr || texture->spec == nullptr) return look;
   const std::string_view type = texture->spec->name;
   if (type != "ImageTexture" && type != "PixelTexture" && type != "MovieTexture") return look;
   if (type == "ImageTexture") {
     if (const Field* urls = texture->find("url"))
-      look.texture = builder_.add_picture(urls->value.strings(), urls->where);
+      look.texture = builder_.add_texture(urls->value.strings(), urls->where);
   } else if (type == "PixelTexture") {
     if (const Field* image = texture->find("image")) {
       const auto [it, added] = cache_.pixels.try_emplace(texture, scene::kNone);
@@ -362,9 +362,9 @@ Scene97::Look Scene97::look_of(const Node& shape) {
   return look;
 }
 
-std::int32_t Scene97::material_of(const Look& look, bool coloured) {
+std::int32_t Scene97::material_of(const Look& look, bool colored) {
   const bool textured = look.texture != scene::kNone;
-  const bool replaced = coloured || (textured && !look.grey);
+  const bool replaced = colored || (textured && !look.grey);
   if (builder_.once && look.own && look.appearance != nullptr)
     return make_material(look, textured, replaced);
   const auto [it, added] = cache_.materials.try_emplace(
@@ -382,7 +382,7 @@ std::int32_t Scene97::make_material(const Look& look, bool textured, bool replac
     phong.shininess = material->number("shininess");
     phong.transparency = material->number("transparency");
   }
-  // a picture in colour and colours of the mesh replace the diffuse colour (4.14.4)
+  // a texture in colour and colours of the mesh replace the diffuse colour (4.14.4)
   if (replaced) phong.diffuse = Vec3(1);
   return builder_.add_phong(phong, look.name, textured);
 }

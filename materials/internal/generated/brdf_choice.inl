@@ -3,23 +3,23 @@
 // Members of Composition: the BRDF of the models that are used.
 
 Vec3 diffuse(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {
-  switch (laws.diffuse) {
+  switch (brdf_model.diffuse) {
     case DiffuseModel::oren_nayar:
-      return oren_nayar_law(s, to_light, to_viewer, normal);
+      return oren_nayar_brdf(s, to_light, to_viewer, normal);
     case DiffuseModel::hapke:
-      return hapke_law(s, to_light, to_viewer, normal);
+      return hapke_brdf(s, to_light, to_viewer, normal);
     case DiffuseModel::eon:
-      return eon_law(s, to_light, to_viewer, normal);
+      return eon_brdf(s, to_light, to_viewer, normal);
     case DiffuseModel::lommel_seeliger:
-      return lommel_seeliger_law(s, to_light, to_viewer, normal);
+      return lommel_seeliger_brdf(s, to_light, to_viewer, normal);
     default:
       break;
   }
-  return lambert_law(s, to_light, to_viewer, normal);
+  return lambert_brdf(s, to_light, to_viewer, normal);
 }
 
 Real lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {
-  switch (laws.specular) {
+  switch (brdf_model.specular) {
     case SpecularModel::blinn_phong:
       return blinn_phong_lobe(s, to_light, to_viewer, normal);
     case SpecularModel::cook_torrance:

@@ -11,7 +11,7 @@ extern const char* const lommel_seeliger_text;
 extern const char* const no_specular_text;
 extern const char* const blinn_phong_text;
 extern const char* const cook_torrance_text;
-extern const char* const facets_text;
+extern const char* const microfacets_text;
 extern const char* const retroreflector_text;
 extern const char* const coat_text;
 extern const char* const cells_text;

@@ -20,7 +20,7 @@
 //
 #include "materials/formulas/cook_torrance.glsl"
 //
-#include "materials/formulas/facets.glsl"
+#include "materials/formulas/microfacets.glsl"
 //
 #include "materials/formulas/retroreflector.glsl"
 //

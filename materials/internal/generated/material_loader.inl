@@ -25,7 +25,7 @@ vec3 material_coat_depth(int row) { return material_row(row + 9).xyz; }
 float material_hapke_k(int row) { return material_row(row + 9).w; }
 vec3 material_coat_return(int row) { return material_row(row + 10).xyz; }
 float material_tilt_u(int row) { return material_row(row + 10).w; }
-vec3 material_many_scale(int row) { return material_row(row + 11).xyz; }
+vec3 material_compensation_scale(int row) { return material_row(row + 11).xyz; }
 float material_tilt_v(int row) { return material_row(row + 11).w; }
 float material_fit_error(int row) { return material_row(row + 17).y; }
 float material_cutout_threshold(int row) { return material_row(row + 17).w; }
@@ -87,15 +87,15 @@ Surface surface_of(int row, float sun_alpha2) {
   s.coat_depth = row9.xyz;
   s.tilt_x = row10.w;
   s.tilt_y = row11.w;
-  s.loss0 = row12.x;
-  s.loss1 = row12.y;
-  s.loss2 = row12.z;
-  s.loss3 = row12.w;
-  s.loss4 = row13.x;
-  s.loss5 = row13.y;
-  s.loss6 = row13.z;
-  s.loss7 = row13.w;
-  s.many_scale = row11.xyz;
+  s.albedo_deficit0 = row12.x;
+  s.albedo_deficit1 = row12.y;
+  s.albedo_deficit2 = row12.z;
+  s.albedo_deficit3 = row12.w;
+  s.albedo_deficit4 = row13.x;
+  s.albedo_deficit5 = row13.y;
+  s.albedo_deficit6 = row13.z;
+  s.albedo_deficit7 = row13.w;
+  s.compensation_scale = row11.xyz;
   s.hapke_h0 = row14.x;
   s.hapke_h1 = row14.y;
   s.hapke_h2 = row14.z;

@@ -70,16 +70,16 @@ struct Surface {
   // tangent of and across
   Real tilt_y;
   // 1 − E(cos): seven coefficients and a bend; see facets.glsl
-  Real loss0;
-  Real loss1;
-  Real loss2;
-  Real loss3;
-  Real loss4;
-  Real loss5;
-  Real loss6;
-  Real loss7;
+  Real albedo_deficit0;
+  Real albedo_deficit1;
+  Real albedo_deficit2;
+  Real albedo_deficit3;
+  Real albedo_deficit4;
+  Real albedo_deficit5;
+  Real albedo_deficit6;
+  Real albedo_deficit7;
   // factor of loss(l)·loss(v), 1/sr
-  Vec3 many_scale;
+  Vec3 compensation_scale;
   // of H(x); see hapke.glsl
   Real hapke_h0;
   Real hapke_h1;

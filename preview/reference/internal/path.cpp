@@ -77,15 +77,15 @@ Vec3 disc_seen(const Sun& sun, const materials::Sampled& sampled) {
 
 }  // namespace
 
-std::array<double, 4> numbers(const SampleName& name, std::uint32_t use) {
+std::array<double, 4> numbers(const StreamKey& name, std::uint32_t use) {
   const std::array<std::uint32_t, 4> words =
-      philox({name.pixel, name.round, name.number, use},
+      philox({name.pixel, name.batch, name.number, use},
              {static_cast<std::uint32_t>(name.seed), static_cast<std::uint32_t>(name.seed >> 32)});
   return {in_unit(words[0]), in_unit(words[1]), in_unit(words[2]), in_unit(words[3])};
 }
 
 PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const TraceRay& ray,
-                  const FirstNumbers& first, const SampleName& name, const PathOptions& options,
+                  const FirstRandoms& first, const StreamKey& name, const PathOptions& options,
                   RayCounts& counts) {
   PathResult result;
   ++counts.camera;
@@ -94,7 +94,7 @@ PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const Trac
   result.covered = true;
   Vec3 direction = hit->direction;
   Vec3 share(1);
-  FirstNumbers u = first;
+  FirstRandoms u = first;
   double u_survival = 0;
   for (std::uint32_t depth = 0;; ++depth) {
     const Sun& sun = suns[hit->target];

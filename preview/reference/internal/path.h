@@ -11,11 +11,11 @@
 
 namespace panwright::preview::reference {
 
-// Names one sample of a picture: its random numbers are functions of this.
-struct SampleName {
+// Names one sample of an image: its random numbers are functions of this.
+struct StreamKey {
   std::uint32_t pixel = 0;
-  std::uint32_t round = 0;
-  std::uint32_t number = 0;  // within the pixel and round
+  std::uint32_t batch = 0;
+  std::uint32_t number = 0;  // within the pixel and batch
   std::uint64_t seed = 0;
 };
 
@@ -31,7 +31,7 @@ struct PathResult {
 };
 
 // Numbers in the unit square and interval for the surface that is seen.
-struct FirstNumbers {
+struct FirstRandoms {
   Vec2 sun{0};  // where on the disc
   Vec2 bounce{0};
   double lobe = 0;
@@ -48,11 +48,11 @@ struct PathOptions {
 //
 //   suns   one for each of the scene's targets
 PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const TraceRay& ray,
-                  const FirstNumbers& first, const SampleName& name, const PathOptions& options,
+                  const FirstRandoms& first, const StreamKey& name, const PathOptions& options,
                   RayCounts& counts);
 
 // The numbers in (0, 1) of a sample for one use.
-std::array<double, 4> numbers(const SampleName& name, std::uint32_t use);
+std::array<double, 4> numbers(const StreamKey& name, std::uint32_t use);
 // Uses: 0 and 1 are free for who makes the ray; traced() has those from 2.
 
 }  // namespace panwright::preview::reference

@@ -14,8 +14,8 @@ struct Scatter {
   bool has_mirror = false;
 
   explicit Scatter(const materials::Material& material);
-  Scatter(materials::Scattering laws, double least_slope)
-      : scattering(std::move(laws)), slope(least_slope), has_mirror(scattering.has_delta()) {}
+  Scatter(materials::Scattering brdf_model, double least_slope)
+      : scattering(std::move(brdf_model)), slope(least_slope), has_mirror(scattering.has_delta()) {}
 
   bool is_narrow() const;
   // With slopes times what a roughness map says, as preview/shaders/shading.frag.

@@ -16,8 +16,8 @@ class Sun {
   bool has_disc() const { return sine_ > 0; }
   const Vec3& irradiance() const { return irradiance_; }
 
-  // A direction to the Sun and the irradiance that it stands for on a plane square to it: the mean
-  // over u in the unit square is exact.
+  // A direction to the Sun and the irradiance that it stands for on a plane perpendicular to it:
+  // the mean over u in the unit square is exact.
   struct Sample {
     Vec3 to_light;  // unit
     Vec3 irradiance;

@@ -18,7 +18,7 @@ class TangentField {
   // weighted by its triangle's angle there, over all triangles that have a corner of this place,
   // normal and texel, whole repeats of the texture apart, and show the texture the same way round.
   // Triangles without an area in the texture count nowhere; where all are such, any direction
-  // square to the normal.
+  // perpendicular to the normal.
   //
   // Expects: texture coordinates. Cost: O(T).
   explicit TangentField(const pan::MeshView& mesh);

@@ -228,17 +228,17 @@ Vec3 TraceModel::texel_color(const Part& part, std::int32_t texture, const Vec2&
 }
 
 // What textures and vertices multiply the diffuse colour by.
-Vec3 TraceModel::colour(const Part& part, const Place& place) const {
+Vec3 TraceModel::color(const Part& part, const Place& place) const {
   Vec3 result(1);
   if (part.texture >= 0 || part.albedo >= 0) {
     const Vec2 at = texcoord(part, place);
     if (part.texture >= 0) result *= texel_color(part, part.texture, at);
     if (part.albedo >= 0) result *= texel_color(part, part.albedo, at * part.repeat);
   }
-  if (!part.mesh.colours.empty()) {
+  if (!part.mesh.colors.empty()) {
     Vec3 sum(0);
     for (int k = 0; k < 3; ++k)
-      sum += place.weight[k] * vec3(part.mesh.colours[place.corner[static_cast<std::size_t>(k)]]);
+      sum += place.weight[k] * vec3(part.mesh.colors[place.corner[static_cast<std::size_t>(k)]]);
     result *= sum;
   }
   return glm::max(result, Vec3(0));
@@ -246,7 +246,7 @@ Vec3 TraceModel::colour(const Part& part, const Place& place) const {
 
 // The diffuse colour with the decals that lie over a place of a mesh.
 Vec3 TraceModel::decorated(const Part& part, const Vec3& position, const Vec3& normal, bool front,
-                           Vec3 colour) const {
+                           Vec3 color) const {
   for (const std::uint32_t index : part.decals) {
     const Decal& decal = decals_[index];
     const Vec3 q(decal.decal_from_mesh * Vec4(part.origin + position, 1));
@@ -256,9 +256,9 @@ Vec3 TraceModel::decorated(const Part& part, const Vec3& position, const Vec3& n
     if (!covers) continue;
     const Vec2 at = Vec2(q) / Vec2(decal.size) + 0.5;
     const Vec4 texel = textures_[decal.texture].clamped_premultiplied(at);
-    colour = colour * (1 - texel.w) + Vec3(texel);
+    color = color * (1 - texel.w) + Vec3(texel);
   }
-  return colour;
+  return color;
 }
 
 Vec3 TraceModel::normal(std::uint32_t index, const Placement& placement,
@@ -296,7 +296,7 @@ Point TraceModel::point(std::uint32_t index, const Placement& placement,
 
   const std::uint32_t cell_part = cell_part_at(part, where);
   // grid lines and gaps have their own colours, and decals lie over the cells
-  Vec3 tint = cell_part == 0 ? colour(part, where) : Vec3(1);
+  Vec3 tint = cell_part == 0 ? color(part, where) : Vec3(1);
   if (part.diffuse_in_tint && cell_part < 2) {
     if (part.cell_parts > 0)
       tint *= part.part_diffuse[cell_part];
@@ -310,7 +310,7 @@ Point TraceModel::point(std::uint32_t index, const Placement& placement,
     const double factor = textures_[static_cast<std::size_t>(part.roughness)].red(at);
     result.own.emplace(result.scatter->roughened(factor));
   }
-  // grid lines and gaps have no facets
+  // grid lines and gaps have no microfacets
   if (part.reflectance >= 0 && cell_part == 0)
     result.own.emplace(result.surface().reflecting(texel_color(part, part.reflectance, at)));
   if (cell_part < 2) result.emitted = part.emitted;

@@ -119,9 +119,9 @@ class TraceModel {
   Vec3 bumped(const Part& part, const TangentField::At& tangent, const Vec3& normal, const Vec2& at,
               double& length) const;
   Vec3 texel_color(const Part& part, std::int32_t texture, const Vec2& at) const;
-  Vec3 colour(const Part& part, const Place& place) const;
+  Vec3 color(const Part& part, const Place& place) const;
   Vec3 decorated(const Part& part, const Vec3& position, const Vec3& normal, bool front,
-                 Vec3 colour) const;
+                 Vec3 color) const;
 
   world::ModelPtr model_;
   std::vector<Texture> textures_;               // the model's
@@ -131,8 +131,8 @@ class TraceModel {
   std::vector<std::uint32_t> parts_of_;  // Part::cell_parts of each of materials_
   std::vector<Part> parts_;
   std::vector<Decal> decals_;                            // the model's
-  std::vector<std::unique_ptr<TangentField>> tangents_;  // one for each mesh; null: none
-  std::vector<geometry::SearchMesh> meshes_;             // one for each mesh
+  std::vector<std::unique_ptr<TangentField>> tangents_;  // one per mesh; null: none
+  std::vector<geometry::SearchMesh> meshes_;             // one per mesh
 };
 
 }  // namespace panwright::preview::reference

@@ -26,7 +26,7 @@ Sample rich() {
   sample.json["accessors"][1]["byteOffset"] = 12;
   const int indices =
       sample.numbers(std::vector<std::uint16_t>{0, 1, 2, 2, 1, 3}, kUnsignedShort, "SCALAR", 1);
-  const int colours = sample.numbers(
+  const int colors = sample.numbers(
       std::vector<std::uint8_t>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16},
       kUnsignedByte, "VEC4", 4);
   sample.json["accessors"][3]["normalized"] = true;
@@ -37,7 +37,7 @@ Sample rich() {
       {"indices", {{"bufferView", places}, {"componentType", kUnsignedByte}}},
       {"values", {{"bufferView", values}}}};
   sample.add_mesh(
-      {{"attributes", {{"POSITION", positions}, {"NORMAL", normals}, {"COLOR_0", colours}}},
+      {{"attributes", {{"POSITION", positions}, {"NORMAL", normals}, {"COLOR_0", colors}}},
        {"indices", indices},
        {"material", 0}});
   sample.json["nodes"].push_back({{"children", {0}}, {"rotation", {0, 0, 0, 1}}, {"name", "arm"}});

@@ -68,7 +68,7 @@ double difference(const Look& look, const materials::Material& material, const V
 
 double difference(const Look& look) { return difference(look, mapped(look)); }
 
-// ---- pictures
+// ---- textures
 
 using Texel = std::array<std::uint8_t, 4>;
 
@@ -78,8 +78,8 @@ double decoded(std::uint8_t code) {
 }
 Vec3 decoded(const Texel& t) { return {decoded(t[0]), decoded(t[1]), decoded(t[2])}; }
 
-// A picture of one row; its number as a texture.
-int add_picture(Sample& sample, const std::vector<Texel>& texels) {
+// A texture of one row; its number as a texture.
+int add_texture(Sample& sample, const std::vector<Texel>& texels) {
   std::vector<std::uint8_t> rgba;
   for (const Texel& t : texels) rgba.insert(rgba.end(), t.begin(), t.end());
   const std::string file = png_file(static_cast<std::uint32_t>(texels.size()), 1, rgba);
@@ -101,13 +101,13 @@ Sample textured(const nlohmann::json& material, Sample sample = triangle()) {
 }
 
 Texel texel_of(const Imported& imported, std::int32_t texture, std::size_t i) {
-  const scene::Texture& picture = imported.scene.textures[static_cast<std::size_t>(texture)];
+  const scene::Texture& image = imported.scene.textures[static_cast<std::size_t>(texture)];
   Texel texel;
-  std::copy_n(&picture.rgba[4 * i], 4, texel.begin());
+  std::copy_n(&image.rgba[4 * i], 4, texel.begin());
   return texel;
 }
 
-// The largest difference from the specification at any texel of a colour and a metallic picture
+// The largest difference from the specification at any texel of a colour and a metallic texture
 // (none where empty) of one size.
 double worst_texel(const std::vector<Texel>& base, const std::vector<Texel>& metal,
                    const Look& factors) {
@@ -115,8 +115,8 @@ double worst_texel(const std::vector<Texel>& base, const std::vector<Texel>& met
   nlohmann::json pbr = {{"baseColorFactor", {factors.base.x, factors.base.y, factors.base.z, 1}},
                         {"metallicFactor", factors.metallic},
                         {"roughnessFactor", factors.roughness}};
-  if (!base.empty()) pbr["baseColorTexture"]["index"] = add_picture(sample, base);
-  if (!metal.empty()) pbr["metallicRoughnessTexture"]["index"] = add_picture(sample, metal);
+  if (!base.empty()) pbr["baseColorTexture"]["index"] = add_texture(sample, base);
+  if (!metal.empty()) pbr["metallicRoughnessTexture"]["index"] = add_texture(sample, metal);
   const Loaded out = load(textured({{"pbrMetallicRoughness", pbr}}, sample).glb());
   EXPECT_TRUE(out.imported && !out.log.has_errors()) << out.text();
   EXPECT_FALSE(out.log.contains(Code::N6008)) << out.text();
@@ -152,7 +152,7 @@ TEST(GltfMaterials, TexturedMetalsFollowTheSpecification) {
 TEST(GltfMaterials, TexelsOfMetalAndPaintFollowTheSpecification) {
   double worst = 0;
   for (const double roughness : {0.3, 0.6, 1.0}) {
-    // metal beside paint, a picture of the metallic part alone, and half metals
+    // metal beside paint, a texture of the metallic part alone, and half metals
     const std::vector<Texel> parts = {{0, 255, 255, 255}, {0, 255, 0, 255}};
     worst = std::max(worst, worst_texel(kGoldAndSteel, parts, {Vec3(1), 1, roughness}));
     worst = std::max(worst, worst_texel({}, parts, {Vec3(0.8, 0.5, 0.2), 1, roughness}));
@@ -163,10 +163,10 @@ TEST(GltfMaterials, TexelsOfMetalAndPaintFollowTheSpecification) {
   EXPECT_LE(worst, 0.045);  // measured 0.0428
 }
 
-TEST(GltfMaterials, PicturesOfDifferentSizesMeetInTheLarger) {
+TEST(GltfMaterials, TexturesOfDifferentSizesMeetInTheLarger) {
   Sample sample = triangle();
-  const int base = add_picture(sample, kGold);
-  const int metal = add_picture(
+  const int base = add_texture(sample, kGold);
+  const int metal = add_texture(
       sample, {{0, 255, 255, 255}, {0, 255, 0, 255}, {0, 255, 255, 255}, {0, 255, 51, 255}});
   const Loaded out = load(textured({{"pbrMetallicRoughness",
                                      {{"baseColorTexture", {{"index", base}}},
@@ -177,10 +177,10 @@ TEST(GltfMaterials, PicturesOfDifferentSizesMeetInTheLarger) {
   const materials::Maps& maps = out.imported->scene.materials[0].maps;
   ASSERT_GE(maps.reflectance, 0);
   ASSERT_GE(maps.albedo, 0);
-  const scene::Texture& picture =
+  const scene::Texture& image =
       out.imported->scene.textures[static_cast<std::size_t>(maps.reflectance)];
-  EXPECT_EQ(picture.width, 4u);
-  EXPECT_EQ(picture.height, 1u);
+  EXPECT_EQ(image.width, 4u);
+  EXPECT_EQ(image.height, 1u);
   // within half a code of sRGB: 0.2 metal over 0.04
   const Texel last = texel_of(*out.imported, maps.reflectance, 3);
   const double wanted = 0.2 * decoded(kGold[0][1]) + 0.8 * 0.04;
@@ -192,7 +192,7 @@ TEST(GltfMaterials, PicturesOfDifferentSizesMeetInTheLarger) {
 
 TEST(GltfMaterials, WithoutRoomTheMeanStands) {
   Sample sample = triangle();
-  const int base = add_picture(sample, kGoldAndSteel);
+  const int base = add_texture(sample, kGoldAndSteel);
   const std::string bytes =
       textured(
           {{"pbrMetallicRoughness",
@@ -200,7 +200,7 @@ TEST(GltfMaterials, WithoutRoomTheMeanStands) {
           sample)
           .glb();
   Options options;
-  options.limits.texture_bytes = 15;  // the picture has 8, and one made of it 8 more
+  options.limits.texture_bytes = 15;  // the texture has 8, and one made of it 8 more
   const Loaded out = load(bytes, options);
   ASSERT_TRUE(out.imported) << out.text();
   EXPECT_EQ(out.imported->scene.materials[0].maps.reflectance, -1);
@@ -209,11 +209,11 @@ TEST(GltfMaterials, WithoutRoomTheMeanStands) {
   EXPECT_GE(load(bytes, options).imported->scene.materials[0].maps.reflectance, 0);
 }
 
-TEST(GltfMaterials, SpecularGlossinessPictures) {
+TEST(GltfMaterials, SpecularGlossinessTextures) {
   Sample sample = triangle();
   sample.json["extensionsUsed"] = {"KHR_materials_pbrSpecularGlossiness"};
-  const int diffuse = add_picture(sample, {{200, 100, 50, 255}, {200, 100, 50, 255}});
-  const int specular = add_picture(sample, {{255, 226, 155, 255}, {50, 60, 70, 128}});
+  const int diffuse = add_texture(sample, {{200, 100, 50, 255}, {200, 100, 50, 255}});
+  const int specular = add_texture(sample, {{255, 226, 155, 255}, {50, 60, 70, 128}});
   const Loaded out = load(textured({{"extensions",
                                      {{"KHR_materials_pbrSpecularGlossiness",
                                        {{"diffuseTexture", {{"index", diffuse}}},
@@ -229,11 +229,11 @@ TEST(GltfMaterials, SpecularGlossinessPictures) {
   ASSERT_GE(material.maps.roughness, 0);
   for (std::size_t i = 0; i < 2; ++i) {
     const Texel from = i == 0 ? Texel{255, 226, 155, 255} : Texel{50, 60, 70, 128};
-    const Vec3 facing = Vec3(0.5, 1, 1) * decoded(from);
+    const Vec3 f0 = Vec3(0.5, 1, 1) * decoded(from);
     const Vec3 got = decoded(texel_of(*out.imported, material.maps.reflectance, i));
-    EXPECT_LE(glm::length(got - facing), 4e-3);  // half a code
-    const Vec3 left = decoded(Texel{200, 100, 50, 255}) *
-                      (1 - std::max({facing.x, facing.y, facing.z})) * material.diffuse;
+    EXPECT_LE(glm::length(got - f0), 4e-3);  // half a code
+    const Vec3 left =
+        decoded(Texel{200, 100, 50, 255}) * (1 - std::max({f0.x, f0.y, f0.z})) * material.diffuse;
     EXPECT_LE(glm::length(decoded(texel_of(*out.imported, material.maps.albedo, i)) - left), 4e-3);
     const double rough = 1 - 0.5 * from[3] / 255.0;
     EXPECT_NEAR(texel_of(*out.imported, material.maps.roughness, i)[0] / 255.0 *
@@ -242,10 +242,10 @@ TEST(GltfMaterials, SpecularGlossinessPictures) {
   }
 }
 
-TEST(GltfMaterials, PicturesThatDoNotRepeatAreListed) {
+TEST(GltfMaterials, TexturesThatDoNotRepeatAreListed) {
   const auto text = [](int wrap, float end) {
     Sample sample = triangle();
-    const int base = add_picture(sample, kGold);
+    const int base = add_texture(sample, kGold);
     sample.json["samplers"] = {{{"wrapT", wrap}}};
     sample.json["textures"][0]["sampler"] = 0;
     Sample with =
@@ -257,9 +257,9 @@ TEST(GltfMaterials, PicturesThatDoNotRepeatAreListed) {
     return out.text();
   };
   for (const int wrap : {33071, 33648})
-    EXPECT_NE(text(wrap, 1.5f).find("pictures that do not repeat"), std::string::npos);
-  EXPECT_EQ(text(33071, 1).find("pictures that do not repeat"), std::string::npos);
-  EXPECT_EQ(text(10497, 1.5f).find("pictures that do not repeat"), std::string::npos);
+    EXPECT_NE(text(wrap, 1.5f).find("textures that do not repeat"), std::string::npos);
+  EXPECT_EQ(text(33071, 1).find("textures that do not repeat"), std::string::npos);
+  EXPECT_EQ(text(10497, 1.5f).find("textures that do not repeat"), std::string::npos);
 }
 
 TEST(GltfMaterials, ColoursOfVerticesOnMetalAreListed) {

@@ -312,8 +312,8 @@ TEST(GltfReader, TextureCoordinatesTurnedAndMirroredUpwards) {
     EXPECT_LE(glm::length(got[i] - wanted[i]), 3e-12) << i;  // 5e-12·½: digits of the angle
 }
 
-TEST(GltfReader, VertexColoursOfEveryForm) {
-  const auto colours = [](auto list, int component, const char* type, int width) {
+TEST(GltfReader, VertexColorsOfEveryForm) {
+  const auto colors = [](auto list, int component, const char* type, int width) {
     Sample sample = triangle();
     const int accessor =
         sample.accessor(sample.view(list, 0), component,
@@ -321,20 +321,19 @@ TEST(GltfReader, VertexColoursOfEveryForm) {
     sample.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = accessor;
     const Loaded out = load(sample.glb());
     EXPECT_TRUE(out.imported && !out.log.has_errors()) << out.text();
-    return out.imported ? mesh_of(*out.imported).colours : std::vector<Vec3>{};
+    return out.imported ? mesh_of(*out.imported).colors : std::vector<Vec3>{};
   };
   const std::vector<Vec3> wanted = {{1, 0, 0.2}, {0, 1, 0}, {0.4, 0, 1}};
-  EXPECT_LE(
-      distance(colours(std::vector<float>{1, 0, 0.2f, 0, 1, 0, 0.4f, 0, 1}, kFloat, "VEC3", 3),
-               wanted),
-      1e-8);
-  EXPECT_LE(distance(colours(std::vector<std::uint8_t>{255, 0, 51, 9, 0, 255, 0, 9, 102, 0, 255, 9},
-                             kUnsignedByte, "VEC4", 4),
+  EXPECT_LE(distance(colors(std::vector<float>{1, 0, 0.2f, 0, 1, 0, 0.4f, 0, 1}, kFloat, "VEC3", 3),
+                     wanted),
+            1e-8);
+  EXPECT_LE(distance(colors(std::vector<std::uint8_t>{255, 0, 51, 9, 0, 255, 0, 9, 102, 0, 255, 9},
+                            kUnsignedByte, "VEC4", 4),
                      wanted),
             1e-16);
-  EXPECT_LE(distance(colours(std::vector<std::uint16_t>{65535, 0, 13107, 9, 0, 65535, 0, 9, 26214,
-                                                        0, 65535, 9},
-                             kUnsignedShort, "VEC4", 4),
+  EXPECT_LE(distance(colors(std::vector<std::uint16_t>{65535, 0, 13107, 9, 0, 65535, 0, 9, 26214, 0,
+                                                       65535, 9},
+                            kUnsignedShort, "VEC4", 4),
                      wanted),
             1e-16);
 }

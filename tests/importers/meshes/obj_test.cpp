@@ -83,10 +83,10 @@ TEST(Obj, CornersHaveTexcoordsAndNormals) {
   EXPECT_THAT(out->text(), HasSubstr("W6502"));  // the middle face has no texcoords
 }
 
-TEST(Obj, VerticesHaveColours) {
+TEST(Obj, VerticesHaveColors) {
   const auto out = read_obj("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 0.25\nf 1 2 3\n");
   ASSERT_TRUE(out->out);
-  EXPECT_THAT(out->mesh().colours, ElementsAre(Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 0.25)));
+  EXPECT_THAT(out->mesh().colors, ElementsAre(Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 0.25)));
   EXPECT_EQ(out->material(0).diffuse, Vec3(1));
 }
 
@@ -140,18 +140,18 @@ TEST(Obj, MaterialsAreThoseOfVrml) {
     EXPECT_THAT(out->text(), HasSubstr(what));
 }
 
-TEST(Obj, PicturesAreLaidOnTexcoords) {
-  const std::string picture("P6\n1 1\n255\n\x10\x20\x30", 14);
+TEST(Obj, TexturesAreLaidOnTexcoords) {
+  const std::string texture("P6\n1 1\n255\n\x10\x20\x30", 14);
   const std::string square = kSquare + "vt 0 0\nvt 1 0\nvt 1 1\nusemtl a\n";
   const auto out = read_meshes(
       {{"models/m.obj", "mtllib parts/m.mtl\n" + square + "f 1/1 2/2 3/3\ng bare\nf 1 2 3\n"},
-       {"models/parts/m.mtl", "newmtl a\nKd 0 0 0\nmap_Kd -s 2 3 1 -clamp on a picture.ppm\n"},
-       {"models/parts/a picture.ppm", picture}});
+       {"models/parts/m.mtl", "newmtl a\nKd 0 0 0\nmap_Kd -s 2 3 1 -clamp on a texture.ppm\n"},
+       {"models/parts/a texture.ppm", texture}});
   ASSERT_TRUE(out->out) << out->text();
   ASSERT_EQ(out->scene().textures.size(), 1u);
   EXPECT_EQ(out->material(0).maps.albedo, 0);
   EXPECT_EQ(out->material(0).maps.repeat, Vec2(2, 3));
-  EXPECT_EQ(out->material(0).diffuse, Vec3(1));  // black under a picture is not meant
+  EXPECT_EQ(out->material(0).diffuse, Vec3(1));  // black under a texture is not meant
   EXPECT_TRUE(out->log.contains(Code::W6502));
   EXPECT_EQ(out->material(1).maps.albedo, -1);
   EXPECT_EQ(out->scene().inputs.size(), 3u);

@@ -23,7 +23,7 @@ std::string header(const std::string& vertices, const std::string& faces,
 const std::string kXyz = "property float x\nproperty float y\nproperty float z";
 const std::string kList = "property list uchar uint vertex_index";
 
-TEST(Ply, VerticesHaveNormalsColoursAndTexcoords) {
+TEST(Ply, VerticesHaveNormalsColorsAndTexcoords) {
   const auto out = read_meshes(
       {{"m.ply", header("3\n" + kXyz +
                             "\nproperty float nx\nproperty float ny\nproperty float nz\n"
@@ -37,20 +37,20 @@ TEST(Ply, VerticesHaveNormalsColoursAndTexcoords) {
   EXPECT_THAT(mesh.normals, testing::Each(Vec3(0, 0, 1)));  // the last has that of its face
   EXPECT_EQ(mesh.texcoords[2], Vec2(0.5, 1));
   // IEC 61966-2-1 at 128/255
-  EXPECT_EQ(mesh.colours[0].x, 1);
-  EXPECT_NEAR(mesh.colours[0].z, std::pow((128 / 255.0 + 0.055) / 1.055, 2.4), 1e-16);
+  EXPECT_EQ(mesh.colors[0].x, 1);
+  EXPECT_NEAR(mesh.colors[0].z, std::pow((128 / 255.0 + 0.055) / 1.055, 2.4), 1e-16);
   EXPECT_EQ(out->material(0).diffuse, Vec3(1));
   EXPECT_THAT(out->text(), HasSubstr("lost: vertex property 'alpha'"));
 }
 
-TEST(Ply, FloatColoursAreLinear) {
+TEST(Ply, FloatColorsAreLinear) {
   const auto out = read_meshes(
       {{"m.ply",
         header("3\n" + kXyz + "\nproperty float red\nproperty double green\nproperty float blue",
                "1\n" + kList) +
             "0 0 0 0.5 0.25 2\n1 0 0 0 0 0\n0 1 0 0 0 0\n3 0 1 2\n"}});
   ASSERT_TRUE(out->out) << out->text();
-  EXPECT_EQ(out->mesh().colours[0], Vec3(0.5, 0.25, 1));
+  EXPECT_EQ(out->mesh().colors[0], Vec3(0.5, 0.25, 1));
 }
 
 // A value as a type of PLY holds it.
@@ -109,14 +109,14 @@ TEST(Ply, StripsEndAtMinusOne) {
 }
 
 TEST(Ply, CornersOfFacesHaveTheirOwnTexcoords) {
-  const std::string picture("P6\n1 1\n255\n\x10\x20\x30", 14);
+  const std::string texture("P6\n1 1\n255\n\x10\x20\x30", 14);
   const auto out = read_meshes(
       {{"m.ply", "ply\nformat ascii 1.0\ncomment TextureFile a.ppm\nelement vertex 4\n" + kXyz +
                      "\nelement face 2\n" + kList +
                      "\nproperty list uchar float texcoord\nend_header\n"
                      "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
                      "3 0 1 2 6 0 0 1 0 1 1\n3 0 2 3 6 0.5 0.5 1 1 0 1\n"},
-       {"a.ppm", picture}});
+       {"a.ppm", texture}});
   ASSERT_TRUE(out->out) << out->text();
   const geometry::Mesh& mesh = out->mesh();
   EXPECT_EQ(mesh.positions.size(), 5u);  // the first point twice, the third once

@@ -193,15 +193,15 @@ TEST(StepBodies, NormalsAreThoseOfTheSurface) {
   }
 }
 
-TEST(StepBodies, PatchesOfOtherColoursShareTheirBorder) {
+TEST(StepBodies, PatchesOfOtherColorsShareTheirBorder) {
   const TopoDS_Shape body = filleted_box(800, 1000, 1200, 100);
-  std::vector<std::int32_t> colours;
+  std::vector<std::int32_t> colors;
   for (TopExp_Explorer at(body, TopAbs_FACE); at.More(); at.Next())
-    colours.push_back(colours.size() % 3 == 0 ? 1 : -1);
-  const Meshed out = meshed(body, colours, kDeflection);
+    colors.push_back(colors.size() % 3 == 0 ? 1 : -1);
+  const Meshed out = meshed(body, colors, kDeflection);
   ASSERT_EQ(out.patches.size(), 2u);
-  EXPECT_EQ(out.patches[0].colour, -1);
-  EXPECT_EQ(out.patches[1].colour, 1);
+  EXPECT_EQ(out.patches[0].color, -1);
+  EXPECT_EQ(out.patches[1].color, 1);
   // together they are closed, point for point
   geometry::Mesh all = *out.patches[0].mesh;
   const auto first = static_cast<std::uint32_t>(all.positions.size());

@@ -82,15 +82,15 @@ std::string lander() {
   const TDF_Label foot = sample.part(foot_shape, "foot");
   const TDF_Label rod = sample.part(BRepPrimAPI_MakeCylinder(20, 500).Shape(), "rod/1");
   sample.material(rod, "Al 6061");
-  sample.colour(foot, {0.5, 0.25, 1});
+  sample.color(foot, {0.5, 0.25, 1});
   TopExp_Explorer faces(foot_shape, TopAbs_FACE);
-  sample.colour(foot, faces.Current(), {1, 0, 0});
+  sample.color(foot, faces.Current(), {1, 0, 0});
   const TDF_Label leg = sample.assembly("leg");
   sample.place(leg, foot, gp_Trsf(), "");
   sample.place(leg, rod, shift(0, 0, 300), "");
   const TDF_Label top = sample.assembly("lander");
   sample.place(top, leg, shift(1000, 0, 0), "leg:1");
-  sample.colour(sample.place(top, leg, quarter_turn() * shift(1000, 0, 0), "leg:2"), {0, 1, 0});
+  sample.color(sample.place(top, leg, quarter_turn() * shift(1000, 0, 0), "leg:2"), {0, 1, 0});
   return sample.text();
 }
 
@@ -132,18 +132,18 @@ TEST(StepFiles, PartsThatAreUsedTwiceAreOneShape) {
 TEST(StepFiles, ColoursOfFacesProductsAndOccurrences) {
   const auto reading = read(lander());
   const auto& instances = reading->scene().instances;
-  const auto colour = [&](std::size_t i) {
+  const auto color = [&](std::size_t i) {
     return reading->scene().materials[static_cast<std::size_t>(instances[i].material)].diffuse;
   };
   constexpr double kSingle = 1e-7;  // OpenCASCADE keeps colours in single precision
   const Vec3 foot(linear(0.5), linear(0.25), 1);
   for (const std::size_t leg : {0u, 3u}) {
-    EXPECT_NEAR(glm::length(colour(leg) - foot), 0, kSingle);
-    EXPECT_EQ(colour(leg + 1), Vec3(1, 0, 0));
+    EXPECT_NEAR(glm::length(color(leg) - foot), 0, kSingle);
+    EXPECT_EQ(color(leg + 1), Vec3(1, 0, 0));
   }
   // the rod has none of its own: grey, and green in the green leg
-  EXPECT_EQ(colour(2), Vec3(0.8));
-  EXPECT_EQ(colour(5), Vec3(0, 1, 0));
+  EXPECT_EQ(color(2), Vec3(0.8));
+  EXPECT_EQ(color(5), Vec3(0, 1, 0));
   const auto& cad = reading->out->materials;
   ASSERT_EQ(cad.size(), reading->scene().materials.size());
   EXPECT_EQ(cad[static_cast<std::size_t>(instances[2].material)].name, "Al 6061");

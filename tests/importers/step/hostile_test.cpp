@@ -22,7 +22,7 @@ std::string two_parts() {
   const TDF_Label top = sample.assembly("top");
   sample.place(top, half, gp_Trsf(), "a");
   sample.place(top, box, gp_Trsf(), "b");
-  sample.colour(half, {1, 0, 0});
+  sample.color(half, {1, 0, 0});
   return sample.text();
 }
 

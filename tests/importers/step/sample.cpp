@@ -53,15 +53,15 @@ TDF_Label Sample::place(const TDF_Label& assembly, const TDF_Label& product,
   return label;
 }
 
-void Sample::colour(const TDF_Label& label, const Vec3& srgb) {
+void Sample::color(const TDF_Label& label, const Vec3& srgb) {
   XCAFDoc_DocumentTool::ColorTool(document_->Main())
       ->SetColor(label, quantity(srgb), XCAFDoc_ColorSurf);
 }
 
-void Sample::colour(const TDF_Label& part, const TopoDS_Shape& sub_shape, const Vec3& srgb) {
+void Sample::color(const TDF_Label& part, const TopoDS_Shape& sub_shape, const Vec3& srgb) {
   const TDF_Label label =
       XCAFDoc_DocumentTool::ShapeTool(document_->Main())->AddSubShape(part, sub_shape);
-  colour(label, srgb);
+  color(label, srgb);
 }
 
 void Sample::material(const TDF_Label& part, const std::string& name) {

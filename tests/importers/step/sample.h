@@ -26,9 +26,9 @@ class Sample {
   TDF_Label place(const TDF_Label& assembly, const TDF_Label& product, const gp_Trsf& transform,
                   const std::string& name);
   // sRGB, as CAD programs show it; of a product or an occurrence
-  void colour(const TDF_Label& label, const Vec3& srgb);
+  void color(const TDF_Label& label, const Vec3& srgb);
   // of a face or solid of a part
-  void colour(const TDF_Label& part, const TopoDS_Shape& sub_shape, const Vec3& srgb);
+  void color(const TDF_Label& part, const TopoDS_Shape& sub_shape, const Vec3& srgb);
   void material(const TDF_Label& part, const std::string& name);
 
   // unit: "MM", "INCH", "M"

@@ -47,7 +47,7 @@ std::vector<Row> table(const fs::path& path) {
 
 struct Count {
   std::uint64_t triangles = 0;
-  bool exact = true;  // no round shapes
+  bool exact = true;  // no surfaces of revolution
   Vec3 low{1e300};
   Vec3 high{-1e300};
 };
@@ -113,7 +113,7 @@ bool has_place(const Diagnostic& entry) {
   return entry.where.file != kNoFile && entry.severity() != Severity::note;
 }
 
-// Text, and round shapes in a wrong place: others tessellate them too.
+// Text, and surfaces of revolution in a wrong place: others tessellate them too.
 bool leaves_out_what_is_tessellated(const Diagnostic& entry) {
   if (entry.code != Code::N6007 && entry.code != Code::W6115) return false;
   return std::ranges::any_of(
@@ -129,7 +129,8 @@ TEST(VrmlCorpus, IsReadAsOtherReadersReadIt) {
        table(fs::path(PANWRIGHT_SOURCE_DIR) / "tests/importers/vrml/differences.tsv"))
     reasons[row[0]][row[1]] = row[2];
 
-  std::size_t comparable = 0, equal = 0;  // without round shapes, where both readers agree
+  std::size_t comparable = 0,
+              equal = 0;  // without surfaces of revolution, where both readers agree
   double worst_bounds = 0;
   for (const Row& row : table(folder / "ORACLE-vrml.tsv")) {
     if (row[0].starts_with("malformed")) continue;

@@ -150,7 +150,7 @@ TEST(Faces, OneVertexForEachTuple) {
   // two triangles over one edge: colours by face, texcoords by corner, the same on the edge
   const Numbers points{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
   const Index index{0, 1, 2, -1, 0, 2, 3, -1};
-  const Numbers colours{1, 0, 0, 0, 1, 0};
+  const Numbers colors{1, 0, 0, 0, 1, 0};
   const Numbers texcoords{0, 0, 0.5, 0.25, 1, 1};
   const Index texcoord_index{0, 1, 2, -1, 0, 2, 1, -1};
   FaceSet set;
@@ -160,27 +160,27 @@ TEST(Faces, OneVertexForEachTuple) {
   set.texcoords = texcoords;
   set.texcoord_index = texcoord_index;
   EXPECT_EQ(made(set).mesh.positions.size(), 4u);
-  set.colours = colours;
+  set.colors = colors;
   set.color_per_vertex = false;
   const Mesh mesh = made(set).mesh;
   ASSERT_EQ(mesh.positions.size(), 6u);
   for (int k = 0; k < 3; ++k) {
-    EXPECT_EQ(mesh.colours[mesh.triangles[0][k]], Vec3(1, 0, 0));
-    EXPECT_EQ(mesh.colours[mesh.triangles[1][k]], Vec3(0, 1, 0));
+    EXPECT_EQ(mesh.colors[mesh.triangles[0][k]], Vec3(1, 0, 0));
+    EXPECT_EQ(mesh.colors[mesh.triangles[1][k]], Vec3(0, 1, 0));
   }
   EXPECT_EQ(mesh.texcoords[mesh.triangles[1][2]], Vec2(0.5, 0.25));
   const Index swapped{1, 0};
   set.color_index = swapped;
-  EXPECT_EQ(made(set).mesh.colours[0], Vec3(0, 1, 0));
+  EXPECT_EQ(made(set).mesh.colors[0], Vec3(0, 1, 0));
 }
 
 TEST(Faces, ColoursStayBetweenZeroAndOne) {
   FaceSet set = cube();
-  Numbers colours(24, 0.25);
-  colours[0] = -3;
-  colours[4] = 7;
-  set.colours = colours;
-  for (const Vec3& c : made(set).mesh.colours)
+  Numbers colors(24, 0.25);
+  colors[0] = -3;
+  colors[4] = 7;
+  set.colors = colors;
+  for (const Vec3& c : made(set).mesh.colors)
     EXPECT_TRUE(glm::min(c.x, c.y) >= 0 && glm::max(c.x, c.y) <= 1 && c.z == 0.25);
 }
 
@@ -259,7 +259,7 @@ TEST(Faces, ListsOfNormalsThatCannotBeAreComputedAnew) {
   EXPECT_EQ(past_end.problems[0].list, List::normal_index);
   EXPECT_EQ(past_end.problems[0].item, 5u);
 
-  // one for each face where one for each corner is promised
+  // one per face where one per corner is promised
   set.normal_per_vertex = true;
   index[5] = 5;
   Made short_index = made(set);
@@ -286,11 +286,11 @@ TEST(Faces, AnIndexThatEndsFacesElsewhereIsNotUsed) {
 
 TEST(Faces, NumbersThatAreNotFiniteDropTheirList) {
   FaceSet set = cube();
-  Numbers colours(24, 0.5);
-  colours[7] = std::numeric_limits<double>::quiet_NaN();
-  set.colours = colours;
+  Numbers colors(24, 0.5);
+  colors[7] = std::numeric_limits<double>::quiet_NaN();
+  set.colors = colors;
   const Made plain = made(set);
-  EXPECT_TRUE(plain.mesh.colours.empty());
+  EXPECT_TRUE(plain.mesh.colors.empty());
   ASSERT_EQ(plain.problems.size(), 1u);
   EXPECT_EQ(plain.problems[0].code, Code::E6107);
   EXPECT_EQ(plain.problems[0].item, 2u);
@@ -433,19 +433,19 @@ TEST(Grids, ColoursAndNormalsOfQuadrilateralsOrPoints) {
   grid.x_dimension = 3;
   grid.z_dimension = 2;
   grid.heights = heights;
-  grid.colours = two;
+  grid.colors = two;
   grid.color_per_vertex = false;
   const Mesh by_face = made(grid).mesh;
   EXPECT_EQ(by_face.positions.size(), 8u);
   for (std::size_t t = 0; t < 4; ++t)
-    EXPECT_EQ(by_face.colours[by_face.triangles[t][0]], t < 2 ? Vec3(1, 0, 0) : Vec3(0, 0, 1));
-  grid.colours = six;
+    EXPECT_EQ(by_face.colors[by_face.triangles[t][0]], t < 2 ? Vec3(1, 0, 0) : Vec3(0, 0, 1));
+  grid.colors = six;
   grid.color_per_vertex = true;
   const Mesh by_point = made(grid).mesh;
   ASSERT_EQ(by_point.positions.size(), 6u);
   for (std::size_t v = 0; v < 6; ++v)
-    EXPECT_NEAR(by_point.colours[v].x,
-                0.1 * (by_point.positions[v].x + 3 * by_point.positions[v].z), 1e-15);
+    EXPECT_NEAR(by_point.colors[v].x, 0.1 * (by_point.positions[v].x + 3 * by_point.positions[v].z),
+                1e-15);
 }
 
 TEST(Grids, TextureFromZeroToOne) {

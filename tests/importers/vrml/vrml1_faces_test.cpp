@@ -23,10 +23,10 @@ std::vector<double> reds(const std::string& binding, const std::string& index = 
                               " }\nIndexedFaceSet { " + kStripIndex + " " + index + " }");
   EXPECT_EQ(reading->scene().instances.size(), 1u);
   const geometry::Mesh& strip = mesh(*reading);
-  if (strip.colours.empty()) return {material(*reading).diffuse.x};
+  if (strip.colors.empty()) return {material(*reading).diffuse.x};
   std::vector<double> out;
   for (const geometry::Triangle& t : strip.triangles)
-    for (const std::uint32_t v : t) out.push_back(10 * strip.colours[v].x);
+    for (const std::uint32_t v : t) out.push_back(10 * strip.colors[v].x);
   for (double& red : out) red = std::round(red);
   return out;
 }
@@ -61,17 +61,17 @@ TEST(Vrml1, AnUnknownBindingIsSaid) {
   EXPECT_EQ(reading->scene().instances.size(), 1u);
 }
 
-TEST(Vrml1, SeveralMaterialsBecomeColoursOrElseSeveralParts) {
+TEST(Vrml1, SeveralMaterialsBecomeColorsOrElseSeveralParts) {
   const std::string bound =
       kStrip + "MaterialBinding { value PER_FACE }\nIndexedFaceSet { " + kStripIndex + " }";
-  const auto colours = read10(
+  const auto colors = read10(
       "Material { diffuseColor [ 1 0 0, 0 1 0, 0 0 1 ] shininess 0.5 "
       "specularColor .2 .2 .2 } " +
       bound);
-  ASSERT_EQ(colours->scene().instances.size(), 1u);
-  EXPECT_EQ(material(*colours).diffuse, Vec3(1));
-  EXPECT_EQ(material(*colours).specular, Vec3(0.2));
-  EXPECT_EQ(std::get<materials::BlinnPhong>(material(*colours).specular_brdf).shine, 64);
+  ASSERT_EQ(colors->scene().instances.size(), 1u);
+  EXPECT_EQ(material(*colors).diffuse, Vec3(1));
+  EXPECT_EQ(material(*colors).specular, Vec3(0.2));
+  EXPECT_EQ(std::get<materials::BlinnPhong>(material(*colors).specular_brdf).shine, 64);
 
   const auto parts =
       read10("Material { diffuseColor [ 1 0 0, 0 1 0 ] transparency [ 0, 0, .5 ] } " + bound);
@@ -95,7 +95,7 @@ TEST(Vrml1, SeveralMaterialsBecomeColoursOrElseSeveralParts) {
              "IndexedFaceSet { " +
              kStripIndex + " }");
   ASSERT_EQ(corners->scene().instances.size(), 1u);
-  EXPECT_EQ(mesh(*corners).colours.size(), mesh(*corners).positions.size());
+  EXPECT_EQ(mesh(*corners).colors.size(), mesh(*corners).positions.size());
   EXPECT_EQ(corners->count(Code::N6008), 1u);
 }
 
@@ -121,7 +121,7 @@ TEST(Vrml1, PartsKeepTheirNormalsAndTexcoords) {
   EXPECT_EQ(one.texcoords[0], Vec2(0.1, 0));
 }
 
-TEST(Vrml1, PrelitColoursAreKept) {
+TEST(Vrml1, PrelitColorsAreKept) {
   const auto reading = read10(
       "Material { ambientColor [] diffuseColor [] specularColor [] emissiveColor [ .2 .4 .6 ] } "
       "Cube {}");
@@ -187,13 +187,13 @@ TEST(Vrml1, ShapeHints) {
   EXPECT_EQ(mesh(*read10("ShapeHints { creaseAngle 1.5 } " + roof)).positions.size(), 8u);
 }
 
-TEST(Vrml1, PicturesAndTheirTransforms) {
-  const std::string picture = "Texture2 { image 1 2 3 0xff0000 0x0000ff } ";
+TEST(Vrml1, TexturesAndTheirTransforms) {
+  const std::string texture = "Texture2 { image 1 2 3 0xff0000 0x0000ff } ";
   const std::string square =
       "Coordinate3 { point [ 0 0 0, 2 0 0, 2 2 0, 0 2 0 ] }\n"
       "TextureCoordinate2 { point [ 0 0, 1 0, 1 1, 0 1 ] }\n"
       "IndexedFaceSet { coordIndex [ 0, 1, 2, 3, -1 ] }";
-  const auto plain = read10(picture + square);
+  const auto plain = read10(texture + square);
   ASSERT_EQ(plain->scene().textures.size(), 1u);
   EXPECT_EQ(instance(*plain).texture, 0);
   // the file's first row is the lowest
@@ -204,7 +204,7 @@ TEST(Vrml1, PicturesAndTheirTransforms) {
     EXPECT_EQ(mesh(*plain).texcoords[v], Vec2(p.x, p.y) / 2.0);
   }
   // about its centre twice as large, turned by a right angle, then moved
-  const auto changed = read10(picture +
+  const auto changed = read10(texture +
                               "Texture2Transform { center .5 .5 scaleFactor 2 2 rotation "
                               "1.5707963267948966 translation 10 0 } " +
                               square);
@@ -215,7 +215,7 @@ TEST(Vrml1, PicturesAndTheirTransforms) {
     EXPECT_LT(glm::length(mesh(*changed).texcoords[v] - expected), 1e-14);
   }
   // without coordinates of its own: by the bounds
-  const auto by_bounds = read10(picture + kTriangle);
+  const auto by_bounds = read10(texture + kTriangle);
   EXPECT_EQ(mesh(*by_bounds).texcoords.size(), 3u);
 }
 

@@ -328,7 +328,7 @@ TEST(Vrml1, AMaterialForEachFaceOfACube) {
       {{1, 0, 0}, {1, 1, 0}}, {{0, 1, 0}, {0, 1, 1}},  {{0, -1, 0}, {1, 0, 1}}};
   for (std::size_t v = 0; v < cube.positions.size(); ++v) {
     const bool found = std::ranges::any_of(faces, [&](const auto& face) {
-      return cube.normals[v] == face.first && cube.colours[v] == face.second;
+      return cube.normals[v] == face.first && cube.colors[v] == face.second;
     });
     EXPECT_TRUE(found);
   }

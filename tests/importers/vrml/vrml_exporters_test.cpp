@@ -172,13 +172,13 @@ TEST(VrmlExporters, FilesOfOtherCaseAndOfOtherFolders) {
   }
 }
 
-TEST(VrmlExporters, PicturesOfOtherFoldersMayLieBesideTheModel) {
-  const std::string picture = "P3 1 1 255 255 0 0";
+TEST(VrmlExporters, TexturesOfOtherFoldersMayLieBesideTheModel) {
+  const std::string texture = "P3 1 1 255 255 0 0";
   for (const std::string url : {"../maps/gold.ppm", "C:\\\\maps\\\\gold.ppm", "/maps/gold.ppm"}) {
     const auto reading = read_files(
         {{"model.wrl", kHeader97 + "Shape { appearance Appearance { texture ImageTexture { url \"" +
                            url + "\" } } geometry Box { } }"},
-         {"gold.ppm", picture}});
+         {"gold.ppm", texture}});
     EXPECT_EQ(reading->scene().textures.size(), 1u) << to_text(reading->log);
     EXPECT_THAT(reading->places(), ElementsAre("2:60 W6118")) << url;
   }
@@ -204,9 +204,9 @@ std::string textured(const std::string& texture, const std::string& s) {
          s + " 0, 0 1 ] } } }";
 }
 
-TEST(VrmlLost, PicturesThatDoNotRepeat) {
+TEST(VrmlLost, TexturesThatDoNotRepeat) {
   const std::string once = "PixelTexture { image 1 1 3 0xff0000 repeatS FALSE }";
-  EXPECT_EQ(note(*read97(textured(once, "2")), Code::N6008), "lost: pictures that do not repeat");
+  EXPECT_EQ(note(*read97(textured(once, "2")), Code::N6008), "lost: textures that do not repeat");
   EXPECT_EQ(note(*read97(textured(once, "1")), Code::N6008), "");
   const std::string other = "PixelTexture { image 1 1 3 0xff0000 repeatT FALSE }";
   EXPECT_EQ(note(*read97(textured(other, "2")), Code::N6008), "");
@@ -214,14 +214,14 @@ TEST(VrmlLost, PicturesThatDoNotRepeat) {
     return read_text("#VRML V1.0 ascii\nTexture2 { image 1 1 3 0xff0000 wrapS " + wrap +
                      " } TextureCoordinate2 { point [ 0 0, 2 0, 0 1 ] } " + kShape10);
   };
-  EXPECT_EQ(note(*in_10("CLAMP"), Code::N6008), "lost: pictures that do not repeat");
+  EXPECT_EQ(note(*in_10("CLAMP"), Code::N6008), "lost: textures that do not repeat");
   EXPECT_EQ(note(*in_10("REPEAT"), Code::N6008), "");
 }
 
-TEST(VrmlLost, TransparencyOfPictures) {
+TEST(VrmlLost, TransparencyOfTextures) {
   for (const std::string image : {"1 1 4 0xff000080", "1 1 2 0x8040"})
     EXPECT_EQ(note(*read97(textured("PixelTexture { image " + image + " }", "1")), Code::N6008),
-              "lost: transparency of pictures");
+              "lost: transparency of textures");
   for (const std::string image : {"1 1 4 0xff0000ff", "1 1 2 0x80ff", "1 1 1 0x80"})
     EXPECT_EQ(note(*read97(textured("PixelTexture { image " + image + " }", "1")), Code::N6008),
               "");
@@ -239,12 +239,12 @@ TEST(VrmlLost, ColoursThatAreNone) {
   EXPECT_THAT(corners->places(), ElementsAre("3:51 W6114")) << to_text(corners->log);
 }
 
-TEST(VrmlLost, BillboardsAndTransformsOfPicturesOnPrimitives) {
+TEST(VrmlLost, BillboardsAndTransformsOfTexturesOnPrimitives) {
   EXPECT_EQ(note(*read97("Billboard { children " + kShape + " }"), Code::N6008),
             "lost: the turning of billboards");
-  const std::string picture = "Texture2 { image 1 1 3 0xff0000 } Texture2Transform { rotation 1 } ";
+  const std::string texture = "Texture2 { image 1 1 3 0xff0000 } Texture2Transform { rotation 1 } ";
   for (const std::string shape : {"Cube { }", "Sphere { }", "Cylinder { }", "Cone { }"})
-    EXPECT_EQ(note(*read_text("#VRML V1.0 ascii\n" + picture + shape), Code::N6008),
+    EXPECT_EQ(note(*read_text("#VRML V1.0 ascii\n" + texture + shape), Code::N6008),
               "lost: texture transforms on primitives");
 }
 

@@ -1,4 +1,4 @@
-// GIF pictures, against the numbers that ImageMagick 6.9 packed.
+// GIF textures, against the numbers that ImageMagick 6.9 packed.
 #include "importers/vrml/internal/gif.h"
 
 #include <gtest/gtest.h>
@@ -64,8 +64,8 @@ TEST(VrmlGif, PixelsAreThoseThatWerePacked) {
   }
 }
 
-TEST(VrmlGif, RowsOfInterlacedOnesAreInOrderAndOneColourIsTransparent) {
-  constexpr std::array<std::array<unsigned, 4>, 5> kColours = {
+TEST(VrmlGif, RowsOfInterlacedOnesAreInOrderAndOneColorIsTransparent) {
+  constexpr std::array<std::array<unsigned, 4>, 5> kColors = {
       {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}, {0, 0, 0, 0}, {200, 200, 200, 255}}};
   DecodedImage image;
   const std::string bytes = bytes_of(kInterlaced);
@@ -75,7 +75,7 @@ TEST(VrmlGif, RowsOfInterlacedOnesAreInOrderAndOneColourIsTransparent) {
   for (unsigned y = 0; y < 30; ++y)
     for (unsigned x = 0; x < 40; ++x)
       for (unsigned k = 0; k < 4; ++k)
-        EXPECT_EQ(image.rgba[4 * (40 * y + x) + k], kColours[(x * x + 3 * y) % 5][k]);
+        EXPECT_EQ(image.rgba[4 * (40 * y + x) + k], kColors[(x * x + 3 * y) % 5][k]);
 }
 
 TEST(VrmlGif, DamageIsNoticed) {

@@ -61,7 +61,7 @@ TEST(VrmlPrototypes, ANodeOfTheBodyOnlyAsFirst) {
       "PROTO M [ field SFColor c 0 0 1 ] { Material { diffuseColor IS c } }\n"
       "Shape { appearance Appearance { material M { c 0 1 0 } } geometry Box {} }");
   EXPECT_THAT(reading->places(), IsEmpty()) << to_text(reading->log);
-  EXPECT_EQ(reading->out->materials[0].base_colour, Vec3(0, 1, 0));
+  EXPECT_EQ(reading->out->materials[0].base_color, Vec3(0, 1, 0));
 }
 
 TEST(VrmlPrototypes, ExternalOnes) {

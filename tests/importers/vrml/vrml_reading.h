@@ -8,7 +8,7 @@
 
 #include "geometry/mesh.h"
 #include "importers/import.h"
-#include "importers/vrml/internal/session.h"
+#include "importers/vrml/internal/reader_context.h"
 
 namespace panwright::importers::vrml {
 
@@ -70,7 +70,7 @@ struct Parsed {
   std::unique_ptr<Files> files;
   Options options;
   DiagnosticLog log{100000};
-  std::unique_ptr<Session> session;
+  std::unique_ptr<ReaderContext> context;
   Document* document = nullptr;
   const Node& top(std::size_t i = 0) const { return *document->nodes.at(i); }
 };
@@ -79,9 +79,9 @@ inline std::unique_ptr<Parsed> parsed(const std::string& text) {
   auto out = std::make_unique<Parsed>();
   out->stored.push_back({"model.wrl", text});
   out->files = files_in_memory(out->stored, 1 << 30);
-  out->session = std::make_unique<Session>(*out->files, out->options, out->log);
+  out->context = std::make_unique<ReaderContext>(*out->files, out->options, out->log);
   out->document =
-      out->session->open({"model.wrl", "model.wrl", std::make_shared<const std::string>(text), {}});
+      out->context->open({"model.wrl", "model.wrl", std::make_shared<const std::string>(text), {}});
   return out;
 }
 

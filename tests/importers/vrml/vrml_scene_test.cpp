@@ -46,17 +46,17 @@ TEST(VrmlScene, LargeListsServeAsOftenAsTheyAreAsked) {
   }
   const std::string coordinate = "Coordinate { point [ " + points + "] }";
   const std::string faces = "coordIndex [ " + index + "]";
-  const std::string picture =
+  const std::string texture =
       "appearance Appearance { texture PixelTexture { image 1 1 3 0x102030 } } ";
   const std::string proto =
       "PROTO P [ field SFNode g NULL ] { Group { children [ Shape { geometry IS g } Shape { " +
-      picture + "geometry IS g } ] } } ";
+      texture + "geometry IS g } ] } } ";
   const std::vector<std::pair<std::string, std::size_t>> models = {
       // text, shapes
       {"Shape { geometry IndexedFaceSet { coord " + coordinate + faces + " } }", 1},
       {"DEF S Shape { geometry IndexedFaceSet { coord " + coordinate + faces + " } } USE S", 2},
       {"Shape { geometry DEF G IndexedFaceSet { coord " + coordinate + faces + " } } Shape { " +
-           picture + "geometry USE G }",
+           texture + "geometry USE G }",
        2},
       {"Shape { geometry IndexedFaceSet { coord DEF C " + coordinate + faces +
            " } } Shape { geometry IndexedFaceSet { ccw FALSE coord USE C " + faces + " } }",
@@ -311,7 +311,7 @@ TEST(VrmlScene, TextureTransforms) {
   EXPECT_LT(glm::length(mesh.texcoords[0] - Vec2(-1.5, 3.5)), 1e-15);  // measured 2.2e-16
 }
 
-TEST(VrmlScene, MissingPicturesAreAWarning) {
+TEST(VrmlScene, MissingTexturesAreAWarning) {
   const auto reading = read97(
       "Shape { appearance DEF L Appearance { texture ImageTexture { url \"no.png\" } } geometry "
       "Box "
@@ -327,7 +327,7 @@ TEST(VrmlScene, ColoursOfTheMeshReplaceTheMaterials) {
       "color "
       "Color { color [ 1 0 0 0 1 0 1 1 1 ] } } }");
   EXPECT_EQ(reading->scene().materials.at(0).diffuse, Vec3(1));
-  EXPECT_EQ(std::get<geometry::MeshShape>(reading->scene().shapes.at(0))->colours.size(), 3u);
+  EXPECT_EQ(std::get<geometry::MeshShape>(reading->scene().shapes.at(0))->colors.size(), 3u);
 }
 
 // ---- joints

@@ -1,0 +1,36 @@
+// Closed borders of a mesh, by half-edges.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "geometry/mesh.h"
+#include "geometry/mesh/internal/edges.h"
+
+namespace panwright::geometry {
+
+struct BoundaryLoop {
+  std::vector<std::uint32_t>
+      unique_positions;        // in the direction in which faces that fill it run its edges
+  std::uint32_t triangle = 0;  // one that it bounds
+  double length = 0;           // metres
+};
+
+// The loops of border edges that surround one hole each, in order of their first sides. Where three
+// or more surfaces hang together at a vertex or edge, so that nobody can tell which border goes on
+// with which, edges are in no loop.
+//
+// Expects: neighbours across edges wound alike. Cost: O(T). Half-edges: OpenMesh (Botsch,
+// Steinberg, Bischoff, Kobbelt, "OpenMesh: a generic and efficient polygon mesh data structure",
+// 2002).
+std::vector<BoundaryLoop> boundary_loops_of(const Mesh& mesh,
+                                            std::span<const std::uint32_t> unique_position,
+                                            const Edges& edges);
+
+// Triangles that close a boundary loop: those of least area together for up to 64 vertices, else a
+// fan about the middle, which becomes the mesh's last vertex. New triangles use the first vertex at
+// a place.
+void fill(Mesh& mesh, const BoundaryLoop& loop);
+
+}  // namespace panwright::geometry

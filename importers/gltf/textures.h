@@ -1,0 +1,87 @@
+// Textures of a glTF file. Private to importers/gltf.
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+#include <tuple>
+
+#include "importers/gltf/bake.h"
+#include "importers/gltf/structs.h"
+#include "importers/image.h"
+
+namespace panwright::importers::gltf {
+
+// What a surface takes from a texture.
+enum class TextureUse : std::uint8_t { color, normal, roughness };
+
+// A metal whose colour or metallic part comes from textures; glTF's textures, −1: none.
+struct MetalRecipe {
+  int base = -1;   // colour
+  int metal = -1;  // metallic part, in blue
+  Vec3 factor{1};  // of the colour
+  double metallic = 1;
+  Vec3 dielectric{0.04};  // reflectance of what is no metal
+};
+
+// A surface whose specular colour comes from a texture; glTF's textures, −1: none.
+struct GlossRecipe {
+  int diffuse = -1;
+  int specular = -1;  // its colour; glossiness in alpha
+  Vec3 factor{1};     // of the specular colour
+  double glossiness = 1;
+};
+
+// The scene's textures that stand for a recipe; kNone: none is needed.
+struct RecipeTextures {
+  std::int32_t albedo = scene::kNone;  // without factors of the diffuse colour
+  std::int32_t reflectance = scene::kNone;
+  std::int32_t roughness = scene::kNone;  // the slope itself
+};
+
+// Reads textures when they are asked for, each once.
+class TextureReader {
+ public:
+  TextureReader(Document& document, const tinygltf::Model& model, scene::Scene& scene)
+      : document_(document), model_(model), scene_(scene) {}
+
+  // The scene's texture for a glTF texture; kNone where it cannot be read, which is reported once.
+  std::int32_t texture(int index, TextureUse use);
+
+  // The mean of a texture's channels, each 0 to 1, colour decoded from sRGB or not; 1 without a
+  // texture.
+  Vec4 mean(int index, bool srgb);
+
+  // Whether a texture says the same everywhere in one channel; true without a texture.
+  bool is_even(int index, int channel);
+
+  // Whether a texture's sampler repeats it along u and v.
+  std::array<bool, 2> repeats(int index) const;
+
+  // Computed textures, once for equal recipes. None where textures are missing, or together over
+  // the limit of texture bytes.
+  std::optional<RecipeTextures> metal(const MetalRecipe& recipe);
+  std::optional<RecipeTextures> gloss(const GlossRecipe& recipe);
+
+ private:
+  const DecodedImage* texture(int index, std::size_t& image);
+  const DecodedImage* texture(int index);
+  bool has_room(std::span<const BakeSource> sources, std::size_t textures) const;
+  std::int32_t add(int index, const char* what, Baked& baked, std::size_t texture, bool linear);
+  std::string name_of(int index);
+  std::optional<DecodedImage> load(std::size_t image);
+  bool bytes_of(std::size_t image, const Json& json, std::string& name, SharedText& owner,
+                std::span<const std::byte>& bytes);
+
+  Document& document_;
+  const tinygltf::Model& model_;
+  scene::Scene& scene_;
+  std::map<std::size_t, std::optional<DecodedImage>> images_;
+  std::map<std::size_t, std::string> names_;
+  std::map<std::pair<std::size_t, TextureUse>, std::int32_t> textures_;
+  std::map<std::vector<double>, std::optional<RecipeTextures>> made_;  // by their recipes
+  std::uint64_t decoded_ = 0;  // bytes, those of computed textures as well
+};
+
+}  // namespace panwright::importers::gltf

@@ -1,0 +1,160 @@
+// One reading of a mesh file: its problems, and the scene that comes of it. Private to
+// importers/meshes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "geometry/tessellate/polygon.h"
+#include "importers/import.h"
+#include "importers/internal/input_file.h"
+
+namespace panwright::importers::meshes {
+
+inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
+
+// What the reading uses, and what is wrong with the file. Each kind of problem is told once, at its
+// first place, with how often it comes.
+class ReaderContext {
+ public:
+  // text: places are lines and columns; else the message has to say the byte
+  ReaderContext(Files& files, const InputFile& file, const Options& options, bool text,
+                DiagnosticLog& log);
+
+  Files& files;
+  const InputFile& file;
+  const Options& options;
+  DiagnosticLog& log;
+  std::vector<scene::Input> inputs;  // files beside the model
+  bool full = false;                 // a limit is reached: E6002 is told, and nothing is added
+
+  SourceSpan at(std::size_t begin, std::size_t end) const;
+  SourceSpan at(std::string_view part) const;  // of the file's bytes; elsewhere: the whole file
+  bool is_text() const { return text_; }
+
+  // kind: a literal that names the problem. message: a function that gives the text, called once.
+  template <class Message>
+  void trouble(Code code, std::string_view kind, SourceSpan where, const Message& message) {
+    const auto [place, is_new] = kinds_.try_emplace(kind, troubles_.size());
+    if (is_new)
+      troubles_.push_back({code, where, message(), 0});
+    else
+      ++troubles_[place->second].more;
+  }
+  void limit(const std::string& message, SourceSpan where);  // E6002
+  // Counted towards Limits::memory; false past it.
+  bool charge(std::uint64_t bytes);
+
+  // What of the file's bytes stands before `offset` is read no more, and its memory goes back.
+  void served(std::size_t offset);
+
+  void skipped(const std::string& what, std::uint64_t count = 1) { add(skipped_, what, count); }
+  void lost(const std::string& what) { add(lost_, what, 1); }
+
+  // Reads a file that the model names, from the folder of `including`. Reports W6004, W6005.
+  bool read_named(std::string_view name, const std::string& including, SourceSpan where,
+                  std::string& path, SharedText& bytes);
+  // The same, without a word where it is not there.
+  bool has_named(std::string_view name, const std::string& including) const;
+
+  // Puts what was collected into the log: troubles, N6007, N6008.
+  void tell();
+
+ private:
+  struct Trouble {
+    Code code;
+    SourceSpan where;
+    std::string message;
+    std::uint64_t more;
+  };
+  using Counts = std::map<std::string, std::uint64_t>;
+  // A file may name more things than anyone reads: those past the first are counted together.
+  static void add(Counts& counts, const std::string& what, std::uint64_t count);
+
+  FileId source_;
+  bool text_;
+  std::map<std::string_view, std::size_t> kinds_;
+  std::vector<Trouble> troubles_;
+  Counts skipped_;
+  Counts lost_;
+  std::uint64_t memory_ = 0;
+  std::size_t served_ = 0;
+};
+
+// Whether a place can be a vertex.
+bool is_usable(const Vec3& p);
+
+// Cuts faces of any size.
+class FaceCutter {
+ public:
+  // Appends the triangles of a face of three corners or more. Expects: indices in range.
+  void cut(std::span<const std::uint32_t> face, const std::vector<Vec3>& positions,
+           std::vector<geometry::Triangle>& triangles);
+
+ private:
+  geometry::PolygonCutter cutter_;
+  std::vector<Vec3> outline_;
+  std::vector<geometry::Triangle> cut_;
+};
+
+// Takes out vertices that no triangle uses; others keep their order.
+void drop_unused(geometry::Mesh& mesh);
+
+// Makes normals of the file unit vectors; one without length or not finite becomes that of its
+// faces. A mesh without normals gets them by crease angle.
+void finish_normals(geometry::Mesh& mesh, double crease_angle);
+
+// Vertices by their exact place.
+class Welder {
+ public:
+  std::uint32_t vertex(const Vec3& p, std::vector<Vec3>& positions);
+  void clear();
+
+ private:
+  void grow(const std::vector<Vec3>& positions);
+  std::vector<std::uint32_t> slots_;  // a power of two; kNoIndex: free
+  std::size_t used_ = 0;
+};
+
+// The scene of a mesh file.
+class Assembly {
+ public:
+  Assembly(ReaderContext& context, Format format);
+
+  // A node; without a name it is called by its kind and number. kNone past the limit.
+  std::int32_t add_node(std::int32_t parent, std::string_view name, std::string_view kind,
+                        SourceSpan where);
+  // Whether so many triangles more are within the limit; E6002 else.
+  bool has_room_for(std::uint64_t triangles, SourceSpan where);
+  void add_part(std::int32_t node, geometry::Mesh mesh, std::int32_t material, SourceSpan where);
+  std::int32_t add_material(materials::Material material, CadMaterial cad);
+  // What a surface without one gets; white where its vertices have colours.
+  std::int32_t plain_material(bool colored);
+
+  // A texture, read once for each way of decoding; kNone where it cannot be used: W6004, W6005.
+  std::int32_t texture(std::string_view name, const std::string& including, bool linear,
+                       SourceSpan where);
+
+  // Tells all problems. Fails: E6501 where there is no triangle.
+  Result<Imported> finished();
+
+ private:
+  scene::Source source_of(SourceSpan where);
+
+  ReaderContext& context_;
+  Imported out_;
+  std::map<std::string, std::uint32_t, std::less<>> kinds_;
+  std::array<std::int32_t, 2> plain_{scene::kNone, scene::kNone};
+  std::map<std::pair<std::string, bool>, std::int32_t> texture_cache_;  // by name as written
+  std::uint64_t triangles_ = 0;
+  std::uint64_t texture_bytes_ = 0;
+};
+
+}  // namespace panwright::importers::meshes

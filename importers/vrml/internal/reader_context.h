@@ -1,0 +1,79 @@
+// What the files of one model share while they are read.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "importers/import.h"
+#include "importers/internal/input_file.h"
+#include "importers/vrml/internal/document.h"
+
+namespace panwright::importers::vrml {
+
+class ReaderContext {
+ public:
+  ReaderContext(Files& all_files, const Options& all_options, DiagnosticLog& to_log)
+      : files(all_files),
+        options(all_options),
+        log(to_log),
+        arena_(memory_used, options.limits.memory) {}
+
+  Files& files;
+  const Options& options;
+  DiagnosticLog& log;
+  Job job;                                   // of the model, from open() on
+  std::uint64_t memory_used = 0;             // by documents, bytes
+  std::vector<scene::Input> further_inputs;  // in order of first use, without the model itself
+
+  // Reads the model. Reports E6101 and returns nullptr when it is no VRML.
+  Document* open(const InputFile& file);
+
+  // The document that the first usable of some URLs names, read once; the fragment ("#Name") is
+  // dropped. Reports W6004, W6005 at `where` and returns nullptr when there is none.
+  //
+  //   where  the field with the URLs; they are relative to its file
+  Document* inlined(std::span<const std::string_view> urls, SourceSpan where);
+
+  // The bytes of a file named so, as inlined(). Its path is stored in *path.
+  SharedText bytes_of(std::span<const std::string_view> urls, SourceSpan where, std::string* path);
+
+  // The first node of the body of an instance of a prototype, made at the first call; nullptr: no
+  // body, or one that contains itself (reported). Not an instance itself: instances in instances
+  // are followed. Any other node is returned as it is; nullptr stays.
+  Node* actual(Node* node);
+
+  // Frees a large list that is read no more, and leaves the field empty. Small ones stay.
+  //
+  //   Expects: no other field holds the same list, as those of instances and their bodies may.
+  void release(Node& node, std::string_view field);
+
+  const std::string& path_of(FileId file) const;
+
+ private:
+  struct Loaded {
+    std::unique_ptr<Document> document;  // null: not readable
+  };
+  Document* load(const InputFile& file, bool top);
+  // texture: one may lie beside the model where its name leads out of the folder
+  SharedText read(std::string_view url, SourceSpan where, bool texture, std::string& path,
+                  std::string& problem, Code& code);
+  Document* document_at(std::string_view url, SourceSpan where, std::string& problem, Code& code);
+  Prototype* target_of(Prototype& prototype);
+  void expand(Node& instance);
+  Node* copied(Node* node, Node& instance, const Prototype& prototype,
+               std::unordered_map<const Node*, Node*>& done);
+
+  Arena arena_;  // of the bodies of instances
+  std::map<std::string, Loaded> documents_;
+  std::map<FileId, std::string> paths_;
+  std::uint32_t files_read_ = 1;
+  std::uint64_t copies_ = 0;
+};
+
+}  // namespace panwright::importers::vrml

@@ -1,0 +1,26 @@
+// How the Sun sees a model. Private to preview; nothing here needs OpenGL.
+#pragma once
+
+#include <span>
+
+#include "preview/frame/draw_list.h"
+
+namespace panwright::preview {
+
+// A box around all that casts shadows, seen by the Sun: x and y run across it from -1 to 1, z from
+// 0 on the far side to 1 towards the Sun. It depends on the model and the Sun alone, so the shadow
+// is the same from every camera.
+struct LightSpace {
+  Mat4 sun_from_model{1};
+  Mat3 sun_normal_from_model{1};  // takes normals to normals of any length
+  Vec3 extent{1};                 // of the box, metres
+};
+
+// Fits the box to the corners of the visible items' boxes, two texels wider all round. x lies along
+// that axis of the model that is longest as the Sun sees it.
+//
+//   to_sun  model frame, unit
+//   side    texels, > 4
+LightSpace fitted_light_space(std::span<const DrawItem> list, const Vec3& to_sun, unsigned side);
+
+}  // namespace panwright::preview

@@ -1,0 +1,15 @@
+// Where a sample stands in light space, and how its surface slopes there.
+layout(location = 7) in vec3 light_space_position;
+layout(location = 5) out uvec4 sun_sample;  // x, y, z as floats; the slopes of z along x and y
+
+// outwards: of the mesh without bumps, in its frame, on the side that is seen. A faceted body of
+// smooth normals is lit as what it stands for: the point is moved out past the chord error.
+uvec4 light_space_sample(vec3 outwards) {
+  float square = dot(outwards, outwards);
+  vec3 normal_offset = square > 0.0 ? outwards * (draw.normal_offset.x * inversesqrt(square)) : vec3(0.0);
+  vec3 place = light_space_position;
+  for (int row = 0; row < 3; ++row) place[row] += dot(draw.sun_from_mesh[row].xyz, normal_offset);
+  vec3 normal = draw.sun_normal_from_mesh * outwards;
+  vec2 slope = normal.z != 0.0 ? -normal.xy / normal.z : vec2(0.0);
+  return uvec4(floatBitsToUint(place), packHalf2x16(clamp(slope, vec2(-6e4), vec2(6e4))));
+}
