@@ -11,7 +11,7 @@ INTRO = """# How right is the preview?
 
 The OpenGL preview against the reference renderer (`docs/reference-renderer.md`), BRDF by BRDF: a sphere that fills nine tenths of the
 image, and the servicer of the examples with every surface of that BRDF; 256 × 256 pixels, 4 × 4 points each, the Sun 60° (sphere)
-and 56° (servicer) from the line of view_ray. This page is written by `bench/accuracy_table.py` from `bench/results/accuracy.csv`, which
+and 56° (servicer) from the line of sight. This page is written by `bench/accuracy_table.py` from `bench/results/accuracy.csv`, which
 `panwright-bench accuracy` measures.
 
 - **flux**: relative error of the sum of the whole image, the strongest channel.
@@ -30,7 +30,7 @@ NOTES = """
 - The Sun's disc in a retroreflector: the preview widens the lobe by the variance of the disc, which has the right flux; where light and
   camera stand in one line the peak is too bright, by 1.3 % for a lobe of 5 mrad (measured on a sphere: +1.6 % of the flux, 0.3 % of noise) and
   up to twice for lobes much narrower than the disc. The reference renderer samples the disc.
-- The Sun's disc in a mirror: the preview blurs facets by as much as the disc would (α² + 2.7·10⁻⁶), which has the right flux and
+- The Sun's disc in a mirror: the preview blurs microfacets by as much as the disc would (α² + 2.7·10⁻⁶), which has the right flux and
   width but not the sharp rim.
 - Single precision: below 1e-5 everywhere, see `panwright material`.
 """

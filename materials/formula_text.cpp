@@ -21,7 +21,7 @@ constexpr const char* kUnglue = "#undef Real\n#undef Vec3\n#undef FORMULA\n#unde
 
 constexpr const char* kFresnel[] = {"no_fresnel", "dielectric_fresnel", "conductor_fresnel"};
 
-const char* many(const BrdfModel& brdf_model) {
+const char* compensation(const BrdfModel& brdf_model) {
   if (!brdf_model.compensated) return "no_compensation";
   return brdf_model.mapped ? "mapped_compensation" : "microfacet_compensation";
 }
@@ -52,7 +52,7 @@ std::string surface_functions(const BrdfModel& brdf_model) {
       {"DIFFUSE", kDiffuseFunctions[static_cast<std::size_t>(brdf_model.diffuse)]},
       {"LOBE", kSpecularFunctions[static_cast<std::size_t>(brdf_model.specular)]},
       {"FRESNEL", fresnel.c_str()},
-      {"MANY", many(brdf_model)},
+      {"COMPENSATION", compensation(brdf_model)},
       {"LAYERS", layers(brdf_model)}};
   std::string text;
   for (const auto& [name, brdf] : names)

@@ -57,7 +57,7 @@ struct Composition {
     if (brdf_model.fresnel == FresnelModel::none) return mapped_no_fresnel(s, cosine, outer);
     return mapped_fresnel(s, own_fresnel(s, cosine, outer));
   }
-  Vec3 many(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {
+  Vec3 compensation(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {
     if (!brdf_model.compensated) return no_compensation(s, to_light, to_viewer, normal);
     return brdf_model.mapped ? mapped_compensation(s, to_light, to_viewer, normal)
                        : microfacet_compensation(s, to_light, to_viewer, normal);
@@ -72,7 +72,7 @@ struct Composition {
 #define PANWRIGHT_DIFFUSE diffuse
 #define PANWRIGHT_LOBE lobe
 #define PANWRIGHT_FRESNEL fresnel
-#define PANWRIGHT_COMPENSATION many
+#define PANWRIGHT_COMPENSATION compensation
 #define PANWRIGHT_LAYERS layers
 #include "materials/formulas/surface.glsl"
 #undef FORMULA

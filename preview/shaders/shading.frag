@@ -86,7 +86,7 @@ void main() {
   int first_row = kMaterialRows * int(texelFetch(items, item).x);
 #endif
 
-  // the line of view_ray of this sample, free of where the surface is and how far
+  // the line of sight of this sample, free of where the surface is and how far
   vec3 view_ray = view.view_ray.xyz + (float(place.x) + 0.5) * view.view_ray_right.xyz +
                (float(place.y) + 0.5) * view.view_ray_down.xyz;
   vec3 to_viewer = -normalize(view_ray);

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -37,7 +38,11 @@ std::string fnv1a64(std::span<const std::byte> bytes) {
   return fmt::format("{:016x}", hash);
 }
 
-layout::SectionKind kind_named(const std::string& name) {
+layout::SectionKind kind_named(const std::string& old_name) {
+  static const std::map<std::string, std::string> kRenamed = {
+      {"colours", "colors"}, {"need", "budget"}, {"mesh_needs", "mesh_tolerances"}};
+  const auto renamed = kRenamed.find(old_name);
+  const std::string& name = renamed == kRenamed.end() ? old_name : renamed->second;
   for (const layout::SectionInfo& info : layout::kSections)
     if (name == info.name) return info.kind;
   ADD_FAILURE() << name;

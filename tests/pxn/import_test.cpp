@@ -260,7 +260,7 @@ TEST(Import, its_nodes_count_towards_the_limit) {
   EXPECT_TRUE(log.contains(Code::E1008) || log.contains(Code::E6002)) << to_text(log);
 }
 
-// ---- import_templates
+// ---- templates of imports
 
 TEST(Skeleton, reads_back_with_every_material_of_the_file_assigned) {
   const importers::MemoryFile files[] = {{"sat.wrl", kBoxes}};
