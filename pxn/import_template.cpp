@@ -224,7 +224,7 @@ std::string import_template(const importers::Imported& imported, std::string_vie
             : "/>\n";
     assigns += fmt::format("    <assign materials=\"{}\" material=\"{}\"{}/>\n",
                            xml::escaped(pattern_of(names[i])), name,
-                           cad.textured && guess.keeps_color ? " textures=\"keep\"" : "");
+                           cad.textured && guess.keeps_color ? " pictures=\"keep\"" : "");
   }
   std::string out = "<pangu_model ver=\"1\">\n";
   if (!materials.empty())

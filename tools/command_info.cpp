@@ -142,7 +142,7 @@ std::vector<std::pair<ToleranceReason, std::size_t>> decisions_of(const pan::Mod
   return out;
 }
 
-Json need_json(const pan::Model& model) {
+Json budget_json(const pan::Model& model) {
   if (!model.budget()) return nullptr;
   const pan::layout::Budget& budget = *model.budget();
   const auto term = [](double value) { return value > 0 ? Json(value) : Json(nullptr); };
@@ -163,7 +163,7 @@ Json need_json(const pan::Model& model) {
   return out;
 }
 
-Json mesh_need_json(const pan::Model& model, std::size_t mesh) {
+Json mesh_budget_json(const pan::Model& model, std::size_t mesh) {
   if (model.mesh_tolerances().empty()) return nullptr;
   const auto& budget = model.mesh_tolerances()[mesh];
   const bool asked = budget.tolerance > 0;
@@ -264,7 +264,8 @@ Json tables_json(const pan::Model& model) {
                              {"triangles", mesh.triangle_count},
                              {"vertices", mesh.vertex_count},
                              {"error", mesh.error},
-                             {"budget", mesh_need_json(model, i)},
+                             {"budget", mesh_budget_json(model, i)},
+                             {"need", mesh_budget_json(model, i)},  // as it was called
                              {"closed", (mesh.flags & pan::layout::kMeshClosed) != 0}});
   }
   out["textures"] = Json::array();
@@ -534,7 +535,8 @@ int run(const Options& options, const Host& host) {
   out["nodes"] = nodes_json(*model);
   out["joints"] = Json::array();
   out["instances"] = instances_json(*model);
-  out["budget"] = need_json(*model);
+  out["budget"] = budget_json(*model);
+  out["need"] = out["budget"];  // as it was called
   out.update(tables_json(*model));
   out.update(ground_truth_json(*model));
   out["sections"] = sections_json(*model);

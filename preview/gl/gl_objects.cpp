@@ -126,7 +126,8 @@ bool ensure_render_target(const GladGLContext& gl, RenderTarget& target,
   const auto w = static_cast<GLsizei>(width);
   const auto h = static_cast<GLsizei>(height);
   bool enough = target.width >= w && target.height >= h;
-  std::vector<GLenum> all(formats.begin(), formats.end());
+  std::array<GLenum, std::tuple_size_v<decltype(RenderTarget::formats)>> all{};
+  std::copy(formats.begin(), formats.end(), all.begin());
   for (std::size_t i = 0; i < formats.size(); ++i) {
     enough = enough && (formats[i] == GL_NONE || target.colors[i]);
     // what another world needed stays, or two in turn would make it anew each time
@@ -142,7 +143,7 @@ bool ensure_render_target(const GladGLContext& gl, RenderTarget& target,
     higher = h;
   }
   target = {};  // first, so that memory need not hold both
-  target = make_render_target(gl, all, depth, wider, higher);
+  target = make_render_target(gl, std::span(all).first(formats.size()), depth, wider, higher);
   if (target.width != 0 && gl.GetError() == GL_NO_ERROR) return true;
   target = {};
   log.report_file(Code::E5003, {},

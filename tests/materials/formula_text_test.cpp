@@ -47,7 +47,7 @@ TEST(FormulaText, FamiliesAreChosenByNumber) {
   const BrdfModel brdf_models[] = {{.diffuse = DiffuseModel::hapke},
                                    {.specular = SpecularModel::ggx, .coated = true}};
   const std::string text = glsl_formulas(brdf_models);
-  EXPECT_THAT(text, HasSubstr("if (BRDF model == 0u) return surface_brdf_0(s"));
+  EXPECT_THAT(text, HasSubstr("if (brdf_model == 0u) return surface_brdf_0(s"));
   EXPECT_THAT(text, HasSubstr("return surface_brdf_1(s"));
   EXPECT_THAT(text, HasSubstr("Vec3 hapke_brdf("));
 }

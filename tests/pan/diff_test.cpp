@@ -209,8 +209,8 @@ TEST(Diff, Decals) {
 }
 
 TEST(Diff, Needs) {
-  expect_model({"need: flux: 0.125 in a, 0.25 in b"}, [](Contents& c) { c.budget->flux = 0.25; });
-  expect_model({"need: only in a"}, [](Contents& c) { c.budget.reset(); });
+  expect_model({"budget: flux: 0.125 in a, 0.25 in b"}, [](Contents& c) { c.budget->flux = 0.25; });
+  expect_model({"budget: only in a"}, [](Contents& c) { c.budget.reset(); });
   expect_model({"needs of the meshes: only in a"}, [](Contents& c) { c.mesh_tolerances.clear(); });
   expect_model({"mesh 'hull': tolerance: 0.25 in a, 0.5 in b",
                 "mesh 'hull': reason: flux in a, centroid in b"},

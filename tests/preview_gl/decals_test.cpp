@@ -279,7 +279,7 @@ TEST(Decals, OfWhatIsNotSeenDoNotShow) {
     EXPECT_EQ(covered, marked_first ? 128u : 0u);
   }
   // two instances of one model
-  pan::Contents contents = decorated(0.75);
+  Textured contents = decorated(0.75);
   contents.materials.push_back(lambert(0.25));
   contents.materials.back().name = "bare";
   contents.instances.push_back(contents.instances[0]);

@@ -51,7 +51,7 @@ TEST(Assign, VertexColorsGoWithTheTextures) {
 }
 
 TEST(Assign, KeptTexturesKeepVertexColors) {
-  const Reading r = dressed("<assign materials=\"Red\" material=\"metal\" textures=\"keep\"/>");
+  const Reading r = dressed("<assign materials=\"Red\" material=\"metal\" pictures=\"keep\"/>");
   ASSERT_EQ(r.scene->instances.size(), 2u);
   for (const scene::Instance& instance : r.scene->instances)
     EXPECT_FALSE(mesh_of(r, instance).colors.empty());

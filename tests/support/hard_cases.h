@@ -297,7 +297,7 @@ inline std::vector<Formula> formulas() {
       with_parameters(grid(), pairs_of(std::array{1.0, 0.3}, kRoughnesses)));
   add(PANWRIGHT_FORMULA("fon", Vec3(fon(p[0], l, v, n))),
       with_parameters(grid(), singles(kRoughnesses)));
-  add(PANWRIGHT_FORMULA("fon_loss",
+  add(PANWRIGHT_FORMULA("fon_albedo_deficit",
                         Vec3(fon_albedo_deficit(p[0], sqrt(max(Real(1) - p[0] * p[0], Real(0)))))),
       numbers(1), false);
   add(PANWRIGHT_FORMULA(

@@ -78,7 +78,7 @@ TEST(ReadViews, SaysWhatIsWrong) {
       {"[]", "expected a list of"},
       {"[3]", "view 0 is not an object"},
       {"[{\"fov\": 3}]", "view 0 has no output"},
-      {"[{\"fof\": 3, \"output\": \"a\"}]", "no option of a view"},
+      {"[{\"fof\": 3, \"output\": \"a\"}]", "unknown option"},
       {"[{\"fov\": {}, \"output\": \"a\"}]", "expected text, a number or a list"},
       {R"([{"output": "a"}, {"fov": 3, "fov": 4, "output": "b"}])", "view 1 gives 'fov' twice"},
       {R"([{"pose": {"client": "1", "b": "2", "client": "3"}, "output": "a"}])",
@@ -88,7 +88,7 @@ TEST(ReadViews, SaysWhatIsWrong) {
       {"[{\"pose\": 1e, \"output\": \"a\"}]", "invalid JSON"},
       {"[{\"pose\": [], \"output\": \"a\"}]", "expected text, a number or a list"},
       {"[{\"pose\": {\"client\": {}}, \"output\": \"a\"}]", "the pose of 'client'"},
-      {"[{\"poses\": {}, \"output\": \"a\"}]", "no option of a view"},
+      {"[{\"poses\": {}, \"output\": \"a\"}]", "unknown option"},
       {"[{\"sun\": [1, \"x\"], \"output\": \"a\"}]", "expected text, a number or a list"},
   };
   for (const auto& [text, words] : cases) {
