@@ -53,8 +53,8 @@ float sun_visibility(ivec2 sample_at) {
   return rows.x + (rows.y - rows.x) * share.y;
 }
 
-// Whether the Sun is hidden from a part of a pixel that one sample stands for: 4×4 points of the plane
-// through its place and those of its neighbours of the same item. Looks at one texel each.
+// Whether the Sun is hidden from a part of a pixel that one sample stands for: 5×5 points of the plane,
+// its borders included, through its place and those of its neighbours of the same item. Looks at one texel each.
 bool sun_varies(ivec2 sample_at, int item) {
   uvec4 found = texelFetch(sun_samples, sample_at, 0);
   vec3 place = uintBitsToFloat(found.xyz);
@@ -68,11 +68,10 @@ bool sun_varies(ivec2 sample_at, int item) {
             float(side) * (uintBitsToFloat(texelFetch(sun_samples, there, 0).xyz) - place);
     }
   int hidden = 0;
-  for (int i = 0; i < 16; ++i) {
-    vec3 at = place + (float(i & 3) * 0.25 - 0.375) * change[0] +
-              (float(i >> 2) * 0.25 - 0.375) * change[1];
+  for (int i = 0; i < 25; ++i) {
+    vec3 at = place + (float(i % 5) * 0.25 - 0.5) * change[0] + (float(i / 5) * 0.25 - 0.5) * change[1];
     vec2 texel = clamp((at.xy + 1.0) * shadow.half_side, vec2(0.0), vec2(2.0 * shadow.half_side - 1.0));
     if (hides(ivec2(texel), at, slope)) ++hidden;
   }
-  return hidden != 0 && hidden != 16;
+  return hidden != 0 && hidden != 25;
 }

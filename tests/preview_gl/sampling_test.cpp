@@ -121,7 +121,7 @@ TEST(Sampling, NothingIsMissedThatManySamplesSee) {
   EXPECT_LE(static_cast<double>(worst) * kPi, 0.1);
 }
 
-TEST(Sampling, AutomaticComesNearItsError) {
+TEST(Sampling, AutomaticMeetsItsError) {
   const pan::Model model = model_of(plates_and_struts());
   const View view = slanted(64);
   const Image ground_truth = with_samples(model, view, 64, false);
@@ -135,12 +135,11 @@ TEST(Sampling, AutomaticComesNearItsError) {
     ASSERT_TRUE(image) << to_text(log);
     expect_no_nan(*image);
     const SamplingReport report = renderer.renderer().sampling();
-    // estimates, measured: 1.013 and 1.31 of what was asked
-    EXPECT_LE(report.rmse, 1.4 * asked);
+    EXPECT_LE(report.rmse, asked);
     EXPECT_LE(report.flux, asked);
     EXPECT_GT(report.samples, 1);
-    // measured at 1 %: 1.30 %
-    EXPECT_LE(rms(*image, ground_truth), 1.4 * asked * rms(ground_truth)) << asked;
+    // measured: 2.6 % at 5 %, 0.81 % at 1 %
+    EXPECT_LE(rms(*image, ground_truth), asked * rms(ground_truth)) << asked;
     EXPECT_NEAR(flux(*image), flux(ground_truth), asked * flux(ground_truth)) << asked;
     const auto again = renderer.render(view, options, log);
     ASSERT_TRUE(again);
