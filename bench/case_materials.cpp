@@ -39,7 +39,7 @@ struct Albedo {
 };
 
 // A BRDF, and albedos that others computed.
-struct Law {
+struct BrdfCase {
   std::string name;
   Material material;
   std::vector<Albedo> albedos;
@@ -63,7 +63,7 @@ Material diffuse(DiffuseModel brdf, double albedo) {
   return m;
 }
 
-std::vector<Law> brdf_model() {
+std::vector<BrdfCase> brdf_cases() {
   constexpr std::array kMu{0.1, 0.25, 0.5, 0.75, 1.0};
   const auto table = [&](const std::array<double, 5>& values) {
     std::vector<Albedo> all;
@@ -71,20 +71,20 @@ std::vector<Law> brdf_model() {
     return all;
   };
   const std::string quadrature = "table by 200x200 quadrature";
-  std::vector<Law> all;
+  std::vector<BrdfCase> all;
   all.push_back({"lambert", diffuse(DiffuseModel::lambert, 0.8), table({.8, .8, .8, .8, .8}),
                  "closed form", 1e-16});
   // E_FON r = 0.5, its loss scattered again: 1 at albedo 1
-  Law eon{"eon", diffuse(DiffuseModel::eon, 1), table({1, 1, 1, 1, 1}), "closed form", 1e-16};
+  BrdfCase eon{"eon", diffuse(DiffuseModel::eon, 1), table({1, 1, 1, 1, 1}), "closed form", 1e-16};
   eon.material.diffuse_brdf = materials::Eon{0.5};
   all.push_back(eon);
-  Law hapke{"hapke", diffuse(DiffuseModel::hapke, 1), {}, "1 - gamma H, H exact", 1e-13};
+  BrdfCase hapke{"hapke", diffuse(DiffuseModel::hapke, 1), {}, "1 - gamma H, H exact", 1e-13};
   hapke.material.diffuse_brdf = materials::Hapke{.w = 0.9};
   for (const double mu : kMu)
     hapke.albedos.push_back({mu, 1 - std::sqrt(0.1) * materials::hapke_h(mu, 0.9)});
   all.push_back(hapke);
   // f = w/(4 pi (mu0 + mu)): w/2 (1 - mu ln((1 + mu)/mu))
-  Law lommel{
+  BrdfCase lommel{
       "lommel_seeliger", diffuse(DiffuseModel::lommel_seeliger, 1), {}, "closed form", 1e-16};
   lommel.material.diffuse_brdf = materials::LommelSeeliger{0.6};
   for (const double mu : kMu)
@@ -96,27 +96,28 @@ std::vector<Law> brdf_model() {
                  table({.95503, .90742, .86936, .88012, .94299}), quadrature, 2e-5});
   all.push_back({"ggx .5", facets(SpecularModel::ggx, 0.5),
                  table({.86010, .76520, .69825, .68208, .68789}), quadrature, 2e-5});
-  Law compensated{"ggx .5 compensated", facets(SpecularModel::ggx, 0.5), table({1, 1, 1, 1, 1}),
-                  "white furnace", 1e-16};
+  BrdfCase compensated{"ggx .5 compensated", facets(SpecularModel::ggx, 0.5),
+                       table({1, 1, 1, 1, 1}), "white furnace", 1e-16};
   compensated.material.compensation = materials::Compensation::on;
   all.push_back(compensated);
-  Law brushed{"ggx .5 .1 brushed", facets(SpecularModel::ggx, 0.5), {}, "quadrature of f64", 2e-5};
+  BrdfCase brushed{
+      "ggx .5 .1 brushed", facets(SpecularModel::ggx, 0.5), {}, "quadrature of f64", 2e-5};
   brushed.material.specular_brdf = materials::Ggx{0.5, 0.1};
   for (const double mu : kMu)
     brushed.albedos.push_back(
         {mu, materials::microfacet_albedo({SpecularModel::ggx, 0.5, 0.1},
                                           hard_cases::direction(mu, 0), 128)});
   all.push_back(brushed);
-  Law coated{"lambert coated",
-             diffuse(DiffuseModel::lambert, 1),
-             {},
-             "white furnace less the coat's mirror",
-             1e-15};
+  BrdfCase coated{"lambert coated",
+                  diffuse(DiffuseModel::lambert, 1),
+                  {},
+                  "white furnace less the coat's mirror",
+                  1e-15};
   coated.material.coat = materials::Coat{};
   for (const double mu : kMu)
     coated.albedos.push_back({mu, 1 - materials::f64::fresnel_dielectric(mu, 1.5)});
   all.push_back(coated);
-  for (Law& brdf : all) materials::fit(brdf.material);
+  for (BrdfCase& brdf : all) materials::fit(brdf.material);
   return all;
 }
 
@@ -127,7 +128,7 @@ struct Errors {
 
 // Albedos without mirrors: of floats by a sum over the hemisphere, whose own error, up to 4e-4
 // where lobes end at the horizon, is part of the figure.
-Errors errors_of(const Law& brdf, bool single, int rows) {
+Errors errors_of(const BrdfCase& brdf, bool single, int rows) {
   Errors errors;
   const int columns = 2 * rows;
   const materials::Scattering exact(brdf.material);
@@ -223,7 +224,7 @@ void main() {
   bool good_ = false;
 };
 
-void run_brdf(Context& context, const GladGLContext& gl, const Law& brdf) {
+void run_brdf(Context& context, const GladGLContext& gl, const BrdfCase& brdf) {
   const std::vector<Inputs> cases = hard_cases::random_pairs(0.01, context.quick() ? 2000 : 100000);
   const auto run_all = [&](auto evaluate) {
     double sum = 0;
@@ -359,7 +360,7 @@ void run(Context& context) {
   if (!created) return context.note("no OpenGL context");
   const std::unique_ptr<preview::Context> gl = std::move(*created);
   context.set_renderer(gl->renderer());
-  for (const Law& brdf : brdf_model()) run_brdf(context, gl->gl(), brdf);
+  for (const BrdfCase& brdf : brdf_cases()) run_brdf(context, gl->gl(), brdf);
   run_forms(context, gl->gl());
 }
 
