@@ -8,7 +8,7 @@
 
 namespace panwright::materials {
 
-// microfacets about +z, x along +x, without Fresnel's law.
+// Microfacets about +z, x along +x, without Fresnel's law.
 struct Microfacets {
   SpecularModel brdf = SpecularModel::beckmann;  // cook_torrance (slope_x alone), beckmann or ggx
   double slope_x = 0.5;                          // 1e-6 to 1000

@@ -1,4 +1,4 @@
-// A material's laws put together. PANWRIGHT_DIFFUSE, PANWRIGHT_LOBE and PANWRIGHT_COMPENSATION name functions
+// The BRDFs of a material put together. PANWRIGHT_DIFFUSE, PANWRIGHT_LOBE and PANWRIGHT_COMPENSATION name functions
 // of (Surface, to_light, to_viewer, normal), PANWRIGHT_FRESNEL one of (Surface, cosine, index
 // outside), PANWRIGHT_LAYERS `bare`, `coated` or `coated_mirror`.
 

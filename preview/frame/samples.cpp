@@ -6,12 +6,6 @@
 
 namespace panwright::preview {
 
-std::vector<Tile> tiles(std::uint32_t width, std::uint32_t height, std::uint32_t side) {
-  std::vector<Tile> result;
-  for (Tiles tile(width, height, side); tile; tile.next()) result.push_back(*tile);
-  return result;
-}
-
 void store_pixels(std::span<const float> rgba, const Tile& tile, Image& image) {
   const auto store_row = [&](std::size_t row) {
     const std::size_t first = (tile.y + row) * image.width + tile.x;

@@ -33,7 +33,6 @@ class Tiles {
   std::uint32_t x_ = 0;
   std::uint32_t y_ = 0;
 };
-std::vector<Tile> tiles(std::uint32_t width, std::uint32_t height, std::uint32_t side);
 
 // Sets the radiance and coverage of a tile's pixels.
 //

@@ -40,9 +40,8 @@ constexpr GLenum kColorFormats[] = {GL_RGBA32F, GL_R32F};
 std::uint32_t packed(std::uint32_t x, std::uint32_t y) { return x | y << 16; }
 
 // of the group drawn last: what classify.frag takes for a step in depth, half a pixel
-std::array<float, 2> depth_step(const FrameScene& scene, unsigned samples) {
+std::array<float, 2> depth_step(const FrameScene& scene) {
   constexpr double kRounding = 4e-7;
-  (void)samples;
   const DepthRange& depth = scene.visible.groups.back().depth;
   const double focal = std::max(scene.camera.focal.x, scene.camera.focal.y);
   const double half_pixel = 0.5 / focal;
@@ -351,7 +350,7 @@ bool Sampling::classify(const Frame& frame, const TileScene& on_tile, unsigned s
   const double white = largest(frame.scene.world.sun().irradiance.value_or(Vec3(1))) / kPi;
   gl_.Uniform1f(2, static_cast<float>(kSmoothness * white));
   gl_.Uniform2ui(3, tile.width, tile.height);
-  const std::array<float, 2> step = depth_step(frame.scene, samples);
+  const std::array<float, 2> step = depth_step(frame.scene);
   gl_.Uniform2f(4, step[0], step[1]);
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
   marks_.resize(std::max(marks_.size(), std::size_t{tile.width} * tile.height));

@@ -76,7 +76,8 @@ TEST(Samples, TilesCoverTheImageOnce) {
   for (const auto& [width, height, side] :
        {std::tuple{10u, 7u, 3u}, {1u, 1u, 5u}, {16u, 16u, 16u}, {5u, 9u, 1u}}) {
     std::vector<int> covered(std::size_t{width} * height);
-    for (const Tile& tile : tiles(width, height, side)) {
+    for (Tiles next(width, height, side); next; next.next()) {
+      const Tile tile = *next;
       EXPECT_LE(tile.width, side);
       for (std::uint32_t y = tile.y; y < tile.y + tile.height; ++y)
         for (std::uint32_t x = tile.x; x < tile.x + tile.width; ++x) ++covered[y * width + x];

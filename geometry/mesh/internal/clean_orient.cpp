@@ -49,9 +49,9 @@ class Orienter {
       if (out_.components[out_.component_of[i]].one_sided) out_.flip[i] = 0;
     measure_pieces();
     std::vector<char> turn(out_.components.size(), 0);
-    std::vector<std::uint32_t> doubtful;
-    for (std::uint32_t p = 0; p < out_.components.size(); ++p) decide(p, turn, doubtful);
-    ask_rays(doubtful, turn);
+    std::vector<std::uint32_t> ambiguous;
+    for (std::uint32_t p = 0; p < out_.components.size(); ++p) decide(p, turn, ambiguous);
+    ask_rays(ambiguous, turn);
     for (std::uint32_t i = 0; i < count; ++i) {
       const std::uint32_t p = out_.component_of[i];
       out_.flip[i] = out_.flip[i] != turn[p];
@@ -129,7 +129,7 @@ class Orienter {
 
   // Closed components by their volume; open ones as most of them was written, unless rays know
   // better.
-  void decide(std::uint32_t p, std::vector<char>& turn, std::vector<std::uint32_t>& doubtful) {
+  void decide(std::uint32_t p, std::vector<char>& turn, std::vector<std::uint32_t>& ambiguous) {
     Component& component = out_.components[p];
     const Sums& sum = sums_[p];
     component.area = sum.area;
@@ -146,14 +146,14 @@ class Orienter {
       return;
     }
     turn[p] = 2 * sum.flipped_area > sum.area;
-    if ((turn[p] ? -cones : cones) < -kInsideOut * scale) doubtful.push_back(p);
+    if ((turn[p] ? -cones : cones) < -kInsideOut * scale) ambiguous.push_back(p);
   }
 
-  void ask_rays(const std::vector<std::uint32_t>& doubtful, std::vector<char>& turn) {
-    if (doubtful.empty()) return;
-    std::vector<std::vector<std::uint32_t>> triangles(doubtful.size());
+  void ask_rays(const std::vector<std::uint32_t>& ambiguous, std::vector<char>& turn) {
+    if (ambiguous.empty()) return;
+    std::vector<std::vector<std::uint32_t>> triangles(ambiguous.size());
     std::vector<std::uint32_t> place_of(out_.components.size(), kNone);
-    for (std::uint32_t i = 0; i < doubtful.size(); ++i) place_of[doubtful[i]] = i;
+    for (std::uint32_t i = 0; i < ambiguous.size(); ++i) place_of[ambiguous[i]] = i;
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
       if (const std::uint32_t i = place_of[out_.component_of[t]]; i != kNone)
         triangles[i].push_back(t);
@@ -161,13 +161,13 @@ class Orienter {
     caster.add(caster.add_mesh(mesh_.positions, mesh_.triangles), Mat4(1), false);
     caster.build();
     const std::uint64_t rays = std::clamp<std::uint64_t>(
-        kRays / static_cast<std::uint64_t>(doubtful.size()), kFewestRays, kMostRays);
-    std::vector<char> inside_out(doubtful.size(), 0);
-    parallel_for(doubtful.size(), [&](std::size_t i) {
-      inside_out[i] = shows_its_back(triangles[i], doubtful[i], rays, turn, caster);
+        kRays / static_cast<std::uint64_t>(ambiguous.size()), kFewestRays, kMostRays);
+    std::vector<char> inside_out(ambiguous.size(), 0);
+    parallel_for(ambiguous.size(), [&](std::size_t i) {
+      inside_out[i] = shows_its_back(triangles[i], ambiguous[i], rays, turn, caster);
     });
-    for (std::size_t i = 0; i < doubtful.size(); ++i)
-      if (inside_out[i]) turn[doubtful[i]] ^= 1;
+    for (std::size_t i = 0; i < ambiguous.size(); ++i)
+      if (inside_out[i]) turn[ambiguous[i]] ^= 1;
   }
 
   // From points on the component, evenly by area: which side looks out?
