@@ -28,7 +28,7 @@ struct RenderOptions {
   unsigned samples = 1;
   // Of samples = 0: the error that is aimed at, of the pixels that show a target (RMSE over RMS
   // radiance) and of the flux; > 0. docs/sampling.md
-  double pixel_error = 0.03;
+  double pixel_error = 0.05;
   // Of N > 1: one sample where it stands for all N×N (docs/sampling.md), N×N elsewhere. false: N×N
   // everywhere, to the bit what it always was.
   bool adaptive = false;

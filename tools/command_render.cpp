@@ -98,17 +98,16 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("FILE.json");
   arguments
       .add("--samples", options.samples,
-           "N x N samples in each pixel, 1 to 64 (default 1; with --engine reference 8); or auto: "
-           "as "
-           "many as --pixel-error asks for")
+           "N x N samples in each pixel, 1 to 64 (with --engine reference default 8); or auto "
+           "(default): as many as --pixel-error asks for, pixel by pixel")
       .type("N|auto");
   arguments
       .add("--pixel-error", options.pixel_error,
-           "With --samples auto: the error to meet (default 3%), of the pixels that show a target "
+           "With --samples auto: the error to meet (default 5%), of the pixels that show a target "
            "(RMS, in parts of the RMS of their radiance) and of their flux")
       .type("SHARE");
   arguments.flag("--adaptive", options.adaptive,
-                 "With --samples: N x N only where it changes the pixel");
+                 "With --samples N: N x N only where it changes the pixel");
   declare_reference(arguments, options);
   arguments.flag("--flat", options.flat, "Shade with the triangles' own normals");
   const Argument no_shadows =
@@ -186,13 +185,13 @@ Result<preview::ReferenceOptions> reference_options(const Options& options, Diag
 
 // N, or 0 for auto.
 Result<unsigned> samples_of(const Options& options, DiagnosticLog& log) {
-  if (options.samples.empty()) return options.is_traced() ? 8u : 1u;
+  if (options.samples.empty()) return options.is_traced() ? 8u : 0u;
   if (options.samples == "auto" && !options.is_traced()) return 0u;
   const auto number = workspace::parse_numbers(options.samples, 1);
   if (number && (*number)[0] >= 1 && (*number)[0] <= 64 && (*number)[0] == std::floor((*number)[0]))
     return static_cast<unsigned>((*number)[0]);
   log.report(Code::E0201, {},
-             fmt::format("--samples is {}: it takes a whole number from 1 to 64{}",
+             fmt::format("--samples is {}, expected a whole number from 1 to 64{}",
                          in_quotes(options.samples), options.is_traced() ? "" : ", or auto"));
   return failed;
 }
@@ -210,13 +209,17 @@ Result<workspace::DrawOptions> draw_options(const Options& options, DiagnosticLo
     if (*samples > 0 || !share || !(*share > 0 && *share < 1)) {
       log.report(Code::E0201, {},
                  *samples > 0
-                     ? std::string("--pixel-error means nothing beside a number of --samples")
-                     : fmt::format("--pixel-error is {}: it takes a share between 0 and 1, "
+                     ? std::string("--pixel-error requires --samples auto")
+                     : fmt::format("--pixel-error is {}, expected a share between 0 and 1, "
                                    "as 1%",
                                    in_quotes(options.pixel_error)));
       return failed;
     }
     draw.gl.pixel_error = *share;
+  }
+  if (options.adaptive && *samples == 0) {
+    log.report(Code::E0201, {}, "--adaptive requires --samples N; auto is adaptive by itself");
+    return failed;
   }
   draw.gl.adaptive = options.adaptive;
   draw.gl.flat = options.flat;

@@ -29,24 +29,6 @@ void place(DrawItem& item, const pan::Model& model, const Mat4& model_from_node)
   item.model_normal_from_mesh = outward_normals(Mat3(model_from_node));
 }
 
-// Half the width of the narrowest lobe, but no more than what a diffuse surface may turn.
-double normal_change(const materials::Material& material) {
-  constexpr double kMost = 0.1;  // rad: 0.5 % of the mean of what is linear over it
-  double width = kMost;
-  if (material.weights.y > 0) {
-    using materials::SpecularModel;
-    if (const auto slopes = materials::slopes_of(material))
-      width = 0.5 * std::min(slopes->x, slopes->y);
-    else if (const auto* shine = std::get_if<materials::BlinnPhong>(&material.specular_brdf))
-      width = 0.5 * std::sqrt(2 / (shine->shine + 2));
-    else if (materials::model_of(material.specular_brdf) == SpecularModel::mirror)
-      width = 0;
-  }
-  if (material.coat) width = std::min(width, 0.5 * material.coat->alpha);
-  // the Sun's disc is this wide
-  return std::clamp(width, 1e-3, kMost);
-}
-
 auto order(const DrawItem& item) {
   return std::tie(item.variant, item.closed, item.mirrored, item.texture, item.material, item.mesh,
                   item.instance);
@@ -59,11 +41,6 @@ Families families_of(const pan::Model& model) {
   for (const pan::layout::Material& record : model.materials())
     of_material.push_back(materials::brdf_model_of(pan::material_from(record, {})));
   Families brdf_models;
-  for (const pan::layout::Material& record : model.materials()) {
-    const double change = normal_change(pan::material_from(record, {}));
-    brdf_models.normal_change.push_back(
-        static_cast<std::uint32_t>(std::clamp(-16 * std::log2(change), 0.0, 255.0)));
-  }
   brdf_models.all = of_material;
   std::sort(brdf_models.all.begin(), brdf_models.all.end());
   brdf_models.all.erase(std::unique(brdf_models.all.begin(), brdf_models.all.end()),
@@ -72,6 +49,8 @@ Families families_of(const pan::Model& model) {
     brdf_models.of_material.push_back(static_cast<std::uint32_t>(
         std::lower_bound(brdf_models.all.begin(), brdf_models.all.end(), brdf_model) -
         brdf_models.all.begin()));
+  brdf_models.materials.resize(brdf_models.all.size());
+  for (const std::uint32_t index : brdf_models.of_material) ++brdf_models.materials[index];
   return brdf_models;
 }
 

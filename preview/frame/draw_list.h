@@ -20,9 +20,7 @@ namespace panwright::preview {
 struct Families {
   std::vector<materials::BrdfModel> all;   // sorted
   std::vector<std::uint32_t> of_material;  // into all, one per material
-  // how far a normal may turn within a pixel that one sample shades, 2^(-w/16) rad; one for each
-  // material, 0 to 255
-  std::vector<std::uint32_t> normal_change;
+  std::vector<std::uint32_t> materials;    // how many there are of each
 };
 Families families_of(const pan::Model& model);
 

@@ -28,7 +28,7 @@ void copy_cells(const materials::Cells& cells, const float coat_return[3], DrawB
 
 // what the fragments of a tile share
 ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const Tile& tile,
-                     unsigned samples, unsigned stands_for) {
+                     unsigned samples, bool predicting) {
   const Mat3 axes = glm::mat3_cast(camera.world_from_camera);
   Vec3 view_ray = axes[2];
   Vec3 right(0);
@@ -46,11 +46,16 @@ ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const T
   copy_floats(glm::normalize(sun.direction), block.to_sun);
   block.to_sun[3] = static_cast<float>(materials::kSunAlpha2 / (sun.distance * sun.distance));
   copy_floats(sun.irradiance.value_or(Vec3(1)), block.irradiance);
-  block.irradiance[3] = std::log2(static_cast<float>(stands_for));
+  block.irradiance[3] = predicting ? 1.0f : 0.0f;
   return block;
 }
 
-bool is_flat(Pass pass) { return pass == Pass::flat_geometry || pass == Pass::flat_coverage; }
+// The parts a side in which the footprint of a sample is averaged over solar cells: what 4×4
+// samples see at least. A box along u and v is exact where a pixel's sides lie along these, and up
+// to twice as wide as the pixel elsewhere.
+unsigned cell_parts(unsigned samples) { return samples < 4 ? (3 + samples) / samples : 1; }
+
+bool is_flat(Pass pass) { return pass == Pass::flat_geometry; }
 bool is_shaded(Pass pass) { return pass == Pass::geometry || pass == Pass::flat_geometry; }
 
 // the smallest tile around both; one without pixels counts for nothing
@@ -79,15 +84,14 @@ void TileScene::find(const FrameScene& scene, const Tile& whole) {
     target.drawn.clear();
     target.classes.clear();
     const Families& brdf_models = scene.state(v).model().brdf_models;
-    by_family_.assign(brdf_models.all.size(), {kNone, 0, true});
+    by_family_.assign(brdf_models.all.size(), {kNone, 0, false});
     for (std::uint32_t i = 0; i < visible.items.size(); ++i) {
       if (!may_touch(scene.camera, whole, 1.0, visible.boxes[i])) continue;
       const DrawItem& item = list[visible.items[i]];
       target.drawn.push_back(i);
       const std::uint32_t brdf_model = brdf_models.of_material[item.material];
-      TileTarget::ShadingClass& shading = by_family_[brdf_model];
-      if (shading.brdf_model == kNone) shading = {brdf_model, item.material, true};
-      if (shading.material != item.material) shading.one_material = false;
+      // note: of the model, not of the tile, so that all tiles and frames share their programs
+      by_family_[brdf_model] = {brdf_model, item.material, brdf_models.materials[brdf_model] == 1};
     }
     target.part = touched_part(scene.camera, whole, visible.boxes, target.drawn);
     if (target.part.width == 0 || target.part.height == 0) continue;
@@ -125,10 +129,6 @@ GLuint Passes::program(const ModelResources::Impl& model, const Variant& variant
       return device_.programs.ids(variant.cutout, problem);
     case Pass::bare:
       return device_.programs.bare(problem);
-    case Pass::coverage:
-      return device_.programs.coverage(variant.cutout, false, problem);
-    case Pass::flat_coverage:
-      return device_.programs.coverage(variant.cutout, true, problem);
   }
   return 0;
 }
@@ -156,9 +156,10 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
         const materials::BrdfModel& brdf_model =
             model.brdf_models.all[model.brdf_models.of_material[item.material]];
         good = good && device_.programs.classes(&problem) != 0;
-        for (const bool one : {false, true})
-          good = good &&
-                 device_.programs.shading(brdf_model, model.layers, one, shadows, &problem) != 0;
+        const bool one =
+            model.brdf_models.materials[model.brdf_models.of_material[item.material]] == 1;
+        good =
+            good && device_.programs.shading(brdf_model, model.layers, one, shadows, &problem) != 0;
       }
       if (good) continue;
       log.report_file(Code::E5001, {},
@@ -169,18 +170,10 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
   return true;
 }
 
-void Passes::upload_view(const FrameScene& scene, const TileScene& tile, unsigned samples,
-                         unsigned stands_for) {
-  const ViewBlock view =
-      view_block(scene.camera, scene.world.sun(), tile.tile, samples, stands_for);
-  // note: smaller than what upload() made room for, so that its blocks stay where they are
-  const std::size_t at = stream_.upload(std::as_bytes(std::span(&view, 1)));
-  gl_.BindBufferRange(GL_UNIFORM_BUFFER, kViewBinding, stream_.id(), static_cast<GLintptr>(at),
-                      sizeof view);
-}
-
-void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat) {
-  const ViewBlock shared = view_block(scene.camera, scene.world.sun(), tile.tile, samples, 1);
+void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat,
+                    bool predicting) {
+  const ViewBlock shared =
+      view_block(scene.camera, scene.world.sun(), tile.tile, samples, predicting);
   blocks_.clear();
   blocks_.resize(view_stride_);
   std::memcpy(blocks_.data(), &shared, sizeof shared);
@@ -204,8 +197,8 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
         block.id[0] = visible.first_id + index + 1;
         block.id[1] = tile.tile.x * samples;
         block.id[2] = tile.tile.y * samples;
-        block.id[3] = state.model().brdf_models.normal_change[item.material];
         copy_floats(item.diffuse, block.diffuse);
+        block.diffuse[3] = static_cast<float>(cell_parts(samples));
         copy_repeat(item, block);
         copy_cells(item.cells, model.materials()[item.material].coat_return, block);
         if (scene.shadows)
@@ -235,7 +228,7 @@ bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned sampl
   bool first = true;
   if (clear) {
     // by groups below
-  } else if (pass == Pass::ids || pass == Pass::coverage || pass == Pass::flat_coverage) {
+  } else if (pass == Pass::ids) {
     constexpr GLuint kNothing[4] = {};
     gl_.ClearBufferuiv(GL_COLOR, 0, kNothing);
   } else {
@@ -298,7 +291,7 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target, cons
   for (std::uint32_t k = 0; k < target.drawn.size(); ++k)
     places_[visible.items[target.drawn[k]]] = k;
   gl_.UseProgram(device_.programs.decal(nullptr));
-  // whose the sample is, is read where its sign is written: the barrier makes that sound
+  // whose the sample is, is read from a layer of the framebuffer: the barrier makes that sound
   gl_.BindTextureUnit(kNormalUnit, seen.id());
   gl_.TextureBarrier();
   // every program puts a vertex on the same spot, so what is seen has the very depth that is there
@@ -306,10 +299,8 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target, cons
   gl_.DepthMask(GL_FALSE);
   for (GLuint layer = 0; layer <= kSunLayer; ++layer) {
     const GLboolean albedo = layer == kAlbedoLayer;
-    gl_.ColorMaski(layer, albedo, albedo, albedo, layer == kNormalLayer);
+    gl_.ColorMaski(layer, albedo, albedo, albedo, GL_FALSE);
   }
-  gl_.Enablei(GL_BLEND, kNormalLayer);
-  gl_.BlendEquationi(kNormalLayer, GL_MIN);
   gl_.Enablei(GL_BLEND, kAlbedoLayer);
   gl_.BlendFunci(kAlbedoLayer, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   const DrawItem* last = nullptr;
@@ -327,8 +318,6 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target, cons
     last = &item;
   }
   gl_.Disablei(GL_BLEND, kAlbedoLayer);
-  gl_.Disablei(GL_BLEND, kNormalLayer);
-  gl_.BlendEquationi(kNormalLayer, GL_FUNC_ADD);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(GL_GREATER);
@@ -351,10 +340,6 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
   if (apart) gl_.BindTextureUnit(kBlocksUnit, blocks.pixels);
   gl_.Enable(GL_DEPTH_TEST);
   gl_.Disable(GL_CULL_FACE);
-  const float nothing = 0;
-  gl_.ClearBufferfv(GL_DEPTH, 0, &nothing);
-  constexpr float kNothing[4] = {};
-  gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
   constexpr std::pair<Layer, GLuint> kUnits[] = {
       {kNormalLayer, kNormalUnit},           {kAlbedoLayer, kAlbedoUnit},
       {kRoughnessLayer, kRoughnessUnit},     {kTangentLayer, kTangentUnit},
@@ -363,18 +348,22 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
     if (g_buffer.colors[layer]) gl_.BindTextureUnit(unit, g_buffer.colors[layer].id());
   gl_.BindVertexArray(screen_.id());
   gl_.Enable(GL_SCISSOR_TEST);
-  // where no class is asked for, the depth test leaves nothing to run
+  // Where no class is asked for, the depth test leaves nothing to run. Nothing is cleared before:
+  // the first target writes the whole window.
   GLuint first_class = 0;
   first_classes_.clear();
   gl_.DepthFunc(GL_ALWAYS);
   gl_.UseProgram(device_.programs.classes(nullptr));
   for (const TileTarget& target : tile.targets) {
     const ModelResources::Impl& model = scene.state(target.visible).model();
-    apart ? scissor(window, window, samples) : scissor(tile.tile, target.part, samples);
+    const bool first = first_classes_.empty();
+    apart ? scissor(window, window, samples)
+          : scissor(tile.tile, first ? tile.tile : target.part, samples);
     model.gpu.bind_items();
     gl_.Uniform2ui(kBlocksLocation, samples, blocks.a_row);
     gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id,
-                   static_cast<GLuint>(scene.state(target.visible).items().size()), first_class, 0);
+                   static_cast<GLuint>(scene.state(target.visible).items().size()), first_class,
+                   first);
     gl_.DrawArrays(GL_TRIANGLES, 0, 3);
     first_classes_.push_back(first_class);
     first_class += static_cast<GLuint>(model.brdf_models.all.size());

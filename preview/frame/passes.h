@@ -16,7 +16,7 @@
 namespace panwright::preview {
 
 // What a pass over the triangles draws.
-enum class Pass { geometry, flat_geometry, ids, bare, coverage, flat_coverage };
+enum class Pass { geometry, flat_geometry, ids, bare };
 
 // What the passes of one frame share.
 struct FrameScene {
@@ -38,8 +38,8 @@ struct TileTarget {
   // what is shaded by one program: a BRDF model of materials of the model
   struct ShadingClass {
     std::uint32_t brdf_model = 0;
-    std::uint32_t material = 0;  // the first
-    bool one_material = true;
+    std::uint32_t material = 0;  // the only one, if so
+    bool one_material = false;
   };
   std::vector<ShadingClass> classes;  // ascending by BRDF model
   std::size_t first_block = 0;        // in the buffer of blocks
@@ -73,12 +73,10 @@ class Passes {
   // Builds every program that a pass needs before its first draw. Fails: E5001.
   bool prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log);
 
-  // One upload: the blocks of a tile and of all items on it.
-  void upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat);
-  // What the view alone says, anew. stands_for: N, where one sample asks for N×N (geometry.frag);
-  // 1: none.
-  void upload_view(const FrameScene& scene, const TileScene& tile, unsigned samples,
-                   unsigned stands_for);
+  // One upload: the blocks of a tile and of all items on it. predicting: shading says what errors
+  // are predicted from (Sampling).
+  void upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat,
+              bool predicting = false);
 
   // Draws the items, with the decals over them in a geometry pass. Groups of targets are drawn from
   // the farthest to the nearest, each over a cleared depth buffer. False: the job is cancelled.

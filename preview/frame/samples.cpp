@@ -36,6 +36,67 @@ void clear_around(const Tile& whole, const Tile& part, Image& image) {
   }
 }
 
+namespace {
+
+Tile around(std::span<const Pixel> all, std::span<const std::uint32_t> pixels) {
+  std::uint32_t low[2] = {~0u, ~0u};
+  std::uint32_t high[2] = {0, 0};
+  for (const std::uint32_t index : pixels) {
+    const Pixel& pixel = all[index];
+    low[0] = std::min(low[0], pixel.x);
+    low[1] = std::min(low[1], pixel.y);
+    high[0] = std::max(high[0], pixel.x);
+    high[1] = std::max(high[1], pixel.y);
+  }
+  return {low[0], low[1], high[0] - low[0] + 1, high[1] - low[1] + 1};
+}
+
+std::uint64_t area(const Tile& tile) { return std::uint64_t{tile.width} * tile.height; }
+
+}  // namespace
+
+std::vector<PixelGroup> group(std::span<const Pixel> all, std::vector<std::uint32_t>& pixels,
+                              std::uint32_t width, std::uint32_t height, std::uint64_t worth) {
+  std::vector<PixelGroup> done;
+  if (pixels.empty()) return done;
+  struct Part {
+    Tile around;
+    std::size_t first;
+    std::size_t end;
+  };
+  std::vector<Part> todo{{around(all, pixels), 0, pixels.size()}};
+  while (!todo.empty()) {
+    const Part whole = todo.back();
+    todo.pop_back();
+    const Tile& box = whole.around;
+    const bool too_large = box.width > width || box.height > height;
+    const bool across = too_large ? box.width > width : box.width >= box.height;
+    const std::uint32_t middle = across ? box.x + box.width / 2 : box.y + box.height / 2;
+    const auto begin = pixels.begin();
+    const auto at = [&](std::size_t i) { return begin + static_cast<std::ptrdiff_t>(i); };
+    if (too_large || area(box) > worth) {
+      const auto split = std::stable_partition(
+          at(whole.first), at(whole.end),
+          [&](std::uint32_t index) { return (across ? all[index].x : all[index].y) < middle; });
+      const auto half = static_cast<std::size_t>(split - begin);
+      const std::span<const std::uint32_t> both(pixels);
+      // note: a box is as tight as can be, so neither half is empty
+      const Part first{around(all, both.subspan(whole.first, half - whole.first)), whole.first,
+                       half};
+      const Part second{around(all, both.subspan(half, whole.end - half)), half, whole.end};
+      if (too_large || area(first.around) + area(second.around) + worth < area(box)) {
+        todo.push_back(second);
+        todo.push_back(first);
+        continue;
+      }
+      std::sort(at(whole.first), at(whole.end));
+    }
+    done.push_back({box, std::span<const std::uint32_t>(pixels).subspan(whole.first,
+                                                                        whole.end - whole.first)});
+  }
+  return done;
+}
+
 std::vector<PixelRun> runs(std::span<const Pixel> pixels) {
   std::vector<PixelRun> result;
   for (const Pixel& pixel : pixels) {
@@ -45,22 +106,6 @@ std::vector<PixelRun> runs(std::span<const Pixel> pixels) {
     else
       result.push_back({pixel, 1});
   }
-  return result;
-}
-
-std::vector<Tile> tiles_of(const Tile& part, unsigned samples, std::uint64_t area,
-                           std::uint32_t side) {
-  const std::uint64_t pixels = area / (std::uint64_t{samples} * samples);
-  const std::uint32_t most = std::max(1u, side / samples);
-  const std::uint32_t width = std::max(1u, std::min(part.width, most));
-  const auto rows = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(pixels / width, 1, most));
-  const auto columns =
-      static_cast<std::uint32_t>(std::clamp<std::uint64_t>(pixels / rows, 1, width));
-  std::vector<Tile> result;
-  for (std::uint32_t y = 0; y < part.height; y += rows)
-    for (std::uint32_t x = 0; x < part.width; x += columns)
-      result.push_back({part.x + x, part.y + y, std::min(columns, part.width - x),
-                        std::min(rows, part.height - y)});
   return result;
 }
 

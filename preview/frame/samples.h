@@ -58,10 +58,17 @@ struct PixelRun {
 // The runs of pixels that ascend.
 std::vector<PixelRun> runs(std::span<const Pixel> pixels);
 
-// Tiles that cover a part of an image, each of at most `area` samples with N×N in a pixel and at
-// most `side` along each side, or one pixel: as few as rows allow.
-std::vector<Tile> tiles_of(const Tile& part, unsigned samples, std::uint64_t area,
-                           std::uint32_t side);
+// Rectangles that hold all pixels, each pixel in one, none empty: as small as pays, where one more
+// costs as much as `worth` pixels in one.
+//
+//   pixels  reordered: those of a group lie together, and ascend if they did
+//   width, height  the largest of a rectangle
+struct PixelGroup {
+  Tile around;
+  std::span<const std::uint32_t> pixels;  // into those given
+};
+std::vector<PixelGroup> group(std::span<const Pixel> all, std::vector<std::uint32_t>& pixels,
+                              std::uint32_t width, std::uint32_t height, std::uint64_t worth);
 
 // Makes the pixels of a tile outside a part of it background. part: of no size, all are.
 void clear_around(const Tile& whole, const Tile& part, Image& image);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 
 namespace panwright::preview {
 namespace {
@@ -15,41 +16,40 @@ constexpr std::size_t kMostBlocks = 65536;
 // at least this large, so that many blocks are shaded at once
 constexpr std::uint32_t kLeastColorSide = 1024;  // samples
 
-// Second differences of radiance between pixels that one sample may stand for, in radiances of a
-// white plate that faces the Sun: a parabola's mean is off by a 24th of it.
-constexpr double kSmoothness = 0.012;
+// What pixels with one sample may add to the error of N×N samples elsewhere: RMS over the pixels
+// that show a target, in parts of the RMS of their radiance, times N. 4×4 samples of a spacecraft
+// are off by 0.02 to 0.04.
+constexpr double kRest = 0.03;
+// So many times what one step leaves of squares is worth another step.
+constexpr double kMuch = 4;
+// of the squares that may be left, how much is aimed at: one step should do
+constexpr double kAim = 0.8;
 
-// N to begin with until an error is met: what N×N samples of the coverage miss is not found later.
-unsigned first_side(double error) { return error >= 0.03 ? 4 : error >= 0.01 ? 8 : 16; }
-
-constexpr unsigned kMostSide = 64;
-// What N×N samples are off by, in parts of how far the four grids of N/2×N/2 in them lie apart.
-// Edges along the axes halve with N; 1 leaves room for what no sample shows.
-constexpr double kGain = 1;
+// What N×N samples are off by, in parts of how far the four grids of N/2×N/2 in them lie apart; and
+// of how far they lie from the M×M before, times N/M: the larger one. Edges along the axes, which
+// all four may miss alike, halve with N.
+constexpr float kGain = 0.5f;
+constexpr float kChange = 1.2f;
+// A change that many times what was predicted is a surprise; and what it tells of its neighbours.
+constexpr float kSurprise = 2;
+constexpr float kSurpriseShare = 0.2f;
 // Targets so small that N×N samples of 4×4 may miss what they show: every pixel begins with more.
 constexpr std::uint32_t kTinyPixels = 10;
 constexpr std::uint32_t kSmallPixels = 40;
 constexpr unsigned kTinySide = 64;
 constexpr unsigned kSmallSide = 16;
 
-constexpr GLenum kCoverageFormats[] = {GL_RG32UI};
-constexpr GLenum kMaskFormats[] = {GL_R8};
 constexpr GLenum kMeanFormats[] = {GL_RGBA32F, GL_RGBA32F};
-constexpr GLenum kColorFormats[] = {GL_RGBA32F, GL_R32F};
+constexpr GLenum kColorFormats[] = {GL_RGBA32F};
+
+// A tile of a part, in the image.
+Tile moved(Tile tile, const Tile& part) {
+  tile.x += part.x;
+  tile.y += part.y;
+  return tile;
+}
 
 std::uint32_t packed(std::uint32_t x, std::uint32_t y) { return x | y << 16; }
-
-// of the group drawn last: what classify.frag takes for a step in depth, half a pixel
-std::array<float, 2> depth_step(const FrameScene& scene) {
-  constexpr double kRounding = 4e-7;
-  const DepthRange& depth = scene.visible.groups.back().depth;
-  const double focal = std::max(scene.camera.focal.x, scene.camera.focal.y);
-  const double half_pixel = 0.5 / focal;
-  if (scene.camera.projection == world::Projection::orthographic)
-    return {0, static_cast<float>(half_pixel / (depth.far - depth.near) + kRounding)};
-  const double k = depth.near / (depth.far - depth.near);
-  return {static_cast<float>(half_pixel), static_cast<float>(half_pixel * k + kRounding)};
-}
 
 // What the pixels of an image add up to.
 struct Sums {
@@ -72,49 +72,6 @@ Sums sums_of(const Image& image) {
   return sums;
 }
 
-// Pixels that take N×N samples, with the error of each.
-struct Level {
-  unsigned samples = 1;
-  std::vector<Pixel> pixels;
-  std::vector<float> error;
-};
-
-// Those of `all` that are not in `others`; both ascend.
-std::vector<Pixel> without(const std::vector<Pixel>& all, const std::vector<Pixel>& others) {
-  std::vector<Pixel> result;
-  std::set_difference(all.begin(), all.end(), others.begin(), others.end(),
-                      std::back_inserter(result));
-  return result;
-}
-
-// Adds a level's pixels to those of another with as many samples.
-void merge(Level& level, const Level& more) {
-  level.pixels.insert(level.pixels.end(), more.pixels.begin(), more.pixels.end());
-  level.error.insert(level.error.end(), more.error.begin(), more.error.end());
-}
-
-// The error above which pixels are to be sampled more, so that what is left has a sum of squares of
-// at most `budget`. What the last level leaves cannot be helped: the others have the rest of it,
-// and a tenth at least, or every pixel would be taken to the last level in vain.
-float threshold(std::span<const Level> levels, double budget) {
-  double left = budget;
-  for (const float error : levels.back().error)
-    left -= static_cast<double>(error) * static_cast<double>(error);
-  left = std::max(left, 0.1 * budget);
-  std::vector<float> errors;
-  for (const Level& level : levels.first(levels.size() - 1))
-    errors.insert(errors.end(), level.error.begin(), level.error.end());
-  std::sort(errors.begin(), errors.end());
-  double sum = 0;
-  for (const float error : errors) {
-    sum += static_cast<double>(error) * static_cast<double>(error);
-    if (sum > left) return error;
-  }
-  return INFINITY;
-}
-
-double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
-
 }  // namespace
 
 struct Sampling::Frame {
@@ -124,13 +81,25 @@ struct Sampling::Frame {
   Image& image;
   const Job& job;
   DiagnosticLog& log;
-  std::uint64_t area = 0;  // most samples of a tile
-  std::uint32_t side = 0;  // of a framebuffer
-  Tile part;               // of the image that anything may fall on
+  std::uint32_t width = 0;   // of the largest tile, samples
+  std::uint32_t height = 0;  // the same
+  Tile part;                 // of the image that anything may fall on
 
   bool cancelled() const {  // reports E0001 then
     if (job.cancelled()) report_cancelled(log);
     return job.cancelled();
+  }
+
+  std::uint64_t area() const { return std::uint64_t{width} * height; }
+
+  // Of pixels of the part, row by row.
+  std::size_t count() const { return std::size_t{part.width} * part.height; }
+  std::size_t index(const Pixel& pixel) const {
+    return std::size_t{pixel.y - part.y} * part.width + pixel.x - part.x;
+  }
+  Pixel pixel(std::size_t index) const {
+    return {part.x + static_cast<std::uint32_t>(index % part.width),
+            part.y + static_cast<std::uint32_t>(index / part.width)};
   }
 
   // The samples a pixel of the image that `pixels` of them with N×N add.
@@ -171,231 +140,270 @@ bool Sampling::resolve(const RenderTarget& means, std::uint32_t width, std::uint
   return true;
 }
 
-bool Sampling::prepare(const Frame& frame) {
-  const bool flat = frame.options.flat;
-  if (!passes_.prepare(frame.scene, flat ? Pass::flat_coverage : Pass::coverage, frame.log))
-    return false;
-  std::string problem;
-  if (device_.programs.classify(&problem) != 0 && device_.programs.runs(&problem) != 0) return true;
-  frame.log.report_file(
-      Code::E5001, {},
-      fmt::format("{} refuses a shader: {}", device_.context->renderer(), problem));
-  return false;
-}
-
 bool Sampling::render(const FrameScene& scene, const RenderOptions& options,
                       std::span<const GLenum> formats, Image& image, const Job& job,
                       DiagnosticLog& log) {
-  Frame frame{scene, options, formats, image, job, log, 0, 0, {}};
+  Frame frame{scene, options, formats, image, job, log, 0, {}};
+  frame.part = tile_scene(scene, {0, 0, image.width, image.height}).tile;
+  report_ = {};
+  if (frame.part.width == 0 || frame.part.height == 0) return true;
+  // As wide as what is in view, or as high: what lies on two tiles is drawn twice.
   const std::uint32_t limit = device_.context->limits().framebuffer_side;
   const std::uint32_t side = std::min(options.tile_side, limit);
-  frame.area = std::uint64_t{side} * side;
-  frame.side = std::min(2 * side, limit);
-  frame.part = tile_scene(scene, {0, 0, image.width, image.height}).tile;
-  if (frame.part.width == 0 || frame.part.height == 0) return true;
-  if (!prepare(frame)) return false;
-  report_ = {};
-  std::vector<Pixel> marked;
-  if (!one_sample_each(
-          frame, options.samples == 0 ? first_side(options.pixel_error) : options.samples, marked))
+  const std::uint32_t longer = std::min(2 * side, limit);
+  const std::uint32_t shorter = side * side / longer;
+  const double aspect = static_cast<double>(frame.part.width) / frame.part.height;
+  frame.width = aspect > 2 ? longer : aspect < 0.5 ? shorter : side;
+  frame.height = aspect > 2 ? shorter : aspect < 0.5 ? longer : side;
+  std::string problem;
+  if (device_.programs.runs(&problem) == 0) {
+    log.report_file(Code::E5001, {},
+                    fmt::format("{} refuses a shader: {}", device_.context->renderer(), problem));
     return false;
-  if (options.samples == 0) return until_error(frame, std::move(marked));
-  report_.samples = 1 + frame.added(marked.size(), options.samples);
-  return refine(frame, options.samples, marked, {});
+  }
+  if (!one_sample_each(frame)) return false;
+  report_.samples = 1;
+  if (options.samples == 0) return until_error(frame);
+
+  return some_in_full(frame, options.samples);
+}
+
+// N×N samples where one is not enough.
+bool Sampling::some_in_full(const Frame& frame, unsigned samples) {
+  levels_.assign(frame.count(), 0);
+  surprises_.clear();
+  predictor_.predict(frame.image, patternless_, frame.part, errors_);
+  const double rest = kRest / samples;
+  const double budget = rest * rest * sums_of(frame.image).squares;
+  const unsigned sides[] = {1, samples};
+  std::vector<std::vector<Pixel>> wanted(2);
+  // once more where the first step finds more than it should leave
+  for (const double enough : {budget, kMuch * budget}) {
+    double left = 0;
+    predicted_ = errors_;
+    for (std::size_t i = 0; i < predicted_.size(); ++i) {
+      if (levels_[i] > 0) predicted_[i] = 0;
+      left += static_cast<double>(predicted_[i]) * static_cast<double>(predicted_[i]);
+    }
+    if (left <= enough) break;
+    const float above = least_error_above(predicted_, budget);
+    wanted[1].clear();
+    for (std::size_t i = 0; i < predicted_.size(); ++i)
+      if (predicted_[i] >= above) wanted[1].push_back(frame.pixel(i));
+    report_.samples += frame.added(wanted[1].size(), samples);
+    if (!measure(frame, sides, wanted)) return false;
+    raise_around_surprises(frame);
+  }
+  return true;
 }
 
 // Samples the pixels with the largest errors more, until what is left is small enough.
-bool Sampling::until_error(const Frame& frame, std::vector<Pixel> marked) {
-  std::vector<Level> levels;
-  for (unsigned samples = first_side(frame.options.pixel_error); samples <= kMostSide; samples *= 2)
-    levels.push_back({samples, {}, {}});
-  const auto level_of = [&](unsigned samples) -> Level& {
-    return *std::find_if(levels.begin(), levels.end(),
-                         [&](const Level& level) { return level.samples >= samples; });
-  };
+bool Sampling::until_error(const Frame& frame) {
+  constexpr std::array<unsigned, 6> kSides{1, 4, 8, 16, 32, 64};
+  const std::span<const unsigned> sides = kSides;
+  const std::size_t last = sides.size() - 1;
+  levels_.assign(frame.count(), 0);
+  errors_.assign(frame.count(), 0.0f);
+  std::vector<std::vector<Pixel>> wanted(sides.size());
+  want_small_targets(frame, sides, wanted);
+  surprises_.clear();
+
+  const double asked = frame.options.pixel_error;
+  for (double share = 1;;) {
+    if (!measure(frame, sides, wanted)) return false;
+    predictor_.predict(frame.image, patternless_, frame.part, predicted_);
+    for (std::size_t i = 0; i < errors_.size(); ++i)
+      if (levels_[i] == 0) errors_[i] = predicted_[i];
+    raise_around_surprises(frame);
+    const Sums sums = sums_of(frame.image);
+    double total = 0;
+    double squares = 0;
+    double at_last = 0;  // what cannot be helped
+    for (std::size_t i = 0; i < errors_.size(); ++i) {
+      const double square = static_cast<double>(errors_[i]) * static_cast<double>(errors_[i]);
+      squares += square;
+      total += static_cast<double>(errors_[i]);
+      if (levels_[i] == last) at_last += square;
+    }
+    report_.rmse = sums.squares > 0 ? std::sqrt(squares / sums.squares) : 0;
+    // as if all errors had one sign: along an edge that lies like the samples they have
+    report_.flux = sums.radiance > 0 ? 3 * total / sums.radiance : 0;
+    if (report_.rmse <= asked && report_.flux <= asked) break;
+    // as long as the flux is what is not good enough, less and less is left
+    if (report_.rmse <= asked) share *= 0.25;
+    // The last level has its part of the budget; the others the rest of it, and a tenth at least,
+    // or every pixel would be taken to the last level in vain.
+    const double budget = share * asked * asked * sums.squares;
+    const Allocation allocation(errors_, levels_, sides,
+                                std::max(kAim * budget - at_last, 0.1 * budget));
+    for (std::vector<Pixel>& pixels : wanted) pixels.clear();
+    bool any = false;
+    for (std::size_t i = 0; i < errors_.size(); ++i) {
+      const std::size_t level = allocation.level(errors_[i], levels_[i]);
+      if (level == levels_[i]) continue;
+      wanted[level].push_back(frame.pixel(i));
+      any = true;
+    }
+    if (!any) break;
+  }
+  report_.samples = 1;
+  std::vector<std::size_t> counts(sides.size());
+  for (const std::uint8_t level : levels_) ++counts[level];
+  for (std::size_t i = 1; i < sides.size(); ++i)
+    report_.samples += frame.added(counts[i], sides[i]);
+  return true;
+}
+
+// All pixels of targets so small that their neighbours tell little.
+void Sampling::want_small_targets(const Frame& frame, std::span<const unsigned> sides,
+                                  std::vector<std::vector<Pixel>>& wanted) {
   for (const TileTarget& target :
        tile_scene(frame.scene, {0, 0, frame.image.width, frame.image.height}).targets) {
     const Tile& part = target.part;
     const std::uint32_t side = std::max(part.width, part.height);
     if (side > kSmallPixels) continue;
-    Level& level = level_of(side > kTinyPixels ? kSmallSide : kTinySide);
+    const unsigned samples = side > kTinyPixels ? kSmallSide : kTinySide;
+    const auto level = static_cast<std::uint8_t>(
+        std::lower_bound(sides.begin(), sides.end(), samples) - sides.begin());
     for (std::uint32_t y = 0; y < part.height; ++y)
-      for (std::uint32_t x = 0; x < part.width; ++x)
-        level.pixels.push_back({part.x + x, part.y + y});
-  }
-  // each pixel once, with the most samples
-  std::vector<Pixel> taken;
-  for (std::size_t i = levels.size(); i-- > 1;) {
-    std::vector<Pixel>& pixels = levels[i].pixels;
-    std::sort(pixels.begin(), pixels.end());
-    pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
-    pixels = without(pixels, taken);
-    taken.insert(taken.end(), pixels.begin(), pixels.end());
-    std::sort(taken.begin(), taken.end());
-  }
-  levels.front().pixels = without(marked, taken);
-  const double asked = frame.options.pixel_error;
-  double flux_before = sums_of(frame.image).radiance;
-  for (Level& level : levels)
-    if (!measure(frame, level.samples, level.pixels, level.error)) return false;
-
-  for (double share = 1;;) {
-    const Sums sums = sums_of(frame.image);
-    double squares = 0;
-    for (const Level& level : levels)
-      for (const float error : level.error)
-        squares += static_cast<double>(error) * static_cast<double>(error);
-    report_.rmse = sums.squares > 0 ? std::sqrt(squares / sums.squares) : 0;
-    report_.flux =
-        sums.radiance > 0 ? kGain * std::fabs(sums.radiance - flux_before) / sums.radiance : 0;
-    if (report_.rmse <= asked && report_.flux <= asked) break;
-    // as long as the flux is what is not good enough, less and less is left
-    if (report_.rmse <= asked) share *= 0.25;
-    const float above = threshold(levels, share * asked * asked * sums.squares);
-    std::vector<Level> more(levels.size());
-    for (std::size_t i = 0; i + 1 < levels.size(); ++i) {
-      Level kept{levels[i].samples, {}, {}};
-      for (std::size_t k = 0; k < levels[i].pixels.size(); ++k) {
-        const float error = levels[i].error[k];
-        if (!(error > 0) || error < above) {
-          kept.pixels.push_back(levels[i].pixels[k]);
-          kept.error.push_back(error);
-          continue;
-        }
-        // far above: two steps at once
-        const bool two = error > 4 * above && i + 2 < levels.size();
-        more[two ? i + 2 : i + 1].pixels.push_back(levels[i].pixels[k]);
+      for (std::uint32_t x = 0; x < part.width; ++x) {
+        std::uint8_t& at = levels_[frame.index({part.x + x, part.y + y})];
+        at = std::max(at, level);
       }
-      levels[i] = std::move(kept);
-    }
-    bool any = false;
-    flux_before = sums.radiance;
-    for (std::size_t i = 1; i < levels.size(); ++i) {
-      if (more[i].pixels.empty()) continue;
-      any = true;
-      std::sort(more[i].pixels.begin(), more[i].pixels.end());
-      if (!measure(frame, levels[i].samples, more[i].pixels, more[i].error)) return false;
-      merge(levels[i], more[i]);
-    }
-    if (!any) break;
   }
-  report_.samples = 1;
-  for (const Level& level : levels)
-    report_.samples += frame.added(level.pixels.size(), level.samples);
+  for (std::size_t i = 0; i < levels_.size(); ++i)
+    if (levels_[i] > 0) wanted[levels_[i]].push_back(frame.pixel(i));
+}
+
+// Samples what is wanted of each level, and how far it is off.
+bool Sampling::measure(const Frame& frame, std::span<const unsigned> sides,
+                       std::span<const std::vector<Pixel>> wanted) {
+  const auto at = [&](const Pixel& pixel) {
+    return frame.image.radiance.data() + 3 * (std::size_t{pixel.y} * frame.image.width + pixel.x);
+  };
+  for (std::size_t level = 1; level < sides.size(); ++level) {
+    const std::vector<Pixel>& pixels = wanted[level];
+    spreads_.assign(pixels.size(), 0.0f);
+    before_.resize(3 * pixels.size());
+    for (std::size_t k = 0; k < pixels.size(); ++k)
+      std::copy_n(at(pixels[k]), 3, before_.data() + 3 * k);
+    if (!refine(frame, sides[level], pixels, spreads_)) return false;
+    for (std::size_t k = 0; k < pixels.size(); ++k) {
+      const std::size_t i = frame.index(pixels[k]);
+      float squares = 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float change = at(pixels[k])[c] - before_[3 * k + c];
+        squares += change * change;
+      }
+      const float change = std::sqrt(squares * (1.0f / 3));
+      if (levels_[i] == 0 && change > kSurprise * errors_[i])
+        surprises_.push_back({pixels[k], change});
+      const float gain =
+          kChange * static_cast<float>(sides[levels_[i]]) / static_cast<float>(sides[level]);
+      // what the small targets begin with has nothing before it
+      errors_[i] = std::max(kGain * spreads_[k], levels_[i] == level ? 0 : gain * change);
+      levels_[i] = static_cast<std::uint8_t>(level);
+    }
+  }
   return true;
 }
 
-bool Sampling::measure(const Frame& frame, unsigned samples, std::span<const Pixel> pixels,
-                       std::vector<float>& error) {
-  error.assign(pixels.size(), 0.0f);
-  if (!refine(frame, samples, pixels, error)) return false;
-  for (float& each : error) each *= static_cast<float>(kGain);
-  return true;
+// A pixel that shows what its neighbours did not tell of is a part of something that may run on.
+void Sampling::raise_around_surprises(const Frame& frame) {
+  constexpr std::uint32_t kReach = 2;
+  const Tile& part = frame.part;
+  for (const Surprise& one : surprises_) {
+    const std::uint32_t left = std::max(one.pixel.x, part.x + kReach) - kReach;
+    const std::uint32_t top = std::max(one.pixel.y, part.y + kReach) - kReach;
+    const std::uint32_t right = std::min(one.pixel.x + kReach + 1, part.x + part.width);
+    const std::uint32_t bottom = std::min(one.pixel.y + kReach + 1, part.y + part.height);
+    for (std::uint32_t y = top; y < bottom; ++y)
+      for (std::uint32_t x = left; x < right; ++x) {
+        const std::size_t i = frame.index({x, y});
+        if (levels_[i] == 0) errors_[i] = std::max(errors_[i], kSurpriseShare * one.change);
+      }
+  }
 }
 
-// One sample a pixel, and which pixels need more.
-bool Sampling::one_sample_each(const Frame& frame, unsigned samples, std::vector<Pixel>& marked) {
+// What shading.frag says of solar cells beside the coverage.
+void Sampling::take_patternless(const Frame& frame, const Tile& tile) {
+  const Vec3 irradiance = frame.scene.world.sun().irradiance.value_or(Vec3(1));
+  const auto whole = static_cast<float>(std::max({irradiance.x, irradiance.y, irradiance.z}));
+  for (std::uint32_t y = tile.y; y < tile.y + tile.height; ++y)
+    for (std::uint32_t x = tile.x; x < tile.x + tile.width; ++x) {
+      float& coverage = frame.image.coverage[std::size_t{y} * frame.image.width + x];
+      if (!(coverage > 1)) continue;
+      patternless_[frame.index({x, y})] = (coverage - 1) * whole;
+      coverage = 1;
+    }
+}
+
+// One sample a pixel, and what their errors are predicted from.
+bool Sampling::one_sample_each(const Frame& frame) {
   const Pass pass = frame.options.flat ? Pass::flat_geometry : Pass::geometry;
-  for (const Tile& whole : tiles_of(frame.part, samples, frame.area, frame.side)) {
-    const TileScene on_tile = tile_scene(frame.scene, whole);
+  bool cells = false;
+  for (std::size_t v = 0; v < frame.scene.visible.targets.size(); ++v)
+    for (const std::uint32_t index : frame.scene.visible.targets[v].items)
+      cells = cells || frame.scene.state(v).items()[index].variant.cells;
+  patternless_.assign(cells ? frame.count() : 0, -1.0f);
+  for (Tiles each(frame.part.width, frame.part.height, std::min(frame.width, frame.height)); each;
+       each.next()) {
+    const TileScene on_tile = tile_scene(frame.scene, moved(*each, frame.part));
     const Tile& tile = on_tile.tile;
     if (tile.width == 0 || tile.height == 0) continue;
     if (frame.cancelled()) return false;
-    if (!ensure_render_target(gl_, seen_, frame.formats, true, tile.width, tile.height, frame.area,
-                              frame.log) ||
-        !ensure_render_target(gl_, color_, kColorFormats, true, tile.width, tile.height, frame.area,
-                              frame.log))
+    if (!ensure_render_target(gl_, seen_, frame.formats, true, tile.width, tile.height,
+                              frame.area(), frame.log) ||
+        !ensure_render_target(gl_, color_, kColorFormats, true, tile.width, tile.height,
+                              frame.area(), frame.log))
       return false;
-    passes_.upload(frame.scene, on_tile, samples, frame.options.flat);
-    passes_.upload_view(frame.scene, on_tile, 1, samples);
+    passes_.upload(frame.scene, on_tile, 1, frame.options.flat, cells);
     if (!passes_.draw(frame.scene, on_tile, 1, pass, seen_, frame.job)) return !frame.cancelled();
     passes_.shade(frame.scene, on_tile, 1, seen_, color_);
-    floats_.resize(std::max(floats_.size(), std::size_t{4} * tile.width * tile.height));
+    const std::size_t pixels = std::size_t{tile.width} * tile.height;
+    floats_.resize(std::max(floats_.size(), 4 * pixels));
     gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
     gl_.ReadPixels(0, 0, static_cast<GLsizei>(tile.width), static_cast<GLsizei>(tile.height),
                    GL_RGBA, GL_FLOAT, floats_.data());
     store_pixels(floats_, tile, frame.image);
-    if (!classify(frame, on_tile, samples, marked)) return false;
+    if (cells) take_patternless(frame, tile);
   }
-  std::sort(marked.begin(), marked.end());
-  return true;
-}
-
-// What one sample a pixel shows stands in the targets.
-bool Sampling::classify(const Frame& frame, const TileScene& on_tile, unsigned samples,
-                        std::vector<Pixel>& marked) {
-  const Tile& tile = on_tile.tile;
-  const std::uint32_t width = tile.width * samples;
-  const std::uint32_t height = tile.height * samples;
-  if (!ensure_render_target(gl_, coverage_, kCoverageFormats, true, width, height, frame.area,
-                            frame.log) ||
-      !ensure_render_target(gl_, mask_, kMaskFormats, false, tile.width, tile.height, frame.area,
-                            frame.log))
-    return false;
-  if (!passes_.draw(frame.scene, on_tile, samples,
-                    frame.options.flat ? Pass::flat_coverage : Pass::coverage, coverage_,
-                    frame.job))
-    return !frame.cancelled();
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, mask_.framebuffer.id());
-  gl_.Viewport(0, 0, static_cast<GLsizei>(tile.width), static_cast<GLsizei>(tile.height));
-  gl_.Disable(GL_DEPTH_TEST);
-  gl_.Disable(GL_CULL_FACE);
-  gl_.BindVertexArray(passes_.screen());
-  gl_.BindTextureUnit(kSamplesUnit, coverage_.colors[0].id());
-  gl_.BindTextureUnit(kNormalUnit, seen_.colors[0].id());
-  gl_.BindTextureUnit(kAlbedoUnit, color_.colors[1].id());
-  gl_.BindTextureUnit(kMaterialsUnit, coverage_.depth.id());
-  gl_.UseProgram(device_.programs.classify(nullptr));
-  gl_.Uniform1ui(0, samples);
-  const double white = largest(frame.scene.world.sun().irradiance.value_or(Vec3(1))) / kPi;
-  gl_.Uniform1f(2, static_cast<float>(kSmoothness * white));
-  gl_.Uniform2ui(3, tile.width, tile.height);
-  const std::array<float, 2> step = depth_step(frame.scene);
-  gl_.Uniform2f(4, step[0], step[1]);
-  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
-  marks_.resize(std::max(marks_.size(), std::size_t{tile.width} * tile.height));
-  gl_.ReadPixels(0, 0, static_cast<GLsizei>(tile.width), static_cast<GLsizei>(tile.height), GL_RED,
-                 GL_UNSIGNED_BYTE, marks_.data());
-  for (std::uint32_t y = 0; y < tile.height; ++y)
-    for (std::uint32_t x = 0; x < tile.width; ++x)
-      if (marks_[std::size_t{y} * tile.width + x] != 0) marked.push_back({tile.x + x, tile.y + y});
   return true;
 }
 
 // N×N samples of pixels that ascend, and no others.
 //
-//   error  of each, see until_error(); or empty
+//   error  of each, from how far parts of its samples lie apart; or empty
 bool Sampling::refine(const Frame& frame, unsigned samples, std::span<const Pixel> pixels,
                       std::span<float> error) {
-  if (pixels.empty()) return true;
-  Tile part{pixels.front().x, pixels.front().y, 0, pixels.back().y - pixels.front().y + 1};
-  std::uint32_t last = part.x;
-  for (const Pixel& pixel : pixels) {
-    part.x = std::min(part.x, pixel.x);
-    last = std::max(last, pixel.x);
-  }
-  part.width = last - part.x + 1;
-  for (const Tile& whole : tiles_of(part, samples, frame.area, frame.side)) {
+  // A draw of a tile costs about as much as so many samples in it that nobody asks for (measured on
+  // a software context).
+  constexpr std::uint64_t kWorth = 1u << 19;
+  order_.resize(pixels.size());
+  std::iota(order_.begin(), order_.end(), 0u);
+  for (const PixelGroup& one :
+       group(pixels, order_, std::max(1u, frame.width / samples),
+             std::max(1u, frame.height / samples), kWorth / (samples * samples))) {
     if (frame.cancelled()) return false;
-    const TileScene on_tile = tile_scene(frame.scene, whole);
-    const Tile& tile = on_tile.tile;
-    std::vector<std::uint32_t> which;
-    for (std::uint32_t y = tile.y; y < tile.y + tile.height; ++y) {
-      const auto first = std::lower_bound(pixels.begin(), pixels.end(), Pixel{tile.x, y});
-      const auto end = std::lower_bound(first, pixels.end(), Pixel{tile.x + tile.width, y});
-      for (auto at = first; at != end; ++at)
-        which.push_back(static_cast<std::uint32_t>(at - pixels.begin()));
-    }
-    if (which.empty()) continue;
-    if (!refine_tile(frame, on_tile, samples, pixels, which, error)) return false;
+    if (!refine_tile(frame, tile_scene(frame.scene, one.around), samples, pixels, one.pixels,
+                     error))
+      return false;
   }
   return true;
 }
 
-// Makes the pixels of the runs the only ones that are drawn, and empty.
+// Of no buffer is the size a power of two: see ensure_render_target(). least: numbers.
+void Sampling::upload(const GlBuffer& buffer, std::span<const std::uint32_t> numbers,
+                      std::size_t least) const {
+  const std::size_t room = (std::max(numbers.size(), least) / 4 * 2 + 3) * 2;
+  gl_.NamedBufferData(buffer.id(), static_cast<GLsizeiptr>(4 * room), nullptr, GL_STREAM_DRAW);
+  gl_.NamedBufferSubData(buffer.id(), 0, static_cast<GLsizeiptr>(numbers.size_bytes()),
+                         numbers.data());
+}
+
+// Makes the pixels of the runs the only ones that are drawn, and empty. The first rectangle is the
+// whole tile: to clear a target that is larger takes longer.
 void Sampling::clear_runs(const Tile& tile, unsigned samples, GLsizei count, bool first) {
-  const float nearest = 1;
-  gl_.ClearBufferfv(GL_DEPTH, 0, &nearest);
   gl_.BindVertexArray(passes_.screen());
   gl_.BindTextureUnit(kBlocksUnit, runs_texture_.id());
   gl_.Disable(GL_CULL_FACE);
@@ -405,15 +413,26 @@ void Sampling::clear_runs(const Tile& tile, unsigned samples, GLsizei count, boo
     gl_.ColorMaski(layer, on, on, on, on);
   }
   gl_.UseProgram(device_.programs.runs(nullptr));
-  gl_.Uniform2ui(0, samples, 0);
   gl_.Uniform2f(1, 2.0f / static_cast<float>(tile.width * samples),
                 2.0f / static_cast<float>(tile.height * samples));
-  gl_.Uniform1f(2, 0.0f);
+  // a small part of a large target is cleared faster by a rectangle
+  const std::int64_t here = std::int64_t{tile.width} * tile.height * samples * samples;
+  const bool by_rectangle = 4 * here < std::int64_t{seen_.width} * seen_.height;
+  const float nearest = 1;
+  if (!by_rectangle) gl_.ClearBufferfv(GL_DEPTH, 0, &nearest);
   for (GLsizei at = 0; at < count; at += static_cast<GLsizei>(kMostBlocks)) {
     const GLsizei some = std::min(count - at, static_cast<GLsizei>(kMostBlocks));
     gl_.TextureBufferRange(runs_texture_.id(), GL_RG32UI, runs_.id(), GLintptr{8} * at,
                            GLsizeiptr{8} * some);
-    gl_.DrawArrays(GL_TRIANGLES, 0, 6 * some);
+    const GLsizei whole = at == 0 ? 1 : 0;  // the first rectangle
+    if (whole == 1 && by_rectangle) {
+      gl_.Uniform2ui(0, samples, 0);
+      gl_.Uniform1f(2, nearest);
+      gl_.DrawArrays(GL_TRIANGLES, 0, 6);
+    }
+    gl_.Uniform2ui(0, samples, static_cast<GLuint>(whole));
+    gl_.Uniform1f(2, 0.0f);
+    gl_.DrawArrays(GL_TRIANGLES, 0, 6 * (some - whole));
   }
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl_.DepthFunc(GL_GREATER);
@@ -426,10 +445,11 @@ bool Sampling::refine_tile(const Frame& frame, const TileScene& on_tile, unsigne
   const std::uint32_t width = tile.width * samples;
   const std::uint32_t height = tile.height * samples;
   const std::uint32_t color_side =
-      std::min(frame.side, std::max({kLeastColorSide, samples, tile.width, tile.height}));
-  if (!ensure_render_target(gl_, seen_, frame.formats, true, width, height, frame.area,
+      std::min(std::max(frame.width, frame.height),
+               std::max({kLeastColorSide, samples, tile.width, tile.height}));
+  if (!ensure_render_target(gl_, seen_, frame.formats, true, width, height, frame.area(),
                             frame.log) ||
-      !ensure_render_target(gl_, color_, kColorFormats, true, color_side, color_side, frame.area,
+      !ensure_render_target(gl_, color_, kColorFormats, true, color_side, color_side, frame.area(),
                             frame.log))
     return false;
 
@@ -439,13 +459,12 @@ bool Sampling::refine_tile(const Frame& frame, const TileScene& on_tile, unsigne
     on_it.push_back({pixels[index].x - tile.x, pixels[index].y - tile.y});
     places.push_back(packed(on_it.back().x, on_it.back().y));
   }
-  std::vector<std::uint32_t> rectangles;
+  std::vector<std::uint32_t> rectangles{packed(0, 0), packed(tile.width, tile.height)};
   for (const PixelRun& run : runs(on_it)) {
     rectangles.push_back(packed(run.first.x, run.first.y));
-    rectangles.push_back(run.count);
+    rectangles.push_back(packed(run.count, 1));
   }
-  gl_.NamedBufferData(runs_.id(), static_cast<GLsizeiptr>(4 * rectangles.size()), rectangles.data(),
-                      GL_STREAM_DRAW);
+  upload(runs_, rectangles, 2);
   passes_.upload(frame.scene, on_tile, samples, frame.options.flat);
   const auto clear = [&](bool first) {
     clear_runs(tile, samples, static_cast<GLsizei>(rectangles.size() / 2), first);
@@ -464,14 +483,13 @@ bool Sampling::refine_tile(const Frame& frame, const TileScene& on_tile, unsigne
                                       places.begin() + static_cast<std::ptrdiff_t>(first + count));
     const auto used = static_cast<std::uint32_t>((count + a_row - 1) / a_row);
     blocks.resize(std::size_t{used} * a_row, blocks.front());
-    gl_.NamedBufferData(pixels_.id(), static_cast<GLsizeiptr>(4 * blocks.size()), blocks.data(),
-                        GL_STREAM_DRAW);
+    upload(pixels_, blocks, kMostBlocks);
     gl_.TextureBuffer(pixels_texture_.id(), GL_R32UI, pixels_.id());
     passes_.shade(frame.scene, on_tile, samples, seen_, color_,
                   {pixels_texture_.id(), a_row, used});
     const bool spread = !error.empty();
     if (!ensure_render_target(gl_, mean_, std::span(kMeanFormats).first(spread ? 2 : 1), false,
-                              a_row, used, frame.area, frame.log) ||
+                              a_row, used, frame.area(), frame.log) ||
         !resolve(mean_, a_row, used, samples, spread, frame.log))
       return false;
     const std::size_t floats = std::size_t{4} * a_row * used;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "preview/frame/passes.h"
+#include "preview/frame/pixel_errors.h"
 #include "preview/frame/samples.h"
 #include "preview/image.h"
 #include "preview/renderer.h"
@@ -38,34 +39,49 @@ class Sampling {
  private:
   struct Frame;  // what one call of render() shares
 
-  bool prepare(const Frame& frame);
-  bool one_sample_each(const Frame& frame, unsigned samples, std::vector<Pixel>& marked);
-  bool classify(const Frame& frame, const TileScene& tile, unsigned samples,
-                std::vector<Pixel>& marked);
+  bool one_sample_each(const Frame& frame);
+  void take_patternless(const Frame& frame, const Tile& tile);
   bool refine(const Frame& frame, unsigned samples, std::span<const Pixel> pixels,
               std::span<float> error);
   bool refine_tile(const Frame& frame, const TileScene& tile, unsigned samples,
                    std::span<const Pixel> pixels, std::span<const std::uint32_t> which,
                    std::span<float> error);
+  void upload(const GlBuffer& buffer, std::span<const std::uint32_t> numbers,
+              std::size_t least) const;
   void clear_runs(const Tile& tile, unsigned samples, GLsizei runs, bool first);
-  bool until_error(const Frame& frame, std::vector<Pixel> marked);
-  bool measure(const Frame& frame, unsigned samples, std::span<const Pixel> pixels,
-               std::vector<float>& error);
+  bool some_in_full(const Frame& frame, unsigned samples);
+  bool until_error(const Frame& frame);
+  void raise_around_surprises(const Frame& frame);
+  void want_small_targets(const Frame& frame, std::span<const unsigned> sides,
+                          std::vector<std::vector<Pixel>>& wanted);
+  bool measure(const Frame& frame, std::span<const unsigned> sides,
+               std::span<const std::vector<Pixel>> wanted);
 
   Device::Impl& device_;
   Passes& passes_;
   const GladGLContext& gl_;
   RenderTarget& seen_;
   RenderTarget& color_;
-  RenderTarget coverage_;
-  RenderTarget mask_;
   RenderTarget mean_;
   GlBuffer runs_;    // of pixels to be drawn: x | y << 16, count
   GlBuffer pixels_;  // of blocks: x | y << 16
   GlTexture runs_texture_;
   GlTexture pixels_texture_;
-  std::vector<float> floats_;        // read back
-  std::vector<std::uint8_t> marks_;  // the same
+  std::vector<float> floats_;  // read back
+  ErrorPredictor predictor_;
+  // of the pixels of the part that a frame may show something on, kept for the next one
+  std::vector<float> patternless_;
+  std::vector<float> predicted_;
+  std::vector<float> errors_;
+  std::vector<float> spreads_;  // of pixels that are measured
+  std::vector<float> before_;   // their radiance
+  struct Surprise {
+    Pixel pixel;
+    float change = 0;  // radiance, rms over the channels
+  };
+  std::vector<Surprise> surprises_;   // of one frame
+  std::vector<std::uint32_t> order_;  // of the pixels that are refined
+  std::vector<std::uint8_t> levels_;  // into the sides of until_error()
   SamplingReport report_;
 };
 

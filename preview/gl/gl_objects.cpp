@@ -142,6 +142,11 @@ bool ensure_render_target(const GladGLContext& gl, RenderTarget& target,
     wider = w;
     higher = h;
   }
+  // Software contexts build every program again for textures whose sides are powers of two: no
+  // target of a common size has such a side.
+  constexpr GLsizei kCommonSide = 8192;
+  for (GLsizei* side : {&wider, &higher})
+    if (std::has_single_bit(static_cast<unsigned>(*side)) && *side < kCommonSide) *side += 64;
   target = {};  // first, so that memory need not hold both
   target = make_render_target(gl, std::span(all).first(formats.size()), depth, wider, higher);
   if (target.width != 0 && gl.GetError() == GL_NO_ERROR) return true;

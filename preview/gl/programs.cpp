@@ -115,23 +115,6 @@ GLuint Programs::resolve(bool spread, std::string* problem) {
   return program.id();
 }
 
-GLuint Programs::coverage(bool cutout, bool flat, std::string* problem) {
-  GlProgram& program = coverage_[2 * cutout + flat];
-  if (!program) {
-    const std::string head = kVersion + defined("GEOMETRY", true) + defined("FLAT", flat) +
-                             defined("MAPPED", cutout) + draw_glsl;
-    program = made(head + model_vert, head + cutout_text(cutout) + coverage_frag, problem);
-  }
-  return program.id();
-}
-
-GLuint Programs::classify(std::string* problem) {
-  if (!classify_)
-    classify_ =
-        made(std::string(kVersion) + screen_vert, std::string(kVersion) + classify_frag, problem);
-  return classify_.id();
-}
-
 GLuint Programs::runs(std::string* problem) {
   if (!runs_)
     runs_ = made(std::string(kVersion) + runs_vert, std::string(kVersion) + nothing_frag, problem);

@@ -36,7 +36,7 @@ inline constexpr GLuint kShadowSlopesUnit = 14;
 inline constexpr GLuint kTangentUnit = 15;
 inline constexpr GLuint kReflectanceMapUnit = 16;
 inline constexpr GLuint kReflectanceUnit = 17;
-inline constexpr GLuint kSamplesUnit = 18;  // of resolve.frag and classify.frag
+inline constexpr GLuint kSamplesUnit = 18;  // of resolve.frag
 inline constexpr GLuint kBlocksUnit = 19;
 inline constexpr GLint kRangeLocation = 0;  // uniforms
 inline constexpr GLint kDepthLocation = 1;
@@ -63,14 +63,13 @@ struct alignas(16) ViewBlock {
   float view_ray_right[4];  // its change from sample to sample
   float view_ray_down[4];
   float to_sun[4];      // world, unit; w: what its disc adds to alpha²
-  float irradiance[4];  // RGB; w: log2 of the samples a side that one stands for
+  float irradiance[4];  // RGB; w: 1 where errors are to be predicted
 };
 struct alignas(16) DrawBlock {
   float clip_from_mesh[16];          // columns
   float world_normal_from_mesh[12];  // columns of 3, each padded to 4
-  std::uint32_t id[4];      // x: item + 1; y, z: samples left of and above the tile; w: how much a
-                            // normal may change within a pixel, 2^(-w/16)
-  float diffuse[4];         // RGB
+  std::uint32_t id[4];      // x: item + 1; y, z: samples left of and above the tile
+  float diffuse[4];         // RGB; parts a side in which cells are averaged
   float repeat[4];          // of maps: x, y, and their signs
   float cells[4];           // their count along u and v, their gaps
   float gap_color[4];       // RGB, fingers
@@ -103,8 +102,6 @@ class Programs {
   GLuint bare(std::string* problem);
   // of sampling.h
   GLuint resolve(bool spread, std::string* problem);
-  GLuint coverage(bool cutout, bool flat, std::string* problem);
-  GLuint classify(std::string* problem);
   GLuint runs(std::string* problem);
 
   std::uint64_t built() const { return built_; }
@@ -121,8 +118,6 @@ class Programs {
   GlProgram decal_;
   GlProgram bare_;
   std::array<GlProgram, 2> resolve_;
-  std::array<GlProgram, 4> coverage_;
-  GlProgram classify_;
   GlProgram runs_;
   std::uint64_t built_ = 0;
 };

@@ -18,8 +18,6 @@ extern const char* const light_space_glsl;
 extern const char* const shadow_frag;
 extern const char* const sample_place_glsl;
 extern const char* const resolve_frag;
-extern const char* const coverage_frag;
-extern const char* const classify_frag;
 extern const char* const runs_vert;
 extern const char* const nothing_frag;
 

@@ -2,22 +2,12 @@
 // colour·(1 − a) + texture. Only what is seen passes the depth test; of surfaces that coincide, the
 // one that the geometry pass kept. Defined in front: version, draw.glsl.
 layout(binding = 11) uniform sampler2D texture;  // premultiplied
-layout(binding = 2) uniform sampler2D items;     // the layer below; w: ±(item + 1)
+layout(binding = 2) uniform sampler2D items;     // the layer below; w: item + 1
 
 layout(location = 5) in vec3 decal_place;
 layout(location = 6) in float decal_facing;
 
-layout(location = 0) out vec4 normal_sample;  // w alone: negative where the texture has finer detail
 layout(location = 1) out vec4 albedo;
-
-layout(std140, binding = 0) uniform View {
-  vec4 view_ray;
-  vec4 view_ray_right;
-  vec4 view_ray_down;
-  vec4 to_sun;
-  vec4 irradiance;  // w: see geometry.frag
-}
-view;
 
 void main() {
   vec2 size = vec2(textureSize(texture, 0));
@@ -26,14 +16,8 @@ void main() {
   float level = 0.5 * log2(max(max(dot(right, right), dot(down, down)), 1e-30));
   vec2 at = clamp(decal_place.xy, vec2(0.0), vec2(1.0));
   albedo = textureLod(texture, at, max(level, 0.0));
-  normal_sample = vec4(0.0, 0.0, 0.0, float(draw.id.x));
-  if (view.irradiance.w > 0.0) {
-    vec4 off = abs(albedo - textureLod(texture, at, max(level - view.irradiance.w, 0.0)));
-    if (max(max(off.r, off.g), max(off.b, off.a)) > 1.0 / 64.0) normal_sample.w = -normal_sample.w;
-  }
   bool inside = at == decal_place.xy && abs(decal_place.z) <= 1.0 &&
                 (gl_FrontFacing ? decal_facing : -decal_facing) > 0.0;
-  // note: another decal may be writing it, but for its sign it stays
-  bool own = abs(texelFetch(items, ivec2(gl_FragCoord.xy), 0).w) == float(draw.id.x);
+  bool own = texelFetch(items, ivec2(gl_FragCoord.xy), 0).w == float(draw.id.x);
   if (!inside || !own) discard;
 }

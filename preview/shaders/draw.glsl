@@ -2,9 +2,8 @@
 layout(std140, binding = 1) uniform Draw {
   mat4 clip_from_mesh;
   mat3 world_normal_from_mesh;
-  uvec4 id;      // x: item + 1; y, z: samples of the image left of and above the tile; w: how much
-                 // its normals may change within a pixel, 2^(-w/16)
-  vec4 diffuse;  // colour of the material
+  uvec4 id;      // x: item + 1; y, z: samples of the image left of and above the tile
+  vec4 diffuse;  // colour of the material; a: parts a side in which cells are averaged
   vec4 repeat;   // x, y: multiply the texcoords of maps; z, w: their signs
   vec4 cells;    // x, y: cells in one unit of texcoords; z, w: gaps, parts of their pitch
   vec4 gap_color;     // RGB; a: fingers on a cell

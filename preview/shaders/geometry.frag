@@ -4,26 +4,6 @@
 // FLAT, ALBEDO_MAP BUMPED ROUGHNESS_MAP REFLECTANCE_MAP (MAPPED with each of these), TANGENTS (BUMPED has them), CELLS
 // with its formulas, CUTOUT with cutout.glsl, and SHADOWED with light_space.glsl.
 
-#if defined(MAPPED) || defined(TEXTURED)
-layout(std140, binding = 0) uniform View {
-  vec4 view_ray;
-  vec4 view_ray_right;
-  vec4 view_ray_down;
-  vec4 to_sun;
-  vec4 irradiance;  // w: log2 of the N×N samples that one stands for, 0 when it stands for itself
-}
-view;
-
-// How far a map may be from what it holds in finer detail: of colours and shares; of unit normals.
-const float kColorDetail = 1.0 / 64.0;
-const float kNormalDetail = 1.0 / 64.0;
-
-bool differs(vec4 coarse, vec4 fine, float most) {
-  vec4 d = abs(coarse - fine);
-  return max(max(d.x, d.y), max(d.z, d.w)) > most;
-}
-#endif
-
 #ifdef FLAT
 layout(binding = 1) uniform samplerBuffer triangle_normals;
 #else
@@ -58,8 +38,7 @@ layout(binding = 16) uniform sampler2D reflectance_map;
 layout(location = 9) in vec2 cell_place;  // in pitches
 #endif
 
-// xyz: world normal of any length, on the side that is seen; w: item + 1, exact in a float, negative
-// where maps hold more than this sample can show
+// xyz: world normal of any length, on the side that is seen; w: item + 1, exact in a float
 layout(location = 0) out vec4 normal_sample;
 #ifdef PAINTED
 layout(location = 1) out vec4 albedo;  // diffuse colour; a: length of the mean normal
@@ -148,10 +127,20 @@ void main() {
 #endif
   color *= draw.diffuse.rgb;
 #ifdef CELLS
-  // the box around the sample's footprint
-  vec2 size = abs(dFdx(cell_place)) + abs(dFdy(cell_place));
-  shares = cell_shares(cell_place.x, cell_place.y, size.x, size.y, draw.cells.z, draw.cells.w,
-                       draw.gap_color.a, draw.finger_color.a);
+  // The footprint is a parallelogram: so many parts along each side, and the box around each.
+  vec2 right = dFdx(cell_place);
+  vec2 down = dFdy(cell_place);
+  int parts = int(draw.diffuse.a);
+  float step = 1.0 / draw.diffuse.a;
+  vec2 size = (abs(right) + abs(down)) * step;
+  shares = vec3(0.0);
+  for (int y = 0; y < parts; ++y)
+    for (int x = 0; x < parts; ++x) {
+      vec2 at = cell_place + ((float(x) + 0.5) * step - 0.5) * right + ((float(y) + 0.5) * step - 0.5) * down;
+      shares += cell_shares(at.x, at.y, size.x, size.y, draw.cells.z, draw.cells.w, draw.gap_color.a,
+                            draw.finger_color.a);
+    }
+  shares *= step * step;
   // light goes back and forth between each part and the glass: c/(1 - c r) is what is mixed
   vec3 back = draw.normal_offset.yzw;
   vec3 cell = color / max(1.0 - min(color, vec3(1.0)) * back, vec3(1e-10));
@@ -167,33 +156,6 @@ void main() {
 #endif
 #ifdef REFLECTANCE_MAP
   reflectance = vec4(color_of(texture(reflectance_map, map_texcoord)), 1.0);
-#endif
-#if defined(MAPPED) || defined(TEXTURED)
-  if (view.irradiance.w > 0.0) {
-    bool rich = false;
-    float finer = -view.irradiance.w;
-#ifdef TEXTURED
-    rich = rich || differs(texture(diffuse_map, surface_texcoord),
-                           texture(diffuse_map, surface_texcoord, finer), kColorDetail);
-#endif
-#ifdef ALBEDO_MAP
-    rich = rich || differs(texture(albedo_map, map_texcoord), texture(albedo_map, map_texcoord, finer),
-                           kColorDetail);
-#endif
-#ifdef BUMPED
-    rich = rich || differs(texture(normal_map, map_texcoord), texture(normal_map, map_texcoord, finer),
-                           kNormalDetail);
-#endif
-#ifdef ROUGHNESS_MAP
-    rich = rich || differs(texture(roughness_map, map_texcoord),
-                           texture(roughness_map, map_texcoord, finer), kColorDetail);
-#endif
-#ifdef REFLECTANCE_MAP
-    rich = rich || differs(texture(reflectance_map, map_texcoord),
-                           texture(reflectance_map, map_texcoord, finer), kColorDetail);
-#endif
-    if (rich) normal_sample.w = -normal_sample.w;
-  }
 #endif
 #ifdef CUTOUT
   if (!is_there()) discard;

@@ -7,7 +7,7 @@ layout(std140, binding = 0) uniform View {
   vec4 view_ray_right;  // its change from sample to sample
   vec4 view_ray_down;
   vec4 to_sun;      // world, unit; w: what its disc adds to the squares of alpha
-  vec4 irradiance;  // RGB; w: above 0 where one sample stands for many
+  vec4 irradiance;  // RGB; w: above 0 where errors are to be predicted
 }
 view;
 
@@ -42,10 +42,10 @@ layout(binding = 4) uniform samplerBuffer materials;  // kMaterialRows texels a 
 vec4 material_row(int i) { return texelFetch(materials, i); }
 #endif
 
+// a: 1. Where errors are predicted (sampling.h), of solar cells, whose pattern is filtered to the sample
+// already: 1 and what the mean of the pattern shows, rms over the channels, in parts of
+// the irradiance's largest.
 layout(location = 0) out vec4 radiance;
-// what classify.frag compares: the largest channel; of solar cells, whose pattern is filtered to the
-// sample already, what a surface of albedo 1/2 would show
-layout(location = 1) out float light;
 
 // Zero stays zero: such a point is not lit, and never a NaN.
 vec3 unit_or_zero(vec3 v) {
@@ -77,12 +77,27 @@ void roughen(inout Surface surface, float length_of_mean, vec2 roughness_sample)
 }
 #endif
 
+#ifdef ROUGH
+// What geometry.frag leaves of solar cells where a sample is as large as many: the paint, the share of
+// cells without fingers, and that of cells with theirs.
+void mean_cells(int row, vec3 cell, out vec3 paint, out vec2 shares) {
+  vec2 extents = vec2(1.0) - material_cell_gap(row);
+  float covered = material_fingers(row) > 0.0 ? material_finger_width(row) : 0.0;
+  vec3 back = material_coat_return(row);
+  vec3 finger = material_finger_color(row);
+  vec3 mixed = (1.0 - covered) * cell / max(1.0 - min(cell, vec3(1.0)) * back, vec3(1e-10)) +
+               covered * finger / max(1.0 - min(finger, vec3(1.0)) * back, vec3(1e-10));
+  paint = mixed / (1.0 + mixed * back);
+  shares = vec2(1.0 - covered, extents.x * extents.y);
+}
+#endif
+
 void main() {
   ivec2 place = sample_place();
   vec4 normal_sample = texelFetch(normal_samples, place, 0);
   // note: what is here belongs to the class of this pass, by the depth test (classes.frag)
 #ifndef ONE_MATERIAL
-  int item = abs(int(normal_sample.w)) - 1 - int(range.x);
+  int item = int(normal_sample.w) - 1 - int(range.x);
   int first_row = kMaterialRows * int(texelFetch(items, item).x);
 #endif
 
@@ -92,6 +107,9 @@ void main() {
   vec3 to_viewer = -normalize(view_ray);
 
   Surface surface = surface_of(first_row, view.to_sun.w);
+#ifdef ROUGH
+  vec3 whole_cell = surface.weights.x * surface.diffuse;
+#endif
 #ifdef PAINTED
   vec4 albedo = texelFetch(albedo_samples, place, 0);
   surface.diffuse = albedo.rgb;
@@ -101,10 +119,6 @@ void main() {
   roughen(surface, albedo.a, roughness_sample.xy);
   // of solar cells the paint has the colour of cells and fingers, weights included
   bool has_cells = material_cell_count(first_row).x > 0.0;
-  if (has_cells) {
-    surface.weights.x = 1.0;
-    surface.weights.y *= roughness_sample.w;
-  }
 #endif
 
 #ifdef REFLECTING
@@ -118,33 +132,44 @@ void main() {
 
   // where the normal faces away from the viewer, at the limb of a smooth mesh, surface_brdf takes
   // the viewer to the horizon
-  radiance = vec4(surface_radiance(surface, view.to_sun.xyz, to_viewer, unit_or_zero(normal_sample.xyz),
-                                   view.irradiance.rgb),
-                  1.0);
+  vec3 normal = unit_or_zero(normal_sample.xyz);
 #ifdef ROUGH
-  // Lambert's gaps between cells, without cover glass
+  float patternless = 0.0;
+  vec3 paint = surface.diffuse;
+  float shine = surface.weights.y;
+  vec2 shares = roughness_sample.wz;
   if (has_cells) {
-    float lit = max(dot(unit_or_zero(normal_sample.xyz), view.to_sun.xyz), 0.0) * 0.31830988618379067;
-    radiance.rgb = roughness_sample.z * radiance.rgb + (1.0 - roughness_sample.z) * (lit * albedo.a) *
-                                                material_gap_color(first_row) * view.irradiance.rgb;
+    surface.weights.x = 1.0;
+    surface.weights.y = shine * shares.x;
   }
+  // a loop, so that the formulas stand in the program once
+  for (int again = has_cells && view.irradiance.w > 0.0 ? 1 : 0; again >= 0; --again) {
+    if (again == 1) {
+      mean_cells(first_row, whole_cell, surface.diffuse, shares);
+      surface.weights.y = shine * shares.x;
+    }
 #endif
-  float visibility = 1.0;
+  radiance = vec4(surface_radiance(surface, view.to_sun.xyz, to_viewer, normal, view.irradiance.rgb), 1.0);
+#ifdef ROUGH
+    // Lambert's gaps between cells, without cover glass
+    if (has_cells) {
+      float lit = max(dot(normal, view.to_sun.xyz), 0.0) * 0.31830988618379067;
+      radiance.rgb = shares.y * radiance.rgb + (1.0 - shares.y) * (lit * albedo.a) *
+                                                   material_gap_color(first_row) * view.irradiance.rgb;
+    }
+    if (again == 1) {
+      patternless = sqrt(dot(radiance.rgb, radiance.rgb) / 3.0);
+      surface.diffuse = paint;
+      shares = roughness_sample.wz;
+      surface.weights.y = shine * shares.x;
+    }
+  }
+  radiance.a += patternless / max(max(view.irradiance.r, max(view.irradiance.g, view.irradiance.b)), 1e-30);
+#endif
 #ifdef SHADOWED
   if (dot(normal_sample.xyz, view.to_sun.xyz) > 0.0) {
-    visibility = sun_visibility(place);
-    radiance.rgb = mix(shaded_radiance(surface), radiance.rgb, visibility);
+    float visibility = sun_visibility(place);
+    radiance = mix(vec4(shaded_radiance(surface), 1.0), radiance, visibility);
   }
-#endif
-  light = max(radiance.r, max(radiance.g, radiance.b));
-#ifdef ROUGH
-  // a pattern that one sample means over its box of texcoords: wider than the pixel, where aslant
-  if (has_cells) light *= 4.0;
-#endif
-#ifdef SHADOWED
-  // far from all light there is: the pixel gets all its samples
-  if (view.irradiance.w > 0.0 && blocks.y == 0u && dot(normal_sample.xyz, view.to_sun.xyz) > 0.0 &&
-      sun_varies(place, abs(int(normal_sample.w))))
-    light = 1e30;
 #endif
 }

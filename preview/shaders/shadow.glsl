@@ -52,26 +52,3 @@ float sun_visibility(ivec2 sample_at) {
   vec2 rows = seen.xz + (seen.yw - seen.xz) * share.x;
   return rows.x + (rows.y - rows.x) * share.y;
 }
-
-// Whether the Sun is hidden from a part of a pixel that one sample stands for: 5×5 points of the plane,
-// its borders included, through its place and those of its neighbours of the same item. Looks at one texel each.
-bool sun_varies(ivec2 sample_at, int item) {
-  uvec4 found = texelFetch(sun_samples, sample_at, 0);
-  vec3 place = uintBitsToFloat(found.xyz);
-  vec2 slope = unpackHalf2x16(found.w);
-  vec3 change[2] = vec3[2](vec3(0.0), vec3(0.0));
-  for (int axis = 0; axis < 2; ++axis)
-    for (int side = -1; side < 2; side += 2) {
-      ivec2 there = sample_at + side * ivec2(1 - axis, axis);
-      if (abs(int(texelFetch(normal_samples, there, 0).w)) == item)
-        change[axis] =
-            float(side) * (uintBitsToFloat(texelFetch(sun_samples, there, 0).xyz) - place);
-    }
-  int hidden = 0;
-  for (int i = 0; i < 25; ++i) {
-    vec3 at = place + (float(i % 5) * 0.25 - 0.5) * change[0] + (float(i / 5) * 0.25 - 0.5) * change[1];
-    vec2 texel = clamp((at.xy + 1.0) * shadow.half_side, vec2(0.0), vec2(2.0 * shadow.half_side - 1.0));
-    if (hides(ivec2(texel), at, slope)) ++hidden;
-  }
-  return hidden != 0 && hidden != 25;
-}
