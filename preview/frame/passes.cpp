@@ -226,22 +226,34 @@ bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned sampl
                static_cast<GLsizei>(tile.tile.height * samples));
   gl_.Enable(GL_DEPTH_TEST);
   bool first = true;
+  std::optional<ClearRegion> region;
+  const auto within = [&]() {
+    region.emplace(gl_, target, tile.tile.width * samples, tile.tile.height * samples);
+  };
   if (clear) {
     // by groups below
   } else if (pass == Pass::ids) {
     constexpr GLuint kNothing[4] = {};
+    within();
     gl_.ClearBufferuiv(GL_COLOR, 0, kNothing);
   } else {
     constexpr float kNothing[4] = {};
+    within();
     gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
   }
+  region.reset();
   for (const DepthGroup& group : scene.visible.groups) {
     const auto belongs = [&](const TileTarget& one) {
       return std::binary_search(group.targets.begin(), group.targets.end(), one.visible);
     };
     if (std::none_of(tile.targets.begin(), tile.targets.end(), belongs)) continue;
     const float far_depth = 0;
-    clear ? clear(std::exchange(first, false)) : gl_.ClearBufferfv(GL_DEPTH, 0, &far_depth);
+    within();
+    if (clear)
+      clear(std::exchange(first, false));
+    else
+      gl_.ClearBufferfv(GL_DEPTH, 0, &far_depth);
+    region.reset();
     for (const TileTarget& one : tile.targets)
       if (belongs(one) && !draw_items(scene, one, pass, job)) return false;
     if (!is_shaded(pass)) continue;

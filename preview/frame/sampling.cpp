@@ -401,8 +401,7 @@ void Sampling::upload(const GlBuffer& buffer, std::span<const std::uint32_t> num
                          numbers.data());
 }
 
-// Makes the pixels of the runs the only ones that are drawn, and empty. The first rectangle is the
-// whole tile: to clear a target that is larger takes longer.
+// Makes the pixels of the runs the only ones that are drawn, and empty.
 void Sampling::clear_runs(const Tile& tile, unsigned samples, GLsizei count, bool first) {
   gl_.BindVertexArray(passes_.screen());
   gl_.BindTextureUnit(kBlocksUnit, runs_texture_.id());
@@ -415,24 +414,15 @@ void Sampling::clear_runs(const Tile& tile, unsigned samples, GLsizei count, boo
   gl_.UseProgram(device_.programs.runs(nullptr));
   gl_.Uniform2f(1, 2.0f / static_cast<float>(tile.width * samples),
                 2.0f / static_cast<float>(tile.height * samples));
-  // a small part of a large target is cleared faster by a rectangle
-  const std::int64_t here = std::int64_t{tile.width} * tile.height * samples * samples;
-  const bool by_rectangle = 4 * here < std::int64_t{seen_.width} * seen_.height;
   const float nearest = 1;
-  if (!by_rectangle) gl_.ClearBufferfv(GL_DEPTH, 0, &nearest);
+  gl_.ClearBufferfv(GL_DEPTH, 0, &nearest);
+  gl_.Uniform2ui(0, samples, 0);
+  gl_.Uniform1f(2, 0.0f);
   for (GLsizei at = 0; at < count; at += static_cast<GLsizei>(kMostBlocks)) {
     const GLsizei some = std::min(count - at, static_cast<GLsizei>(kMostBlocks));
     gl_.TextureBufferRange(runs_texture_.id(), GL_RG32UI, runs_.id(), GLintptr{8} * at,
                            GLsizeiptr{8} * some);
-    const GLsizei whole = at == 0 ? 1 : 0;  // the first rectangle
-    if (whole == 1 && by_rectangle) {
-      gl_.Uniform2ui(0, samples, 0);
-      gl_.Uniform1f(2, nearest);
-      gl_.DrawArrays(GL_TRIANGLES, 0, 6);
-    }
-    gl_.Uniform2ui(0, samples, static_cast<GLuint>(whole));
-    gl_.Uniform1f(2, 0.0f);
-    gl_.DrawArrays(GL_TRIANGLES, 0, 6 * (some - whole));
+    gl_.DrawArrays(GL_TRIANGLES, 0, 6 * some);
   }
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl_.DepthFunc(GL_GREATER);
@@ -459,10 +449,10 @@ bool Sampling::refine_tile(const Frame& frame, const TileScene& on_tile, unsigne
     on_it.push_back({pixels[index].x - tile.x, pixels[index].y - tile.y});
     places.push_back(packed(on_it.back().x, on_it.back().y));
   }
-  std::vector<std::uint32_t> rectangles{packed(0, 0), packed(tile.width, tile.height)};
+  std::vector<std::uint32_t> rectangles;
   for (const PixelRun& run : runs(on_it)) {
     rectangles.push_back(packed(run.first.x, run.first.y));
-    rectangles.push_back(packed(run.count, 1));
+    rectangles.push_back(run.count);
   }
   upload(runs_, rectangles, 2);
   passes_.upload(frame.scene, on_tile, samples, frame.options.flat);

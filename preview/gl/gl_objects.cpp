@@ -157,6 +157,20 @@ bool ensure_render_target(const GladGLContext& gl, RenderTarget& target,
   return false;
 }
 
+ClearRegion::ClearRegion(const GladGLContext& gl, const RenderTarget& target, std::uint32_t width,
+                         std::uint32_t height)
+    : gl_(gl),
+      is_part_(2 * std::uint64_t{width} * height < static_cast<std::uint64_t>(target.width) *
+                                                       static_cast<std::uint64_t>(target.height)) {
+  if (!is_part_) return;
+  gl_.Enable(GL_SCISSOR_TEST);
+  gl_.Scissor(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height));
+}
+
+ClearRegion::~ClearRegion() {
+  if (is_part_) gl_.Disable(GL_SCISSOR_TEST);
+}
+
 GlProgram make_program(const GladGLContext& gl, const std::string& vertex,
                        const std::string& fragment, std::string* problem) {
   GlProgram program(gl, gl.CreateProgram());

@@ -106,6 +106,21 @@ bool ensure_render_target(const GladGLContext& gl, RenderTarget& target,
                           std::span<const GLenum> formats, bool depth, std::uint32_t width,
                           std::uint32_t height, std::uint64_t most_samples, DiagnosticLog& log);
 
+// While it lives, what is cleared of a bound target is its first width × height: all of it where
+// that is most of it, which is faster.
+class ClearRegion {
+ public:
+  ClearRegion(const GladGLContext& gl, const RenderTarget& target, std::uint32_t width,
+              std::uint32_t height);
+  ~ClearRegion();
+  ClearRegion(const ClearRegion&) = delete;
+  ClearRegion& operator=(const ClearRegion&) = delete;
+
+ private:
+  const GladGLContext& gl_;
+  bool is_part_ = false;
+};
+
 // Compiles and links. Our shaders are part of the program, so a failure is a bug or a broken
 // driver: an empty program, and the compiler's words in *problem.
 GlProgram make_program(const GladGLContext& gl, const std::string& vertex,
