@@ -81,8 +81,8 @@ class Pruner {
     find_allowed();
     if (std::find(allowed_.begin(), allowed_.end(), 1) == allowed_.end()) return;
     const internal::Visibility visibility = internal::visibility_of(
-        world(), {options_.rays_from_outside, options_.rays_per_triangle, options_.max_probes},
-        job_);
+        world_triangles(),
+        {options_.rays_from_outside, options_.rays_per_triangle, options_.max_probes}, job_);
     report_.rays = visibility.rays;
     report_.reached = visibility.last_found;
     report_.ambiguous = visibility.ambiguous;
@@ -105,8 +105,8 @@ class Pruner {
     }
   }
 
-  internal::World world() {
-    internal::World out;
+  internal::WorldTriangles world_triangles() {
+    internal::WorldTriangles out;
     first_.clear();
     for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
       first_.push_back(out.triangles.size());
@@ -126,32 +126,32 @@ class Pruner {
     return out;
   }
 
-  bool is_seen(const internal::Visibility& visibility, std::size_t instance) const {
+  bool is_visible(const internal::Visibility& visibility, std::size_t instance) const {
     if (!allowed_[instance]) return true;
-    const auto begin = visibility.seen.begin() + static_cast<std::ptrdiff_t>(first_[instance]);
-    const auto end = visibility.seen.begin() + static_cast<std::ptrdiff_t>(first_[instance + 1]);
+    const auto begin = visibility.visible.begin() + static_cast<std::ptrdiff_t>(first_[instance]);
+    const auto end = visibility.visible.begin() + static_cast<std::ptrdiff_t>(first_[instance + 1]);
     return std::find(begin, end, 1) != end;
   }
 
   void decide(const internal::Visibility& visibility) {
-    std::vector<char> seen(scene_.instances.size());
+    std::vector<char> visible(scene_.instances.size());
     // of each shape, the triangles that some instance shows
     std::vector<std::vector<char>> shown(scene_.shapes.size());
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      seen[i] = is_seen(visibility, i);
+    for (std::size_t i = 0; i < visible.size(); ++i) {
+      visible[i] = is_visible(visibility, i);
       for (std::size_t t = first_[i]; t < first_[i + 1]; ++t)
-        report_.hidden += allowed_[i] && !visibility.seen[t];
-      if (!seen[i]) continue;
+        report_.hidden += allowed_[i] && !visibility.visible[t];
+      if (!visible[i]) continue;
       const auto shape = static_cast<std::size_t>(scene_.instances[i].shape);
       if (!std::holds_alternative<MeshShape>(scene_.shapes[shape])) continue;
       std::vector<char>& show = shown[shape];
       show.resize(meshes_[i]->triangles.size(), 0);
       for (std::size_t t = 0; t < show.size(); ++t)
-        if (!allowed_[i] || visibility.seen[first_[i] + t]) show[t] = 1;
+        if (!allowed_[i] || visibility.visible[first_[i] + t]) show[t] = 1;
     }
     for (std::size_t s = 0; s < shown.size(); ++s)
       if (!shown[s].empty()) reduce(s, shown[s]);
-    drop_instances(seen);
+    drop_instances(visible);
   }
 
   // Keeps some triangles of a mesh, and the vertices that they use.
@@ -161,17 +161,17 @@ class Pruner {
     Mesh out;
     out.error = mesh.error;
     out.closed = mesh.closed;
-    std::vector<std::uint32_t> place(mesh.positions.size(), kUnused);
+    std::vector<std::uint32_t> kept(mesh.positions.size(), kUnused);
     for (std::size_t t = 0; t < show.size(); ++t)
       if (show[t])
-        for (const std::uint32_t v : mesh.triangles[t]) place[v] = 0;
+        for (const std::uint32_t v : mesh.triangles[t]) kept[v] = 0;
     std::uint32_t count = 0;
     const auto take = [](auto& to, const auto& from, std::size_t v) {
       if (!from.empty()) to.push_back(from[v]);
     };
-    for (std::size_t v = 0; v < place.size(); ++v) {
-      if (place[v] == kUnused) continue;
-      place[v] = count++;
+    for (std::size_t v = 0; v < kept.size(); ++v) {
+      if (kept[v] == kUnused) continue;
+      kept[v] = count++;
       take(out.positions, mesh.positions, v);
       take(out.normals, mesh.normals, v);
       take(out.texcoords, mesh.texcoords, v);
@@ -179,17 +179,17 @@ class Pruner {
     }
     for (std::size_t t = 0; t < show.size(); ++t) {
       const geometry::Triangle& from = mesh.triangles[t];
-      if (show[t]) out.triangles.push_back({place[from[0]], place[from[1]], place[from[2]]});
+      if (show[t]) out.triangles.push_back({kept[from[0]], kept[from[1]], kept[from[2]]});
     }
     scene_.shapes[shape] = std::make_shared<const Mesh>(std::move(out));
   }
 
-  void drop_instances(const std::vector<char>& seen) {
-    std::vector<std::int32_t> moved(seen.size(), scene::kNone);
+  void drop_instances(const std::vector<char>& visible) {
+    std::vector<std::int32_t> moved(visible.size(), scene::kNone);
     std::vector<scene::Instance> kept;
     std::vector<MeshShape> meshes;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      if (!seen[i]) continue;
+    for (std::size_t i = 0; i < visible.size(); ++i) {
+      if (!visible[i]) continue;
       moved[i] = static_cast<std::int32_t>(kept.size());
       const auto* mesh = std::get_if<MeshShape>(
           &scene_.shapes[static_cast<std::size_t>(scene_.instances[i].shape)]);
