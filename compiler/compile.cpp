@@ -102,9 +102,10 @@ void report_hidden(const scene::Scene& scene, const Product& product, Diagnostic
     if (!product.hidden[i]) continue;
     const std::string place = place_of(scene.decals[i].source);
     if (known.insert(place).second)
-      log.report(Code::W2020, {},
-                 fmt::format("{}: no surface within the decal's box faces it", place),
-                 "its normal points away from the surface, or leave it out");
+      log.report(
+          Code::W2020, {},
+          fmt::format("{}: the decal is not visible: no surface within its box faces it", place),
+          "give a normal that points away from the surface, or omit it");
   }
 }
 
@@ -131,7 +132,7 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
       planned += alone ? 0 : more;
     else
       logs[i].report(Code::E2003, {},
-                     fmt::format("{:.0f} triangles here and {:.0f} before them are more than the "
+                     fmt::format("{:.0f} triangles here and {:.0f} in the shapes before exceed the "
                                  "limit of {} for a model (--max-triangles)",
                                  more, planned, options.max_triangles));
   }
@@ -162,11 +163,11 @@ void certify(const scene::Scene& scene, DiagnosticLog& log, const Job& job) {
     const materials::Material& material = scene.materials[i];
     const materials::Gain& gain = *gains[i];
     log.report(Code::W1408, {},
-               fmt::format("the material {} reflects {:.4f} times the light that comes from {:.1f} "
-                           "degrees off its normal",
+               fmt::format("the material {} reflects {:.4f} times the light that arrives at {:.1f} "
+                           "degrees from its normal, expected at most 1",
                            in_quotes(material.name), gain.albedo, det::acos(gain.mu) / kDegree),
-               "`panwright material` shows its albedo; darker colours or another BRDF keep the "
-               "balance of energy");
+               "`panwright material` shows its albedo; use darker colours or another BRDF to "
+               "conserve energy");
   }
 }
 
@@ -210,11 +211,12 @@ void report_boxed(const scene::Scene& scene, const Plan& plan, DiagnosticLog& lo
   }
   if (first == nullptr) return;
   const auto material = static_cast<std::size_t>(first->user->material);
-  log.report(Code::N2021, {},
-             fmt::format("{} without texture coordinates {} them from {} bounds, the first in {}",
-                         count == 1 ? "1 mesh" : fmt::format("{} meshes", count),
-                         count == 1 ? "gets" : "get", count == 1 ? "its" : "their",
-                         in_quotes(scene.materials[material].name)));
+  log.report(
+      Code::N2021, {},
+      fmt::format(
+          "{} without texture coordinates {} them from {} bounds; the first has the material {}",
+          count == 1 ? "1 mesh" : fmt::format("{} meshes", count), count == 1 ? "gets" : "get",
+          count == 1 ? "its" : "their", in_quotes(scene.materials[material].name)));
 }
 
 // The budget as the file stores it: what was asked for, and the smallest tolerance that came of it.

@@ -251,15 +251,14 @@ Result<HiddenReport> prune_hidden(scene::Scene& scene, const HiddenOptions& opti
   const HiddenReport& report = *found;
   const std::uint64_t gone = report.triangles_before - report.triangles_after;
   if (gone > 0)
-    log.report_file(
-        Code::N6304, {},
-        fmt::format(
-            "{} of {} triangles ({:.1f} %) were hidden and are gone; {} rays from outside "
-            "met none of them",
-            gone, report.triangles_before,
-            100.0 * static_cast<double>(gone) / static_cast<double>(report.triangles_before),
-            report.rays),
-        "--keep-hidden, or hidden=\"keep\" in a text, keeps them");
+    log.report_file(Code::N6304, {},
+                    fmt::format("removed {} of {} triangles ({:.1f} %) as hidden; none of {} rays "
+                                "from outside hit them",
+                                gone, report.triangles_before,
+                                100.0 * static_cast<double>(gone) /
+                                    static_cast<double>(report.triangles_before),
+                                report.rays),
+                    "use --keep-hidden, or hidden=\"keep\" in a pxn file, to keep them");
   return report;
 }
 

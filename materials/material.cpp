@@ -59,8 +59,7 @@ void settle_specular(Material& material, const Fields& fields, const Reporter& r
     const auto& [c, m, f, g] = *fields.cook_torrance;
     if (c != 1 || f != 1 || g != 1)
       report(Code::W1403,
-             fmt::format("cook {} {} {} {} scales D, F and G by {}, {} and {}; public "
-                         "models have 1 there",
+             fmt::format("cook {} {} {} {} scales D, F and G by {}, {} and {}; public models use 1",
                          text(c), text(m), text(f), text(g), text(c), text(f), text(g)));
     if (fields.blinn_phong)
       report(Code::N1401, fmt::format("shine {} is not used, because cook is given",
@@ -100,20 +99,19 @@ void report_idle_fields(const Material& material, const Fields& fields, const Re
   }
   if (fields.reflect) return;
   if (material.weights.y == 0 && !dark)
-    idle("specular", "diffuse is given as well and there is no reflect, which is then 1 0 0");
+    idle("specular", "diffuse is given as well and reflect defaults to 1 0 0");
   if (!is_zero(fields.emissive))
-    idle("emissive", "there is no reflect, which then gives it the weight 0");
+    idle("emissive", "reflect is not given and defaults to an emissive weight of 0");
   if (material.weights.x == 0 && (fields.oren_nayar || fields.hapke))
-    idle(fields.hapke ? "hapke" : "oren",
-         "only specular is given and there is no reflect, which is then 0 1 0");
+    idle(fields.hapke ? "hapke" : "oren", "only specular is given and reflect defaults to 0 1 0");
 }
 
 void report_energy(const Material& material, const Reporter& report) {
   const Vec3& w = material.weights;
   const double sum = w.x + w.y + w.z;
   if (sum > 1 + kSumTolerance) {
-    report(Code::W1402, fmt::format("the weights {} {} {} of reflect add up to {:.6g}; at most 1 "
-                                    "keeps the balance of energy",
+    report(Code::W1402, fmt::format("the weights {} {} {} of reflect add up to {:.6g}, expected at "
+                                    "most 1 to conserve energy",
                                     text(w.x), text(w.y), text(w.z), sum));
     return;
   }
@@ -121,8 +119,8 @@ void report_energy(const Material& material, const Reporter& report) {
   for (int k = 0; k < 3; ++k) {
     const double reflected = w.x * material.diffuse[k] + w.y * material.specular[k];
     if (reflected <= 1 + kSumTolerance) continue;
-    report(Code::W1402, fmt::format("diffuse and specular, weighted, add up to {:.6g} in {}; at "
-                                    "most 1 keeps the balance of energy",
+    report(Code::W1402, fmt::format("diffuse and specular, weighted, add up to {:.6g} in {}, "
+                                    "expected at most 1 to conserve energy",
                                     reflected, kChannels[k]));
     return;
   }

@@ -116,7 +116,7 @@ std::string brdf_in_words(const Material& m) {
     if (brdf_model.fresnel == FresnelModel::conductor) words += " of a conductor";
     if (brdf_model.fresnel == FresnelModel::dielectric) words += " of a dielectric";
     if (brdf_model.mapped) words += " of mapped reflectance";
-    if (brdf_model.compensated) words += ", all scattering";
+    if (brdf_model.compensated) words += ", with multiple scattering";
   }
   if (m.weights.x > 0 && m.diffuse != Vec3(0)) {
     if (!words.empty()) words += " over ";

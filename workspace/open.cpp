@@ -197,8 +197,8 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
   if (extension == ".pan") return open_pan(path, options, log, job, report);
   if (extension != ".pxn" && !is_cad(path)) {
     log.report(Code::E0202, {},
-               fmt::format("{} is no file of a model: .pan, .pxn, .wrl, .wrz, .vrml, .glb, "
-                           ".gltf, .obj, .stl, .ply and .step are read",
+               fmt::format("{} is not a supported model file, expected .pan, .pxn, .wrl, .wrz, "
+                           ".vrml, .glb, .gltf, .obj, .stl, .ply or .step",
                            in_quotes(path.string())));
     return failed;
   }

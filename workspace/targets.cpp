@@ -36,7 +36,7 @@ TargetFile target_file(std::string_view text) {
 Result<world::World> open_world(std::span<const TargetFile> targets, const OpenOptions& options,
                                 DiagnosticLog& log, const Job& job, OpenReport* report) {
   if (targets.empty()) {
-    log.report(Code::E5030, {}, "no file of a model is given");
+    log.report(Code::E5030, {}, "no model file given, expected at least 1");
     return failed;
   }
   // what takes long is begun only where it can be used

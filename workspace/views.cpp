@@ -151,7 +151,7 @@ void read_pose(const PoseText& text, Reader& reader, world::World& world, View& 
     target = *found;
   } else if (world.size() != 1) {
     return reader.fail("pose", text.value,
-                       "the name of a target where there are several: NAME=\"X Y Z W I J K\"");
+                       "the name of one of several targets, as NAME=\"X Y Z W I J K\"");
   }
   const std::string option = text.target.empty() ? "pose" : "pose " + text.target;
   const auto numbers = parse_numbers(text.value, 7);

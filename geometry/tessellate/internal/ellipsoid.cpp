@@ -400,15 +400,15 @@ Result<Mesh> make(const Ellipsoid& s, const TessellationOptions& options, Source
   if (tessellator.half_range() <= 0 && !tessellator.counted()) {
     log.report(
         Code::E2003, where,
-        fmt::format("an error of {} m cannot be kept by single-precision vertices on an "
-                    "ellipsoid of this size; from {} m is accepted",
+        fmt::format("an error of {} m cannot be achieved with single-precision vertices on an "
+                    "ellipsoid of this size, expected at least {} m",
                     format_double(options.max_error), format_double(tessellator.least_error())));
     return failed;
   }
   std::optional<Mesh> mesh = made(s, options, tessellator);
   if (mesh) return std::move(*mesh);
   log.report(Code::E2003, where,
-             fmt::format("an ellipsoid with an error of {} m has more than {} triangles",
+             fmt::format("an ellipsoid with an error of {} m needs more than {} triangles",
                          format_double(options.max_error), options.max_triangles));
   return failed;
 }

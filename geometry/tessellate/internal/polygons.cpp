@@ -139,8 +139,9 @@ Problem index_problem(const Polygons& shape, std::size_t index) {
                           fmt::format("a loop of {} points, expected at least 3", loop.size()));
     for (const std::uint32_t v : loop)
       if (v >= shape.positions.size())
-        return face_problem(Code::E2001, index,
-                            fmt::format("vertex {} of {}", v, shape.positions.size()));
+        return face_problem(
+            Code::E2001, index,
+            fmt::format("vertex index {}, expected below {}", v, shape.positions.size()));
     return std::nullopt;
   };
   if (auto bad = loop_problem(face.outline)) return bad;
@@ -403,7 +404,9 @@ class PolygonBuilder {
 Problem problem(const Polygons& shape) {
   if (auto bad = coordinate_problem(shape.positions, "positions")) return bad;
   if (!(shape.smooth >= 0 && shape.smooth <= 2 * kPi))
-    return ShapeProblem{Code::E2011, "an angle of smoothing that is not between 0 and a whole turn",
+    return ShapeProblem{Code::E2011,
+                        fmt::format("a smoothing angle of {:.12g} deg, expected 0 to 360 deg",
+                                    shape.smooth / kDegree),
                         "smooth"};
   if (shape.faces.empty())
     return ShapeProblem{Code::E2015, "no faces, expected at least 1", "faces"};

@@ -41,7 +41,7 @@ void thin(const Length& small, const Length& large, double ratio, std::string_vi
           ShapeWarnings& out) {
   if (!(small.metres > 0 && small.metres < ratio * large.metres)) return;
   out.push_back({Code::W2006,
-                 fmt::format("{} of {:.4g} m beside {} of {:.4g} m makes triangles without area",
+                 fmt::format("{} of {:.4g} m with {} of {:.4g} m makes triangles without area",
                              small.name, small.metres, large.name, large.metres),
                  part});
 }
@@ -165,19 +165,20 @@ void look_at(const Lathe& s, ShapeWarnings& out) {
   narrow_sector(s.sector, out);
   if (const auto edges = crossing(profile)) {
     const std::size_t a = edges->first / step, b = edges->second / step;
-    out.push_back({Code::W2019,
-                   a == b ? fmt::format("the profile crosses itself behind point {}", a + 1)
-                          : fmt::format("the profile behind point {} crosses or touches that "
-                                        "behind point {}",
-                                        b + 1, a + 1),
-                   "profile", b});
+    out.push_back(
+        {Code::W2019,
+         a == b
+             ? fmt::format("the profile crosses itself after point {}", a + 1)
+             : fmt::format("the profile after point {} crosses or touches its part after point {}",
+                           b + 1, a + 1),
+         "profile", b});
     return;
   }
   if (!is_closed(s)) return;
   if (const double volume = turned_volume(profile); volume < 0)
     out.push_back({Code::W2009,
                    fmt::format("the lathe is closed and inside out: it encloses {:.4g} m³; the "
-                               "outside is on the right of the profile",
+                               "outside must be on the right of the profile",
                                volume),
                    "profile"});
 }
@@ -205,8 +206,8 @@ class PolygonsReader {
     const Sides sides = count();
     if (sides.misoriented > 0)
       out.push_back({Code::W2007,
-                     fmt::format("at {} neighbouring faces look opposite ways; outlines run "
-                                 "counter-clockwise seen from outside",
+                     fmt::format("at {} neighbouring faces have opposite winding, expected "
+                                 "outlines counter-clockwise seen from outside",
                                  counted(sides.misoriented, "edge")),
                      "polygons"});
     // sheets of two faces enclose nothing, but for rounding
@@ -320,7 +321,7 @@ void look_at(const Box& s, ShapeWarnings& out) {
   thin({"a side", least}, {"one", most}, kDegenerateRatio, "size", out);
   // the strip of a bevel is wider than the bevel by √2
   thin({"a bevel", s.bevel}, {"a side", most}, kDegenerateRatio * std::sqrt(0.5), "bevel", out);
-  thin({"a rest", least - 2 * s.bevel}, {"a side", most}, s.bevel > 0 ? kDegenerateRatio : 0,
+  thin({"a flat side", least - 2 * s.bevel}, {"a side", most}, s.bevel > 0 ? kDegenerateRatio : 0,
        "bevel", out);
 }
 
