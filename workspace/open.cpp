@@ -65,20 +65,23 @@ void note_cad_options(const CadOptions& cad, const std::filesystem::path& path,
 
 // Names that the importers do not know. The program's own options cannot hold them.
 bool are_known(const CadOptions& cad, DiagnosticLog& log) {
-  const auto require = [&](bool known, const char* name, const std::string& value) {
+  const auto require = [&](bool known, const char* name, const std::string& value,
+                           const char* accepted) {
     if (!known)
       log.report(Code::E0201, {},
-                 fmt::format("the option '{}' of CAD files is {}, which is none of its values",
-                             name, in_quotes(value)));
+                 fmt::format("the option '{}' of CAD files is {}, expected {}", name,
+                             in_quotes(value), accepted));
     return known;
   };
   const bool format =
       cad.assume.empty() || std::any_of(std::begin(kFormats), std::end(kFormats),
                                         [&](const auto& each) { return each.first == cad.assume; });
-  const bool units =
-      require(cad.units == "auto" || importers::unit_of(cad.units), "units", cad.units);
-  const bool up = require(cad.up == "auto" || importers::up_of(cad.up), "up", cad.up);
-  return require(format, "assume", cad.assume) && units && up;
+  const bool units = require(cad.units == "auto" || importers::unit_of(cad.units), "units",
+                             cad.units, "auto, m, mm, cm, dm, km, um, in, ft or yd");
+  const bool up =
+      require(cad.up == "auto" || importers::up_of(cad.up), "up", cad.up, "auto, y or z");
+  return require(format, "assume", cad.assume, "vrml97, vrml1, gltf, obj, stl, ply or step") &&
+         units && up;
 }
 
 importers::Options import_options(const OpenOptions& options) {

@@ -60,7 +60,7 @@ Result<Quat> looking_at(const Vec3& position, const Vec3& target, const std::opt
   const Vec3 forward = target - position;
   if (forward == Vec3(0) || !is_finite(forward)) {
     log.report_file(Code::E0201, {},
-                    "the target of --look-at is the camera position, expected another point");
+                    "the camera is at the point that it looks at, expected another --look-at");
     return failed;
   }
   if (up && (*up == Vec3(0) || !is_finite(*up))) {

@@ -108,7 +108,7 @@ class BufferLoader {
     const auto path = resolved(d_.file.path, uri.text, true);
     if (!path) {
       d_.report(Code::E6206, &uri, at + "/uri",
-                fmt::format("{} is no file in the folder of the model", in_quotes(uri.text)));
+                fmt::format("{} is not a file in the folder of the model", in_quotes(uri.text)));
       return false;
     }
     const auto known = loaded_.find(*path);

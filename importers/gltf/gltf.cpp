@@ -100,7 +100,7 @@ class Reader {
       d_.has_binary = true;
     }
     if (json.empty() && container.problems.empty())
-      d_.report(Code::E6201, nullptr, "", "there is no JSON chunk");
+      d_.report(Code::E6201, nullptr, "", "no JSON chunk");
     drop_mark(json);
     return !json.empty();
   }

@@ -69,7 +69,7 @@ void add_joints(Document& document, const tinygltf::Model& model,
     const auto articulation = by_name.find(name);
     if (articulation == by_name.end()) {
       document.report(Code::W6215, nullptr, pointer("nodes", static_cast<std::size_t>(index)),
-                      fmt::format("there is no articulation {}", in_quotes(name)));
+                      fmt::format("unknown articulation {}", in_quotes(name)));
       continue;
     }
     if (articulation->second->find("pointingVector")) ++pointing;

@@ -235,7 +235,7 @@ class SurfaceReader {
       if (i == restart || i >= vertices) ++bad;
     if (bad > 0)
       wrong(Code::E6207, "/indices",
-            fmt::format("{} of points or lines are no vertices", counted(bad, "index value")));
+            fmt::format("{} of points or lines are not vertices", counted(bad, "index value")));
   }
 
   bool within_limits(std::size_t position) {

@@ -125,7 +125,7 @@ class MtlReader {
 
   void bad_number(std::string_view word, std::string_view value) {
     s_.trouble(Code::E6501, "mtl number", at(value.empty() ? word : value), [&] {
-      return fmt::format("{} is followed by {}, which is no number", in_quotes(word),
+      return fmt::format("{} is followed by {}, expected a number", in_quotes(word),
                          in_quotes(value));
     });
   }

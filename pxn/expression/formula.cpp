@@ -135,7 +135,7 @@ class FormulaReader {
       return;
     }
     if (c == ')' && frames_.back().kind == Kind::function && is_open("("))
-      return fail(at_, at_ + 1, "there is no value between these parentheses");
+      return fail(at_, at_ + 1, "no value between these parentheses");
     missing_value();
   }
 
@@ -329,9 +329,9 @@ class FormulaReader {
   void missing_operator() {
     const char c = text_[at_];
     const bool value = is_digit(c) || is_letter(c) || c == '(' || c == '.';
-    if (c == '=') return fail(at_, at_ + 1, "'=' is no operator", "equality is written ==");
+    if (c == '=') return fail(at_, at_ + 1, "'=' is not an operator", "equality is written ==");
     if (c == '&' || c == '|')
-      return fail(at_, at_ + 1, fmt::format("'{}' is no operator", c),
+      return fail(at_, at_ + 1, fmt::format("'{}' is not an operator", c),
                   c == '&' ? "write && (in XML, &amp;&amp;)" : "write ||");
     if (!value && c != '!') return unknown_character();
     const std::string_view word = is_letter(c) ? word_at(at_) : text_.substr(at_, 1);

@@ -113,7 +113,7 @@ TEST(Diagnostics, PlacesAndWords) {
        "3:12 E1206 the quaternion has length 1.41421, expected w x y z of length 1 to 1e-3\n"},
       {"E1210", "9:3 E1210 duplicate frame 'camera'; this one is left out\n"},
       {"E1301",
-       "3:29 E1301 there is no file 'parts/plat.pxn', neither from the top file's folder nor from "
+       "3:29 E1301 file 'parts/plat.pxn' not found, neither from the top file's folder nor from "
        "this file's\n"},
       {"E1303",
        "3:29 E1303 '../good/cube.pxn' leaves the project; included files lie in the top file's "

@@ -318,7 +318,7 @@ TEST(Expression, Problems) {
       {"sin(1", "E1221 0-3 the parenthesis behind this is not closed"},
       {"1 + 2)", "E1221 5-6 ')' closes what is not open"},
       {"()", "E1221 1-2 a value is missing before ')'"},
-      {"sin()", "E1221 4-5 there is no value between these parentheses"},
+      {"sin()", "E1221 4-5 no value between these parentheses"},
       {"max(1,)", "E1221 6-7 a value is missing before ')'"},
       {"sin(1, 2)", "E1221 0-3 sin takes 1 value, found more"},
       {"atan2(1)", "E1221 0-5 atan2 takes 2 values, found 1"},
@@ -328,8 +328,8 @@ TEST(Expression, Problems) {
       {"1 ? 2", "E1221 2-3 this '?' has no ':' (write condition ? value : other)"},
       {"(1 ? 2) : 3", "E1221 3-4 this '?' has no ':' (write condition ? value : other)"},
       {"1 : 2", "E1221 2-3 ':' has no '?' before it"},
-      {"1 = 2", "E1221 2-3 '=' is no operator (equality is written ==)"},
-      {"1 & 2", "E1221 2-3 '&' is no operator (write && (in XML, &amp;&amp;))"},
+      {"1 = 2", "E1221 2-3 '=' is not an operator (equality is written ==)"},
+      {"1 & 2", "E1221 2-3 '&' is not an operator (write && (in XML, &amp;&amp;))"},
       {"5 % 3", "E1221 2-3 '%' cannot stand in an expression (the remainder is written mod(a, b))"},
       {"1 < 2 < 3", "E1221 6-7 comparisons do not chain (write a < b && b < c)"},
       {"1 < 2 == 1", "E1221 6-8 comparisons do not chain (write a < b && b < c)"},
@@ -344,12 +344,12 @@ TEST(Expression, Problems) {
        "km, um, nm, in or ft)"},
       {"2\u00b0", "E1213 1-3 unknown unit '\u00b0'"},
       {"2*gpa",
-       "E1222 2-5 'gpa' is no parameter and no variable that is known here (did you mean "
+       "E1222 2-5 'gpa' is not a parameter or variable that is known here (did you mean "
        "'gap'?)"},
       {"sine(2)", "E1222 0-4 unknown function 'sine' (did you mean 'sin'?)"},
       {"gap(2)", "E1222 0-3 unknown function 'gap' (a product is written with *)"},
       {"cos",
-       "E1222 0-3 'cos' is no parameter and no variable that is known here (functions take "
+       "E1222 0-3 'cos' is not a parameter or variable that is known here (functions take "
        "their values in parentheses: cos(…))"},
       {"1/0", "E1223 1-2 1 / 0 has no finite value (condition ? value : other can leave it out)"},
       {"0/0", "E1223 1-2 0 / 0 has no finite value (condition ? value : other can leave it out)"},

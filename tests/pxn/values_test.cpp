@@ -339,7 +339,7 @@ TEST(Values, PlacesInsideExpressions) {
   EXPECT_EQ(e.summary(),
             "2:5 E1221 '\u00b5' cannot stand in an expression\n"
             "3:4 E1221 '\u00b5' cannot stand in an expression\n"
-            "4:4 E1222 'gpa' is no parameter and no variable; there are none here\n"
+            "4:4 E1222 'gpa' is not a parameter or variable; there are none here\n"
             "4:12 E1221 an operator is missing before '7' (a product is written with *)\n");
 }
 
@@ -441,13 +441,13 @@ TEST(Values, Labels) {
   e.scope.set("i", {7, Dimension::none});
   EXPECT_EQ(e.values.text(0, kName), "cell_3_140-1.75 \u00e9 1");
   EXPECT_EQ(complaint(kName, "bolt{j}"),
-            "1:15 E1222 'j' is no parameter and no variable that is known here\n");
+            "1:15 E1222 'j' is not a parameter or variable that is known here\n");
   EXPECT_EQ(complaint(kName, "bolt{1"), "1:14 E1221 this brace is not closed\n");
   EXPECT_EQ(complaint(kName, "bolt}"), "1:14 E1221 this brace closes what is not open\n");
   EXPECT_EQ(complaint(kName, "{1}}"), "1:13 E1221 this brace closes what is not open\n");
   EXPECT_EQ(complaint(kName, "{1/0} {k}"),
             "1:12 E1223 1 / 0 has no finite value (condition ? value : other can leave it out)\n"
-            "1:17 E1222 'k' is no parameter and no variable that is known here\n");
+            "1:17 E1222 'k' is not a parameter or variable that is known here\n");
 }
 
 // In ISO-8859-1 a micro sign is one byte.

@@ -146,8 +146,8 @@ Problem path_problem(const Tube& tube) {
   if (tube.path.size() < least)
     return ShapeProblem{
         Code::E2015,
-        fmt::format("a path of {}; {} needs at least {}", counted(tube.path.size(), "point"),
-                    tube.closed ? "a closed one" : "it", least),
+        fmt::format("{} of {}, expected at least {}", tube.closed ? "a closed path" : "a path",
+                    counted(tube.path.size(), "point"), least),
         "path"};
   if (auto bad = coordinate_problem(tube.path, "path")) return bad;
   Vec3 low = tube.path[0], high = low;

@@ -178,7 +178,7 @@ class Checker {
              fmt::format("parts of it lie in other files ({}), which are not read",
                          other_files_.size()));
     if (out_.entities.empty()) {
-      if (!log_.contains(Code::E6601)) report(Code::E6601, 0, 0, "there is no entity in it");
+      if (!log_.contains(Code::E6601)) report(Code::E6601, 0, 0, "it has no entity");
       return std::move(out_);
     }
     sort();

@@ -194,7 +194,7 @@ class GifReader {
     const auto line = static_cast<std::uint32_t>(place / frame.width);
     const std::uint32_t row = frame.interlaced ? row_of(line, frame.height) : line;
     if (static_cast<int>(index) == transparent_) return;
-    if (index >= color_count_) throw Damaged{fmt::format("there is no colour {}", index)};
+    if (index >= color_count_) throw Damaged{fmt::format("unknown colour {}", index)};
     const std::uint64_t pixel = std::uint64_t{frame.top + row} * out_.width + frame.left + column;
     std::memcpy(out_.rgba.data() + 4 * pixel, bytes_.data() + colors_ + 3 * std::size_t{index}, 3);
     out_.rgba[4 * pixel + 3] = 255;
