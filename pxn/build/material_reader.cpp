@@ -30,6 +30,7 @@ class Reader {
   }
 
   void child(std::uint32_t c) {
+    if (document_.elements[c].id == schemas::kNoElement) return;  // reported by the grammar check
     switch (document_.elements[c].id) {
       case ElementId::diffuse:
         return vector(c, fields.diffuse);
