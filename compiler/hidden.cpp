@@ -20,7 +20,7 @@ using geometry::MeshShape;
 
 constexpr std::uint32_t kUnused = 0xffffffffu;
 
-// The meshes that the model will be made of, one per instance; none: it cannot be made.
+// The meshes of the compiled model, one per instance; null: cannot be tessellated.
 std::vector<MeshShape> meshes_of(const scene::Scene& scene, const std::vector<Mat4>& world,
                                  const Options& options, const Job& job_of_all) {
   const internal::Plan plan = internal::plan_of(scene, world, options);
@@ -31,7 +31,7 @@ std::vector<MeshShape> meshes_of(const scene::Scene& scene, const std::vector<Ma
       made[i] = *mesh;
       return;
     }
-    DiagnosticLog ignored;  // the compilation will say the same
+    DiagnosticLog ignored;  // the compilation reports the same
     const auto tessellation = internal::tessellation_of(job, options);
     if (geometry::planned_triangles(*job.shape, tessellation) >
         static_cast<double>(options.max_triangles))
@@ -90,7 +90,7 @@ class Pruner {
     state_confidence(visibility);
   }
 
-  // What carries a decal stays whole, wherever its shape is used.
+  // Shapes with decals stay whole, wherever they are used.
   void find_allowed() {
     std::vector<char> keep(scene_.shapes.size(), 0);
     for (const scene::Decal& decal : scene_.decals) {
@@ -135,7 +135,7 @@ class Pruner {
 
   void decide(const internal::Visibility& visibility) {
     std::vector<char> visible(scene_.instances.size());
-    // of each shape, the triangles that some instance shows
+    // of each shape, the triangles that are visible in some instance
     std::vector<std::vector<char>> shown(scene_.shapes.size());
     for (std::size_t i = 0; i < visible.size(); ++i) {
       visible[i] = is_visible(visibility, i);
@@ -223,7 +223,7 @@ class Pruner {
       instance.shape = moved[static_cast<std::size_t>(instance.shape)];
   }
 
-  // Nothing seen in n trials: with 95 % confidence the share is below 3 / n.
+  // No hit in n trials: with 95 % confidence the share is below 3 / n.
   void state_confidence(const internal::Visibility& visibility) {
     if (report_.hidden == 0) return;
     const auto probes = static_cast<double>(std::max<std::uint64_t>(1, visibility.probes));

@@ -30,7 +30,7 @@ std::string text(double value) { return format_double(value); }
 bool is_zero(const std::optional<Vec3>& color) { return !color || *color == Vec3(0); }
 
 void settle_diffuse(Material& material, const Fields& fields, const Reporter& report) {
-  // a model that is named holds, and the numbers of others are forgotten
+  // a named model takes precedence, and parameters of others are dropped
   if (fields.diffuse_model) {
     material.diffuse_brdf = brdf_of(fields, *fields.diffuse_model);
   } else if (fields.hapke) {
@@ -73,7 +73,7 @@ bool has_microfacets(const Material& material) {
   return info_of(material.specular_model()).microfacet;
 }
 
-// Fields whose partner is missing. What an explicit weight of 0 switches off is the author's will.
+// Fields whose partner is missing. An explicit weight of 0 is intended and not reported.
 void report_idle_fields(const Material& material, const Fields& fields, const Reporter& report) {
   const auto idle = [&](std::string_view field, std::string_view reason) {
     report(Code::N1405, fmt::format("{} has no effect, because {}", field, reason));
@@ -154,7 +154,7 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
   report_idle_fields(material, fields, report);
   report_energy(material, report);
 
-  // a part that adds nothing gets the BRDF that costs nothing
+  // a part without effect gets the cheapest BRDF
   if (material.weights.x == 0 || material.diffuse == Vec3(0)) material.diffuse_brdf = Lambert{};
   if (material.weights.y == 0 || material.specular == Vec3(0))
     material.specular_brdf = NoSpecular{};
@@ -206,7 +206,7 @@ bool is_anisotropic(const Material& material) {
 double exact_degrees(double radians) {
   if (radians == 0) return 0;
   const double near = radians / kDegree;
-  // several may do: the roundest is what an author writes
+  // of several the roundest is what an author would write
   const double round = std::round(near * 1e9) / 1e9;
   if (round * kDegree == radians) return round;
   double candidate = near;

@@ -29,7 +29,7 @@ Vec3 direction(double zenith_deg, double azimuth_deg) {
 
 bool is_gap(char c) { return c == ' ' || c == '\t' || c == ',' || c == ';' || c == '\r'; }
 
-// The five numbers of a line; says what is wrong with it.
+// Reads the five numbers of a line. Returns the problem, if any.
 std::string read_line(std::string_view line, std::array<double, 5>& out) {
   std::size_t at = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -128,7 +128,7 @@ std::string diffuse_text(double albedo) {
   return fmt::format("<diffuse> {0:.4g} {0:.4g} {0:.4g} </diffuse>", albedo);
 }
 
-// Facets in the place of part of a diffuse surface, without Fresnel's law.
+// Microfacets in place of part of a diffuse surface, without the Fresnel term.
 Material microfacets(SpecularModel brdf, const Point& p) {
   Material m = diffuse(1);
   m.specular = Vec3(1);

@@ -1,4 +1,4 @@
-// Opening: the header, the directory and the lengths of sections; no content is looked at.
+// Opening: the header, the directory and the lengths of sections; no content is checked.
 #include <fmt/format.h>
 
 #include <bit>
@@ -23,7 +23,7 @@ bool begins_with(std::span<const std::byte> bytes, std::string_view text) {
   return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
 }
 
-// What transfers that take a file for text make of the magic.
+// The signature after common text-mode transfers.
 bool damaged_by_text_mode(std::span<const std::byte> bytes) {
   constexpr std::string_view kSeen[] = {
       "\x89PAN\r\r\n\x1a\r\n",  // line feeds became CR LF
@@ -51,7 +51,7 @@ bool used_in_place(const layout::DirectoryEntry& entry) {
   return !has_codec(entry) && entry.stride == layout::kSections[entry.kind - 1].stride;
 }
 
-// Steps 1 and 2 of docs/pan-format.md, Reading: one complaint, or none.
+// Steps 1 and 2 of docs/pan-format.md, Reading: the first problem, or none.
 struct Complaint {
   Code code;
   std::string message;
@@ -164,7 +164,7 @@ std::optional<std::string> misplaced(const layout::DirectoryEntry& entry, std::u
   return {};
 }
 
-// What is wrong with the size of a known section's elements.
+// The problem of the element size of a known section, if any.
 std::optional<std::string> missized(const layout::DirectoryEntry& entry, std::uint64_t features) {
   const layout::SectionInfo& info = layout::kSections[entry.kind - 1];
   if (entry.stride == info.first_stride) return {};
@@ -231,7 +231,7 @@ Result<Model> Model::load(const std::filesystem::path& path, DiagnosticLog& log,
   return model;
 }
 
-// Step 3 for a section that lies in its place: one that is read, or may be ignored.
+// Step 3 for a section with a valid location: one that is read, or may be ignored.
 bool Model::take_section(const layout::DirectoryEntry& found, std::uint32_t number,
                          DiagnosticLog& log) {
   const auto refuse = [&](Code code, const std::string& problem) {

@@ -40,8 +40,7 @@ constexpr Field kFields[] = {
     {"output", &ViewText::output},
 };
 
-// Options of one group say the same thing in different ways: a view that gives one of them drops
-// the default's others.
+// Options of one group are alternatives: a view that gives one of them drops the default's others.
 constexpr std::string_view kGroups[][4] = {
     {"camera", "camera-frame", "", ""},
     {"look-at", "quat", "camera-frame", ""},
@@ -100,7 +99,7 @@ class ViewsReader {
   }
 
  private:
-  // A member that stands twice in an object: JSON leaves open which of them counts.
+  // A repeated member of an object: JSON does not define which of them counts.
   void note_keys(Json::parse_event_t event, const Json& parsed) {
     if (event == Json::parse_event_t::object_start) {
       open_.emplace_back();
@@ -112,7 +111,7 @@ class ViewsReader {
     }
   }
 
-  // Of two images in one file the first would be lost.
+  // The second image of one file would replace the first.
   void check_outputs(const std::vector<ViewText>& views) {
     std::map<std::filesystem::path, std::size_t> known;
     for (std::size_t i = 0; i < views.size(); ++i) {

@@ -1,5 +1,5 @@
 // Checksums of all sections and the contents of the big arrays, block by block: a block is still
-// in the cache when its contents are looked at.
+// in the cache when its contents are checked.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 using layout::SectionKind;
 
-// What one block of an array holds that it must not.
+// Invalid elements of one block of an array.
 struct Found {
   Tally values;   // not finite, not unit, negative; elements of the array
   Tally outside;  // vertices outside their bounds; indices past the last vertex
@@ -194,10 +194,10 @@ void describe(const Model& model, SectionKind kind, const Found& found, Problems
   }
 }
 
-// One section as it is looked at: its blocks, and what was found in each of them.
+// One section while it is checked: its blocks and the problems of each.
 struct Work {
   const layout::DirectoryEntry* entry;
-  std::uint32_t element;  // bytes of what is counted; 0: contents are not looked at
+  std::uint32_t element;  // bytes of an element; 0: contents are not checked
   std::size_t first_job;  // of its blocks among those of all sections
   std::vector<std::uint64_t> hashes;
   std::vector<Found> found;
@@ -216,7 +216,7 @@ void do_block(const Model& model, Work& work, std::size_t index) {
   if (begin < end) check_elements(model, SectionKind{entry.kind}, begin, end, work.found[index]);
 }
 
-// What the blocks or chunks of a section hold that they must not.
+// Reports the invalid elements of the blocks or chunks of a section.
 void describe_all(const Model& model, const layout::DirectoryEntry& entry,
                   const std::vector<Found>& parts, Problems& problems) {
   Found all;
@@ -240,7 +240,7 @@ void finish(const Model& model, const Work& work, Problems& problems) {
   describe_all(model, entry, work.found, problems);
 }
 
-// Unpacks one array, and looks at each chunk while it is in the cache.
+// Decompresses one array, and checks each chunk while it is in the cache.
 std::optional<Problem> unpack_array(Model& model, const layout::DirectoryEntry& entry,
                                     Problems& problems, const Job& job) {
   const SectionKind kind{entry.kind};

@@ -1,4 +1,4 @@
-// The records of the tables: the field rules of the layout, then what rules cannot say.
+// The records of the tables: the field rules of the layout, then the checks across fields.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ const layout::SectionInfo& info(SectionKind kind) {
 std::uint64_t count_of(const Model& model, SectionKind kind) {
   const layout::DirectoryEntry* entry = model.entry(kind);
   const std::uint64_t count = entry ? entry->count : 0;
-  // offsets stand around strings, so there is one more of them
+  // offsets enclose strings, so there is one more of them
   return kind == SectionKind::string_offsets && count > 0 ? count - 1 : count;
 }
 

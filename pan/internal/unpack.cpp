@@ -131,7 +131,7 @@ void resize_records(std::span<const std::byte> from, std::uint32_t from_stride,
                     std::span<const FieldDefault> defaults) {
   const std::size_t count = to.size() / to_stride;
   assert(from.size() == count * from_stride && to.size() == count * to_stride);
-  // what stands in every record before its own bytes are laid over it
+  // the content of every record before its own bytes are copied over it
   std::vector<std::byte> lacking(to_stride);
   std::size_t kept = std::min(from_stride, to_stride);
   for (const FieldDefault& field : defaults) {

@@ -1,4 +1,4 @@
-// Messages about a name that is not there. Private to world.
+// Messages about an unknown name. Private to world.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 
 namespace panwright::world {
 
-// Reports "WHAT 'name'", with the nearest of the names that there are, or with all of a few.
+// Reports "WHAT 'name'" with the nearest known name, or with all names where they are few.
 inline void report_missing(Code code, std::string_view file, std::string_view what,
                            std::string_view name, const std::vector<std::string_view>& names,
                            DiagnosticLog& log) {

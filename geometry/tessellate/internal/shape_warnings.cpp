@@ -1,4 +1,4 @@
-// What a shape may be and rarely should: too thin for triangles, inside out, through itself.
+// Shape warnings: degenerate triangles, inside-out surfaces, self-intersections.
 
 #include <fmt/format.h>
 
@@ -25,7 +25,7 @@ constexpr double kNarrowBand = 1e-9;
 constexpr double kNeedle = 1e-8;
 // radians: of a sector or a range of latitudes, the same
 constexpr double kNarrowAngle = 1e-8;
-// chords that stand for each piece of a spline
+// chords that approximate each piece of a spline
 constexpr int kChords = 16;
 // pairs of a profile's edges that are compared; more of them are let pass
 constexpr std::uint64_t kMostPairs = 20'000'000;
@@ -193,7 +193,8 @@ struct Sides {
 
 class PolygonsReader {
  public:
-  explicit PolygonsReader(const Polygons& shape) : shape_(shape), place_(welded(shape.positions)) {}
+  explicit PolygonsReader(const Polygons& shape)
+      : shape_(shape), position_(welded(shape.positions)) {}
 
   void look(ShapeWarnings& out) {
     origin_ = shape_.positions[shape_.faces[0].outline[0]];
@@ -259,17 +260,18 @@ class PolygonsReader {
 
   void add(const std::vector<std::uint32_t>& loop, bool backwards) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
-      const std::uint32_t a = place_[loop[i]], b = place_[loop[i + 1 == loop.size() ? 0 : i + 1]];
+      const std::uint32_t a = position_[loop[i]],
+                          b = position_[loop[i + 1 == loop.size() ? 0 : i + 1]];
       sides_.push_back({std::min(a, b), std::max(a, b), (a < b) != backwards});
     }
   }
 
-  // By their lower places, then by their upper ones.
+  // By their lower positions, then by their upper ones.
   Sides count() {
     std::vector<std::uint32_t> start(shape_.positions.size() + 1, 0);
     for (const Side& side : sides_) ++start[side.low + 1];
     for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-    std::vector<std::uint64_t> upper(sides_.size());  // place · 2 + forward
+    std::vector<std::uint64_t> upper(sides_.size());  // position · 2 + forward
     std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
     for (const Side& side : sides_)
       upper[next[side.low]++] = 2 * std::uint64_t{side.high} + (side.forward ? 1 : 0);
@@ -289,7 +291,7 @@ class PolygonsReader {
   }
 
   const Polygons& shape_;
-  std::vector<std::uint32_t> place_;  // V
+  std::vector<std::uint32_t> position_;  // V
   std::vector<Side> sides_;
   Vec3 origin_{0};
   double volume_ = 0;

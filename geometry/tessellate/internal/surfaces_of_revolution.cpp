@@ -1,4 +1,4 @@
-// Cylinder, cone, disc, torus and dish: what their profiles are.
+// Profiles of cylinder, cone, disc, torus and dish.
 #include <fmt/format.h>
 
 #include "base/text.h"
