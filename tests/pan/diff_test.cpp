@@ -94,7 +94,7 @@ TEST(Diff, Meshes) {
   expect_model({"mesh 'hull': vertices lie up to 5 m apart"},
                [](Contents& c) { c.meshes[0].origin += Vec3(0, 3, 4); });
   // an origin that moves while the vertices stay is no difference of place: the file differs still
-  expect_model({"file: the same things stand in another order or are stored in another way"},
+  expect_model({"file: the contents are equal, but their order or storage differs"},
                [](Contents& c) {
                  c.meshes[0].origin.x += 1;
                  for (std::size_t i = 0; i < 12; i += 3) c.meshes[0].positions[i] -= 1;
@@ -114,7 +114,7 @@ TEST(Diff, Meshes) {
                [](Contents& c) { c.meshes[1].colors[0] = 3; });
   expect_model({"mesh 'pläté': colours only in a"},
                [](Contents& c) { c.meshes[1].colors.clear(); });
-  expect_model({"mesh 'hull': 2 of 4 triangles have other corners"}, [](Contents& c) {
+  expect_model({"mesh 'hull': 2 of 4 triangles have different corners"}, [](Contents& c) {
     std::swap(c.meshes[0].indices[0], c.meshes[0].indices[3]);
     std::swap(c.meshes[0].indices[1], c.meshes[0].indices[4]);
     std::swap(c.meshes[0].indices[2], c.meshes[0].indices[5]);
@@ -246,7 +246,7 @@ TEST(Diff, UnknownSectionsAndOrder) {
   file.seal();
   EXPECT_EQ(lines(diff(b, load(file.bytes())).model),
             Lines{"section of kind 1000: contents differ"});
-  expect_model({"file: the same things stand in another order or are stored in another way"},
+  expect_model({"file: the contents are equal, but their order or storage differs"},
                [](Contents& c) {
                  std::swap(c.materials[0], c.materials[1]);
                  for (InstanceContent& instance : c.instances) instance.material ^= 1;
