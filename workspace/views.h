@@ -75,8 +75,8 @@ Result<std::vector<ViewText>> read_views(const std::filesystem::path& path,
 
 // Makes views of one world from texts. Without a lens, the visible targets fill the image; without
 // a camera, it stands in front of them; without a direction, it looks at the origin where a
-// position is given, else at their centre; without a Sun, it is behind the camera's left
-// shoulder.
+// position is given, else at their centre; without a Sun, it shines from behind the
+// camera's left shoulder.
 class ViewMaker {
  public:
   // Expects: world outlives the maker.
