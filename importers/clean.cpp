@@ -190,8 +190,8 @@ void report(const MeshReport& mesh_report, DiagnosticLog& log) {
   if (total.t_junctions > 0)
     log.report_file(
         Code::W6305, {},
-        fmt::format("{} of other triangles", plural(total.t_junctions, "vertex stands on the edge",
-                                                    "vertices stand on edges")),
+        fmt::format("{} of other triangles",
+                    plural(total.t_junctions, "vertex lies on the edge", "vertices lie on edges")),
         worst(mesh_report, &CleanReport::t_junctions));
 }
 

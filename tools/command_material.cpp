@@ -392,7 +392,7 @@ int run(const Options& options, const Host& host) {
   }
   if (options.inputs.empty() && !options.all) {
     context.log().report(Code::E0201, {}, "name a pxn file or a material of the library",
-                         "`panwright material --list` shows what it has");
+                         "`panwright material --list` lists its materials");
     return context.finish();
   }
   if (options.show) {

@@ -383,7 +383,7 @@ class SceneBuilder {
       d_.report(Code::N6007, nullptr, "", fmt::format("{} left out", fmt::join(skipped, ", ")));
     if (skinned_ + morphed_ > 0)
       d_.report(Code::N6214, nullptr, "",
-                fmt::format("{} and {} stand at rest", counted(skinned_, "skinned surface"),
+                fmt::format("{} and {} are at rest", counted(skinned_, "skinned surface"),
                             counted(morphed_, "morphed shape")));
     std::vector<std::string> lost;
     for (const auto& [what, times] : lost_)

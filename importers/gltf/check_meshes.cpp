@@ -197,7 +197,7 @@ class MeshCheck {
       const std::uint64_t own = d_.accessors[index_in(item)].count;
       if (position && own != count && !d_.accessors[index_in(item)].json->broken)
         wrong(&item, "/attributes/" + name,
-              fmt::format("{} elements beside {} positions", own, count));
+              fmt::format("{} elements for {} positions", own, count));
       if (!readable || (position && own != count)) drop.push_back(name);
     }
     if (!position)

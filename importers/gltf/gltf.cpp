@@ -91,9 +91,8 @@ class Reader {
     for (const std::string& problem : container.problems)
       d_.report(Code::E6201, nullptr, "", problem);
     if (container.extra > 0)
-      d_.report(
-          Code::W6215, nullptr, "",
-          fmt::format("{} behind the end of the container", counted(container.extra, "byte")));
+      d_.report(Code::W6215, nullptr, "",
+                fmt::format("{} after the end of the container", counted(container.extra, "byte")));
     json = container.json;
     if (container.binary) {
       d_.binary = *container.binary;

@@ -85,8 +85,8 @@ void add_joints(Document& document, const tinygltf::Model& model,
   }
   if (elsewhere > 0)
     document.report(Code::N6007, nullptr, "/extensions/AGI_articulations",
-                    fmt::format("the initial values of {} are left out: the model stands as its "
-                                "nodes do",
+                    fmt::format("the initial values of {} are left out: the nodes keep their "
+                                "transforms",
                                 counted(elsewhere, "joint")));
   if (pointing > 0)
     document.report(Code::N6007, nullptr, "/extensions/AGI_articulations",

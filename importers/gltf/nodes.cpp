@@ -210,7 +210,7 @@ class NodePass {
     }
     if (!skinned)
       d_.report(Code::W6215, &node, pointer("nodes", index),
-                "a skin over a mesh without joints; it stands as it is");
+                "a skin over a mesh without joints; the mesh is not posed");
   }
 
   void check_skins() {

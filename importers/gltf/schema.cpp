@@ -301,8 +301,7 @@ class SchemaPass {
     const auto end = items.begin() + static_cast<std::ptrdiff_t>(i);
     const auto equal = [&](const Json& item) { return item.text == items[i].text; };
     if (std::find_if(items.begin(), end, equal) != end)
-      report(Code::E6204, items[i], at,
-             fmt::format("{} stands twice in the list", shown(items[i])));
+      report(Code::E6204, items[i], at, fmt::format("{} is repeated in the list", shown(items[i])));
     return true;
   }
 
@@ -335,7 +334,7 @@ class SchemaPass {
       const Path at{&path, {}, i, true};
       if (!index(rule, value.items[i], at)) continue;
       if (!seen.insert(value.items[i].number).second) {
-        report(Code::E6204, value.items[i], at, "the index stands twice in the list");
+        report(Code::E6204, value.items[i], at, "the index is repeated in the list");
         continue;
       }
       good.push_back(value.items[i]);

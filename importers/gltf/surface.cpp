@@ -356,7 +356,7 @@ class SurfaceReader {
       wrong(Code::W6215, "", fmt::format("{} vertices do not make whole triangles", count));
     if (assembler.restarts() > 0)
       wrong(Code::E6207, "/indices",
-            fmt::format("the value {} for a primitive restart stands {}", restart,
+            fmt::format("the value {} for a primitive restart occurs {}", restart,
                         counted(assembler.restarts(), "time")));
     if (assembler.beyond() > 0)
       wrong(Code::E6207, "/indices",

@@ -77,7 +77,7 @@ class MtlReader {
     }
     if (out_.empty() || out_.back().library != path_) {
       s_.trouble(Code::E6501, "mtl begin", at(word), [&] {
-        return fmt::format("{} stands before the first 'newmtl', and is left out", in_quotes(word));
+        return fmt::format("{} is before the first 'newmtl' and is left out", in_quotes(word));
       });
       return;
     }

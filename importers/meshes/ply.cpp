@@ -143,7 +143,7 @@ class PlyReader {
     }
     if (!std::isnan(value))
       s_.trouble(Code::E6501, "length", here(), [&] {
-        return fmt::format("{}a list of {} numbers in a file of so many bytes", byte(),
+        return fmt::format("{}a list of {} numbers, which exceeds the file", byte(),
                            format_double(value));
       });
     if (!text_) going_ = false;

@@ -125,7 +125,7 @@ class BinaryReader {
       });
     else if (extra > 0)
       s_.trouble(Code::W6502, "extra", where, [&] {
-        return fmt::format("byte {}: {} behind the last triangle", bytes_.size() - extra,
+        return fmt::format("byte {}: {} after the last triangle", bytes_.size() - extra,
                            counted(extra, "byte"));
       });
     return std::min(said, held);

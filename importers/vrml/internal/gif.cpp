@@ -169,7 +169,7 @@ class GifReader {
         continue;
       }
       if (now > next || (now == next && previous < 0) || (previous < 0 && now > stop))
-        throw Damaged{fmt::format("a code before byte {} stands for nothing", at_)};
+        throw Damaged{fmt::format("a code before byte {} is undefined", at_)};
       // the string of a code that is being made is that of the one before, and its first pixel
       std::size_t length = 0;
       int walk = now == next ? previous : now;

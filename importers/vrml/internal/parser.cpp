@@ -104,7 +104,7 @@ std::string_view Parser::given_name() {
   if (*p_ == '"') {
     std::string_view text;
     if (!string(text)) return {};
-    report(Code::W6118, span(at, p_), "a name stands without quotes");
+    report(Code::W6118, span(at, p_), "a name without quotes");
     return text;
   }
   word();
@@ -578,8 +578,7 @@ void Parser::misplaced_node(Body& body) {
   const SourceSpan where = here();
   bool there = false;
   report(Code::E6103, where,
-         fmt::format("a node stands where the name of a field of {} is expected",
-                     in_quotes(body.node->type)));
+         fmt::format("a node, expected the name of a field of {}", in_quotes(body.node->type)));
   Node* child = node_value(&there);
   if (child != nullptr) node_stack_.push_back(child);
 }

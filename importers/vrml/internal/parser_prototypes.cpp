@@ -137,7 +137,7 @@ void Parser::add_declared(const FieldSpec& spec, SourceSpan where, std::vector<F
     if (!in_conflict(spec, other)) continue;
     report(Code::E6110, where,
            spec.name == other.name ? fmt::format("{} is declared twice", in_quotes(spec.name))
-                                   : fmt::format("{} and {} stand for the same event",
+                                   : fmt::format("{} and {} name the same event",
                                                  in_quotes(spec.name), in_quotes(other.name)));
     return;
   }
@@ -246,7 +246,7 @@ bool Parser::is_value(const FieldSpec& spec, Field& field) {
   }
   const Prototype* prototype = scope_->prototype;
   if (prototype == nullptr) {
-    report(Code::E6110, where, "IS stands outside of a prototype");
+    report(Code::E6110, where, "IS outside of a prototype");
     return false;
   }
   for (std::size_t i = 0; i < prototype->fields.size(); ++i) {

@@ -99,7 +99,7 @@ bool Parser::in_list(const char* open, bool* zero) {
       return false;
     }
   }
-  report(Code::E6103, here(), fmt::format("{} stands in a list of numbers", in_quotes(text)));
+  report(Code::E6103, here(), fmt::format("unexpected {} in a list of numbers", in_quotes(text)));
   if (c == '"')
     skip_string();
   else if (c == '{')
@@ -208,7 +208,8 @@ void Parser::read_list(Growing<T>& out, const char* open) {
         continue;
       }
       const std::string_view text = token_here();
-      report(Code::E6103, here(), fmt::format("{} stands in a list of numbers", in_quotes(text)));
+      report(Code::E6103, here(),
+             fmt::format("unexpected {} in a list of numbers", in_quotes(text)));
       p_ += text.size();
       continue;
     }
@@ -243,8 +244,7 @@ bool Parser::read_numbers(FieldType type, Growing<T>& out) {
     ++p_;
     read_list(out, at);
     if (!list && out.size() == width) {
-      report(Code::W6118, span(at, at + 1),
-             fmt::format("{} stands without brackets", type_name(type)));
+      report(Code::W6118, span(at, at + 1), fmt::format("{} without brackets", type_name(type)));
       report_not_finite();
       return true;
     }
@@ -253,7 +253,7 @@ bool Parser::read_numbers(FieldType type, Growing<T>& out) {
     const std::size_t first = out.size();
     if (first == width) read_some(out, ~std::size_t{0});
     if (list && out.size() > width)
-      report(Code::W6118, span(at, at + 1), "a list of more than one item stands in brackets");
+      report(Code::W6118, span(at, at + 1), "a list of more than one item requires brackets");
   }
   report_not_finite();
   const char* end = p_;

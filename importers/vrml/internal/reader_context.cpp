@@ -242,7 +242,7 @@ SharedText ReaderContext::read(std::string_view url, SourceSpan where, bool text
     case Files::Outcome::found:
       break;
     case Files::Outcome::missing:
-      problem = fmt::format("{} is not there", in_quotes(files.display_name(path)));
+      problem = fmt::format("{} does not exist", in_quotes(files.display_name(path)));
       return nullptr;
     case Files::Outcome::outside:
       code = Code::W6005;
