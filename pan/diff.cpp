@@ -329,8 +329,7 @@ void Comparison::mesh(const std::string& where, std::size_t i, std::size_t j) {
     for (std::size_t k = 0; k < in_a.size(); k += 3)
       different += in_a[k] != in_b[k] || in_a[k + 1] != in_b[k + 1] || in_a[k + 2] != in_b[k + 2];
     if (different > 0)
-      add(where,
-          fmt::format("{} of {} triangles have different corners", different, a.triangle_count));
+      add(where, fmt::format("{} of {} triangles differ in corners", different, a.triangle_count));
   }
 }
 

@@ -114,7 +114,7 @@ TEST(Diff, Meshes) {
                [](Contents& c) { c.meshes[1].colors[0] = 3; });
   expect_model({"mesh 'pläté': colours only in a"},
                [](Contents& c) { c.meshes[1].colors.clear(); });
-  expect_model({"mesh 'hull': 2 of 4 triangles have different corners"}, [](Contents& c) {
+  expect_model({"mesh 'hull': 2 of 4 triangles differ in corners"}, [](Contents& c) {
     std::swap(c.meshes[0].indices[0], c.meshes[0].indices[3]);
     std::swap(c.meshes[0].indices[1], c.meshes[0].indices[4]);
     std::swap(c.meshes[0].indices[2], c.meshes[0].indices[5]);
