@@ -59,7 +59,7 @@ TEST(Material, RefusedElementsAreLeftOut) {
   check(read_nodes(appearance("<difuse>1 1 1</difuse>" + diffuse, kSphere)),
         "E1101 unknown element 'difuse' in <material>");
   check(read_nodes(appearance(diffuse + "<diffuse>1 1 1</diffuse>", kSphere)), "E1104");
-  check(read_nodes(appearance("<ggx>0.1</ggx>" + diffuse, kSphere)), "E1106");
+  check(read_nodes(appearance("<ggx>0.1</ggx>" + diffuse, kSphere)), "E1101");
   check(
       read_files({{"m.pxn", "<pangu_model ver=\"1\"><material name=\"m\"><difuse>1 1 1</difuse>" +
                                 diffuse +

@@ -59,8 +59,9 @@ TEST(Check, NamesEachDefect) {
        [](Scene& s) {
          s.shapes[0] = geometry::Sphere{1, {{1, 3}}};
        }},
-      {"not there", [](Scene& s) { s.shapes[1] = geometry::MeshShape(); }},
-      {"index 3 of 3", [&](Scene& s) { with_mesh(s, [](auto& m) { m.triangles[0][2] = 3; }); }},
+      {"null mesh", [](Scene& s) { s.shapes[1] = geometry::MeshShape(); }},
+      {"index 3, expected below 3",
+       [&](Scene& s) { with_mesh(s, [](auto& m) { m.triangles[0][2] = 3; }); }},
       {"different length", [&](Scene& s) { with_mesh(s, [](auto& m) { m.colors.resize(2); }); }},
       {"not finite", [&](Scene& s) { with_mesh(s, [&](auto& m) { m.positions[0].x = nan; }); }},
       {"not of unit length",
