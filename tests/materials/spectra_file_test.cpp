@@ -89,7 +89,7 @@ TEST(SpectraFile, BadTables) {
   EXPECT_THAT(problem_of("DATA:\n  - type: formula 5\n", 2), HasSubstr("'formula 5'"));
   EXPECT_THAT(problem_of("  - type: formula 1\n    coefficients: 0 1\n", 2), HasSubstr("odd"));
   EXPECT_THAT(problem_of("  - type: formula 1\n    coefficients: -9 1 0.1\n", 0),
-              HasSubstr("no n"));
+              HasSubstr("no valid n"));
   EXPECT_THAT(
       problem_of("  - type: formula 1\n    wavelength_range: 1 2\n    coefficients: 0 1 0.1\n", 0),
       HasSubstr("from 1 to 2"));
