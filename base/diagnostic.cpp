@@ -104,7 +104,7 @@ int exit_code(const DiagnosticLog& log) {
 
 std::optional<std::string_view> nearest_name(std::string_view name,
                                              std::span<const std::string_view> candidates) {
-  constexpr std::size_t kLongest = 64;  // longer names are no typing errors
+  constexpr std::size_t kLongest = 64;  // longer names are not typing errors
   if (name.size() > kLongest) return std::nullopt;
   const std::size_t allowed = std::max<std::size_t>(1, name.size() / 3);
   std::optional<std::string_view> best;

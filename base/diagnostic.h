@@ -66,7 +66,7 @@ class DiagnosticLog {
   bool contains(Code code) const;
 
   // Puts the entries into the order of a reader: file by file as they were opened, from top to
-  // bottom; what has no place comes last, in the order in which it was reported.
+  // bottom; entries without a place come last, in the order in which they were reported.
   void sort_by_place();
 
  private:

@@ -81,8 +81,8 @@ Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t m
   }
   const auto too_large = [&](std::uint64_t size, const char* at_least) {
     report(Code::E0104, path,
-           fmt::format("{} is {}{} bytes long, the limit is {}", in_quotes(path.string()), at_least,
-                       size, max_bytes),
+           fmt::format("{} is {}{} bytes long, expected at most {}", in_quotes(path.string()),
+                       at_least, size, max_bytes),
            where, log);
   };
   if (S_ISREG(status.st_mode) && static_cast<std::uint64_t>(status.st_size) > max_bytes) {
@@ -93,8 +93,7 @@ Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t m
   constexpr std::size_t kPiece = 1u << 20;
   constexpr std::size_t kLeastRoom = 4096;
   // note: with room for the reading that finds the end, so that the text need not move for it
-  if (S_ISREG(status.st_mode))
-    text.reserve(static_cast<std::size_t>(status.st_size) + kLeastRoom);
+  if (S_ISREG(status.st_mode)) text.reserve(static_cast<std::size_t>(status.st_size) + kLeastRoom);
   for (;;) {
     const std::size_t before = text.size();
     const std::size_t room = std::max(text.capacity() - before, kLeastRoom);
@@ -167,7 +166,7 @@ Result<AtomicFile> AtomicFile::create(const std::filesystem::path& path, Diagnos
   if (stat(file.path_.c_str(), &target) == 0 && !S_ISREG(target.st_mode)) {
     const int error = S_ISDIR(target.st_mode) ? EISDIR : EINVAL;
     log.report_file(Code::E0103, path.string(),
-                    reason("cannot replace what is no regular file,", path, error));
+                    reason("not a regular file, cannot replace", path, error));
     return failed;
   }
   std::string name = file.path_.string() + ".XXXXXX";

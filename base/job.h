@@ -1,4 +1,4 @@
-// What a host says of long work: on how many threads, whom to tell of its progress, when to stop.
+// Long work under the control of a host: number of threads, progress, cancellation.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@
 
 namespace panwright {
 
-// How far a phase of the work is. Phases may stand inside others: an image among many, and rows of
-// it. Several may be under way at once.
+// The progress of a phase of the work. Phases may be nested: an image among many, and rows of it.
+// Several may run at once.
 struct Progress {
   std::string_view phase;   // "tessellating"
   std::uint64_t done = 0;   // ≤ total
@@ -38,7 +38,7 @@ struct Cancelled {};
 
 // The handle of one piece of work, which the host keeps and the libraries are given: the last
 // argument of whatever takes long. The default one uses all cores, tells nobody and cannot be
-// cancelled. Copies are cheap and stand for the same work. Results never depend on it. All
+// cancelled. Copies are cheap and share the same work. Results never depend on it. All
 // functions may be called from any thread.
 class Job {
  public:

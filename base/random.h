@@ -1,4 +1,4 @@
-// Random numbers that depend on what they are for, and on nothing else.
+// Counter-based random numbers: functions of a counter and a key.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// A value, or nothing because a diagnostic says why not.
+// A value, or nothing after a reported error.
 #pragma once
 
 #include <cassert>
@@ -11,7 +11,7 @@ struct Failed {};
 // What a function returns when it has reported an error: `return failed;`
 inline constexpr Failed failed{};
 
-// Holds a T, or nothing. The reasons stand in the DiagnosticLog that the call was given.
+// Holds a T, or nothing. The errors are in the DiagnosticLog of the call.
 template <class T>
 class [[nodiscard]] Result {
  public:

@@ -95,7 +95,7 @@ class SourceMap {
   mutable std::vector<Counted> counted_;
 };
 
-// Converts bytes of an encoding to UTF-8; bytes that are no text become U+FFFD.
+// Converts bytes of an encoding to UTF-8; invalid bytes become U+FFFD.
 std::string to_utf8(std::string_view bytes, Encoding encoding);
 
 }  // namespace panwright

@@ -32,7 +32,7 @@ long decimal_exponent(std::string_view number) {
 }  // namespace
 
 std::optional<double> parse_double(std::string_view text) {
-  // from_chars takes no plus sign, and takes words that are no decimal numbers
+  // from_chars takes no plus sign, and accepts words such as inf and nan
   std::string_view digits = text;
   if (!digits.empty() && digits[0] == '+') {
     digits.remove_prefix(1);

@@ -35,7 +35,7 @@ std::string mesh_name(const MeshJob& job, std::size_t index) {
 // rounded about the centre of the bounds; a sphere about its own centre, which need not be the
 // same.
 pan::PackedMesh packed_shape(const geometry::Shape& shape, geometry::Mesh& mesh, std::string name) {
-  // exact as written: packing measures the rounding, which is all there is
+  // exact as written: the rounding, which packing measures, is the only error
   const bool authored = std::holds_alternative<geometry::MeshShape>(shape);
   if (authored) mesh.error = 0;
   pan::PackedMesh packed = pan::packed(mesh, std::move(name));
@@ -47,11 +47,11 @@ pan::PackedMesh packed_shape(const geometry::Shape& shape, geometry::Mesh& mesh,
   return packed;
 }
 
-// What one job makes. Decals stand at their places in the scene's list.
+// The results of the jobs. Decals have the indices of the scene's list.
 struct Product {
   std::vector<std::optional<pan::PackedMesh>> meshes;
   std::vector<std::optional<pan::DecalContent>> decals;
-  std::vector<char> hidden;  // decals that show nothing
+  std::vector<char> hidden;  // decals that are not visible
 };
 
 void place_decals(const scene::Scene& scene, const MeshJob& job, const geometry::Mesh& mesh,
@@ -79,7 +79,7 @@ void make_job(const scene::Scene& scene, const Plan& plan, std::size_t index,
     out.meshes[index] = packed_shape(*job.shape, *mesh, mesh_name(job, index));
     place_decals(scene, job, *mesh, out);
   }
-  // a mesh that was written without coordinates takes the corner of its texture
+  // a mesh without texture coordinates takes the corner of its texture
   pan::PackedMesh& mesh = *out.meshes[index];
   if (job.textured && mesh.texcoords.empty()) mesh.texcoords.resize(2 * mesh.vertex_count());
 }
@@ -89,7 +89,7 @@ std::string place_of(const scene::Source& source) {
                           : fmt::format("{}:{}:{}", source.file, source.line, source.column);
 }
 
-// Reports what went wrong with a shape at the place where the shape was written.
+// Reports the problems of a shape at its location in the source.
 void pass_on(const DiagnosticLog& from, const scene::Source& source, DiagnosticLog& log) {
   for (const Diagnostic& entry : from.entries())
     log.report(entry.code, {}, fmt::format("{}: {}", place_of(source), entry.message), entry.hint);
@@ -102,9 +102,10 @@ void report_hidden(const scene::Scene& scene, const Product& product, Diagnostic
     if (!product.hidden[i]) continue;
     const std::string place = place_of(scene.decals[i].source);
     if (known.insert(place).second)
-      log.report(Code::W2020, {},
-                 fmt::format("{}: no surface within the decal's box faces it", place),
-                 "its normal points away from the surface, or leave it out");
+      log.report(
+          Code::W2020, {},
+          fmt::format("{}: the decal is not visible: no surface within its box faces it", place),
+          "give a normal that points away from the surface, or omit it");
   }
 }
 
@@ -124,14 +125,14 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
     const double more =
         geometry::planned_triangles(*jobs[i].shape, internal::tessellation_of(jobs[i], options));
     const auto limit = static_cast<double>(options.max_triangles);
-    // one that is too many by itself says so in its own words, before anything is allocated
+    // one that exceeds the limit by itself has its own message, before anything is allocated
     const bool alone = more > limit;
     allowed[i] = alone || planned + more <= limit;
     if (allowed[i])
       planned += alone ? 0 : more;
     else
       logs[i].report(Code::E2003, {},
-                     fmt::format("{:.0f} triangles here and {:.0f} before them are more than the "
+                     fmt::format("{:.0f} triangles here and {:.0f} in the shapes before exceed the "
                                  "limit of {} for a model (--max-triangles)",
                                  more, planned, options.max_triangles));
   }
@@ -146,9 +147,9 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
   return out;
 }
 
-// Warns of BRDFs that give back more light than they get.
+// Warns of BRDFs that reflect more light than they receive.
 void certify(const scene::Scene& scene, DiagnosticLog& log, const Job& job) {
-  // what quadrature and fits may be off by
+  // error bound of quadrature and fits
   constexpr double kTolerance = 1e-3;
   std::vector<std::optional<materials::Gain>> gains(scene.materials.size());
   const auto certify_one = [&](std::size_t i) {
@@ -162,11 +163,11 @@ void certify(const scene::Scene& scene, DiagnosticLog& log, const Job& job) {
     const materials::Material& material = scene.materials[i];
     const materials::Gain& gain = *gains[i];
     log.report(Code::W1408, {},
-               fmt::format("the material {} reflects {:.4f} times the light that comes from {:.1f} "
-                           "degrees off its normal",
+               fmt::format("the material {} reflects {:.4f} times the light that arrives at {:.1f} "
+                           "degrees from its normal, expected at most 1",
                            in_quotes(material.name), gain.albedo, det::acos(gain.mu) / kDegree),
-               "`panwright material` shows its albedo; darker colours or another BRDF keep the "
-               "balance of energy");
+               "`panwright material` shows its albedo; use darker colours or another BRDF to "
+               "conserve energy");
   }
 }
 
@@ -199,7 +200,7 @@ void copy_tables(const scene::Scene& scene, pan::Contents& out) {
         {text(point.name), static_cast<std::uint32_t>(point.node), point.position});
 }
 
-// Says where texture coordinates were made up.
+// Reports where texture coordinates were generated.
 void report_boxed(const scene::Scene& scene, const Plan& plan, DiagnosticLog& log) {
   std::size_t count = 0;
   const MeshJob* first = nullptr;
@@ -210,14 +211,15 @@ void report_boxed(const scene::Scene& scene, const Plan& plan, DiagnosticLog& lo
   }
   if (first == nullptr) return;
   const auto material = static_cast<std::size_t>(first->user->material);
-  log.report(Code::N2021, {},
-             fmt::format("{} without texture coordinates {} them from {} bounds, the first in {}",
-                         count == 1 ? "1 mesh" : fmt::format("{} meshes", count),
-                         count == 1 ? "gets" : "get", count == 1 ? "its" : "their",
-                         in_quotes(scene.materials[material].name)));
+  log.report(
+      Code::N2021, {},
+      fmt::format(
+          "{} without texture coordinates {} them from {} bounds; the first has the material {}",
+          count == 1 ? "1 mesh" : fmt::format("{} meshes", count), count == 1 ? "gets" : "get",
+          count == 1 ? "its" : "their", in_quotes(scene.materials[material].name)));
 }
 
-// The budget as the file stores it: what was asked for, and the smallest tolerance that came of it.
+// The budget as the file stores it: the authored terms and the smallest derived tolerance.
 pan::layout::Budget budget_record(const scene::Budget& budget, const Options& options,
                                   double smallest) {
   pan::layout::Budget record{};
@@ -238,7 +240,7 @@ pan::layout::MeshTolerance mesh_tolerance(const MeshJob& job) {
 
 constexpr std::uint32_t kLeftOut = 0xffffffffu;
 
-// Instances with their sources, and the decals on them. What lost its mesh is left out.
+// Instances with their sources and decals. Those without a mesh are left out.
 void place_instances(const scene::Scene& scene, const Plan& plan, const Options& options,
                      const std::vector<std::uint32_t>& mesh_of_job, Product& product,
                      pan::Contents& out) {

@@ -19,10 +19,10 @@ struct Options {
   std::uint64_t max_triangles = 1ull << 27;  // of all meshes in the file together
   bool strip_sources = false;                // leaves out the source map
   bool compress = false;                     // pan::WriteOptions; the identity does not know it
-  std::string origin;  // how the scene was made of its inputs, where they do not say: " units=mm"
+  std::string origin;  // import options that the inputs do not record: " units=mm"
 };
 
-// What a compilation did.
+// The result of a compilation.
 struct Report {
   std::uint64_t unique_meshes = 0;
   std::uint64_t instances = 0;
@@ -42,8 +42,8 @@ struct Report {
 // How closely a mesh follows its shape is decided by compiler/tolerance.h, in metres in the world.
 // Equal shapes with equal needs of texture are stored once, for the smallest tolerance of their
 // instances, divided by how far each is stretched into the world. Surfaces of revolution that meet
-// at a circular edge get the same vertices there. The budget, and what each mesh was made to, are
-// stored when the scene, an instance or max_error asks for something.
+// at a circular edge get the same vertices there. The budget and the tolerance of each mesh are
+// stored when the scene, an instance or max_error gives one.
 //
 // Fails: E0001, E0103, E2003, E2010.
 Result<Report> compile(const scene::Scene& scene, const Options& options,

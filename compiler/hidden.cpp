@@ -20,7 +20,7 @@ using geometry::MeshShape;
 
 constexpr std::uint32_t kUnused = 0xffffffffu;
 
-// The meshes that the model will be made of, one per instance; none: it cannot be made.
+// The meshes of the compiled model, one per instance; null: cannot be tessellated.
 std::vector<MeshShape> meshes_of(const scene::Scene& scene, const std::vector<Mat4>& world,
                                  const Options& options, const Job& job_of_all) {
   const internal::Plan plan = internal::plan_of(scene, world, options);
@@ -31,7 +31,7 @@ std::vector<MeshShape> meshes_of(const scene::Scene& scene, const std::vector<Ma
       made[i] = *mesh;
       return;
     }
-    DiagnosticLog ignored;  // the compilation will say the same
+    DiagnosticLog ignored;  // the compilation reports the same
     const auto tessellation = internal::tessellation_of(job, options);
     if (geometry::planned_triangles(*job.shape, tessellation) >
         static_cast<double>(options.max_triangles))
@@ -81,8 +81,8 @@ class Pruner {
     find_allowed();
     if (std::find(allowed_.begin(), allowed_.end(), 1) == allowed_.end()) return;
     const internal::Visibility visibility = internal::visibility_of(
-        world(), {options_.rays_from_outside, options_.rays_per_triangle, options_.max_probes},
-        job_);
+        world_triangles(),
+        {options_.rays_from_outside, options_.rays_per_triangle, options_.max_probes}, job_);
     report_.rays = visibility.rays;
     report_.reached = visibility.last_found;
     report_.ambiguous = visibility.ambiguous;
@@ -90,7 +90,7 @@ class Pruner {
     state_confidence(visibility);
   }
 
-  // What carries a decal stays whole, wherever its shape is used.
+  // Shapes with decals stay whole, wherever they are used.
   void find_allowed() {
     std::vector<char> keep(scene_.shapes.size(), 0);
     for (const scene::Decal& decal : scene_.decals) {
@@ -105,8 +105,8 @@ class Pruner {
     }
   }
 
-  internal::World world() {
-    internal::World out;
+  internal::WorldTriangles world_triangles() {
+    internal::WorldTriangles out;
     first_.clear();
     for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
       first_.push_back(out.triangles.size());
@@ -126,32 +126,32 @@ class Pruner {
     return out;
   }
 
-  bool is_seen(const internal::Visibility& visibility, std::size_t instance) const {
+  bool is_visible(const internal::Visibility& visibility, std::size_t instance) const {
     if (!allowed_[instance]) return true;
-    const auto begin = visibility.seen.begin() + static_cast<std::ptrdiff_t>(first_[instance]);
-    const auto end = visibility.seen.begin() + static_cast<std::ptrdiff_t>(first_[instance + 1]);
+    const auto begin = visibility.visible.begin() + static_cast<std::ptrdiff_t>(first_[instance]);
+    const auto end = visibility.visible.begin() + static_cast<std::ptrdiff_t>(first_[instance + 1]);
     return std::find(begin, end, 1) != end;
   }
 
   void decide(const internal::Visibility& visibility) {
-    std::vector<char> seen(scene_.instances.size());
-    // of each shape, the triangles that some instance shows
+    std::vector<char> visible(scene_.instances.size());
+    // of each shape, the triangles that are visible in some instance
     std::vector<std::vector<char>> shown(scene_.shapes.size());
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      seen[i] = is_seen(visibility, i);
+    for (std::size_t i = 0; i < visible.size(); ++i) {
+      visible[i] = is_visible(visibility, i);
       for (std::size_t t = first_[i]; t < first_[i + 1]; ++t)
-        report_.hidden += allowed_[i] && !visibility.seen[t];
-      if (!seen[i]) continue;
+        report_.hidden += allowed_[i] && !visibility.visible[t];
+      if (!visible[i]) continue;
       const auto shape = static_cast<std::size_t>(scene_.instances[i].shape);
       if (!std::holds_alternative<MeshShape>(scene_.shapes[shape])) continue;
       std::vector<char>& show = shown[shape];
       show.resize(meshes_[i]->triangles.size(), 0);
       for (std::size_t t = 0; t < show.size(); ++t)
-        if (!allowed_[i] || visibility.seen[first_[i] + t]) show[t] = 1;
+        if (!allowed_[i] || visibility.visible[first_[i] + t]) show[t] = 1;
     }
     for (std::size_t s = 0; s < shown.size(); ++s)
       if (!shown[s].empty()) reduce(s, shown[s]);
-    drop_instances(seen);
+    drop_instances(visible);
   }
 
   // Keeps some triangles of a mesh, and the vertices that they use.
@@ -161,17 +161,17 @@ class Pruner {
     Mesh out;
     out.error = mesh.error;
     out.closed = mesh.closed;
-    std::vector<std::uint32_t> place(mesh.positions.size(), kUnused);
+    std::vector<std::uint32_t> kept(mesh.positions.size(), kUnused);
     for (std::size_t t = 0; t < show.size(); ++t)
       if (show[t])
-        for (const std::uint32_t v : mesh.triangles[t]) place[v] = 0;
+        for (const std::uint32_t v : mesh.triangles[t]) kept[v] = 0;
     std::uint32_t count = 0;
     const auto take = [](auto& to, const auto& from, std::size_t v) {
       if (!from.empty()) to.push_back(from[v]);
     };
-    for (std::size_t v = 0; v < place.size(); ++v) {
-      if (place[v] == kUnused) continue;
-      place[v] = count++;
+    for (std::size_t v = 0; v < kept.size(); ++v) {
+      if (kept[v] == kUnused) continue;
+      kept[v] = count++;
       take(out.positions, mesh.positions, v);
       take(out.normals, mesh.normals, v);
       take(out.texcoords, mesh.texcoords, v);
@@ -179,17 +179,17 @@ class Pruner {
     }
     for (std::size_t t = 0; t < show.size(); ++t) {
       const geometry::Triangle& from = mesh.triangles[t];
-      if (show[t]) out.triangles.push_back({place[from[0]], place[from[1]], place[from[2]]});
+      if (show[t]) out.triangles.push_back({kept[from[0]], kept[from[1]], kept[from[2]]});
     }
     scene_.shapes[shape] = std::make_shared<const Mesh>(std::move(out));
   }
 
-  void drop_instances(const std::vector<char>& seen) {
-    std::vector<std::int32_t> moved(seen.size(), scene::kNone);
+  void drop_instances(const std::vector<char>& visible) {
+    std::vector<std::int32_t> moved(visible.size(), scene::kNone);
     std::vector<scene::Instance> kept;
     std::vector<MeshShape> meshes;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      if (!seen[i]) continue;
+    for (std::size_t i = 0; i < visible.size(); ++i) {
+      if (!visible[i]) continue;
       moved[i] = static_cast<std::int32_t>(kept.size());
       const auto* mesh = std::get_if<MeshShape>(
           &scene_.shapes[static_cast<std::size_t>(scene_.instances[i].shape)]);
@@ -223,7 +223,7 @@ class Pruner {
       instance.shape = moved[static_cast<std::size_t>(instance.shape)];
   }
 
-  // Nothing seen in n trials: with 95 % confidence the share is below 3 / n.
+  // No hit in n trials: with 95 % confidence the share is below 3 / n.
   void state_confidence(const internal::Visibility& visibility) {
     if (report_.hidden == 0) return;
     const auto probes = static_cast<double>(std::max<std::uint64_t>(1, visibility.probes));
@@ -251,15 +251,14 @@ Result<HiddenReport> prune_hidden(scene::Scene& scene, const HiddenOptions& opti
   const HiddenReport& report = *found;
   const std::uint64_t gone = report.triangles_before - report.triangles_after;
   if (gone > 0)
-    log.report_file(
-        Code::N6304, {},
-        fmt::format(
-            "{} of {} triangles ({:.1f} %) were hidden and are gone; {} rays from outside "
-            "met none of them",
-            gone, report.triangles_before,
-            100.0 * static_cast<double>(gone) / static_cast<double>(report.triangles_before),
-            report.rays),
-        "--keep-hidden, or hidden=\"keep\" in a text, keeps them");
+    log.report_file(Code::N6304, {},
+                    fmt::format("removed {} of {} triangles ({:.1f} %) as hidden; none of {} rays "
+                                "from outside hit them",
+                                gone, report.triangles_before,
+                                100.0 * static_cast<double>(gone) /
+                                    static_cast<double>(report.triangles_before),
+                                report.rays),
+                    "use --keep-hidden, or hidden=\"keep\" in a pxn file, to keep them");
   return report;
 }
 

@@ -10,7 +10,7 @@
 
 namespace panwright::compiler {
 
-// The tolerance of a model that says nothing: metres in the world.
+// The tolerance of a model without a budget: metres in the world.
 inline constexpr double kDefaultTolerance = 1e-3;
 
 // The flux of a part whose mesh lies within `error` of a shape of radius of curvature R is off by
@@ -30,7 +30,7 @@ inline constexpr double kFluxFactor = 5.5;
 // measured in the same way: sphere 1.60 for an error of 0.03 R, 0.75 of 0.001 R; cylinder 0.87.
 inline constexpr double kCentroidFactor = 1.7;
 
-// A distance that a mesh may lie from its shape, in the world, and what asked for it.
+// The distance that a mesh may lie from its shape, in the world, and its reason.
 struct Tolerance {
   double metres = kDefaultTolerance;
   pan::layout::ToleranceReason reason = pan::layout::ToleranceReason::tolerance;
@@ -53,7 +53,7 @@ struct ToleranceOverrides {
 //
 // else kDefaultTolerance. Terms that lack a partner (pixels without ifov or nearest) give none. The
 // reason of a shape with explicit counts, and of a mesh, is explicit_counts; the distance then
-// holds for what the counts leave open.
+// holds for what the counts do not fix.
 //
 //   world_from_shape   how the shape is stretched into the world
 Tolerance tolerance_for(const scene::Budget& budget, const geometry::Shape& shape,
@@ -69,7 +69,7 @@ double tolerance_of_centroid(double pixels, double ifov, double nearest);
 // a ball in the box, for their share falls with their radius. None: flat faces and meshes.
 std::optional<double> radius_of_curvature(const geometry::Shape& shape);
 
-// Whether the shape says how many segments it has, or is a mesh.
+// Whether the shape has explicit counts, or is a mesh.
 bool has_explicit_counts(const geometry::Shape& shape);
 
 }  // namespace panwright::compiler

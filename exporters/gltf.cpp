@@ -257,7 +257,7 @@ class Exporter {
       if (texture >= 0 && maps.albedo >= 0)
         lost_.insert("a second texture over the diffuse colour");
       const bool metal = is_coloured_metal(material);
-      if (maps.reflectance >= 0 && !metal) lost_.insert("images of reflectance beside a colour");
+      if (maps.reflectance >= 0 && !metal) lost_.insert("reflectance maps with a diffuse colour");
       const std::int32_t color = metal ? maps.reflectance : maps.albedo;
       if (texture >= 0 && !metal)
         pbr["baseColorTexture"] = texture_info(texture, Channel::color, Vec2(1));

@@ -190,8 +190,8 @@ void report(const MeshReport& mesh_report, DiagnosticLog& log) {
   if (total.t_junctions > 0)
     log.report_file(
         Code::W6305, {},
-        fmt::format("{} of other triangles", plural(total.t_junctions, "vertex stands on the edge",
-                                                    "vertices stand on edges")),
+        fmt::format("{} of other triangles",
+                    plural(total.t_junctions, "vertex lies on the edge", "vertices lie on edges")),
         worst(mesh_report, &CleanReport::t_junctions));
 }
 
@@ -317,14 +317,15 @@ Vec3 place(Imported& model, std::optional<double> unit, std::optional<UpAxis> up
     const double size = bounds.largest_extent();
     const UnitGuess guess = guessed_unit(size);
     if (!guess.plausible)
-      log.report_file(Code::N6006, {},
-                      fmt::format("a model that is {:.4g} m large as written is no spacecraft in "
-                                  "any unit; it stays so",
-                                  size),
-                      "--units says what it was written in");
+      log.report_file(
+          Code::N6006, {},
+          fmt::format("the model is {:.4g} m large as written, which is not the size of "
+                      "a spacecraft in any unit; metres are assumed",
+                      size),
+          "--units gives its unit");
     else if (guess.unit != 1)
       log.report_file(Code::N6006, {},
-                      fmt::format("a model of {:.4g} m is taken to be written in {}: {:.4g} m",
+                      fmt::format("a model of {:.4g} m is assumed to be written in {}: {:.4g} m",
                                   size, guess.name, size * guess.unit),
                       "--units m keeps it as written");
     unit = guess.unit;

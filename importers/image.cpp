@@ -48,7 +48,7 @@ class PpmReader {
     for (std::uint64_t i = 0; i < samples; ++i) {
       std::uint64_t value = 0;
       if (text) {
-        if (!number(value)) return {Code::E3001, "the PPM's pixels are no numbers, or too few"};
+        if (!number(value)) return {Code::E3001, "the PPM's pixels are not numbers, or too few"};
       } else {
         for (std::uint64_t k = 0; k < sample_bytes; ++k)
           value = value << 8 | static_cast<unsigned char>(bytes_[at_++]);

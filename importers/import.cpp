@@ -163,13 +163,16 @@ Result<Imported> imported_from(Files& files, const std::string& path, const Opti
     if (!unpacked.bytes) return failed;
   }
   const std::string_view text = *unpacked.bytes;
-  if (text.substr(0, 4096).find("<pangu_model") != text.npos || text.starts_with("\x89"
-                                                                                 "PAN")) {
-    report(Code::E6001, name, "this is no CAD file but one of our own", included_at, log,
-           text.starts_with("\x89"
-                            "PAN")
-               ? "a .pan is compiled already: render and info take it"
-               : "<include> takes a .pxn");
+  const bool is_pan = text.starts_with(
+      "\x89"
+      "PAN");
+  if (is_pan || text.substr(0, 4096).find("<pangu_model") != text.npos) {
+    report(Code::E6001, name,
+           is_pan ? "this is a pan model, expected a CAD file"
+                  : "this is a pxn model, expected a CAD file",
+           included_at, log,
+           is_pan ? "it is compiled already; use `panwright render` or `panwright info`"
+                  : "use `panwright compile`, or <include> in a pxn file");
     return failed;
   }
   if (starts_with_any(text, {"#X3D", "<?xml", "<X3D", "#Inventor"})) {

@@ -1,9 +1,8 @@
 // Reflectance of materials, evaluated on the CPU.
 //
-// One text for each formula (materials/formulas/*.glsl) is read by GLSL and twice by C++: f32 does
-// what a shader does, f64 is the reference that the error of f32 is measured with. Both give the
-// same bits on every processor and with every compiler: they use sums, products, divisions and
-// square roots only.
+// Each formula (materials/formulas/*.glsl) is compiled as GLSL and twice as C++: f32 computes what
+// a shader computes, f64 is the reference for the error of f32. Both give the same bits on every
+// processor and with every compiler: they use sums, products, divisions and square roots only.
 #pragma once
 
 #include <memory>
@@ -18,12 +17,12 @@ namespace panwright::materials {
 // vectors spread as those of microfacets do, by ρ²/16 along each axis, and alpha² is twice that.
 inline constexpr double kSunAlpha2 = 2.7033e-6;
 
-// What a BRDF knows of a place beyond its normal.
+// The shading context: what a BRDF depends on besides material, normal and directions.
 struct ShadingContext {
   panwright::Vec3 tangent{
-      0};  // unit, perpendicular to the normal; 0 where microfacets are the same all around
+      0};                 // unit, perpendicular to the normal; 0 where microfacets are isotropic
   double sun_alpha2 = 0;  // kSunAlpha2 over the square of the distance in AU; 0: a point Sun
-  // of a material with a reflectance map, what it holds; none: F0 of the indices
+  // texel of a material's reflectance map; none: F0 of the indices
   std::optional<panwright::Vec3> reflectance = std::nullopt;
 };
 
@@ -51,8 +50,8 @@ Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_vie
               const Vec3& normal, const Vec3& irradiance, const Vec3& tint = Vec3(1),
               const ShadingContext& local = {});
 
-// A material whose numbers are converted once, for many directions: brdf() spends most of its time
-// on that. May be used from several threads.
+// A compiled BRDF: the parameters are converted once, for many directions. brdf() spends most of
+// its time on that. May be used from several threads.
 class CompiledBrdf {
  public:
   explicit CompiledBrdf(const Material& material);

@@ -20,7 +20,7 @@ struct CellShares {
 //
 //   texcoord   of the middle
 //   footprint  size of the box along u and v, in texture coordinates, >= 0
-//   returns    exact for a box. A skewed footprint stands in its bounding box: the mean over a
+//   returns    exact for a box. A skewed footprint is replaced by its bounding box: the mean over a
 //   panel
 //              stays, edges get up to twice as broad.
 CellShares cells_at(const Cells& cells, const Vec2& texcoord, const Vec2& footprint);

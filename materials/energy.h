@@ -1,4 +1,4 @@
-// How much light materials send back: albedos by quadrature, in double, the same bits everywhere.
+// Albedos of materials by quadrature, in double, the same bits everywhere.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace panwright::materials {
 
-// Microfacets about +z, x along +x, without Fresnel's law.
+// Microfacets about +z, x along +x, without the Fresnel term.
 struct Microfacets {
   SpecularModel brdf = SpecularModel::beckmann;  // cook_torrance (slope_x alone), beckmann or ggx
   double slope_x = 0.5;                          // 1e-6 to 1000
@@ -19,25 +19,25 @@ struct Microfacets {
 //
 //   to_viewer  unit, above the horizon
 //   nodes      of Gauss and Legendre's quadrature over each of radius and quarters of the azimuth:
-//              16, 32, 64 or 128. Smith's laws converge exponentially (1e-4 with 16, for cosines
+//              16, 32, 64 or 128. Smith's forms converge exponentially (1e-4 with 16, for cosines
 //              from 0.02 on), V-cavities with 1/nodes².
 [[nodiscard]] double microfacet_albedo(const Microfacets& microfacets, const Vec3& to_viewer,
                                        int nodes = 64);
 
-// 2∫E μ dμ, the mean over the azimuth where microfacets are not the same all around.
+// 2∫E μ dμ, the mean over the azimuth where microfacets are anisotropic.
 [[nodiscard]] double microfacet_mean_albedo(const Microfacets& microfacets, int nodes = 32);
 
-// ∫ D G1(v) max(0, v·h) dω / (n·v), which is 1 when D and G1 belong together, whatever is lost.
-// E. Heitz, "Understanding the masking-shadowing function in microfacet-based BRDFs", 2014.
+// ∫ D G1(v) max(0, v·h) dω / (n·v), which is 1 when D and G1 belong together, whatever energy is
+// lost. E. Heitz, "Understanding the masking-shadowing function in microfacet-based BRDFs", 2014.
 [[nodiscard]] double weak_furnace(const Microfacets& microfacets, const Vec3& to_viewer,
                                   int nodes = 64);
 
-// What a surface of a fitted material sends back of the light from one direction, or what a viewer
-// sees of it under an even sky: mirrors and coats included, tint 1, a Sun without a disc.
+// The directional albedo of a fitted material, which is also what a viewer sees of it under an even
+// sky: mirrors and coats included, tint 1, a Sun without a disc.
 //
 //   mu       cosine of the direction, > 0 to 1
 //   azimuth  from the tangent, radians
-//   reflectance  what a reflectance map says, where the material has one; none: F0
+//   reflectance  texel of the reflectance map, where the material has one; none: F0
 //   returns  RGB, within 2e-5 where no peak is narrower than 0.01
 [[nodiscard]] Vec3 directional_albedo(const Material& material, double mu, double azimuth = 0,
                                       const std::optional<Vec3>& reflectance = {});
@@ -53,8 +53,8 @@ struct Gain {
 };
 [[nodiscard]] Gain energy_gain(const Material& material);
 
-// The same, none where it is at most 1 + tolerance. A material that a few nodes find below
-// 0.8 is looked at no closer. Cost: 0.1 ms, or that of energy_gain() beyond 0.8.
+// The same, none where it is at most 1 + tolerance. A material below 0.8 at a few nodes is
+// not examined further. Cost: 0.1 ms, or that of energy_gain() beyond 0.8.
 [[nodiscard]] std::optional<Gain> gain_above(const Material& material, double tolerance);
 
 // The largest |f(l, v) − f(v, l)|/f over pairs at 1e-4 to 1 above the horizon.

@@ -1,4 +1,4 @@
-// Numbers that stand in the place of integrals.
+// Fits that replace integrals.
 #include <cmath>
 
 #include "materials/internal/fits.h"

@@ -1,4 +1,4 @@
-// What microfacets lose by single reflections, as a few coefficients.
+// The energy that single scattering between microfacets loses, as a few coefficients.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t kTerms = 7;
 constexpr std::size_t kNodes = 32;
-constexpr int kAzimuths = 8;     // of microfacets that are not the same all around
-constexpr double kLeast = 1e-6;  // cosine that stands for grazing
+constexpr int kAzimuths = 8;     // of microfacets that are anisotropic
+constexpr double kLeast = 1e-6;  // cosine used for grazing
 // where the loss has its bend: the b of albedo_deficit_polynomial; negative ones are tried as well
 constexpr std::array kBends{2e-3, 6e-3, 0.016, 0.035, 0.07, 0.1, 0.15,
                             0.2,  0.3,  0.5,   0.8,   1.5,  3.0, 10.0};
@@ -118,7 +118,7 @@ Terms powers(const Terms& chebyshevs) {
 // microfacets, a mirror under a rough coat, or a coat's surface, whose loss is fitted.
 struct Stack {
   Microfacets microfacets;
-  std::optional<Coat> coat;  // its depth is not looked at
+  std::optional<Coat> coat;  // its depth is ignored
 };
 
 // What is missing of the light from one direction, as microfacet_albedo_deficit takes it.
@@ -267,7 +267,7 @@ void fit_microfacets(Material& material) {
   if (!(lost > 1e-9) || (!always && !(f0 * lost > kWorthCompensation))) return;
   const Vec3 mean =
       glm::min(2.0 * mean_over_cosines([&](double mu) { return mu * reflected(mu); }), Vec3(1));
-  // of what comes in, and of what goes round and round
+  // of what enters, and of what is reflected repeatedly
   double entering = 1;
   Vec3 round(1);
   if (material.coat) {

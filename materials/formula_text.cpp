@@ -26,8 +26,7 @@ const char* compensation(const BrdfModel& brdf_model) {
   return brdf_model.mapped ? "mapped_compensation" : "microfacet_compensation";
 }
 
-// Texts that BRDF models need, each once, in an order in which they may stand: what is called
-// stands before who calls it.
+// Texts that BRDF models need, each once, in order of declaration: callees before callers.
 std::string brdf_texts(std::span<const BrdfModel> brdf_models) {
   std::string text;
   for (const FormulaFile& file : kFormulaFiles) {

@@ -8,7 +8,7 @@
 
 namespace panwright::materials {
 
-// The formulas that materials of one BRDF model need, as GLSL 4.00 or later. Stands after
+// The formulas that materials of one BRDF model need, as GLSL 4.00 or later. Belongs after
 // #version and before the code that calls it; it leaves no macros behind and these names:
 //
 //   struct Surface   the parameters (generated from schemas/material.toml); fill in every member
@@ -32,7 +32,7 @@ namespace panwright::materials {
 // formulas.
 [[nodiscard]] std::string glsl_all_brdfs();
 
-// Reading a material of a pan in a shader. Stands behind glsl_formulas(); the shader defines
+// Reading a material of a pan in a shader. Belongs after glsl_formulas(); the shader defines
 //
 //   vec4 material_row(int i)   the i-th vec4 of the section of materials
 //

@@ -1,4 +1,4 @@
-// Chandrasekhar's H function, which Hapke's law takes for light scattered more than once.
+// Chandrasekhar's H function, for multiple scattering in Hapke's model.
 #pragma once
 
 #include <array>

@@ -30,7 +30,7 @@ std::string text(double value) { return format_double(value); }
 bool is_zero(const std::optional<Vec3>& color) { return !color || *color == Vec3(0); }
 
 void settle_diffuse(Material& material, const Fields& fields, const Reporter& report) {
-  // a model that is named holds, and the numbers of others are forgotten
+  // a named model takes precedence, and parameters of others are dropped
   if (fields.diffuse_model) {
     material.diffuse_brdf = brdf_of(fields, *fields.diffuse_model);
   } else if (fields.hapke) {
@@ -59,8 +59,7 @@ void settle_specular(Material& material, const Fields& fields, const Reporter& r
     const auto& [c, m, f, g] = *fields.cook_torrance;
     if (c != 1 || f != 1 || g != 1)
       report(Code::W1403,
-             fmt::format("cook {} {} {} {} scales D, F and G by {}, {} and {}; public "
-                         "models have 1 there",
+             fmt::format("cook {} {} {} {} scales D, F and G by {}, {} and {}; public models use 1",
                          text(c), text(m), text(f), text(g), text(c), text(f), text(g)));
     if (fields.blinn_phong)
       report(Code::N1401, fmt::format("shine {} is not used, because cook is given",
@@ -74,7 +73,7 @@ bool has_microfacets(const Material& material) {
   return info_of(material.specular_model()).microfacet;
 }
 
-// Fields whose partner is missing. What an explicit weight of 0 switches off is the author's will.
+// Fields whose partner is missing. An explicit weight of 0 is intended and not reported.
 void report_idle_fields(const Material& material, const Fields& fields, const Reporter& report) {
   const auto idle = [&](std::string_view field, std::string_view reason) {
     report(Code::N1405, fmt::format("{} has no effect, because {}", field, reason));
@@ -100,20 +99,19 @@ void report_idle_fields(const Material& material, const Fields& fields, const Re
   }
   if (fields.reflect) return;
   if (material.weights.y == 0 && !dark)
-    idle("specular", "diffuse is given as well and there is no reflect, which is then 1 0 0");
+    idle("specular", "diffuse is given as well and reflect defaults to 1 0 0");
   if (!is_zero(fields.emissive))
-    idle("emissive", "there is no reflect, which then gives it the weight 0");
+    idle("emissive", "reflect is not given and defaults to an emissive weight of 0");
   if (material.weights.x == 0 && (fields.oren_nayar || fields.hapke))
-    idle(fields.hapke ? "hapke" : "oren",
-         "only specular is given and there is no reflect, which is then 0 1 0");
+    idle(fields.hapke ? "hapke" : "oren", "only specular is given and reflect defaults to 0 1 0");
 }
 
 void report_energy(const Material& material, const Reporter& report) {
   const Vec3& w = material.weights;
   const double sum = w.x + w.y + w.z;
   if (sum > 1 + kSumTolerance) {
-    report(Code::W1402, fmt::format("the weights {} {} {} of reflect add up to {:.6g}; at most 1 "
-                                    "keeps the balance of energy",
+    report(Code::W1402, fmt::format("the weights {} {} {} of reflect add up to {:.6g}, expected at "
+                                    "most 1 to conserve energy",
                                     text(w.x), text(w.y), text(w.z), sum));
     return;
   }
@@ -121,8 +119,8 @@ void report_energy(const Material& material, const Reporter& report) {
   for (int k = 0; k < 3; ++k) {
     const double reflected = w.x * material.diffuse[k] + w.y * material.specular[k];
     if (reflected <= 1 + kSumTolerance) continue;
-    report(Code::W1402, fmt::format("diffuse and specular, weighted, add up to {:.6g} in {}; at "
-                                    "most 1 keeps the balance of energy",
+    report(Code::W1402, fmt::format("diffuse and specular, weighted, add up to {:.6g} in {}, "
+                                    "expected at most 1 to conserve energy",
                                     reflected, kChannels[k]));
     return;
   }
@@ -156,7 +154,7 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
   report_idle_fields(material, fields, report);
   report_energy(material, report);
 
-  // a part that adds nothing gets the BRDF that costs nothing
+  // a part without effect gets the cheapest BRDF
   if (material.weights.x == 0 || material.diffuse == Vec3(0)) material.diffuse_brdf = Lambert{};
   if (material.weights.y == 0 || material.specular == Vec3(0))
     material.specular_brdf = NoSpecular{};
@@ -208,7 +206,7 @@ bool is_anisotropic(const Material& material) {
 double exact_degrees(double radians) {
   if (radians == 0) return 0;
   const double near = radians / kDegree;
-  // several may do: the roundest is what an author writes
+  // of several the roundest is what an author would write
   const double round = std::round(near * 1e9) / 1e9;
   if (round * kDegree == radians) return round;
   double candidate = near;

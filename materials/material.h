@@ -1,7 +1,7 @@
-// Surface materials: what an author writes, and what the renderer evaluates.
+// Surface materials: the authored fields, and what the renderer evaluates.
 //
-// The structs are generated from schemas/material.toml: `Fields` is what a text says, `Material`
-// one diffuse and one specular BRDF out of a closed set, with Fresnel's indices, coat, cells and
+// The structs are generated from schemas/material.toml: `Fields` are the authored ones, `Material`
+// is one diffuse and one specular BRDF out of a closed set, with Fresnel's indices, coat, cells and
 // maps. To add a parameter or a BRDF see docs/adding-a-brdf.md.
 #pragma once
 
@@ -19,7 +19,7 @@ namespace panwright::materials {
 
 enum class FresnelModel : std::uint32_t { none, dielectric, conductor };
 
-// Which formulas a material needs: materials of equal BRDFs share one shader.
+// The formulas of a material: materials of equal BRDFs share one shader.
 struct BrdfModel {
   DiffuseModel diffuse = DiffuseModel::lambert;
   SpecularModel specular = SpecularModel::none;
@@ -39,7 +39,7 @@ std::optional<Vec2> slopes_of(const Material& material);
 // has its defaults.
 SpecularBrdf with_slopes(SpecularModel model, const Vec2& alpha);
 
-// Whether it looks different along u and along v: slopes that differ, or tilted cells.
+// Whether it is anisotropic: slopes that differ along u and v, or tilted cells.
 bool is_anisotropic(const Material& material);
 
 // The roughness of eon whose terms have the same ratio as those of Oren and Nayar's BRDF for slopes
@@ -60,11 +60,11 @@ double porosity_factor(double filling);
 
 // Computes material.fits from the parameters. What resolved() and a pan give has been fitted.
 // Cost: a millisecond for microfacets that are compensated, some more where they are anisotropic,
-// and less for Hapke's BRDF. Microfacets that have been seen before cost nothing.
+// and less for Hapke's BRDF. Microfacets that were fitted before cost nothing.
 void fit(Material& material);
 
-// Fills in the defaults, settles which BRDFs are used and fits. A part that adds nothing gets the
-// BRDF that costs nothing: lambert or none. A specular colour without another model is
+// Fills in the defaults, selects the BRDFs and fits. A part without effect gets the cheapest BRDF:
+// lambert or none. A specular colour without another model is
 // Blinn-Phong's lobe of exponent 0.
 //
 // Expects: numbers within the ranges of the schema; they are finite, >= 0, and slopes are > 0.

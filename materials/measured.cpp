@@ -29,24 +29,26 @@ Vec3 direction(double zenith_deg, double azimuth_deg) {
 
 bool is_gap(char c) { return c == ' ' || c == '\t' || c == ',' || c == ';' || c == '\r'; }
 
-// The five numbers of a line; says what is wrong with it.
+// Reads the five numbers of a line. Returns the problem, if any.
 std::string read_line(std::string_view line, std::array<double, 5>& out) {
   std::size_t at = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
     while (at < line.size() && is_gap(line[at])) ++at;
     const auto [end, error] = std::from_chars(line.data() + at, line.data() + line.size(), out[i]);
     if (error != std::errc() || !std::isfinite(out[i]))
-      return fmt::format("number {} of 5 cannot be read", i + 1);
+      return fmt::format("number {} of 5 is missing or invalid", i + 1);
     at = static_cast<std::size_t>(end - line.data());
   }
   while (at < line.size() && is_gap(line[at])) ++at;
-  if (at != line.size()) return "more than 5 numbers";
+  if (at != line.size()) return "more than 5 numbers, expected 5";
   if (std::fabs(out[0]) > 90 || std::fabs(out[2]) > 90)
-    return fmt::format("a zenith angle of {} degrees is below the horizon",
+    return fmt::format("a zenith angle of {} degrees is below the horizon, expected at most 90",
                        format_double(std::fabs(out[0]) > 90 ? out[0] : out[2]));
   if (out[4] > kBrightest)
-    return fmt::format("the reflectance {} is no surface's", format_double(out[4]));
-  if (out[4] < 0) return fmt::format("the reflectance {} is below 0", format_double(out[4]));
+    return fmt::format("a reflectance of {} 1/sr, expected at most {}", format_double(out[4]),
+                       format_double(kBrightest));
+  if (out[4] < 0)
+    return fmt::format("a reflectance of {} 1/sr, expected at least 0", format_double(out[4]));
   return {};
 }
 
@@ -126,7 +128,7 @@ std::string diffuse_text(double albedo) {
   return fmt::format("<diffuse> {0:.4g} {0:.4g} {0:.4g} </diffuse>", albedo);
 }
 
-// Facets in the place of part of a diffuse surface, without Fresnel's law.
+// Microfacets in place of part of a diffuse surface, without the Fresnel term.
 Material microfacets(SpecularModel brdf, const Point& p) {
   Material m = diffuse(1);
   m.specular = Vec3(1);
@@ -243,8 +245,8 @@ Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, Di
         log.report(Code::E1409,
                    {file, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)},
                    problem,
-                   "a reading is: zenith and azimuth of the light, zenith and azimuth of "
-                   "the viewer, degrees, and the reflectance, 1/sr");
+                   "a reading is zenith and azimuth of the light, zenith and azimuth of the "
+                   "viewer, in degrees, and the reflectance in 1/sr");
       } else {
         readings.push_back({direction(five[0], five[1]), direction(five[2], five[3]), five[4]});
         usable += readings.back().to_light.z >= kLowest && readings.back().to_viewer.z >= kLowest;
@@ -256,14 +258,13 @@ Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, Di
   if (readings.size() > kMostReadings) {
     log.report_file(
         Code::E1409, path.string(),
-        fmt::format("{} are more than {}", counted(readings.size(), "reading"), kMostReadings));
+        fmt::format("{}, expected at most {}", counted(readings.size(), "reading"), kMostReadings));
     return failed;
   }
   if (usable < kFewestReadings) {
-    log.report_file(
-        Code::E1409, path.string(),
-        fmt::format("{} with light and viewer above the horizon, at least {} are needed",
-                    counted(usable, "reading"), kFewestReadings));
+    log.report_file(Code::E1409, path.string(),
+                    fmt::format("{} with light and viewer above the horizon, expected at least {}",
+                                counted(usable, "reading"), kFewestReadings));
     return failed;
   }
   return readings;

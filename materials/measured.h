@@ -27,11 +27,11 @@ struct Reading {
 // This is the layout of the tables that G. Fankhauser, J. A. Tyson, J. Askari published with
 // "Satellite optical brightness", 2023.
 //
-// Fails: E0101, E0102; E1409 at each line that is no reading, and for fewer than 8 readings of
+// Fails: E0101, E0102; E1409 at each invalid line, and for fewer than 8 readings of
 // light and viewer above the horizon.
 Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, DiagnosticLog& log);
 
-// A BRDF, with the numbers that come nearest to readings.
+// A BRDF with the parameters that fit readings best.
 struct Fit {
   std::string brdf;        // in words
   std::string text;        // its fields as pxn
@@ -41,7 +41,7 @@ struct Fit {
   double rms = 0;          // root of the mean square of BRDF − reading, 1/sr
 };
 
-// Fits each of our BRDFs that a single band can tell: Lambert, EON, and microfacets and lacquers
+// Fits each BRDF that a single band can determine: Lambert, EON, and microfacets and lacquers
 // over them. Logarithms are compared, so that the glint does not outweigh everything else; readings
 // below `floor` count as that much, where instruments see their own noise.
 //

@@ -8,7 +8,7 @@
 namespace panwright::materials {
 namespace {
 
-// directional albedos of Oren and Nayar's law of 1994 reach 1.0435 at albedo 1
+// directional albedos of Oren and Nayar's model of 1994 reach 1.0435 at albedo 1
 constexpr double kOrenGain = 1.05;
 
 constexpr double kRounding = 1e-9;
@@ -35,7 +35,7 @@ void compare_precisions(const Material& material, MaterialReport& out) {
   constexpr double kLights_deg[] = {0, 0.1, 10, 45, 90, 135, 170, 179, 179.9, 180};
   const Vec3 normal(0, 0, 1);
   const Vec3 tangent(1, 0, 0);
-  // all that a reflectance map may say
+  // the range of a reflectance map
   std::vector<ShadingContext> locals{{tangent, kSunAlpha2, {}}};
   if (brdf_model_of(material).mapped)
     for (const double r : {0.0, 0.5, 1.0}) locals.push_back({tangent, kSunAlpha2, Vec3(r)});
@@ -90,7 +90,7 @@ bool may_gain(const Material& m) {
   // plane albedo 1 − γH is at most 1 but for the opposition effects, which come on top
   const auto* hapke = std::get_if<Hapke>(&m.diffuse_brdf);
   if (hapke != nullptr) diffuse = hapke->w * (1 + hapke->b0) * (1 + hapke->b_c0) < 0.5 ? 0.5 : 1e9;
-  // microfacets that are not the same all around are balanced in the mean over the azimuth; a rough
+  // microfacets that are anisotropic are balanced in the mean over the azimuth; a rough
   // coat over microfacets that scatter more than once reflects up to 6 % of what diffuse light has
   // passed
   constexpr double kNearlyAll = 0.9;
@@ -116,7 +116,7 @@ std::string brdf_in_words(const Material& m) {
     if (brdf_model.fresnel == FresnelModel::conductor) words += " of a conductor";
     if (brdf_model.fresnel == FresnelModel::dielectric) words += " of a dielectric";
     if (brdf_model.mapped) words += " of mapped reflectance";
-    if (brdf_model.compensated) words += ", all scattering";
+    if (brdf_model.compensated) words += ", with multiple scattering";
   }
   if (m.weights.x > 0 && m.diffuse != Vec3(0)) {
     if (!words.empty()) words += " over ";

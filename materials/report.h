@@ -1,4 +1,4 @@
-// What a material is worth: its albedos, and how far it is from what a law of nature may be.
+// Material report: albedos, energy conservation, reciprocity and precision.
 #pragma once
 
 #include <span>
@@ -22,12 +22,12 @@ struct MaterialReport {
   double reciprocity = 0;  // largest |f(l, v) − f(v, l)|/f in double
   double f32_error = 0;    // largest |f32 − f64| over f64, where f64 is above 1e-6 of its largest
   double f32_rms = 0;      // root of the mean square of the same
-  double fit_error = 0;    // of what stands in the place of integrals, see Fits
+  double fit_error = 0;    // of the fits that replace integrals, see Fits
 };
 
 // Measures a fitted material. The same numbers everywhere.
 //
-//   mus  cosines, > 0 to 1, of the directions whose albedo is asked for
+//   mus  cosines, > 0 to 1, of the directions whose albedo is reported
 //
 // Cost: about a tenth of a second.
 [[nodiscard]] MaterialReport material_report(const Material& material, std::span<const double> mus);

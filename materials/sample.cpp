@@ -98,7 +98,7 @@ struct RetroLobe {
   }
 };
 
-// Chances of what sample() may do; they add up to 1 (to 0 on a black surface).
+// Probabilities of the strategies of sample(); they add up to 1 (to 0 on a black surface).
 struct Chances {
   double diffuse = 0;
   double microfacets = 0;
@@ -215,7 +215,7 @@ struct Scattering::Parts {
       c.microfacets = passing * s.weights.y * largest(s.specular * fresnel);
     }
     (smooth_coat() ? c.mirror_peak : c.peak) = first(cosine);
-    // every part gets its twentieth at least
+    // every part gets at least 1/20
     double* const all[] = {&c.diffuse, &c.microfacets, &c.peak, &c.mirror_peak, &c.mirror_below};
     double sum = 0;
     for (const double* one : all) sum += *one;

@@ -1,4 +1,4 @@
-// Scattering by a material, for tracers of paths: evaluation, sampling and density that agree.
+// Scattering by a material, for path tracing: consistent evaluation, sampling and density.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct Sampled {
 };
 
 // The narrowest peak of a material as the RMS slope of microfacets that would make one as narrow; 1
-// without one. What roughness maps say is left out.
+// without one. Roughness maps are ignored.
 [[nodiscard]] double narrowest_slope(const Material& material);
 
 // What a mirror shows of one direction.
@@ -35,11 +35,11 @@ struct Mirrors {
 };
 
 // The authored BRDFs of one material in double, for a point Sun: mirrors and smooth coats are
-// directions, which brdf() leaves out. H of Hapke's law is exact here, where f64::brdf() of
+// directions, which brdf() leaves out. H of Hapke's model is exact here, where f64::brdf() of
 // materials/brdf.h has the fit that shaders use.
 //
 // Directions are unit vectors that point away from the surface; tangent: unit, perpendicular to the
-// normal, or 0 where microfacets are the same all around; tint multiplies diffuse. A viewer below
+// normal, or 0 where microfacets are isotropic; tint multiplies diffuse. A viewer below
 // the horizon is taken to it, as brdf() of materials/brdf.h does. Nothing returned is ever NaN or
 // infinite. May be used from several threads.
 class Scattering {
@@ -52,9 +52,9 @@ class Scattering {
   Scattering(Scattering&&) noexcept;
   Scattering& operator=(Scattering&&) noexcept;
 
-  // The same with slopes and σ times what a roughness map says, >= 0.
+  // The same with slopes and σ times the value of a roughness map, >= 0.
   Scattering scaled(double roughness) const;
-  // The same with what a reflectance map says in the place of F0, 0 to 1; as it is where the
+  // The same with the value of a reflectance map as F0, 0 to 1; unchanged where the
   // material has no such map.
   Scattering reflecting(const Vec3& reflectance) const;
 
@@ -74,7 +74,7 @@ class Scattering {
   std::optional<Sampled> sample(const Vec3& to_viewer, const Vec3& normal, const Vec3& tangent,
                                 const Vec3& tint, const Vec2& u, double u_lobe) const;
 
-  // Every mirrored direction of a viewer, for lights that are found by looking for them.
+  // Every mirrored direction of a viewer, for lights that are found by tracing.
   Mirrors mirrors(const Vec3& to_viewer, const Vec3& normal, const Vec3& tangent) const;
 
   // What all mirrors together reflect where none is tilted; 0 without one. cosine: that of the

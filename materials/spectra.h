@@ -11,7 +11,7 @@
 
 namespace panwright::materials {
 
-// Wavelengths that stand for the channels, µm.
+// Wavelengths of the channels, µm.
 inline constexpr std::array<double, 3> kBands_um{0.65, 0.55, 0.45};
 
 // n + ik for the bands about 650, 550 and 450 nm.
@@ -25,13 +25,13 @@ struct Conductor {
 // which), others differ by 1 to 2 % in reflectance, gold at 550 nm by 6 %.
 std::optional<Conductor> metal(std::string_view name);
 
-// What metal() knows, in alphabetical order.
+// The names that metal() accepts, in alphabetical order.
 std::span<const std::string_view> metal_names();
 
 // The same for a clear film: "Kapton", "MgF2" or "SiO2", interpolated linearly between wavelengths.
 std::optional<Conductor> film(std::string_view name);
 
-// What film() knows, in alphabetical order.
+// The names that film() accepts, in alphabetical order.
 std::span<const std::string_view> film_names();
 
 // A film as a coat with a plane outer face: its index at 550 nm, and what it absorbs per channel.
@@ -47,7 +47,7 @@ struct OpticalConstants {
 };
 std::span<const double> wavelengths_um();  // 0.3 to 2.5
 
-// What metal() knows, and the films "Kapton", "MgF2" and "SiO2".
+// The names of metal(), and the films "Kapton", "MgF2" and "SiO2".
 std::optional<OpticalConstants> optical_constants(std::string_view name);
 
 // An opaque body, bare or under a film that is thick beside the wavelength: a second-surface

@@ -76,13 +76,13 @@ class Reader {
     if (line.starts_with("coefficients:") && formula_ > 0) {
       const auto numbers = numbers_of(line.substr(13), 64);
       if (!numbers || numbers->size() < 3 || numbers->size() % 2 == 0)
-        return fail("coefficients of a formula of Sellmeier are an odd number of numbers");
+        return fail("expected an odd number of Sellmeier coefficients, 3 or more");
       coefficients_ = *numbers;
       return;
     }
     if (line.starts_with("wavelength_range:")) {
       const auto numbers = numbers_of(line.substr(17), 2);
-      if (!numbers || numbers->size() != 2) return fail("a range of wavelengths is two numbers");
+      if (!numbers || numbers->size() != 2) return fail("expected a wavelength range of 2 numbers");
       first_ = (*numbers)[0];
       last_ = (*numbers)[1];
       return;
@@ -103,7 +103,7 @@ class Reader {
     if (type == "formula 1" || type == "formula 2")
       formula_ = type.back() - '0';
     else
-      fail(fmt::format("data of the type {} are not read; tables and formulas 1 and 2 are",
+      fail(fmt::format("unsupported data type {}, expected a table, formula 1 or formula 2",
                        in_quotes(type)));
   }
 
@@ -120,11 +120,13 @@ class Reader {
     const bool fits =
         kind_ == Kind::any ? count == 2 || count == 3 : count == (kind_ == Kind::nk ? 3u : 2u);
     if (!fits)
-      return fail(kind_ == Kind::n || kind_ == Kind::k ? "a row is a wavelength and a value"
-                  : kind_ == Kind::nk                  ? "a row is a wavelength, n and k"
-                                      : "a row is a wavelength in micrometres, n and perhaps k");
+      return fail(kind_ == Kind::n || kind_ == Kind::k
+                      ? "expected a row of a wavelength and a value"
+                  : kind_ == Kind::nk
+                      ? "expected a row of a wavelength, n and k"
+                      : "expected a row of a wavelength in micrometres, n and optionally k");
     if (n_.size() + k_.size() >= 2 * kMostRows)
-      return fail(fmt::format("there are more than {} rows", kMostRows));
+      return fail(fmt::format("too many rows, expected at most {}", kMostRows));
     const double wavelength = (*numbers)[0];
     if (kind_ == Kind::k) return add(k_, {wavelength, (*numbers)[1]}, "k");
     add(n_, {wavelength, (*numbers)[1]}, "n");
@@ -132,22 +134,26 @@ class Reader {
   }
 
   void add(std::vector<Row>& rows, const Row& one, const char* what) {
-    if (!(one.wavelength > 0)) return fail("a wavelength is above 0");
+    if (!(one.wavelength > 0))
+      return fail(fmt::format("a wavelength of {} micrometres, expected above 0",
+                              format_double(one.wavelength)));
     if (!rows.empty() && !(one.wavelength > rows.back().wavelength))
-      return fail("wavelengths rise from row to row");
+      return fail(fmt::format("a wavelength of {} micrometres after {}, expected a larger one",
+                              format_double(one.wavelength),
+                              format_double(rows.back().wavelength)));
     const bool is_n = &rows == &n_;
     if (!(one.value >= 0 && one.value <= kMost && (!is_n || one.value > 0)))
-      return fail(fmt::format("{} is {}, not {} to {}", what, format_double(one.value),
-                              is_n ? "above 0 and up" : "0", kMost));
+      return fail(fmt::format("{} is {}, expected {} {}", what, format_double(one.value),
+                              is_n ? "above 0 and at most" : "0 to", kMost));
     rows.push_back(one);
   }
 
   // Whether rows reach over all bands.
   bool reaches(double first, double last, const char* what) {
     if (first <= kBands_um[2] && last >= kBands_um[0]) return true;
-    fail(fmt::format("{} is given from {} to {} and needed from {} to {} micrometres{}", what,
+    fail(fmt::format("{} is given from {} to {} micrometres, expected from {} to {}{}", what,
                      format_double(first), format_double(last), kBands_um[2], kBands_um[0],
-                     first > 100 ? "; these look like nanometres" : ""));
+                     first > 100 ? "; the numbers look like nanometres" : ""));
     return false;
   }
 
@@ -174,7 +180,7 @@ class Reader {
     Conductor out;
     const bool by_formula = n_.empty() && !coefficients_.empty();
     if (n_.empty() && !by_formula) {
-      fail("there is no row of a wavelength and n");
+      fail("no row of a wavelength and n found, expected at least 1");
       return std::nullopt;
     }
     if (by_formula ? last_ > 0 && !reaches(first_, last_, "n")
@@ -187,7 +193,7 @@ class Reader {
       out.n[channel] = by_formula ? sellmeier(band) : at(n_, band);
       if (!k_.empty()) out.k[channel] = at(k_, band);
       if (!(out.n[channel] > 0 && out.n[channel] <= kMost)) {
-        fail(fmt::format("the formula has no n at {} micrometres", band));
+        fail(fmt::format("the formula gives no valid n at {} micrometres", band));
         return std::nullopt;
       }
     }

@@ -11,7 +11,7 @@
 
 namespace panwright::materials {
 
-// Why a table is not used.
+// The problem of a table.
 struct TableProblem {
   std::size_t line = 0;  // from 1; 0: the whole
   std::string message;

@@ -329,7 +329,7 @@ void Comparison::mesh(const std::string& where, std::size_t i, std::size_t j) {
     for (std::size_t k = 0; k < in_a.size(); k += 3)
       different += in_a[k] != in_b[k] || in_a[k + 1] != in_b[k + 1] || in_a[k + 2] != in_b[k + 2];
     if (different > 0)
-      add(where, fmt::format("{} of {} triangles have other corners", different, a.triangle_count));
+      add(where, fmt::format("{} of {} triangles differ in corners", different, a.triangle_count));
   }
 }
 
@@ -461,7 +461,7 @@ void Comparison::budget() {
   else if (a || b)
     add("budget", only_in(a != nullptr));
   const bool in_a = !a_.model.mesh_tolerances().empty(), in_b = !b_.model.mesh_tolerances().empty();
-  if (in_a != in_b) add("needs of the meshes", only_in(in_a));
+  if (in_a != in_b) add("tolerances of the meshes", only_in(in_a));
 }
 
 void Comparison::build() {
@@ -489,14 +489,14 @@ void Comparison::inputs() {
     const layout::Input& b = b_.model.inputs()[j];
     if (a.hash[0] != b.hash[0] || a.hash[1] != b.hash[1] || a.bytes != b.bytes)
       add(out_.provenance, input_words(a_.model, i),
-          fmt::format("other contents: {} bytes in a, {} in b", a.bytes, b.bytes));
+          fmt::format("contents differ: {} bytes in a, {} in b", a.bytes, b.bytes));
   });
 }
 
 void Comparison::sources() {
   const auto in_a = a_.model.sources(), in_b = b_.model.sources();
   if (in_a.empty() != in_b.empty()) {
-    add(out_.provenance, "source places", fmt::format("only in {}", in_a.empty() ? "b" : "a"));
+    add(out_.provenance, "source locations", fmt::format("only in {}", in_a.empty() ? "b" : "a"));
     return;
   }
   if (in_a.size() != in_b.size()) return;  // the instances say it
@@ -505,7 +505,8 @@ void Comparison::sources() {
     different += in_a[k].line != in_b[k].line || in_a[k].column != in_b[k].column ||
                  a_.strings[in_a[k].file] != b_.strings[in_b[k].file];
   if (different > 0)
-    add(out_.provenance, "source places", fmt::format("{} of {} differ", different, in_a.size()));
+    add(out_.provenance, "source locations",
+        fmt::format("{} of {} differ", different, in_a.size()));
 }
 
 void Comparison::unknown_sections() {
@@ -528,7 +529,7 @@ void Comparison::unknown_sections() {
     return fmt::format("section of kind {}", (&model == &a_.model ? kinds_a : kinds_b)[i]);
   };
   match(out_.model, keys_a, keys_b, where, [&](std::size_t i, std::size_t j) {
-    if (hashes_a[i] != hashes_b[j]) add(where(a_.model, i), "other contents");
+    if (hashes_a[i] != hashes_b[j]) add(where(a_.model, i), "contents differ");
   });
 }
 
@@ -584,7 +585,7 @@ Differences Comparison::run() {
   storage();
   const bool named = !out_.same_model() || !out_.provenance.empty();
   if (!named && (out_.storage.empty() || !same_contents()))
-    add("file", "the same things stand in another order or are stored in another way");
+    add("file", "the contents are equal, but their order or storage differs");
   return std::move(out_);
 }
 

@@ -1,4 +1,4 @@
-// What is different between two models, in words.
+// Differences between two models, in words.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace panwright::pan {
 
-// One difference. Things are named as in the file: "node root/dish", "mesh 'hull'".
+// One difference. Records are named as in the file: "node root/dish", "mesh 'hull'".
 struct Difference {
   std::string where;
   std::string what;  // "translation: 0 0 1 in a, 0 0 2 in b", or "only in a"
@@ -17,9 +17,9 @@ struct Difference {
 
 struct Differences {
   std::vector<Difference> model;       // what can be seen or addressed
-  std::vector<Difference> provenance;  // inputs, version, options, source places, build identity
+  std::vector<Difference> provenance;  // inputs, version, options, source locations, build identity
   std::vector<Difference> storage;     // compression, sizes of records, the format's version
-  std::size_t hidden = 0;              // more than the limit, counted and not kept
+  std::size_t hidden = 0;              // beyond the limit, counted and not kept
 
   bool empty() const { return model.empty() && provenance.empty() && storage.empty(); }
   bool same_model() const { return model.empty(); }

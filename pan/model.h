@@ -72,8 +72,8 @@ class Model {
   // for files that others write in place.
   static Result<Model> open(const std::filesystem::path& path, DiagnosticLog& log);
 
-  // The same from a copy in memory. max_bytes: what the file may have, and what its compressed
-  // sections may come to.
+  // The same from a copy in memory. max_bytes: what the file may have, and the size of its
+  // sections when decompressed.
   //
   // Fails: also E0104.
   static Result<Model> read(const std::filesystem::path& path, std::uint64_t max_bytes,
@@ -121,11 +121,11 @@ class Model {
   std::span<const layout::Node> nodes() const;  // parents before children; [0] is the root
   std::span<const layout::Mesh> meshes() const;
   std::span<const layout::Instance> instances() const;
-  std::span<const layout::Material> materials() const;  // a std430 buffer as it stands
+  std::span<const layout::Material> materials() const;  // a std430 buffer as stored
   std::span<const layout::Texture> textures() const;
   std::span<const layout::Frame> frames() const;
   std::span<const layout::Source> sources() const;  // one per instance, or empty
-  const layout::Budget* budget() const;             // null: the model was compiled for nothing
+  const layout::Budget* budget() const;             // null: compiled without a budget
   std::span<const layout::MeshTolerance> mesh_tolerances() const;  // one per mesh, or empty
   std::span<const layout::Keypoint> keypoints() const;
   std::span<const layout::Decal> decals() const;  // later ones lie over earlier ones
@@ -200,7 +200,7 @@ materials::Material material_from(const layout::Material& record, std::string_vi
 // The record of a material, rounded to float. The name is a string id.
 layout::Material record_from(const materials::Material& material, std::uint32_t name);
 
-// "positions", "lights", "kind 1000": how a section's kind is called.
+// "positions", "lights", "kind 1000": the name of a section's kind.
 std::string kind_name(std::uint32_t kind);
 
 // "flux", "pixels"…: a value's name in the format.

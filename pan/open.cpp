@@ -1,4 +1,4 @@
-// Opening: the header, the directory and the lengths of sections; no content is looked at.
+// Opening: the header, the directory and the lengths of sections; no content is checked.
 #include <fmt/format.h>
 
 #include <bit>
@@ -23,7 +23,7 @@ bool begins_with(std::span<const std::byte> bytes, std::string_view text) {
   return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
 }
 
-// What transfers that take a file for text make of the magic.
+// The signature after common text-mode transfers.
 bool damaged_by_text_mode(std::span<const std::byte> bytes) {
   constexpr std::string_view kSeen[] = {
       "\x89PAN\r\r\n\x1a\r\n",  // line feeds became CR LF
@@ -51,7 +51,7 @@ bool used_in_place(const layout::DirectoryEntry& entry) {
   return !has_codec(entry) && entry.stride == layout::kSections[entry.kind - 1].stride;
 }
 
-// Steps 1 and 2 of docs/pan-format.md, Reading: one complaint, or none.
+// Steps 1 and 2 of docs/pan-format.md, Reading: the first problem, or none.
 struct Complaint {
   Code code;
   std::string message;
@@ -64,10 +64,11 @@ std::optional<Complaint> check_magic(std::span<const std::byte> bytes) {
                                sizeof layout::kMagic);
   if (begins_with(bytes, magic.substr(0, std::min(bytes.size(), magic.size())))) {
     if (bytes.size() >= sizeof(layout::Header)) return {};
-    return Complaint{Code::E4005,
-                     fmt::format("the file is {} bytes long, the header alone takes {}",
-                                 bytes.size(), sizeof(layout::Header)),
-                     {}};
+    return Complaint{
+        Code::E4005,
+        fmt::format("the file is {} bytes long, expected at least the {} of the header",
+                    bytes.size(), sizeof(layout::Header)),
+        {}};
   }
   if (damaged_by_text_mode(bytes))
     return Complaint{Code::E4002, "the first bytes show that the file was transferred as text",
@@ -75,30 +76,29 @@ std::optional<Complaint> check_magic(std::span<const std::byte> bytes) {
   std::string seen;
   for (const std::byte byte : bytes.first(std::min<std::size_t>(bytes.size(), 8)))
     seen += fmt::format(" {:02x}", static_cast<unsigned>(byte));
-  return Complaint{
-      Code::E4001,
-      fmt::format("the file begins with{}, a pan file with 89 50 41 4e 0d 0a 1a 0a", seen),
-      {}};
+  return Complaint{Code::E4001,
+                   fmt::format("the file begins with{}, expected 89 50 41 4e 0d 0a 1a 0a", seen),
+                   {}};
 }
 
 std::optional<Complaint> check_header(const layout::Header& header, std::uint64_t size) {
   constexpr std::uint32_t kSwapped = 0x01020304;
   if (header.endian == kSwapped)
-    return Complaint{Code::E4003, "the file is big endian, pan files are little endian", {}};
+    return Complaint{Code::E4003, "the file is big-endian, expected little-endian", {}};
   if (header.header_hash != internal::header_hash(header))
     return Complaint{Code::E4007, "the header (bytes 0 to 127) does not match its checksum", {}};
   if (header.complete != layout::kComplete)
     return Complaint{Code::E4006, "the complete mark is missing: the writer was stopped", {}};
   if (header.endian != layout::kEndianTag || header.major != layout::kMajor)
     return Complaint{Code::E4003,
-                     fmt::format("the file has format {}.{}, this program reads {}.x", header.major,
+                     fmt::format("the file has format {}.{}, expected {}.x", header.major,
                                  header.minor, layout::kMajor),
                      "compile the model again with this version of panwright"};
   const std::uint64_t unknown = header.required_features & ~layout::kKnownRequiredFeatures;
   if (unknown != 0)
     return Complaint{Code::E4004,
-                     fmt::format("the file (format {}.{}) needs the features {:#x}, which this "
-                                 "program does not have",
+                     fmt::format("the file (format {}.{}) requires the features {:#x}, which this "
+                                 "program does not support",
                                  header.major, header.minor, unknown),
                      "update panwright, or compile the model again with this version"};
   if (!all_zero(header.reserved))
@@ -106,7 +106,7 @@ std::optional<Complaint> check_header(const layout::Header& header, std::uint64_
   if (header.total_length != size)
     return Complaint{
         Code::E4005,
-        fmt::format("the file is {} bytes long, its header says {}", size, header.total_length),
+        fmt::format("the file is {} bytes long, but its header says {}", size, header.total_length),
         {}};
   // note: compared so that nothing can overflow; total_length is the size of real bytes here
   const std::uint64_t offset = header.directory_offset;
@@ -143,40 +143,39 @@ std::optional<std::string> misplaced(const layout::DirectoryEntry& entry, std::u
                                      std::uint64_t end) {
   const std::string name = section_name(entry);
   if (entry.offset != begin)
-    return fmt::format("{} begins at byte {}, the one before it ends at {}", name, entry.offset,
+    return fmt::format("{} begins at byte {}, but the one before it ends at {}", name, entry.offset,
                        begin);
   if (entry.stored_length > end - begin)
-    return fmt::format("{} at byte {} has {} bytes, {} are left before the directory", name,
+    return fmt::format("{} at byte {} has {} bytes, but {} are left before the directory", name,
                        entry.offset, entry.stored_length, end - begin);
   // note: stored bytes are real ones, so that 256 times as many overflow nothing
   const std::uint64_t most = entry.stored_length * (has_codec(entry) ? layout::kMaxCompression : 1);
   if (entry.stride == 0 || entry.count > most / entry.stride ||
       entry.raw_length != entry.count * entry.stride)
-    return fmt::format("{} has {} bytes, which is not {} elements of {}", name, entry.raw_length,
+    return fmt::format("{} has {} bytes, expected {} elements of {} bytes", name, entry.raw_length,
                        entry.count, entry.stride);
   if ((entry.flags & ~layout::kSectionOptional) != 0 ||
       (!has_codec(entry) && entry.packed_length != 0))
     return fmt::format("{} has reserved bits that are not 0", name);
   if (has_codec(entry)) return mispacked(entry, name);
   if (entry.stored_length != internal::plain_stored_length(entry.raw_length))
-    return fmt::format("{} stores {} bytes, {} rounded up to a multiple of {} are needed", name,
+    return fmt::format("{} stores {} bytes, expected {} rounded up to a multiple of {}", name,
                        entry.stored_length, entry.raw_length, layout::kSectionAlignment);
   return {};
 }
 
-// What is wrong with the size of a known section's elements.
+// The problem of the element size of a known section, if any.
 std::optional<std::string> missized(const layout::DirectoryEntry& entry, std::uint64_t features) {
   const layout::SectionInfo& info = layout::kSections[entry.kind - 1];
   if (entry.stride == info.first_stride) return {};
   if (!info.table || !(features & layout::kFeatureRecordSizes))
-    return fmt::format("section '{}' has elements of {} bytes, {} are needed", info.name,
+    return fmt::format("section '{}' has elements of {} bytes, expected {}", info.name,
                        entry.stride, info.first_stride);
   if (entry.stride < info.first_stride || entry.stride > layout::kMaxRecordBytes ||
       entry.stride % info.alignment != 0)
     return fmt::format(
-        "section '{}' has records of {} bytes, multiples of {} from {} to {} are "
-        "read",
-        info.name, entry.stride, info.alignment, info.first_stride, layout::kMaxRecordBytes);
+        "section '{}' has records of {} bytes, expected a multiple of {} from {} to {}", info.name,
+        entry.stride, info.alignment, info.first_stride, layout::kMaxRecordBytes);
   return {};
 }
 
@@ -210,7 +209,7 @@ Result<Model> Model::read(const std::filesystem::path& path, std::uint64_t max_b
   if (!model) return failed;
   if (model->unpacked_bytes_ <= max_bytes) return model;
   log.report_file(Code::E0104, model->name_,
-                  fmt::format("its compressed sections come to {} bytes, the limit is {}",
+                  fmt::format("its sections decompress to {} bytes, expected at most {}",
                               model->unpacked_bytes_, max_bytes));
   return failed;
 }
@@ -232,7 +231,7 @@ Result<Model> Model::load(const std::filesystem::path& path, DiagnosticLog& log,
   return model;
 }
 
-// Step 3 for a section that lies in its place: one that is read, or may be ignored.
+// Step 3 for a section with a valid location: one that is read, or may be ignored.
 bool Model::take_section(const layout::DirectoryEntry& found, std::uint32_t number,
                          DiagnosticLog& log) {
   const auto refuse = [&](Code code, const std::string& problem) {
@@ -244,20 +243,20 @@ bool Model::take_section(const layout::DirectoryEntry& found, std::uint32_t numb
   };
   const std::uint64_t features = header().required_features;
   if (has_codec(found) && !(features & layout::kFeatureCompressed))
-    return refuse(Code::E4008,
-                  section_name(found) + " is compressed, and the header does not say so");
+    return refuse(Code::E4008, section_name(found) +
+                                   " is compressed, but the header does not declare compression");
   if (!known(found.kind) || found.version != 1) {
     if (found.flags & layout::kSectionOptional) return true;
-    return refuse(Code::E4004, fmt::format("{} has version {}, which this program does not read",
+    return refuse(Code::E4004, fmt::format("{} has version {}, which this program does not support",
                                            section_name(found), found.version));
   }
   if (found.codec > static_cast<std::uint32_t>(layout::Codec::chunks))
-    return refuse(Code::E4004, fmt::format("{} is compressed in a way, {}, that this program does "
-                                           "not read",
-                                           section_name(found), found.codec));
+    return refuse(Code::E4004,
+                  fmt::format("{} is compressed by method {}, which this program does not support",
+                              section_name(found), found.codec));
   if (const auto problem = missized(found, features)) return refuse(Code::E4008, *problem);
   if (entry_of_kind_[found.kind] != 0)
-    return refuse(Code::E4008, section_name(found) + " stands twice");
+    return refuse(Code::E4008, section_name(found) + " is repeated");
   entry_of_kind_[found.kind] = number;
   if (used_in_place(found)) {
     content_[found.kind] = bytes_.subspan(found.offset, found.raw_length);
@@ -296,13 +295,13 @@ bool Model::parse(DiagnosticLog& log) {
   }
   if (begin != header().directory_offset) {
     log.report_file(Code::E4008, name_,
-                    fmt::format("the sections end at byte {}, the directory begins at {}", begin,
-                                header().directory_offset));
+                    fmt::format("the sections end at byte {}, but the directory begins at {}",
+                                begin, header().directory_offset));
     return false;
   }
   if (unpacked_bytes_ > layout::kMaxUnpackedBytes) {
     log.report_file(Code::E4015, name_,
-                    fmt::format("the compressed sections come to {} bytes, the limit is {}",
+                    fmt::format("the sections decompress to {} bytes, expected at most {}",
                                 unpacked_bytes_, layout::kMaxUnpackedBytes));
     return false;
   }

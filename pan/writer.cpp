@@ -33,7 +33,7 @@ struct Writer::State {
   bool broken = false;             // a call has failed
   bool finished = false;           // finish() was called
   bool compress = false;           //
-  std::uint64_t features = 0;      // what the sections need of a reader
+  std::uint64_t features = 0;      // required by the sections
   std::vector<std::byte> held;     // of the open section, all of it, when it may be compressed
   std::vector<std::byte> pending;  // of the open section: less than a block
   std::vector<std::uint64_t> block_hashes;

@@ -26,7 +26,7 @@ namespace panwright::pan {
 
 // ---- whole models
 
-// p' = T·R·S·p. A parent stands before its children; parent is -1 for node 0 alone.
+// p' = T·R·S·p. A parent comes before its children; parent is -1 for node 0 alone.
 struct NodeContent {
   std::string name;
   std::int32_t parent = -1;
@@ -102,7 +102,7 @@ struct InputContent {
   std::uint64_t bytes = 0;
 };
 
-// A model as the compiler hands it over.
+// A model from the compiler.
 struct Contents {
   std::string version;                                 // "panwright 0.1.0"
   std::string options;                                 // "max_error=0.001 …", a fixed order
@@ -127,7 +127,7 @@ struct Contents {
 // Cost: O(vertices + triangles). Calls on different meshes may run in parallel.
 PackedMesh packed(const geometry::Mesh& mesh, std::string name);
 
-// What a file was made from, as one number (docs/pan-format.md, Build identity).
+// A hash of the inputs of a file (docs/pan-format.md, Build identity).
 Hash128 build_identity(std::span<const InputContent> inputs, std::string_view version,
                        std::string_view options);
 

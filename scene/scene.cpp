@@ -27,15 +27,17 @@ bool is_finite(const Mat4& m) {
 }
 
 std::string check_nodes(const Scene& scene) {
-  if (scene.nodes.empty()) return "there is no root node";
+  if (scene.nodes.empty()) return "no root node";
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     const Node& node = scene.nodes[i];
     const bool parent_ok = i == 0 ? node.parent == kNone : in_range(node.parent, i);
-    if (!parent_ok) return fmt::format("node {} has parent {}", i, node.parent);
+    if (!parent_ok)
+      return fmt::format("node {} has the parent {}, expected a node before it", i, node.parent);
     const Transform& t = node.parent_from_node;
     if (!panwright::is_finite(t.translation) || !panwright::is_finite(t.scale))
       return fmt::format("node {} has a transform that is not finite", i);
-    if (!is_unit(t.rotation)) return fmt::format("node {} has a rotation that is not unit", i);
+    if (!is_unit(t.rotation))
+      return fmt::format("node {} has a rotation that is not a unit quaternion", i);
     if (t.scale.x == 0 || t.scale.y == 0 || t.scale.z == 0)
       return fmt::format("node {} has a scale of zero", i);
   }
@@ -49,11 +51,12 @@ std::string check_mesh(const geometry::Mesh& mesh) {
     return "has attribute lists of different length";
   for (const geometry::Triangle& triangle : mesh.triangles)
     for (const std::uint32_t index : triangle)
-      if (index >= vertices) return fmt::format("has index {} of {}", index, vertices);
+      if (index >= vertices)
+        return fmt::format("has the index {}, expected below {}", index, vertices);
   for (const Vec3& p : mesh.positions)
     if (!panwright::is_finite(p)) return "has a position that is not finite";
   for (const Vec3& n : mesh.normals)
-    if (!(std::abs(glm::length(n) - 1) <= 1e-6)) return "has a normal that is not unit";
+    if (!(std::abs(glm::length(n) - 1) <= 1e-6)) return "has a normal that is not of unit length";
   return {};
 }
 
@@ -61,12 +64,14 @@ std::string check_shapes(const Scene& scene) {
   for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
     if (const auto* sphere = std::get_if<geometry::Sphere>(&scene.shapes[i])) {
       if (!(sphere->radius > 0) || !std::isfinite(sphere->radius))
-        return fmt::format("shape {} is a sphere of radius {}", i, sphere->radius);
+        return fmt::format("shape {} is a sphere of radius {}, expected above 0", i,
+                           sphere->radius);
       if (sphere->counts && (sphere->counts->rings < 2 || sphere->counts->quads < 3))
-        return fmt::format("shape {} is a sphere with too few rings or quads", i);
+        return fmt::format(
+            "shape {} is a sphere with too few rings or quads, expected at least 2 and 3", i);
     }
     if (const auto* mesh = std::get_if<geometry::MeshShape>(&scene.shapes[i])) {
-      if (!*mesh) return fmt::format("shape {} is a mesh that is not there", i);
+      if (!*mesh) return fmt::format("shape {} is a null mesh", i);
       const std::string problem = check_mesh(**mesh);
       if (!problem.empty()) return fmt::format("shape {} {}", i, problem);
     } else if (const auto problem = geometry::problem_of(scene.shapes[i])) {
@@ -83,9 +88,10 @@ std::string check_instances(const Scene& scene) {
     if (!in_range(instance.node, scene.nodes.size()) ||
         !in_range(instance.shape, scene.shapes.size()) ||
         !in_range(instance.material, scene.materials.size()))
-      return fmt::format("instance {} refers to nothing", i);
+      return fmt::format("instance {} refers to a node, shape or material that does not exist", i);
     if (instance.texture != kNone && !in_range(instance.texture, scene.textures.size()))
-      return fmt::format("instance {} has texture {}", i, instance.texture);
+      return fmt::format("instance {} refers to the texture {}, which does not exist", i,
+                         instance.texture);
     if (!is_finite(instance.texture_from_shape))
       return fmt::format("instance {} has a texture matrix that is not finite", i);
   }
@@ -97,17 +103,19 @@ std::string check_rest(const Scene& scene) {
     const Texture& texture = scene.textures[i];
     if (texture.width == 0 || texture.height == 0 ||
         texture.rgba.size() != std::size_t{4} * texture.width * texture.height)
-      return fmt::format("texture {} has {} bytes for {} x {}", i, texture.rgba.size(),
-                         texture.width, texture.height);
+      return fmt::format("texture {} has {} bytes, expected 4 for each of {} x {} texels", i,
+                         texture.rgba.size(), texture.width, texture.height);
   }
   std::set<std::string_view> names;
   for (std::size_t i = 0; i < scene.frames.size(); ++i) {
     const Frame& frame = scene.frames[i];
     if (!in_range(frame.node, scene.nodes.size()) || !panwright::is_finite(frame.origin) ||
         !is_unit(frame.rotation))
-      return fmt::format("frame {} is not sound", i);
-    if (!names.insert(frame.name).second)
-      return fmt::format("two frames are called {}", frame.name);
+      return fmt::format(
+          "frame {} has an unknown node, an origin that is not finite or a rotation that is not a "
+          "unit quaternion",
+          i);
+    if (!names.insert(frame.name).second) return fmt::format("duplicate frame name {}", frame.name);
   }
   return {};
 }
@@ -118,11 +126,14 @@ std::string check_joints(const Scene& scene) {
     const auto finite = [](double x) { return std::isfinite(x); };
     if (!in_range(joint.node, scene.nodes.size()) || !panwright::is_finite(joint.axis) ||
         !(std::abs(glm::length(joint.axis) - 1) <= kUnitTolerance) || !finite(joint.value))
-      return fmt::format("joint {} is not sound", i);
+      return fmt::format(
+          "joint {} has an unknown node, an axis that is not of unit length or a value that is not "
+          "finite",
+          i);
     if (joint.lower.size() != joint.upper.size() ||
         !std::all_of(joint.lower.begin(), joint.lower.end(), finite) ||
         !std::all_of(joint.upper.begin(), joint.upper.end(), finite))
-      return fmt::format("joint {} has limits that are not sound", i);
+      return fmt::format("joint {} has limits that are not finite or do not come in pairs", i);
   }
   return {};
 }
@@ -132,9 +143,9 @@ std::string check_truth(const Scene& scene) {
   for (std::size_t i = 0; i < scene.keypoints.size(); ++i) {
     const Keypoint& point = scene.keypoints[i];
     if (!in_range(point.node, scene.nodes.size()) || !panwright::is_finite(point.position))
-      return fmt::format("keypoint {} is not sound", i);
+      return fmt::format("keypoint {} has an unknown node or a position that is not finite", i);
     if (!names.insert(point.name).second)
-      return fmt::format("two keypoints are called {}", point.name);
+      return fmt::format("duplicate keypoint name {}", point.name);
   }
   const auto direction = [](const std::optional<Vec3>& v) {
     return !v || (panwright::is_finite(*v) && *v != Vec3(0));
@@ -145,7 +156,10 @@ std::string check_truth(const Scene& scene) {
         !in_range(decal.texture, scene.textures.size()) || !panwright::is_finite(decal.at) ||
         !direction(decal.normal) || !direction(decal.up) || !(decal.width > 0) ||
         !(decal.height > 0) || !std::isfinite(decal.width) || !std::isfinite(decal.height))
-      return fmt::format("decal {} is not sound", i);
+      return fmt::format(
+          "decal {} has an unknown instance or texture, a direction of length 0, or a position or "
+          "size out of range",
+          i);
   }
   return {};
 }
@@ -155,11 +169,11 @@ std::string check_budget(const Scene& scene) {
   for (const auto& term :
        {budget.tolerance, budget.nearest, budget.ifov, budget.pixels, budget.flux, budget.centroid})
     if (term && (!(*term > 0) || !std::isfinite(*term)))
-      return fmt::format("the budget has a term of {}", *term);
+      return fmt::format("the budget has a term of {}, expected above 0", *term);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const auto& tolerance = scene.instances[i].tolerance;
     if (tolerance && (!(*tolerance > 0) || !std::isfinite(*tolerance)))
-      return fmt::format("instance {} has a tolerance of {}", i, *tolerance);
+      return fmt::format("instance {} has a tolerance of {}, expected above 0", i, *tolerance);
   }
   return {};
 }
@@ -170,10 +184,11 @@ std::string check_maps(const Scene& scene) {
     for (const std::int32_t map :
          {maps.albedo, maps.normal, maps.roughness, maps.reflectance, maps.cutout})
       if (map != kNone && !in_range(map, scene.textures.size()))
-        return fmt::format("material {} has a map {}", i, map);
+        return fmt::format("material {} refers to the texture {}, which does not exist", i, map);
     if (!std::isfinite(maps.repeat.x) || !std::isfinite(maps.repeat.y) ||
         !(maps.threshold >= 0 && maps.threshold <= 1))
-      return fmt::format("material {} has maps that are not sound", i);
+      return fmt::format(
+          "material {} has a map repeat that is not finite or a threshold outside 0 to 1", i);
   }
   return {};
 }

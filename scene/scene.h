@@ -49,13 +49,13 @@ struct Texture {
   bool linear = false;             // false: sRGB encoded
 };
 
-// How a texture finds its place on a shape.
+// How a texture is mapped onto a shape.
 enum class Mapping : std::uint8_t {
   texcoords,  // by the mesh's own coordinates
   sphere,     // by longitude and latitude seen from the origin of the texture's frame
 };
 
-// What the model is for, and so how closely it has to follow its shapes. Absent terms ask nothing.
+// The accuracy budget of the model. Absent terms set no limit.
 struct Budget {
   std::optional<double> tolerance;  // metres
   std::optional<double> nearest;    // metres from the camera to the nearest surface, > 0
@@ -76,7 +76,7 @@ struct Instance {
   Mapping mapping = Mapping::texcoords;
   Mat4 texture_from_shape{1};       // for Mapping::sphere
   std::optional<double> tolerance;  // metres in the world: overrides the budget
-  bool prunable = false;            // a mesh whose faces may go where nobody outside can see them
+  bool prunable = false;            // a mesh whose hidden faces may be removed
   Source source;
 };
 
@@ -96,7 +96,7 @@ struct Decal {
   Source source;
 };
 
-// A point whose place in an image is wanted as ground truth.
+// A point whose image position is ground truth.
 struct Keypoint {
   std::string name;
   std::int32_t node = 0;
@@ -117,7 +117,7 @@ enum class JointKind : std::uint8_t { fixed, revolute, continuous, prismatic, ba
 
 // How a part of the spacecraft moves: about or along an axis through its node's origin, before the
 // node's own transform. Several joints of one node apply in their order, the first outermost.
-// Models stand as written; what a joint was written at is `value`.
+// Models keep the authored state; the joint value of it is `value`.
 struct Joint {
   std::string name;
   std::int32_t node = 0;
@@ -125,7 +125,7 @@ struct Joint {
   Vec3 axis{0, 0, 1};         // unit, in the node's frame; scale: factors are powers of its parts
   std::vector<double> lower;  // radians, metres or factors; none: unlimited; ball: three numbers
   std::vector<double> upper;  // as many as lower
-  double value = 0;           // at which the node stands as written
+  double value = 0;           // of the authored state
   // of the part that moves, where the file tells: kilograms, metres in the node's frame, kg·m²
   std::optional<double> mass;
   std::optional<Vec3> centre_of_mass;
@@ -133,7 +133,7 @@ struct Joint {
   Source source;
 };
 
-// A file that went into the scene.
+// An input file of the scene.
 struct Input {
   std::string path;  // relative to the top file's folder, '/' between parts
   Hash128 hash;
@@ -168,8 +168,8 @@ std::optional<Decomposed> decomposed(const Mat4& matrix);
 // World matrices, one per node, root first.
 std::vector<Mat4> world_from_nodes(const Scene& scene);
 
-// Whether every index, number and name of a scene is as documented above; says what is not.
-// Returns an empty string for a sound scene. A reader that builds an unsound one has a bug.
+// Whether every index, number and name of a scene is as documented above. Returns the first
+// problem, or an empty string for a valid scene. A reader that builds an invalid one has a bug.
 std::string check(const Scene& scene);
 
 }  // namespace panwright::scene

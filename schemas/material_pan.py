@@ -103,7 +103,7 @@ def pan_text(schema):
             else:
                 out.append(f"void {kind}({record}, {mine}) {{}}")
     out += ["", "std::optional<std::string> broken(const char* name, float value, const char* limit) {",
-            "  return fmt::format(\"{} is {}, it must be {}\", name, value, limit);", "}", "",
+            "  return fmt::format(\"{} is {}, expected {}\", name, value, limit);", "}", "",
             "}  // namespace", "", "materials::Material material_from(const layout::Material& r, std::string_view name) {",
             "  materials::Material m;", "  m.name = name;"]
     out += indented(read_lines(schema["structs"]["Material"]["parameter"], "m", schema))

@@ -12,7 +12,8 @@ namespace {
 const CLI::Validator kFinite(
     [](std::string& text) {
       const auto number = workspace::parse_numbers(text, 1);
-      return number && std::isfinite((*number)[0]) ? std::string() : text + " is no finite number";
+      return number && std::isfinite((*number)[0]) ? std::string()
+                                                   : text + " is not a finite number";
     },
     "");
 

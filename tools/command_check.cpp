@@ -41,7 +41,7 @@ void check_one(const std::string& path, const workspace::OpenOptions& read,
     }
   } else {
     log.report(Code::E0202, {},
-               fmt::format("{} is no file of a model: .pan, .pxn and CAD files are checked",
+               fmt::format("{} is not a supported model file, expected .pan, .pxn or a CAD file",
                            in_quotes(path)));
   }
   const std::size_t found = log.errors() - errors;
@@ -68,7 +68,7 @@ int run(const Options& options, const Host& host) {
 }  // namespace
 
 Command check_command() {
-  return command("check", "Say everything that is wrong with pxn, pan and CAD files", declare_all,
+  return command("check", "Check pxn, pan and CAD files and report every problem", declare_all,
                  run);
 }
 

@@ -25,7 +25,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments.add("input", options.input, "The model, a .pxn file").required().type("FILE.pxn");
   arguments
       .add("-o,--output", options.output,
-           "The text; images are written beside it as PNG, unless they are there (-: standard "
+           "The text; images are written next to it as PNG, unless they exist (-: standard "
            "output, without textures)")
       .required()
       .type("FILE.pxn");

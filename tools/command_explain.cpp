@@ -48,7 +48,7 @@ int run(const Options& options, const Host& host) {
     for (const CodeInfo& info : all_codes()) names.push_back(info.name);
     const auto near = nearest_name(options.code, names);
     context.log().report(Code::E0204, {},
-                         fmt::format("{} is no diagnostic code", in_quotes(options.code)),
+                         fmt::format("{} is not a diagnostic code", in_quotes(options.code)),
                          near ? fmt::format("did you mean '{}'?", *near) : std::string());
     return context.finish();
   }

@@ -76,8 +76,9 @@ int run(const Options& options, const Host& host) {
   CommandContext context("fmt", options.common, host);
   if (!options.output.empty() && (options.inputs.size() > 1 || options.check)) {
     context.log().report(Code::E0201, {},
-                         options.check ? "--check writes nothing, so there is no -o with it"
-                                       : "-o takes one file; several are formatted in place");
+                         options.check
+                             ? "-o cannot be combined with --check, which writes nothing"
+                             : "-o requires a single file; several are formatted in place");
     return context.finish();
   }
   Formatting formatting(options, context);

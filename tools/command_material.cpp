@@ -235,8 +235,7 @@ void print_report(const DescribedMaterial& described, const materials::MaterialR
   fmt::print("single precision      {:.1e} largest, {:.1e} RMS relative error\n", c.f32_error,
              c.f32_rms);
   if (c.fit_error > 0)
-    fmt::print("fits                  {:.1e} largest error of what stands for integrals\n",
-               c.fit_error);
+    fmt::print("fits                  {:.1e} largest approximation error\n", c.fit_error);
   fmt::print("speed                 {:.0f} ns an evaluation in double, {:.0f} ns in single\n",
              speed.f64, speed.f32);
   const auto absorptance = computed_absorptance(described);
@@ -393,7 +392,7 @@ int run(const Options& options, const Host& host) {
   }
   if (options.inputs.empty() && !options.all) {
     context.log().report(Code::E0201, {}, "name a pxn file or a material of the library",
-                         "`panwright material --list` shows what it has");
+                         "`panwright material --list` lists its materials");
     return context.finish();
   }
   if (options.show) {

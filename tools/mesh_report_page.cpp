@@ -155,8 +155,8 @@ std::string totals(const geometry::CleanReport& total) {
   row("vertices before", total.vertices_before);
   row("vertices after", total.vertices_after);
   row("faces without area", total.degenerate);
-  row("faces that stood twice", total.duplicates);
-  row("faces turned round", total.flipped);
+  row("duplicate faces", total.duplicates);
+  row("faces flipped", total.flipped);
   row("components", total.components);
   row("closed components", total.closed_components);
   row("edges of three faces or more", total.non_manifold_edges);
@@ -167,8 +167,8 @@ std::string totals(const geometry::CleanReport& total) {
 
 std::string mesh_rows(const importers::MeshReport& mesh_report) {
   std::string out =
-      "<h2>Meshes</h2>\n<table>\n<tr><th>first place</th><th>triangles</th><th>holes</th>"
-      "<th>non-manifold edges</th><th>T-junctions</th><th>turned</th></tr>\n";
+      "<h2>Meshes</h2>\n<table>\n<tr><th>first location</th><th>triangles</th><th>holes</th>"
+      "<th>non-manifold edges</th><th>T-junctions</th><th>flipped</th></tr>\n";
   std::size_t rows = 0;
   for (const importers::MeshQuality& mesh : mesh_report.meshes) {
     const geometry::CleanReport& r = mesh.report;
@@ -190,18 +190,19 @@ std::string mesh_report_page(const importers::MeshReport& mesh_report, const sce
   std::string out = head(input) + totals(mesh_report.total);
   if (!mesh_report.spots.empty()) {
     Camera camera(scene, options);
-    out += "<h2>Places to look at</h2>\n";
-    if (!camera.works()) out += "<p>No images: there is no OpenGL here.</p>\n";
+    out += "<h2>Locations to inspect</h2>\n";
+    if (!camera.works()) out += "<p>No images: no OpenGL context.</p>\n";
     std::array<std::size_t, 8> shown{};
     for (const importers::WorldSpot& spot : mesh_report.spots) {
       if (!camera.works() || shown[static_cast<std::size_t>(spot.kind)]++ >= kTexturesOfAKind)
         continue;
       const std::string image = camera.image(spot);
       if (image.empty()) continue;
+      const bool flipped = spot.kind == geometry::SpotKind::flipped;
       out += fmt::format(
           "<figure><img width=\"{0}\" height=\"{0}\" alt=\"{1}\" src=\"data:image/png;base64,{2}\">"
-          "<figcaption>{1} of {3:.3g} m in {4}, at {5:.4g} {6:.4g} {7:.4g}</figcaption></figure>\n",
-          kSide, importers::kind_name(spot.kind), image, spot.length,
+          "<figcaption>{1}, {3:.3g} m, in {4}, at {5:.4g} {6:.4g} {7:.4g}</figcaption></figure>\n",
+          kSide, flipped ? "flipped region" : importers::kind_name(spot.kind), image, spot.length,
           escaped(mesh_report.meshes[spot.mesh].path), spot.at.x, spot.at.y, spot.at.z);
     }
   }

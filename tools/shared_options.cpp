@@ -37,7 +37,7 @@ void declare(Arguments& arguments, ReadOptions& read) {
   declare_root(arguments, read.open.root);
   arguments
       .add("-D,--define", read.parameters,
-           "Give a <param> of the model another value, as -D span=2.4m; may stand often")
+           "Give a <param> of the model another value, as -D span=2.4m; may be repeated")
       .type("NAME=VALUE")
       .one_value();
   declare_max_input(arguments, read.open.max_input);
@@ -107,7 +107,7 @@ void declare(Arguments& arguments, workspace::CadOptions& cad) {
       .finite()
       .not_negative();
   option("--assume", cad.assume, "KIND",
-         "What a file is that does not say: vrml97, vrml1, gltf, obj, stl, ply or step")
+         "Format to assume when it cannot be detected: vrml97, vrml1, gltf, obj, stl, ply or step")
       .one_of({"vrml97", "vrml1", "gltf", "obj", "stl", "ply", "step"});
   arguments.flag("--recentre", cad.recentre, "Put the middle of the model at the origin")
       .group(kGroup);
@@ -132,7 +132,7 @@ void declare(Arguments& arguments, ViewOptions& options) {
   arguments
       .add("--pose", options.poses,
            "Position and attitude world_from_model of a target, NAME=\"X Y Z W I J K\"; without "
-           "NAME= of the only one; may stand often")
+           "NAME= of the only one; may be repeated")
       .type("[NAME=]\"X Y Z W I J K\"")
       .one_value()
       .group(kGroup);

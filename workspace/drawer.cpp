@@ -1,4 +1,4 @@
-// The one file that knows how the engines are set up and called.
+// Setup and calls of both engines.
 #include "workspace/drawer.h"
 
 #include <algorithm>

@@ -34,7 +34,7 @@ struct DrawOptions {
   preview::ReferenceOptions reference;
 };
 
-// What draws.
+// The engine in use.
 struct EngineInfo {
   Engine engine = Engine::gl;
   // of the OpenGL context; empty and false for the reference
@@ -43,7 +43,7 @@ struct EngineInfo {
   bool hardware = false;
 };
 
-// What the reference measures: see preview::ReferenceImage.
+// Statistics of the reference renderer: see preview::ReferenceImage.
 struct Measured {
   Vec3 flux{0};
   Vec3 flux_error{0};
@@ -58,7 +58,7 @@ struct Drawn {
   std::optional<preview::SamplingReport> sampling;  // of OpenGL alone
 };
 
-// Keeps what does not change from image to image: the context, the models of the last world.
+// Keeps the state shared by images: the context, the models of the last world.
 class Drawer {
  public:
   // Fails: E5001, E5007. Reports: N5002.
@@ -70,8 +70,8 @@ class Drawer {
 
   EngineInfo info() const;
 
-  // Uploads the models of a world, or builds what they are traced by. draw() does it where it is
-  // missing.
+  // Uploads the models of a world, or builds their acceleration structures. draw() does it where
+  // it is missing.
   //
   // Expects: targets. Fails: E0001, E5003.
   bool prepare(const world::World& world, DiagnosticLog& log, const Job& job = {});
@@ -88,12 +88,12 @@ class Drawer {
               DiagnosticLog& log, const Job& job = {});
   Result<Drawn> collect(DiagnosticLog& log, const Job& job = {});
   std::size_t in_flight() const;
-  // Takes an image that nobody needs any longer, for its memory.
+  // Takes back an image, to reuse its memory.
   void recycle(preview::Image image);
 
   // Draws a world.
   //
-  //   truth  whether the ground truth layers are wanted
+  //   truth  whether the ground truth layers are rendered
   // Expects: targets; camera, Sun and options as the engine wants them.
   // Fails: E0001, E5003. Reports: W5006, W5008.
   Result<Drawn> draw(const world::World& world, const world::Camera& camera, bool ground_truth,

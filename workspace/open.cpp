@@ -27,7 +27,7 @@ void note_unused(const std::vector<std::string_view>& names, const std::string& 
     log.report_file(Code::N1405, path, fmt::format("{} has no effect on a {} file", name, kind));
 }
 
-// Options that are for files of another format.
+// Options for files of another format.
 void note_other_formats(const CadOptions& cad, importers::Format format, const std::string& path,
                         DiagnosticLog& log) {
   using importers::Format;
@@ -40,7 +40,7 @@ void note_other_formats(const CadOptions& cad, importers::Format format, const s
   note_unused(unused, path, kKinds[static_cast<std::size_t>(format)], log);
 }
 
-// Options of CAD files, for a file that is none.
+// Options of CAD files, for a file that is not a CAD file.
 void note_cad_options(const CadOptions& cad, const std::filesystem::path& path,
                       DiagnosticLog& log) {
   const CadOptions usual;
@@ -63,22 +63,25 @@ void note_cad_options(const CadOptions& cad, const std::filesystem::path& path,
   note_unused(unused, path.string(), extension_of(path), log);
 }
 
-// Names that the importers do not know. The program's own options cannot hold them.
+// Option values that the importers do not know. The program checks its own options before.
 bool are_known(const CadOptions& cad, DiagnosticLog& log) {
-  const auto require = [&](bool known, const char* name, const std::string& value) {
+  const auto require = [&](bool known, const char* name, const std::string& value,
+                           const char* accepted) {
     if (!known)
       log.report(Code::E0201, {},
-                 fmt::format("the option '{}' of CAD files is {}, which is none of its values",
-                             name, in_quotes(value)));
+                 fmt::format("the option '{}' of CAD files is {}, expected {}", name,
+                             in_quotes(value), accepted));
     return known;
   };
   const bool format =
       cad.assume.empty() || std::any_of(std::begin(kFormats), std::end(kFormats),
                                         [&](const auto& each) { return each.first == cad.assume; });
-  const bool units =
-      require(cad.units == "auto" || importers::unit_of(cad.units), "units", cad.units);
-  const bool up = require(cad.up == "auto" || importers::up_of(cad.up), "up", cad.up);
-  return require(format, "assume", cad.assume) && units && up;
+  const bool units = require(cad.units == "auto" || importers::unit_of(cad.units), "units",
+                             cad.units, "auto, m, mm, cm, dm, km, um, in, ft or yd");
+  const bool up =
+      require(cad.up == "auto" || importers::up_of(cad.up), "up", cad.up, "auto, y or z");
+  return require(format, "assume", cad.assume, "vrml97, vrml1, gltf, obj, stl, ply or step") &&
+         units && up;
 }
 
 importers::Options import_options(const OpenOptions& options) {
@@ -143,7 +146,7 @@ Result<importers::Imported> read_cad(const std::filesystem::path& path, const Op
   }();
   if (!imported) return failed;
   note_other_formats(cad, imported->format, path.string(), log);
-  // first, as lengths of cleaning are metres of the world
+  // before cleaning, whose lengths are metres in the world
   importers::place(*imported, importers::unit_of(cad.units), importers::up_of(cad.up), cad.recentre,
                    log);
   if (!cad.no_weld) {
@@ -197,8 +200,8 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
   if (extension == ".pan") return open_pan(path, options, log, job, report);
   if (extension != ".pxn" && !is_cad(path)) {
     log.report(Code::E0202, {},
-               fmt::format("{} is no file of a model: .pan, .pxn, .wrl, .wrz, .vrml, .glb, "
-                           ".gltf, .obj, .stl, .ply and .step are read",
+               fmt::format("{} is not a supported model file, expected .pan, .pxn, .wrl, .wrz, "
+                           ".vrml, .glb, .gltf, .obj, .stl, .ply or .step",
                            in_quotes(path.string())));
     return failed;
   }

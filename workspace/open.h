@@ -21,19 +21,19 @@
 
 namespace panwright::workspace {
 
-// How a CAD file is taken. The values that stand here are what the importers take by default.
+// Options of CAD imports, with the defaults of the importers.
 struct CadOptions {
   std::string units = "auto";  // or m, mm, cm, dm, km, um, in, ft, yd
   std::string up = "auto";     // or y, z
-  std::string root;            // folder of what it names; empty: the file's
+  std::string root;            // folder of referenced files; empty: the file's
   std::string scene;           // glTF: name or number; empty: the default one
-  std::string assume;          // of files that do not say: vrml97, vrml1, gltf, obj, stl, ply, step
+  std::string assume;          // fallback format: vrml97, vrml1, gltf, obj, stl, ply, step
   bool no_weld = false;        // meshes stay as they are
   double weld = 0;             // metres in the world
   double crease_deg = 30;
   std::uint32_t primitives = 0;  // VRML; 0: exact shapes
   double deflection = 0;         // STEP; metres, 0: by the model's size
-  bool crease_normals = false;   // those of the file are computed anew
+  bool crease_normals = false;   // computed instead of those of the file
   bool keep_hidden = false;
   bool recentre = false;
 };
@@ -43,25 +43,25 @@ struct OpenOptions {
   std::uint64_t max_input = 128ull << 20;  // bytes of pxn files in all
   // Values that replace those of <param>: name, and text as in its attribute.
   std::vector<std::pair<std::string, std::string>> parameters;
-  std::optional<double> max_error;  // metres in the world; none: what the model needs
+  std::optional<double> max_error;  // metres in the world; none: from the model's budget
   std::uint64_t max_triangles = 1ull << 27;
   CadOptions cad;  // for models that are CAD files
-  // Whether imports with hidden="remove" (the default), and CAD files unless keep_hidden, lose what
-  // no image from outside shows. A model that is shown once and not stored may do without.
+  // Whether hidden geometry is removed from imports with hidden="remove" (the default) and from CAD
+  // files unless keep_hidden. A model that is shown once and not stored does not need it.
   bool prune = true;
 };
 
-// One thing that was done, and how long it took.
+// One step and its duration.
 struct Step {
   std::string name;  // "compile cubesat.pxn"
   double seconds = 0;
 };
 
-// What opening a file, or part of it, has found. Calls add to it.
+// Results of opening a file, or of a part of it. Calls add to it.
 struct OpenReport {
   std::vector<Step> steps;
   std::optional<importers::MeshReport> mesh_report;  // of a CAD file that was cleaned
-  std::optional<compiler::HiddenReport> hidden;      // where something might have gone
+  std::optional<compiler::HiddenReport> hidden;      // where geometry could be removed
 };
 
 // The extension in lower case, with its point. Empty: none.
@@ -84,9 +84,9 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
 
 // Reads a pxn or CAD file. Of the latter, instances may be pruned unless keep_hidden.
 //
-// Fails: E0001, E01…, E1…, E6…; E0201 for a CAD option that is none. A scene is returned whenever
-// something could be read; the log says whether all of it could. Reports N1405 for options that
-// mean nothing to the file.
+// Fails: E0001, E01…, E1…, E6…; E0201 for an unknown value of a CAD option. A scene is returned
+// whenever something could be read; the log says whether all of it could. Reports N1405 for options
+// that have no effect on the file.
 Result<scene::Scene> read_scene(const std::filesystem::path& path, const OpenOptions& options,
                                 DiagnosticLog& log, const Job& job = {},
                                 OpenReport* report = nullptr);
@@ -96,19 +96,19 @@ Result<importers::Imported> read_cad(const std::filesystem::path& path, const Op
                                      DiagnosticLog& log, const Job& job = {},
                                      OpenReport* report = nullptr);
 
-// Takes away what nobody outside can see, of those instances that may lose it.
+// Removes hidden geometry of the instances that are prunable.
 //
 //   returns  whether there was any such instance
 // Fails: E0001, with the scene as it was.
 Result<bool> prune(scene::Scene& scene, const OpenOptions& options, DiagnosticLog& log,
                    const Job& job = {}, OpenReport* report = nullptr);
 
-// What a compilation is to do that opening does not ask.
+// Options of writing a pan file.
 struct WriteOptions {
   std::string output;  // .pan; "-": standard output
   bool strip_sources = false;
   bool compress = false;  // pan::WriteOptions
-  std::string origin;     // how the scene was made of its inputs, where they do not say
+  std::string origin;     // import options that the inputs do not record
 };
 
 // Prunes a scene and writes it as a pan file: there it is whole, or not at all.

@@ -37,7 +37,7 @@ std::string words(const Quat& q) { return fmt::format("{} {} {} {}", q.w, q.x, q
 
 using Metadata = decltype(preview::Image::metadata);
 
-// What made an image, for its header.
+// Metadata of an image, for its header.
 void describe(const world::World& world, const world::Camera& camera, const DrawOptions& options,
               Metadata& metadata) {
   const auto add = [&](std::string name, std::string value) {
@@ -68,7 +68,7 @@ void describe(const world::World& world, const world::Camera& camera, const Draw
   if (!traced) add("panwright.shadow_side", fmt::format("{}", options.gl.shadow_side));
 }
 
-// Everything that can be wrong with the views and is seen without drawing them.
+// Checks of the views that need no drawing.
 bool are_sound(const world::World& world, std::span<const View> views, DiagnosticLog& log) {
   const std::size_t errors = log.errors();
   if (world.empty()) log.report(Code::E5030, {}, "the world has no targets, expected at least 1");
@@ -82,7 +82,7 @@ bool are_sound(const world::World& world, std::span<const View> views, Diagnosti
   return log.errors() == errors;
 }
 
-// A view on its way into an image.
+// A view that is being drawn.
 struct Drawing {
   std::size_t view = 0;  // its index
   double ev = 0;
@@ -90,7 +90,7 @@ struct Drawing {
   Metadata metadata;
 };
 
-// An image on its way into its file.
+// An image that is being written.
 struct Writing {
   Written what;
   preview::Image image;
@@ -127,7 +127,7 @@ class Run {
         job_.poll();
         if (drawing_.size() == depth()) good = end(phase);
       }
-      // what was begun is written, whatever is wrong with the view after it
+      // what was begun is written, even where a later view fails
       while (good && drawer_->in_flight() > 0) {
         job_.poll();
         good = end(phase);
@@ -136,7 +136,7 @@ class Run {
       (void)retire();
       throw;
     }
-    // note: asked for first, so that the last image is told of whatever happened
+    // note: first, so that the last image is reported in any case
     const bool last = retire();
     if (!last || done_ < views_.size()) return failed;
     return done_;
@@ -164,12 +164,12 @@ class Run {
     return true;
   }
 
-  // Views under way at most.
+  // Maximum number of views in flight.
   std::size_t depth() const {
     return options_.draw.engine == Engine::gl ? Drawer::kMostInFlight : 1;
   }
 
-  // Has one view drawn. False: nothing after it is.
+  // Begins to draw a view. False: stop.
   bool begin(std::size_t index) {
     job_.poll();
     const View& view = views_[index];
@@ -186,7 +186,7 @@ class Run {
     return true;
   }
 
-  // Has the oldest view written. False: nothing after it is.
+  // Ends the oldest view and begins to write it. False: stop.
   bool end(Phase& phase) {
     const Drawing drawing = std::move(drawing_.front());
     drawing_.pop_front();
@@ -213,7 +213,7 @@ class Run {
     return true;
   }
 
-  // The state of one view. Setters that change nothing leave what is cached.
+  // Sets the state of one view. Setters that change nothing keep caches valid.
   void pose(const View& view) {
     std::vector<world::Pose> poses;
     for (const world::Instance& target : world_.instances()) poses.push_back(target.pose());

@@ -43,7 +43,7 @@ struct RunOptions {
 };
 
 // Renders views of a world and writes them, in order, each whole or not at all. Models are uploaded
-// once; what does not change from view to view is not worked out again. While one image is drawn,
+// once; what does not change from view to view is reused. While one image is drawn,
 // the one before is copied and the one before that is written.
 //
 //   returns  the number of images that were written: all of them

@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What a sphere around nothing is made of.
+// radius of the sphere around a single point
 constexpr double kLeastRadius = 1e-30;
 
 std::string stem_of(const fs::path& path) {
@@ -36,10 +36,10 @@ TargetFile target_file(std::string_view text) {
 Result<world::World> open_world(std::span<const TargetFile> targets, const OpenOptions& options,
                                 DiagnosticLog& log, const Job& job, OpenReport* report) {
   if (targets.empty()) {
-    log.report(Code::E5030, {}, "no file of a model is given");
+    log.report(Code::E5030, {}, "no model file given, expected at least 1");
     return failed;
   }
-  // what takes long is begun only where it can be used
+  // names first: opening takes long
   std::map<std::string_view, const fs::path*> names;
   for (const TargetFile& target : targets) {
     const auto [known, added] = names.emplace(target.name, &target.file);

@@ -1,4 +1,4 @@
-// Worlds of files: targets by the names that options, views and ground truth call them.
+// Worlds of files: targets by their names in options, views and ground truth.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@
 
 namespace panwright::workspace {
 
-// A file, and what the target is called that it shows.
+// A file and the name of its target.
 struct TargetFile {
   std::string name;
   std::filesystem::path file;
@@ -35,13 +35,13 @@ Result<world::World> open_world(std::span<const TargetFile> targets, const OpenO
                                 DiagnosticLog& log, const Job& job = {},
                                 OpenReport* report = nullptr);
 
-// The least sphere that is surely around something, world axes, metres.
+// A bounding sphere, world axes, metres.
 struct BoundingSphere {
   Vec3 centre{0};
   double radius = 1;
 };
 
-// Spheres around targets, each worked out once for the state of its nodes.
+// Bounding spheres of targets, each computed once for the state of its nodes.
 class BoundingSpheres {
  public:
   // About the centre of the bounds of a target as it is posed; of a target of which nothing is

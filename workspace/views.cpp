@@ -30,6 +30,11 @@ class Reader {
                 fmt::format("--{} is {}, expected {}", name, in_quotes(value), accepted));
     ok_ = false;
   }
+  // Options that exclude each other.
+  void conflict(const char* message) {
+    log_.report(Code::E0201, {}, message);
+    ok_ = false;
+  }
   void failed_elsewhere() { ok_ = false; }
 
   std::optional<Vec3> vector(const char* name, const std::optional<std::string>& text,
@@ -42,7 +47,7 @@ class Reader {
     }
     const Vec3 v((*numbers)[0], (*numbers)[1], (*numbers)[2]);
     if (!direction) return v;
-    // squares of the largest and the smallest numbers have no place in a double
+    // squares of the largest and the smallest numbers overflow or underflow a double
     const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
     if (largest > 0) return v / largest;
     fail(name, *text, "a direction, not all zeros");
@@ -98,9 +103,7 @@ void read_size(const ViewText& text, Reader& reader, world::Camera& camera) {
 bool read_lens(const ViewText& text, Reader& reader, world::Camera& camera) {
   const int given = int(text.fov.has_value()) + int(text.ifov.has_value()) +
                     int(text.intrinsics.has_value()) + int(text.ortho.has_value());
-  if (given > 1)
-    reader.fail("fov", text.fov.value_or("given with another"),
-                "one of --fov, --ifov, --intrinsics and --ortho");
+  if (given > 1) reader.conflict("--fov, --ifov, --intrinsics and --ortho cannot be combined");
   if (text.fov) {
     const auto angle = parse_angle(*text.fov);
     if (!angle || !(*angle > 0 && *angle < kPi))
@@ -151,7 +154,7 @@ void read_pose(const PoseText& text, Reader& reader, world::World& world, View& 
     target = *found;
   } else if (world.size() != 1) {
     return reader.fail("pose", text.value,
-                       "the name of a target where there are several: NAME=\"X Y Z W I J K\"");
+                       "the name of one of several targets, as NAME=\"X Y Z W I J K\"");
   }
   const std::string option = text.target.empty() ? "pose" : "pose " + text.target;
   const auto numbers = parse_numbers(text.value, 7);
@@ -186,7 +189,7 @@ void read_attitude(const ViewText& text, const Sphere& sphere, Reader& reader,
     } else if (const auto q = reader.quaternion("quat", *text.quat, *numbers, 0)) {
       camera.world_from_camera = *q;
     }
-    if (text.look_at) reader.fail("quat", *text.quat, "--quat or --look-at, not both");
+    if (text.look_at) reader.conflict("--quat cannot be combined with --look-at");
     return;
   }
   const Vec3 aim = target ? *target : position ? Vec3(0) : sphere().centre;
@@ -312,13 +315,13 @@ Result<View> ViewMaker::view(const ViewText& text, DiagnosticLog& log) {
   world::set_field_of_view(view.camera, view.camera.width, view.camera.height, kDefaultFieldOfView);
   const bool lens = read_lens(text, reader, view.camera);
   if (!reader.ok()) {
-    read_output(text, view, log);  // all that is wrong is said at once
+    read_output(text, view, log);  // every problem is reported at once
     return failed;
   }
   const auto sphere = [&] { return spheres_.of(posed); };
   if (text.camera_frame) {
     if (text.camera || text.quat || text.look_at)
-      reader.fail("camera-frame", *text.camera_frame, "no --camera, --quat or --look-at beside it");
+      reader.conflict("--camera-frame cannot be combined with --camera, --quat or --look-at");
     place_in_frame(*text.camera_frame, posed, view.camera, log);
   } else {
     read_attitude(text, sphere, reader, view.camera, log);

@@ -1,5 +1,5 @@
-// Views: a camera, the Sun and poses of targets, from text as it stands on a command line or in a
-// views file. What the texts mean: docs/conventions.md 2–7.
+// Views: a camera, the Sun and poses of targets, from the text of a command line or a
+// views file. Syntax: docs/conventions.md 2–7.
 #pragma once
 
 #include <filesystem>
@@ -23,12 +23,12 @@ struct TargetPose {
   world::Pose pose;    // world_from_model
 };
 
-// One image to be made.
+// One image to render.
 struct View {
   world::Camera camera;
   std::optional<world::Sun> sun;  // none: the world's
-  std::vector<TargetPose> poses;  // of targets that do not stand where the world says; later ones
-                                  // replace earlier ones
+  std::vector<TargetPose> poses;  // of targets that differ from the world; later ones replace
+                                  // earlier ones
   std::string output;             // .png, .exr, .npy or .npz
   double ev = 0;                  // stops, of a PNG
 };
@@ -65,8 +65,8 @@ struct ViewText {
 
 // Reads a views file: a JSON list of objects whose members are those of ViewText, with '-' or '_'
 // between words; "pose" is a text, a list of 7 numbers, or an object of these by target. What a
-// view leaves out is taken from `defaults`; of members that say one thing in different ways, and of
-// poses of one target, the view's replace the default's.
+// view leaves out is taken from `defaults`; of alternative members, and of poses of one target, the
+// view's replace the default's.
 //
 //   returns  one view or more, each with an output
 // Fails: E0101…E0104, E0203.
@@ -75,8 +75,8 @@ Result<std::vector<ViewText>> read_views(const std::filesystem::path& path,
 
 // Makes views of one world from texts. Without a lens, the visible targets fill the image; without
 // a camera, it stands in front of them; without a direction, it looks at the origin where a
-// position is given, else at their middle; without a Sun, it shines over the camera's left
-// shoulder.
+// position is given, else at their centre; without a Sun, it shines from behind the
+// camera's left shoulder.
 class ViewMaker {
  public:
   // Expects: world outlives the maker.

@@ -40,8 +40,7 @@ constexpr Field kFields[] = {
     {"output", &ViewText::output},
 };
 
-// Options of one group say the same thing in different ways: a view that gives one of them drops
-// the default's others.
+// Options of one group are alternatives: a view that gives one of them drops the default's others.
 constexpr std::string_view kGroups[][4] = {
     {"camera", "camera-frame", "", ""},
     {"look-at", "quat", "camera-frame", ""},
@@ -86,12 +85,12 @@ class ViewsReader {
     } catch (const Json::parse_error& error) {
       return fail(not_json(*text, error.byte));
     } catch (const Json::exception& error) {
-      return fail(fmt::format("this cannot be read: {}", error.what()));
+      return fail(fmt::format("the JSON text cannot be read: {}", error.what()));
     }
     if (!json.is_array() || json.empty())
-      return fail("expected a list of one view or more, each an object");
+      return fail("expected a list of at least one view, each an object");
     if (json.size() > kMaxViews)
-      return fail(fmt::format("{} views are more than {}", json.size(), kMaxViews));
+      return fail(fmt::format("{} views, expected at most {}", json.size(), kMaxViews));
     std::vector<ViewText> views;
     for (const Json& item : json) views.push_back(one(item, views.size()));
     check_outputs(views);
@@ -100,7 +99,7 @@ class ViewsReader {
   }
 
  private:
-  // A member that stands twice in an object: JSON leaves open which of them counts.
+  // A repeated member of an object: JSON does not define which of them counts.
   void note_keys(Json::parse_event_t event, const Json& parsed) {
     if (event == Json::parse_event_t::object_start) {
       open_.emplace_back();
@@ -112,14 +111,14 @@ class ViewsReader {
     }
   }
 
-  // Of two images in one file the first would be lost.
+  // The second image of one file would replace the first.
   void check_outputs(const std::vector<ViewText>& views) {
     std::map<std::filesystem::path, std::size_t> known;
     for (std::size_t i = 0; i < views.size(); ++i) {
       if (!views[i].output) continue;
       const auto path = std::filesystem::path(*views[i].output).lexically_normal();
       if (const auto [first, added] = known.emplace(path, i); !added)
-        fail(fmt::format("views {} and {} have one output, {}", first->second, i,
+        fail(fmt::format("views {} and {} have the same output, {}", first->second, i,
                          in_quotes(*views[i].output)));
     }
   }
@@ -157,7 +156,7 @@ class ViewsReader {
       given.*field->member = as_typed(value);
       if (!(given.*field->member))
         fail(fmt::format(
-            "view {}: '{}' is of another type, expected text, a number or a list of numbers", index,
+            "view {}: '{}' has the wrong type, expected text, a number or a list of numbers", index,
             key));
     }
     if (!given.output) fail(fmt::format("view {} has no output, expected a file name", index));
@@ -173,14 +172,15 @@ class ViewsReader {
         if (text)
           given.poses.push_back({target, *text});
         else
-          fail(fmt::format("view {}: the pose of {} is neither text nor a list of numbers", index,
-                           in_quotes(target)));
+          fail(fmt::format(
+              "view {}: the pose of {} has the wrong type, expected text or a list of numbers",
+              index, in_quotes(target)));
       }
     } else if (const auto text = as_typed(value)) {
       given.poses.push_back({{}, *text});
     } else {
       fail(fmt::format(
-          "view {}: '{}' is of another type, expected text, a number or a list of numbers", index,
+          "view {}: '{}' has the wrong type, expected text, a number or a list of numbers", index,
           kPose));
     }
   }

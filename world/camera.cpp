@@ -60,20 +60,21 @@ Result<Quat> looking_at(const Vec3& position, const Vec3& target, const std::opt
   const Vec3 forward = target - position;
   if (forward == Vec3(0) || !is_finite(forward)) {
     log.report_file(Code::E0201, {},
-                    "the camera looks at its own position; --look-at takes another point");
+                    "the camera is at the point that it looks at, expected another --look-at");
     return failed;
   }
   if (up && (*up == Vec3(0) || !is_finite(*up))) {
-    log.report_file(Code::E0201, {}, "--up is \"0 0 0\", expected a direction of any other length");
+    log.report_file(Code::E0201, {}, "--up is \"0 0 0\", expected a direction of another length");
     return failed;
   }
   const Vec3 wanted = up.value_or(Vec3(0, 0, 1));
   if (!along(forward, wanted)) return rotation_from(forward, wanted);
   const Vec3 y_axis(0, 1, 0);
   const bool y_is_free = !along(forward, y_axis);
-  log.report_file(Code::N5004, {},
-                  y_is_free ? "up is along the line of sight; +y is up instead"
-                            : "up and +y are along the line of sight; +z is up instead");
+  log.report_file(
+      Code::N5004, {},
+      y_is_free ? "the up direction is parallel to the line of sight; +y is used as up"
+                : "the up direction and +y are parallel to the line of sight; +z is used as up");
   return rotation_from(forward, y_is_free ? y_axis : Vec3(0, 0, 1));
 }
 

@@ -1,4 +1,4 @@
-// Cameras: where one stands and how it sees (docs/conventions.md 2–4). Everything in double.
+// Cameras: pose and projection (docs/conventions.md 2–4). Everything in double.
 #pragma once
 
 #include <cstdint>
@@ -53,7 +53,7 @@ Result<Quat> looking_at(const Vec3& position, const Vec3& target, const std::opt
 void place_in_frame(Camera& camera, const Mat4& world_from_node, const Vec3& origin,
                     const Quat& node_from_frame);
 
-// The world ray through a place on the image, unit direction. Orthographic rays start on the plane
+// The world ray through an image point, unit direction. Orthographic rays start on the plane
 // through the camera's position.
 geometry::Ray pixel_ray(const Camera& camera, const Vec2& pixel);
 
@@ -68,7 +68,7 @@ double pixel_solid_angle(const Camera& camera, std::uint32_t column, std::uint32
 // The area of one pixel on the scene, m². Expects: orthographic.
 double pixel_area(const Camera& camera);
 
-// A rigid placement: a point p of the model stands at rotation·p + translation.
+// A rigid transform: p' = rotation·p + translation.
 struct Pose {
   Vec3 translation{0};        // metres
   Quat rotation{1, 0, 0, 0};  // unit

@@ -1,4 +1,4 @@
-// Where everything of a world stands, worked out anew only where it changed.
+// Node matrices and bounds of a world, computed only where it changed.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ struct EvaluatedInstance {
   Stamp shape_stamp = 0;                   // of the state that this is evaluated from
   std::vector<Mat4> model_from_nodes;      // one per node of the model
   std::vector<std::uint8_t> node_visible;  // 0 or 1, what is above a node included
-  // Of the boxes of all visible meshes: at least what is there, no less. None: nothing is visible.
+  // Of the boxes of all visible meshes: not tight. None: nothing is visible.
   std::optional<Bounds> bounds;
 };
 
@@ -51,7 +51,7 @@ EvaluatedInstance evaluated(const Instance& instance);
 // when nothing is. Cost: O(vertices, meshes counted as often as they are placed).
 std::optional<Bounds> exact_bounds(const Instance& instance);
 
-// Puts a camera into a named frame of a target: where the frame's node stands in the world.
+// Puts a camera into a named frame of a target.
 //
 // Fails: E5005.
 bool place_in_frame(Camera& camera, const World& world, std::size_t index, std::string_view frame,

@@ -55,9 +55,8 @@ Result<std::size_t> World::add(std::string name, ModelPtr model, const Pose& pos
                                DiagnosticLog& log) {
   assert(!name.empty() && model && model->checked() && is_sound(pose));
   if (find(name)) {
-    log.report_file(Code::E5009, {},
-                    fmt::format("the world has a target named {} already", in_quotes(name)),
-                    "give one of them another name, as in OTHER=FILE");
+    log.report_file(Code::E5009, {}, fmt::format("duplicate target name {}", in_quotes(name)),
+                    "NAME=FILE gives a target another name");
     return failed;
   }
   if (size() == kMaxInstances) {

@@ -1,5 +1,5 @@
-// What changes from frame to frame: where shared models stand, how their nodes are moved, and where
-// the Sun is. No OpenGL. A camera stands apart: one world is seen by many.
+// The state that changes from frame to frame: poses of shared models, transforms of their nodes,
+// and the Sun. No OpenGL. The camera is separate: several may look at one world.
 #pragma once
 
 #include <atomic>
@@ -20,8 +20,8 @@
 
 namespace panwright::world {
 
-// Tells states apart. A stamp is given once in a process: what has the stamp it had before is what
-// it was before, in this world or in a copy of it. 0 is never given.
+// Identifies a state. A stamp is given once in a process: equal stamps mean equal states, in this
+// world or in a copy of it. 0 is never given.
 using Stamp = std::uint64_t;
 
 // A model that worlds, renderers and threads share. It never changes and lives as long as one of
@@ -38,7 +38,7 @@ struct Sun {
   bool operator==(const Sun&) const = default;
 };
 
-// Where a node stands in its parent: p' = T·R·S·p.
+// The transform of a node in its parent: p' = T·R·S·p.
 struct NodeTransform {
   Vec3 translation{0};        // metres
   Quat rotation{1, 0, 0, 0};  // unit
@@ -47,11 +47,11 @@ struct NodeTransform {
   bool operator==(const NodeTransform&) const = default;
 };
 
-// What a node of one instance has in place of what its model says.
+// The state of a node of one instance that differs from its model.
 struct NodeState {
   std::uint32_t node = 0;                  // index in the model
   std::optional<NodeTransform> transform;  // parent_from_node; none: the model's
-  bool visible = true;                     // false: neither it nor what is below it is there
+  bool visible = true;                     // false: hides it and what is below it
   bool operator==(const NodeState&) const = default;
 };
 
@@ -64,7 +64,7 @@ class Instance {
   bool visible() const { return visible_; }
   // Those that differ from the model, ascending by node.
   std::span<const NodeState> node_states() const { return node_states_; }
-  const NodeState* node_state(std::uint32_t node) const;  // null: as the model says
+  const NodeState* node_state(std::uint32_t node) const;  // null: as in the model
 
   // Changes with the model, the node states and visible(), but not with the pose: with what lies
   // where in the model's frame.
@@ -92,7 +92,7 @@ class World {
  public:
   // Adds a target at the origin, or at `pose`.
   //
-  //   name     not empty; what options, diagnostics and ids call it
+  //   name     not empty; identifies it in options, diagnostics and ids
   //   returns  its index: targets keep theirs until one before them is removed
   // Expects: model is not null and checked(); a finite pose of unit rotation.
   // Fails: E5009 when a target has this name, E5010 beyond kMaxInstances.
@@ -114,7 +114,7 @@ class World {
   // rotations, scales that are not 0.
   void set_pose(std::size_t index, const Pose& world_from_model);
   void set_visible(std::size_t index, bool visible);
-  // nullopt: as the model says.
+  // nullopt: as in the model.
   void set_node_transform(std::size_t index, std::uint32_t node,
                           const std::optional<NodeTransform>& parent_from_node);
   void set_node_visible(std::size_t index, std::uint32_t node, bool visible);

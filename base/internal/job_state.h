@@ -1,4 +1,4 @@
-// What a Job stands for. Private to base.
+// The shared state of a Job. Private to base.
 #pragma once
 
 #include <tbb/task_arena.h>

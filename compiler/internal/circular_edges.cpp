@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSame = 1e-6;   // of the radius: how far circular edges may lie apart
 constexpr double kRound = 1e-9;  // of the radius: how far a circle may be off one
-// note: groups in one cell that are not looked at keep their own segments; it takes many circular
+// note: groups of one cell beyond this limit keep their own segments; it takes many circular
 // edges that lie within 8e-6 of their radius and yet apart
 constexpr std::size_t kMostCandidates = 64;
 
@@ -77,7 +77,7 @@ struct CellHash {
   }
 };
 
-// Finds which of the circular edges seen so far a circular edge meets.
+// Finds which of the circular edges added so far a circular edge meets.
 class EdgeGrid {
  public:
   explicit EdgeGrid(const std::vector<WorldCircularEdge>& circular_edges)

@@ -1,4 +1,4 @@
-// Which meshes a scene needs, and how closely each has to follow its shape.
+// The meshes of a scene and their tolerances.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace panwright::compiler::internal {
 
-// One mesh that the file will hold: a shape, with texture coordinates if something needs them.
+// One mesh of the file: a shape, with texture coordinates if a material or texture uses them.
 struct MeshJob {
   const geometry::Shape* shape = nullptr;
   bool textured = false;
@@ -19,7 +19,7 @@ struct MeshJob {
   Mat4 texture_from_shape{1};
   bool boxed = false;  // a mesh without texture coordinates that gets those of its bounds
   const scene::Instance* user = nullptr;  // the first one
-  double max_error = 0;                   // metres in the shape's frame, > 0: the smallest asked
+  double max_error = 0;                   // metres in the shape's frame, > 0: the smallest
   pan::layout::ToleranceReason reason = pan::layout::ToleranceReason::tolerance;
   std::uint32_t edge_segments = 0;  // 0: as many as the error needs
   std::vector<std::uint32_t> decals;
@@ -30,7 +30,7 @@ struct Plan {
   std::vector<MeshJob> jobs;
   std::vector<std::uint32_t> job_of;  // one per instance
   bool asked = false;                 // by a budget, an instance or the command line
-  double smallest = 0;                // tolerance in the world, metres; 0: nothing was left open
+  double smallest = 0;                // tolerance in the world, metres; 0: all counts are explicit
 };
 
 // Instances of equal shapes with equal needs of texture share a job, whatever their tolerances: the

@@ -1,4 +1,4 @@
-// Which triangles lines from outside a model reach.
+// Which triangles of a model rays from outside reach. Private to compiler.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace panwright::compiler::internal {
 
-// A model in the world.
-struct World {
+// The triangles of a model in world coordinates.
+struct WorldTriangles {
   std::vector<Vec3> positions;                // V
   std::vector<geometry::Triangle> triangles;  // T
-  std::vector<char> transparent;              // T: hides nothing
-  std::vector<char> candidate;                // T: whether it matters that it is hidden
+  std::vector<char> transparent;              // T: occludes nothing
+  std::vector<char> candidate;                // T: may be removed where it is hidden
 };
 
 struct VisibilityOptions {
@@ -24,16 +24,16 @@ struct VisibilityOptions {
 };
 
 struct Visibility {
-  std::vector<char> seen;        // T: or to be kept in doubt
+  std::vector<char> visible;     // T: hit, or ambiguous and kept
   std::vector<char> kept;        // T: the latter
   std::uint64_t rays = 0;        // in all
-  std::uint64_t last_rays = 0;   // from outside, laid evenly, after all else
-  std::uint64_t last_found = 0;  // of them, that met something not seen before
-  std::uint64_t probes = 0;      // through each triangle that was not seen
-  std::uint64_t ambiguous = 0;   // not met, and kept
+  std::uint64_t last_rays = 0;   // of the last even distribution from outside, after all others
+  std::uint64_t last_found = 0;  // triangles that those were the first to hit
+  std::uint64_t probes = 0;      // through each triangle that was not hit
+  std::uint64_t ambiguous = 0;   // triangles not hit, and kept
 };
 
 // See prune_hidden(). Throws Cancelled.
-Visibility visibility_of(World world, const VisibilityOptions& options, const Job& job);
+Visibility visibility_of(WorldTriangles model, const VisibilityOptions& options, const Job& job);
 
 }  // namespace panwright::compiler::internal

@@ -1,4 +1,4 @@
-// Numbers sorted into lists by a key.
+// Compressed rows: numbers grouped by a key.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct CompressedRows {
 
 inline constexpr std::uint32_t kNoKey = 0xffffffffu;
 
-// Sorts the numbers from 0 to keys.size() − 1 by their key; those with kNoKey stand in no list.
+// Sorts the numbers from 0 to keys.size() − 1 by their key; those with kNoKey are in no row.
 //
 //   keys   each < count, or kNoKey
 //   Cost: O(items + count), on several threads.

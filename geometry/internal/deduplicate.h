@@ -1,4 +1,4 @@
-// Equal things among many, by hashing on several threads.
+// Deduplication by hashing on several threads.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ struct Hashed {
   std::uint32_t hash;
 };
 
-// One table over items in ascending order. False: it crowds.
+// One table over items in ascending order. False: too many collisions.
 template <class Equal>
 bool fill_table(const Hashed* items, std::size_t count, std::vector<std::uint32_t>& table,
                 std::uint32_t* first, const Equal& equal) {
@@ -55,10 +55,10 @@ bool fill_table(const Hashed* items, std::size_t count, std::vector<std::uint32_
 
 }  // namespace internal
 
-// For each of `count` things the first one that is equal to it, or nothing where the hashes are so
-// unlucky that a table crowds. hash(i) and equal(a, b) are called from any thread.
+// For each of `count` items the first one that is equal to it, or nothing where too many hashes
+// collide. hash(i) and equal(a, b) are called from any thread.
 //
-// Things are dealt out by their hash into buckets that fit a cache; each keeps the order of things.
+// Items are distributed by hash into buckets that fit a cache; each keeps the order of items.
 // Cost: O(count).
 template <class Hash, class Equal>
 std::optional<std::vector<std::uint32_t>> deduplicate(std::size_t count, const Hash& hash,

@@ -1,4 +1,4 @@
-// Which vertices stand at the same place.
+// Unique positions of vertices.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What is wrong with a mesh.
+// Mesh checks.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct MeshReport {
 // Examines a mesh. Vertices at equal positions count as one, so that seams do not open a mesh.
 //
 // Triangles with a bad index count nowhere else; those with a corner that is not finite count for
-// edges only; those with two corners at one place have no edges. The volume of an open mesh is
+// edges only; those with two equal corners have no edges. The volume of an open mesh is
 // that of the cones from the centre of its bounds. An empty mesh is not closed.
 // Cost: O(V + T log(triangles at a vertex)) expected.
 MeshReport check(const Mesh& mesh);

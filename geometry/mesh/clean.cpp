@@ -25,7 +25,7 @@ namespace panwright::geometry {
 namespace {
 
 constexpr std::size_t kChunk = 1u << 14;
-// of the diagonal: what single precision knows of a place
+// of the diagonal: the resolution of positions in single precision
 constexpr double kJunction = 1e-6;
 
 template <class Body>
@@ -67,7 +67,7 @@ class Cleaner {
     mesh_.closed = !mesh_.triangles.empty() && edges_.border.empty() && edges_.many.empty() &&
                    edges_.misoriented == 0 && has_edges();
     mesh_.error += report_.largest_move;
-    // what comes now needs the room
+    // frees memory for the next step
     edges_ = {};
     piece_of_ = std::vector<std::uint32_t>();
     if (mesh_.normals.empty()) compute_normals(mesh_, options_.crease_angle, unique_position_);
@@ -105,7 +105,7 @@ class Cleaner {
     });
   }
 
-  // For each vertex the first one at its place that looks the same.
+  // For each vertex the first one with the same position and attributes.
   std::vector<std::uint32_t> same_vertices() const {
     const auto hash = [&](std::uint32_t v) {
       std::uint64_t h = hash_step(kHashSeed, unique_position_[v]);
@@ -120,7 +120,7 @@ class Cleaner {
     };
     auto first = deduplicate(unique_position_.size(), hash, equal);
     if (first) return std::move(*first);
-    // hashes that someone chose: each vertex stays itself
+    // adversarial hashes: no vertices are merged
     std::vector<std::uint32_t> none(unique_position_.size());
     std::iota(none.begin(), none.end(), 0u);
     return none;
@@ -141,7 +141,7 @@ class Cleaner {
     return a == b || b == c || c == a;
   }
 
-  // Keeps the triangles that are not marked; says how many went.
+  // Keeps the triangles that are not marked; returns the number removed.
   std::uint64_t drop(const std::vector<char>& marked) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < marked.size(); ++i)
@@ -369,7 +369,7 @@ class Cleaner {
   const CleanOptions& options_;
   const Job& job_;
   CleanReport report_;
-  std::vector<std::uint32_t> unique_position_;  // V: the vertex that stands for all at its place
+  std::vector<std::uint32_t> unique_position_;  // V: the first vertex at its position
   Edges edges_;
   std::vector<Component> components_;
   std::vector<std::uint32_t> piece_of_;  // T

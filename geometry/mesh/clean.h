@@ -1,4 +1,4 @@
-// Repair of meshes that others made.
+// Repair of imported meshes.
 #pragma once
 
 #include <cstdint>
@@ -30,10 +30,10 @@ struct CleanOptions {
 
 enum class SpotKind : std::uint8_t { non_manifold_edge, hole, t_junction, flipped };
 
-// A place to look at.
+// The location of a problem.
 struct Spot {
   SpotKind kind = SpotKind::hole;
-  Vec3 at{0};         // the middle of what is wrong, in the mesh's frame
+  Vec3 at{0};         // the middle of the problem, in the mesh's frame
   double length = 0;  // metres: of the edge, of the hole's boundary loop; of a flipped component
                       // the root of its area
   std::uint64_t size = 0;  // edges of a hole's boundary loop, faces of a component or at an edge
@@ -67,7 +67,7 @@ struct CleanReport {
 //
 // Welding takes vertices in order: each goes to the first vertex that stayed within the tolerance,
 // so none moves further. What differs in normal, texture coordinates or colour stays apart, at the
-// same place. Orientation: neighbours across an edge that two triangles share are wound alike.
+// same position. Orientation: neighbours across an edge that two triangles share are wound alike.
 // Closed components then enclose a positive volume. An open component is turned where it seems
 // inside out by the cones from its centroid and most rays from outside that meet it see its back;
 // else as most of its area was written. Normals that the mesh had are turned where they then point

@@ -16,7 +16,7 @@ struct SurfacePoint {
 // The point of a mesh nearest to a point, on a face, a side or a corner; of equally near triangles
 // the first. The normal is the facet's where the mesh has none or they cancel.
 //
-//   returns  nothing for a mesh without a triangle that has a finite place
+//   returns  nothing for a mesh without a triangle of finite positions
 //
 // Expects: indices in range. Exact to rounding: a few ulps of the largest coordinate. Cost: O(T).
 std::optional<SurfacePoint> closest_point(const Mesh& mesh, const Vec3& point);

@@ -33,8 +33,8 @@ struct Corner {
   double angle;  // radians
 };
 
-// Facets that have area, with their angles. Neighbours in the mesh ask for the same ones within
-// short time: those asked for last are kept, so that no list of all is needed.
+// Facets that have area, with their angles. Neighbours in the mesh use the same ones within
+// short time: the last ones used are cached, so that no list of all is needed.
 class Facets {
  public:
   explicit Facets(const Mesh& mesh)
@@ -88,14 +88,14 @@ class Facets {
 
 // The facets around the vertices of one chunk, joined where they are smooth.
 //
-//   Number  of a group at its vertex; the largest one stands for none
+//   Number  of a group at its vertex; the largest one means none
 template <class Number>
 class Fans {
  public:
-  Fans(const Mesh& mesh, std::span<const std::uint32_t> place, double crease,
+  Fans(const Mesh& mesh, std::span<const std::uint32_t> position_of, double crease,
        std::vector<Number>& number_of)
       : mesh_(mesh),
-        place_(place),
+        position_of_(position_of),
         microfacets_(mesh),
         crease_(crease),
         cos_crease_(det::cos(std::min(kPi, crease + kAngleSlack))),
@@ -116,16 +116,16 @@ class Fans {
   }
 
  private:
-  std::uint32_t place(std::uint32_t corner, std::uint32_t step) const {
+  std::uint32_t position(std::uint32_t corner, std::uint32_t step) const {
     const std::uint32_t k = corner % 3 + step;
-    return place_[mesh_.triangles[corner / 3][k < 3 ? k : k - 3]];
+    return position_of_[mesh_.triangles[corner / 3][k < 3 ? k : k - 3]];
   }
 
   void join_all(std::span<const std::uint32_t> corners, std::uint32_t v) {
     sides_.clear();
     for (std::uint32_t i = 0; i < corners.size(); ++i)
       for (const std::uint32_t step : {1u, 2u})
-        sides_.push_back(std::uint64_t{place(corners[i], step)} << 32 | i);
+        sides_.push_back(std::uint64_t{position(corners[i], step)} << 32 | i);
     std::sort(sides_.begin(), sides_.end());
     for (std::size_t i = 0; i < sides_.size();) {
       std::size_t end = i + 1;
@@ -207,7 +207,7 @@ class Fans {
   }
 
   const Mesh& mesh_;
-  std::span<const std::uint32_t> place_;
+  std::span<const std::uint32_t> position_of_;
   Facets microfacets_;
   double crease_;
   double cos_crease_;
@@ -238,10 +238,10 @@ void for_chunks(std::size_t count, const Body& body) {
 template <class Number>
 class NormalBuilder {
  public:
-  NormalBuilder(Mesh& mesh, double crease, std::span<const std::uint32_t> place)
-      : mesh_(mesh), crease_(crease), place_(place) {}
+  NormalBuilder(Mesh& mesh, double crease, std::span<const std::uint32_t> position_of)
+      : mesh_(mesh), crease_(crease), position_of_(position_of) {}
 
-  // False, and nothing is done: there are more facets at a place than numbers.
+  // False, and nothing is done: there are more facets at a position than numbers.
   bool run() {
     find_areas();
     if (!group()) return false;
@@ -253,7 +253,7 @@ class NormalBuilder {
  private:
   static constexpr Number kNoNumber = std::numeric_limits<Number>::max();
 
-  // The places at which a chunk of triangles has corners.
+  // The unique positions at which a chunk of triangles has corners.
   struct Reach {
     std::uint32_t low = kNone;
     std::uint32_t high = 0;
@@ -272,15 +272,15 @@ class NormalBuilder {
         if (measure(p[t[0]], p[t[1]], p[t[2]]).degenerate()) continue;
         for (std::size_t k = 0; k < 3; ++k) {
           number_of_[3 * i + k] = 0;
-          reach.low = std::min(reach.low, place_[t[k]]);
-          reach.high = std::max(reach.high, place_[t[k]]);
+          reach.low = std::min(reach.low, position_of_[t[k]]);
+          reach.high = std::max(reach.high, position_of_[t[k]]);
         }
       }
       reach_[chunk] = reach;
     });
   }
 
-  // Calls body(place, corner) for those that stand at places [begin, end), in ascending order.
+  // Calls body(position, corner) for those at positions [begin, end), in ascending order.
   template <class Body>
   void for_corners(std::uint32_t begin, std::uint32_t end, const Body& body) const {
     for (std::size_t chunk = 0; chunk < reach_.size(); ++chunk) {
@@ -289,9 +289,9 @@ class NormalBuilder {
       const std::size_t last = std::min(mesh_.triangles.size(), (chunk + 1) * kChunk);
       for (std::size_t i = chunk * kChunk; i < last; ++i) {
         for (std::size_t k = 0; k < 3; ++k) {
-          const std::uint32_t place = place_[mesh_.triangles[i][k]];
-          if (place - begin < end - begin && number_of_[3 * i + k] != kNoNumber)
-            body(place, static_cast<std::uint32_t>(3 * i + k));
+          const std::uint32_t position = position_of_[mesh_.triangles[i][k]];
+          if (position - begin < end - begin && number_of_[3 * i + k] != kNoNumber)
+            body(position, static_cast<std::uint32_t>(3 * i + k));
         }
       }
     }
@@ -302,11 +302,11 @@ class NormalBuilder {
     std::vector<std::uint32_t>& start = rows.start;
     start.assign(end - begin + 2, 0);
     for_corners(begin, end,
-                [&](std::uint32_t place, std::uint32_t) { ++start[place - begin + 2]; });
+                [&](std::uint32_t position, std::uint32_t) { ++start[position - begin + 2]; });
     for (std::size_t i = 2; i < start.size(); ++i) start[i] += start[i - 1];
     rows.items.resize(start.back());
-    for_corners(begin, end, [&](std::uint32_t place, std::uint32_t corner) {
-      rows.items[start[place - begin + 1]++] = corner;
+    for_corners(begin, end, [&](std::uint32_t position, std::uint32_t corner) {
+      rows.items[start[position - begin + 1]++] = corner;
     });
     start.pop_back();
     return rows;
@@ -319,7 +319,7 @@ class NormalBuilder {
     first_group_.assign(mesh_.positions.size(), kNone);
     group_normals_.resize(mesh_.positions.size());
     std::vector<std::size_t> base(tasks + 1, 0);  // of each part, the groups before it
-    std::vector<std::vector<Vec3>> parts(tasks);  // those of more groups than places
+    std::vector<std::vector<Vec3>> parts(tasks);  // those of more groups than positions
     std::atomic<bool> fits = true;
     parallel_for(tasks, [&](std::size_t i) {
       const std::uint32_t begin = bound(i, tasks);
@@ -328,7 +328,7 @@ class NormalBuilder {
       for (std::uint32_t v = begin; v < end; ++v)
         if (corners[v - begin].size() > kNoNumber) fits = false;
       if (!fits) return;
-      Fans<Number> fans(mesh_, place_, crease_, number_of_);
+      Fans<Number> fans(mesh_, position_of_, crease_, number_of_);
       fans.normals.reserve(end - begin);
       for (std::uint32_t v = begin; v < end; ++v) {
         if (corners[v - begin].empty()) continue;
@@ -369,9 +369,9 @@ class NormalBuilder {
     group_normals_.resize(base.back());
   }
 
-  // Corners of triangles without area take the first group at their place.
+  // Corners of triangles without area take the first group at their position.
   std::uint32_t group_of(std::uint32_t v, std::size_t corner) const {
-    const std::uint32_t first = first_group_[place_[v]];
+    const std::uint32_t first = first_group_[position_of_[v]];
     const Number number = number_of_[corner];
     return number == kNoNumber ? first : first + number;
   }
@@ -390,7 +390,7 @@ class NormalBuilder {
       if (next_[last] == kNone) return next_[last] = make_copy(v, group);
       last = next_[last];
     }
-    // so many groups at one place are found by their number
+    // so many groups at one position are found by their number
     const auto [found, added] = copies_.emplace(std::uint64_t{v} << 32 | group, kNone);
     if (added) found->second = make_copy(v, group);
     return found->second;
@@ -446,10 +446,10 @@ class NormalBuilder {
 
   Mesh& mesh_;
   double crease_;
-  std::span<const std::uint32_t> place_;    // V
-  std::vector<Number> number_of_;           // 3*T, of the groups at a place; kNoNumber: no area
+  std::span<const std::uint32_t> position_of_;  // V
+  std::vector<Number> number_of_;           // 3*T, of the groups at a position; kNoNumber: no area
   std::vector<Reach> reach_;                // of each chunk of triangles
-  std::vector<std::uint32_t> first_group_;  // of each place, kNone: no facet with area
+  std::vector<std::uint32_t> first_group_;  // of each position, kNone: no facet with area
   std::vector<Vec3> group_normals_;         // one per group
   std::vector<char> used_;                  // of each vertex that was there
   std::vector<std::uint32_t> group_at_;     // of each vertex, grows with them
@@ -463,12 +463,12 @@ void compute_normals(Mesh& mesh, double crease_angle) {
   compute_normals(mesh, crease_angle, welded(mesh.positions));
 }
 
-void compute_normals(Mesh& mesh, double crease_angle, std::span<const std::uint32_t> place) {
+void compute_normals(Mesh& mesh, double crease_angle, std::span<const std::uint32_t> position_of) {
   assert(mesh.positions.size() + 3 * mesh.triangles.size() < 0xffffffffull);
   free_list(mesh.normals);
   const double crease = std::clamp(crease_angle, 0.0, kPi);
-  if (!NormalBuilder<std::uint8_t>(mesh, crease, place).run())
-    NormalBuilder<std::uint32_t>(mesh, crease, place).run();
+  if (!NormalBuilder<std::uint8_t>(mesh, crease, position_of).run())
+    NormalBuilder<std::uint32_t>(mesh, crease, position_of).run();
 }
 
 }  // namespace panwright::geometry

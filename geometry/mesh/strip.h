@@ -1,4 +1,4 @@
-// Triangle strips and the normals that a file leaves out.
+// Triangle strips, and normals of meshes that have none.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ std::uint64_t append_strip(std::span<const std::uint32_t> strip, std::vector<Tri
 // Gives a mesh unit normals by angle-weighted averaging over neighbours (Thürmer and Wüthrich,
 // "Computing vertex normals from polygonal facets", 1998). Edges whose facets meet at more than
 // crease_angle (radians, compared to 1e-9) stay sharp: vertices there are duplicated, with their
-// texcoords and colours. Vertices at equal positions are taken as one. Triangles without area get
-// no say: their corners take a normal that is there already.
+// texcoords and colours. Vertices at equal positions are taken as one. Triangles without area do
+// not count: their corners take a normal that exists already.
 //
 //   mesh  normals are replaced; the first group of facets that uses a vertex keeps it, others get
 //         copies behind the last vertex, in order of first use; triangles keep their order. A

@@ -26,7 +26,7 @@ struct Placed {
 bool is_regular(const Mat3& linear, const Mat3& inverse) {
   for (int column = 0; column < 3; ++column)
     if (!is_finite(inverse[column])) return false;
-  // the product says whether the inverse is worth anything
+  // the product shows whether the inverse is accurate
   const Mat3 product = linear * inverse;
   double off = 0;
   for (int column = 0; column < 3; ++column)
@@ -84,7 +84,7 @@ std::uint32_t InstanceCaster::add(std::uint32_t mesh, const Mat4& world_from_mes
   const Mat3 linear(world_from_mesh);
   placed.mesh_from_world = glm::inverse(linear);
   if (!is_regular(linear, placed.mesh_from_world)) {
-    // flat, so that rays have no place in its frame: it stands in the world's
+    // flat, so that its frame has no inverse: it is kept in the world's
     std::vector<Vec3> positions;
     for (const Vec3& p : placed.mesh->positions())
       positions.push_back(Vec3(world_from_mesh * Vec4(p, 1)));

@@ -21,8 +21,8 @@ struct InstanceHit {
   bool front = true;           // its outside is seen: counter-clockwise in the mesh's frame
 };
 
-// Which hits count: all, or those that `counts` says. It is asked for the instances that want it
-// only, from any thread, not in the order of distance, and maybe more than once about one hit.
+// Which hits count: all, or those that `counts` accepts. It is called for instances added with it
+// only, from any thread, not in the order of distance, and maybe more than once for one hit.
 struct HitFilter {
   bool (*counts)(const void* data, const InstanceHit& hit) = nullptr;
   const void* data = nullptr;
@@ -44,7 +44,7 @@ SearchMesh search_mesh(std::vector<Vec3> positions, std::vector<Triangle> triang
 // costs precision: a hit lies on its triangle to some 1e-15 of the mesh's size and along the ray to
 // the rounding of the origin's coordinates. A ray that starts on one side of a triangle and leads
 // away from it never hits it. No ray slips between triangles of one mesh that share an edge or a
-// corner, by their places. Triangles that are seen edge on, or have no area, are not hit. At equal
+// corner, by position. Triangles that are seen edge on, or have no area, are not hit. At equal
 // distances the lower instance, then the lower triangle is given.
 //
 // Cost: about 80 bytes a triangle of a mesh and 400 an instance; O(log instances + log T) a ray,
@@ -64,7 +64,7 @@ class InstanceCaster {
 
   // Places a mesh; world_from_mesh may mirror, stretch and flatten. Returns 0, 1, 2…
   //
-  //   asked    whether filters are asked about its hits
+  //   asked    whether filters are called for its hits
   //   Expects  finite world positions, within ±1e100; before build()
   std::uint32_t add(std::uint32_t mesh, const Mat4& world_from_mesh, bool asked);
 

@@ -41,9 +41,10 @@ bool within_limits(const Mesh& mesh, const TessellationOptions& options, SourceS
     const Vec3& p = mesh.positions[i];
     for (int axis = 0; axis < 3; ++axis) {
       if (std::fabs(p[axis]) <= kMaxCoordinate) continue;
-      log.report(Code::E2010, where,
-                 fmt::format("position {} has a coordinate of {} m; up to {} m is accepted", i,
-                             format_double(p[axis]), format_double(kMaxCoordinate)));
+      log.report(
+          Code::E2010, where,
+          fmt::format("position {} has a coordinate of {} m, expected a magnitude of at most {} m",
+                      i, format_double(p[axis]), format_double(kMaxCoordinate)));
       return false;
     }
   }

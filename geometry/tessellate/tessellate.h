@@ -40,9 +40,9 @@ struct TessellationOptions {
 //            Triangles are degenerate only where the shape is thinner than 1e-7 of its size
 //
 // Sphere: vertices run from the south pole, ring by ring, eastward from +x. Without texcoords each
-// place is one vertex. With them the meridian at +x stands twice (u = 0 and 1) and each pole once
-// for each triangle; u = longitude/2π eastward from +x, v = 0 at the south pole, 1 at the north.
-// A MeshShape is returned as it is, with its error of rounding to float32.
+// position is one vertex. With them the meridian at +x stands twice (u = 0 and 1) and each pole
+// once for each triangle; u = longitude/2π eastward from +x, v = 0 at the south pole, 1 at the
+// north. A MeshShape is returned as it is, with its error of rounding to float32.
 //
 // Expects: no problem_of(shape). Fails: E2003 before anything is allocated, and where float32
 // cannot keep max_error on a shape that is not flat; E2010 for a radius outside [kMinRadius,

@@ -108,7 +108,7 @@ class BufferLoader {
     const auto path = resolved(d_.file.path, uri.text, true);
     if (!path) {
       d_.report(Code::E6206, &uri, at + "/uri",
-                fmt::format("{} is no file in the folder of the model", in_quotes(uri.text)));
+                fmt::format("{} is not a file in the folder of the model", in_quotes(uri.text)));
       return false;
     }
     const auto known = loaded_.find(*path);
@@ -124,7 +124,7 @@ class BufferLoader {
       if (outcome != Files::Outcome::found) {
         d_.report(Code::E6206, &uri, at + "/uri",
                   fmt::format("{} {}", in_quotes(d_.files.display_name(*path)),
-                              outcome == Files::Outcome::missing     ? "is not there"
+                              outcome == Files::Outcome::missing     ? "does not exist"
                               : outcome == Files::Outcome::outside   ? "leads out of the folder"
                               : outcome == Files::Outcome::too_large ? "is larger than the limit"
                                                                      : "cannot be read"));
@@ -379,7 +379,7 @@ class AccessorCheck {
     if (std::adjacent_find(places.begin(), places.end(), std::not_fn(increases)) != places.end())
       bad(json, "the indices of sparse values do not increase", Code::E6207);
     if (std::any_of(places.begin(), places.end(), [&](std::uint32_t p) { return p >= a.count; }))
-      bad(json, "a sparse value is for an element that is not there", Code::E6207);
+      bad(json, "a sparse value is for an element that does not exist", Code::E6207);
   }
 
   Document& d_;

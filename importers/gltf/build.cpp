@@ -91,7 +91,7 @@ class SceneBuilder {
         std::vector<std::string> names;
         for (const auto& scene : scenes) names.push_back(scene.name);
         d_.report(Code::E6205, nullptr, "/scenes",
-                  fmt::format("there is no scene {}; the file has {}: {}", in_quotes(*wanted),
+                  fmt::format("unknown scene {}; the file has {}: {}", in_quotes(*wanted),
                               counted(scenes.size(), "scene"), fmt::join(names, ", ")));
         return false;
       }
@@ -383,14 +383,14 @@ class SceneBuilder {
       d_.report(Code::N6007, nullptr, "", fmt::format("{} left out", fmt::join(skipped, ", ")));
     if (skinned_ + morphed_ > 0)
       d_.report(Code::N6214, nullptr, "",
-                fmt::format("{} and {} stand at rest", counted(skinned_, "skinned surface"),
+                fmt::format("{} and {} are at rest", counted(skinned_, "skinned surface"),
                             counted(morphed_, "morphed shape")));
     std::vector<std::string> lost;
     for (const auto& [what, times] : lost_)
       lost.push_back(times > 1 ? fmt::format("{} ({} materials)", what, times) : what);
     if (!lost.empty())
       d_.report(Code::N6008, nullptr, "/materials",
-                fmt::format("lost of the materials: {}", fmt::join(lost, ", ")));
+                fmt::format("unsupported material properties ignored: {}", fmt::join(lost, ", ")));
   }
 
   Document& d_;

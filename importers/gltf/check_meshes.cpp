@@ -197,7 +197,7 @@ class MeshCheck {
       const std::uint64_t own = d_.accessors[index_in(item)].count;
       if (position && own != count && !d_.accessors[index_in(item)].json->broken)
         wrong(&item, "/attributes/" + name,
-              fmt::format("{} elements beside {} positions", own, count));
+              fmt::format("{} elements for {} positions", own, count));
       if (!readable || (position && own != count)) drop.push_back(name);
     }
     if (!position)
@@ -214,7 +214,7 @@ class MeshCheck {
       const Semantic semantic = semantic_of(attributes.keys[i]);
       if (!semantic.known)
         wrong(&attributes.items[i], "/attributes",
-              fmt::format("{} is no attribute of glTF; others begin with '_'",
+              fmt::format("{} is not a glTF attribute; others begin with '_'",
                           in_quotes(attributes.keys[i])),
               Code::W6215);
       if (semantic.set >= 0) sets[semantic.base].push_back(semantic.set);

@@ -39,7 +39,7 @@ class Chunks {
     std::size_t at = kHeader;
     for (std::uint32_t index = 0; at < bytes_.size(); ++index)
       if (!read_chunk(index, at)) break;
-    if (!has_json_ && out_.problems.empty()) complain(kHeader, "there is no JSON chunk");
+    if (!has_json_ && out_.problems.empty()) complain(kHeader, "no JSON chunk");
   }
 
  private:

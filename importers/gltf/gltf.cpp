@@ -91,16 +91,15 @@ class Reader {
     for (const std::string& problem : container.problems)
       d_.report(Code::E6201, nullptr, "", problem);
     if (container.extra > 0)
-      d_.report(
-          Code::W6215, nullptr, "",
-          fmt::format("{} behind the end of the container", counted(container.extra, "byte")));
+      d_.report(Code::W6215, nullptr, "",
+                fmt::format("{} after the end of the container", counted(container.extra, "byte")));
     json = container.json;
     if (container.binary) {
       d_.binary = *container.binary;
       d_.has_binary = true;
     }
     if (json.empty() && container.problems.empty())
-      d_.report(Code::E6201, nullptr, "", "there is no JSON chunk");
+      d_.report(Code::E6201, nullptr, "", "no JSON chunk");
     drop_mark(json);
     return !json.empty();
   }

@@ -69,7 +69,7 @@ void add_joints(Document& document, const tinygltf::Model& model,
     const auto articulation = by_name.find(name);
     if (articulation == by_name.end()) {
       document.report(Code::W6215, nullptr, pointer("nodes", static_cast<std::size_t>(index)),
-                      fmt::format("there is no articulation {}", in_quotes(name)));
+                      fmt::format("unknown articulation {}", in_quotes(name)));
       continue;
     }
     if (articulation->second->find("pointingVector")) ++pointing;
@@ -85,8 +85,8 @@ void add_joints(Document& document, const tinygltf::Model& model,
   }
   if (elsewhere > 0)
     document.report(Code::N6007, nullptr, "/extensions/AGI_articulations",
-                    fmt::format("the initial values of {} are left out: the model stands as its "
-                                "nodes do",
+                    fmt::format("the initial values of {} are left out: the nodes keep their "
+                                "transforms",
                                 counted(elsewhere, "joint")));
   if (pointing > 0)
     document.report(Code::N6007, nullptr, "/extensions/AGI_articulations",

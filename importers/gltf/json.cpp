@@ -140,10 +140,10 @@ class Builder {
     std::vector<bool> drop(count);
     for (const std::size_t i : earlier) {
       drop[i] = true;
-      out_.repeated.push_back({object.items[i].offset,
-                               fmt::format("{} stands more than once in one object; the last one "
-                                           "counts",
-                                           in_quotes(object.keys[i]))});
+      out_.repeated.push_back(
+          {object.items[i].offset, fmt::format("{} is repeated in one object; the last one "
+                                               "counts",
+                                               in_quotes(object.keys[i]))});
     }
     std::size_t kept = 0;
     for (std::size_t i = 0; i < count; ++i) {

@@ -174,7 +174,7 @@ class NodePass {
         node.erase("matrix");
       } else if (!is_trs(m)) {
         d_.report(Code::E6207, matrix, at + "/matrix",
-                  "the matrix is no translation, rotation and scale: it shears or flattens");
+                  "the matrix is not a translation, rotation and scale: it shears or flattens");
       }
     }
     if (const Json* rotation = node.find("rotation")) {
@@ -210,7 +210,7 @@ class NodePass {
     }
     if (!skinned)
       d_.report(Code::W6215, &node, pointer("nodes", index),
-                "a skin over a mesh without joints; it stands as it is");
+                "a skin over a mesh without joints; the mesh is not posed");
   }
 
   void check_skins() {

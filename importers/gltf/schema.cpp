@@ -230,7 +230,7 @@ class SchemaPass {
     const std::size_t size = sizes_[rule.target];
     if (value.number < static_cast<double>(size)) return true;
     report(Code::E6205, value, path,
-           fmt::format("there is no {}[{}]; the file has {}", rule.target,
+           fmt::format("{}[{}] does not exist; the file has {}", rule.target,
                        format_double(value.number), size));
     return false;
   }
@@ -244,7 +244,7 @@ class SchemaPass {
     if (std::find(rule.words.begin(), rule.words.end(), text) != rule.words.end()) return true;
     const auto near = word ? nearest_name(text, rule.words) : std::nullopt;
     report(Code::W6215, value, path,
-           fmt::format("{} is none of {}", shown(value), fmt::join(rule.words, ", ")),
+           fmt::format("{} is not one of {}", shown(value), fmt::join(rule.words, ", ")),
            near ? fmt::format("did you mean '{}'?", *near) : "");
     return false;
   }
@@ -301,8 +301,7 @@ class SchemaPass {
     const auto end = items.begin() + static_cast<std::ptrdiff_t>(i);
     const auto equal = [&](const Json& item) { return item.text == items[i].text; };
     if (std::find_if(items.begin(), end, equal) != end)
-      report(Code::E6204, items[i], at,
-             fmt::format("{} stands twice in the list", shown(items[i])));
+      report(Code::E6204, items[i], at, fmt::format("{} is repeated in the list", shown(items[i])));
     return true;
   }
 
@@ -335,7 +334,7 @@ class SchemaPass {
       const Path at{&path, {}, i, true};
       if (!index(rule, value.items[i], at)) continue;
       if (!seen.insert(value.items[i].number).second) {
-        report(Code::E6204, value.items[i], at, "the index stands twice in the list");
+        report(Code::E6204, value.items[i], at, "the index is repeated in the list");
         continue;
       }
       good.push_back(value.items[i]);
@@ -372,7 +371,7 @@ class SchemaPass {
         extensions("extension", extension, here);
         if (extension.broken) drop.push_back(name);
       } else if (known) {
-        report(Code::W6215, extension, here, "the extension means nothing at this place");
+        report(Code::W6215, extension, here, "the extension has no meaning in this place");
         drop.push_back(name);
       }
     }
@@ -388,7 +387,7 @@ class SchemaPass {
     const Json* there = value.find(property);
     if (!there || value.find(on)) return;
     report(Code::E6204, *there, Path{&path, property},
-           fmt::format("'{}' without '{}' means nothing", property, on));
+           fmt::format("'{}' requires '{}'", property, on));
     value.erase(property);
   }
 

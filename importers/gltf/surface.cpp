@@ -235,7 +235,7 @@ class SurfaceReader {
       if (i == restart || i >= vertices) ++bad;
     if (bad > 0)
       wrong(Code::E6207, "/indices",
-            fmt::format("{} of points or lines are no vertices", counted(bad, "index value")));
+            fmt::format("{} of points or lines are not vertices", counted(bad, "index value")));
   }
 
   bool within_limits(std::size_t position) {
@@ -356,7 +356,7 @@ class SurfaceReader {
       wrong(Code::W6215, "", fmt::format("{} vertices do not make whole triangles", count));
     if (assembler.restarts() > 0)
       wrong(Code::E6207, "/indices",
-            fmt::format("the value {} for a primitive restart stands {}", restart,
+            fmt::format("the value {} for a primitive restart occurs {}", restart,
                         counted(assembler.restarts(), "time")));
     if (assembler.beyond() > 0)
       wrong(Code::E6207, "/indices",

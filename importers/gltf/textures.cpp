@@ -63,7 +63,7 @@ bool TextureReader::bytes_of(std::size_t image, const Json& json, std::string& n
     const auto path = resolved(document_.file.path, uri->text, true);
     if (!path)
       return lost(Code::W6005,
-                  fmt::format("{} is no file in the folder of the model", in_quotes(uri->text)));
+                  fmt::format("{} is not a file in the folder of the model", in_quotes(uri->text)));
     if (images_.size() + document_.inputs.size() > document_.options.limits.files)
       return lost(Code::W6004, "the model names too many files");
     if (document_.files.read(*path, owner) != Files::Outcome::found)

@@ -77,7 +77,7 @@ class MtlReader {
     }
     if (out_.empty() || out_.back().library != path_) {
       s_.trouble(Code::E6501, "mtl begin", at(word), [&] {
-        return fmt::format("{} stands before the first 'newmtl', and is left out", in_quotes(word));
+        return fmt::format("{} is before the first 'newmtl' and is left out", in_quotes(word));
       });
       return;
     }
@@ -125,7 +125,7 @@ class MtlReader {
 
   void bad_number(std::string_view word, std::string_view value) {
     s_.trouble(Code::E6501, "mtl number", at(value.empty() ? word : value), [&] {
-      return fmt::format("{} is followed by {}, which is no number", in_quotes(word),
+      return fmt::format("{} is followed by {}, expected a number", in_quotes(word),
                          in_quotes(value));
     });
   }

@@ -95,7 +95,8 @@ class ObjReader {
       const auto value = parse_double(word);
       if (!value) {
         s_.trouble(Code::E6501, "number", at(word), [&] {
-          return fmt::format("{} is no number; what uses this line is left out", in_quotes(word));
+          return fmt::format("{} is not a number; what uses this line is left out",
+                             in_quotes(word));
         });
         return -1;
       }
@@ -175,7 +176,7 @@ class ObjReader {
       if (!read_corner(word, corner)) {
         s_.trouble(Code::E6501, "corner", at(word), [&] {
           return fmt::format(
-              "{} is no corner of a face, which is v, v/vt, v//vn or v/vt/vn, each "
+              "{} is not a corner of a face, expected v, v/vt, v//vn or v/vt/vn, each "
               "a number in its list; the face is left out",
               in_quotes(word));
         });
@@ -226,7 +227,8 @@ class ObjReader {
       group = kByCrease;
     } else if (error != std::errc() || end != name.data() + name.size() || group < 0) {
       s_.trouble(Code::W6502, "smoothing", at(name.empty() ? word : name), [&] {
-        return fmt::format("{} is no smoothing group, which is a number or 'off'", in_quotes(name));
+        return fmt::format("{} is not a smoothing group, expected a number or 'off'",
+                           in_quotes(name));
       });
       return;
     }

@@ -124,7 +124,7 @@ class PlyReader {
     if (got == Got::word) {
       out = std::numeric_limits<double>::quiet_NaN();
       s_.trouble(Code::E6501, "word", here(), [&] {
-        return fmt::format("{} is no number; what it belongs to is left out",
+        return fmt::format("{} is not a number; the element is left out",
                            in_quotes(values_.last()));
       });
     }
@@ -143,7 +143,7 @@ class PlyReader {
     }
     if (!std::isnan(value))
       s_.trouble(Code::E6501, "length", here(), [&] {
-        return fmt::format("{}a list of {} numbers in a file of so many bytes", byte(),
+        return fmt::format("{}a list of {} numbers, which exceeds the file", byte(),
                            format_double(value));
       });
     if (!text_) going_ = false;
@@ -386,7 +386,7 @@ class PlyReader {
     for (const std::uint32_t v : corners) {
       if (is_vertex(v)) continue;
       s_.trouble(Code::E6501, "index", place, [&] {
-        const std::string which = v == kNoIndex ? "what is no vertex" : fmt::format("vertex {}", v);
+        const std::string which = v == kNoIndex ? "no vertex" : fmt::format("vertex {}", v);
         return fmt::format("{}the face names {} of {}, and is left out", byte(where), which,
                            vertices);
       });

@@ -45,7 +45,7 @@ class HeaderReader {
       else if (key == "property")
         read_property(line, rest);
       else if (key != "obj_info" && !key.empty())
-        wrong(key, fmt::format("{} is no word of a PLY header", in_quotes(key)));
+        wrong(key, fmt::format("{} is not a keyword of a PLY header", in_quotes(key)));
     }
     if (out_.problem.empty() && !ended) wrong(line, "the header has no 'end_header'");
     if (out_.problem.empty() && !has_format) wrong(line, "the header has no 'format'");
@@ -88,7 +88,7 @@ class HeaderReader {
         std::from_chars(count.data(), count.data() + count.size(), element.count);
     if (error != std::errc() || end != count.data() + count.size())
       return wrong(count.empty() ? line : count,
-                   fmt::format("{} is no number of elements", in_quotes(count)));
+                   fmt::format("{} is not a number of elements", in_quotes(count)));
     out_.elements.push_back(std::move(element));
   }
 
@@ -101,13 +101,13 @@ class HeaderReader {
       property.count = ply_type_of(count);
       if (!property.count || is_float(*property.count))
         return wrong(count.empty() ? line : count,
-                     fmt::format("{} is no type of a list's length", in_quotes(count)));
+                     fmt::format("{} is not a type of a list's length", in_quotes(count)));
       type = next_word(rest);
     }
     const auto found = ply_type_of(type);
     if (!found)
       return wrong(type.empty() ? line : type,
-                   fmt::format("{} is no type of PLY", in_quotes(type)));
+                   fmt::format("{} is not a PLY type", in_quotes(type)));
     property.type = *found;
     property.name = next_word(rest);
     out_.elements.back().properties.push_back(std::move(property));

@@ -110,7 +110,7 @@ bool ReaderContext::read_named(std::string_view name, const std::string& includi
   const auto found = resolved(including, name, false);
   if (!found) {
     log.report(Code::W6005, where,
-               fmt::format("{} is no file in the folder of the model", in_quotes(name)));
+               fmt::format("{} is not a file in the folder of the model", in_quotes(name)));
     return false;
   }
   path = *found;
@@ -324,7 +324,7 @@ std::int32_t Assembly::texture(std::string_view name, const std::string& includi
 Result<Imported> Assembly::finished() {
   if (triangles_ == 0 && !context_.full)
     context_.trouble(Code::E6501, "no faces", context_.at(0, 0),
-                     [] { return "there is no face in it, and so no surface"; });
+                     [] { return "the file has no faces, expected at least 1"; });
   context_.tell();
   if (triangles_ == 0) return failed;
   out_.scene.inputs = std::move(context_.inputs);

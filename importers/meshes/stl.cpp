@@ -75,7 +75,7 @@ class BinaryReader {
       }
       if (!usable) {
         s_.trouble(Code::E6501, "corner", where, [&] {
-          return fmt::format("byte {}: triangle {} has a corner that is no place, and is left out",
+          return fmt::format("byte {}: triangle {} has a corner out of range and is left out",
                              begin, i);
         });
         continue;
@@ -102,7 +102,7 @@ class BinaryReader {
     const SourceSpan where = s_.at(0, 0);
     if (bytes_.size() < kHeader) {
       s_.trouble(Code::E6501, "size", where, [&] {
-        return fmt::format("{} are no STL file; a binary one has {} or more",
+        return fmt::format("{} are too few for an STL file; a binary one has {} or more",
                            counted(bytes_.size(), "byte"), kHeader);
       });
       return 0;
@@ -125,7 +125,7 @@ class BinaryReader {
       });
     else if (extra > 0)
       s_.trouble(Code::W6502, "extra", where, [&] {
-        return fmt::format("byte {}: {} behind the last triangle", bytes_.size() - extra,
+        return fmt::format("byte {}: {} after the last triangle", bytes_.size() - extra,
                            counted(extra, "byte"));
       });
     return std::min(said, held);
@@ -182,7 +182,7 @@ class TextReader {
         return;
       } else {
         s_.trouble(Code::E6501, "word", s_.at(word), [&] {
-          return fmt::format("{} is no word of STL; the line is left out", in_quotes(word));
+          return fmt::format("{} is not an STL keyword; the line is left out", in_quotes(word));
         });
         return;
       }
@@ -210,13 +210,13 @@ class TextReader {
       if (number) p[k] = *number;
       if (number) continue;
       s_.trouble(Code::E6501, "number", s_.at(word.empty() ? line : word), [&] {
-        return fmt::format("{} is no number; the facet is left out", in_quotes(word));
+        return fmt::format("{} is not a number; the facet is left out", in_quotes(word));
       });
     }
     if (usable && !is_usable(p)) {
       usable = false;
       s_.trouble(Code::E6501, "place", s_.at(line),
-                 [] { return "a corner this far out is no place; the facet is left out"; });
+                 [] { return "a corner is out of range; the facet is left out"; });
     }
     broken_ = broken_ || !usable;
     if (!usable) return;

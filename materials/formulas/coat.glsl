@@ -32,7 +32,7 @@ FORMULA Vec3 slab_remainder(Real first, Vec3 below, Vec3 depth, Real cos_t) {
   return passing * (twice * below / at_least(again, Real(1e-10)));
 }
 
-// What the coat's outer surface reflects of the light from a direction. Facets of a rough one reflect
+// What the coat's outer surface reflects of the light from a direction. Microfacets of a rough one reflect
 // another share than a plane does, whose difference is fitted; over microfacets that scatter more than
 // once the fit stands for those, and a rough coat passes what a smooth one does.
 FORMULA Real coat_first(Surface s, Real cosine) {

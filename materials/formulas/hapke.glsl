@@ -1,12 +1,12 @@
 // Particulate surfaces: single scattering by particles with an opposition effect, isotropic
 // multiple scattering, and shadows of macroscopic roughness. 1/sr.
 // B. Hapke, "Bidirectional reflectance spectroscopy" 1 (1981), 3 (1984), 4 (1986), 5 (2002), 6
-// (2008). The opposition effect is that of 1986; the form of 1981 stands for the same shadows, and
+// (2008). The opposition effect is that of 1986; the form of 1981 describes the same shadows, and
 // no parameters are published for it alone.
 
-// H(x): light scattered more than once, x <= 1. Chandrasekhar's equation gives its reciprocal the form
+// H(x): multiple scattering, x <= 1. Chandrasekhar's equation gives its reciprocal the form
 // 1 - x (polynomial + ln(1 + 1/x) polynomial); the coefficients are fitted for the albedo at hand
-// (materials/fit_hapke.cpp). PANWRIGHT_H names it, or what a reader puts in its place.
+// (materials/fit_hapke.cpp). PANWRIGHT_H names it, or its replacement.
 FORMULA Real hapke_h_function(Surface s, Real x) {
   Real plain = s.hapke_h0 + x * (s.hapke_h1 + x * (s.hapke_h2 + x * s.hapke_h3));
   Real curved = s.hapke_h4 + x * (s.hapke_h5 + x * (s.hapke_h6 + x * s.hapke_h7));

@@ -1,6 +1,6 @@
 // microfacets with Smith's masking, correlated by height, and what they scatter more than once.
 // Slopes: RMS of the microfacets along the tangent (x) and across it (y). Where the two are one, or the
-// tangent is 0, microfacets are the same all around and of slope sqrt(x y). 1/sr.
+// tangent is 0, microfacets are isotropic and of slope sqrt(x y). 1/sr.
 // B. Walter et al., "Microfacet models for refraction through rough surfaces", 2007; E. Heitz,
 // "Understanding the masking-shadowing function in microfacet-based BRDFs", 2014.
 
@@ -9,7 +9,7 @@ FORMULA Real microfacet_slope(Real alpha, Real sun_alpha2) {
   return min(max(with_sun(alpha, sun_alpha2), Real(1e-6)), Real(1000));
 }
 
-// 1 where microfacets are the same all around, else 0.
+// 1 where microfacets are isotropic, else 0.
 FORMULA Real isotropic(Real slope_x, Real slope_y, Vec3 tangent) {
   if (slope_x == slope_y || !(dot3(tangent, tangent) > Real(0.25))) return Real(1);
   return Real(0);

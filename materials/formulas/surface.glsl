@@ -22,7 +22,7 @@ FORMULA Vec3 coated_diffuse(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 norma
                       max(dot3(normal, to_viewer), Real(0)));
 }
 
-// Facets under the coat. They see refracted light: at normal incidence slopes look larger by the
+// Microfacets under the coat. They receive refracted light: at normal incidence slopes look larger by the
 // coat's index from outside, towards grazing by more. What is reflected so flat that the coat keeps
 // it is lost here, and comes back in coated_compensation.
 FORMULA Vec3 coated_microfacets(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {

@@ -8,11 +8,11 @@
 
 namespace panwright::materials {
 
-// Facets whose lost light is less than this part of what falls on them are left as they are.
+// Microfacets that lose less than this share of the light are not compensated.
 inline constexpr double kWorthCompensation = 0.01;
 
 // fits.albedo_deficit and fits.compensation_scale of beckmann and ggx where compensation asks for
-// them; fits.error where it is larger than what stands there.
+// them; fits.error where it grows.
 void fit_microfacets(Material& material);
 
 // fits.coat_return, and for a rough coat fits.albedo_deficit unless fit_microfacets() filled it.
@@ -37,7 +37,7 @@ Vec3 mean_over_cosines(const std::function<Vec3(double)>& f);
 // The albedo of the diffuse BRDF under an even sky, by itself: weight 1, no coat. RGB.
 Vec3 mean_diffuse_albedo(const Material& material);
 
-// material.fits.hapke_h and, where it is larger than what stands there, fits.error.
+// material.fits.hapke_h and, where it grows, fits.error.
 void fit_hapke(Material& material);
 
 }  // namespace panwright::materials

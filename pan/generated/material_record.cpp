@@ -107,7 +107,7 @@ void read(const layout::Material& r, materials::Retroreflector& b) {
 }
 
 std::optional<std::string> broken(const char* name, float value, const char* limit) {
-  return fmt::format("{} is {}, it must be {}", name, value, limit);
+  return fmt::format("{} is {}, expected {}", name, value, limit);
 }
 
 }  // namespace

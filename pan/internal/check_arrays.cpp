@@ -1,5 +1,5 @@
 // Checksums of all sections and the contents of the big arrays, block by block: a block is still
-// in the cache when its contents are looked at.
+// in the cache when its contents are checked.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 using layout::SectionKind;
 
-// What one block of an array holds that it must not.
+// Invalid elements of one block of an array.
 struct Found {
   Tally values;   // not finite, not unit, negative; elements of the array
   Tally outside;  // vertices outside their bounds; indices past the last vertex
@@ -130,7 +130,7 @@ void check_elements(const Model& model, SectionKind kind, std::uint64_t begin, s
 }
 
 std::string others(const Tally& tally) {
-  return tally.count > 1 ? fmt::format(" ({} more like it)", tally.count - 1) : std::string();
+  return tally.count > 1 ? fmt::format(" (and {} more)", tally.count - 1) : std::string();
 }
 
 std::string mesh_words(const Model& model, std::size_t m) {
@@ -141,8 +141,9 @@ std::string mesh_words(const Model& model, std::size_t m) {
 void describe_vertices(const Model& model, const Found& found, Problems& problems) {
   if (const Tally& bad = found.values; bad.count > 0) {
     const layout::Float3& p = model.positions()[bad.first];
-    problems.push_back({Code::E4012, fmt::format("positions[{}] is {} {} {}, it must be finite{}",
-                                                 bad.first, p.x, p.y, p.z, others(bad))});
+    problems.push_back(
+        {Code::E4012, fmt::format("positions[{}] is {} {} {}, expected finite numbers{}", bad.first,
+                                  p.x, p.y, p.z, others(bad))});
   }
   if (const Tally& bad = found.outside; bad.count > 0) {
     const layout::Float3& p = model.positions()[bad.first];
@@ -164,7 +165,7 @@ void describe_indices(const Model& model, const Found& found, Problems& problems
     std::uint32_t value = 0;
     std::memcpy(&value, model.index_bytes().data() + bad.first, mesh.index_size);
     problems.push_back(
-        {Code::E4010, fmt::format("index {} of {} is {}, the mesh has {} vertices{}",
+        {Code::E4010, fmt::format("index {} of {} is {}, but the mesh has {} vertices{}",
                                   (bad.first - mesh.index_offset) / mesh.index_size,
                                   mesh_words(model, m), value, mesh.vertex_count, others(bad))});
   }
@@ -179,23 +180,24 @@ void describe(const Model& model, SectionKind kind, const Found& found, Problems
     describe_indices(model, found, problems);
   } else if (kind == SectionKind::texcoords) {
     const layout::Float2& t = model.texcoords()[at];
-    problems.push_back({Code::E4012, fmt::format("texcoords[{}] is {} {}, it must be finite{}", at,
-                                                 t.x, t.y, others(found.values))});
+    problems.push_back(
+        {Code::E4012, fmt::format("texcoords[{}] is {} {}, expected finite numbers{}", at, t.x, t.y,
+                                  others(found.values))});
   } else {
     const bool normal = kind == SectionKind::normals;
     const layout::Float3& v = (normal ? model.normals() : model.colors())[at];
     problems.push_back(
         {Code::E4012,
-         fmt::format("{}[{}] is {} {} {}, it must be {}{}", normal ? "normals" : "colours", at, v.x,
-                     v.y, v.z, normal ? "a unit vector" : "finite and not negative",
+         fmt::format("{}[{}] is {} {} {}, expected {}{}", normal ? "normals" : "colours", at, v.x,
+                     v.y, v.z, normal ? "a unit vector" : "finite numbers of at least 0",
                      others(found.values))});
   }
 }
 
-// One section as it is looked at: its blocks, and what was found in each of them.
+// One section while it is checked: its blocks and the problems of each.
 struct Work {
   const layout::DirectoryEntry* entry;
-  std::uint32_t element;  // bytes of what is counted; 0: contents are not looked at
+  std::uint32_t element;  // bytes of an element; 0: contents are not checked
   std::size_t first_job;  // of its blocks among those of all sections
   std::vector<std::uint64_t> hashes;
   std::vector<Found> found;
@@ -214,7 +216,7 @@ void do_block(const Model& model, Work& work, std::size_t index) {
   if (begin < end) check_elements(model, SectionKind{entry.kind}, begin, end, work.found[index]);
 }
 
-// What the blocks or chunks of a section hold that they must not.
+// Reports the invalid elements of the blocks or chunks of a section.
 void describe_all(const Model& model, const layout::DirectoryEntry& entry,
                   const std::vector<Found>& parts, Problems& problems) {
   Found all;
@@ -234,23 +236,23 @@ void finish(const Model& model, const Work& work, Problems& problems) {
   const std::uint64_t used = has_codec(entry) ? entry.packed_length : entry.raw_length;
   const auto padding = model.bytes().subspan(entry.offset + used, entry.stored_length - used);
   if (std::any_of(padding.begin(), padding.end(), [](std::byte b) { return b != std::byte{0}; }))
-    problems.push_back(
-        {Code::E4008, section_words(entry) + " is padded with bytes that are not 0"});
+    problems.push_back({Code::E4008, section_words(entry) + " has padding bytes that are not 0"});
   describe_all(model, entry, work.found, problems);
 }
 
-// Unpacks one array, and looks at each chunk while it is in the cache.
+// Decompresses one array, and checks each chunk while it is in the cache.
 std::optional<Problem> unpack_array(Model& model, const layout::DirectoryEntry& entry,
                                     Problems& problems, const Job& job) {
   const SectionKind kind{entry.kind};
   const auto chunks = chunks_of(model, entry);
   if (!chunks)
-    return Problem{Code::E4015, section_words(entry) + " has chunks that do not fill it"};
+    return Problem{Code::E4015,
+                   section_words(entry) + " has chunks whose lengths do not add up to its length"};
   const auto to = Unpacked::make(model, kind, entry.raw_length);
   if (to.empty())
-    return Problem{Code::E4015, fmt::format("{} unpacks to {} bytes, and there is no memory for "
-                                            "them",
-                                            section_words(entry), entry.raw_length)};
+    return Problem{Code::E4015,
+                   fmt::format("{} decompresses to {} bytes, which exceeds the available memory",
+                               section_words(entry), entry.raw_length)};
   std::vector<char> sound(chunks->count());
   std::vector<Found> found(chunks->count());
   parallel_for(
@@ -265,7 +267,7 @@ std::optional<Problem> unpack_array(Model& model, const layout::DirectoryEntry& 
   const auto bad = std::find(sound.begin(), sound.end(), 0);
   if (bad != sound.end())
     return Problem{Code::E4015,
-                   fmt::format("{} does not unpack: chunk {} of {} is damaged",
+                   fmt::format("{} cannot be decompressed: chunk {} of {} is damaged",
                                section_words(entry), bad - sound.begin(), sound.size())};
   describe_all(model, entry, found, problems);
   return {};

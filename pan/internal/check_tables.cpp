@@ -1,4 +1,4 @@
-// The records of the tables: the field rules of the layout, then what rules cannot say.
+// The records of the tables: the field rules of the layout, then the checks across fields.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ const layout::SectionInfo& info(SectionKind kind) {
 std::uint64_t count_of(const Model& model, SectionKind kind) {
   const layout::DirectoryEntry* entry = model.entry(kind);
   const std::uint64_t count = entry ? entry->count : 0;
-  // offsets stand around strings, so there is one more of them
+  // offsets enclose strings, so there is one more of them
   return kind == SectionKind::string_offsets && count > 0 ? count - 1 : count;
 }
 
@@ -78,21 +78,21 @@ std::string rule_words(const FieldRule& rule, std::uint64_t limit) {
   const bool strings = rule.target == SectionKind::string_offsets;
   switch (rule.kind) {
     case FieldRuleKind::finite:
-      return "it must be finite";
+      return "expected a finite number";
     case FieldRuleKind::not_negative:
-      return "it must be finite and not negative";
+      return "expected a finite number of at least 0";
     case FieldRuleKind::nonzero:
-      return "it must be finite and not 0";
+      return "expected a finite number other than 0";
     case FieldRuleKind::zero:
-      return "it must be 0";
+      return "expected 0";
     case FieldRuleKind::range:
-      return fmt::format("it must lie in {} to {}", rule.low, rule.high);
+      return fmt::format("expected {} to {}", rule.low, rule.high);
     case FieldRuleKind::mask:
-      return fmt::format("only the bits {:#x} have a meaning", rule.high);
+      return fmt::format("expected no bits other than {:#x}", rule.high);
     default:
-      return strings
-                 ? "the file has " + counted(limit, "string")
-                 : fmt::format("'{}' has {}", info(rule.target).name, counted(limit, "element"));
+      return strings ? "but the file has " + counted(limit, "string")
+                     : fmt::format("but '{}' has {}", info(rule.target).name,
+                                   counted(limit, "element"));
   }
 }
 
@@ -126,11 +126,14 @@ std::optional<Problem> offsets_problem(const Model& model) {
     return Problem{Code::E4010, "string_offsets do not begin with an empty string"};
   for (std::size_t i = 1; i < offsets.size(); ++i)
     if (offsets[i] < offsets[i - 1])
-      return Problem{Code::E4010, fmt::format("string_offsets[{}] is {}, the one before it {}", i,
-                                              offsets[i], offsets[i - 1])};
+      return Problem{
+          Code::E4010,
+          fmt::format("string_offsets[{}] is {}, expected at least {}, the one before it", i,
+                      offsets[i], offsets[i - 1])};
   if (offsets.back() != bytes)
-    return Problem{Code::E4010, fmt::format("the strings end at byte {}, string_bytes has {}",
-                                            offsets.back(), bytes)};
+    return Problem{Code::E4010,
+                   fmt::format("the strings end at byte {}, but string_bytes has {} bytes",
+                               offsets.back(), bytes)};
   return {};
 }
 
@@ -146,10 +149,10 @@ std::optional<Problem> text_problem(const Model& model) {
   Tally all;
   for (const Tally& group : groups) all.add(group);
   if (all.count == 0) return {};
-  return Problem{Code::E4014,
-                 fmt::format("string {} is not UTF-8 text without NUL{}", all.first,
-                             all.count > 1 ? fmt::format(" ({} more like it)", all.count - 1)
-                                           : std::string())};
+  return Problem{
+      Code::E4014,
+      fmt::format("string {} is not valid UTF-8 text without NUL{}", all.first,
+                  all.count > 1 ? fmt::format(" (and {} more)", all.count - 1) : std::string())};
 }
 
 // ---- nodes
@@ -166,14 +169,14 @@ bool is_finite(const Mat4& m) {
 }
 
 Problem not_unit(const char* table, std::size_t i, const double* q) {
-  return {Code::E4012, fmt::format("{}[{}].rotation is {} {} {} {}, it must be a unit quaternion",
+  return {Code::E4012, fmt::format("{}[{}].rotation is {} {} {} {}, expected a unit quaternion",
                                    table, i, q[0], q[1], q[2], q[3])};
 }
 
 // The first problem of the tree.
 std::optional<Problem> node_problem(const Model& model) {
   const auto nodes = model.nodes();
-  if (nodes.empty()) return Problem{Code::E4012, "there are no nodes, a root is needed"};
+  if (nodes.empty()) return Problem{Code::E4012, "the file has no nodes, expected at least a root"};
   std::vector<std::uint32_t> depths(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const std::int64_t parent = nodes[i].parent;
@@ -186,15 +189,15 @@ std::optional<Problem> node_problem(const Model& model) {
       return Problem{
           i == 0 ? Code::E4011 : Code::E4010,
           fmt::format("nodes[{}].parent is {}, {}", i, parent,
-                      i == 0 ? "the root has -1" : "only node 0 may stand without a parent")};
+                      i == 0 ? "expected -1 for the root" : "but only node 0 may have no parent")};
     if (parent >= static_cast<std::int64_t>(i))
-      return Problem{Code::E4011, fmt::format("nodes[{}].parent is {}, a parent stands before "
-                                              "its children",
-                                              i, parent)};
+      return Problem{
+          Code::E4011,
+          fmt::format("nodes[{}].parent is {}, expected a node before its child", i, parent)};
     depths[i] = depths[parent] + 1;
     if (depths[i] > layout::kMaxDepth)
-      return Problem{Code::E4012, fmt::format("nodes[{}] is {} deep, the limit is {}", i, depths[i],
-                                              layout::kMaxDepth)};
+      return Problem{Code::E4012, fmt::format("nodes[{}] is at depth {}, expected at most {}", i,
+                                              depths[i], layout::kMaxDepth)};
   }
   return {};
 }
@@ -234,12 +237,13 @@ std::optional<Problem> world_problem(const Model& model) {
 
 std::optional<Problem> mesh_form_problem(const layout::Mesh& mesh, std::size_t i) {
   if (mesh.index_size != 2 && mesh.index_size != 4)
-    return Problem{Code::E4012, fmt::format("meshes[{}].index_size is {}, it must be 2 or 4", i,
-                                            mesh.index_size)};
-  if (mesh.index_size == 2 && mesh.vertex_count > layout::kMaxShortVertices)
     return Problem{Code::E4012,
-                   fmt::format("meshes[{}] has {} vertices, indices of 2 bytes reach {}", i,
-                               mesh.vertex_count, layout::kMaxShortVertices)};
+                   fmt::format("meshes[{}].index_size is {}, expected 2 or 4", i, mesh.index_size)};
+  if (mesh.index_size == 2 && mesh.vertex_count > layout::kMaxShortVertices)
+    return Problem{
+        Code::E4012,
+        fmt::format("meshes[{}] has {} vertices with indices of 2 bytes, expected at most {}", i,
+                    mesh.vertex_count, layout::kMaxShortVertices)};
   for (int k = 0; k < 3; ++k)
     if (mesh.bounds_min[k] > mesh.bounds_max[k])
       return Problem{Code::E4012,
@@ -253,9 +257,9 @@ std::optional<Problem> mesh_problem(const Model& model) {
   const auto meshes = model.meshes();
   const auto misplaced = [](std::size_t i, const char* field, std::uint64_t is,
                             std::uint64_t must) {
-    return Problem{Code::E4010, fmt::format("meshes[{}].{} is {}, runs tile their array, so it "
-                                            "must be {}",
-                                            i, field, is, must)};
+    return Problem{Code::E4010,
+                   fmt::format("meshes[{}].{} is {}, expected {}, where the run before it ends", i,
+                               field, is, must)};
   };
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const layout::Mesh& mesh = meshes[i];
@@ -286,9 +290,10 @@ std::optional<Problem> mesh_problem(const Model& model) {
                 {SectionKind::indices, bytes}};
   for (const auto& array : arrays)
     if (count_of(model, array.kind) != array.needed)
-      return Problem{Code::E4010,
-                     fmt::format("section '{}' has {}, the meshes need {}", info(array.kind).name,
-                                 counted(count_of(model, array.kind), "element"), array.needed)};
+      return Problem{
+          Code::E4010,
+          fmt::format("section '{}' has {}, but the meshes need {}", info(array.kind).name,
+                      counted(count_of(model, array.kind), "element"), array.needed)};
   return {};
 }
 
@@ -301,13 +306,14 @@ std::optional<Problem> texture_problem(const Model& model) {
     if (texture.offset != bytes || texture.bytes != needed)
       return Problem{
           Code::E4010,
-          fmt::format("textures[{}] has {} bytes at {}, {} x {} texels at {} are needed", i,
+          fmt::format("textures[{}] has {} bytes at {}, expected {} x {} texels at {}", i,
                       texture.bytes, texture.offset, texture.width, texture.height, bytes)};
     bytes += needed;
   }
   if (count_of(model, SectionKind::texels) != bytes)
-    return Problem{Code::E4010, fmt::format("section 'texels' has {} bytes, the textures need {}",
-                                            count_of(model, SectionKind::texels), bytes)};
+    return Problem{Code::E4010,
+                   fmt::format("section 'texels' has {} bytes, but the textures need {}",
+                               count_of(model, SectionKind::texels), bytes)};
   return {};
 }
 
@@ -328,14 +334,14 @@ std::optional<Problem> instance_problem(const Model& model) {
                          : material.cell_count[0] > 0 ? "material with cells"
                                                       : nullptr;
     if (reason)
-      return Problem{Code::E4010, fmt::format("instances[{}] has a {}, and meshes[{}] has no "
-                                              "texcoords",
-                                              i, reason, instances[i].mesh)};
+      return Problem{Code::E4010,
+                     fmt::format("instances[{}] has a {}, but meshes[{}] has no texcoords", i,
+                                 reason, instances[i].mesh)};
   }
   const std::uint64_t sources = model.sources().size();
   if (model.entry(SectionKind::sources) && sources != instances.size())
     return Problem{Code::E4010,
-                   fmt::format("section 'sources' has {}, there are {}",
+                   fmt::format("section 'sources' has {}, but there are {}",
                                counted(sources, "element"), counted(instances.size(), "instance"))};
   return {};
 }
@@ -346,9 +352,10 @@ std::optional<Problem> material_problem(const Model& model) {
     const float* n = materials[i].refract;
     const int zeros = (n[0] == 0) + (n[1] == 0) + (n[2] == 0);
     if (zeros != 0 && zeros != 3)
-      return Problem{Code::E4012, fmt::format("materials[{}].refract is {} {} {}, all must be 0 or "
-                                              "all above it",
-                                              i, n[0], n[1], n[2])};
+      return Problem{
+          Code::E4012,
+          fmt::format("materials[{}].refract is {} {} {}, expected 0 in all channels or in none", i,
+                      n[0], n[1], n[2])};
     if (const auto broken = material_limit_broken(materials[i]))
       return Problem{Code::E4012, fmt::format("materials[{}]: {}", i, *broken)};
   }
@@ -365,11 +372,12 @@ std::optional<Problem> frame_problem(const Model& model) {
 std::optional<Problem> need_problem(const Model& model) {
   if (const std::uint64_t count = count_of(model, SectionKind::budget); count > 1)
     return Problem{Code::E4012,
-                   fmt::format("section 'need' has {} records, one is the most", count)};
+                   fmt::format("section 'budget' has {} records, expected at most 1", count)};
   const std::uint64_t count = model.mesh_tolerances().size();
   if (count != 0 && count != model.meshes().size())
-    return Problem{Code::E4010, fmt::format("section 'mesh_tolerances' has {}, section 'meshes' {}",
-                                            counted(count, "element"), model.meshes().size())};
+    return Problem{Code::E4010,
+                   fmt::format("section 'mesh_tolerances' has {}, but section 'meshes' has {}",
+                               counted(count, "element"), model.meshes().size())};
   return {};
 }
 
@@ -379,16 +387,16 @@ std::optional<Problem> decal_problem(const Model& model) {
     const layout::Decal& decal = decals[i];
     if (!is_unit(decal.rotation)) return not_unit("decals", i, decal.rotation);
     if (!(decal.width > 0 && decal.height > 0 && decal.depth > 0))
-      return Problem{Code::E4012, fmt::format("decals[{}] is {} x {} m and {} m deep, all must be "
-                                              "above 0",
-                                              i, decal.width, decal.height, decal.depth)};
+      return Problem{Code::E4012,
+                     fmt::format("decals[{}] is {} x {} m and {} m deep, expected sizes above 0", i,
+                                 decal.width, decal.height, decal.depth)};
   }
   return {};
 }
 
 std::optional<Problem> build_problem(const Model& model) {
   if (model.builds().size() != 1)
-    return Problem{Code::E4012, fmt::format("section 'build' has {} records, one is needed",
+    return Problem{Code::E4012, fmt::format("section 'build' has {} records, expected 1",
                                             model.builds().size())};
   IdentityHasher hasher;
   const auto inputs = model.inputs();
@@ -396,17 +404,17 @@ std::optional<Problem> build_problem(const Model& model) {
     const std::string_view path = unchecked_string(model, inputs[i].path);
     // note: without a limit, many inputs that share one long path would take quadratic time
     if (path.size() > layout::kMaxPathBytes)
-      return Problem{Code::E4012, fmt::format("inputs[{}].path has {} bytes, the limit is {}", i,
-                                              path.size(), layout::kMaxPathBytes)};
+      return Problem{Code::E4012, fmt::format("inputs[{}].path has {} bytes, expected at most {}",
+                                              i, path.size(), layout::kMaxPathBytes)};
     hasher.input({inputs[i].hash[0], inputs[i].hash[1]}, inputs[i].bytes, path);
   }
   const layout::Build& build = model.builds().front();
   const Hash128 id =
       hasher.finish(unchecked_string(model, build.version), unchecked_string(model, build.options));
   if (id != model.build_id())
-    return Problem{Code::E4012, fmt::format("the build identity is {}, inputs, version and options "
-                                            "give {}",
-                                            model.build_id().hex(), id.hex())};
+    return Problem{Code::E4012,
+                   fmt::format("the build identity is {}, but inputs, version and options give {}",
+                               model.build_id().hex(), id.hex())};
   return {};
 }
 

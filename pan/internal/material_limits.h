@@ -11,8 +11,8 @@
 
 namespace panwright::pan {
 
-// What is wrong with the parameters that a record uses, in words; none: nothing. Its model numbers
-// must be known.
+// The first problem of the parameters that a record uses, in words; none: all are valid. Its model
+// numbers must be known.
 std::optional<std::string> material_limit_broken(const layout::Material& record);
 
 // The required features of a file with the record: those of BRDFs that format 1.0 lacks.

@@ -28,7 +28,7 @@ std::uint64_t up_to_alignment(std::uint64_t bytes) {
 }
 
 // Byte k of every element, one after the other, for each k; each byte less that of the element
-// before. What is no whole element follows as it is.
+// before. A partial last element follows as it is.
 void to_planes(std::span<const std::byte> from, std::uint32_t planes, std::byte* to) {
   const std::size_t count = from.size() / planes;
   for (std::uint32_t k = 0; k < planes; ++k) {

@@ -33,7 +33,7 @@ std::vector<std::byte> pack_section(std::span<const std::byte> raw, std::uint32_
 // What a compressed section consists of.
 class PackedChunks {
  public:
-  // Nothing when the chunks do not fill the section.
+  // Nothing when the lengths of the chunks do not add up to the section.
   //
   //   packed  the section's bytes in the file, packed_length of them
   // Cost: O(chunks). Expects: raw_length > 0.
@@ -41,14 +41,14 @@ class PackedChunks {
                                         std::uint64_t raw_length);
 
   std::size_t count() const { return chunks_.size(); }
-  // Where a chunk stands in the unpacked section, bytes.
+  // Offset of a chunk in the decompressed section, bytes.
   std::uint64_t begin(std::size_t chunk) const { return chunk * layout::kHashBlock; }
   std::uint64_t end(std::size_t chunk) const;
 
-  // Unpacks one chunk to its place in a section of raw_length bytes. Several threads may unpack
-  // different chunks.
+  // Decompresses one chunk to its offset in a section of raw_length bytes. Several threads may
+  // decompress different chunks.
   //
-  // returns  whether the chunk is what the format says it is; else any bytes stand in its place
+  // returns  whether the chunk is valid; else its bytes are undefined
   // Cost: O(bytes of the chunk, packed and not), whatever they are.
   bool unpack(std::size_t chunk, std::span<std::byte> section) const;
 

@@ -1,4 +1,4 @@
-// What the parts of check() tell each other.
+// Types and functions shared by the parts of check().
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ using Problems = std::vector<Problem>;
 
 inline constexpr std::uint64_t kNoElement = ~0ull;
 
-// Where, among many elements, something is wrong: the first place, and how many there are.
+// Invalid elements among many: the first index, and their number.
 struct Tally {
   std::uint64_t first = kNoElement;
   std::uint64_t count = 0;
@@ -53,21 +53,21 @@ inline bool is_array(std::uint32_t kind) {
                           kind <= static_cast<std::uint32_t>(SectionKind::texels));
 }
 
-// A section and its place, for messages: "section 'nodes' (bytes 128 to 512)".
+// A section and its byte range, for messages: "section 'nodes' (bytes 128 to 512)".
 std::string section_words(const layout::DirectoryEntry& entry);
 
 // Checks the records of all tables and the strings. When it finds nothing, the runs of every mesh
 // and texture lie within their arrays and every reference between tables holds.
 Problems table_problems(const Model& model);
 
-// Hashes every section, checks its padding, and, with contents, what stands in the arrays that are
+// Hashes every section, checks its padding, and, with contents, the elements of the arrays that are
 // not compressed.
 //
 // Expects: contents only when table_problems found nothing.
 enum class Part { tables, arrays };
 Problems section_problems(const Model& model, Part part, bool contents, const Job& job);
 
-// Unpacks the compressed arrays and checks what stands in them. On a problem of a section it has
+// Decompresses the compressed arrays and checks their elements. On a problem of a section it has
 // no contents.
 //
 // Expects: neither section_problems nor table_problems found anything.

@@ -51,8 +51,9 @@ void store_default(std::byte* to, FieldType type, double value) {
 }
 
 Problem no_memory(const DirectoryEntry& entry, std::uint64_t bytes) {
-  return {Code::E4015, fmt::format("{} unpacks to {} bytes, and there is no memory for them",
-                                   section_words(entry), bytes)};
+  return {Code::E4015,
+          fmt::format("{} decompresses to {} bytes, which exceeds the available memory",
+                      section_words(entry), bytes)};
 }
 
 // Unpacks every chunk of a section into `to`.
@@ -60,12 +61,13 @@ std::optional<Problem> unpack(const Model& model, const DirectoryEntry& entry,
                               std::span<std::byte> to) {
   const auto chunks = chunks_of(model, entry);
   if (!chunks)
-    return Problem{Code::E4015, section_words(entry) + " has chunks that do not fill it"};
+    return Problem{Code::E4015,
+                   section_words(entry) + " has chunks whose lengths do not add up to its length"};
   std::vector<char> sound(chunks->count());
   parallel_for(sound.size(), [&](std::size_t i) { sound[i] = chunks->unpack(i, to); });
   const auto bad = std::find(sound.begin(), sound.end(), 0);
   if (bad == sound.end()) return {};
-  return Problem{Code::E4015, fmt::format("{} does not unpack: chunk {} of {} is damaged",
+  return Problem{Code::E4015, fmt::format("{} cannot be decompressed: chunk {} of {} is damaged",
                                           section_words(entry), bad - sound.begin(), sound.size())};
 }
 
@@ -129,7 +131,7 @@ void resize_records(std::span<const std::byte> from, std::uint32_t from_stride,
                     std::span<const FieldDefault> defaults) {
   const std::size_t count = to.size() / to_stride;
   assert(from.size() == count * from_stride && to.size() == count * to_stride);
-  // what stands in every record before its own bytes are laid over it
+  // the content of every record before its own bytes are copied over it
   std::vector<std::byte> lacking(to_stride);
   std::size_t kept = std::min(from_stride, to_stride);
   for (const FieldDefault& field : defaults) {

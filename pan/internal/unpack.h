@@ -1,4 +1,4 @@
-// Contents that a model holds in memory of its own: unpacked, or in records of another size.
+// Contents that a model holds in its own memory: decompressed, or in records of another size.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace panwright::pan::internal {
 
-// What stands behind Model's const face while it is checked.
+// Write access to a Model while it is checked.
 struct Unpacked {
   // Memory for a section's contents, which the model hands out from now on; the same memory each
   // time. No bytes: there is not enough.
@@ -21,14 +21,14 @@ struct Unpacked {
   static void drop(Model& model, layout::SectionKind kind);
 };
 
-// The chunks of a section of the model's file. Nothing: they do not fill it.
+// The chunks of a section of the model's file. Nothing: their lengths do not add up.
 std::optional<PackedChunks> chunks_of(const Model& model, const layout::DirectoryEntry& entry);
 
 // Copies records of one size to another: the tail of longer ones is dropped, what shorter ones
 // lack is 0 or its default. A field that a record holds in part is lacking.
 //
 //   from, to   whole records, equally many
-//   defaults   those of the section's fields, by their places
+//   defaults   those of the section's fields, by offset
 void resize_records(std::span<const std::byte> from, std::uint32_t from_stride,
                     std::span<std::byte> to, std::uint32_t to_stride,
                     std::span<const layout::FieldDefault> defaults);

@@ -384,7 +384,7 @@ const Preset* Loader::preset_of(File& file, std::uint32_t element) {
                        const auto near = nearest_name(*name, preset_names());
                        return {fmt::format("the library has no material {}", in_quotes(*name)),
                                near ? fmt::format("did you mean '{}'?", *near)
-                                    : "`panwright material --list` shows what it has"};
+                                    : "`panwright material --list` lists its materials"};
                      });
   return found;
 }

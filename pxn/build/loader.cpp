@@ -177,8 +177,8 @@ std::optional<FoundFile> Loader::find(Work& work, std::uint32_t element, std::si
     const std::string_view where_looked =
         own_folder ? "in this file's folder"
                    : "neither from the top file's folder nor from this file's";
-    return {own_folder ? fmt::format("there is no file {} {}", in_quotes(file), where_looked)
-                       : fmt::format("there is no file {}, {}", in_quotes(file), where_looked),
+    return {own_folder ? fmt::format("file {} not found {}", in_quotes(file), where_looked)
+                       : fmt::format("file {} not found, {}", in_quotes(file), where_looked),
             hint};
   });
   return std::nullopt;

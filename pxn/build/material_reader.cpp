@@ -30,6 +30,7 @@ class Reader {
   }
 
   void child(std::uint32_t c) {
+    if (document_.elements[c].id == schemas::kNoElement) return;  // reported by the grammar check
     switch (document_.elements[c].id) {
       case ElementId::diffuse:
         return vector(c, fields.diffuse);
@@ -83,10 +84,9 @@ class Reader {
     const Vec3& w = *fields.reflect;
     if (w.x + w.y + w.z <= 1 + kSumTolerance) return;
     reporter_.report(Code::E1406, document_.tag_span(c), document_, c, [&] {
-      return Reporter::Text(
-          fmt::format("the weights {} {} {} of reflect add up to {:.6g}, at most "
-                      "1 keeps the balance of energy",
-                      format_double(w.x), format_double(w.y), format_double(w.z), w.x + w.y + w.z));
+      return Reporter::Text(fmt::format(
+          "the weights {} {} {} of reflect add up to {:.6g}, expected at most 1 to conserve energy",
+          format_double(w.x), format_double(w.y), format_double(w.z), w.x + w.y + w.z));
     });
     fields.reflect = w / (w.x + w.y + w.z);
   }

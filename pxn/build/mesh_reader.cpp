@@ -139,7 +139,7 @@ class MeshReader {
     reporter_.report(Code::E2001, where, doc_, strip, [&] {
       const std::string accepted =
           vertices == 0
-              ? "there are no positions"
+              ? "no positions"
               : fmt::format("there are {} positions, expected 0 to {}", vertices, vertices - 1);
       return Reporter::Text(fmt::format(
           "the index {} is past the last position; {}{}; the strip is left out", *bad, accepted,

@@ -61,10 +61,11 @@ bool check_name(const xml::Document& document, std::uint32_t element, SourceSpan
     return true;
   }
   reporter.report(Code::E1221, where, document, element, [&] {
-    return Reporter::Text(fmt::format(
-        "{} cannot stand in expressions; names are letters, digits and underscores, not beginning "
-        "with a digit",
-        in_quotes(name)));
+    return Reporter::Text(
+        fmt::format("{} is not allowed in expressions; names are letters, digits and underscores, "
+                    "not beginning "
+                    "with a digit",
+                    in_quotes(name)));
   });
   return false;
 }

@@ -87,7 +87,7 @@ struct Expressions::Implementation {
     names.push_back("tau");
     const bool is_function = std::any_of(std::begin(kFunctions), std::end(kFunctions),
                                          [&](const Function& f) { return f.name == operand.name; });
-    problem.message = fmt::format("{} is no parameter and no variable{}", in_quotes(operand.name),
+    problem.message = fmt::format("{} is not a parameter or variable{}", in_quotes(operand.name),
                                   none ? "; there are none here" : " that is known here");
     if (is_function)
       problem.hint = fmt::format("functions take their values in parentheses: {}(…)", operand.name);

@@ -131,11 +131,11 @@ class FormulaReader {
       emit("!");
       const std::size_t begin = at_++;
       if (skip_blanks() && (text_[at_] == '!' || text_[at_] == '-' || text_[at_] == '+'))
-        fail(begin, at_ + 1, "a sign or another '!' behind '!' needs parentheses", "write !(…)");
+        fail(begin, at_ + 1, "a sign or another '!' after '!' needs parentheses", "write !(…)");
       return;
     }
     if (c == ')' && frames_.back().kind == Kind::function && is_open("("))
-      return fail(at_, at_ + 1, "there is no value between these parentheses");
+      return fail(at_, at_ + 1, "no value between these parentheses");
     missing_value();
   }
 
@@ -153,8 +153,7 @@ class FormulaReader {
   }
 
   void braces() {
-    fail(at_, at_ + 1,
-         text_[at_] == '{' ? "braces stand in braces" : "a brace closes what is not open",
+    fail(at_, at_ + 1, text_[at_] == '{' ? "nested braces" : "a brace closes what is not open",
          text_[at_] == '{' ? "inside braces, parentheses group" : "");
   }
 
@@ -166,7 +165,8 @@ class FormulaReader {
     if (found == "\"" || found == "'") hint = "expressions have no texts";
     if (found == "[" || found == "]") hint = "parentheses group";
     fail(at_, at_ + length,
-         fmt::format("{} cannot stand in an expression", in_quotes(to_utf8(found, Encoding::utf8))),
+         fmt::format("{} is not allowed in an expression",
+                     in_quotes(to_utf8(found, Encoding::utf8))),
          hint);
   }
 
@@ -175,7 +175,7 @@ class FormulaReader {
     while (skip_blanks() && (text_[at_] == '-' || text_[at_] == '+'))
       negative ^= text_[at_++] == '-';
     if (skip_blanks() && text_[at_] == '!')
-      return fail(at_, at_ + 1, "a '!' behind a sign needs parentheses", "write -(!…)");
+      return fail(at_, at_ + 1, "a '!' after a sign needs parentheses", "write -(!…)");
     if (negative) emit("-");
   }
 
@@ -329,9 +329,9 @@ class FormulaReader {
   void missing_operator() {
     const char c = text_[at_];
     const bool value = is_digit(c) || is_letter(c) || c == '(' || c == '.';
-    if (c == '=') return fail(at_, at_ + 1, "'=' is no operator", "equality is written ==");
+    if (c == '=') return fail(at_, at_ + 1, "'=' is not an operator", "equality is written ==");
     if (c == '&' || c == '|')
-      return fail(at_, at_ + 1, fmt::format("'{}' is no operator", c),
+      return fail(at_, at_ + 1, fmt::format("'{}' is not an operator", c),
                   c == '&' ? "write && (in XML, &amp;&amp;)" : "write ||");
     if (!value && c != '!') return unknown_character();
     const std::string_view word = is_letter(c) ? word_at(at_) : text_.substr(at_, 1);
@@ -355,7 +355,7 @@ class FormulaReader {
       return fail(frame.at, frame.at + 1, "this '(' is not closed");
     if (frame.kind == Kind::function)
       return fail(frame.at, frame.at + kFunctions[frame.function].name.size(),
-                  "the parenthesis behind this is not closed");
+                  "the parenthesis after this is not closed");
   }
 
   std::string_view text_;

@@ -333,14 +333,14 @@ std::optional<Values::Amount> Values::read_computed(std::uint32_t element, const
     const std::size_t open = whole.find('{');
     const bool nested = whole.find('{', open + 1) < end;
     if (open == 0 && nested && whole.ends_with('}')) {
-      evaluate(element, text, token);  // says where braces stand in braces
+      evaluate(element, text, token);  // says where nested braces
       return std::nullopt;
     }
     const Token part = {whole.substr(open, 1), token.at + open};
     reporter_.report(Code::E1221, place(text, part), doc_, element, [&]() -> Reporter::Text {
       if (end == std::string_view::npos) return {"this brace is not closed"};
       if (open == 0 && looks_like_unit(whole.substr(end + 1)))
-        return {"a unit behind an expression", "units stand inside the braces: {2*5mm}"};
+        return {"a unit after an expression", "units go inside the braces: {2*5mm}"};
       return {"an expression is a number of its own", "write it all in one pair of braces"};
     });
     return std::nullopt;
@@ -487,9 +487,9 @@ std::string Values::number_hint(const Token& token) const {
     const std::size_t name = std::min(rest.find_first_not_of(" \t\r\n"), rest.size());
     if (find_unit(rest.substr(name)) != nullptr) return "a unit follows its number without a blank";
     if (scope_ != nullptr && scope_->find(token.text) != nullptr)
-      return fmt::format("names stand in braces: {{{}}}", token.text);
+      return fmt::format("names go in braces: {{{}}}", token.text);
     if (rest.find_first_of("*/^(") != std::string_view::npos)
-      return "expressions stand in braces: {…}";
+      return "expressions go in braces: {…}";
   }
   if (token.text.find(',') != std::string_view::npos)
     return "numbers have a decimal point and are separated by blanks";

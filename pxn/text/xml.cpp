@@ -106,7 +106,7 @@ class Scanner {
         return;
       }
       report(Code::E1001, at_, at_ + 1,
-             root_seen_ ? "text behind the root element" : "text before the root element");
+             root_seen_ ? "text after the root element" : "text before the root element");
       at_ = find("<", at_);
       return;
     }
@@ -222,7 +222,7 @@ class Scanner {
     if (target.empty())
       report(Code::E1001, begin, begin + 2, "'<?' is followed by no name");
     else if (target == "xml")
-      report(Code::E1001, begin, end, "the XML declaration stands at the very beginning of a file");
+      report(Code::E1001, begin, end, "the XML declaration must be at the beginning of the file");
     at_ = close_of(PieceKind::instruction);
     if (at_ == size_)
       report(Code::E1001, begin, begin + 2, "the processing instruction is not closed by '?>'");
@@ -264,7 +264,7 @@ class Scanner {
       ++skipped_;
     } else if (!inside() && root_seen_) {
       report(Code::E1001, begin + 1, end,
-             fmt::format("{} behind the root element; a file has one", quoted(begin + 1, end)));
+             fmt::format("{} after the root element; a file has one", quoted(begin + 1, end)));
       ++skipped_;
     } else if (open_.size() >= limits_.depth) {
       if (!too_deep_)

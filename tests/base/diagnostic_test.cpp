@@ -45,10 +45,10 @@ TEST(Registry, CodesAreUniqueAndExplained) {
 
 TEST(ToText, ShowsPlaceLineCaretHintAndIncludes) {
   Sample s;
-  s.log.report(Code::E1101, {s.part, 6, 12}, "'difuse' is no element of the language",
+  s.log.report(Code::E1101, {s.part, 6, 12}, "unknown element 'difuse' in <material>",
                "did you mean 'diffuse'?");
   EXPECT_EQ(to_text(s.log),
-            "part.pxn:2:3: error: 'difuse' is no element of the language [E1101]\n"
+            "part.pxn:2:3: error: unknown element 'difuse' in <material> [E1101]\n"
             "     2 |  <difuse> 1 </difuse>\n"
             "       |   ^~~~~~\n"
             "    did you mean 'diffuse'?\n"

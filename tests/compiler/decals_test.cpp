@@ -187,11 +187,12 @@ TEST(Decals, ThatShowNothingAreSaidOnce) {
   // into the box: the top looks away, and the bottom is out of reach
   scene.decals[0].normal = Vec3(0, 0, -2);
   scene.decals.push_back(scene.decals[0]);
-  EXPECT_EQ(complaints(scene), "W2020 m.pxn:7:3: no surface within the decal's box faces it\n");
+  EXPECT_EQ(complaints(scene),
+            "W2020 m.pxn:7:3: the decal is not visible: no surface within its box faces it\n");
   scene.decals[1].source.line = 8;
   EXPECT_EQ(complaints(scene),
-            "W2020 m.pxn:7:3: no surface within the decal's box faces it\n"
-            "W2020 m.pxn:8:3: no surface within the decal's box faces it\n");
+            "W2020 m.pxn:7:3: the decal is not visible: no surface within its box faces it\n"
+            "W2020 m.pxn:8:3: the decal is not visible: no surface within its box faces it\n");
   // one that reaches through: half of 4.1 is more than the box is high
   scene.decals.resize(1);
   scene.decals[0].width = 4.1;

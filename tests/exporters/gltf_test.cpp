@@ -184,7 +184,7 @@ TEST(GltfExport, ReflectanceMapsAreTheColorOfMetals) {
     DiagnosticLog log;
     const auto glb = glb_from(*model, log);
     ASSERT_TRUE(glb);
-    EXPECT_EQ(to_text(log).find("images of reflectance beside a colour") != std::string::npos,
+    EXPECT_EQ(to_text(log).find("reflectance maps with a diffuse colour") != std::string::npos,
               diffuse);
     const Loaded out = load({reinterpret_cast<const char*>(glb->data()), glb->size()});
     ASSERT_TRUE(out.imported) << out.text();

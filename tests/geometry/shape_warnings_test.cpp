@@ -175,7 +175,7 @@ TEST(ShapeWarnings, ProfilesThatRunThroughThemselves) {
     return shape_warnings[0].message;
   };
   EXPECT_EQ(crossing({{0, 0}, {2, 0}, {2, 2}, {1, -1}, {1, 3}, {0, 3}}),
-            "the profile behind point 3 crosses or touches that behind point 1");
+            "the profile after point 3 crosses or touches its part after point 1");
   // back along itself, a loop that does, a touch, an eight
   EXPECT_NE(crossing({{0, 0}, {1, 0}, {0.5, 0}, {0.5, 1}}), "");
   EXPECT_NE(crossing({{1, 0}, {3, 0}, {3, 1}, {1, 1}, {1, -1}, {1, 0}}), "");

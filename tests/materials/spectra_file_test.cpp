@@ -72,24 +72,24 @@ TEST(SpectraFile, FilesOfRefractiveindexInfo) {
 TEST(SpectraFile, BadTables) {
   using testing::HasSubstr;
   EXPECT_THAT(problem_of("", 0), HasSubstr("no row"));
-  EXPECT_THAT(problem_of("0.4 1 2\n0.7 1 x\n", 2), HasSubstr("a row is"));
-  EXPECT_THAT(problem_of("0.4 1 2\n0.7\n", 2), HasSubstr("a row is"));
-  EXPECT_THAT(problem_of("0.4 1 2 3\n", 1), HasSubstr("a row is"));
-  EXPECT_THAT(problem_of("0.4 1 2\n0.4 1 2\n", 2), HasSubstr("rise"));
-  EXPECT_THAT(problem_of("0.4 1 2\n0.3 1 2\n", 2), HasSubstr("rise"));
+  EXPECT_THAT(problem_of("0.4 1 2\n0.7 1 x\n", 2), HasSubstr("expected a row of"));
+  EXPECT_THAT(problem_of("0.4 1 2\n0.7\n", 2), HasSubstr("expected a row of"));
+  EXPECT_THAT(problem_of("0.4 1 2 3\n", 1), HasSubstr("expected a row of"));
+  EXPECT_THAT(problem_of("0.4 1 2\n0.4 1 2\n", 2), HasSubstr("expected a larger one"));
+  EXPECT_THAT(problem_of("0.4 1 2\n0.3 1 2\n", 2), HasSubstr("expected a larger one"));
   EXPECT_THAT(problem_of("-0.4 1 2\n", 1), HasSubstr("above 0"));
   EXPECT_THAT(problem_of("0.4 0 2\n", 1), HasSubstr("n is 0"));
   EXPECT_THAT(problem_of("0.4 1 -2\n", 1), HasSubstr("k is -2"));
-  EXPECT_THAT(problem_of("0.4 nan 2\n", 1), HasSubstr("a row is"));
-  EXPECT_THAT(problem_of("0.4 1 1e999\n", 1), HasSubstr("a row is"));
+  EXPECT_THAT(problem_of("0.4 nan 2\n", 1), HasSubstr("expected a row of"));
+  EXPECT_THAT(problem_of("0.4 1 1e999\n", 1), HasSubstr("expected a row of"));
   EXPECT_THAT(problem_of("0.4 1 101\n", 1), HasSubstr("k is 101"));
   EXPECT_THAT(problem_of("0.5 1\n0.7 1\n", 0), HasSubstr("from 0.5 to 0.7"));
-  EXPECT_THAT(problem_of("0.5 1\n", 0), HasSubstr("needed from 0.45 to 0.65"));
+  EXPECT_THAT(problem_of("0.5 1\n", 0), HasSubstr("expected from 0.45 to 0.65"));
   EXPECT_THAT(problem_of("400 1\n700 1\n", 0), HasSubstr("nanometres"));
   EXPECT_THAT(problem_of("DATA:\n  - type: formula 5\n", 2), HasSubstr("'formula 5'"));
   EXPECT_THAT(problem_of("  - type: formula 1\n    coefficients: 0 1\n", 2), HasSubstr("odd"));
   EXPECT_THAT(problem_of("  - type: formula 1\n    coefficients: -9 1 0.1\n", 0),
-              HasSubstr("no n"));
+              HasSubstr("no valid n"));
   EXPECT_THAT(
       problem_of("  - type: formula 1\n    wavelength_range: 1 2\n    coefficients: 0 1 0.1\n", 0),
       HasSubstr("from 1 to 2"));

@@ -136,14 +136,14 @@ TEST(Check, MessagesNameThePlaceAndWhatIsAccepted) {
   ASSERT_TRUE(model && !model->check(log));
   ASSERT_EQ(log.entries().size(),
             1u);  // the tables are wrong, so the arrays are not judged by them
-  EXPECT_EQ(log.entries()[0].message, "instances[1].material is 9, 'materials' has 2 elements");
+  EXPECT_EQ(log.entries()[0].message, "instances[1].material is 9, but 'materials' has 2 elements");
   file.at<layout::Instance>(layout::SectionKind::instances, 1).material = 1;
   file.seal();
   DiagnosticLog second;
   model = Model::from_bytes(file.bytes(), "x", second);
   ASSERT_TRUE(model && !model->check(second));
   EXPECT_EQ(second.entries()[0].message,
-            "index 2 of meshes[0] 'hull' is 77, the mesh has 4 vertices");
+            "index 2 of meshes[0] 'hull' is 77, but the mesh has 4 vertices");
 }
 
 TEST(Check, ReportsDoNotDependOnThreads) {
@@ -163,7 +163,7 @@ TEST(Check, ReportsDoNotDependOnThreads) {
     EXPECT_EQ(log.entries().size(), 3u);
   }
   EXPECT_NE(texts[0].find(std::to_string(vertices / 3)), std::string::npos) << texts[0];
-  EXPECT_NE(texts[0].find("(2 more like it)"), std::string::npos) << texts[0];
+  EXPECT_NE(texts[0].find("(and 2 more)"), std::string::npos) << texts[0];
   for (const std::string& text : texts) EXPECT_EQ(text, texts[0]);
 }
 

@@ -94,7 +94,7 @@ TEST(Diff, Meshes) {
   expect_model({"mesh 'hull': vertices lie up to 5 m apart"},
                [](Contents& c) { c.meshes[0].origin += Vec3(0, 3, 4); });
   // an origin that moves while the vertices stay is no difference of place: the file differs still
-  expect_model({"file: the same things stand in another order or are stored in another way"},
+  expect_model({"file: the contents are equal, but their order or storage differs"},
                [](Contents& c) {
                  c.meshes[0].origin.x += 1;
                  for (std::size_t i = 0; i < 12; i += 3) c.meshes[0].positions[i] -= 1;
@@ -114,7 +114,7 @@ TEST(Diff, Meshes) {
                [](Contents& c) { c.meshes[1].colors[0] = 3; });
   expect_model({"mesh 'pläté': colours only in a"},
                [](Contents& c) { c.meshes[1].colors.clear(); });
-  expect_model({"mesh 'hull': 2 of 4 triangles have other corners"}, [](Contents& c) {
+  expect_model({"mesh 'hull': 2 of 4 triangles differ in corners"}, [](Contents& c) {
     std::swap(c.meshes[0].indices[0], c.meshes[0].indices[3]);
     std::swap(c.meshes[0].indices[1], c.meshes[0].indices[4]);
     std::swap(c.meshes[0].indices[2], c.meshes[0].indices[5]);
@@ -211,7 +211,8 @@ TEST(Diff, Decals) {
 TEST(Diff, Needs) {
   expect_model({"budget: flux: 0.125 in a, 0.25 in b"}, [](Contents& c) { c.budget->flux = 0.25; });
   expect_model({"budget: only in a"}, [](Contents& c) { c.budget.reset(); });
-  expect_model({"needs of the meshes: only in a"}, [](Contents& c) { c.mesh_tolerances.clear(); });
+  expect_model({"tolerances of the meshes: only in a"},
+               [](Contents& c) { c.mesh_tolerances.clear(); });
   expect_model({"mesh 'hull': tolerance: 0.25 in a, 0.5 in b",
                 "mesh 'hull': reason: flux in a, centroid in b"},
                [](Contents& c) {
@@ -226,11 +227,12 @@ TEST(Diff, ProvenanceStandsApart) {
                     [](Contents& c) { c.version = "panwright 0.2.0"; });
   expect_provenance({"options: 'max_error=0.001' in a, '' in b"},
                     [](Contents& c) { c.options.clear(); });
-  expect_provenance({"input 'craft.pxn': other contents: 300 bytes in a, 300 in b"},
+  expect_provenance({"input 'craft.pxn': contents differ: 300 bytes in a, 300 in b"},
                     [](Contents& c) { c.inputs[0].hash.low = 9; });
   expect_provenance({"input 'skin.png': only in a"}, [](Contents& c) { c.inputs.pop_back(); });
-  expect_provenance({"source places: 1 of 2 differ"}, [](Contents& c) { c.sources[1].line = 10; });
-  expect_provenance({"source places: only in a"}, [](Contents& c) { c.sources.clear(); });
+  expect_provenance({"source locations: 1 of 2 differ"},
+                    [](Contents& c) { c.sources[1].line = 10; });
+  expect_provenance({"source locations: only in a"}, [](Contents& c) { c.sources.clear(); });
 }
 
 TEST(Diff, UnknownSectionsAndOrder) {
@@ -243,8 +245,8 @@ TEST(Diff, UnknownSectionsAndOrder) {
   file.at<std::uint8_t>(layout::SectionKind{1000}, 5) = 9;
   file.seal();
   EXPECT_EQ(lines(diff(b, load(file.bytes())).model),
-            Lines{"section of kind 1000: other contents"});
-  expect_model({"file: the same things stand in another order or are stored in another way"},
+            Lines{"section of kind 1000: contents differ"});
+  expect_model({"file: the contents are equal, but their order or storage differs"},
                [](Contents& c) {
                  std::swap(c.materials[0], c.materials[1]);
                  for (InstanceContent& instance : c.instances) instance.material ^= 1;

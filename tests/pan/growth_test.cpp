@@ -180,7 +180,7 @@ TEST(Growth, MessagesSayWhatIsRead) {
   EXPECT_FALSE(Model::from_bytes(file.seal().bytes(), "x", log));
   ASSERT_EQ(log.entries().size(), 1u);
   EXPECT_EQ(log.entries()[0].message,
-            "section 'nodes' has records of 92 bytes, multiples of 8 from 88 to 4096 are read");
+            "section 'nodes' has records of 92 bytes, expected a multiple of 8 from 88 to 4096");
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ TEST(Diagnostics, PlacesAndWords) {
   const std::map<std::string, std::string> expected = {
       {"E1001-tag-not-closed", "4:32 E1001 the tag is not closed by '>'\n"},
       {"E1001-no-quotes", "3:17 E1001 the value of 'rings' needs quotes\n"},
-      {"E1001-two-roots", "4:2 E1001 'pangu_model' behind the root element; a file has one\n"},
+      {"E1001-two-roots", "4:2 E1001 'pangu_model' after the root element; a file has one\n"},
       {"E1002", "6:5 E1002 no element 'grup' is open here (<group> of line 4 is)\n"},
       {"E1003-declared",
        "1:31 E1003 the encoding 'Shift_JIS' is not read; pxn files are UTF-8, US-ASCII or "
@@ -113,7 +113,7 @@ TEST(Diagnostics, PlacesAndWords) {
        "3:12 E1206 the quaternion has length 1.41421, expected w x y z of length 1 to 1e-3\n"},
       {"E1210", "9:3 E1210 duplicate frame 'camera'; this one is left out\n"},
       {"E1301",
-       "3:29 E1301 there is no file 'parts/plat.pxn', neither from the top file's folder nor from "
+       "3:29 E1301 file 'parts/plat.pxn' not found, neither from the top file's folder nor from "
        "this file's\n"},
       {"E1303",
        "3:29 E1303 '../good/cube.pxn' leaves the project; included files lie in the top file's "

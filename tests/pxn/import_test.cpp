@@ -200,7 +200,7 @@ TEST(Import, attributes_without_effect_are_noted) {
 
 TEST(Import, our_own_files_are_no_cad_files) {
   const Reading r = reading("<import file=\"cad/sat.wrl\"/>", "<pangu_model ver=\"0\"/>");
-  EXPECT_THAT(to_text(r.log), HasSubstr("<include> takes a .pxn"));
+  EXPECT_THAT(to_text(r.log), HasSubstr("<include> in a pxn file"));
 }
 
 TEST(Import, what_is_removed_is_gone_with_its_nodes) {

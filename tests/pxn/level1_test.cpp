@@ -335,19 +335,19 @@ TEST(Level1, AProblemThatRepeatsIsSaidOnce) {
 TEST(Level1, AnglesAreShownInDegreesAndCountsWhereTheyStand) {
   const auto complaint = [](const std::string& shape) { return read_model(shape).summary(); };
   EXPECT_EQ(complaint("<sphere radius=\"1\" latitude=\"20 10\"/>"),
-            "2:30 E2017 latitudes from 20 to 10 deg; from -90 to 90 deg is accepted, the lowest "
+            "2:30 E2017 latitudes from 20 to 10 deg, expected -90 to 90 deg, the lowest "
             "first\n");
   EXPECT_EQ(complaint("<disc radius=\"1\" sector=\"10 500\"/>"),
-            "2:26 E2017 a sector from 10 to 500 deg; it ends after it begins, at most a whole turn "
-            "later\n");
+            "2:26 E2017 a sector from 10 to 500 deg, expected an end after the beginning, by at "
+            "most 360 deg\n");
   EXPECT_EQ(complaint("<disc radius=\"1\" sector=\"0 1e9\"/>"),
             "2:28 E1202 end of sector of <disc> is 1e9, expected -57200deg to 57200deg\n");
   EXPECT_EQ(complaint("<torus radius=\"1\" tube_radius=\"0.1\" segments=\"8\" rings=\"2\"/>"),
-            "2:57 E2018 2 segments along the profile; this one needs at least 3\n");
+            "2:57 E2018 2 segments along the profile, expected at least 3\n");
   EXPECT_EQ(complaint("<torus radius=\"1\" tube_radius=\"0.1\" rings=\"2\"/>"),
-            "2:44 E2018 2 segments along the profile; this one needs at least 3\n");
+            "2:44 E2018 2 segments along the profile, expected at least 3\n");
   EXPECT_EQ(complaint("<disc radius=\"1\" segments=\"1\"/>"),
-            "2:28 E2018 1 segment about the axis; this sector needs at least 3\n");
+            "2:28 E2018 1 segment about the axis, expected at least 3 for this sector\n");
   EXPECT_EQ(complaint("<sphere radius=\"1\" rings=\"8\" quads=\"2\"/>").substr(0, 9), "2:37 E120");
   EXPECT_EQ(
       complaint(

@@ -48,6 +48,25 @@ TEST(Material, EveryFieldArrives) {
   EXPECT_EQ(material_of(r, 2).diffuse_model(), materials::DiffuseModel::hapke);
 }
 
+// What the grammar has refused has no schema to read it by.
+TEST(Material, RefusedElementsAreLeftOut) {
+  const auto check = [](const Reading& r, const char* what) {
+    ASSERT_TRUE(r.scene) << what;
+    EXPECT_NE(r.summary().find(what), std::string::npos) << r.summary();
+    EXPECT_EQ(material_of(r, 0).diffuse, Vec3(0.1, 0.2, 0.3)) << what;
+  };
+  const std::string diffuse = "<diffuse>0.1 0.2 0.3</diffuse>";
+  check(read_nodes(appearance("<difuse>1 1 1</difuse>" + diffuse, kSphere)),
+        "E1101 unknown element 'difuse' in <material>");
+  check(read_nodes(appearance(diffuse + "<diffuse>1 1 1</diffuse>", kSphere)), "E1104");
+  check(read_nodes(appearance("<ggx>0.1</ggx>" + diffuse, kSphere)), "E1101");
+  check(
+      read_files({{"m.pxn", "<pangu_model ver=\"1\"><material name=\"m\"><difuse>1 1 1</difuse>" +
+                                diffuse +
+                                "</material><sphere radius=\"1\" material=\"m\"/></pangu_model>"}}),
+      "E1101 unknown element 'difuse' in <material>");
+}
+
 TEST(Material, FieldsAreInheritedOneByOneThroughIncludes) {
   const std::string inner = appearance("<diffuse>0.3 0 0</diffuse>", kSphere);
   const std::string outer =

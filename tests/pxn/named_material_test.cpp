@@ -233,9 +233,10 @@ TEST(NamedMaterial, SpectraFromFiles) {
   EXPECT_NEAR(worn(film).coat->depth.y, 4 * kPi * 0.0015 * 10e-6 / 0.55e-6, 1e-12);
 
   EXPECT_EQ(with("<mirror/><conductor file=\"t.csv\"/>", "0.4 1 1\n0.3 1 1\n").summary(),
-            "3:27 E1409 optical constants 't.csv', line 2: wavelengths rise from row to row\n");
+            "3:27 E1409 optical constants 't.csv', line 2: a wavelength of 0.3 "
+            "micrometres after 0.4, expected a larger one\n");
   EXPECT_EQ(with("<mirror/><conductor file=\"none.csv\"/>", table).summary(),
-            "3:27 E1301 there is no file 'none.csv' in this file's folder\n");
+            "3:27 E1301 file 'none.csv' not found in this file's folder\n");
   EXPECT_EQ(
       with("<mirror/><conductor file=\"t.csv\" metal=\"Al\"/>", table).summary(),
       "3:11 E1108 <conductor> needs exactly one of @metal, @file or @n, not @metal and @file\n");

@@ -319,27 +319,27 @@ TEST(Values, PlacesInsideExpressions) {
   EXPECT_EQ(complaint(kL, "{1 + }"), "1:12 E1221 the expression ends where a value is needed\n");
   EXPECT_EQ(complaint(kL, "{}"), "1:8 E1221 there is nothing between the braces\n");
   EXPECT_EQ(complaint(kL, "{1 + {2}}"),
-            "1:12 E1221 braces stand in braces (inside braces, parentheses group)\n");
+            "1:12 E1221 nested braces (inside braces, parentheses group)\n");
   EXPECT_EQ(complaint(kL, "{2}mm"),
-            "1:7 E1221 a unit behind an expression (units stand inside the braces: {2*5mm})\n");
+            "1:7 E1221 a unit after an expression (units go inside the braces: {2*5mm})\n");
   EXPECT_EQ(
       complaint(kL, "-{2}"),
       "1:8 E1221 an expression is a number of its own (write it all in one pair of braces)\n");
   EXPECT_EQ(complaint(kL, "{1}{2}").substr(0, 9), "1:7 E1221");
   EXPECT_EQ(complaint(kL, "{1} {2}").substr(0, 9), "1:7 E1221");
-  EXPECT_EQ(complaint(kL, "gap"),
-            "1:7 E1201 'gap' is not a number, expected -1e+30 to 1e+30 for l of <e> (names stand "
-            "in braces: "
-            "{gap})\n");
+  EXPECT_EQ(
+      complaint(kL, "gap"),
+      "1:7 E1201 'gap' is not a number, expected -1e+30 to 1e+30 for l of <e> (names go in braces: "
+      "{gap})\n");
   EXPECT_EQ(complaint(kL, "3*gap").substr(0, 9), "1:7 E1201");
   // columns are characters, lines end as they may
   Subject e("<e>1 2\r\n 3 {\u00b5 + 1}\r\n{2*\u00b5}\t5mm {1\r\n + gpa} {7 7}</e>");
   std::vector<double> out;
   EXPECT_FALSE(e.values.list(0, out));
   EXPECT_EQ(e.summary(),
-            "2:5 E1221 '\u00b5' cannot stand in an expression\n"
-            "3:4 E1221 '\u00b5' cannot stand in an expression\n"
-            "4:4 E1222 'gpa' is no parameter and no variable; there are none here\n"
+            "2:5 E1221 '\u00b5' is not allowed in an expression\n"
+            "3:4 E1221 '\u00b5' is not allowed in an expression\n"
+            "4:4 E1222 'gpa' is not a parameter or variable; there are none here\n"
             "4:12 E1221 an operator is missing before '7' (a product is written with *)\n");
 }
 
@@ -441,13 +441,13 @@ TEST(Values, Labels) {
   e.scope.set("i", {7, Dimension::none});
   EXPECT_EQ(e.values.text(0, kName), "cell_3_140-1.75 \u00e9 1");
   EXPECT_EQ(complaint(kName, "bolt{j}"),
-            "1:15 E1222 'j' is no parameter and no variable that is known here\n");
+            "1:15 E1222 'j' is not a parameter or variable that is known here\n");
   EXPECT_EQ(complaint(kName, "bolt{1"), "1:14 E1221 this brace is not closed\n");
   EXPECT_EQ(complaint(kName, "bolt}"), "1:14 E1221 this brace closes what is not open\n");
   EXPECT_EQ(complaint(kName, "{1}}"), "1:13 E1221 this brace closes what is not open\n");
   EXPECT_EQ(complaint(kName, "{1/0} {k}"),
             "1:12 E1223 1 / 0 has no finite value (condition ? value : other can leave it out)\n"
-            "1:17 E1222 'k' is no parameter and no variable that is known here\n");
+            "1:17 E1222 'k' is not a parameter or variable that is known here\n");
 }
 
 // In ISO-8859-1 a micro sign is one byte.
@@ -459,7 +459,7 @@ TEST(Values, OtherEncodings) {
   EXPECT_TRUE(e.values.list(0, out)) << e.summary();
   EXPECT_EQ(out[5], 6e-6);
   EXPECT_FALSE(e.values.real(0, kA));
-  EXPECT_EQ(e.summary(), "1:59 E1221 '\u00e9' cannot stand in an expression\n");
+  EXPECT_EQ(e.summary(), "1:59 E1221 '\u00e9' is not allowed in an expression\n");
 }
 
 TEST(Values, HostileTexts) {

@@ -49,7 +49,7 @@ TEST(Check, NamesEachDefect) {
       {"parent", [](Scene& s) { s.nodes[1].parent = 2; }},
       {"parent", [](Scene& s) { s.nodes[2].parent = kNone; }},
       {"not finite", [&](Scene& s) { s.nodes[1].parent_from_node.translation.y = nan; }},
-      {"not unit", [](Scene& s) { s.nodes[1].parent_from_node.rotation.w = 2; }},
+      {"not a unit quaternion", [](Scene& s) { s.nodes[1].parent_from_node.rotation.w = 2; }},
       {"scale of zero", [](Scene& s) { s.nodes[1].parent_from_node.scale.z = 0; }},
       {"radius",
        [](Scene& s) {
@@ -59,18 +59,20 @@ TEST(Check, NamesEachDefect) {
        [](Scene& s) {
          s.shapes[0] = geometry::Sphere{1, {{1, 3}}};
        }},
-      {"not there", [](Scene& s) { s.shapes[1] = geometry::MeshShape(); }},
-      {"index 3 of 3", [&](Scene& s) { with_mesh(s, [](auto& m) { m.triangles[0][2] = 3; }); }},
+      {"null mesh", [](Scene& s) { s.shapes[1] = geometry::MeshShape(); }},
+      {"index 3, expected below 3",
+       [&](Scene& s) { with_mesh(s, [](auto& m) { m.triangles[0][2] = 3; }); }},
       {"different length", [&](Scene& s) { with_mesh(s, [](auto& m) { m.colors.resize(2); }); }},
       {"not finite", [&](Scene& s) { with_mesh(s, [&](auto& m) { m.positions[0].x = nan; }); }},
-      {"not unit", [&](Scene& s) { with_mesh(s, [](auto& m) { m.normals[0] = Vec3(0); }); }},
-      {"refers to nothing", [](Scene& s) { s.instances[0].material = 1; }},
-      {"refers to nothing", [](Scene& s) { s.instances[0].node = -1; }},
+      {"not of unit length",
+       [&](Scene& s) { with_mesh(s, [](auto& m) { m.normals[0] = Vec3(0); }); }},
+      {"does not exist", [](Scene& s) { s.instances[0].material = 1; }},
+      {"does not exist", [](Scene& s) { s.instances[0].node = -1; }},
       {"texture 5", [](Scene& s) { s.instances[0].texture = 5; }},
       {"texture matrix", [&](Scene& s) { s.instances[0].texture_from_shape[0][0] = nan; }},
       {"bytes", [](Scene& s) { s.textures[0].rgba.pop_back(); }},
-      {"not sound", [](Scene& s) { s.frames[0].node = 9; }},
-      {"two frames", [](Scene& s) { s.frames.push_back(s.frames[0]); }},
+      {"frame 0 has an unknown node", [](Scene& s) { s.frames[0].node = 9; }},
+      {"duplicate frame name", [](Scene& s) { s.frames.push_back(s.frames[0]); }},
   };
   for (const auto& [words, damage] : defects) {
     Scene scene = sound_scene();

@@ -156,7 +156,7 @@ TEST(Storage, BombsAreRefusedWhereThereIsNoMemory) {
        PANWRIGHT_BIN_DIR "/panwright", path});
   EXPECT_EQ(outcome.code, 4) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("E4015"));
-  EXPECT_THAT(outcome.out, HasSubstr("1073741824 bytes, and there is no memory for them"));
+  EXPECT_THAT(outcome.out, HasSubstr("1073741824 bytes, which exceeds the available memory"));
 }
 
 TEST(Storage, FilesThatAreCutShortWhileTheyAreMappedAreNamed) {

@@ -84,7 +84,7 @@ TEST(ReadViews, SaysWhatIsWrong) {
       {R"([{"pose": {"client": "1", "b": "2", "client": "3"}, "output": "a"}])",
        "view 0 gives 'client' twice"},
       {R"([{"output": "a"}, {"output": "b"}, {"output": "c/../a"}])",
-       "views 0 and 2 have one output, 'c/../a'"},
+       "views 0 and 2 have the same output, 'c/../a'"},
       {"[{\"pose\": 1e, \"output\": \"a\"}]", "invalid JSON"},
       {"[{\"pose\": [], \"output\": \"a\"}]", "expected text, a number or a list"},
       {"[{\"pose\": {\"client\": {}}, \"output\": \"a\"}]", "the pose of 'client'"},

@@ -59,7 +59,7 @@ TEST(World, ANameThatIsNotThereGetsItsNeighbour) {
   EXPECT_NE(log.entries()[1].message.find("'chaser', 'client'"), std::string::npos)
       << log.entries()[1].message;
   EXPECT_FALSE(World().require("zzz", log));
-  EXPECT_NE(log.entries()[2].message.find("none at all"), std::string::npos);
+  EXPECT_NE(log.entries()[2].message.find("there are none"), std::string::npos);
 }
 
 TEST(World, MoreTargetsThanFitAreRefused) {

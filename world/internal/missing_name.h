@@ -1,4 +1,4 @@
-// Messages about a name that is not there. Private to world.
+// Messages about an unknown name. Private to world.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 
 namespace panwright::world {
 
-// Reports "WHAT 'name'", with the nearest of the names that there are, or with all of a few.
+// Reports "WHAT 'name'" with the nearest known name, or with all names where they are few.
 inline void report_missing(Code code, std::string_view file, std::string_view what,
                            std::string_view name, const std::vector<std::string_view>& names,
                            DiagnosticLog& log) {
@@ -20,9 +20,9 @@ inline void report_missing(Code code, std::string_view file, std::string_view wh
   if (const auto near = nearest_name(name, names)) hint = fmt::format("did you mean '{}'?", *near);
   std::string message = fmt::format("{} {}", what, in_quotes(name));
   if (names.empty()) {
-    message += "; it has none at all";
+    message += "; there are none";
   } else if (hint.empty() && names.size() <= 10) {
-    message += "; it has ";
+    message += ", expected ";
     for (std::size_t i = 0; i < names.size(); ++i) message += (i ? ", " : "") + in_quotes(names[i]);
   }
   log.report_file(code, file, std::move(message), std::move(hint));

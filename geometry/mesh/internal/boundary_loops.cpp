@@ -93,8 +93,8 @@ class LoopFinder {
 
   HalfEdges::VertexHandle vertex(std::uint32_t at) {
     if (handle_[at] == kNone) {
-      handle_[at] = static_cast<std::uint32_t>(places_.size());
-      places_.push_back(at);
+      handle_[at] = static_cast<std::uint32_t>(positions_.size());
+      positions_.push_back(at);
       half_edges_.add_vertex(HalfEdges::Point(0, 0, 0));
     }
     return HalfEdges::VertexHandle(static_cast<int>(handle_[at]));
@@ -129,13 +129,13 @@ class LoopFinder {
     loop.triangle = half_edge / 3;
     HalfEdges::HalfedgeHandle at = begin;
     do {
-      // a face that was left out is in the way
+      // a face that was left out blocks it
       if (!unused_[index(at)]) return;
       unused_[index(at)] = 0;
       const std::uint32_t from =
-          places_[static_cast<std::size_t>(half_edges_.from_vertex_handle(at).idx())];
+          positions_[static_cast<std::size_t>(half_edges_.from_vertex_handle(at).idx())];
       const std::uint32_t to =
-          places_[static_cast<std::size_t>(half_edges_.to_vertex_handle(at).idx())];
+          positions_[static_cast<std::size_t>(half_edges_.to_vertex_handle(at).idx())];
       loop.unique_positions.push_back(from);
       loop.length += glm::length(mesh_.positions[to] - mesh_.positions[from]);
       at = half_edges_.next_halfedge_handle(at);
@@ -147,9 +147,9 @@ class LoopFinder {
   std::span<const std::uint32_t> unique_position_;
   const Edges& edges_;
   HalfEdges half_edges_;
-  std::vector<std::uint32_t> handle_;  // V, of places
-  std::vector<std::uint32_t> places_;  // of handles
-  std::vector<char> unused_;           // of half-edges: on a border, and in no boundary loop yet
+  std::vector<std::uint32_t> handle_;     // V, of unique positions
+  std::vector<std::uint32_t> positions_;  // of handles
+  std::vector<char> unused_;              // of half-edges: on a border, and in no boundary loop yet
 };
 
 double double_area(const Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c) {

@@ -18,8 +18,8 @@ struct BoundaryLoop {
 };
 
 // The loops of border edges that surround one hole each, in order of their first sides. Where three
-// or more surfaces hang together at a vertex or edge, so that nobody can tell which border goes on
-// with which, edges are in no loop.
+// or more surfaces hang together at a vertex or edge, so that the border is ambiguous,
+// edges are in no loop.
 //
 // Expects: neighbours across edges wound alike. Cost: O(T). Half-edges: OpenMesh (Botsch,
 // Steinberg, Bischoff, Kobbelt, "OpenMesh: a generic and efficient polygon mesh data structure",
@@ -30,7 +30,7 @@ std::vector<BoundaryLoop> boundary_loops_of(const Mesh& mesh,
 
 // Triangles that close a boundary loop: those of least area together for up to 64 vertices, else a
 // fan about the middle, which becomes the mesh's last vertex. New triangles use the first vertex at
-// a place.
+// a position.
 void fill(Mesh& mesh, const BoundaryLoop& loop);
 
 }  // namespace panwright::geometry

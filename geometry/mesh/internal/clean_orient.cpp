@@ -14,7 +14,7 @@ namespace panwright::geometry {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-// of area · radius: cones about the centroid that speak for inside out. A hemisphere has 0.5.
+// of area · radius: cones about the centroid that suggest inside out. A hemisphere has 0.5.
 constexpr double kInsideOut = 0.05;
 // of all open components together, and of one
 constexpr std::uint64_t kRays = 400'000;
@@ -127,8 +127,8 @@ class Orienter {
     }
   }
 
-  // Closed components by their volume; open ones as most of them was written, unless rays know
-  // better.
+  // Closed components by their volume; open ones as most of their area was written, unless rays
+  // decide otherwise.
   void decide(std::uint32_t p, std::vector<char>& turn, std::vector<std::uint32_t>& ambiguous) {
     Component& component = out_.components[p];
     const Sums& sum = sums_[p];
@@ -170,7 +170,7 @@ class Orienter {
       if (inside_out[i]) turn[ambiguous[i]] ^= 1;
   }
 
-  // From points on the component, evenly by area: which side looks out?
+  // Which side faces outwards, by rays from points on the component, evenly by area.
   bool shows_its_back(const std::vector<std::uint32_t>& triangles, std::uint32_t component,
                       std::uint64_t rays, const std::vector<char>& turn,
                       const InstanceCaster& caster) const {

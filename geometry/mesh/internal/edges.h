@@ -17,13 +17,13 @@ struct Edges {
   std::vector<std::uint32_t> border;  // half-edges, ascending
   std::vector<std::uint32_t> many;  // the first half-edge of each edge of many triangles, ascending
   std::vector<std::uint32_t> many_count;  // their triangles
-  std::uint64_t misoriented = 0;          // edges whose two triangles run them alike
+  std::uint64_t misoriented = 0;          // edges that two triangles run in one direction
 };
 
-// Finds the edges of triangles between places. Triangles with two corners at one place have none:
-// the twin of their half-edges is kNonManifold.
+// Finds the edges of triangles between unique positions. Triangles with two equal corners have
+// none: the twin of their half-edges is kNonManifold.
 //
-//   place    V, the first vertex at each one's place
+//   unique_position  V, the first vertex at the same position
 //   Cost: O(T log(triangles at a vertex))
 Edges edges_of(const Mesh& mesh, std::span<const std::uint32_t> unique_position);
 

@@ -1,4 +1,4 @@
-// Normals where it is known which vertices stand at one place.
+// Normals of a mesh whose unique positions are known.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,8 @@
 
 namespace panwright::geometry {
 
-// As compute_normals() of geometry/mesh/strip.h; place: V, the first vertex at each one's place.
-void compute_normals(Mesh& mesh, double crease_angle, std::span<const std::uint32_t> place);
+// As compute_normals() of geometry/mesh/strip.h; position_of: V, the
+// first vertex at the same position.
+void compute_normals(Mesh& mesh, double crease_angle, std::span<const std::uint32_t> position_of);
 
 }  // namespace panwright::geometry

@@ -1,4 +1,4 @@
-// Order of triangles and vertices that caches like.
+// Cache-friendly order of triangles and vertices.
 #pragma once
 
 #include "geometry/mesh.h"

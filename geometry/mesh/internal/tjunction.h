@@ -1,4 +1,4 @@
-// Vertices that stand on an edge without being one of its ends.
+// T-junctions: vertices on an edge that are not one of its ends.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +11,17 @@
 namespace panwright::geometry {
 
 struct Junction {
-  std::uint32_t vertex = 0;     // a place
+  std::uint32_t vertex = 0;     // a unique position
   std::uint32_t half_edge = 0;  // see Edges
   bool operator==(const Junction&) const = default;
 };
 
-// Places at the border that lie within a distance of the inside of another border edge: each with
-// the first such side, in order of places. Ends do not count, nor what lies within the distance of
-// them.
+// Positions at the border that lie within a distance of the inside of another border edge: each
+// with the first such side, in order of positions. Ends do not count, nor what lies within the
+// distance of them.
 //
-//   Cost: O(border) expected; gives up on crowded places after 64 tries for each border edge, and
-//   has found some of them then.
+//   Cost: O(border) expected; gives up on crowded positions after 64 tries for each border edge,
+//   and has found some of them then.
 std::vector<Junction> junctions_of(const Mesh& mesh, std::span<const std::uint32_t> unique_position,
                                    const Edges& edges, double distance);
 

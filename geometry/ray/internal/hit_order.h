@@ -1,4 +1,4 @@
-// Which of two hits a ray gives. Private to geometry.
+// Order of hits along a ray. Private to geometry.
 #pragma once
 
 namespace panwright::geometry {

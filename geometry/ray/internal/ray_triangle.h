@@ -1,4 +1,4 @@
-// Where a ray goes through a triangle, without gaps between neighbours. Private to geometry.
+// Watertight ray-triangle intersection. Private to geometry.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@ struct ShearedRay {
     start = {origin[x], origin[y], origin[z]};
   }
 
-  // The place of a point in the plane.
+  // A point projected into the plane.
   Vec2 flat(const Vec3& p) const {
     const double height = p[z] - start.z;
     return {p[x] - start.x - shear.x * height, p[y] - start.y - shear.y * height};
@@ -58,7 +58,7 @@ struct Crossing {
 };
 
 // Whether a ray's line goes through the triangle a, b, c, its outline included, and where. Each
-// corner is first rounded to one place in the plane across the ray, and the sides of those places
+// corner is first rounded to one point in the plane across the ray, and the sides of those points
 // are decided without error: so a line that passes between neighbours goes through at least one of
 // them. Woop, Benthin, Wald, "Watertight ray/triangle intersection", 2013, in double.
 //

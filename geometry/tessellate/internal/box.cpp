@@ -365,11 +365,12 @@ Result<Mesh> make(const Box& shape, const TessellationOptions& options, SourceSp
                   DiagnosticLog& log) {
   const Plan plan = plan_of(shape, options);
   if (plan.too_fine) {
-    log.report(Code::E2003, where,
-               fmt::format("an error of {} m cannot be kept by single-precision vertices on a box "
-                           "of {} by {} by {} m",
-                           format_double(options.max_error), format_double(shape.size.x),
-                           format_double(shape.size.y), format_double(shape.size.z)));
+    log.report(
+        Code::E2003, where,
+        fmt::format("an error of {} m cannot be achieved with single-precision vertices on a box "
+                    "of {} by {} by {} m",
+                    format_double(options.max_error), format_double(shape.size.x),
+                    format_double(shape.size.y), format_double(shape.size.z)));
     return failed;
   }
   // with texture coordinates edges have vertices of their own

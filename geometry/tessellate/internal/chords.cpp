@@ -10,7 +10,7 @@ namespace {
 
 // a chord is never measured beyond its curve by more than this much of itself
 constexpr double kReach = 0.5;
-// steps towards the error asked for; two or three are usual
+// steps towards the requested error; two or three are usual
 constexpr int kIterations = 12;
 constexpr double kMostChords = 4e9;
 

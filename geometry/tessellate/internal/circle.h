@@ -1,4 +1,4 @@
-// Points of circles and the segments that stand for them.
+// Points of circles and the segments that approximate them.
 #pragma once
 
 #include <cstdint>

@@ -20,16 +20,16 @@ namespace panwright::geometry::internal {
 namespace {
 
 constexpr double kMostVertices = 4294967295.0;
-// steps towards the error asked for; one or two are usual
+// steps towards the requested error; one or two are usual
 constexpr int kIterations = 24;
-// a little less than is asked for spares most meshes a second try
+// a little less than requested spares most meshes a second try
 constexpr double kMargin = 0.998;
 // below this many triangles a plan makes the mesh, as whole numbers matter then
 constexpr double kSmall = 4096;
 // intervals of a quarter turn before halving, and how often they are halved
 constexpr int kNodes = 16;
 constexpr int kDepth = 40;
-// a facet is looked at in 4^this parts where its plane says too little
+// a facet is examined in 4^this parts where its plane is not enough
 constexpr int kHalvings = 3;
 
 // A circle's parameter, stepped so that the ellipse x = a cos t, y = b sin t has chords of equal
@@ -400,15 +400,15 @@ Result<Mesh> make(const Ellipsoid& s, const TessellationOptions& options, Source
   if (tessellator.half_range() <= 0 && !tessellator.counted()) {
     log.report(
         Code::E2003, where,
-        fmt::format("an error of {} m cannot be kept by single-precision vertices on an "
-                    "ellipsoid of this size; from {} m is accepted",
+        fmt::format("an error of {} m cannot be achieved with single-precision vertices on an "
+                    "ellipsoid of this size, expected at least {} m",
                     format_double(options.max_error), format_double(tessellator.least_error())));
     return failed;
   }
   std::optional<Mesh> mesh = made(s, options, tessellator);
   if (mesh) return std::move(*mesh);
   log.report(Code::E2003, where,
-             fmt::format("an ellipsoid with an error of {} m has more than {} triangles",
+             fmt::format("an ellipsoid with an error of {} m needs more than {} triangles",
                          format_double(options.max_error), options.max_triangles));
   return failed;
 }

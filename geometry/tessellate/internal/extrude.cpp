@@ -196,7 +196,9 @@ Problem problem_of_loops(const Extrude& shape) {
 Problem problem(const Extrude& shape) {
   if (auto bad = size_problem(shape.height, "height", "a height")) return bad;
   if (!(shape.smooth >= 0 && shape.smooth <= 2 * kPi))
-    return ShapeProblem{Code::E2011, "an angle of smoothing that is not between 0 and a whole turn",
+    return ShapeProblem{Code::E2011,
+                        fmt::format("a smoothing angle of {:.12g} deg, expected 0 to 360 deg",
+                                    shape.smooth / kDegree),
                         "smooth"};
   if (shape.outline.size() < 3) return too_few(shape.outline.size(), "outline", 0);
   if (auto bad = coordinate_problem(shape.outline, "outline")) return bad;

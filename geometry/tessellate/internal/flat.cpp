@@ -18,10 +18,11 @@ Problem first_problem(std::span<const V> points, std::string_view part) {
     for (typename V::length_type axis = 0; axis < V::length(); ++axis) {
       const double x = points[i][axis];
       if (std::fabs(x) <= kMaxCoordinate) continue;
-      return ShapeProblem{Code::E2010,
-                          fmt::format("point {} has a coordinate of {} m; up to {} m is accepted",
-                                      i + 1, format_double(x), format_double(kMaxCoordinate)),
-                          part, i};
+      return ShapeProblem{
+          Code::E2010,
+          fmt::format("point {} has a coordinate of {} m, expected a magnitude of at most {} m",
+                      i + 1, format_double(x), format_double(kMaxCoordinate)),
+          part, i};
     }
   }
   return std::nullopt;
@@ -41,10 +42,9 @@ bool within_counts(double triangles, double vertices, std::string_view what,
                    const TessellationOptions& options, SourceSpan where, DiagnosticLog& log) {
   const double limit = std::fmin(static_cast<double>(options.max_triangles), kMaxVertices);
   if (triangles <= limit && vertices <= kMaxVertices) return true;
-  log.report(
-      Code::E2003, where,
-      fmt::format("{} of {} triangles and {} vertices; at most {} triangles are accepted", what,
-                  format_double(triangles), format_double(vertices), format_double(limit)));
+  log.report(Code::E2003, where,
+             fmt::format("{} of {} triangles and {} vertices, expected at most {} triangles", what,
+                         format_double(triangles), format_double(vertices), format_double(limit)));
   return false;
 }
 
@@ -72,8 +72,7 @@ std::string sentence_of(const RegionFault& fault, const Region& region) {
   const std::uint32_t loop = region.loop[fault.edge];
   switch (fault.kind) {
     case RegionFault::Kind::coincident:
-      return fmt::format("{} has no length; its ends must lie further apart than 1e-9 of the whole",
-                         edge);
+      return fmt::format("{} has no length, expected ends more than 1e-9 of the whole apart", edge);
     case RegionFault::Kind::crossing:
       return fmt::format("{} crosses or touches {}", edge, edge_name(region, fault.other));
     case RegionFault::Kind::outside:

@@ -1,4 +1,4 @@
-// What blocks, walls and faces have in common.
+// Shared by boxes, extrusions and polygons.
 #pragma once
 
 #include <span>

@@ -132,7 +132,7 @@ Problem points_problem(const std::vector<Vec2>& profile) {
   if (profile.size() < 2)
     return ShapeProblem{
         Code::E2015,
-        fmt::format("a profile of {}; at least 2 are needed", counted(profile.size(), "point")),
+        fmt::format("a profile of {}, expected at least 2", counted(profile.size(), "point")),
         "profile"};
   double size = 0, radius = 0;
   for (std::size_t i = 0; i < profile.size(); ++i) {
@@ -140,23 +140,25 @@ Problem points_problem(const std::vector<Vec2>& profile) {
     if (!(std::fabs(p.x) <= kMaxCoordinate && std::fabs(p.y) <= kMaxCoordinate))
       return at_point(
           Code::E2010,
-          fmt::format("point {} of the profile is ({}, {}); up to {} m is accepted", i + 1,
-                      format_double(p.x), format_double(p.y), format_double(kMaxCoordinate)),
+          fmt::format("point {} of the profile is ({}, {}), expected magnitudes of at most {} m",
+                      i + 1, format_double(p.x), format_double(p.y), format_double(kMaxCoordinate)),
           i);
     if (p.x < 0)
-      return at_point(Code::E2011,
-                      fmt::format("point {} of the profile has a radius of {} m; it may not be "
-                                  "negative",
-                                  i + 1, format_double(p.x)),
-                      i);
+      return at_point(
+          Code::E2011,
+          fmt::format("point {} of the profile has a radius of {} m, expected at least 0", i + 1,
+                      format_double(p.x)),
+          i);
     radius = std::max(radius, p.x);
     size = std::max({size, glm::length(p - profile[0]), p.x});
   }
   if (radius == 0)
-    return ShapeProblem{Code::E2011, "a profile all on the axis makes no surface", "profile"};
+    return ShapeProblem{
+        Code::E2011,
+        "a profile that lies on the axis has no surface, expected a point off the axis", "profile"};
   if (radius < kMinRadius)
     return ShapeProblem{Code::E2010,
-                        fmt::format("a profile of radius {} m; from {} m is accepted",
+                        fmt::format("a profile of radius {} m, expected at least {} m",
                                     format_double(radius), format_double(kMinRadius)),
                         "profile"};
   for (std::size_t i = 1; i < profile.size(); ++i)

@@ -95,7 +95,7 @@ Region region_of_face(const std::vector<Vec3>& positions, const Face& face, cons
 }
 
 // Triangles and quads that turn left at each corner need no sweep. Not all sound ones: those that
-// do not pass are looked at closely.
+// do not pass are examined closely.
 bool is_simple(const std::vector<Vec3>& positions, const Face& face, const FlatFace& flat) {
   const std::size_t count = face.outline.size();
   if (count > 4 || !face.holes.empty()) return false;
@@ -139,8 +139,9 @@ Problem index_problem(const Polygons& shape, std::size_t index) {
                           fmt::format("a loop of {} points, expected at least 3", loop.size()));
     for (const std::uint32_t v : loop)
       if (v >= shape.positions.size())
-        return face_problem(Code::E2001, index,
-                            fmt::format("vertex {} of {}", v, shape.positions.size()));
+        return face_problem(
+            Code::E2001, index,
+            fmt::format("vertex index {}, expected below {}", v, shape.positions.size()));
     return std::nullopt;
   };
   if (auto bad = loop_problem(face.outline)) return bad;
@@ -167,8 +168,8 @@ Problem problem_of_face(const Polygons& shape, std::size_t index) {
   return face_problem(code_of(*fault, region), index, sentence_of(*fault, region));
 }
 
-// Corners are numbered face by face, loop by loop. One vertex stands for the corners at a place
-// whose faces are smooth there.
+// Corners are numbered face by face, loop by loop. The corners at one position whose faces are
+// smooth there share a vertex.
 class PolygonBuilder {
  public:
   PolygonBuilder(const Polygons& shape, bool texcoords)
@@ -178,7 +179,7 @@ class PolygonBuilder {
 
   // false: not what problem_of() lets pass
   bool build(Mesh& mesh) {
-    place_ = welded(shape_.positions);
+    position_ = welded(shape_.positions);
     flats_.reserve(shape_.faces.size());
     for (const Face& face : shape_.faces)
       if (!add_face(face)) return false;
@@ -195,10 +196,10 @@ class PolygonBuilder {
 
  private:
   struct Side {
-    std::uint32_t low, high;        // places
+    std::uint32_t low, high;        // unique positions
     std::uint32_t at_low, at_high;  // corners of the face
     std::uint32_t face;
-    bool forward;  // runs from the lower place
+    bool forward;  // runs from the lower position
   };
 
   bool add_face(const Face& face) {
@@ -268,11 +269,11 @@ class PolygonBuilder {
     parent_[std::max(a, b)] = std::min(a, b);
   }
 
-  // Sides in the order of their lower place.
+  // Sides in the order of their lower position.
   std::vector<Side> sides() const {
     std::vector<std::uint32_t> start(shape_.positions.size() + 1, 0);
     const auto low = [&](std::uint32_t i) {
-      return std::min(place_[corner_[i]], place_[corner_[next_[i]]]);
+      return std::min(position_[corner_[i]], position_[corner_[next_[i]]]);
     };
     for (std::uint32_t i = 0; i < corner_.size(); ++i) ++start[low(i) + 1];
     for (std::size_t v = 1; v < start.size(); ++v) start[v] += start[v - 1];
@@ -280,8 +281,8 @@ class PolygonBuilder {
     for (std::uint32_t f = 0; f < flats_.size(); ++f) {
       for (std::uint32_t i = first_[f]; i < first_[f + 1]; ++i) {
         const std::uint32_t j = next_[i];
-        const std::uint32_t a = place_[corner_[i]];
-        const std::uint32_t b = place_[corner_[j]];
+        const std::uint32_t a = position_[corner_[i]];
+        const std::uint32_t b = position_[corner_[j]];
         result[start[low(i)]++] = a < b ? Side{a, b, i, j, f, true} : Side{b, a, j, i, f, false};
       }
     }
@@ -303,7 +304,7 @@ class PolygonBuilder {
     }
   }
 
-  // All faces at one side of two places; returns where the next begins.
+  // All faces at one side between two positions; returns where the next begins.
   std::size_t join_side(const std::vector<Side>& all, std::size_t i) {
     std::size_t end = i;
     while (end < all.size() && all[end].low == all[i].low && all[end].high == all[i].high) ++end;
@@ -387,7 +388,7 @@ class PolygonBuilder {
   bool texcoords_;
   double cos_smooth_;
   bool closed_ = true;                      // each side has two faces that run it oppositely
-  std::vector<std::uint32_t> place_;        // V, see welded()
+  std::vector<std::uint32_t> position_;     // V, see welded()
   std::vector<FlatFace> flats_;             // F
   std::vector<std::uint32_t> first_;        // F + 1, corner of each face
   std::vector<std::uint32_t> corner_;       // C, the position of each
@@ -403,7 +404,9 @@ class PolygonBuilder {
 Problem problem(const Polygons& shape) {
   if (auto bad = coordinate_problem(shape.positions, "positions")) return bad;
   if (!(shape.smooth >= 0 && shape.smooth <= 2 * kPi))
-    return ShapeProblem{Code::E2011, "an angle of smoothing that is not between 0 and a whole turn",
+    return ShapeProblem{Code::E2011,
+                        fmt::format("a smoothing angle of {:.12g} deg, expected 0 to 360 deg",
+                                    shape.smooth / kDegree),
                         "smooth"};
   if (shape.faces.empty())
     return ShapeProblem{Code::E2015, "no faces, expected at least 1", "faces"};

@@ -1,4 +1,4 @@
-// Decisions about points in the plane that rounding cannot turn round.
+// Exact predicates of points in the plane.
 #pragma once
 
 #include "base/math.h"

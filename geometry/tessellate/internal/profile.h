@@ -1,4 +1,4 @@
-// Curves that are turned about an axis, and the chords that stand for them.
+// Curves that are turned about an axis, and the chords that approximate them.
 #pragma once
 
 #include <array>
@@ -92,7 +92,7 @@ class CurveSamples {
   double length_ = 0;
 };
 
-// How a curve's end stands to what comes after.
+// How a curve's end continues.
 enum class End { edge, pole, loop };
 
 // One vertex of a profile: moved off the curve, with the normal of the curve.
@@ -123,7 +123,7 @@ struct Chords {
 // balanced, so that they dip inside by as much as their ends stand out.
 double segment_dip(double half, bool balanced);
 
-// The error asked for is kept where the segments leave room for it; counts are obeyed first.
+// The error is met where the segments allow it; counts take precedence.
 Chords laid_chords(const Curve& curve, const CurveSamples& samples, const ChordSettings& settings);
 
 }  // namespace panwright::geometry::internal

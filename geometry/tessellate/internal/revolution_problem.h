@@ -1,4 +1,4 @@
-// What can be wrong with the numbers of a shape.
+// Checks of the numbers of a shape.
 #pragma once
 
 #include <string_view>

@@ -230,16 +230,17 @@ Result<Mesh> revolved(const Revolution& revolution, const TessellationOptions& o
   if (layout.state == Layout::State::too_fine) {
     log.report(
         Code::E2003, where,
-        fmt::format("an error of {} m cannot be kept by single-precision vertices on a {} of "
-                    "this size; from {} m is accepted",
+        fmt::format("an error of {} m cannot be achieved with single-precision vertices on a {} of "
+                    "this size, expected at least {} m",
                     format_double(options.max_error), revolution.kind,
                     format_double(layout.least_error)));
     return failed;
   }
   if (layout.state == Layout::State::too_many) {
-    log.report(Code::E2003, where,
-               fmt::format("a {} with an error of {} m has more than {} triangles", revolution.kind,
-                           format_double(options.max_error), options.max_triangles));
+    log.report(
+        Code::E2003, where,
+        fmt::format("a {} with an error of {} m needs more than {} triangles", revolution.kind,
+                    format_double(options.max_error), options.max_triangles));
     return failed;
   }
   Mesh mesh = Builder(revolution, layout, options.texcoords).build();

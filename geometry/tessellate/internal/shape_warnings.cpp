@@ -1,4 +1,4 @@
-// What a shape may be and rarely should: too thin for triangles, inside out, through itself.
+// Shape warnings: degenerate triangles, inside-out surfaces, self-intersections.
 
 #include <fmt/format.h>
 
@@ -25,7 +25,7 @@ constexpr double kNarrowBand = 1e-9;
 constexpr double kNeedle = 1e-8;
 // radians: of a sector or a range of latitudes, the same
 constexpr double kNarrowAngle = 1e-8;
-// chords that stand for each piece of a spline
+// chords that approximate each piece of a spline
 constexpr int kChords = 16;
 // pairs of a profile's edges that are compared; more of them are let pass
 constexpr std::uint64_t kMostPairs = 20'000'000;
@@ -41,7 +41,7 @@ void thin(const Length& small, const Length& large, double ratio, std::string_vi
           ShapeWarnings& out) {
   if (!(small.metres > 0 && small.metres < ratio * large.metres)) return;
   out.push_back({Code::W2006,
-                 fmt::format("{} of {:.4g} m beside {} of {:.4g} m makes triangles without area",
+                 fmt::format("{} of {:.4g} m with {} of {:.4g} m makes triangles without area",
                              small.name, small.metres, large.name, large.metres),
                  part});
 }
@@ -165,19 +165,20 @@ void look_at(const Lathe& s, ShapeWarnings& out) {
   narrow_sector(s.sector, out);
   if (const auto edges = crossing(profile)) {
     const std::size_t a = edges->first / step, b = edges->second / step;
-    out.push_back({Code::W2019,
-                   a == b ? fmt::format("the profile crosses itself behind point {}", a + 1)
-                          : fmt::format("the profile behind point {} crosses or touches that "
-                                        "behind point {}",
-                                        b + 1, a + 1),
-                   "profile", b});
+    out.push_back(
+        {Code::W2019,
+         a == b
+             ? fmt::format("the profile crosses itself after point {}", a + 1)
+             : fmt::format("the profile after point {} crosses or touches its part after point {}",
+                           b + 1, a + 1),
+         "profile", b});
     return;
   }
   if (!is_closed(s)) return;
   if (const double volume = turned_volume(profile); volume < 0)
     out.push_back({Code::W2009,
                    fmt::format("the lathe is closed and inside out: it encloses {:.4g} m³; the "
-                               "outside is on the right of the profile",
+                               "outside must be on the right of the profile",
                                volume),
                    "profile"});
 }
@@ -192,7 +193,8 @@ struct Sides {
 
 class PolygonsReader {
  public:
-  explicit PolygonsReader(const Polygons& shape) : shape_(shape), place_(welded(shape.positions)) {}
+  explicit PolygonsReader(const Polygons& shape)
+      : shape_(shape), position_(welded(shape.positions)) {}
 
   void look(ShapeWarnings& out) {
     origin_ = shape_.positions[shape_.faces[0].outline[0]];
@@ -205,8 +207,8 @@ class PolygonsReader {
     const Sides sides = count();
     if (sides.misoriented > 0)
       out.push_back({Code::W2007,
-                     fmt::format("at {} neighbouring faces look opposite ways; outlines run "
-                                 "counter-clockwise seen from outside",
+                     fmt::format("at {} neighbouring faces have opposite winding, expected "
+                                 "outlines counter-clockwise seen from outside",
                                  counted(sides.misoriented, "edge")),
                      "polygons"});
     // sheets of two faces enclose nothing, but for rounding
@@ -258,17 +260,18 @@ class PolygonsReader {
 
   void add(const std::vector<std::uint32_t>& loop, bool backwards) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
-      const std::uint32_t a = place_[loop[i]], b = place_[loop[i + 1 == loop.size() ? 0 : i + 1]];
+      const std::uint32_t a = position_[loop[i]],
+                          b = position_[loop[i + 1 == loop.size() ? 0 : i + 1]];
       sides_.push_back({std::min(a, b), std::max(a, b), (a < b) != backwards});
     }
   }
 
-  // By their lower places, then by their upper ones.
+  // By their lower positions, then by their upper ones.
   Sides count() {
     std::vector<std::uint32_t> start(shape_.positions.size() + 1, 0);
     for (const Side& side : sides_) ++start[side.low + 1];
     for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-    std::vector<std::uint64_t> upper(sides_.size());  // place · 2 + forward
+    std::vector<std::uint64_t> upper(sides_.size());  // position · 2 + forward
     std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
     for (const Side& side : sides_)
       upper[next[side.low]++] = 2 * std::uint64_t{side.high} + (side.forward ? 1 : 0);
@@ -288,7 +291,7 @@ class PolygonsReader {
   }
 
   const Polygons& shape_;
-  std::vector<std::uint32_t> place_;  // V
+  std::vector<std::uint32_t> position_;  // V
   std::vector<Side> sides_;
   Vec3 origin_{0};
   double volume_ = 0;
@@ -320,7 +323,7 @@ void look_at(const Box& s, ShapeWarnings& out) {
   thin({"a side", least}, {"one", most}, kDegenerateRatio, "size", out);
   // the strip of a bevel is wider than the bevel by √2
   thin({"a bevel", s.bevel}, {"a side", most}, kDegenerateRatio * std::sqrt(0.5), "bevel", out);
-  thin({"a rest", least - 2 * s.bevel}, {"a side", most}, s.bevel > 0 ? kDegenerateRatio : 0,
+  thin({"a flat side", least - 2 * s.bevel}, {"a side", most}, s.bevel > 0 ? kDegenerateRatio : 0,
        "bevel", out);
 }
 

@@ -188,11 +188,12 @@ Result<Mesh> tessellated_sphere(const Sphere& sphere, const TessellationOptions&
     // what rounding to single precision may add on top of the facets
     const double relative = options.max_error / sphere.radius - kFloatRounding * 1.01;
     if (relative <= 0) {
-      log.report(Code::E2003, where,
-                 fmt::format("an error of {} m cannot be kept by single-precision vertices on a "
-                             "sphere of radius {} m; from {} m is accepted",
-                             format_double(options.max_error), format_double(sphere.radius),
-                             format_double(kFloatRounding * 1.02 * sphere.radius)));
+      log.report(
+          Code::E2003, where,
+          fmt::format("an error of {} m cannot be achieved with single-precision vertices on a "
+                      "sphere of radius {} m, expected at least {} m",
+                      format_double(options.max_error), format_double(sphere.radius),
+                      format_double(kFloatRounding * 1.02 * sphere.radius)));
       return failed;
     }
     counts = sphere_counts(relative);
@@ -205,14 +206,14 @@ Result<Mesh> tessellated_sphere(const Sphere& sphere, const TessellationOptions&
   const std::uint64_t limit = std::min(options.max_triangles, kMaxVertices);
   if (half > limit / 2) {
     log.report(Code::E2003, where,
-               fmt::format("a sphere of {} rings and {} quads has more than {} triangles",
+               fmt::format("a sphere of {} rings and {} quads needs more than {} triangles",
                            counts.rings, counts.quads, limit));
     return failed;
   }
   const SphereBuilder builder(radius, counts, options.texcoords);
   if (builder.vertices() > kMaxVertices) {
     log.report(Code::E2003, where,
-               fmt::format("a sphere of {} rings and {} quads with texture coordinates has more "
+               fmt::format("a sphere of {} rings and {} quads with texture coordinates needs more "
                            "than {} vertices",
                            counts.rings, counts.quads, kMaxVertices));
     return failed;
@@ -273,11 +274,12 @@ Problem problem(const Sphere& s) {
   const double most = 0.5 * kPi * (1 + 1e-12);
   if (!(s.latitude_min >= -most && s.latitude_max <= most &&
         s.latitude_max - s.latitude_min > 1e-12))
-    return ShapeProblem{Code::E2017,
-                        fmt::format("latitudes from {:.12g} to {:.12g} deg; from -90 to 90 deg is "
-                                    "accepted, the lowest first",
-                                    s.latitude_min / kDegree, s.latitude_max / kDegree),
-                        "latitude_min"};
+    return ShapeProblem{
+        Code::E2017,
+        fmt::format(
+            "latitudes from {:.12g} to {:.12g} deg, expected -90 to 90 deg, the lowest first",
+            s.latitude_min / kDegree, s.latitude_max / kDegree),
+        "latitude_min"};
   if (auto p = sector_problem(s.sector)) return p;
   if (!s.counts) return std::nullopt;
   const bool poles = s.latitude_min <= -0.5 * kPi && s.latitude_max >= 0.5 * kPi;
@@ -285,7 +287,7 @@ Problem problem(const Sphere& s) {
   if (s.counts->rings < least || s.counts->quads < 1)
     return ShapeProblem{
         Code::E2018,
-        fmt::format("{} and {}; at least {} and {} are needed", counted(s.counts->rings, "ring"),
+        fmt::format("{} and {}, expected at least {} and {}", counted(s.counts->rings, "ring"),
                     counted(s.counts->quads, "quad"), least, fewest_segments(s.sector)),
         s.counts->rings < least ? "rings" : "segments"};
   return counts_problem({s.counts->quads, s.counts->rings}, s.sector, least);

@@ -1,4 +1,4 @@
-// Cylinder, cone, disc, torus and dish: what their profiles are.
+// Profiles of cylinder, cone, disc, torus and dish.
 #include <fmt/format.h>
 
 #include "base/text.h"
@@ -124,12 +124,11 @@ Problem problem(const Torus& s) {
   if (auto p = size_problem(s.radius, "radius", "a radius")) return p;
   if (auto p = size_problem(s.tube_radius, "tube_radius", "a tube radius")) return p;
   if (s.tube_radius >= s.radius)
-    return ShapeProblem{
-        Code::E2011,
-        fmt::format("a tube radius of {} m reaches the axis of a torus of radius {} m; "
-                    "it must be smaller",
-                    format_double(s.tube_radius), format_double(s.radius)),
-        "tube_radius"};
+    return ShapeProblem{Code::E2011,
+                        fmt::format("a tube radius of {} m reaches the axis of a torus of radius "
+                                    "{} m, expected a smaller one",
+                                    format_double(s.tube_radius), format_double(s.radius)),
+                        "tube_radius"};
   if (auto p = size_problem(s.radius + s.tube_radius, "radius", "an outer radius")) return p;
   if (auto p = sector_problem(s.sector)) return p;
   return counts_problem(s.counts, s.sector, 3);
@@ -142,7 +141,7 @@ Problem problem(const Dish& s) {
   if (!(rim_height(s) + s.thickness <= kMaxCoordinate))
     return ShapeProblem{Code::E2010,
                         fmt::format("a diameter of {} m with a focal length of {} m makes a dish "
-                                    "{} m deep; up to {} m is accepted",
+                                    "{} m deep, expected at most {} m",
                                     format_double(s.diameter), format_double(s.focal_length),
                                     format_double(rim_height(s)), format_double(kMaxCoordinate)),
                         "focal_length"};

@@ -1,4 +1,4 @@
-// What each kind of shape has to know for geometry/tessellate/shape.h and
+// What each kind of shape implements for geometry/tessellate/shape.h and
 // geometry/tessellate/tessellate.h, which say what the functions mean.
 #pragma once
 

@@ -146,8 +146,8 @@ Problem path_problem(const Tube& tube) {
   if (tube.path.size() < least)
     return ShapeProblem{
         Code::E2015,
-        fmt::format("a path of {}; {} needs at least {}", counted(tube.path.size(), "point"),
-                    tube.closed ? "a closed one" : "it", least),
+        fmt::format("{} of {}, expected at least {}", tube.closed ? "a closed path" : "a path",
+                    counted(tube.path.size(), "point"), least),
         "path"};
   if (auto bad = coordinate_problem(tube.path, "path")) return bad;
   Vec3 low = tube.path[0], high = low;
@@ -161,11 +161,12 @@ Problem path_problem(const Tube& tube) {
   for (std::size_t i = 0; i < segments; ++i) {
     const std::size_t j = (i + 1) % tube.path.size();
     if (glm::length(tube.path[j] - tube.path[i]) > kCoincident * whole) continue;
-    return ShapeProblem{Code::E2015,
-                        fmt::format("points {} and {} coincide; neighbours must lie further apart "
-                                    "than 1e-9 of the whole",
-                                    i + 1, j + 1),
-                        "path", j};
+    return ShapeProblem{
+        Code::E2015,
+        fmt::format(
+            "points {} and {} coincide, expected neighbours more than 1e-9 of the whole apart",
+            i + 1, j + 1),
+        "path", j};
   }
   return std::nullopt;
 }
@@ -210,8 +211,9 @@ Problem bend_problem(const Tube& tube) {
   if (kWider * bend.curvature * tube.radius <= 1) return std::nullopt;
   return ShapeProblem{
       Code::E2014,
-      fmt::format("near point {} the path bends with a radius of {} m; the tube's is {} m",
-                  bend.point + 1, format_double(1 / bend.curvature), format_double(tube.radius)),
+      fmt::format(
+          "near point {} the path bends with a radius of {} m, expected more than the tube's, {} m",
+          bend.point + 1, format_double(1 / bend.curvature), format_double(tube.radius)),
       "path", bend.point};
 }
 
@@ -236,16 +238,17 @@ Result<Mesh> make(const Tube& shape, const TessellationOptions& options, SourceS
                   DiagnosticLog& log) {
   const TubePlan plan = plan_of(shape, options);
   if (plan.state == TubePlan::State::too_fine) {
-    log.report(Code::E2003, where,
-               fmt::format("an error of {} m cannot be kept by single-precision vertices on a tube "
-                           "of radius {} m",
-                           format_double(options.max_error), format_double(shape.radius)));
+    log.report(
+        Code::E2003, where,
+        fmt::format("an error of {} m cannot be achieved with single-precision vertices on a tube "
+                    "of radius {} m",
+                    format_double(options.max_error), format_double(shape.radius)));
     return failed;
   }
   const double vertices = 2.0 * (static_cast<double>(plan.rows.size()) + 2) * (plan.segments + 1.0);
   if (plan.state == TubePlan::State::too_many) {
     log.report(Code::E2003, where,
-               fmt::format("a tube with an error of {} m has more than {} triangles",
+               fmt::format("a tube with an error of {} m needs more than {} triangles",
                            format_double(options.max_error), options.max_triangles));
     return failed;
   }

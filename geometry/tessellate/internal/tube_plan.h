@@ -1,4 +1,4 @@
-// Where the sections of a pipe stand, and with how many corners.
+// Positions of the sections of a tube, and their number of corners.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Where sections of a pipe stand along a spline.
+// Positions of the sections of a tube along a spline.
 #pragma once
 
 #include <vector>

@@ -234,7 +234,7 @@ class Reading {
     const bool done = reader.Transfer(document);
     job_.poll();
     note_failures(reader);
-    if (!done) return refused("there is no product in it");
+    if (!done) return refused("it has no product");
     return build(document);
   }
 
@@ -360,7 +360,7 @@ class Reading {
     colors_ = XCAFDoc_DocumentTool::ColorTool(document->Main());
     TDF_LabelSequence tops;
     shapes_->GetFreeShapes(tops);
-    if (tops.IsEmpty()) return refused("there is no product in it");
+    if (tops.IsEmpty()) return refused("it has no product");
     Bnd_Box box;
     double nodes = 1;
     for (int i = 1; i <= tops.Length(); ++i) {

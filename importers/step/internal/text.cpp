@@ -178,7 +178,7 @@ class Checker {
              fmt::format("parts of it lie in other files ({}), which are not read",
                          other_files_.size()));
     if (out_.entities.empty()) {
-      if (!log_.contains(Code::E6601)) report(Code::E6601, 0, 0, "there is no entity in it");
+      if (!log_.contains(Code::E6601)) report(Code::E6601, 0, 0, "it has no entity");
       return std::move(out_);
     }
     sort();
@@ -360,7 +360,7 @@ class Checker {
     for (const std::uint32_t i : order) {
       if (!entities.empty() && entities.back().number == all[i].number) {
         report(Code::E6601, all[i].begin, std::min(all[i].end, all[i].begin + 60),
-               fmt::format("#{} stands twice; the first is taken", all[i].number));
+               fmt::format("#{} is repeated; the first is used", all[i].number));
         repair();
         blank(all[i].begin, all[i].end);
         continue;
@@ -467,7 +467,7 @@ class Checker {
     if (missing > 0) {
       const Entity& entity = out_.entities[missing_in];
       report(Code::E6601, entity.begin, std::min(entity.end, entity.begin + 60),
-             fmt::format("{} to entities that are not there, the first in #{}",
+             fmt::format("{} to entities that do not exist, the first in #{}",
                          counted(missing, "reference"), entity.number));
     }
     if (waiting.empty() && torn.empty()) return;

@@ -61,7 +61,7 @@ std::int32_t Builder::add_node(std::int32_t parent, const Mat4& parent_from_node
   std::optional<scene::Decomposed> parts = scene::Decomposed{};
   if (parent_from_node != Mat4(1)) parts = scene::decomposed(parent_from_node);
   if (!parts) {
-    context.log.report(Code::W6009, where, "its transform leaves nothing of what it holds");
+    context.log.report(Code::W6009, where, "its transform flattens its contents");
     return scene::kNone;
   }
   auto& nodes = out_.scene.nodes;

@@ -178,8 +178,7 @@ class FaceMesher {
     const auto first = std::ranges::find_if(colors, outside);
     if (first == colors.end()) return;
     report(Code::W6114, List::colors, static_cast<std::size_t>(first - colors.begin()) / 3,
-           fmt::format("{} numbers of the list are no part of a colour, which are 0 to 1, and are "
-                       "clamped",
+           fmt::format("{} numbers of the list are outside 0 to 1 and are clamped",
                        std::ranges::count_if(colors, outside)));
   }
 

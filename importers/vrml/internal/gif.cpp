@@ -169,7 +169,7 @@ class GifReader {
         continue;
       }
       if (now > next || (now == next && previous < 0) || (previous < 0 && now > stop))
-        throw Damaged{fmt::format("a code before byte {} stands for nothing", at_)};
+        throw Damaged{fmt::format("a code before byte {} is undefined", at_)};
       // the string of a code that is being made is that of the one before, and its first pixel
       std::size_t length = 0;
       int walk = now == next ? previous : now;
@@ -194,7 +194,7 @@ class GifReader {
     const auto line = static_cast<std::uint32_t>(place / frame.width);
     const std::uint32_t row = frame.interlaced ? row_of(line, frame.height) : line;
     if (static_cast<int>(index) == transparent_) return;
-    if (index >= color_count_) throw Damaged{fmt::format("there is no colour {}", index)};
+    if (index >= color_count_) throw Damaged{fmt::format("unknown colour {}", index)};
     const std::uint64_t pixel = std::uint64_t{frame.top + row} * out_.width + frame.left + column;
     std::memcpy(out_.rgba.data() + 4 * pixel, bytes_.data() + colors_ + 3 * std::size_t{index}, 3);
     out_.rgba[4 * pixel + 3] = 255;

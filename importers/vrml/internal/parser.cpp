@@ -59,7 +59,7 @@ void Parser::drop_padding() {
     if (padding(c[-1])) first = c - 1;
   if (first == end_) return;
   report(Code::W6118, span(first, first + 1),
-         fmt::format("{} from here to the end are no text",
+         fmt::format("{} from here to the end are not text",
                      counted(static_cast<std::size_t>(end_ - first), "byte")));
   end_ = first;
 }
@@ -104,7 +104,7 @@ std::string_view Parser::given_name() {
   if (*p_ == '"') {
     std::string_view text;
     if (!string(text)) return {};
-    report(Code::W6118, span(at, p_), "a name stands without quotes");
+    report(Code::W6118, span(at, p_), "a name without quotes");
     return text;
   }
   word();
@@ -280,7 +280,8 @@ Node* Parser::typed_node(std::string_view def) {
   skip_blanks();
   if (*p_ != '{') {
     if (vrml97_ && (type == "ROUTE" || type == "PROTO" || type == "EXTERNPROTO")) p_ = at;
-    report(Code::E6103, where, fmt::format("{} is no node: '{{' does not follow", in_quotes(type)));
+    report(Code::E6103, where,
+           fmt::format("{} is not a node: '{{' does not follow", in_quotes(type)));
     return nullptr;
   }
   Node* node = arena_.make<Node>();
@@ -330,7 +331,7 @@ const NodeSpec* Parser::spec_named(std::string_view& name, SourceSpan where) {
     hint = fmt::format("did you mean {}?", in_quotes(*near));
   else if (vrml97_ ? spec10(name) != nullptr : spec97(name) != nullptr)
     hint = vrml97_ ? "it is a node of VRML 1.0" : "it is a node of VRML 97";
-  report(Code::W6105, where, fmt::format("there is no node {}; it is skipped", in_quotes(name)),
+  report(Code::W6105, where, fmt::format("unknown node {}; it is skipped", in_quotes(name)),
          std::move(hint));
   return nullptr;
 }
@@ -577,8 +578,7 @@ void Parser::misplaced_node(Body& body) {
   const SourceSpan where = here();
   bool there = false;
   report(Code::E6103, where,
-         fmt::format("a node stands where the name of a field of {} is expected",
-                     in_quotes(body.node->type)));
+         fmt::format("a node, expected the name of a field of {}", in_quotes(body.node->type)));
   Node* child = node_value(&there);
   if (child != nullptr) node_stack_.push_back(child);
 }

@@ -137,7 +137,7 @@ void Parser::add_declared(const FieldSpec& spec, SourceSpan where, std::vector<F
     if (!in_conflict(spec, other)) continue;
     report(Code::E6110, where,
            spec.name == other.name ? fmt::format("{} is declared twice", in_quotes(spec.name))
-                                   : fmt::format("{} and {} stand for the same event",
+                                   : fmt::format("{} and {} name the same event",
                                                  in_quotes(spec.name), in_quotes(other.name)));
     return;
   }
@@ -156,7 +156,7 @@ bool Parser::declared(FieldSpec::Access access, FieldSpec& spec, bool with_value
   skip_blanks();
   if (!type) {
     report(Code::E6110, type_at,
-           fmt::format("{} is no type of field",
+           fmt::format("{} is not a type of field",
                        in_quotes(type_word.empty() ? token_here() : type_word)));
     if (at_word() && !access_named(peek_word())) word();
     if (with_value && has_value(access)) skip_value();
@@ -246,7 +246,7 @@ bool Parser::is_value(const FieldSpec& spec, Field& field) {
   }
   const Prototype* prototype = scope_->prototype;
   if (prototype == nullptr) {
-    report(Code::E6110, where, "IS stands outside of a prototype");
+    report(Code::E6110, where, "IS outside of a prototype");
     return false;
   }
   for (std::size_t i = 0; i < prototype->fields.size(); ++i) {
@@ -310,7 +310,7 @@ void Parser::route() {
 const FieldSpec* Parser::route_end(std::string_view text, SourceSpan where, bool source) {
   const std::size_t point = text.rfind('.');
   if (point == text.npos || point == 0 || point + 1 == text.size()) {
-    report(Code::E6103, where, fmt::format("{} is no node and event", in_quotes(text)));
+    report(Code::E6103, where, fmt::format("{} is not a node and an event", in_quotes(text)));
     return nullptr;
   }
   const std::string_view node_name = text.substr(0, point);
@@ -344,7 +344,7 @@ const FieldSpec* Parser::route_end(std::string_view text, SourceSpan where, bool
   }
   if (other_way != nullptr) {
     report(Code::W6118, where,
-           fmt::format("{} of {} is no event that can be routed {}", in_quotes(event),
+           fmt::format("{} of {} is not an event that can be routed {}", in_quotes(event),
                        in_quotes(node.type), source ? "from" : "to"));
     return other_way;
   }

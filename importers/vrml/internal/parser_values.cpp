@@ -99,7 +99,7 @@ bool Parser::in_list(const char* open, bool* zero) {
       return false;
     }
   }
-  report(Code::E6103, here(), fmt::format("{} stands in a list of numbers", in_quotes(text)));
+  report(Code::E6103, here(), fmt::format("unexpected {} in a list of numbers", in_quotes(text)));
   if (c == '"')
     skip_string();
   else if (c == '{')
@@ -121,8 +121,8 @@ void Parser::report_not_finite() {
   const std::string_view text(begin_ + nonfinite_at_.begin,
                               nonfinite_at_.end - nonfinite_at_.begin);
   report(Code::E6107, nonfinite_at_,
-         count == 1 ? fmt::format("{} is no finite number; 0 takes its place", in_quotes(text))
-                    : fmt::format("{} is no finite number; 0 takes its place, and that of {} more",
+         count == 1 ? fmt::format("{} is not a finite number; 0 is used instead", in_quotes(text))
+                    : fmt::format("{} is not a finite number; 0 is used instead, and for {} more",
                                   in_quotes(text), count - 1));
 }
 
@@ -158,7 +158,7 @@ double Parser::odd_number(bool whole) {
   report(Code::E6107, span(at, p_),
          kind == NumberKind::too_large
              ? fmt::format("{} is too large for a number", in_quotes(text))
-             : fmt::format("{} is no {}number", in_quotes(text), whole ? "whole " : ""));
+             : fmt::format("{} is not a {}number", in_quotes(text), whole ? "whole " : ""));
   return 0;
 }
 
@@ -208,7 +208,8 @@ void Parser::read_list(Growing<T>& out, const char* open) {
         continue;
       }
       const std::string_view text = token_here();
-      report(Code::E6103, here(), fmt::format("{} stands in a list of numbers", in_quotes(text)));
+      report(Code::E6103, here(),
+             fmt::format("unexpected {} in a list of numbers", in_quotes(text)));
       p_ += text.size();
       continue;
     }
@@ -243,8 +244,7 @@ bool Parser::read_numbers(FieldType type, Growing<T>& out) {
     ++p_;
     read_list(out, at);
     if (!list && out.size() == width) {
-      report(Code::W6118, span(at, at + 1),
-             fmt::format("{} stands without brackets", type_name(type)));
+      report(Code::W6118, span(at, at + 1), fmt::format("{} without brackets", type_name(type)));
       report_not_finite();
       return true;
     }
@@ -253,7 +253,7 @@ bool Parser::read_numbers(FieldType type, Growing<T>& out) {
     const std::size_t first = out.size();
     if (first == width) read_some(out, ~std::size_t{0});
     if (list && out.size() > width)
-      report(Code::W6118, span(at, at + 1), "a list of more than one item stands in brackets");
+      report(Code::W6118, span(at, at + 1), "a list of more than one item requires brackets");
   }
   report_not_finite();
   const char* end = p_;
@@ -270,7 +270,7 @@ bool Parser::read_numbers(FieldType type, Growing<T>& out) {
   }
   if (list) {
     report(Code::E6106, span(std::max(at, end - 1), end),
-           fmt::format("the list has {}, which is no multiple of {}", counted(count, "number"),
+           fmt::format("the list has {}, which is not a multiple of {}", counted(count, "number"),
                        width));
     out.resize_down(count - count % width);
     return true;

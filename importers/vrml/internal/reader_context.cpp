@@ -186,7 +186,7 @@ Document* ReaderContext::load(const InputFile& file, bool top) {
                fmt::format("{}; the file is read as {}",
                            same_letters(line.substr(0, 5), "#VRML")
                                ? fmt::format("the header is {}", in_quotes(line))
-                               : std::string("there is no header of VRML"),
+                               : std::string("no VRML header"),
                            *header.format == Format::vrml97 ? "VRML 97" : "VRML 1.0"));
   auto document = std::make_unique<Document>();
   document->path = file.path;
@@ -242,7 +242,7 @@ SharedText ReaderContext::read(std::string_view url, SourceSpan where, bool text
     case Files::Outcome::found:
       break;
     case Files::Outcome::missing:
-      problem = fmt::format("{} is not there", in_quotes(files.display_name(path)));
+      problem = fmt::format("{} does not exist", in_quotes(files.display_name(path)));
       return nullptr;
     case Files::Outcome::outside:
       code = Code::W6005;
@@ -293,7 +293,7 @@ Document* ReaderContext::document_at(std::string_view url, SourceSpan where, std
   const std::string name = files.display_name(path);
   if (!unpacked.problem.empty()) log.report(Code::E6003, where, unpacked.problem);
   documents_[path];
-  problem = fmt::format("{} is no VRML", in_quotes(name));
+  problem = fmt::format("{} is not a VRML file", in_quotes(name));
   if (!unpacked.bytes) return nullptr;
   return load({path, name, unpacked.bytes, where}, false);
 }

@@ -198,7 +198,7 @@ Binding Scene10::binding(Node& node) {
   if (found != words.end()) return found->second;
   const Field* field = node.find("value");
   builder_.context.log.report(Code::E6107, field != nullptr ? field->where : node.where,
-                              fmt::format("{} is no binding", in_quotes(text)));
+                              fmt::format("{} is not a binding", in_quotes(text)));
   return Binding::standard;
 }
 

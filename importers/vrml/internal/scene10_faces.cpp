@@ -225,7 +225,7 @@ void Scene10::face_set(Node& node) {
   const Field* coord_index = node.find("coordIndex");
   if (coord_index == nullptr || coord_index->value.integers().empty()) return;
   if (state_.coordinates == nullptr) {
-    builder_.context.log.report(Code::W6009, node.where, "no Coordinate3 stands before it");
+    builder_.context.log.report(Code::W6009, node.where, "no Coordinate3 before it");
     return;
   }
   Faces10 faces;

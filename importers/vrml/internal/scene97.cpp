@@ -105,7 +105,7 @@ std::int32_t Scene97::add_actual(const Node& node, std::string_view name, std::i
                        "TextureCoordinate",
                        "FontStyle"})) {
     context_.log.report(Code::W6115, node.where,
-                        fmt::format("{} stands outside of a Shape", in_quotes(node.type)));
+                        fmt::format("{} is outside of a Shape", in_quotes(node.type)));
     return scene::kNone;
   }
   builder_.skipped(type);

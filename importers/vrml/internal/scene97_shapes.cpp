@@ -99,7 +99,7 @@ std::int32_t Scene97::add_shape(const Node& node, std::string_view name, std::in
   if (add_primitive(*geometry, look, parent, name, &made)) return made;
   if (type != "IndexedFaceSet" && type != "ElevationGrid" && type != "Extrusion") {
     context_.log.report(Code::W6115, geometry->where,
-                        fmt::format("{} is no geometry", in_quotes(geometry->type)));
+                        fmt::format("{} is not a geometry", in_quotes(geometry->type)));
     return scene::kNone;
   }
   bool colored = false;

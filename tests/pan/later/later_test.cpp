@@ -78,7 +78,7 @@ TEST(Later, RulesHoldForWhatWasAdded) {
   auto model = Model::from_bytes(file.seal().bytes(), "later", log);
   ASSERT_TRUE(model && !model->check(log));
   EXPECT_EQ(log.entries()[0].message,
-            "instances[1].gain is -1, it must be finite and not negative");
+            "instances[1].gain is -1, expected a finite number of at least 0");
 }
 
 }  // namespace
