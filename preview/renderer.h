@@ -29,8 +29,7 @@ struct RenderOptions {
   // Of samples = 0: the error that is aimed at, of the pixels that show a target (RMSE over RMS
   // radiance) and of the flux; > 0. docs/sampling.md
   double pixel_error = 0.05;
-  // Of N > 1: one sample where it stands for all N×N (docs/sampling.md), N×N elsewhere. false: N×N
-  // everywhere, to the bit what it always was.
+  // Of N > 1: one sample where it is predicted to do (docs/sampling.md), N×N elsewhere.
   bool adaptive = false;
   bool flat = false;               // shade by the triangles' own normals
   unsigned shadow_side = 2048;     // texels a side of the map of what the Sun sees, 16 to 16384 (or

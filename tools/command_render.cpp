@@ -247,7 +247,7 @@ Result<std::vector<workspace::View>> views_of(const Options& options, const worl
     texts.push_back(*std::move(typed));
   } else {
     if (typed->output)
-      log.report(Code::E0201, {}, "-o stands beside --views, whose views name their own outputs");
+      log.report(Code::E0201, {}, "-o cannot be combined with --views; each view has its own output");
     auto read = workspace::read_views(options.views, *typed, log);
     if (!read) return failed;
     texts = *std::move(read);
@@ -304,7 +304,8 @@ int run(const Options& options, const Host& host) {
   DiagnosticLog& log = context.log();
   if (const char* stray = stray_option(options)) {
     log.report(Code::E0201, {},
-               fmt::format("{} means nothing to --engine {}", stray, options.engine));
+               fmt::format("{} requires --engine {}", stray,
+                           options.is_traced() ? "gl" : "reference"));
     return context.finish();
   }
   auto read = options.read.opening(log);
