@@ -385,8 +385,17 @@ bool Sampling::refine(const Frame& frame, unsigned samples, std::span<const Pixe
        group(pixels, order_, std::max(1u, frame.width / samples),
              std::max(1u, frame.height / samples), kWorth / (samples * samples))) {
     if (frame.cancelled()) return false;
-    if (!refine_tile(frame, tile_scene(frame.scene, one.around), samples, pixels, one.pixels,
-                     error))
+    const TileScene on_tile = tile_scene(frame.scene, one.around);
+    const Tile& tile = on_tile.tile;
+    // nothing falls on the others, so they are background, as their one sample is
+    inside_.clear();
+    for (const std::uint32_t index : one.pixels) {
+      const Pixel& pixel = pixels[index];
+      if (pixel.x >= tile.x && pixel.x < tile.x + tile.width && pixel.y >= tile.y &&
+          pixel.y < tile.y + tile.height)
+        inside_.push_back(index);
+    }
+    if (!inside_.empty() && !refine_tile(frame, on_tile, samples, pixels, inside_, error))
       return false;
   }
   return true;

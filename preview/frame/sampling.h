@@ -79,9 +79,10 @@ class Sampling {
     Pixel pixel;
     float change = 0;  // radiance, rms over the channels
   };
-  std::vector<Surprise> surprises_;   // of one frame
-  std::vector<std::uint32_t> order_;  // of the pixels that are refined
-  std::vector<std::uint8_t> levels_;  // into the sides of until_error()
+  std::vector<Surprise> surprises_;    // of one frame
+  std::vector<std::uint32_t> inside_;  // those of them that something may fall on, of a tile
+  std::vector<std::uint32_t> order_;   // of the pixels that are refined
+  std::vector<std::uint8_t> levels_;   // into the sides of until_error()
   SamplingReport report_;
 };
 

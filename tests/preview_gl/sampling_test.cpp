@@ -158,6 +158,20 @@ HardScene from_100_km() {
   return {"100 km", {{shared_model(plates_and_struts()), world::Pose{}}}, view};
 }
 
+HardScene far_apart() {
+  pan::Contents contents = single(box(Vec3(0.6, 0.3, 0.01)), lambert(0.7));
+  contents.instances.clear();
+  for (int i = 0; i < 12; ++i) {
+    contents.nodes.push_back({"part" + std::to_string(i), 0,
+                              Vec3(-1.9 + 0.31 * (i * 5 % 12), -1.7 + 0.29 * i, 0.1 * (i % 3)),
+                              glm::normalize(Quat(1, 0.1 * i, 0.2, 0.3)), Vec3(1)});
+    contents.instances.push_back({static_cast<std::uint32_t>(contents.nodes.size() - 1), 0, 0, -1});
+  }
+  View view = looking_from(Vec3(1, 0.2, 0.6), 8, 30 * kDegree, 160);
+  view.to_sun = Vec3(1, -0.4, 0.8);
+  return {"far apart", {{shared_model(contents), world::Pose{}}}, view};
+}
+
 TEST(Sampling, KeepsItsErrorOnHardScenes) {
   const auto draw = [](const HardScene& scene, const RenderOptions& options) {
     DiagnosticLog log;
@@ -173,7 +187,8 @@ TEST(Sampling, KeepsItsErrorOnHardScenes) {
     EXPECT_TRUE(image) << to_text(log);
     return *std::move(image);
   };
-  for (const HardScene& scene : {textured_plate(), grazed_gloss(), two_targets(), from_100_km()}) {
+  for (const HardScene& scene :
+       {textured_plate(), grazed_gloss(), two_targets(), from_100_km(), far_apart()}) {
     RenderOptions options;
     options.samples = 32;
     const Image ground_truth = draw(scene, options);
@@ -190,6 +205,10 @@ TEST(Sampling, KeepsItsErrorOnHardScenes) {
       options.pixel_error = asked;
       const Image automatic = draw(scene, options);
       expect_no_nan(automatic);
+      double outside = 0;  // where the truth is background
+      for (std::size_t i = 0; i < automatic.pixels(); ++i)
+        if (ground_truth.coverage[i] == 0) outside += automatic.coverage[i];
+      EXPECT_LE(outside, 0.1) << scene.name;
       EXPECT_LE(rms(automatic, ground_truth), asked * rms(ground_truth)) << scene.name;
       EXPECT_NEAR(flux(automatic), flux(ground_truth), asked * flux(ground_truth)) << scene.name;
     }
