@@ -55,35 +55,36 @@ void ErrorPredictor::predict(const Image& image, std::span<const float> patternl
   bends_.assign(count, 0.0f);
   errors.resize(std::size_t{part.width} * part.height);
 
+  const bool has_patterns = !patternless.empty();
+  means_.resize(has_patterns ? 3 * count : 0);
+  flat_.assign(has_patterns ? count : 0, 0);
   // What lies outside the image is taken for a continuation: the value of the border.
+  const auto inside = [](std::uint32_t first, std::size_t offset, std::uint32_t size) {
+    const std::int64_t at = std::int64_t{first} + static_cast<std::int64_t>(offset) - 1;
+    return static_cast<std::uint32_t>(std::clamp<std::int64_t>(at, 0, std::int64_t{size} - 1));
+  };
   const auto copy_row = [&](std::size_t row) {
-    const std::int64_t y =
-        std::clamp<std::int64_t>(std::int64_t{part.y} + static_cast<std::int64_t>(row) - 1, 0,
-                                 std::int64_t{image.height} - 1);
-    float* to = values_.data() + 3 * row * stride;
-    for (std::size_t column = 0; column < stride; ++column, to += 3) {
-      const std::int64_t x =
-          std::clamp<std::int64_t>(std::int64_t{part.x} + static_cast<std::int64_t>(column) - 1, 0,
-                                   std::int64_t{image.width} - 1);
-      std::copy_n(image.radiance.data() +
-                      3 * (static_cast<std::size_t>(y) * image.width + static_cast<std::size_t>(x)),
-                  3, to);
+    const std::uint32_t y = inside(part.y, row, image.height);
+    for (std::size_t column = 0; column < stride; ++column) {
+      const std::uint32_t x = inside(part.x, column, image.width);
+      const std::size_t i = row * stride + column;
+      const float* from = image.radiance.data() + 3 * (std::size_t{y} * image.width + x);
+      std::copy_n(from, 3, values_.data() + 3 * i);
+      if (!has_patterns) continue;
+      // note: unsigned, so that what lies left of the part or above it is far right or below
+      const std::uint32_t left = x - part.x;
+      const std::uint32_t top = y - part.y;
+      const float mean = left < part.width && top < part.height
+                             ? patternless[std::size_t{top} * part.width + left]
+                             : -1;
+      flat_[i] = mean >= 0;
+      if (mean >= 0)
+        std::fill_n(means_.data() + 3 * i, 3, mean);
+      else
+        std::copy_n(from, 3, means_.data() + 3 * i);
     }
   };
   parallel_for(part.height + 2, std::ref(copy_row));
-  const bool has_patterns = !patternless.empty();
-  flat_.assign(has_patterns ? count : 0, 0);
-  if (has_patterns) {
-    means_ = values_;
-    for (std::size_t row = 0; row < part.height; ++row)
-      for (std::size_t column = 0; column < part.width; ++column) {
-        const float mean = patternless[row * part.width + column];
-        if (mean < 0) continue;
-        const std::size_t i = (row + 1) * stride + column + 1;
-        flat_[i] = 1;
-        std::fill_n(means_.data() + 3 * i, 3, mean);
-      }
-  }
 
   const std::array<std::size_t, 4> steps{1, stride, stride + 1, stride - 1};
   const auto bend_row = [&](std::size_t row) {
