@@ -54,6 +54,11 @@ Families families_of(const pan::Model& model) {
   return brdf_models;
 }
 
+bool is_drawn_alike(const DrawItem& a, const DrawItem& b) {
+  return a.variant == b.variant && a.closed == b.closed && a.mirrored == b.mirrored &&
+         a.texture == b.texture && a.material == b.material && a.mesh == b.mesh;
+}
+
 std::vector<DrawItem> draw_list(const pan::Model& model) {
   namespace layout = pan::layout;
   const std::vector<Mat4> world_from_nodes = model.world_from_nodes();

@@ -61,6 +61,25 @@ struct DrawItem {
   bool visible = true;
 };
 
+// What one draw takes: as many blocks as every context can bind.
+inline constexpr std::size_t kInstancesAtOnce = 32;
+
+// Whether two items differ in nothing but where they are.
+bool is_drawn_alike(const DrawItem& a, const DrawItem& b);
+
+// How many neighbours of a list, from the first, one draw takes: those of one mesh and material, in
+// as many as programs see at once; 1 where there are too few to pay for programs of their own.
+//
+//   item(i)  the i-th, a const DrawItem&
+template <class Item>
+std::size_t drawn_at_once(std::size_t first, std::size_t end, const Item& item) {
+  constexpr std::size_t kLeast = 8;
+  std::size_t last = first + 1;
+  while (last < end && last - first < kInstancesAtOnce && is_drawn_alike(item(first), item(last)))
+    ++last;
+  return last - first < kLeast ? 1 : last - first;
+}
+
 // All instances, sorted so that neighbours share as much state as possible: by variant, sides,
 // texture, material, mesh, then as they stand in the model.
 std::vector<DrawItem> draw_list(const pan::Model& model);

@@ -119,14 +119,14 @@ Passes::Passes(Device::Impl& device)
       draw_stride_(block_stride(gl_, sizeof(DrawBlock))) {}
 
 GLuint Passes::program(const ModelResources::Impl& model, const Variant& variant, Pass pass,
-                       bool shadows, std::string* problem) {
+                       bool shadows, bool instanced, std::string* problem) {
   switch (pass) {
     case Pass::geometry:
-      return device_.programs.geometry(variant, false, model.layers, shadows, problem);
+      return device_.programs.geometry(variant, false, model.layers, shadows, instanced, problem);
     case Pass::flat_geometry:
-      return device_.programs.geometry(variant, true, model.layers, shadows, problem);
+      return device_.programs.geometry(variant, true, model.layers, shadows, instanced, problem);
     case Pass::ids:
-      return device_.programs.ids(variant.cutout, problem);
+      return device_.programs.ids(variant.cutout, instanced, problem);
     case Pass::bare:
       return device_.programs.bare(problem);
   }
@@ -144,13 +144,20 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
       device_.model_bytes += model.gpu.bytes() - before;
       if (!good) return false;
     }
+    const std::span<const std::uint32_t> items = scene.visible.targets[v].items;
+    const auto item_at = [&](std::size_t k) -> const DrawItem& { return state.items()[items[k]]; };
     const DrawItem* last = nullptr;
-    for (const std::uint32_t index : scene.visible.targets[v].items) {
-      const DrawItem& item = state.items()[index];
-      if (last && item.variant == last->variant && item.material == last->material) continue;
+    for (std::size_t k = 0; k < items.size(); ++k) {
+      const DrawItem& item = item_at(k);
+      if (last && is_drawn_alike(*last, item)) continue;
+      const bool same = last && item.variant == last->variant && item.material == last->material;
       last = &item;
       std::string problem;
-      bool good = program(model, item.variant, pass, shadows, &problem) != 0;
+      bool good = program(model, item.variant, pass, shadows, false, &problem) != 0;
+      // those of a tile may be fewer, and are drawn one by one then
+      if (pass != Pass::bare && drawn_at_once(k, items.size(), item_at) > 1)
+        good = good && program(model, item.variant, pass, shadows, true, &problem) != 0;
+      if (same && good) continue;
       if (is_shaded(pass)) {
         if (!model.gpu.decals().empty()) good = good && device_.programs.decal(&problem) != 0;
         const materials::BrdfModel& brdf_model =
@@ -207,15 +214,19 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
         std::memcpy(blocks_.data() + first + k * draw_stride_, &block, sizeof block);
       }
     }
+  // what is bound of the last blocks reaches beyond them
+  blocks_.resize(blocks_.size() + kInstancesAtOnce * draw_stride_);
   const std::size_t at = stream_.upload(blocks_);
   gl_.BindBufferRange(GL_UNIFORM_BUFFER, kViewBinding, stream_.id(), static_cast<GLintptr>(at),
                       sizeof(ViewBlock));
   first_draw_ = at + view_stride_;
 }
 
-void Passes::bind_block(std::size_t block) const {
+void Passes::bind_blocks(std::size_t first, std::size_t instances) const {
+  const std::size_t blocks = instances == 1 ? 1 : kInstancesAtOnce;
   gl_.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, stream_.id(),
-                      static_cast<GLintptr>(first_draw_ + block * draw_stride_), sizeof(DrawBlock));
+                      static_cast<GLintptr>(first_draw_ + first * draw_stride_),
+                      static_cast<GLsizeiptr>(blocks * sizeof(DrawBlock)));
 }
 
 bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned samples, Pass pass,
@@ -269,13 +280,20 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
   const ModelResources::Impl& model = state.model();
   const VisibleTarget& visible = scene.visible.targets[target.visible];
   const bool shadows = scene.shadows != nullptr;
+  const auto item_at = [&](std::size_t k) -> const DrawItem& {
+    return state.items()[visible.items[target.drawn[k]]];
+  };
   const DrawItem* last = nullptr;
-  for (std::size_t k = 0; k < target.drawn.size(); ++k) {
+  bool were_instanced = false;
+  std::size_t at_once = 1;
+  for (std::size_t k = 0; k < target.drawn.size(); k += at_once) {
+    at_once = pass == Pass::bare ? 1 : drawn_at_once(k, target.drawn.size(), item_at);
+    const bool instanced = at_once > 1;
     const std::uint32_t index = visible.items[target.drawn[k]];
-    const DrawItem& item = state.items()[index];
+    const DrawItem& item = item_at(k);
     const pan::layout::Mesh& mesh = model.model->meshes()[item.mesh];
-    if (!last || item.variant != last->variant)
-      gl_.UseProgram(program(model, item.variant, pass, shadows, nullptr));
+    if (!last || item.variant != last->variant || instanced != were_instanced)
+      gl_.UseProgram(program(model, item.variant, pass, shadows, instanced, nullptr));
     if (!last || item.closed != last->closed)
       item.closed ? gl_.Enable(GL_CULL_FACE) : gl_.Disable(GL_CULL_FACE);
     // note: rows grow downwards in the window, which turns every triangle round once
@@ -283,12 +301,13 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
     if (!last || item.texture != last->texture || item.material != last->material)
       model.gpu.bind_maps(index);
     if (!last || item.mesh != last->mesh) model.gpu.bind_vertices(mesh, item.mesh);
-    bind_block(target.first_block + k);
-    const bool done = is_flat(pass)       ? model.gpu.draw_flat(mesh, item.mesh, job)
-                      : pass == Pass::ids ? model.gpu.draw_whole(mesh, item.mesh, job)
-                                          : model.gpu.draw(mesh, item.mesh, job);
+    bind_blocks(target.first_block + k, at_once);
+    const bool done = is_flat(pass)       ? model.gpu.draw_flat(mesh, item.mesh, at_once, job)
+                      : pass == Pass::ids ? model.gpu.draw_whole(mesh, item.mesh, at_once, job)
+                                          : model.gpu.draw(mesh, item.mesh, at_once, job);
     if (!done) return false;
     last = &item;
+    were_instanced = instanced;
   }
   return true;
 }
@@ -324,7 +343,7 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target, cons
       item.closed ? gl_.Enable(GL_CULL_FACE) : gl_.Disable(GL_CULL_FACE);
       gl_.FrontFace(item.mirrored ? GL_CCW : GL_CW);
       model.gpu.bind_vertices(model.model->meshes()[item.mesh], item.mesh);
-      bind_block(target.first_block + k);
+      bind_blocks(target.first_block + k, 1);
     }
     model.gpu.draw_decal(i);
     last = &item;

@@ -96,9 +96,9 @@ class Passes {
 
  private:
   GLuint program(const ModelResources::Impl& model, const Variant& variant, Pass pass, bool shadows,
-                 std::string* problem);
+                 bool instanced, std::string* problem);
   bool draw_items(const FrameScene& scene, const TileTarget& target, Pass pass, const Job& job);
-  void bind_block(std::size_t block) const;
+  void bind_blocks(std::size_t first, std::size_t instances) const;
   void scissor(const Tile& tile, const Tile& part, unsigned samples) const;
   void draw_decals(const FrameScene& scene, const TileTarget& target, const GlTexture& seen);
 

@@ -143,7 +143,7 @@ bool Sampling::resolve(const RenderTarget& means, std::uint32_t width, std::uint
 bool Sampling::render(const FrameScene& scene, const RenderOptions& options,
                       std::span<const GLenum> formats, Image& image, const Job& job,
                       DiagnosticLog& log) {
-  Frame frame{scene, options, formats, image, job, log, 0, {}};
+  Frame frame{scene, options, formats, image, job, log, 0, 0, {}};
   frame.part = tile_scene(scene, {0, 0, image.width, image.height}).tile;
   report_ = {};
   if (frame.part.width == 0 || frame.part.height == 0) return true;

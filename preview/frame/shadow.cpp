@@ -250,7 +250,9 @@ bool ShadowMaps::refresh(Device::Impl& device, const world::World& world,
   for (const Drawn& one : targets_)
     for (const DrawItem& item : states[one.target].items()) {
       std::string problem;
-      if (device.programs.shadow(item.variant.cutout, &problem)) continue;
+      if (device.programs.shadow(item.variant.cutout, false, &problem) &&
+          device.programs.shadow(item.variant.cutout, true, &problem))
+        continue;
       log.report_file(Code::E5001, {},
                       fmt::format("{} refuses a shader: {}", device.context->renderer(), problem));
       return false;
@@ -316,6 +318,8 @@ void ShadowMaps::upload(const Map& map, const TargetStates& states) {
       std::memcpy(blocks_.data() + blocks_.size() - stride_, &block, sizeof block);
     }
   }
+  // what is bound of the last blocks reaches beyond them
+  blocks_.resize(blocks_.size() + kInstancesAtOnce * stride_);
   first_block_ = stream_->upload(blocks_);
 }
 
@@ -338,7 +342,18 @@ bool ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& 
   gl.BindBufferBase(GL_UNIFORM_BUFFER, kShadowBinding, map.limits.id());
   const DrawItem* last = nullptr;
   std::uint32_t last_target = ~0u;
-  for (std::size_t k = 0; k < draws_.size(); ++k) {
+  const auto item_at = [&](std::size_t k) -> const DrawItem& {
+    return states[targets_[draws_[k].target].target].items()[draws_[k].item];
+  };
+  bool were_instanced = false;
+  std::size_t at_once = 1;
+  for (std::size_t k = 0; k < draws_.size(); k += at_once) {
+    std::size_t end = k;  // of its target's
+    while (end < draws_.size() && end - k < kInstancesAtOnce &&
+           draws_[end].target == draws_[k].target)
+      ++end;
+    at_once = drawn_at_once(k, end, item_at);
+    const bool instanced = at_once > 1;
     const Drawn& target = targets_[draws_[k].target];
     const TargetState& state = states[target.target];
     const GpuModel& gpu = state.model().gpu;
@@ -349,16 +364,19 @@ bool ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& 
       last_target = draws_[k].target;
       if (target.caster) gl.Enable(GL_DEPTH_CLAMP);
     }
-    if (!last || item.variant.cutout != last->variant.cutout)
-      gl.UseProgram(device.programs.shadow(item.variant.cutout, nullptr));
+    if (!last || item.variant.cutout != last->variant.cutout || instanced != were_instanced)
+      gl.UseProgram(device.programs.shadow(item.variant.cutout, instanced, nullptr));
     if (!last || item.closed != last->closed)
       item.closed ? gl.Enable(GL_CULL_FACE) : gl.Disable(GL_CULL_FACE);
     if (!last || item.mirrored != last->mirrored) gl.FrontFace(item.mirrored ? GL_CW : GL_CCW);
     if (item.variant.cutout) gpu.bind_maps(draws_[k].item);
     if (!last || item.mesh != last->mesh) gpu.bind_vertices(mesh, item.mesh);
-    gl.BindBufferRange(GL_UNIFORM_BUFFER, kDrawBinding, stream_->id(),
-                       static_cast<GLintptr>(first_block_ + k * stride_), sizeof(DrawBlock));
-    if (!gpu.draw(mesh, item.mesh, job)) return false;
+    gl.BindBufferRange(
+        GL_UNIFORM_BUFFER, kDrawBinding, stream_->id(),
+        static_cast<GLintptr>(first_block_ + k * stride_),
+        static_cast<GLsizeiptr>((instanced ? kInstancesAtOnce : 1) * sizeof(DrawBlock)));
+    if (!gpu.draw(mesh, item.mesh, at_once, job)) return false;
+    were_instanced = instanced;
     last = &item;
   }
   gl.Disable(GL_DEPTH_CLAMP);

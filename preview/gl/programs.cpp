@@ -37,26 +37,29 @@ GlProgram Programs::made(const std::string& vertex, const std::string& fragment,
 }
 
 GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool shadows,
-                          std::string* problem) {
+                          bool instanced, std::string* problem) {
   unsigned key = layers;
-  for (const bool bit : {v.textured, v.colored, v.albedo_map, v.normal_map, v.roughness_map,
-                         v.reflectance_map, v.cutout, v.cells, v.tangents, flat, shadows})
+  for (const bool bit :
+       {v.textured, v.colored, v.albedo_map, v.normal_map, v.roughness_map, v.reflectance_map,
+        v.cutout, v.cells, v.tangents, flat, shadows, instanced})
     key = 2 * key + bit;
   GlProgram& program = geometry_[key];
   if (!program) {
     const bool mapped =
         v.albedo_map || v.normal_map || v.roughness_map || v.reflectance_map || v.cutout;
+    const std::string version = kVersion + defined("INSTANCED", instanced);
     const std::string head =
-        kVersion + defined("GEOMETRY", true) + layer_names(layers) +
-        defined("TEXTURED", v.textured) + defined("COLOURED", v.colored) +
-        defined("ALBEDO_MAP", v.albedo_map) + defined("BUMPED", v.normal_map) +
-        defined("ROUGHNESS_MAP", v.roughness_map) + defined("REFLECTANCE_MAP", v.reflectance_map) +
-        defined("MAPPED", mapped) + defined("CELLS", v.cells) + defined("TANGENTS", v.tangents) +
-        defined("FLAT", flat) + defined("SHADOWED", shadows) + draw_glsl;
+        defined("GEOMETRY", true) + layer_names(layers) + defined("TEXTURED", v.textured) +
+        defined("COLOURED", v.colored) + defined("ALBEDO_MAP", v.albedo_map) +
+        defined("BUMPED", v.normal_map) + defined("ROUGHNESS_MAP", v.roughness_map) +
+        defined("REFLECTANCE_MAP", v.reflectance_map) + defined("MAPPED", mapped) +
+        defined("CELLS", v.cells) + defined("TANGENTS", v.tangents) + defined("FLAT", flat) +
+        defined("SHADOWED", shadows) + draw_glsl;
     const std::string pattern = v.cells ? materials::glsl_cells() : std::string();
     const std::string place = shadows ? light_space_glsl : "";
-    program = made(head + model_vert,
-                   head + pattern + cutout_text(v.cutout) + place + geometry_frag, problem);
+    program =
+        made(version + defined("VERTEX", true) + head + model_vert,
+             version + head + pattern + cutout_text(v.cutout) + place + geometry_frag, problem);
   }
   return program.id();
 }
@@ -82,20 +85,24 @@ GLuint Programs::classes(std::string* problem) {
   return classes_.id();
 }
 
-GLuint Programs::shadow(bool cutout, std::string* problem) {
-  GlProgram& program = shadow_[cutout];
+GLuint Programs::shadow(bool cutout, bool instanced, std::string* problem) {
+  GlProgram& program = shadow_[2 * cutout + instanced];
   if (!program) {
-    const std::string head = kVersion + defined("MAPPED", cutout) + draw_glsl;
-    program = made(head + model_vert, head + cutout_text(cutout) + shadow_frag, problem);
+    const std::string version = kVersion + defined("INSTANCED", instanced);
+    const std::string head = defined("MAPPED", cutout) + draw_glsl;
+    program = made(version + defined("VERTEX", true) + head + model_vert,
+                   version + head + cutout_text(cutout) + shadow_frag, problem);
   }
   return program.id();
 }
 
-GLuint Programs::ids(bool cutout, std::string* problem) {
-  GlProgram& program = ids_[cutout];
+GLuint Programs::ids(bool cutout, bool instanced, std::string* problem) {
+  GlProgram& program = ids_[2 * cutout + instanced];
   if (!program) {
-    const std::string head = kVersion + defined("MAPPED", cutout) + draw_glsl;
-    program = made(head + model_vert, head + cutout_text(cutout) + ids_frag, problem);
+    const std::string version = kVersion + defined("INSTANCED", instanced);
+    const std::string head = defined("MAPPED", cutout) + draw_glsl;
+    program = made(version + defined("VERTEX", true) + head + model_vert,
+                   version + head + cutout_text(cutout) + ids_frag, problem);
   }
   return program.id();
 }

@@ -68,17 +68,19 @@ struct alignas(16) ViewBlock {
 struct alignas(16) DrawBlock {
   float clip_from_mesh[16];          // columns
   float world_normal_from_mesh[12];  // columns of 3, each padded to 4
-  std::uint32_t id[4];      // x: item + 1; y, z: samples left of and above the tile
-  float diffuse[4];         // RGB; parts a side in which cells are averaged
-  float repeat[4];          // of maps: x, y, and their signs
-  float cells[4];           // their count along u and v, their gaps
-  float gap_color[4];       // RGB, fingers
-  float finger_color[4];    // RGB, their width
-  float sun_from_mesh[12];  // rows of 4, as LightSpace says
-  float sun_normal_from_mesh[12];  // columns of 3, each padded to 4
-  float normal_offset[4];          // x: how far a point is moved out before it is lit, mesh frame;
-                                   // others: what glass over cells sends back of diffuse light
+  std::uint32_t id[4];               // x: item + 1; y, z: samples left of and above the tile
+  float diffuse[4];                  // RGB; parts a side in which cells are averaged
+  float repeat[4];                   // of maps: x, y, and their signs
+  float cells[4];                    // their count along u and v, their gaps
+  float gap_color[4];                // RGB, fingers
+  float finger_color[4];             // RGB, their width
+  float sun_from_mesh[12];           // rows of 4, as LightSpace says
+  float sun_normal_from_mesh[12];    // columns of 3, each padded to 4
+  float normal_offset[4];  // x: how far a point is moved out before it is lit, mesh frame;
+                           // others: what glass over cells sends back of diffuse light
+  float padding[48];
 };
+static_assert(sizeof(DrawBlock) == 512 && kInstancesAtOnce == 32);  // draw.glsl
 struct alignas(16) DecalBlock {
   float place[12];  // rows of 4: from positions to image coordinates and height over depth
   float outwards[4];
@@ -91,13 +93,14 @@ class Programs {
 
   // Each returns 0 when the driver refuses a shader: *problem says why.
   //
-  GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows,
+  // instanced: draws up to kInstancesAtOnce instances of one mesh and material at once
+  GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows, bool instanced,
                   std::string* problem);
   GLuint shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
                  bool shadows, std::string* problem);
   GLuint classes(std::string* problem);
-  GLuint shadow(bool cutout, std::string* problem);
-  GLuint ids(bool cutout, std::string* problem);
+  GLuint shadow(bool cutout, bool instanced, std::string* problem);
+  GLuint ids(bool cutout, bool instanced, std::string* problem);
   GLuint decal(std::string* problem);
   GLuint bare(std::string* problem);
   // of sampling.h
@@ -113,8 +116,8 @@ class Programs {
   std::map<unsigned, GlProgram> geometry_;
   std::map<std::pair<materials::BrdfModel, unsigned>, GlProgram> shading_;
   GlProgram classes_;
-  std::array<GlProgram, 2> shadow_;
-  std::array<GlProgram, 2> ids_;
+  std::array<GlProgram, 4> shadow_;
+  std::array<GlProgram, 4> ids_;
   GlProgram decal_;
   GlProgram bare_;
   std::array<GlProgram, 2> resolve_;

@@ -291,26 +291,34 @@ void GpuModel::bind_maps(std::size_t item) const {
 }
 
 void GpuModel::draw_range(const layout::Mesh& mesh, std::size_t mesh_index,
-                          std::uint64_t first_triangle, std::uint64_t triangles) const {
+                          std::uint64_t first_triangle, std::uint64_t triangles,
+                          std::size_t instances) const {
   const bool own = own_vertices(mesh_index) != nullptr;
   const std::uint64_t size = own ? sizeof(std::uint32_t) : mesh.index_size;
   const std::uint64_t offset = (own ? 0 : mesh.index_offset) + first_triangle * 3 * size;
-  gl_->DrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * triangles),
-                    size == 2 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT,
-                    reinterpret_cast<const void*>(offset));
+  const auto count = static_cast<GLsizei>(3 * triangles);
+  const GLenum type = size == 2 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT;
+  const void* first = reinterpret_cast<const void*>(offset);
+  if (instances == 1)
+    gl_->DrawElements(GL_TRIANGLES, count, type, first);
+  else
+    gl_->DrawElementsInstanced(GL_TRIANGLES, count, type, first, static_cast<GLsizei>(instances));
 }
 
-bool GpuModel::draw(const layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const {
+bool GpuModel::draw(const layout::Mesh& mesh, std::size_t mesh_index, std::size_t instances,
+                    const Job& job) const {
   for (std::uint64_t first = 0; first < mesh.triangle_count; first += kPartTriangles) {
     if (job.cancelled()) return false;
-    draw_range(mesh, mesh_index, first, std::min(kPartTriangles, mesh.triangle_count - first));
+    draw_range(mesh, mesh_index, first, std::min(kPartTriangles, mesh.triangle_count - first),
+               instances);
   }
   return true;
 }
 
-bool GpuModel::draw_whole(const layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const {
+bool GpuModel::draw_whole(const layout::Mesh& mesh, std::size_t mesh_index, std::size_t instances,
+                          const Job& job) const {
   if (job.cancelled()) return false;
-  draw_range(mesh, mesh_index, 0, mesh.triangle_count);
+  draw_range(mesh, mesh_index, 0, mesh.triangle_count, instances);
   return true;
 }
 
@@ -325,7 +333,8 @@ void GpuModel::draw_decal(std::size_t decal) const {
                     reinterpret_cast<const void*>(range.first));
 }
 
-bool GpuModel::draw_flat(const layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const {
+bool GpuModel::draw_flat(const layout::Mesh& mesh, std::size_t mesh_index, std::size_t instances,
+                         const Job& job) const {
   gl_->BindTextureUnit(kTriangleNormalsUnit, triangle_normals_texture_.id());
   for (std::uint64_t first = 0; first < mesh.triangle_count; first += flat_triangles_) {
     if (job.cancelled()) return false;
@@ -334,7 +343,7 @@ bool GpuModel::draw_flat(const layout::Mesh& mesh, std::size_t mesh_index, const
         triangle_normals_texture_.id(), GL_RGB32F, triangle_normals_.id(),
         static_cast<GLintptr>(triangle_normals_at_[mesh_index] + first * 3 * sizeof(float)),
         static_cast<GLsizeiptr>(count * 3 * sizeof(float)));
-    draw_range(mesh, mesh_index, first, count);
+    draw_range(mesh, mesh_index, first, count, instances);
   }
   return true;
 }

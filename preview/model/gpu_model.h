@@ -40,12 +40,15 @@ class GpuModel {
 
   // Draws the whole mesh whose vertices are bound, in parts small enough for a job that is
   // cancelled to be heard. False: it was.
-  bool draw(const pan::layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const;
+  bool draw(const pan::layout::Mesh& mesh, std::size_t mesh_index, std::size_t instances,
+            const Job& job) const;
   // The same at once: its triangles are numbered from its first.
-  bool draw_whole(const pan::layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const;
+  bool draw_whole(const pan::layout::Mesh& mesh, std::size_t mesh_index, std::size_t instances,
+                  const Job& job) const;
   // The same with the normals of its triangles bound, in parts that the context's buffer textures
   // can hold.
-  bool draw_flat(const pan::layout::Mesh& mesh, std::size_t mesh_index, const Job& job) const;
+  bool draw_flat(const pan::layout::Mesh& mesh, std::size_t mesh_index, std::size_t instances,
+                 const Job& job) const;
 
   std::span<const PlacedDecal> decals() const { return decals_; }  // from the lowest
   // Draws the triangles that take a decal. Expects: the vertices of its mesh bound; bind_vertices()
@@ -70,7 +73,8 @@ class GpuModel {
   const Repeated* own_vertices(std::size_t mesh_index) const;  // null: the model's
   Repeated repeated(const pan::MeshView& mesh, const Tangents& tangents);
   void draw_range(const pan::layout::Mesh& mesh, std::size_t mesh_index,
-                  std::uint64_t first_triangle, std::uint64_t triangles) const;
+                  std::uint64_t first_triangle, std::uint64_t triangles,
+                  std::size_t instances) const;
 
   // Which texture an item has on which unit.
   struct Binding {

@@ -1,5 +1,6 @@
-// What is known of an instance in one view and tile, formed in double and rounded once.
-layout(std140, binding = 1) uniform Draw {
+// What is known of an instance in one view and tile, formed in double and rounded once. Defined in
+// front where instances of one mesh and material are drawn at once: INSTANCED; and VERTEX.
+struct DrawData {
   mat4 clip_from_mesh;
   mat3 world_normal_from_mesh;
   uvec4 id;      // x: item + 1; y, z: samples of the image left of and above the tile
@@ -12,5 +13,17 @@ layout(std140, binding = 1) uniform Draw {
   mat3 sun_normal_from_mesh;
   vec4 normal_offset;  // x: how far a point is moved out before it is lit, mesh frame; y, z, w: the share of
               // diffuse light that the glass over cells sends back
-}
-draw;
+  vec4 padding[12];  // 512 bytes: a multiple of what any context aligns blocks to
+};
+#ifdef INSTANCED
+layout(std140, binding = 1) uniform Draws { DrawData draws[32]; };
+#ifdef VERTEX
+layout(location = 10) flat out int draw_index;
+#define draw draws[gl_InstanceID]
+#else
+layout(location = 10) flat in int draw_index;
+#define draw draws[draw_index]
+#endif
+#else
+layout(std140, binding = 1) uniform Draw { DrawData draw; };
+#endif

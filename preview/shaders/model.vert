@@ -48,6 +48,9 @@ const float kFarOut = 1e9;
 invariant gl_Position;
 
 void main() {
+#ifdef INSTANCED
+  draw_index = gl_InstanceID;
+#endif
   gl_Position = draw.clip_from_mesh * vec4(position, 1.0);
 #ifdef GEOMETRY
 #ifndef FLAT

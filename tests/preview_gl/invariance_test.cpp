@@ -1,7 +1,7 @@
 // What must not change an image, and what must change it exactly so.
 #include <cstring>
 
-#include "models.h"
+#include "textured.h"
 
 namespace panwright::preview {
 namespace {
@@ -180,6 +180,55 @@ TEST(Invariance, MirroredInstanceIsTheMirrorImage) {
 }
 
 // Two meshes that are the same body: moved by the node, or moved in the mesh itself.
+// Instances of one mesh and material are drawn at once; where each has a material of its own, that
+// says the same, one by one.
+TEST(Invariance, InstancesDrawnAtOnceAreTheSameBits) {
+  const auto crowd = [](bool at_once, bool cutout) {
+    testing_support::Textured contents(single(box({0.3, 0.2, 0.1}), lambert(0.7)));
+    contents.meshes.push_back(pan::packed(sphere(6, 9, true), "ball"));
+    contents.instances.clear();
+    contents.materials.assign(80, contents.materials.front());
+    const std::int32_t holes = cutout ? contents.add(8, 8, false,
+                                                     [](std::uint32_t x, std::uint32_t y) {
+                                                       return grey(255, (x + y) % 3 == 0 ? 0 : 255);
+                                                     })
+                                      : -1;
+    for (materials::Material& material : contents.materials) material.maps.cutout = holes;
+    for (std::uint32_t i = 0; i < 80; ++i) {
+      const double at = i;
+      contents.nodes.push_back({"part" + std::to_string(i), 0,
+                                Vec3(std::sin(at), std::cos(1.7 * at), std::sin(2.3 * at)),
+                                glm::normalize(Quat(1, std::sin(3 * at), 0.2, std::cos(5 * at))),
+                                i % 7 == 0 ? Vec3(-0.5, 0.4, 0.6) : Vec3(0.5)});
+      // 5 of the balls are too few
+      const std::uint32_t mesh = cutout || i % 16 == 0;
+      contents.instances.push_back({i + 1, mesh, at_once ? 0 : i, -1});
+    }
+    return model_of(contents);
+  };
+  for (const bool cutout : {false, true}) {
+    const pan::Model together = crowd(true, cutout);
+    const pan::Model apart = crowd(false, cutout);
+    for (const bool flat : {false, true}) {
+      RenderOptions options;
+      options.samples = 2;
+      options.flat = flat;
+      options.ground_truth = true;
+      const View view = looking_from({1, 0.4, 0.3}, 8, 0.4, 128, 1);
+      const Image a = rendered(together, view, options);
+      const Image b = rendered(apart, view, options);
+      EXPECT_TRUE(equal_bits(a.radiance, b.radiance)) << cutout << flat;
+      EXPECT_TRUE(equal_bits(a.coverage, b.coverage)) << cutout << flat;
+      EXPECT_TRUE(equal_bits(a.depth, b.depth)) << cutout << flat;
+      EXPECT_TRUE(equal_bits(a.normal, b.normal)) << cutout << flat;
+      EXPECT_EQ(a.node_id, b.node_id) << cutout << flat;
+      std::size_t seen = 0;
+      for (const float share : a.coverage) seen += share > 0;
+      EXPECT_GT(seen, 1000u);
+    }
+  }
+}
+
 TEST(Invariance, NestedTransformsAreTheirProduct) {
   const Quat turn = glm::angleAxis(0.7, glm::normalize(Vec3(1, -1, 2)));
   pan::Contents nested = single(box({1, 2, 3}), lambert(1));
