@@ -215,8 +215,7 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
       }
     }
   // what is bound of the last blocks reaches beyond them
-  blocks_.resize(blocks_.size() + kInstancesAtOnce * draw_stride_);
-  const std::size_t at = stream_.upload(blocks_);
+  const std::size_t at = stream_.upload(blocks_, kInstancesAtOnce * draw_stride_);
   gl_.BindBufferRange(GL_UNIFORM_BUFFER, kViewBinding, stream_.id(), static_cast<GLintptr>(at),
                       sizeof(ViewBlock));
   first_draw_ = at + view_stride_;

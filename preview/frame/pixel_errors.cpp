@@ -16,6 +16,8 @@ namespace {
 constexpr float kShare = 0.3f;
 // The same of its neighbours' second differences.
 constexpr float kNeighbourShare = 0.05f;
+// The same of second differences from the centre to two corners, which lie half as far.
+constexpr float kCornerShare = 0.2f;
 
 // of floats ≥ 0, in ascending order: 8 bits of the exponent, 8 of the fraction
 constexpr unsigned kBinShift = 15;
@@ -112,6 +114,45 @@ void ErrorPredictor::predict(const Image& image, std::span<const float> patternl
     }
   };
   parallel_for(part.height, std::ref(error_row));
+}
+
+void ErrorPredictor::look_at_corners(const Image& image, std::span<const float> patternless,
+                                     const Image& corners,
+                                     std::span<const float> corner_patternless, const Tile& part,
+                                     std::span<float> errors) const {
+  const auto look_at_row = [&](std::size_t row) {
+    // the last ones have no corners behind them
+    const std::size_t below = std::min<std::size_t>(row + 1, part.height - 1);
+    for (std::size_t column = 0; column < part.width; ++column) {
+      const std::size_t right = std::min<std::size_t>(column + 1, part.width - 1);
+      const std::size_t places[4] = {row * part.width + column, below * part.width + right,
+                                     row * part.width + right, below * part.width + column};
+      const auto in_image = [&](std::size_t place) {
+        return (part.y + place / part.width) * image.width + part.x + place % part.width;
+      };
+      const std::size_t here = places[0];
+      bool is_pattern = !patternless.empty() && patternless[here] >= 0;
+      for (const std::size_t place : places)
+        is_pattern = is_pattern && corner_patternless[place] >= 0;
+      float most = 0;
+      for (int diagonal = 0; diagonal < 2; ++diagonal) {
+        const std::size_t a = places[2 * diagonal];
+        const std::size_t b = places[2 * diagonal + 1];
+        float squares = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const float bend =
+              is_pattern
+                  ? corner_patternless[a] + corner_patternless[b] - 2 * patternless[here]
+                  : corners.radiance[3 * in_image(a) + k] + corners.radiance[3 * in_image(b) + k] -
+                        2 * image.radiance[3 * in_image(here) + k];
+          squares += bend * bend;
+        }
+        most = std::max(most, squares);
+      }
+      errors[here] = std::max(errors[here], kCornerShare * std::sqrt(most * (1.0f / 3)));
+    }
+  };
+  parallel_for(part.height, std::ref(look_at_row));
 }
 
 float least_error_above(std::span<const float> errors, double budget) {

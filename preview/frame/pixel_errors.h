@@ -25,6 +25,14 @@ class ErrorPredictor {
   void predict(const Image& image, std::span<const float> patternless, const Tile& part,
                std::vector<float>& errors);
 
+  // Raises the errors of predict() where the corners of a pixel show what its centre does not: the
+  // second differences along its diagonals.
+  //
+  //   corners  an image whose samples lie half a pixel left of and above those of the first
+  void look_at_corners(const Image& image, std::span<const float> patternless, const Image& corners,
+                       std::span<const float> corner_patternless, const Tile& part,
+                       std::span<float> errors) const;
+
  private:
   std::vector<float> values_;       // RGB of the part and a pixel around it
   std::vector<float> means_;        // the same, with what is patternless in its place; or empty

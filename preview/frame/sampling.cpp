@@ -161,9 +161,9 @@ bool Sampling::render(const FrameScene& scene, const RenderOptions& options,
                     fmt::format("{} refuses a shader: {}", device_.context->renderer(), problem));
     return false;
   }
-  if (!one_sample_each(frame)) return false;
+  if (!one_sample_each(frame, image, patternless_)) return false;
   report_.samples = 1;
-  if (options.samples == 0) return until_error(frame);
+  if (options.samples == 0) return look_at_corners(frame) && until_error(frame);
 
   return some_in_full(frame, options.samples);
 }
@@ -173,6 +173,9 @@ bool Sampling::some_in_full(const Frame& frame, unsigned samples) {
   levels_.assign(frame.count(), 0);
   surprises_.clear();
   predictor_.predict(frame.image, patternless_, frame.part, errors_);
+  // neighbours tell little of so few pixels
+  if (std::max(frame.part.width, frame.part.height) <= kSmallPixels)
+    std::fill(errors_.begin(), errors_.end(), INFINITY);
   const double rest = kRest / samples;
   const double budget = rest * rest * sums_of(frame.image).squares;
   const unsigned sides[] = {1, samples};
@@ -213,7 +216,7 @@ bool Sampling::until_error(const Frame& frame) {
     if (!measure(frame, sides, wanted)) return false;
     predictor_.predict(frame.image, patternless_, frame.part, predicted_);
     for (std::size_t i = 0; i < errors_.size(); ++i)
-      if (levels_[i] == 0) errors_[i] = predicted_[i];
+      if (levels_[i] == 0) errors_[i] = std::max(predicted_[i], corner_errors_[i]);
     raise_around_surprises(frame);
     const Sums sums = sums_of(frame.image);
     double total = 0;
@@ -246,7 +249,6 @@ bool Sampling::until_error(const Frame& frame) {
     }
     if (!any) break;
   }
-  report_.samples = 1;
   std::vector<std::size_t> counts(sides.size());
   for (const std::uint8_t level : levels_) ++counts[level];
   for (std::size_t i = 1; i < sides.size(); ++i)
@@ -326,28 +328,29 @@ void Sampling::raise_around_surprises(const Frame& frame) {
 }
 
 // What shading.frag says of solar cells beside the coverage.
-void Sampling::take_patternless(const Frame& frame, const Tile& tile) {
+void Sampling::take_patternless(const Frame& frame, const Tile& tile, Image& image,
+                                std::vector<float>& patternless) const {
   const Vec3 irradiance = frame.scene.world.sun().irradiance.value_or(Vec3(1));
   const auto whole = static_cast<float>(std::max({irradiance.x, irradiance.y, irradiance.z}));
   for (std::uint32_t y = tile.y; y < tile.y + tile.height; ++y)
     for (std::uint32_t x = tile.x; x < tile.x + tile.width; ++x) {
-      float& coverage = frame.image.coverage[std::size_t{y} * frame.image.width + x];
+      float& coverage = image.coverage[std::size_t{y} * image.width + x];
       if (!(coverage > 1)) continue;
-      patternless_[frame.index({x, y})] = (coverage - 1) * whole;
+      patternless[frame.index({x, y})] = (coverage - 1) * whole;
       coverage = 1;
     }
 }
 
 // One sample a pixel, and what their errors are predicted from.
-bool Sampling::one_sample_each(const Frame& frame) {
+bool Sampling::one_sample_each(const Frame& frame, Image& image, std::vector<float>& patternless) {
   const Pass pass = frame.options.flat ? Pass::flat_geometry : Pass::geometry;
   bool cells = false;
   for (std::size_t v = 0; v < frame.scene.visible.targets.size(); ++v)
     for (const std::uint32_t index : frame.scene.visible.targets[v].items)
       cells = cells || frame.scene.state(v).items()[index].variant.cells;
-  patternless_.assign(cells ? frame.count() : 0, -1.0f);
-  for (Tiles each(frame.part.width, frame.part.height, std::min(frame.width, frame.height)); each;
-       each.next()) {
+  patternless.assign(cells ? frame.count() : 0, -1.0f);
+  const std::uint32_t side = std::min(frame.width, frame.height);
+  for (Tiles each(frame.part.width, frame.part.height, side); each; each.next()) {
     const TileScene on_tile = tile_scene(frame.scene, moved(*each, frame.part));
     const Tile& tile = on_tile.tile;
     if (tile.width == 0 || tile.height == 0) continue;
@@ -365,9 +368,30 @@ bool Sampling::one_sample_each(const Frame& frame) {
     gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
     gl_.ReadPixels(0, 0, static_cast<GLsizei>(tile.width), static_cast<GLsizei>(tile.height),
                    GL_RGBA, GL_FLOAT, floats_.data());
-    store_pixels(floats_, tile, frame.image);
-    if (cells) take_patternless(frame, tile);
+    store_pixels(floats_, tile, image);
+    if (cells) take_patternless(frame, tile, image, patternless);
   }
+  return true;
+}
+
+// A second look between the samples of the first: thin things that one of them misses, the other
+// one may see. Predictions alone come of it.
+bool Sampling::look_at_corners(const Frame& frame) {
+  corners_.width = frame.image.width;
+  corners_.height = frame.image.height;
+  corners_.radiance.assign(3 * corners_.pixels(), 0.0f);
+  corners_.coverage.assign(corners_.pixels(), 0.0f);
+  world::Camera shifted = frame.scene.camera;
+  shifted.principal += Vec2(0.5);
+  const FrameScene scene{frame.scene.world, shifted, frame.scene.states, frame.scene.visible,
+                         frame.scene.shadows};
+  Frame other{scene,     frame.options, frame.formats, corners_,  frame.job,
+              frame.log, frame.width,   frame.height,  frame.part};
+  if (!one_sample_each(other, corners_, corner_patternless_)) return false;
+  report_.samples = 2;
+  corner_errors_.assign(frame.count(), 0.0f);
+  predictor_.look_at_corners(frame.image, patternless_, corners_, corner_patternless_, frame.part,
+                             corner_errors_);
   return true;
 }
 

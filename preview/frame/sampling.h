@@ -39,8 +39,10 @@ class Sampling {
  private:
   struct Frame;  // what one call of render() shares
 
-  bool one_sample_each(const Frame& frame);
-  void take_patternless(const Frame& frame, const Tile& tile);
+  bool one_sample_each(const Frame& frame, Image& image, std::vector<float>& patternless);
+  bool look_at_corners(const Frame& frame);
+  void take_patternless(const Frame& frame, const Tile& tile, Image& image,
+                        std::vector<float>& patternless) const;
   bool refine(const Frame& frame, unsigned samples, std::span<const Pixel> pixels,
               std::span<float> error);
   bool refine_tile(const Frame& frame, const TileScene& tile, unsigned samples,
@@ -71,6 +73,9 @@ class Sampling {
   ErrorPredictor predictor_;
   // of the pixels of the part that a frame may show something on, kept for the next one
   std::vector<float> patternless_;
+  std::vector<float> corner_patternless_;
+  std::vector<float> corner_errors_;  // what the corners of pixels tell of the first look
+  Image corners_;
   std::vector<float> predicted_;
   std::vector<float> errors_;
   std::vector<float> spreads_;  // of pixels that are measured

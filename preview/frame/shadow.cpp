@@ -319,8 +319,7 @@ void ShadowMaps::upload(const Map& map, const TargetStates& states) {
     }
   }
   // what is bound of the last blocks reaches beyond them
-  blocks_.resize(blocks_.size() + kInstancesAtOnce * stride_);
-  first_block_ = stream_->upload(blocks_);
+  first_block_ = stream_->upload(blocks_, kInstancesAtOnce * stride_);
 }
 
 // False: the job is cancelled.

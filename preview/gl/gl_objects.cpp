@@ -65,10 +65,10 @@ GlSampler make_sampler(const GladGLContext& gl, GLint wrap) {
 
 StreamBuffer::StreamBuffer(const GladGLContext& gl) : gl_(gl), buffer_(make_stream_buffer(gl)) {}
 
-std::size_t StreamBuffer::upload(std::span<const std::byte> bytes) {
-  if (bytes.size() > region_bytes_) {
+std::size_t StreamBuffer::upload(std::span<const std::byte> bytes, std::size_t behind) {
+  if (bytes.size() + behind > region_bytes_) {
     // powers of two hold whatever alignment a context asks for
-    region_bytes_ = std::bit_ceil(std::max(bytes.size(), std::size_t{4096}));
+    region_bytes_ = std::bit_ceil(std::max(bytes.size() + behind, std::size_t{4096}));
     gl_.NamedBufferData(buffer_.id(), static_cast<GLsizeiptr>(kRegions * region_bytes_), nullptr,
                         GL_STREAM_DRAW);
   }

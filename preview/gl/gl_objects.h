@@ -71,8 +71,9 @@ class StreamBuffer {
  public:
   explicit StreamBuffer(const GladGLContext& gl);
 
-  // Returns where the bytes lie: an offset that uniform blocks may begin at.
-  std::size_t upload(std::span<const std::byte> bytes);
+  // Returns where the bytes lie: an offset that uniform blocks may begin at. behind: bytes after them
+  // that may be bound with them, whatever they hold.
+  std::size_t upload(std::span<const std::byte> bytes, std::size_t behind = 0);
   GLuint id() const { return buffer_.id(); }
 
  private:

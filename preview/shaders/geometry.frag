@@ -127,12 +127,13 @@ void main() {
 #endif
   color *= draw.diffuse.rgb;
 #ifdef CELLS
-  // The footprint is a parallelogram: so many parts along each side, and the box around each.
+  // The footprint is a parallelogram: so many parts along each side, and for each the box of its
+  // variances along u and v.
   vec2 right = dFdx(cell_place);
   vec2 down = dFdy(cell_place);
   int parts = int(draw.diffuse.a);
   float step = 1.0 / draw.diffuse.a;
-  vec2 size = (abs(right) + abs(down)) * step;
+  vec2 size = sqrt(right * right + down * down) * step;
   shares = vec3(0.0);
   for (int y = 0; y < parts; ++y)
     for (int x = 0; x < parts; ++x) {
