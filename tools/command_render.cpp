@@ -247,7 +247,8 @@ Result<std::vector<workspace::View>> views_of(const Options& options, const worl
     texts.push_back(*std::move(typed));
   } else {
     if (typed->output)
-      log.report(Code::E0201, {}, "-o cannot be combined with --views; each view has its own output");
+      log.report(Code::E0201, {},
+                 "-o cannot be combined with --views; each view has its own output");
     auto read = workspace::read_views(options.views, *typed, log);
     if (!read) return failed;
     texts = *std::move(read);
@@ -264,7 +265,10 @@ Result<std::vector<workspace::View>> views_of(const Options& options, const worl
 }
 
 // One image that is written: what the reference measured, in words.
-void tell(const workspace::Written& image, bool orthographic, CommandContext& context) {
+//
+//   pixel_error  that was asked for
+void tell(const workspace::Written& image, bool orthographic, double pixel_error,
+          CommandContext& context) {
   nlohmann::ordered_json& images = context.result()["images"];
   images.push_back({{"output", image.output},
                     {"width", image.width},
@@ -275,9 +279,15 @@ void tell(const workspace::Written& image, bool orthographic, CommandContext& co
     images.back()["pixel_error"] = image.sampling->rmse;
     images.back()["flux_error"] = image.sampling->flux;
     if (!context.options().json && !context.options().quiet)
-      fmt::print("{}: {:.3g} samples a pixel, error {:.2g} % of the pixels, {:.2g} % of the flux\n",
-                 image.output, image.sampling->samples, 100 * image.sampling->rmse,
-                 100 * image.sampling->flux);
+      fmt::print(
+          "{}: {:.3g} samples a pixel, estimated RMS error {:.2g} % of the radiance, of the flux "
+          "at "
+          "most {:.2g} %{}\n",
+          image.output, image.sampling->samples, 100 * image.sampling->rmse,
+          100 * image.sampling->flux,
+          std::max(image.sampling->rmse, image.sampling->flux) > pixel_error
+              ? fmt::format(": more than the {:.2g} % asked for", 100 * pixel_error)
+              : "");
   }
   if (!image.measured) return;
   const workspace::Measured& measured = *image.measured;
@@ -303,9 +313,9 @@ int run(const Options& options, const Host& host) {
   CommandContext context("render", options.common, host);
   DiagnosticLog& log = context.log();
   if (const char* stray = stray_option(options)) {
-    log.report(Code::E0201, {},
-               fmt::format("{} requires --engine {}", stray,
-                           options.is_traced() ? "gl" : "reference"));
+    log.report(
+        Code::E0201, {},
+        fmt::format("{} requires --engine {}", stray, options.is_traced() ? "gl" : "reference"));
     return context.finish();
   }
   auto read = options.read.opening(log);
@@ -334,7 +344,8 @@ int run(const Options& options, const Host& host) {
   };
   run.listener.written = [&](const workspace::Written& image) {
     const world::Camera& camera = (*views)[image.view].camera;
-    tell(image, camera.projection == world::Projection::orthographic, context);
+    tell(image, camera.projection == world::Projection::orthographic, draw->gl.pixel_error,
+         context);
   };
   (void)workspace::run_views(*world, *views, run, log, context.job());
   return context.finish();
