@@ -164,7 +164,6 @@ bool Sampling::render(const FrameScene& scene, const RenderOptions& options,
   if (!one_sample_each(frame, image, patternless_)) return false;
   report_.samples = 1;
   if (options.samples == 0) return look_at_corners(frame) && until_error(frame);
-
   return some_in_full(frame, options.samples);
 }
 
@@ -228,9 +227,10 @@ bool Sampling::until_error(const Frame& frame) {
       total += static_cast<double>(errors_[i]);
       if (levels_[i] == last) at_last += square;
     }
-    report_.rmse = sums.squares > 0 ? std::sqrt(squares / sums.squares) : 0;
+    // where only the corners show light, all of it is missing
+    report_.rmse = squares > 0 ? std::sqrt(squares / sums.squares) : 0;
     // as if all errors had one sign: along an edge that lies like the samples they have
-    report_.flux = sums.radiance > 0 ? 3 * total / sums.radiance : 0;
+    report_.flux = total > 0 ? 3 * total / sums.radiance : 0;
     if (report_.rmse <= asked && report_.flux <= asked) break;
     // as long as the flux is what is not good enough, less and less is left
     if (report_.rmse <= asked) share *= 0.25;
@@ -397,7 +397,7 @@ bool Sampling::look_at_corners(const Frame& frame) {
 
 // N×N samples of pixels that ascend, and no others.
 //
-//   error  of each, from how far parts of its samples lie apart; or empty
+//   error  of each: how far parts of its samples lie apart
 bool Sampling::refine(const Frame& frame, unsigned samples, std::span<const Pixel> pixels,
                       std::span<float> error) {
   // A draw of a tile costs about as much as so many samples in it that nobody asks for (measured on
@@ -510,15 +510,14 @@ bool Sampling::refine_tile(const Frame& frame, const TileScene& on_tile, unsigne
     gl_.TextureBuffer(pixels_texture_.id(), GL_R32UI, pixels_.id());
     passes_.shade(frame.scene, on_tile, samples, seen_, color_,
                   {pixels_texture_.id(), a_row, used});
-    const bool spread = !error.empty();
-    if (!ensure_render_target(gl_, mean_, std::span(kMeanFormats).first(spread ? 2 : 1), false,
-                              a_row, used, frame.area(), frame.log) ||
-        !resolve(mean_, a_row, used, samples, spread, frame.log))
+    if (!ensure_render_target(gl_, mean_, kMeanFormats, false, a_row, used, frame.area(),
+                              frame.log) ||
+        !resolve(mean_, a_row, used, samples, true, frame.log))
       return false;
     const std::size_t floats = std::size_t{4} * a_row * used;
     floats_.resize(std::max(floats_.size(), 2 * floats));
     gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
-    for (unsigned i = 0; i < (spread ? 2u : 1u); ++i) {
+    for (unsigned i = 0; i < std::size(kMeanFormats); ++i) {
       gl_.ReadBuffer(GL_COLOR_ATTACHMENT0 + i);
       gl_.ReadPixels(0, 0, static_cast<GLsizei>(a_row), static_cast<GLsizei>(used), GL_RGBA,
                      GL_FLOAT, floats_.data() + i * floats);
@@ -530,7 +529,6 @@ bool Sampling::refine_tile(const Frame& frame, const TileScene& on_tile, unsigne
       const float* mean = floats_.data() + 4 * i;
       std::copy_n(mean, 3, frame.image.radiance.data() + 3 * at);
       frame.image.coverage[at] = mean[3];
-      if (!spread) continue;
       const float* off = mean + floats;
       error[which[first + i]] =
           std::sqrt((off[0] * off[0] + off[1] * off[1] + off[2] * off[2]) / 3);
