@@ -79,6 +79,7 @@ const std::vector<Case>& cases();  // by name
 struct Variant {
   std::string setting;
   std::function<void()> work;
+  std::function<void()> before = {};  // where there is one: done each time before work, not timed
 };
 
 struct Timing {

@@ -106,7 +106,7 @@ void time_runs(Context& context, const Subject& subject, DiagnosticLog& log) {
     variants.push_back({motions[i].name, [&, i] {
                           static_cast<void>(workspace::run_views(world, views[i], options, log));
                         }});
-  const auto timings = interleaved(variants, context.quick() ? 1 : 3);
+  const auto timings = interleaved(variants, 1);
   auto device = preview::Device::create(preview::ContextKind::automatic, log);
   if (!device) return;
   for (std::size_t i = 0; i < variants.size(); ++i) {

@@ -113,10 +113,13 @@ void time_scene(Context& context, const Scene& scene,
     errors.push_back(errors_of(*image, *reference));
     context.note(fmt::format("{}, {}: flux off by {:.4f} %, {:.3g} samples a pixel", scene.name,
                              way.name, 100 * errors.back().flux, renderer.sampling().samples));
-    variants.push_back({way.name, [&renderer, &world, &camera_now, &log, way] {
-                          auto drawn = renderer.render(world, camera_now(), options_of(way), log);
-                          if (drawn) renderer.recycle(*std::move(drawn));
-                        }});
+    const auto draw = [&renderer, &world, &camera_now, &log, way] {
+      auto drawn = renderer.render(world, camera_now(), options_of(way), log);
+      if (drawn) renderer.recycle(*std::move(drawn));
+    };
+    variants.push_back({way.name, draw});
+    // the framebuffers of the way before have other sizes: a run of views makes them once
+    if (way.samples != 0) variants.back().before = draw;
   }
   const auto timings = interleaved(variants, context.quick() ? 1 : 5);
   for (std::size_t i = 0; i < variants.size(); ++i) {

@@ -31,6 +31,7 @@ std::vector<Timing> interleaved(const std::vector<Variant>& variants, int runs) 
   for (const Variant& variant : variants) variant.work();
   for (int run = 0; run < runs; ++run) {
     for (std::size_t i = 0; i < variants.size(); ++i) {
+      if (variants[i].before) variants[i].before();
       const Clock::time_point start = Clock::now();
       variants[i].work();
       seconds[i].push_back(std::chrono::duration<double>(Clock::now() - start).count());
