@@ -1,6 +1,7 @@
 // Diagnostics: what is wrong, where, and what would be accepted.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +11,8 @@
 #include "base/source.h"
 
 namespace panwright {
+
+class FileUses;
 
 enum class Severity { note, warning, error };
 
@@ -50,6 +53,18 @@ class DiagnosticLog {
   SourceMap& sources() { return sources_; }
   const SourceMap& sources() const { return sources_; }
 
+  // The files of the run, which whoever reads or writes with this log asks and tells; null: nobody
+  // watches them.
+  void set_files(std::shared_ptr<FileUses> files) { files_ = std::move(files); }
+  const std::shared_ptr<FileUses>& files() const { return files_; }
+
+  // An empty log of the same run: for another thread, or for what is tried and may fail.
+  DiagnosticLog apart() const {
+    DiagnosticLog log(limit_);
+    log.files_ = files_;
+    return log;
+  }
+
   // Adds a diagnostic. The severity follows from the code.
   void report(Code code, SourceSpan where, std::string message, std::string hint = {},
               std::string object = {});
@@ -71,6 +86,7 @@ class DiagnosticLog {
 
  private:
   SourceMap sources_;
+  std::shared_ptr<FileUses> files_;
   std::vector<Diagnostic> entries_;
   std::size_t limit_;
   std::size_t errors_ = 0;

@@ -6,11 +6,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <utility>
 
+#include "base/file_uses.h"
 #include "base/text.h"
 
 namespace panwright {
@@ -65,6 +67,10 @@ bool write_all(int fd, std::span<const std::byte> bytes, std::uint64_t offset, b
   return true;
 }
 
+std::filesystem::path folder_of(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
 }  // namespace
 
 Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t max_bytes,
@@ -79,6 +85,7 @@ Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t m
     report(Code::E0101, path, reason("cannot open", path, EISDIR), where, log);
     return failed;
   }
+  if (log.files()) log.files()->was_opened(fd.get(), path);
   const auto too_large = [&](std::uint64_t size, const char* at_least) {
     report(Code::E0104, path,
            fmt::format("{} is {}{} bytes long, expected at most {}", in_quotes(path.string()),
@@ -129,6 +136,7 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& path, Diagnosti
     log.report_file(Code::E0101, path.string(), reason("cannot map", path, error));
     return failed;
   }
+  if (log.files()) log.files()->was_opened(fd.get(), path);
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0) return MappedFile(nullptr, 0);
   void* data = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd.get(), 0);
@@ -153,6 +161,7 @@ MappedFile::~MappedFile() {
 }
 
 Result<AtomicFile> AtomicFile::create(const std::filesystem::path& path, DiagnosticLog& log) {
+  if (log.files() && !log.files()->may_write(path, log)) return failed;
   AtomicFile file;
   file.path_ = path;
   // a symbolic link keeps pointing: its target is what gets replaced
@@ -169,20 +178,45 @@ Result<AtomicFile> AtomicFile::create(const std::filesystem::path& path, Diagnos
                     reason("not a regular file, cannot replace", path, error));
     return failed;
   }
-  std::string name = file.path_.string() + ".XXXXXX";
-  file.descriptor_ = mkostemp(name.data(), O_CLOEXEC);
-  if (file.descriptor_ < 0) {
+  // a file without a name is gone with the process that writes it, however that ends
+  const std::string folder = folder_of(file.path_).string();
+  if (access("/proc/self/fd", X_OK) == 0)
+    file.descriptor_ = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+  if (file.descriptor_ < 0 && !file.create_named()) {
     log.report_file(Code::E0103, path.string(), reason("cannot write", path, errno));
     return failed;
   }
-  file.temporary_ = name;
+  if (target.st_nlink > 0) fchmod(file.descriptor_, target.st_mode & 07777);
+  return file;
+}
+
+// Where the file system, or the lack of /proc, allows no file without a name.
+bool AtomicFile::create_named() {
+  std::string name = path_.string() + ".XXXXXX";
+  descriptor_ = mkostemp(name.data(), O_CLOEXEC);
+  if (descriptor_ < 0) return false;
+  temporary_ = name;
   // mkostemp makes private files; give the mode that a plain open would have given
-  struct stat old {};
   const mode_t mask = umask(0);
   umask(mask);
-  const mode_t mode = stat(file.path_.c_str(), &old) == 0 ? old.st_mode & 07777 : 0666 & ~mask;
-  fchmod(file.descriptor_, mode);
-  return file;
+  fchmod(descriptor_, 0666 & ~mask);
+  return true;
+}
+
+// A name for what has none: rename, unlike a link, replaces a file.
+bool AtomicFile::give_name() {
+  const std::string unnamed = fmt::format("/proc/self/fd/{}", descriptor_);
+  static std::atomic<unsigned> counter{0};
+  constexpr int kMostTries = 100;
+  for (int i = 0; i < kMostTries; ++i) {
+    const std::string name = fmt::format("{}.{}-{}", path_.string(), getpid(), counter++);
+    if (linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
+      temporary_ = name;
+      return true;
+    }
+    if (errno != EEXIST) return false;
+  }
+  return false;
 }
 
 AtomicFile::AtomicFile(AtomicFile&& other) noexcept
@@ -218,12 +252,12 @@ bool AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes
 bool AtomicFile::commit(DiagnosticLog& log, double* sync_seconds) {
   const auto start = std::chrono::steady_clock::now();
   if (fsync(descriptor_) != 0) return fail("cannot sync", errno, log);
+  if (temporary_.empty() && !give_name()) return fail("cannot link", errno, log);
   if (close(std::exchange(descriptor_, -1)) != 0) return fail("cannot close", errno, log);
   if (rename(temporary_.c_str(), path_.c_str()) != 0) return fail("cannot rename to", errno, log);
   temporary_.clear();
   // the folder's entry is durable only when the folder is synced; some file systems cannot
-  const auto folder = path_.has_parent_path() ? path_.parent_path() : std::filesystem::path(".");
-  const Descriptor fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const Descriptor fd(::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (fd.get() >= 0) fsync(fd.get());
   if (sync_seconds)
     *sync_seconds +=

@@ -1,4 +1,5 @@
-// Files: bounded reads, mappings, and writes that leave the old file whole when they fail.
+// Files: bounded reads, mappings, and writes that leave the old file whole when they fail. Each is
+// told to the run's FileUses, where the log has one (base/file_uses.h).
 #pragma once
 
 #include <cstddef>
@@ -38,11 +39,12 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
-// A file that appears under its name only when it is complete: written to a temporary file in the
-// same folder, synced, renamed. Destroyed without commit(), it removes the temporary file.
+// A file that appears under its name only when it is complete: written to a file in the same folder
+// that has no name (a temporary one where the file system has no such files), synced, renamed.
+// Destroyed without commit(), it leaves nothing.
 class AtomicFile {
  public:
-  // Fails: E0103.
+  // Fails: E0103; E0206.
   static Result<AtomicFile> create(const std::filesystem::path& path, DiagnosticLog& log);
 
   AtomicFile(AtomicFile&& other) noexcept;
@@ -59,10 +61,12 @@ class AtomicFile {
  private:
   AtomicFile() = default;
   bool fail(const char* action, int error, DiagnosticLog& log);
+  bool create_named();
+  bool give_name();
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
   std::filesystem::path path_;
-  std::filesystem::path temporary_;
+  std::filesystem::path temporary_;  // empty: it has no name yet
 };
 
 // create, write, commit. "-" writes to standard output.

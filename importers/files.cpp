@@ -30,7 +30,8 @@ std::string in_lower_case(std::string text) {
 
 class FolderFiles : public Files {
  public:
-  FolderFiles(const fs::path& folder, std::uint64_t max_bytes) : typed_(folder), left_(max_bytes) {
+  FolderFiles(const fs::path& folder, std::uint64_t max_bytes, const DiagnosticLog& log)
+      : typed_(folder), left_(max_bytes), log_(log.apart()) {
     std::error_code error;
     real_ =
         fs::weakly_canonical(fs::absolute(folder.empty() ? fs::path(".") : folder, error), error);
@@ -47,7 +48,7 @@ class FolderFiles : public Files {
     if (error) return Outcome::unreadable;
     if (size > left_) return Outcome::too_large;
     if (size > kMappedFrom && size % page_size() != 0) {
-      DiagnosticLog ignored;
+      DiagnosticLog ignored = log_.apart();
       if (auto mapped = MappedFile::open(real, ignored)) {
         const auto mapping = std::make_shared<const MappedFile>(std::move(*mapped));
         const std::span<const std::byte> whole = mapping->bytes();
@@ -58,7 +59,7 @@ class FolderFiles : public Files {
         }
       }
     }
-    DiagnosticLog log;  // the caller says it in its own words
+    DiagnosticLog log = log_.apart();  // the caller says it in its own words
     auto text = read_file(real, left_, log);
     if (!text) return log.contains(Code::E0104) ? Outcome::too_large : Outcome::unreadable;
     left_ -= text->size();
@@ -101,6 +102,7 @@ class FolderFiles : public Files {
   fs::path typed_;
   fs::path real_;
   std::uint64_t left_;
+  const DiagnosticLog log_;  // an empty one of the run
 };
 
 class MemoryFiles : public Files {
@@ -166,8 +168,9 @@ bool has_scheme(std::string_view uri) {
 
 }  // namespace
 
-std::unique_ptr<Files> files_in_folder(const fs::path& folder, std::uint64_t max_bytes) {
-  return std::make_unique<FolderFiles>(folder, max_bytes);
+std::unique_ptr<Files> files_in_folder(const fs::path& folder, std::uint64_t max_bytes,
+                                       const DiagnosticLog& log) {
+  return std::make_unique<FolderFiles>(folder, max_bytes, log);
 }
 
 std::unique_ptr<Files> files_in_memory(std::span<const MemoryFile> files, std::uint64_t max_bytes) {

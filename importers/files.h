@@ -42,11 +42,11 @@ class Files {
   virtual std::string display_name(const std::string& path) const = 0;
 };
 
-// Files over 1 MB are mapped, so that what was read of them need not stay in memory.
-// note: a file that another program cuts short while it is mapped ends the process with SIGBUS, as
-// for any mapping; one that is replaced by rename stays whole.
-std::unique_ptr<Files> files_in_folder(const std::filesystem::path& folder,
-                                       std::uint64_t max_bytes);
+// log: of the run, for the files that it watches. Files over 1 MB are mapped, so that what was read
+// of them need not stay in memory. note: a file that another program cuts short while it is mapped
+// ends the process with SIGBUS, as for any mapping; one that is replaced by rename stays whole.
+std::unique_ptr<Files> files_in_folder(const std::filesystem::path& folder, std::uint64_t max_bytes,
+                                       const DiagnosticLog& log);
 
 // The bytes are not copied: they outlive the result.
 std::unique_ptr<Files> files_in_memory(std::span<const MemoryFile> files, std::uint64_t max_bytes);

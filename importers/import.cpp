@@ -217,7 +217,7 @@ Result<Imported> import_file(const fs::path& path, const Options& options, Diagn
     folder = options.root;
     name = relative.generic_string();
   }
-  const auto files = files_in_folder(folder, options.limits.bytes);
+  const auto files = files_in_folder(folder, options.limits.bytes, log);
   return import_from(*files, name, options, log, {}, job);
 }
 

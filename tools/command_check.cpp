@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/print.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -53,7 +54,7 @@ void check_one(const std::string& path, const workspace::OpenOptions& read,
     context.result()["files"].back()["format"] = format;
     context.result()["files"].back()["compressed"] = !how.empty();
   }
-  if (!context.options().json && found == 0) fmt::print("{}: ok{}\n", path, how);
+  if (!context.options().json && found == 0) print("{}: ok{}\n", path, how);
 }
 
 int run(const Options& options, const Host& host) {

@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/print.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -56,11 +57,6 @@ std::string make_escaped(const std::string& path) {
   return out;
 }
 
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return std::filesystem::equivalent(a, b, ignored);
-}
-
 void write_depfile(const Options& options, const std::string& output,
                    const std::vector<scene::Input>& inputs, DiagnosticLog& log) {
   const auto folder = std::filesystem::path(options.input).parent_path();
@@ -98,10 +94,10 @@ int run(const Options& options, const Host& host) {
     log.report(Code::E0202, {}, fmt::format("{} is not a .pan file", in_quotes(output)));
     return context.finish();
   }
-  if (!options.depfile.empty() && same_file(options.depfile, options.input)) {
-    log.report(Code::E0201, {}, "--depfile names the input: it would be overwritten");
-    return context.finish();
-  }
+  context.files().will_read(options.input);
+  context.files().will_write(output, "-o", log);
+  context.files().will_write(options.depfile, "--depfile", log);
+  if (log.has_errors()) return context.finish();
   const auto read = options.read.opening(log);
   if (!read) return context.finish();
   workspace::OpenReport steps;
@@ -126,7 +122,7 @@ int run(const Options& options, const Host& host) {
   context.result()["output"] = output;
   context.result().update(as_json(*report));
   if (!options.common.json && log.has_errors())
-    fmt::print(stderr, "panwright: wrote {} without what could not be read or made\n", output);
+    print(stderr, "panwright: wrote {} without what could not be read or made\n", output);
   return context.finish();
 }
 

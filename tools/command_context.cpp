@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "tools/print.h"
 #include "tools/progress_line.h"
 
 namespace panwright::tools {
@@ -36,6 +37,9 @@ CommandContext::CommandContext(std::string command, const CommonOptions& options
       result_(std::make_unique<Json>()) {
   (*result_)["schema"] = 1;
   (*result_)["command"] = command_;
+  log_.set_files(std::make_shared<FileUses>());
+  if (!options.sarif.empty())
+    files().will_write(options.sarif, "--sarif", log_, FileUses::Output::diagnostics);
 }
 
 CommandContext::~CommandContext() = default;
@@ -78,16 +82,16 @@ int CommandContext::finish(int clean) {
     Json diagnostics = Json::parse(to_json(log_));
     for (const char* key : {"errors", "warnings", "notes", "hidden", "diagnostics"})
       out[key] = std::move(diagnostics[key]);
-    fmt::print("{}\n", out.dump(2, ' ', false, Json::error_handler_t::replace));
+    print("{}\n", out.dump(2, ' ', false, Json::error_handler_t::replace));
   } else {
-    fmt::print(stderr, "{}",
-               to_text(log_, {.color = wants_color(options_.color), .notes = !options_.quiet}));
+    print(stderr, "{}",
+          to_text(log_, {.color = wants_color(options_.color), .notes = !options_.quiet}));
     if (log_.errors() > 1)
-      fmt::print(stderr, "panwright: {}{}\n", counted(log_.errors(), "error"),
-                 log_.warnings() > 0 ? ", " + counted(log_.warnings(), "warning") : "");
+      print(stderr, "panwright: {}{}\n", counted(log_.errors(), "error"),
+            log_.warnings() > 0 ? ", " + counted(log_.warnings(), "warning") : "");
     if (options_.timings)
       for (const auto& [name, seconds] : timings_)
-        fmt::print(stderr, "{:>10.3f} ms  {}\n", 1e3 * seconds, name);
+        print(stderr, "{:>10.3f} ms  {}\n", 1e3 * seconds, name);
   }
   return code;
 }

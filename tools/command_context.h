@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/file_uses.h"
 #include "base/job.h"
 #include "tools/command.h"
 #include "tools/shared_options.h"
@@ -23,6 +24,9 @@ class CommandContext {
 
   DiagnosticLog& log() { return log_; }
   const CommonOptions& options() const { return options_; }
+
+  // The files of this command: commands declare what they will read and write before they do.
+  FileUses& files() { return *log_.files(); }
 
   // What libraries are given: the threads that were asked for, progress on the terminal. From the
   // first call on, a signal cancels it.

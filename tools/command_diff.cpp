@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/print.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -39,7 +40,7 @@ Json as_json(const std::vector<pan::Difference>& list) {
 }
 
 void print(const std::vector<pan::Difference>& list, const char* prefix) {
-  for (const pan::Difference& each : list) fmt::print("{}{}: {}\n", prefix, each.where, each.what);
+  for (const pan::Difference& each : list) tools::print("{}{}: {}\n", prefix, each.where, each.what);
 }
 
 // What equal models differ in all the same.
@@ -74,8 +75,8 @@ int run(const Options& options, const Host& host) {
       print(differences.storage, "storage: ");
     }
     if (differences.hidden > 0)
-      fmt::print("{} not shown\n", counted(differences.hidden, "more difference"));
-    if (equal) fmt::print("the models are equal{}\n", unseen_words(differences));
+      tools::print("{} not shown\n", counted(differences.hidden, "more difference"));
+    if (equal) tools::print("the models are equal{}\n", unseen_words(differences));
   }
   return context.finish(equal ? 0 : 1);
 }

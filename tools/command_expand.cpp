@@ -8,6 +8,7 @@
 #include "pxn/writer.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/print.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -40,9 +41,8 @@ int run(const Options& options, const Host& host) {
   for (const std::string& path : {options.input, options.output})
     if (workspace::extension_of(path) != ".pxn" && !(standard && path == options.output))
       log.report(Code::E0202, {}, fmt::format("{} is not a .pxn file", in_quotes(path)));
-  std::error_code ignored;
-  if (std::filesystem::equivalent(options.input, options.output, ignored))
-    log.report(Code::E0201, {}, "-o names the input: it would be overwritten");
+  context.files().will_read(options.input);
+  context.files().will_write(options.output, "-o", log);
   if (log.has_errors()) return context.finish();
 
   const auto read = options.read.opening(log);
@@ -68,7 +68,7 @@ int run(const Options& options, const Host& host) {
   context.result()["shapes"] = scene->instances.size();
   context.result()["pictures"] = images;
   if (!options.common.json && done && errors > 0)
-    fmt::print(stderr, "panwright: wrote {} without what could not be read\n", options.output);
+    print(stderr, "panwright: wrote {} without what could not be read\n", options.output);
   return context.finish();
 }
 

@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/print.h"
 
 namespace panwright::tools {
 
@@ -38,7 +39,7 @@ int run(const Options& options, const Host& host) {
       if (options.common.json)
         context.result()["codes"].push_back(as_json(info));
       else
-        fmt::print("{}  {}\n", info.name, info.title);
+        print("{}  {}\n", info.name, info.title);
     }
     return context.finish();
   }
@@ -56,7 +57,7 @@ int run(const Options& options, const Host& host) {
   if (options.common.json)
     context.result().update(as_json(info));
   else
-    fmt::print("{} ({}): {}\n\n{}\n", info.name, word(info.severity), info.title, info.explanation);
+    print("{} ({}): {}\n\n{}\n", info.name, word(info.severity), info.title, info.explanation);
   return context.finish();
 }
 

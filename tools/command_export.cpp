@@ -34,9 +34,8 @@ int run(const Options& options, const Host& host) {
   DiagnosticLog& log = context.log();
   if (workspace::extension_of(options.output) != ".glb")
     log.report(Code::E0202, {}, fmt::format("{} is not a .glb file", in_quotes(options.output)));
-  std::error_code ignored;
-  if (std::filesystem::equivalent(options.input, options.output, ignored))
-    log.report(Code::E0201, {}, "-o names the input: it would be overwritten");
+  context.files().will_read(options.input);
+  context.files().will_write(options.output, "-o", log);
   if (log.has_errors()) return context.finish();
   const auto read = options.read.opening(log);
   if (!read) return context.finish();

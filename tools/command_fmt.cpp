@@ -8,6 +8,7 @@
 #include "pxn/format.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/print.h"
 
 namespace panwright::tools {
 
@@ -55,7 +56,7 @@ class Formatting {
     context_.result()["files"].push_back({{"file", name}, {"changed", changed}});
     any_changed_ = any_changed_ || changed;
     if (options_.check) {
-      if (changed && !options_.common.json) fmt::print("{}\n", name);
+      if (changed && !options_.common.json) print("{}\n", name);
       return;
     }
     const std::string output = options_.output.empty() ? input : options_.output;
@@ -81,6 +82,13 @@ int run(const Options& options, const Host& host) {
                              : "-o requires a single file; several are formatted in place");
     return context.finish();
   }
+  for (const std::string& input : options.inputs) context.files().will_read(input);
+  // the sources stay what the program was asked to lay out
+  if (!options.check)
+    for (const std::string& output :
+         options.output.empty() ? options.inputs : std::vector<std::string>{options.output})
+      context.files().will_write(output, "", context.log(), FileUses::Output::in_place);
+  if (context.log().has_errors()) return context.finish();
   Formatting formatting(options, context);
   for (const std::string& input : options.inputs) formatting.one(input);
   return context.finish(options.check && formatting.any_changed() ? 1 : 0);

@@ -11,6 +11,7 @@
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/mesh_report_page.h"
+#include "tools/print.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -137,13 +138,13 @@ void describe(const importers::Imported& imported, CommandContext& context) {
   }
   out["materials"] = std::move(materials);
   if (context.options().json) return;
-  fmt::print("{}: {}, {}, {}, {}\n", kFormats[static_cast<std::size_t>(imported.format)],
-             counted(scene.nodes.size(), "node"), counted(scene.instances.size(), "instance"),
-             counted(triangles_of(scene), "mesh triangle"), counted(scene.joints.size(), "joint"));
-  fmt::print("size: {:.6g} x {:.6g} x {:.6g} m\n", size.x, size.y, size.z);
+  print("{}: {}, {}, {}, {}\n", kFormats[static_cast<std::size_t>(imported.format)],
+        counted(scene.nodes.size(), "node"), counted(scene.instances.size(), "instance"),
+        counted(triangles_of(scene), "mesh triangle"), counted(scene.joints.size(), "joint"));
+  print("size: {:.6g} x {:.6g} x {:.6g} m\n", size.x, size.y, size.z);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const pxn::Guess guess = pxn::guessed_preset(imported.materials[i]);
-    fmt::print("material {}: {} ({})\n", in_quotes(names[i]), guess.preset, guess.reason);
+    print("material {}: {} ({})\n", in_quotes(names[i]), guess.preset, guess.reason);
   }
 }
 
@@ -192,12 +193,10 @@ int run(const Options& options, const Host& host) {
                fmt::format("{} is neither a .pan nor a .pxn file", in_quotes(options.output)));
     return context.finish();
   }
-  std::error_code ignored;
-  for (const std::string& output : {options.output, options.report})
-    if (!output.empty() && std::filesystem::equivalent(options.input, output, ignored)) {
-      log.report(Code::E0201, {}, "-o or --report names the input: it would be overwritten");
-      return context.finish();
-    }
+  context.files().will_read(options.input);
+  context.files().will_write(options.output, "-o", log);
+  context.files().will_write(options.report, "--report", log);
+  if (log.has_errors()) return context.finish();
   workspace::OpenReport found;
   auto imported = workspace::read_cad(options.input, options.open, log, context.job(), &found);
   context.add_timings(std::exchange(found.steps, {}));
@@ -239,8 +238,7 @@ int run(const Options& options, const Host& host) {
     context.result()["unique_triangles"] = report->unique_triangles;
   }
   if (!options.common.json && errors > 0)
-    fmt::print(stderr, "panwright: wrote {} without what could not be read or made\n",
-               options.output);
+    print(stderr, "panwright: wrote {} without what could not be read or made\n", options.output);
   return context.finish();
 }
 

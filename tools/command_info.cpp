@@ -10,6 +10,7 @@
 #include "compiler/tolerance.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/print.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -341,17 +342,16 @@ void print_need(const pan::Model& model) {
   if (!decided.empty()) lines.push_back(decided);
   const char* label = "budget";
   for (const std::string& line : lines) {
-    fmt::print("{:<9} {}\n", label, line);
+    print("{:<9} {}\n", label, line);
     label = "";
   }
 }
 
 void print_mesh(const pan::Model& model, std::size_t i) {
   const auto& mesh = model.meshes()[i];
-  fmt::print("mesh      {}: {}, {}, {}, {}\n", model.mesh_name(i),
-             counted(mesh.triangle_count, "triangle"),
-             plural(mesh.vertex_count, "vertex", "vertices"),
-             mesh.flags & pan::layout::kMeshClosed ? "closed" : "open", mesh_error_words(model, i));
+  print("mesh      {}: {}, {}, {}, {}\n", model.mesh_name(i),
+        counted(mesh.triangle_count, "triangle"), plural(mesh.vertex_count, "vertex", "vertices"),
+        mesh.flags & pan::layout::kMeshClosed ? "closed" : "open", mesh_error_words(model, i));
 }
 
 // Of all meshes together: the number of triangles, the largest error, and the largest share of what
@@ -385,7 +385,7 @@ std::string meshes_words(const pan::Model& model, const Totals& totals) {
 void print_meshes(const pan::Model& model, const Totals& totals, bool all) {
   constexpr std::size_t kHeaviest = 5;
   const auto meshes = model.meshes();
-  fmt::print("meshes    {}: {}\n", meshes.size(), meshes_words(model, totals));
+  print("meshes    {}: {}\n", meshes.size(), meshes_words(model, totals));
   std::vector<std::size_t> order(meshes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   if (!all) {
@@ -401,8 +401,8 @@ void print_meshes(const pan::Model& model, const Totals& totals, bool all) {
   }
   for (const std::size_t i : order) print_mesh(model, i);
   if (order.size() < meshes.size())
-    fmt::print("          and {} lighter; --meshes lists all\n",
-               plural(meshes.size() - order.size(), "mesh", "meshes"));
+    print("          and {} lighter; --meshes lists all\n",
+          plural(meshes.size() - order.size(), "mesh", "meshes"));
 }
 
 void print_materials(const pan::Model& model) {
@@ -417,28 +417,27 @@ void print_materials(const pan::Model& model) {
     add(material.roughness_map, "roughness");
     add(material.reflectance_map, "reflectance");
     add(material.cutout_map, "cutout");
-    fmt::print("material  {}: {} + {}{}\n", model.material_name(i),
-               diffuse_word(material.diffuse_brdf), specular_word(material.specular_brdf), maps);
+    print("material  {}: {} + {}{}\n", model.material_name(i), diffuse_word(material.diffuse_brdf),
+          specular_word(material.specular_brdf), maps);
   }
 }
 
 void print_ground_truth(const pan::Model& model) {
   for (std::size_t i = 0; i < model.frames().size(); ++i)
-    fmt::print("frame     {} at {}\n", model.frame_name(i),
-               place_words(Vec3(model.world_from_frame(i)[3])));
+    print("frame     {} at {}\n", model.frame_name(i),
+          place_words(Vec3(model.world_from_frame(i)[3])));
   const auto world = model.world_from_nodes();
   for (std::size_t i = 0; i < model.keypoints().size(); ++i) {
     const auto& point = model.keypoints()[i];
     const Vec4 p(point.position[0], point.position[1], point.position[2], 1.0);
-    fmt::print("keypoint  {} at {}\n", model.keypoint_name(i),
-               place_words(Vec3(world[point.node] * p)));
+    print("keypoint  {} at {}\n", model.keypoint_name(i), place_words(Vec3(world[point.node] * p)));
   }
   for (std::size_t i = 0; i < model.decals().size(); ++i) {
     const auto& decal = model.decals()[i];
-    fmt::print("decal     {}{}: {:.4g} x {:.4g} m on {}\n",
-               model.decal_name(i).empty() ? "" : fmt::format("{}, ", model.decal_name(i)),
-               model.texture_name(decal.texture), decal.width, decal.height,
-               model.node_path(model.instances()[decal.instance].node));
+    print("decal     {}{}: {:.4g} x {:.4g} m on {}\n",
+          model.decal_name(i).empty() ? "" : fmt::format("{}, ", model.decal_name(i)),
+          model.texture_name(decal.texture), decal.width, decal.height,
+          model.node_path(model.instances()[decal.instance].node));
   }
 }
 
@@ -470,16 +469,16 @@ void print_storage(const pan::Model& model) {
     if (!model.reads(entry)) others += (others.empty() ? "" : ", ") + pan::kind_name(entry.kind);
   }
   if (compressed > 0)
-    fmt::print("format    {}.{}, {} compressed: {} bytes instead of {}\n", model.header().major,
-               model.header().minor, counted(compressed, "section"), stored, raw);
-  if (!others.empty()) fmt::print("ignored   sections of this file: {}\n", others);
+    print("format    {}.{}, {} compressed: {} bytes instead of {}\n", model.header().major,
+          model.header().minor, counted(compressed, "section"), stored, raw);
+  if (!others.empty()) print("ignored   sections of this file: {}\n", others);
 }
 
 void print_text(const std::string& path, const pan::Model& model, const Totals& totals,
                 bool all_meshes) {
-  fmt::print("{}: {}, {}, {} in {}\n", path, counted(model.bytes().size(), "byte"),
-             counted(totals.triangles, "triangle"), counted(model.instances().size(), "instance"),
-             plural(model.meshes().size(), "mesh", "meshes"));
+  print("{}: {}, {}, {} in {}\n", path, counted(model.bytes().size(), "byte"),
+        counted(totals.triangles, "triangle"), counted(model.instances().size(), "instance"),
+        plural(model.meshes().size(), "mesh", "meshes"));
   std::string ground_truth;
   const auto add = [&](std::size_t count, const char* noun) {
     if (count > 0) ground_truth += (ground_truth.empty() ? "" : ", ") + counted(count, noun);
@@ -487,23 +486,23 @@ void print_text(const std::string& path, const pan::Model& model, const Totals& 
   add(model.frames().size(), "frame");
   add(model.keypoints().size(), "keypoint");
   add(model.decals().size(), "decal");
-  if (!ground_truth.empty()) fmt::print("with      {}\n", ground_truth);
-  fmt::print("made by   {} ({})\n", model.version(), model.options());
-  fmt::print("build id  {}\n", model.build_id().hex());
+  if (!ground_truth.empty()) print("with      {}\n", ground_truth);
+  print("made by   {} ({})\n", model.version(), model.options());
+  print("build id  {}\n", model.build_id().hex());
   print_storage(model);
   if (const auto bounds = model.world_bounds())
-    fmt::print("bounds    {:.6g} {:.6g} {:.6g} .. {:.6g} {:.6g} {:.6g} m\n", bounds->min.x,
-               bounds->min.y, bounds->min.z, bounds->max.x, bounds->max.y, bounds->max.z);
-  fmt::print("error     {:.4g} m at most between mesh and shape\n", totals.worst_error);
+    print("bounds    {:.6g} {:.6g} {:.6g} .. {:.6g} {:.6g} {:.6g} m\n", bounds->min.x,
+          bounds->min.y, bounds->min.z, bounds->max.x, bounds->max.y, bounds->max.z);
+  print("error     {:.4g} m at most between mesh and shape\n", totals.worst_error);
   print_need(model);
   print_meshes(model, totals, all_meshes);
   print_materials(model);
   for (std::size_t i = 0; i < model.textures().size(); ++i)
-    fmt::print("texture   {}: {}x{}\n", model.texture_name(i), model.textures()[i].width,
-               model.textures()[i].height);
+    print("texture   {}: {}x{}\n", model.texture_name(i), model.textures()[i].width,
+          model.textures()[i].height);
   print_ground_truth(model);
   for (const auto& input : model.inputs())
-    fmt::print("input     {}, {} bytes\n", model.string(input.path), input.bytes);
+    print("input     {}, {} bytes\n", model.string(input.path), input.bytes);
 }
 
 int run(const Options& options, const Host& host) {

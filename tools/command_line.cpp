@@ -11,6 +11,7 @@
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/completion.h"
+#include "tools/print.h"
 #include "tools/run.h"
 
 namespace panwright::tools {
@@ -130,10 +131,10 @@ int run_panwright(std::vector<std::string> words, const Host& host) {
     for (const Command& command : commands)
       if (app.got_subcommand(command.name)) return command.run(host);
     if (app.got_subcommand(completion)) {
-      fmt::print("{}", completion_script(shell, command_words(app)));
+      print("{}", completion_script(shell, command_words(app)));
       return 0;
     }
-    fmt::print("{}", app.help());
+    print("{}", app.help());
     return kUsage;
   });
 }
@@ -149,9 +150,9 @@ int run_unchecked(int argc, const char* const* argv, const Host& host) {
       return run_single(importer_command(name), std::move(words), host);
     return run_panwright(std::move(words), host);
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "panwright: out of memory\n");
+    print(stderr, "panwright: out of memory\n");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "panwright: internal error: {}\n", error.what());
+    print(stderr, "panwright: internal error: {}\n", error.what());
   }
   return kInternal;
 }
@@ -161,7 +162,7 @@ int run_unchecked(int argc, const char* const* argv, const Host& host) {
 int run(int argc, const char* const* argv, const Host& host) {
   const int code = run_unchecked(argc, argv, host);
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  fmt::print(stderr, "panwright: standard output could not be written\n");
+  print(stderr, "panwright: standard output could not be written\n");
   return code == 0 ? 3 : code;
 }
 

@@ -20,6 +20,7 @@
 #include "tools/material_plots.h"
 #include "tools/material_scene.h"
 #include "tools/overlay_text.h"
+#include "tools/print.h"
 #include "workspace/drawer.h"
 #include "workspace/open.h"
 #include "workspace/views.h"
@@ -217,35 +218,34 @@ void print_provenance(const pxn::Provenance& from) {
                                                               {"fitted", &from.fitted},
                                                               {"indicative", &from.indicative}};
   for (const auto& [name, words] : lines)
-    if (!words->empty()) fmt::print("{:<21} {}\n", name, *words);
+    if (!words->empty()) print("{:<21} {}\n", name, *words);
 }
 
 void print_report(const DescribedMaterial& described, const materials::MaterialReport& c,
                   const Speed& speed) {
-  fmt::print("{}: {}\n", described.material.name, materials::brdf_in_words(described.material));
+  print("{}: {}\n", described.material.name, materials::brdf_in_words(described.material));
   print_provenance(described.provenance);
-  fmt::print("cosine  angle   directional albedo at 650, 550, 450 nm\n");
+  print("cosine  angle   directional albedo at 650, 550, 450 nm\n");
   for (const auto& each : c.directional)
-    fmt::print("{:<7.4g} {:>5.2f}°  {}\n", each.mu, det::acos(each.mu) / kDegree,
-               rgb_words(each.rgb));
-  fmt::print("hemispherical albedo  {}\n", rgb_words(c.hemispherical));
-  fmt::print("energy                {} (largest directional albedo {:.6f} at cosine {:.4g})\n",
-             c.gain.albedo <= 1 + 1e-4 ? "kept" : "GAINED", c.gain.albedo, c.gain.mu);
-  fmt::print("reciprocity           {:.1e} largest relative residual\n", c.reciprocity);
-  fmt::print("single precision      {:.1e} largest, {:.1e} RMS relative error\n", c.f32_error,
-             c.f32_rms);
+    print("{:<7.4g} {:>5.2f}°  {}\n", each.mu, det::acos(each.mu) / kDegree, rgb_words(each.rgb));
+  print("hemispherical albedo  {}\n", rgb_words(c.hemispherical));
+  print("energy                {} (largest directional albedo {:.6f} at cosine {:.4g})\n",
+        c.gain.albedo <= 1 + 1e-4 ? "kept" : "GAINED", c.gain.albedo, c.gain.mu);
+  print("reciprocity           {:.1e} largest relative residual\n", c.reciprocity);
+  print("single precision      {:.1e} largest, {:.1e} RMS relative error\n", c.f32_error,
+        c.f32_rms);
   if (c.fit_error > 0)
-    fmt::print("fits                  {:.1e} largest approximation error\n", c.fit_error);
-  fmt::print("speed                 {:.0f} ns an evaluation in double, {:.0f} ns in single\n",
-             speed.f64, speed.f32);
+    print("fits                  {:.1e} largest approximation error\n", c.fit_error);
+  print("speed                 {:.0f} ns an evaluation in double, {:.0f} ns in single\n", speed.f64,
+        speed.f32);
   const auto absorptance = computed_absorptance(described);
   const auto& published = described.provenance.absorptance;
   if (absorptance)
-    fmt::print("solar absorptance     {:.3f} from n and k over 0.3 to 2.5 µm{}\n", *absorptance,
-               published ? fmt::format(", published {:.2f}", *published) : std::string());
+    print("solar absorptance     {:.3f} from n and k over 0.3 to 2.5 µm{}\n", *absorptance,
+          published ? fmt::format(", published {:.2f}", *published) : std::string());
   else
-    fmt::print("solar absorptance     visible albedo, not comparable{}\n",
-               published ? fmt::format(" (published {:.2f})", *published) : std::string());
+    print("solar absorptance     visible albedo, not comparable{}\n",
+          published ? fmt::format(" (published {:.2f})", *published) : std::string());
 }
 
 bool write_plots(const std::string& folder, const materials::Material& material,
@@ -345,7 +345,7 @@ void fit_table(const Options& options, CommandContext& context) {
   out["readings"] = readings->size();
   out["fits"] = Json::array();
   if (!context.options().json)
-    fmt::print(
+    print(
         "{} of {}, those below {:.2g}/sr taken as that\n"
         "RMS of log10(BRDF/reading), largest, RMS of the difference in 1/sr\n",
         counted(readings->size(), "reading"), options.fit, floor);
@@ -357,11 +357,10 @@ void fit_table(const Options& options, CommandContext& context) {
                            {"rms", fit.rms},
                            {"text", fit.text}});
     if (!context.options().json)
-      fmt::print("{:<30} {:.3f}  {:.3f}  {:.4g}\n", fit.brdf, fit.rms_decades, fit.max_decades,
-                 fit.rms);
+      print("{:<30} {:.3f}  {:.3f}  {:.4g}\n", fit.brdf, fit.rms_decades, fit.max_decades, fit.rms);
   }
   if (!context.options().json)
-    fmt::print("\n<material name=\"measured\">\n{}\n</material>\n", fits.front().text);
+    print("\n<material name=\"measured\">\n{}\n</material>\n", fits.front().text);
   if (options.svg.empty()) return;
   const std::string text = fit_plot(*readings, fits.front());
   const auto path = std::filesystem::path(options.svg) /
@@ -374,7 +373,7 @@ void list(const CommandContext& context) {
     DiagnosticLog log;
     const auto preset = pxn::preset(name, log);
     if (preset && !context.options().json)
-      fmt::print("{:<24} {}\n", name, materials::brdf_in_words(preset->material));
+      print("{:<24} {}\n", name, materials::brdf_in_words(preset->material));
   }
 }
 
@@ -398,7 +397,7 @@ int run(const Options& options, const Host& host) {
   if (options.show) {
     for (const std::string& name : options.inputs)
       if (const auto text = pxn::preset_text(name))
-        fmt::print("{}", *text);
+        print("{}", *text);
       else
         (void)pxn::preset(name, context.log());
     return context.finish();
@@ -418,7 +417,7 @@ int run(const Options& options, const Host& host) {
     const Speed speed = speed_of(each.material);
     out["materials"].push_back(report_json(each, report, speed));
     if (!options.common.json) {
-      if (&each != &all.front()) fmt::print("\n");
+      if (&each != &all.front()) print("\n");
       print_report(each, report, speed);
     }
     if (!options.svg.empty() && !write_plots(options.svg, each.material, context)) break;

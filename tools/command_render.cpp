@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/print.h"
 #include "workspace/run.h"
 
 namespace panwright::tools {
@@ -265,10 +266,7 @@ Result<std::vector<workspace::View>> views_of(const Options& options, const worl
 }
 
 // One image that is written: what the reference measured, in words.
-//
-//   pixel_error  that was asked for
-void tell(const workspace::Written& image, bool orthographic, double pixel_error,
-          CommandContext& context) {
+void tell(const workspace::Written& image, bool orthographic, CommandContext& context) {
   nlohmann::ordered_json& images = context.result()["images"];
   images.push_back({{"output", image.output},
                     {"width", image.width},
@@ -279,15 +277,11 @@ void tell(const workspace::Written& image, bool orthographic, double pixel_error
     images.back()["pixel_error"] = image.sampling->rmse;
     images.back()["flux_error"] = image.sampling->flux;
     if (!context.options().json && !context.options().quiet)
-      fmt::print(
+      print(
           "{}: {:.3g} samples a pixel, estimated RMS error {:.2g} % of the radiance, of the flux "
-          "at "
-          "most {:.2g} %{}\n",
+          "at most {:.2g} %\n",
           image.output, image.sampling->samples, 100 * image.sampling->rmse,
-          100 * image.sampling->flux,
-          std::max(image.sampling->rmse, image.sampling->flux) > pixel_error
-              ? fmt::format(": more than the {:.2g} % asked for", 100 * pixel_error)
-              : "");
+          100 * image.sampling->flux);
   }
   if (!image.measured) return;
   const workspace::Measured& measured = *image.measured;
@@ -302,11 +296,10 @@ void tell(const workspace::Written& image, bool orthographic, double pixel_error
   const bool unresolved = image.unit == "1/sr";
   const Vec3& flux = measured.flux;
   const Vec3& error = measured.flux_error;
-  fmt::print(
-      "{}: flux {:.6g} {:.6g} {:.6g} ± {:.1e} {:.1e} {:.1e} {}, {:.3g} M rays/s\n", image.output,
-      flux.x, flux.y, flux.z, error.x, error.y, error.z,
-      orthographic ? (unresolved ? "m^2/sr" : "W/sr") : (unresolved ? "of the Sun's" : "W/m^2"),
-      1e-6 * static_cast<double>(measured.rays) / std::max(measured.seconds, 1e-9));
+  print("{}: flux {:.6g} {:.6g} {:.6g} ± {:.1e} {:.1e} {:.1e} {}, {:.3g} M rays/s\n", image.output,
+        flux.x, flux.y, flux.z, error.x, error.y, error.z,
+        orthographic ? (unresolved ? "m^2/sr" : "W/sr") : (unresolved ? "of the Sun's" : "W/m^2"),
+        1e-6 * static_cast<double>(measured.rays) / std::max(measured.seconds, 1e-9));
 }
 
 int run(const Options& options, const Host& host) {
@@ -344,8 +337,7 @@ int run(const Options& options, const Host& host) {
   };
   run.listener.written = [&](const workspace::Written& image) {
     const world::Camera& camera = (*views)[image.view].camera;
-    tell(image, camera.projection == world::Projection::orthographic, draw->gl.pixel_error,
-         context);
+    tell(image, camera.projection == world::Projection::orthographic, context);
   };
   (void)workspace::run_views(*world, *views, run, log, context.job());
   return context.finish();

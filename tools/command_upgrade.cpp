@@ -7,6 +7,7 @@
 #include "pxn/upgrade.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/print.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -45,6 +46,13 @@ int run(const Options& options, const Host& host) {
   for (const std::string& input : options.inputs)
     if (workspace::extension_of(input) != ".pxn")
       log.report(Code::E0202, {}, fmt::format("{} is not a .pxn file", in_quotes(input)));
+  for (const std::string& input : options.inputs) context.files().will_read(input);
+  std::error_code ignored;
+  const bool in_place = options.output.empty() ||
+                        std::filesystem::equivalent(options.output, options.inputs[0], ignored);
+  for (const std::string& output : in_place ? options.inputs : std::vector{options.output})
+    context.files().will_write(output, in_place ? "" : "-o", log,
+                               in_place ? FileUses::Output::in_place : FileUses::Output::result);
   if (log.has_errors()) return context.finish();
 
   context.step("upgrade and compare");
@@ -60,7 +68,7 @@ int run(const Options& options, const Host& host) {
     context.result()["files"].push_back(
         {{"file", file.path}, {"upgraded", !already}, {"paths_changed", file.paths}});
     if (already) {
-      if (!options.common.json) fmt::print(stderr, "{}: is of level 1 already\n", file.path);
+      if (!options.common.json) print(stderr, "{}: is of level 1 already\n", file.path);
       continue;
     }
     write_file(options.output.empty() ? file.path : options.output, as_bytes(file.text), log);

@@ -4,12 +4,13 @@
 
 #include "schemas/generated/pan_layout.h"
 #include "tools/commands.h"
+#include "tools/print.h"
 
 namespace panwright::tools {
 
 int print_version(bool json) {
   if (!json) {
-    fmt::print("panwright {}\n", PANWRIGHT_VERSION);
+    print("panwright {}\n", PANWRIGHT_VERSION);
     return 0;
   }
   nlohmann::ordered_json out;
@@ -28,7 +29,7 @@ int print_version(bool json) {
 #endif
   out["reads"] = {".pxn", ".pan"};
   out["writes"] = {".pan", ".png", ".exr", ".npy", ".npz"};
-  fmt::print("{}\n", out.dump(2));
+  print("{}\n", out.dump(2));
   return 0;
 }
 

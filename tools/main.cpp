@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -38,10 +39,23 @@ void watch_signals() {
   }
 }
 
+// Files that the program opens must not get the numbers of streams that are closed: what is printed
+// would end up in them. What is written to a stream that nobody gave fails, as it did before.
+void hold_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) == -1) {
+      const int held = open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+      if (held >= 0 && held != stream) close(held);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  hold_standard_streams();
   std::signal(SIGBUS, mapped_file_is_gone);
+  // a file above the limit of the shell is a write that fails, as on a full disk
+  std::signal(SIGXFSZ, SIG_IGN);
   const panwright::Job job(panwright::JobOptions{});
   g_job = &job;
   const int code = panwright::tools::run(argc, argv, {job, watch_signals});

@@ -5,6 +5,8 @@
 
 #include <cstdio>
 
+#include "tools/print.h"
+
 namespace panwright::tools {
 
 using namespace std::chrono_literals;
@@ -12,7 +14,7 @@ using namespace std::chrono_literals;
 ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) == 1) {}
 
 void ProgressLine::wipe() {
-  if (visible_) fmt::print(stderr, "\r\x1b[K");
+  if (visible_) print(stderr, "\r\x1b[K");
   visible_ = false;
 }
 
@@ -35,8 +37,8 @@ void ProgressLine::operator()(const Progress& progress) {
   visible_ = true;
   const double seconds = std::chrono::duration<double>(now - start_).count();
   const double fraction = static_cast<double>(progress.done) / static_cast<double>(progress.total);
-  fmt::print(stderr, "\r\x1b[K{} {:3.0f} % ({:.0f} s left)", phase_, 100 * fraction,
-             seconds * (1 / fraction - 1));
+  print(stderr, "\r\x1b[K{} {:3.0f} % ({:.0f} s left)", phase_, 100 * fraction,
+        seconds * (1 / fraction - 1));
   std::fflush(stderr);
 }
 

@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/file_uses.h"
 #include "base/text.h"
 #include "workspace/internal/stopwatch.h"
 
@@ -71,6 +72,8 @@ void describe(const world::World& world, const world::Camera& camera, const Draw
 // Checks of the views that need no drawing.
 bool are_sound(const world::World& world, std::span<const View> views, DiagnosticLog& log) {
   const std::size_t errors = log.errors();
+  FileUses own;  // where the run's host watches none
+  FileUses& files = log.files() ? *log.files() : own;
   if (world.empty()) log.report(Code::E5030, {}, "the world has no targets, expected at least 1");
   for (const View& view : views) {
     if (!preview::image_format(view.output))
@@ -78,6 +81,7 @@ bool are_sound(const world::World& world, std::span<const View> views, Diagnosti
                  fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
                              in_quotes(view.output)));
     for (const TargetPose& pose : view.poses) (void)world.require(pose.target, log);
+    files.will_write(view.output, "the output", log);
   }
   return log.errors() == errors;
 }
@@ -195,10 +199,12 @@ class Run {
     auto drawn = drawer_->collect(log_, job_);
     if (drawn) tell({"render " + view.output, drawing.seconds + seconds_since(start)});
     if (!retire() || !drawn) return false;
+    if (drawn->sampling) warn_of_error(view.output, *drawn->sampling);
     phase.advance();
     preview::Image& image = drawn->image;
     image.metadata = drawing.metadata;
     writing_ = std::make_unique<Writing>();
+    writing_->log = log_.apart();
     writing_->what = {drawing.view, view.output,     image.width,    image.height,
                       image.unit,   drawn->measured, drawn->sampling};
     writing_->image = std::move(image);
@@ -240,6 +246,16 @@ class Run {
     tell({"sync to disk", writing->sync});
     if (options_.listener.written) options_.listener.written(writing->what);
     return true;
+  }
+
+  void warn_of_error(const std::string& output, const preview::SamplingReport& report) const {
+    const double asked = options_.draw.gl.pixel_error;
+    const double reached = std::max(report.rmse, report.flux);
+    if (options_.draw.gl.samples > 0 || reached <= asked) return;
+    log_.report_file(Code::W5008, output,
+                     fmt::format("the estimated error is {:.2g} %, more than the {:.2g} % that "
+                                 "--pixel-error asks for",
+                                 100 * reached, 100 * asked));
   }
 
   void tell(const Step& step) const {

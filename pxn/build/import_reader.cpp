@@ -25,7 +25,8 @@ constexpr std::size_t kMostNames = 6;
 // What an imported file names, from its own folder and below, through the model's files.
 class ImportFiles : public importers::Files {
  public:
-  ImportFiles(pxn::Files& files, const FoundFile& model) : files_(files), model_(model) {}
+  ImportFiles(pxn::Files& files, const FoundFile& model, const DiagnosticLog& log)
+      : files_(files), model_(model), log_(log.apart()) {}
 
   Outcome read(const std::string& path, SharedText& bytes) override {
     FoundFile found;
@@ -37,7 +38,7 @@ class ImportFiles : public importers::Files {
       case pxn::Files::Outcome::found:
         break;
     }
-    DiagnosticLog log;  // the importer says it in its own words
+    DiagnosticLog log = log_.apart();  // the importer says it in its own words
     const auto loaded = files_.load(found, {}, log);
     if (!loaded) return log.contains(Code::E0104) ? Outcome::too_large : Outcome::unreadable;
     bytes = *loaded;
@@ -51,6 +52,7 @@ class ImportFiles : public importers::Files {
  private:
   pxn::Files& files_;
   const FoundFile& model_;
+  const DiagnosticLog log_;  // an empty one of the run
 };
 
 template <class Names>
@@ -100,7 +102,7 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
   if (known != known_models_.end()) return known->second;
   auto& index = known_models_[key];
 
-  ImportFiles files(files_, found);
+  ImportFiles files(files_, found, reporter_.log());
   auto imported = importers::import_from(
       files, std::filesystem::path(found.path).filename().generic_string(), options,
       reporter_.log(), values.value_place(element, attribute::import_file), job_);

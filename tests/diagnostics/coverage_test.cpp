@@ -109,6 +109,7 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"E0202", {"check", folder / "model.txt"}, {}},
       {"E0203", {"render", pan, "--views", view}, {}},
       {"E0204", {"explain", "E9999"}, {}},
+      {"E0206", {"compile", kFigure8, "-o", folder / "same.pan", "-M", folder / "same.pan"}, {}},
       {"E1225", {"compile", kFigure8, "-o", pan, "-D", "span=1m"}, {}},
       {"E1317", {"upgrade", braces}, {}},
       {"E1409", {"material", "--fit", folder.write("short.csv", "1 2 3\n")}, {}},

@@ -1,0 +1,125 @@
+// No output destroys an input or another output; no stream that is closed or full ends the program.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+
+#include "base/png.h"
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+namespace panwright {
+namespace {
+
+namespace fs = std::filesystem;
+using support::contents;
+using support::Outcome;
+using support::TemporaryFolder;
+using testing::HasSubstr;
+
+const std::string kProgram = PANWRIGHT_BIN_DIR "/panwright";
+
+Outcome panwright(std::vector<std::string> words) {
+  words.insert(words.begin(), kProgram);
+  return support::run(words);
+}
+
+// The program below a shell; "$P" stands for it.
+Outcome shell(const std::string& script) {
+  return support::run({"/bin/sh", "-c", script}, {"P=" + kProgram});
+}
+
+class Outputs : public testing::Test {
+ protected:
+  void SetUp() override {
+    part_ = folder_.write("part.pxn", R"(<pangu_model ver="1">
+  <sphere radius="1"/>
+</pangu_model>
+)");
+    model_ = folder_.write("model.pxn", R"(<pangu_model ver="1">
+  <include file="part.pxn"/>
+</pangu_model>
+)");
+    std::vector<std::uint8_t> texels(4 * 4 * 4, 200);
+    folder_.write("panel.png", png_file(4, 4, texels));
+    panel_ = folder_.write("panel.pxn", R"(<pangu_model ver="1">
+  <material name="m" preset="white_z93" albedo_map="panel.png"/>
+  <box size="1 1 1" material="m"/>
+</pangu_model>
+)");
+    for (const auto& entry : fs::directory_iterator(folder_.path()))
+      before_[entry.path()] = contents(entry.path());
+  }
+
+  // Refused with E0206, and the folder is as it was.
+  void refuses(const std::vector<std::string>& words, const std::string& says) {
+    SCOPED_TRACE(testing::PrintToString(words));
+    const Outcome outcome = panwright(words);
+    EXPECT_EQ(outcome.code, 2) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("[E0206]"));
+    EXPECT_THAT(outcome.err, HasSubstr(says));
+    std::map<fs::path, std::string> after;
+    for (const auto& entry : fs::directory_iterator(folder_.path()))
+      after[entry.path()] = contents(entry.path());
+    EXPECT_EQ(after, before_);
+  }
+
+  const TemporaryFolder folder_;
+  std::string part_, model_, panel_;
+  std::map<fs::path, std::string> before_;
+};
+
+TEST_F(Outputs, LeaveInputsWhole) {
+  refuses({"check", model_, "--sarif", model_}, "--sarif");
+  refuses({"check", model_, "--sarif", part_}, "--sarif");
+  refuses({"expand", model_, "-o", part_}, "-o");
+  refuses({"expand", model_, "-o", model_}, "-o");
+  refuses({"compile", model_, "-o", folder_ / "a.pan", "-M", part_}, "--depfile");
+  refuses({"compile", model_, "-o", folder_ / "a.pan", "-M", model_}, "--depfile");
+  refuses({"render", panel_, "--width", "8", "--height", "8"}, "panel.png");
+}
+
+TEST_F(Outputs, AreDifferentFiles) {
+  refuses({"compile", model_, "-o", folder_ / "a.pan", "-M", folder_ / "./a.pan"}, "one file");
+  refuses({"compile", model_, "-o", folder_ / "a.pan", "--sarif", folder_ / "a.pan"}, "one file");
+  const std::string relay = PANWRIGHT_SOURCE_DIR "/examples/cad/relay.wrl";
+  refuses({"import", relay, "-o", folder_ / "y.pan", "--report", folder_ / "y.pan"}, "one file");
+  const TemporaryFolder elsewhere;
+  const std::string views =
+      elsewhere.write("views.json", R"([{"output": ")" + (folder_ / "v.png") +
+                                        R"("}, {"output": ")" + (folder_ / "./v.png") + R"("}])");
+  refuses({"render", model_, "--views", views, "--width", "8", "--height", "8"}, "one file");
+}
+
+TEST_F(Outputs, AreWrittenWhereNobodyListens) {
+  const std::string go = "\"$P\" compile " + model_ + " -o " + (folder_ / "a.pan");
+  const std::string broken = folder_.write("broken.pxn", "<pangu_model ver=\"1\"><spere/>");
+  for (const char* streams : {" 2>&-", " >&-", " <&- >&- 2>&-", " 2>/dev/full"}) {
+    SCOPED_TRACE(streams);
+    fs::remove(folder_ / "a.pan");
+    EXPECT_EQ(shell(go + streams).code, 0);
+    EXPECT_TRUE(fs::exists(folder_ / "a.pan"));
+    // a message that cannot be written is still what the exit code says
+    EXPECT_EQ(shell("\"$P\" check " + broken + streams).code, 1);
+  }
+  EXPECT_EQ(shell("\"$P\" info " + model_ + " >/dev/full").code, 3);
+  EXPECT_EQ(shell("\"$P\" info " + model_ + " >&-").code, 3);
+  EXPECT_EQ(shell("\"$P\" info " + model_ + " --json >/dev/full 2>/dev/full").code, 3);
+}
+
+TEST_F(Outputs, AboveTheLimitOfTheShellAreAnError) {
+  // in blocks of 512 bytes
+  const Outcome outcome =
+      shell("ulimit -f 8; \"$P\" compile " + model_ + " -o " + (folder_ / "a.pan"));
+  EXPECT_EQ(outcome.code, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("E0103"));
+  std::map<fs::path, std::string> after;
+  for (const auto& entry : fs::directory_iterator(folder_.path()))
+    after[entry.path()] = contents(entry.path());
+  EXPECT_EQ(after, before_);
+}
+
+}  // namespace
+}  // namespace panwright

@@ -1,0 +1,24 @@
+// Text on standard output and standard error. A stream that takes none (closed, a full disk behind
+// it) does not end the work: run() looks at standard output at the end.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <string>
+#include <utility>
+
+namespace panwright::tools {
+
+template <class... Arguments>
+void print(std::FILE* stream, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+  const std::string text = fmt::format(format, std::forward<Arguments>(arguments)...);
+  (void)std::fwrite(text.data(), 1, text.size(), stream);
+}
+
+template <class... Arguments>
+void print(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+  tools::print(stdout, format, std::forward<Arguments>(arguments)...);
+}
+
+}  // namespace panwright::tools
