@@ -228,7 +228,8 @@ class SceneBuilder {
         !std::all_of(mesh.colors.begin(), mesh.colors.end(), is_white) &&
         coloured_metals_.insert(material).second)
       ++lost_["vertex colours on metal"];
-    const auto [u, v] = repeats_[index];
+    const bool u = repeats_[index][0];
+    const bool v = repeats_[index][1];
     if (u && v) return;
     constexpr double kRounding = 1e-5;
     const auto leaves = [](double at) { return at < -kRounding || at > 1 + kRounding; };

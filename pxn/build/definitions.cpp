@@ -90,13 +90,13 @@ void Loader::import_definitions(File& file, std::uint32_t element) {
 }
 
 void Loader::merge(File& file, const Definitions& from, Definitions& to, std::uint32_t element) {
-  for (const auto& [name, definition] : from) {
-    const auto [place, added] = to.emplace(name, definition);
-    if (added || place->second == definition) continue;
+  for (const auto& each : from) {
+    const Definition* const known = to.emplace(each).first->second;
+    if (known == each.second) continue;
     reporter_.report(Code::E1210, file.document.tag_span(element), file.document, element, [&] {
       return Reporter::Text(
           fmt::format("{} is defined by this file and by another that the root includes, {}",
-                      in_quotes(name), in_quotes(place->second->file->found.name)));
+                      in_quotes(each.first), in_quotes(known->file->found.name)));
     });
   }
 }
@@ -164,11 +164,11 @@ void Loader::define(File& file, std::uint32_t element, std::size_t attribute, De
   definition.element = element;
   if (!name) return;
   definition.name = *name;
-  const auto [place, added] = known.emplace(*name, &definition);
-  if (added) return;
+  const Definition* const first = known.emplace(*name, &definition).first->second;
+  if (first == &definition) return;
   reporter_.report(Code::E1210, file.values->value_place(element, attribute), file.document,
                    element, [&] {
-                     const File& other = *place->second->file;
+                     const File& other = *first->file;
                      return Reporter::Text(
                          fmt::format("{} is defined already{}", in_quotes(*name),
                                      &other == &file ? "" : ", in " + in_quotes(other.found.name)));

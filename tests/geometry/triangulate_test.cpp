@@ -154,7 +154,8 @@ TEST(Triangulate, IsDelaunayWithinTheOutline) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> across;
   for (const Triangle& t : triangles)
     for (int k = 0; k < 3; ++k) across[{t[k], t[(k + 1) % 3]}] = t[(k + 2) % 3];
-  for (const auto& [side, corner] : across) {
+  for (const auto& each : across) {
+    const std::pair<std::uint32_t, std::uint32_t>& side = each.first;
     const auto other = across.find({side.second, side.first});
     if (other == across.end()) continue;
     // angles opposite a side of a Delaunay triangulation sum to at most π
@@ -163,7 +164,7 @@ TEST(Triangulate, IsDelaunayWithinTheOutline) {
       const Vec2 b = outline.points[side.second] - outline.points[apex];
       return std::atan2(std::fabs(a.x * b.y - a.y * b.x), glm::dot(a, b));
     };
-    EXPECT_LE(angle(corner) + angle(other->second), M_PI + 1e-9);  // 1e-10 measured
+    EXPECT_LE(angle(each.second) + angle(other->second), M_PI + 1e-9);  // 1e-10 measured
   }
 }
 
