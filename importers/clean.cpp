@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "geometry/tessellate/tessellate.h"
+#include "importers/internal/storable.h"
 
 namespace panwright::importers {
 
@@ -24,6 +25,8 @@ constexpr std::uint32_t kNone = 0xffffffffu;
 // what a spacecraft and its parts measure, metres
 constexpr double kSmallest = 0.05;
 constexpr double kLargest = 500;
+// a model below this is less than a small part of one
+constexpr double kLeastWhole = 0.005;
 // what a whole spacecraft measures, mostly
 constexpr double kLikelySmallest = 0.3;
 constexpr double kLikelyLargest = 150;
@@ -123,22 +126,13 @@ class SceneCleaner {
 
   // Instances of meshes that have no triangles left go, with the decals on them.
   void drop_empty() {
-    std::vector<std::int32_t> moved(scene_.instances.size(), scene::kNone);
-    std::vector<scene::Instance> kept;
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-      const auto& shape = scene_.shapes[static_cast<std::size_t>(scene_.instances[i].shape)];
+    const auto moved = remove_instances(scene_, [&](const scene::Instance& instance) {
+      const auto& shape = scene_.shapes[static_cast<std::size_t>(instance.shape)];
       const auto* mesh = std::get_if<MeshShape>(&shape);
-      if (mesh && (*mesh)->triangles.empty()) continue;
-      moved[i] = static_cast<std::int32_t>(kept.size());
-      kept.push_back(std::move(scene_.instances[i]));
-    }
+      return mesh && (*mesh)->triangles.empty();
+    });
     for (MeshQuality& mesh : out_.meshes)
       mesh.instance = static_cast<std::uint32_t>(std::max(0, moved[mesh.instance]));
-    scene_.instances = std::move(kept);
-    std::erase_if(scene_.decals, [&](scene::Decal& decal) {
-      decal.instance = moved[static_cast<std::size_t>(decal.instance)];
-      return decal.instance == scene::kNone;
-    });
   }
 
   scene::Scene& scene_;
@@ -305,6 +299,42 @@ UnitGuess guessed_unit(double largest_extent) {
   return guess;
 }
 
+namespace {
+
+// Says what was taken for the unit of a file that does not say it, and what else it may be.
+void warn_of_unit(const Imported& model, double size, const UnitGuess& guess, DiagnosticLog& log) {
+  if (!(size > 0)) return;
+  const Format format = model.format;
+  const bool unitless = format == Format::obj || format == Format::stl || format == Format::ply;
+  const std::string file = model.scene.inputs.empty() ? "" : model.scene.inputs.front().path;
+  const std::string of_format =
+      unitless ? "the format has no unit" : "the unit of the format is the metre";
+  if (!guess.plausible)
+    log.report_file(Code::W6006, file,
+                    fmt::format("{}; the model is {:.4g} m large then, which is not the size of a "
+                                "spacecraft in any unit: it is kept in metres",
+                                unitless ? of_format + ", metres are assumed" : of_format, size),
+                    "--units gives its unit");
+  else if (guess.unit != 1)
+    log.report_file(
+        Code::W6006, file,
+        fmt::format("{}, but in metres the model would be {:.4g} m large: {} are assumed, {:.4g} m",
+                    of_format, size, guess.name, size * guess.unit),
+        fmt::format("--units m keeps {:.4g} m, --units {} says that {:.4g} m is right", size,
+                    guess.name, size * guess.unit));
+  else if (unitless || size < kLeastWhole)
+    log.report_file(
+        Code::W6006, file,
+        fmt::format("{}: the model is {:.4g} m large{}", of_format, size,
+                    unitless ? fmt::format(" if that is metres, as is assumed, {:.4g} m if it is "
+                                           "millimetres",
+                                           1e-3 * size)
+                             : std::string(", little for a spacecraft")),
+        "--units m or --units mm says which");
+}
+
+}  // namespace
+
 Vec3 place(Imported& model, std::optional<double> unit, std::optional<UpAxis> up, bool recentre,
            DiagnosticLog& log) {
   scene::Scene& scene = model.scene;
@@ -314,20 +344,8 @@ Vec3 place(Imported& model, std::optional<double> unit, std::optional<UpAxis> up
   if (!unit || recentre) bounds = bounds_of(scene);
   scene::Transform transform;
   if (!unit) {
-    const double size = bounds.largest_extent();
-    const UnitGuess guess = guessed_unit(size);
-    if (!guess.plausible)
-      log.report_file(
-          Code::N6006, {},
-          fmt::format("the model is {:.4g} m large as written, which is not the size of "
-                      "a spacecraft in any unit; metres are assumed",
-                      size),
-          "--units gives its unit");
-    else if (guess.unit != 1)
-      log.report_file(Code::N6006, {},
-                      fmt::format("a model of {:.4g} m is assumed to be written in {}: {:.4g} m",
-                                  size, guess.name, size * guess.unit),
-                      "--units m keeps it as written");
+    const UnitGuess guess = guessed_unit(bounds.largest_extent());
+    warn_of_unit(model, bounds.largest_extent(), guess, log);
     unit = guess.unit;
   }
   transform.scale = Vec3(*unit);

@@ -51,8 +51,8 @@ std::optional<UpAxis> up_of(std::string_view name);
 // Gives a scene its unit, its axes and its place by a node "model" between the root and what stands
 // at the top, which is there only where something changes.
 //
-//   unit      metres; none: what the file says, else guessed from the size, N6006 where that is not
-//             metres
+//   unit      metres; none: what the file says, else what its format prescribes, unless its size
+//             tells otherwise. Reports W6006 where the unit is assumed or the size unlikely
 //   up        none: usual_up()
 //   recentre  whether the middle of the bounds comes to the origin
 //   returns   how far the model was moved, in metres of the scene

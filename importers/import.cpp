@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "base/file.h"
 #include "base/text.h"
 #include "importers/gltf/gltf.h"
 #include "importers/internal/gzip.h"
+#include "importers/internal/storable.h"
 #include "importers/meshes/meshes.h"
 #include "importers/vrml/vrml.h"
 #ifdef PANWRIGHT_STEP
@@ -62,6 +65,39 @@ Format format_of(std::string_view bytes, std::string_view path, std::optional<Fo
   if (starts_with_any(text, {"solid ", "solid\n", "solid\r"})) return Format::stl;
   if (text.starts_with('{')) return Format::gltf;
   return Format::vrml97;
+}
+
+// A format that is known and not read, and a program that converts it.
+struct OtherFormat {
+  std::string_view name;
+  std::string_view converter;
+};
+
+std::optional<OtherFormat> other_format_of(std::string_view bytes, const std::string& path) {
+  constexpr std::string_view kCad = "FreeCAD, or export STEP";
+  constexpr std::size_t kHead = 4096;
+  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
+  const std::size_t first = bytes.find_first_not_of(" \t\r\n");
+  const std::string_view text = first == bytes.npos ? std::string_view() : bytes.substr(first);
+  const std::string extension = extension_of(path);
+  if (starts_with_any(text, {"Kaydara FBX Binary", "; FBX"})) return OtherFormat{"FBX", "Blender"};
+  if (text.starts_with("BLENDER")) return OtherFormat{"a Blender file", "Blender"};
+  if (starts_with_any(text, {"PXR-USDC", "#usda"})) return OtherFormat{"USD", "Blender"};
+  if (text.starts_with("#X3D")) return OtherFormat{"X3D", "Blender"};
+  if (text.starts_with("#Inventor")) return OtherFormat{"Open Inventor", "ivcon"};
+  if (text.starts_with("**ABCDEFGHIJKLMNOPQRSTUVWXYZ")) return OtherFormat{"Parasolid", kCad};
+  if (starts_with_any(text, {"<?xml", "<COLLADA", "<X3D", "<!DOCTYPE X3D"})) {
+    const std::string_view head = text.substr(0, kHead);
+    if (head.find("<COLLADA") != head.npos)
+      return OtherFormat{"COLLADA", "assimp, or Blender before 5.0"};
+    if (head.find("<X3D") != head.npos) return OtherFormat{"X3D", "Blender"};
+    return OtherFormat{"an XML file", "the program that wrote it"};
+  }
+  if (text.starts_with("PK\x03\x04"))
+    return OtherFormat{extension == ".3mf" ? "3MF" : "a ZIP archive", "the program that wrote it"};
+  if (extension == ".3ds" && text.starts_with("MM")) return OtherFormat{"3DS", "assimp"};
+  if (extension == ".igs" || extension == ".iges") return OtherFormat{"IGES", kCad};
+  return std::nullopt;
 }
 
 void report(Code code, const std::string& name, const std::string& message, SourceSpan where,
@@ -175,9 +211,12 @@ Result<Imported> imported_from(Files& files, const std::string& path, const Opti
                   : "use `panwright compile`, or <include> in a pxn file");
     return failed;
   }
-  if (starts_with_any(text, {"#X3D", "<?xml", "<X3D", "#Inventor"})) {
-    report(Code::E6001, name, "expected a VRML, glTF, GLB, OBJ, STL, PLY or STEP file", included_at,
-           log, "convert it to one of these first");
+  const auto other = options.assume ? std::nullopt : other_format_of(text, path);
+  if (other) {
+    report(Code::E6001, name,
+           fmt::format("{} is not supported, expected VRML, glTF, GLB, OBJ, STL, PLY or STEP",
+                       other->name),
+           included_at, log, fmt::format("convert it to glTF (.glb) with {}", other->converter));
     return failed;
   }
   const auto first = static_cast<FileId>(log.sources().size());
@@ -186,6 +225,10 @@ Result<Imported> imported_from(Files& files, const std::string& path, const Opti
   auto imported = read_as(format_of(text, path, options.assume), files, file, options, log);
   drop_texts(first, log);
   if (text.size() >= kHuge) give_back_memory();
+  if (imported) make_storable(imported->scene, name, log);
+  if (imported && imported->scene.instances.empty())
+    report(Code::E6011, name, "the file holds no surface, or none that could be read", included_at,
+           log);
   if (imported) imported->scene.inputs.insert(imported->scene.inputs.begin(), {path, hash, size});
   return imported;
 }

@@ -229,8 +229,8 @@ int run(const Options& options, const Host& host) {
     context.add_timings(found.steps);
     if (found.hidden) context.result()["removed"] = as_json(*found.hidden);
     if (!report) return context.finish();
-    if (report->triangles == 0)
-      log.report_file(Code::W6009, options.input,
+    if (report->triangles == 0 && !log.contains(Code::E6011))
+      log.report_file(Code::E6011, options.input,
                       "no surface is left of the model: the file holds none, or none that is seen");
     errors = log.errors();
     context.result()["bytes"] = report->bytes;

@@ -189,7 +189,7 @@ TEST(Place, UnitUpAndMiddle) {
   EXPECT_EQ(before.high, Vec3(4400, 400, 400));
   model.scene.keypoints.push_back({"tip", 0, {100, 200, 300}, {}});
   const Vec3 moved = place(model, std::nullopt, std::nullopt, true, log);
-  EXPECT_TRUE(log.contains(Code::N6006));
+  EXPECT_TRUE(log.contains(Code::W6006));
   EXPECT_EQ(scene::check(model.scene), "");
   EXPECT_EQ(model.scene.nodes[0].parent_from_node, scene::Transform{});
   EXPECT_EQ(model.scene.nodes[1].name, "model");
@@ -221,7 +221,7 @@ TEST(Place, AsWrittenAddsNothing) {
   Imported far = sample(1e12);
   place(far, std::nullopt, UpAxis::z, false, log);
   EXPECT_EQ(far.scene.nodes.size(), 4u);
-  EXPECT_TRUE(log.contains(Code::N6006));
+  EXPECT_TRUE(log.contains(Code::W6006));
 }
 
 }  // namespace

@@ -134,11 +134,28 @@ TEST(Gzip, every_truncation_and_every_flipped_byte_is_noticed) {
 }
 
 TEST(Import, other_formats_are_refused_by_name) {
-  for (const char* text : {"#X3D V3.0 utf8\n", "<?xml version='1.0'?>"}) {
+  const struct {
+    const char* path;
+    std::string bytes;
+    const char* name;
+  } cases[] = {{"model.wrl", "#X3D V3.0 utf8\n", "X3D"},
+               {"model.wrl", "<?xml version='1.0'?>", "XML"},
+               {"a.x3d", "<?xml version='1.0'?>\n<!DOCTYPE X3D><X3D></X3D>", "X3D"},
+               {"a.dae", "<?xml version='1.0'?>\n<COLLADA></COLLADA>", "COLLADA"},
+               {"a.dae", "<COLLADA></COLLADA>", "COLLADA"},
+               {"a.fbx", std::string("Kaydara FBX Binary  \0\x1a", 22), "FBX"},
+               {"a.fbx", "; FBX 7.3.0 project file\n", "FBX"},
+               {"a.3ds", std::string("MM\x20\0\0\0\x02\0", 8), "3DS"},
+               {"a.usdc", "PXR-USDC", "USD"},
+               {"a.igs", "        S      1\n", "IGES"},
+               {"a.3mf", "PK\x03\x04", "3MF"},
+               {"a.blend", "BLENDER-v300", "Blender"}};
+  for (const auto& each : cases) {
     DiagnosticLog log;
-    const MemoryFile files[] = {{"model.wrl", text}};
+    const MemoryFile files[] = {{each.path, each.bytes}};
     EXPECT_FALSE(import_memory(files, {}, log));
-    EXPECT_TRUE(log.contains(Code::E6001)) << text;
+    EXPECT_TRUE(log.contains(Code::E6001)) << each.path;
+    EXPECT_NE(to_text(log).find(each.name), std::string::npos) << to_text(log);
   }
 }
 

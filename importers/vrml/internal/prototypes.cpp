@@ -35,8 +35,9 @@ Prototype* ReaderContext::target_of(Prototype& prototype) {
     }
     problem = fmt::format("{} has no such prototype", in_quotes(url));
   }
-  log.report(code, prototype.where,
-             fmt::format("the prototype {} is not found: {}", in_quotes(prototype.name), problem));
+  report_missing_part(prototype.where,
+                      fmt::format("the prototype {}: {}", in_quotes(prototype.name), problem),
+                      code);
   return nullptr;
 }
 

@@ -303,8 +303,14 @@ Document* ReaderContext::inlined(std::span<const std::string_view> urls, SourceS
   Code code = Code::W6004;
   for (const std::string_view url : urls)
     if (Document* document = document_at(url, where, problem, code)) return document;
-  log.report(code, where, problem);
+  report_missing_part(where, problem, code);
   return nullptr;
+}
+
+// A part whose file cannot be used, for the reason that `code` would give a texture.
+void ReaderContext::report_missing_part(SourceSpan where, const std::string& problem, Code code) {
+  log.report(Code::E6010, where, fmt::format("part not found: {}", problem),
+             code == Code::W6005 ? "--root FOLDER takes files from all of FOLDER" : "");
 }
 
 }  // namespace panwright::importers::vrml

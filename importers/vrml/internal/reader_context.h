@@ -35,12 +35,12 @@ class ReaderContext {
   Document* open(const InputFile& file);
 
   // The document that the first usable of some URLs names, read once; the fragment ("#Name") is
-  // dropped. Reports W6004, W6005 at `where` and returns nullptr when there is none.
+  // dropped. Reports E6010 at `where` and returns nullptr when there is none.
   //
   //   where  the field with the URLs; they are relative to its file
   Document* inlined(std::span<const std::string_view> urls, SourceSpan where);
 
-  // The bytes of a file named so, as inlined(). Its path is stored in *path.
+  // The bytes of a texture named so: W6004, W6005. Its path is stored in *path.
   SharedText bytes_of(std::span<const std::string_view> urls, SourceSpan where, std::string* path);
 
   // The first node of the body of an instance of a prototype, made at the first call; nullptr: no
@@ -63,6 +63,7 @@ class ReaderContext {
   // texture: one may lie beside the model where its name leads out of the folder
   SharedText read(std::string_view url, SourceSpan where, bool texture, std::string& path,
                   std::string& problem, Code& code);
+  void report_missing_part(SourceSpan where, const std::string& problem, Code code);
   Document* document_at(std::string_view url, SourceSpan where, std::string& problem, Code& code);
   Prototype* target_of(Prototype& prototype);
   void expand(Node& instance);

@@ -150,7 +150,7 @@ TEST(Vrml1, InlinedFilesAndTheirOwnStates) {
   EXPECT_EQ(cycle->count(Code::E6109), 1u);
   EXPECT_EQ(cycle->scene().instances.size(), 1u);
   const auto missing = read10("Separator { WWWInline { name \"no.wrl\" } Cube {} }");
-  EXPECT_EQ(missing->count(Code::W6004), 1u);
+  EXPECT_EQ(missing->count(Code::E6010), 1u);
   EXPECT_EQ(missing->scene().instances.size(), 1u);
 }
 

@@ -155,10 +155,10 @@ TEST(VrmlExporters, FilesOfOtherCaseAndOfOtherFolders) {
       {"parts/PANEL.WRL", 1, {"2:14 W6118"}},
       {"C:\\\\cad\\\\hull.wrl", 1, {"2:14 W6118"}},
       {"/home/me/HULL.wrl", 1, {"2:14 W6118", "2:14 W6118"}},
-      {"C:\\\\cad\\\\none.wrl", 0, {"2:14 W6005"}},
-      {"../hull.wrl", 0, {"2:14 W6005"}},
-      {"http://a.b/hull.wrl", 0, {"2:14 W6004"}},
-      {"TWICE.wrl", 0, {"2:14 W6004"}},
+      {"C:\\\\cad\\\\none.wrl", 0, {"2:14 E6010"}},
+      {"../hull.wrl", 0, {"2:14 E6010"}},
+      {"http://a.b/hull.wrl", 0, {"2:14 E6010"}},
+      {"TWICE.wrl", 0, {"2:14 E6010"}},
   };
   for (const auto& c : cases) {
     const auto reading =
