@@ -204,6 +204,10 @@ class SceneBuilder {
       Loaded& loaded = load(node.mesh, p, weights);
       if (!loaded.mesh || loaded.mesh->triangles.empty()) continue;
       const std::int32_t material = material_index(primitive.material, loaded.has_texcoords);
+      if (invisible_[static_cast<std::size_t>(material)]) {
+        ++invisible_parts_;
+        continue;
+      }
       note_losses(*loaded.mesh, material);
       if (node.skin >= 0 && loaded.skin.sets > 0) {
         if (skinned_place < 0)
@@ -365,6 +369,7 @@ class SceneBuilder {
     out_.scene.materials.push_back(std::move(built.material));
     out_.materials.push_back(std::move(built.cad));
     repeats_.push_back(built.repeats);
+    invisible_.push_back(built.invisible);
     return place->second;
   }
 
@@ -378,6 +383,8 @@ class SceneBuilder {
     if (const Json* all = d_.root.find("extensions"))
       if (const Json* lights = all->find("KHR_lights_punctual"))
         count(lights->list("lights").size(), "light");
+    if (invisible_parts_ > 0)
+      skipped.push_back(counted(invisible_parts_, "primitive") + " of alpha 0");
     if (flat_ > 0) skipped.push_back(counted(flat_, "primitive") + " of points or lines");
     count(other_scenes_, "other scene");
     if (!skipped.empty())
@@ -390,7 +397,7 @@ class SceneBuilder {
     for (const auto& [what, times] : lost_)
       lost.push_back(times > 1 ? fmt::format("{} ({} materials)", what, times) : what);
     if (!lost.empty())
-      d_.report(Code::N6008, nullptr, "/materials",
+      d_.report(Code::W6008, nullptr, "/materials",
                 fmt::format("unsupported material properties ignored: {}", fmt::join(lost, ", ")));
   }
 
@@ -404,7 +411,9 @@ class SceneBuilder {
   std::map<std::pair<int, bool>, std::int32_t> material_places_;
   std::map<std::string, std::size_t> lost_;
   std::set<std::int32_t> coloured_metals_;
-  std::set<std::int32_t> beyond_edges_;       // of textures that do not repeat
+  std::set<std::int32_t> beyond_edges_;  // of textures that do not repeat
+  std::vector<char> invisible_;          // BuiltMaterial's, of each material
+  std::size_t invisible_parts_ = 0;
   std::vector<std::array<bool, 2>> repeats_;  // BuiltMaterial's, of each material
   std::unique_ptr<SkinPoser> skins_;
   std::vector<bool> used_meshes_;

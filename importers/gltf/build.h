@@ -8,7 +8,7 @@ namespace panwright::importers::gltf {
 // Builds the scene that the options ask for. Every mesh of the file is read, so that what is wrong
 // with any of them is reported.
 //
-// Fails: E6205 for a scene that is not there. Reports E6002, E6207, E6210, W6009, N6007, N6008,
+// Fails: E6205 for a scene that is not there. Reports E6002, E6207, E6210, W6009, N6007, W6008,
 // N6214.
 Result<Imported> scene_of(Document& document, const tinygltf::Model& model);
 

@@ -325,9 +325,16 @@ class MaterialBuilder {
     Vec3 emissive = color_from(from_.emissiveFactor, Vec3(0));
     emissive *= Extension(from_, "KHR_materials_emissive_strength").number("emissiveStrength", 1);
     if (emissive == Vec3(0)) return;
-    if (from_.emissiveTexture.index >= 0) {
-      emissive *= Vec3(texture_cache_.mean(from_.emissiveTexture.index, true));
-      lose("emissive texture; its mean is used");
+    if (const int texture = from_.emissiveTexture.index; texture >= 0) {
+      // a mean would make all of the surface glow, where the file lights a few windows
+      for (int channel = 0; channel < 3; ++channel)
+        if (!texture_cache_.is_even(texture, channel)) {
+          const Vec3 mean = emissive * Vec3(texture_cache_.mean(texture, true));
+          lose(fmt::format("emissive texture of {:.2g} on average, nothing glows",
+                           std::max({mean.x, mean.y, mean.z})));
+          return;
+        }
+      emissive *= Vec3(texture_cache_.mean(texture, true));
     }
     out_.material.emissive = glm::min(emissive, Vec3(1e6));
     out_.material.weights.z = 1;
@@ -342,6 +349,8 @@ class MaterialBuilder {
       lose("clearcoat textures");
     if (factor < 1) lose(fmt::format("clearcoat of {:.3g}; ours is there or not", factor));
     if (factor < 0.5) return;
+    // light is refracted at ours, and comes back from below it more than once
+    lose("clearcoat; ours is darker over colours");
     const double roughness = coat.number("clearcoatRoughnessFactor", 0);
     materials::Coat ours;
     ours.alpha = roughness * roughness;
@@ -349,6 +358,9 @@ class MaterialBuilder {
   }
 
   void set_opacity() {
+    out_.invisible = (from_.alphaMode == "BLEND" && alpha_ <= 0) ||
+                     (from_.alphaMode == "MASK" && alpha_ < from_.alphaCutoff);
+    if (out_.invisible) return;
     const double passed =
         Extension(from_, "KHR_materials_transmission").number("transmissionFactor", 0);
     double opacity = 1 - passed;

@@ -10,7 +10,7 @@ namespace panwright::importers::meshes {
 //
 //   format  obj, stl or ply
 //
-// Fails: E6501 where it gives no triangle. Reports E6002, E6501, W6502, W6004, W6005, N6007, N6008.
+// Fails: E6501 where it gives no triangle. Reports E6002, E6501, W6502, W6004, W6005, N6007, W6008.
 Result<Imported> read(Files& files, const InputFile& file, Format format, const Options& options,
                       DiagnosticLog& log);
 

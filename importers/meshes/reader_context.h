@@ -64,7 +64,7 @@ class ReaderContext {
   // The same, without a word where it is not there.
   bool has_named(std::string_view name, const std::string& including) const;
 
-  // Puts what was collected into the log: troubles, N6007, N6008.
+  // Puts what was collected into the log: troubles, N6007, W6008.
   void tell();
 
  private:

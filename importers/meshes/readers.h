@@ -6,7 +6,7 @@
 
 namespace panwright::importers::meshes {
 
-// Wavefront OBJ with MTL. Reports E6002, E6501, W6004, W6005, W6502, N6007, N6008.
+// Wavefront OBJ with MTL. Reports E6002, E6501, W6004, W6005, W6502, N6007, W6008.
 Result<Imported> read_obj(Files& files, const InputFile& file, const Options& options,
                           DiagnosticLog& log);
 
@@ -15,7 +15,7 @@ Result<Imported> read_obj(Files& files, const InputFile& file, const Options& op
 Result<Imported> read_stl(Files& files, const InputFile& file, const Options& options,
                           DiagnosticLog& log);
 
-// PLY of any byte order. Reports E6002, E6501, W6004, W6005, W6502, N6007, N6008.
+// PLY of any byte order. Reports E6002, E6501, W6004, W6005, W6502, N6007, W6008.
 Result<Imported> read_ply(Files& files, const InputFile& file, const Options& options,
                           DiagnosticLog& log);
 

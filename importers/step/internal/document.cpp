@@ -377,7 +377,7 @@ class Reading {
         list += fmt::format("{}{}", list.empty() ? "" : ", ", counted(count, what));
       log_.report_file(Code::N6007, {}, fmt::format("skipped: {}", list));
     }
-    if (transparent_) log_.report_file(Code::N6008, {}, "lost: transparency");
+    if (transparent_) log_.report_file(Code::W6008, {}, "lost: transparency");
     return std::move(out_);
   }
 

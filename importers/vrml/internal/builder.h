@@ -58,7 +58,7 @@ class Builder {
 
   // Counted for the one note N6007 at the end: a node that makes no surface, by its type.
   void skipped(std::string_view type);
-  // Counted for the one note N6008.
+  // Counted for the one note W6008.
   void lost(std::string_view property);
   // A texture that does not repeat, on a mesh, is lost where the coordinates leave it.
   void lost_clamping(std::int32_t shape, bool repeat_s, bool repeat_t);

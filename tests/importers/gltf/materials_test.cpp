@@ -119,7 +119,7 @@ double worst_texel(const std::vector<Texel>& base, const std::vector<Texel>& met
   if (!metal.empty()) pbr["metallicRoughnessTexture"]["index"] = add_texture(sample, metal);
   const Loaded out = load(textured({{"pbrMetallicRoughness", pbr}}, sample).glb());
   EXPECT_TRUE(out.imported && !out.log.has_errors()) << out.text();
-  EXPECT_FALSE(out.log.contains(Code::N6008)) << out.text();
+  EXPECT_FALSE(out.log.contains(Code::W6008)) << out.text();
   const materials::Material& material = out.imported->scene.materials[0];
   const materials::Maps& maps = material.maps;
   double worst = 0;
@@ -304,6 +304,41 @@ TEST(GltfMaterials, AWhiteMirrorIsExact) {
     EXPECT_LE(difference({Vec3(1), 1, roughness}), 1e-9) << roughness;
 }
 
+TEST(GltfMaterials, ATextureOfLightsMakesNotAllOfASurfaceGlow) {
+  for (const bool even : {false, true}) {
+    Sample sample = triangle();
+    const Texel dark{0, 0, 0, 255}, lit{255, 255, 255, 255};
+    const int texture = add_texture(sample, {lit, even ? lit : dark, lit, lit});
+    const Loaded out = load(
+        textured({{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", {{"index", texture}}}}, sample)
+            .glb());
+    ASSERT_TRUE(out.imported) << out.text();
+    const materials::Material& material = out.imported->scene.materials[0];
+    EXPECT_EQ(material.emissive * material.weights.z, Vec3(even ? 1 : 0));
+    EXPECT_EQ(out.log.contains(Code::W6008), !even) << out.text();
+  }
+}
+
+TEST(GltfMaterials, WhatHasNoAlphaIsNotDrawn) {
+  const struct {
+    const char* mode;
+    double alpha;
+    std::size_t instances;
+  } cases[] = {
+      {"BLEND", 0, 0}, {"BLEND", 0.1, 1}, {"OPAQUE", 0, 1}, {"MASK", 0.4, 0}, {"MASK", 0.6, 1}};
+  for (const auto& each : cases) {
+    Sample sample = triangle();
+    sample.json["materials"] = {
+        {{"alphaMode", each.mode},
+         {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, each.alpha}}}}}};
+    sample.json["meshes"][0]["primitives"][0]["material"] = 0;
+    const Loaded out = load(sample.glb());
+    ASSERT_TRUE(out.imported) << out.text();
+    EXPECT_EQ(out.imported->scene.instances.size(), each.instances) << each.mode << each.alpha;
+    EXPECT_EQ(out.log.contains(Code::N6007), each.instances == 0) << out.text();
+  }
+}
+
 TEST(GltfMaterials, ExtensionsAreMappedOrListed) {
   Sample sample = triangle();
   sample.json["extensionsUsed"] = {"KHR_materials_ior", "KHR_materials_clearcoat",
@@ -332,8 +367,9 @@ TEST(GltfMaterials, ExtensionsAreMappedOrListed) {
   EXPECT_EQ(material.weights.z, 1);
   const CadMaterial& cad = out.imported->materials[0];
   EXPECT_EQ(cad.opacity, 0.25);
-  EXPECT_EQ(cad.lost, (std::vector<std::string>{"transmission", "sheen"}));
-  EXPECT_TRUE(out.log.contains(Code::N6008));
+  EXPECT_EQ(cad.lost, (std::vector<std::string>{"clearcoat; ours is darker over colours",
+                                                "transmission", "sheen"}));
+  EXPECT_TRUE(out.log.contains(Code::W6008));
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ TEST(Obj, MaterialsAreThoseOfVrml) {
   EXPECT_EQ(out->out->materials[2].metallic, 1);
   EXPECT_EQ(out->out->materials[2].roughness, 0.3);
   EXPECT_EQ(out->material(3).diffuse, Vec3(0.8));
-  EXPECT_TRUE(out->log.contains(Code::N6008));
+  EXPECT_TRUE(out->log.contains(Code::W6008));
   for (const char* what : {"opacity (2)", "bump map", "shininess over 128"})
     EXPECT_THAT(out->text(), HasSubstr(what));
 }

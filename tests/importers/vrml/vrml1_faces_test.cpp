@@ -96,7 +96,7 @@ TEST(Vrml1, SeveralMaterialsBecomeColorsOrElseSeveralParts) {
              kStripIndex + " }");
   ASSERT_EQ(corners->scene().instances.size(), 1u);
   EXPECT_EQ(mesh(*corners).colors.size(), mesh(*corners).positions.size());
-  EXPECT_EQ(corners->count(Code::N6008), 1u);
+  EXPECT_EQ(corners->count(Code::W6008), 1u);
 }
 
 TEST(Vrml1, PartsKeepTheirNormalsAndTexcoords) {
@@ -288,7 +288,7 @@ TEST(Vrml1, ManyMaterialsOfOneShapeAreBounded) {
                               points + "] }\nIndexedFaceSet { coordIndex [ " + index + "] }");
   ASSERT_EQ(reading->scene().instances.size(), 1u);
   EXPECT_EQ(mesh(*reading).triangles.size(), 3000u);
-  EXPECT_EQ(reading->count(Code::N6008), 1u);
+  EXPECT_EQ(reading->count(Code::W6008), 1u);
 }
 
 TEST(Vrml1, EveryPrefixOfAFileIsRead) {
