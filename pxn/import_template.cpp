@@ -62,6 +62,10 @@ constexpr Clue kClues[] = {
     {"metal", "aluminium_bare"},
 };
 
+// Shows the colour that it is given: a coat over it would swallow a third of a middle grey, and
+// reflect more than it gets over white.
+constexpr std::string_view kPlainPaint = "white_silicate";
+
 std::string lower(std::string_view text) {
   std::string out(text);
   for (char& c : out)
@@ -166,8 +170,7 @@ Guess guessed_preset(const importers::CadMaterial& material) {
       return {clue.preset, fmt::format("'{}' in its name", clue.word)};
   if (name.find("black") != std::string::npos) return {"black_polyurethane", "'black' in its name"};
   if (name.find("white") != std::string::npos) return {"white_silicone", "'white' in its name"};
-  if (material.textured)
-    return {"white_silicone", "no better guess: a paint with its texture", true};
+  if (material.textured) return {kPlainPaint, "no better guess: a paint with its texture", true};
   if (material.metallic > 0.5) {
     if (look.yellow && look.vivid > 0.3) return {"gold_plating", "a metal of its colour"};
     return {"aluminium_bare", "a metal"};
@@ -177,7 +180,7 @@ Guess guessed_preset(const importers::CadMaterial& material) {
   if (look.blue && look.bright < 0.15) return {"cells_silicon", "its colour"};
   if (look.yellow && look.vivid > 0.5 && look.bright > 0.15)
     return {"mli_gold_kapton", "its colour"};
-  return {"white_silicone", "no better guess: a paint of its colour", true};
+  return {kPlainPaint, "no better guess: a paint of its colour", true};
 }
 
 std::vector<std::string> numbered_names(std::span<const importers::CadMaterial> materials) {

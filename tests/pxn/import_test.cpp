@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "materials/energy.h"
 #include "pxn/build/pattern.h"
 #include "pxn/import_template.h"
 #include "pxn/materials.h"
@@ -347,6 +348,24 @@ TEST(Guess, words_before_colors) {
   EXPECT_EQ(preset("mat_8", {0.8, 0.8, 0.8}), "white_silicone");
   EXPECT_EQ(preset("mat_9", {0.8, 0.8, 0.8}, 1), "aluminium_bare");
   EXPECT_EQ(preset("mat_10", {0.01, 0.01, 0.01}), "black_polyurethane");
+}
+
+// A paint that keeps the file's colour shows it: measured 0.475 for 0.5, and 1.0000 for white.
+TEST(Guess, a_paint_shows_the_colour_of_the_file) {
+  importers::CadMaterial material;
+  material.base_color = Vec3(0.5, 0.2, 0.3);
+  const Guess guess = guessed_preset(material);
+  ASSERT_TRUE(guess.keeps_color);
+  for (const double color : {0.5, 1.0}) {
+    DiagnosticLog log;
+    auto paint = preset(guess.preset, log);
+    ASSERT_TRUE(paint);
+    paint->material.diffuse = Vec3(color);
+    materials::fit(paint->material);
+    const double seen = materials::directional_albedo(paint->material, 0.7, 0).x;
+    EXPECT_GT(seen, 0.9 * color);
+    EXPECT_LT(seen, 1.001 * color);
+  }
 }
 
 TEST(Guess, every_guess_is_in_the_library) {
