@@ -58,8 +58,7 @@ class BoxBatches final : public Batches {
 
   void write(ReferenceImage& result) const override {
     const std::vector<Vec3> errors =
-        pixel_errors(cells_, statistics_, result.image.width, result.image.height, batches_,
-                     view_.batch_samples(), job);
+        pixel_errors(cells_, statistics_, batches_, view_.batch_samples(), job);
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       const std::size_t pixel = std::size_t{cells_[i].row} * result.image.width + cells_[i].column;
       for (std::size_t k = 0; k < 3; ++k) {

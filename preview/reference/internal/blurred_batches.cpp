@@ -83,8 +83,7 @@ class BlurredBatches final : public Batches {
         pixels.push_back({static_cast<std::uint32_t>(whole_.left + x),
                           static_cast<std::uint32_t>(whole_.top + y), Vec2(0), Vec2(1)});
     const std::vector<Vec3> errors =
-        pixel_errors(pixels, statistics_, result.image.width, result.image.height, batches_,
-                     view_.batch_samples(), job);
+        pixel_errors(pixels, statistics_, batches_, view_.batch_samples(), job);
     for (std::int64_t y = 0; y < whole_.height; ++y)
       for (std::int64_t x = 0; x < whole_.width; ++x) {
         const auto i = static_cast<std::size_t>(y * whole_.width + x);

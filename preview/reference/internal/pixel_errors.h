@@ -12,35 +12,37 @@
 
 namespace panwright::preview::reference {
 
-// What a pixel's own samples tell of their error is too little where most agree and a rare one
-// would not: an edge, a gap between cells, a bright path that none has met. So the variance of each
-// mean is the larger of what its samples say and of a mixture with what those around it say:
+// A pixel's own samples tell too little where most agree and a rare one would not: an edge, a gap
+// between cells, a bright path that none has met. So the variance of its mean is the larger of what
+// its batches say and of a mixture with what those around it say:
 //
-//   u     variance of a pixel's mean, from its own batches
-//   line  the largest, over four directions, of the smaller u of both neighbours: edges and struts
-//         go on
-//   ring  the smallest, over eight directions, of the largest u among the five neighbours that are
-//         not behind: 0 beside a straight edge
-//   side  the smallest, over four directions, of the mean u of 7 × 4 pixels that are not behind
-//   near, wide   mean u of 3 × 3 and of 7 × 7 pixels, the pixel itself apart
+//   max(own, 0.35 own + 0.2 line + 0.02 ring + 0.42 √(side·wide) + (0.09 near + 0.02 wide) 3/√N)
 //
-//   max(u, 0.35 u + 0.22 line + 0.05 ring + 0.45 √(side·wide) + 3/√N (0.1 near + 0.02 wide))
+//   own   of the pixel's batches
+//   line  the largest, over four directions, of the smaller one of both neighbours: edges and
+//         struts go on
+//   ring  the smallest, over eight directions, of the largest among the five neighbours that are
+//         not behind
+//   side  the smallest, over four directions, of the mean of 7 × 4 pixels that are not behind
+//   near, wide   means of 3 × 3 and of 7 × 7 pixels without the one in the middle; wide and side of
+//         those that have light
+//   N     samples of a pixel
 //
-// N: samples of a pixel. line, ring and side stay small in a clean surface beside a clean edge,
-// whose variance is not its own; the last two terms are for what shows nowhere else, and count the
-// less the more samples there are. Where all samples are black, what is around counts four times.
-// Weights: measured on fifteen scenes (docs/reference-renderer.md). Pixels without neighbours have
-// Student's width, others that of the rounding to float at least.
+// In a clean surface beside a clean edge line, ring and side are small: the edge's variance is not
+// its own. What shows nowhere around but beside it is in the last two terms; the more samples, the
+// less it can hide. Where all samples are black what is around counts twice. Pixels with nothing
+// around them have Student's width; no error is below the rounding to float.
+//
+// The weights are the least that keep 99 % of pixels within three errors on the scenes of
+// panwright-bench error_bars. They are in parts of variances of means, so that they hold for any
+// unit and any number of batches.
 //
 //   cells       by rows, from the left
 //   statistics  one per cell
-//   width, height   of the image that cells lie in; beyond it nothing is known
-//   batches, batch_samples   each batch has batch_samples in every cell
+//   batches     >= 4; each has batch_samples in every cell
 //
-// returns one per cell, of the channels.
-// Cost: O(cells), some hundred operations each.
+// returns one error per cell, RGB. Cost: O(cells), some hundred operations each.
 std::vector<Vec3> pixel_errors(std::span<const Cell> cells, const RunningStatistics& statistics,
-                               std::uint32_t width, std::uint32_t height, std::uint32_t batches,
-                               std::uint32_t batch_samples, const Job& job);
+                               std::uint32_t batches, std::uint32_t batch_samples, const Job& job);
 
 }  // namespace panwright::preview::reference
