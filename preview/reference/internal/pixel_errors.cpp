@@ -24,7 +24,10 @@ constexpr double kNear = 0.09;
 constexpr double kWide = 0.02;
 // samples for which near and wide count in full
 constexpr double kFewSamples = 9;
-constexpr double kBlack = 2;
+// how much more near and wide count where a pixel's samples do not agree, to this part of their
+// mean
+constexpr double kDiscord = 2;
+constexpr double kAgreement = 0.3;
 constexpr double kRounding = 0x1p-24;
 
 double area_of(const Cell& cell) { return (cell.high.x - cell.low.x) * (cell.high.y - cell.low.y); }
@@ -102,7 +105,11 @@ std::array<Vec3, 8> around(const Band& band, std::uint32_t column) {
 }
 
 // What is around a pixel tells of the variance of its mean.
-Vec3 borrowed(const Band& band, std::uint32_t column, double scarcity) {
+struct Borrowed {
+  Vec3 shown{0};   // by what goes on around it
+  Vec3 scarce{0};  // what shows nowhere else
+};
+Borrowed borrowed(const Band& band, std::uint32_t column) {
   const std::array<Vec3, 8> ring = around(band, column);
   Vec3 line(0);
   Vec3 sum(0);
@@ -115,8 +122,8 @@ Vec3 borrowed(const Band& band, std::uint32_t column, double scarcity) {
     least = glm::min(least, most);
   }
   const auto [wide, side] = band.means(column);
-  return kLine * line + kRing * least + kSide * glm::sqrt(side * wide) +
-         scarcity * (kNear / 8 * sum + kWide * wide);
+  return {kLine * line + kRing * least + kSide * glm::sqrt(side * wide),
+          kNear / 8 * sum + kWide * wide};
 }
 
 }  // namespace
@@ -144,7 +151,8 @@ std::vector<Vec3> pixel_errors(std::span<const Cell> cells, const RunningStatist
   for (std::size_t row = first.size() - 1; row-- > 0;)
     first[row] = std::min(first[row], first[row + 1]);
 
-  const double scarcity = std::sqrt(kFewSamples / (n * batch_samples));
+  const double samples = n * batch_samples;
+  const double scarcity = std::sqrt(kFewSamples / samples);
   std::vector<Vec3> errors(cells.size());
   const auto fill_row = [&](std::size_t row) {
     if (first[row] == first[row + 1]) return;
@@ -162,12 +170,16 @@ std::vector<Vec3> pixel_errors(std::span<const Cell> cells, const RunningStatist
     for (std::size_t i = first[row]; i < first[row + 1]; ++i) {
       const Cell& cell = cells[i];
       const Vec3 own(variances[i]);
-      const Vec3 others = borrowed(band, cell.column, scarcity);
+      const auto [shown, scarce] = borrowed(band, cell.column);
       const Vec3 mean(statistics.mean(i));
       for (int k = 0; k < 3; ++k) {
-        double variance = std::max(own[k], kOwn * own[k] + (mean[k] == 0 ? kBlack : 1) * others[k]);
+        const double agreed = kAgreement * mean[k] / area_of(cell);
+        const double spread = own[k] * samples;
+        const double discord = mean[k] == 0 ? 1 : spread / (spread + agreed * agreed);
+        const double others = shown[k] + scarcity * (1 + kDiscord * discord) * scarce[k];
+        double variance = std::max(own[k], kOwn * own[k] + others);
         // nothing around: of few batches, alone
-        if (others[k] == 0) variance *= (n - 1) / (n - 3);
+        if (others == 0) variance *= (n - 1) / (n - 3);
         errors[i][k] =
             std::max(area_of(cell) * std::sqrt(variance), kRounding * std::fabs(mean[k]));
       }

@@ -16,7 +16,8 @@ namespace panwright::preview::reference {
 // between cells, a bright path that none has met. So the variance of its mean is the larger of what
 // its batches say and of a mixture with what those around it say:
 //
-//   max(own, 0.35 own + 0.2 line + 0.02 ring + 0.42 √(side·wide) + (0.09 near + 0.02 wide) 3/√N)
+//   max(own, 0.35 own + 0.2 line + 0.02 ring + 0.42 √(side·wide) +
+//            (0.09 near + 0.02 wide) (1 + 2 discord) 3/√N)
 //
 //   own   of the pixel's batches
 //   line  the largest, over four directions, of the smaller one of both neighbours: edges and
@@ -27,11 +28,13 @@ namespace panwright::preview::reference {
 //   near, wide   means of 3 × 3 and of 7 × 7 pixels without the one in the middle; wide and side of
 //         those that have light
 //   N     samples of a pixel
+//   discord   from 0 to 1, s²/(s² + (0.3 mean)²) of the variance s² of a sample: how little the
+//         pixel's samples agree; 1 where all are black
 //
 // In a clean surface beside a clean edge line, ring and side are small: the edge's variance is not
 // its own. What shows nowhere around but beside it is in the last two terms; the more samples, the
-// less it can hide. Where all samples are black what is around counts twice. Pixels with nothing
-// around them have Student's width; no error is below the rounding to float.
+// less it can hide. Pixels with nothing around them have Student's width; no error is below the
+// rounding to float.
 //
 // The weights are the least that keep 99 % of pixels within three errors on the scenes of
 // panwright-bench error_bars. They are in parts of variances of means, so that they hold for any
