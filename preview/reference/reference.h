@@ -37,10 +37,10 @@ struct ReferenceOptions {
 // One view with what is known about its error. H = height, W = width of the image.
 struct ReferenceImage {
   Image image;
-  // 3*H*W one standard error of the radiance, in its unit: what the pixel's samples and those around
-  // it tell, so that 99 % of pixels with light lie within three of them, also with few samples
-  // (docs/reference-renderer.md). Larger than the true error on the average, at most by half; for
-  // sums over pixels take flux_error.
+  // 3*H*W one standard error of the radiance, in its unit: what the pixel's samples and those
+  // around it tell, so that 99 % of pixels with light lie within three of them, also with few
+  // samples (docs/reference-renderer.md). Larger than the true error on the average, at most by
+  // half; for sums over pixels take flux_error.
   std::vector<float> standard_error;
 
   // Sum of radiance × solid angle of the pixel, the irradiance at a perspective camera; × area,

@@ -26,7 +26,7 @@ constexpr double kWide = 0.02;
 constexpr double kFewSamples = 9;
 // how much more near and wide count where a pixel's samples do not agree, to this part of their
 // mean
-constexpr double kDiscord = 2;
+constexpr double kDiscord = 3;
 constexpr double kAgreement = 0.3;
 constexpr double kRounding = 0x1p-24;
 

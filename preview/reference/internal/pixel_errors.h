@@ -17,7 +17,7 @@ namespace panwright::preview::reference {
 // its batches say and of a mixture with what those around it say:
 //
 //   max(own, 0.35 own + 0.2 line + 0.02 ring + 0.42 √(side·wide) +
-//            (0.09 near + 0.02 wide) (1 + 2 discord) 3/√N)
+//            (0.09 near + 0.02 wide) (1 + 3 discord) 3/√N)
 //
 //   own   of the pixel's batches
 //   line  the largest, over four directions, of the smaller one of both neighbours: edges and
