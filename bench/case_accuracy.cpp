@@ -11,7 +11,6 @@
 #include "bench/bench.h"
 #include "bench/flip.h"
 #include "bench/scenes.h"
-#include "compiler/compile.h"
 #include "materials/spectra.h"
 #include "pan/model.h"
 #include "preview/reference/reference.h"
@@ -94,14 +93,6 @@ std::vector<std::pair<std::string, Material>> all_brdfs() {
   m.coat = materials::Coat{1.5, 0.1, Vec3(0)};
   add("coated Lambert", m);
   return all;
-}
-
-world::ModelPtr compiled_model(const scene::Scene& scene, DiagnosticLog& log) {
-  const auto bytes = compiler::compiled(scene, {}, log);
-  if (!bytes) return nullptr;
-  auto model = pan::Model::from_bytes(*bytes, "bench", log);
-  if (!model || !model->check(log)) return nullptr;
-  return std::make_shared<const pan::Model>(*std::move(model));
 }
 
 preview::View view_from(const Vec3& eye, const Vec3& target, double fov, const Vec3& to_sun,

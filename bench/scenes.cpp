@@ -3,6 +3,11 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <memory>
+#include <utility>
+
+#include "compiler/compile.h"
+#include "pan/model.h"
 
 namespace panwright::bench {
 
@@ -30,6 +35,14 @@ materials::Material lambert_material(double albedo) {
   materials::Material material;
   material.diffuse = Vec3(albedo);
   return material;
+}
+
+world::ModelPtr compiled_model(const scene::Scene& scene, DiagnosticLog& log) {
+  const auto bytes = compiler::compiled(scene, {}, log);
+  if (!bytes) return nullptr;
+  auto model = pan::Model::from_bytes(*bytes, "bench", log);
+  if (!model || !model->check(log)) return nullptr;
+  return std::make_shared<const pan::Model>(*std::move(model));
 }
 
 std::string sphere_pxn(const geometry::SphereCounts& counts) {

@@ -8,6 +8,7 @@
 #include "geometry/tessellate/shape.h"
 #include "materials/material.h"
 #include "scene/scene.h"
+#include "world/world.h"
 
 namespace panwright::bench {
 
@@ -19,6 +20,9 @@ scene::Scene sphere_scene(const geometry::SphereCounts& counts,
 materials::Material figure8_material();
 // A perfect diffuser of the given albedo.
 materials::Material lambert_material(double albedo);
+
+// What the compiler makes of a scene; null: refused, and the log says why.
+world::ModelPtr compiled_model(const scene::Scene& scene, DiagnosticLog& log);
 
 // pxn text of one sphere.
 std::string sphere_pxn(const geometry::SphereCounts& counts);

@@ -24,7 +24,7 @@ constexpr std::uint32_t kFewestBatches = 8;
 constexpr double kRoundWork = 8192;
 constexpr double kWidestPsf = 64;  // pixels
 // bytes for each pixel that a target may fall on, while it is rendered
-constexpr std::uint64_t kPixelBytes = 200;
+constexpr std::uint64_t kPixelBytes = 260;
 
 [[maybe_unused]] bool is_sound(const world::Camera& camera, const ReferenceOptions& options) {
   const auto unit = [](const Quat& q) { return std::fabs(glm::dot(q, q) - 1) < 1e-6; };

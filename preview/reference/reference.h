@@ -37,14 +37,18 @@ struct ReferenceOptions {
 // One view with what is known about its error. H = height, W = width of the image.
 struct ReferenceImage {
   Image image;
-  // 3*H*W one standard error of the radiance, in its unit. Widened for the few batches it is found
-  // from, so that true errors divided by it have an RMS of 1.
+  // 3*H*W one standard error of the radiance, in its unit: what the pixel's samples and those
+  // around it tell, so that 99 % of pixels with light lie within three of them, also with few
+  // samples (docs/reference-renderer.md). Larger than the true error on the average, at most by
+  // half; for sums over pixels take flux_error.
   std::vector<float> standard_error;
 
   // Sum of radiance × solid angle of the pixel, the irradiance at a perspective camera; × area,
   // the radiant intensity, for an orthographic one.
   Vec3 flux{0};
-  Vec3 flux_error{0};  // one standard error, widened likewise
+  // One standard error, from independent images. Widened for the few that it is found from, so that
+  // true errors divided by it have an RMS of 1.
+  Vec3 flux_error{0};
 
   std::uint32_t batches = 0;
   std::uint64_t samples = 0;      // of the whole image

@@ -89,7 +89,7 @@ TEST(ReferenceWorlds, TwoTargetsAreOneMergedModel) {
   printf("pixels rms(difference/sigma) %.3f of %zu, flux %+.2f sigma\n", rms, count, off);
   EXPECT_GT(count, 700u);
   EXPECT_GE(rms, 0.7);
-  EXPECT_LE(rms, 1.2);  // measured 0.99
+  EXPECT_LE(rms, 1.2);  // measured 0.84: what is stated is rather too much
   EXPECT_LE(std::fabs(off), 4);
 
   std::size_t seen[3] = {};

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "preview/reference/internal/pixel_errors.h"
 #include "preview/reference/internal/view_rays.h"
 
 namespace panwright::preview::reference {
@@ -56,13 +57,14 @@ class BoxBatches final : public Batches {
   }
 
   void write(ReferenceImage& result) const override {
+    const std::vector<Vec3> errors =
+        pixel_errors(cells_, statistics_, batches_, view_.batch_samples(), job);
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       const std::size_t pixel = std::size_t{cells_[i].row} * result.image.width + cells_[i].column;
-      const Vec3 error = statistics_.error(i, batches_);
       for (std::size_t k = 0; k < 3; ++k) {
         result.image.radiance[3 * pixel + k] =
             static_cast<float>(statistics_.mean(i)[static_cast<int>(k)]);
-        result.standard_error[3 * pixel + k] = static_cast<float>(error[static_cast<int>(k)]);
+        result.standard_error[3 * pixel + k] = static_cast<float>(errors[i][static_cast<int>(k)]);
       }
       result.image.coverage[pixel] =
           static_cast<float>(std::clamp(statistics_.mean(i).w, 0.0, 1.0));

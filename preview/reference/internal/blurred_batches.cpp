@@ -3,6 +3,7 @@
 
 #include "base/parallel.h"
 #include "preview/reference/internal/batches.h"
+#include "preview/reference/internal/pixel_errors.h"
 
 namespace panwright::preview::reference {
 namespace {
@@ -76,16 +77,22 @@ class BlurredBatches final : public Batches {
   }
 
   void write(ReferenceImage& result) const override {
+    std::vector<Cell> pixels;
+    for (std::int64_t y = 0; y < whole_.height; ++y)
+      for (std::int64_t x = 0; x < whole_.width; ++x)
+        pixels.push_back({static_cast<std::uint32_t>(whole_.left + x),
+                          static_cast<std::uint32_t>(whole_.top + y), Vec2(0), Vec2(1)});
+    const std::vector<Vec3> errors =
+        pixel_errors(pixels, statistics_, batches_, view_.batch_samples(), job);
     for (std::int64_t y = 0; y < whole_.height; ++y)
       for (std::int64_t x = 0; x < whole_.width; ++x) {
         const auto i = static_cast<std::size_t>(y * whole_.width + x);
         const std::size_t pixel = static_cast<std::size_t>(whole_.top + y) * result.image.width +
                                   static_cast<std::size_t>(whole_.left + x);
-        const Vec3 error = statistics_.error(i, batches_);
         for (std::size_t k = 0; k < 3; ++k) {
           result.image.radiance[3 * pixel + k] =
               static_cast<float>(statistics_.mean(i)[static_cast<int>(k)]);
-          result.standard_error[3 * pixel + k] = static_cast<float>(error[static_cast<int>(k)]);
+          result.standard_error[3 * pixel + k] = static_cast<float>(errors[i][static_cast<int>(k)]);
         }
         result.image.coverage[pixel] =
             static_cast<float>(std::clamp(statistics_.mean(i).w, 0.0, 1.0));

@@ -36,6 +36,8 @@ class RunningStatistics {
 
   std::size_t size() const { return mean_.size(); }
   const Light& mean(std::size_t index) const { return mean_[index]; }
+  // sums of squared deviations of RGB from the mean
+  const Vec3& squares(std::size_t index) const { return squares_[index]; }
   Vec3 error(std::size_t index, std::uint32_t batches) const {
     const Vec3& squares = squares_[index];
     return Vec3(standard_error(squares.x, batches), standard_error(squares.y, batches),
