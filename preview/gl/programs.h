@@ -78,7 +78,7 @@ struct alignas(16) DrawBlock {
   float sun_normal_from_mesh[12];    // columns of 3, each padded to 4
   float normal_offset[4];  // x: how far a point is moved out before it is lit, mesh frame;
                            // others: what glass over cells sends back of diffuse light
-  float padding[48];
+  float tiles[48];         // of the shadow map: how positions go from tile to tile
 };
 static_assert(sizeof(DrawBlock) == 512 && kInstancesAtOnce == 32);  // draw.glsl
 struct alignas(16) DecalBlock {

@@ -13,7 +13,8 @@ struct DrawData {
   mat3 sun_normal_from_mesh;
   vec4 normal_offset;  // x: how far a point is moved out before it is lit, mesh frame; y, z, w: the share of
               // diffuse light that the glass over cells sends back
-  vec4 padding[12];  // 512 bytes: a multiple of what any context aligns blocks to
+  vec4 tiles[12];  // of the shadow map: the position there, times w, plus xyz; see light_space.glsl
+  // 512 bytes: a multiple of what any context aligns blocks to
 };
 #ifdef INSTANCED
 layout(std140, binding = 1) uniform Draws { DrawData draws[32]; };
