@@ -211,7 +211,7 @@ bool ShadowMaps::assign(const ContextLimits& limits, const GladGLContext& gl, st
       if (map.last_use != update_ && map.drawn && map.to_sun == group.to_sun &&
           map.receivers == group.members && map.layout.tiles == group.layout.tiles) {
         take(group, map);
-        map.layout.view = group.layout.view;
+        map.layout = group.layout;
         break;
       }
   for (Group& group : groups_) {

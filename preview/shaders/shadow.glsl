@@ -24,13 +24,14 @@ const float kMostDown = 16.0;
 // whichever way it bends, so no bias is needed that grows with the slope.
 bool hides(ivec2 texel, vec3 place, vec2 slope, vec2 half_size) {
   float depth = texelFetch(shadow_depths, texel, 0).r;
-  // sunward of the box: another target, above all that asks here
-  if (depth >= 1.0) return true;
+  // sunward of the box: above all that asks here, but for what is on no tile
+  if (depth >= 1.0) return place.z <= 1.0;
   vec2 there = (vec2(texel) + 0.5) / half_size - 1.0;
   vec2 step = there - place.xy;
   vec2 reach = kTexelSlack / half_size;
   float slack = kDepthSlack + dot(abs(slope), reach);
-  if (!(depth > place.z + dot(slope, step) + slack)) return false;
+  // note: where nothing was drawn, depth 0, slopes are those of another map
+  if (!(depth > max(place.z + dot(slope, step) + slack, 0.0))) return false;
   vec2 its_slope = texelFetch(shadow_slopes, texel, 0).xy;
   float down = min(dot(its_slope, step), kMostDown * shadow.texel_depth);
   return depth - down > place.z + kDepthSlack + dot(abs(its_slope), reach);

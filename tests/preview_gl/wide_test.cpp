@@ -92,5 +92,85 @@ TEST(WideModels, FarPartsLeaveAShadowAsItIs) {
   EXPECT_FALSE(log.contains(Code::W5012)) << to_text(log);
 }
 
+// One plate of which the camera sees a part.
+TEST(WideModels, AWidePartLeavesAShadowAsItIs) {
+  const View view = close_by(160);
+  DiagnosticLog log;
+  for (const double side : {20.0, 200.0, 2000.0}) {
+    const Errors found = errors(cube_on_plate(side), view, log);
+    printf("a plate of %g m: flux %.2e, RMSE %.2e\n", side, found.flux, found.rmse);
+    EXPECT_LE(found.flux, 1e-3);
+    EXPECT_LE(found.rmse, 0.02);
+  }
+  EXPECT_FALSE(log.contains(Code::W5012)) << to_text(log);
+}
+
+// Along a truss from its near end: pixels span 1 mm there and 10 cm at the other one.
+TEST(WideModels, ALongTruss) {
+  pan::Contents contents = single(plate(1, 120), lambert(0.8));
+  contents.meshes.push_back(pan::packed(box({0.05, 0.05, 0.6}), "post"));
+  contents.meshes.push_back(pan::packed(box({0.05, 118, 0.05}), "rail"));
+  contents.nodes.push_back({"rail", 0, Vec3(0.2, 0, 0.6), Quat(1, 0, 0, 0), Vec3(1)});
+  contents.instances.push_back({1, 2, 0, -1});
+  for (int i = 0; i < 60; ++i) {
+    contents.nodes.push_back({"post", 0, Vec3(0.2, 2 * i - 58.7, 0.3), Quat(1, 0, 0, 0), Vec3(1)});
+    contents.instances.push_back({static_cast<std::uint32_t>(contents.nodes.size() - 1), 1, 0, -1});
+  }
+  DiagnosticLog log;
+  View view;
+  set_field_of_view(view.camera, 200, 200, 40 * kDegree);
+  view.camera.position = {-0.6, -60, 0.9};
+  view.camera.world_from_camera = *world::looking_at(view.camera.position, {0, -57, 0.1}, {}, log);
+  view.to_sun = {1, -0.6, 0.8};
+  RenderOptions options;
+  options.shadow_side = 512;
+  const Errors found = errors(contents, view, log, options);
+  printf("truss: flux %.2e, RMSE %.2e\n", found.flux, found.rmse);
+  EXPECT_LE(found.flux, 2e-3);
+  EXPECT_LE(found.rmse, 0.03);
+  EXPECT_FALSE(log.contains(Code::W5012)) << to_text(log);
+}
+
+// Single precision places no triangle of 40 km to a millimetre: the image says so.
+TEST(WideModels, WhatIsTooCoarseIsSaid) {
+  const View view = close_by(160);
+  DiagnosticLog log;
+  errors(cube_on_plate(4e4), view, log);
+  EXPECT_TRUE(log.contains(Code::W5012)) << to_text(log);
+  // so it is where memory ends
+  RenderOptions options;
+  options.shadow_side = 64;
+  options.max_shadow_bytes = 0;
+  DiagnosticLog small;
+  errors(cube_on_plate(20), view, small, options);
+  EXPECT_TRUE(small.contains(Code::W5012)) << to_text(small);
+  printf("%s", to_text(small).c_str());
+}
+
+// A view that changes nothing draws no map, one close by draws its own.
+TEST(WideModels, MapsAreKept) {
+  pan::Contents contents = cube_on_plate(1);
+  add_boxes(contents, 100);
+  const pan::Model model = model_of(contents);
+  support::ModelRenderer renderer(shared_device(), model);
+  DiagnosticLog log;
+  View view = close_by(100);
+  const auto maps = [&] {
+    EXPECT_TRUE(renderer.render(view, {}, log)) << to_text(log);
+    return renderer.renderer().counts().shadow_maps;
+  };
+  EXPECT_EQ(maps(), 1u);
+  EXPECT_EQ(maps(), 1u);
+  const auto before = shared_device()->counts();
+  EXPECT_EQ(maps(), 1u);
+  EXPECT_EQ(shared_device()->counts().allocations, before.allocations);
+  view.camera.position.x += 1e-5;  // tiles stay where they are
+  EXPECT_EQ(maps(), 1u);
+  view.camera.position.z += 0.5;
+  EXPECT_EQ(maps(), 2u);
+  const Image last = *renderer.render(view, {}, log);
+  EXPECT_EQ(last.radiance, rendered(model, view).radiance);
+}
+
 }  // namespace
 }  // namespace panwright::preview
