@@ -105,6 +105,10 @@ void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, co
                                                  ? item.model_normal_from_mesh
                                                  : place.anchor_turn * item.model_normal_from_mesh),
               block.sun_normal_from_mesh);
+  // 2^-20 of the size: what rounding to float leaves (2^-24) and no chord is as small as
+  const auto side = [&](int k) { return mesh.bounds_max[k] - mesh.bounds_min[k]; };
+  const bool own_shape = mesh.error <= 0x1p-20f * std::max({side(0), side(1), side(2)});
+  block.id[3] = own_shape && !flat ? 1 : 0;
   // a chord is as deep below the smooth surface as others stand out of it
   block.normal_offset[0] = flat ? 0.0f : static_cast<float>(2 * mesh.error);
 }
@@ -376,9 +380,9 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits,
       fmt::format(
           "the shadow map of '{}' has texels of {:.3g} m where a pixel spans {:.3g} m: edges "
           "of shadows may be off by {:.2g} pixels there, expected at most {:.2g} "
-          "(--shadow-side {} takes finer ones)",
+          "(a larger --shadow-side may give finer ones)",
           scene.world[worst->targets.front().target].name(), worst->layout.texel,
-          worst->layout.pixel, 0.375 * most, 0.375 * kMostPixelsATexel, 2 * limits.side));
+          worst->layout.pixel, 0.375 * most, 0.375 * kMostPixelsATexel));
 }
 
 bool ShadowMaps::refresh(Device::Impl& device, const FrameScene& scene, Group& group,

@@ -3,7 +3,9 @@
 struct DrawData {
   mat4 clip_from_mesh;
   mat3 world_normal_from_mesh;
-  uvec4 id;      // x: item + 1; y, z: samples of the image left of and above the tile
+  // x: item + 1; y, z: samples of the image left of and above the tile; w: 1 where shadows are those
+  // of the triangles as they stand
+  uvec4 id;
   vec4 diffuse;  // colour of the material; a: parts a side in which cells are averaged
   vec4 repeat;   // x, y: multiply the texcoords of maps; z, w: their signs
   vec4 cells;    // x, y: cells in one unit of texcoords; z, w: gaps, parts of their pitch
