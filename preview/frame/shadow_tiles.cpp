@@ -40,7 +40,7 @@ double aligned(double low, double step) { return std::floor(low / step) * step; 
 
 double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
-// across is x and y of a texel that is 1; the tile's corner is at `corner` texels of width × height
+// The tile in a map of so many texels, its corner at `corner`.
 LightSpace light_space(const ShadowTiles& tiles, const ShadowTile& tile, const Vec2& corner,
                        const Vec2& size) {
   LightSpace frame;
@@ -316,6 +316,36 @@ void ShadowTileFinder::place(std::span<const Cell> cells, const TileLimits& limi
                    [](const ShadowTile& a, const ShadowTile& b) { return a.texel < b.texel; });
 }
 
+// Cuts cells_ until all are fine enough or a limit is reached.
+void ShadowTileFinder::cut_up(const TileLimits& limits) {
+  while (cells_.size() < kMostShadowTiles) {
+    auto worst = cells_.end();
+    double most = kMostPixelsATexel;
+    for (auto cell = cells_.begin(); cell != cells_.end(); ++cell) {
+      const double coarse = coarseness(cell->fit);
+      if (cell->final || !(coarse > most)) continue;
+      most = coarse;
+      worst = cell;
+    }
+    if (worst == cells_.end()) break;
+    const Cut cut = best_cut(*worst);
+    worst->final = cut.axis < 0;
+    if (worst->final) continue;
+    Cell low;
+    Cell high;
+    halves(*worst, cut, &low, &high, low.fit, high.fit);
+    const Cell before = std::exchange(*worst, std::move(low));
+    const std::size_t at = static_cast<std::size_t>(worst - cells_.begin());
+    cells_.push_back(std::move(high));
+    ShadowTiles grid;
+    set_grid(grid, cells_of(cells_), limits.cells_a_row);
+    if (grid.cells() <= limits.cells && grid.rows <= limits.cells_a_row) continue;
+    cells_.pop_back();
+    cells_[at] = before;
+    cells_[at].final = true;
+  }
+}
+
 const ShadowTiles& ShadowTileFinder::find(const world::Camera& camera,
                                           const Mat4& camera_from_model, const LightSpace& whole,
                                           std::span<const ShownItem> items,
@@ -371,32 +401,7 @@ const ShadowTiles& ShadowTileFinder::find(const world::Camera& camera,
   pixel_ = pixel_of(all.fit.all.view_low.z);
   if (texel_ <= kMostPixelsATexel * pixel_) return tiles_;
 
-  while (cells_.size() < kMostShadowTiles) {
-    auto worst = cells_.end();
-    double most = kMostPixelsATexel;
-    for (auto cell = cells_.begin(); cell != cells_.end(); ++cell) {
-      const double coarse = coarseness(cell->fit);
-      if (cell->final || !(coarse > most)) continue;
-      most = coarse;
-      worst = cell;
-    }
-    if (worst == cells_.end()) break;
-    const Cut cut = best_cut(*worst);
-    worst->final = cut.axis < 0;
-    if (worst->final) continue;
-    Cell low;
-    Cell high;
-    halves(*worst, cut, &low, &high, low.fit, high.fit);
-    const Cell before = std::exchange(*worst, std::move(low));
-    const std::size_t at = static_cast<std::size_t>(worst - cells_.begin());
-    cells_.push_back(std::move(high));
-    ShadowTiles grid;
-    set_grid(grid, cells_of(cells_), limits.cells_a_row);
-    if (grid.cells() <= limits.cells && grid.rows <= limits.cells_a_row) continue;
-    cells_.pop_back();
-    cells_[at] = before;
-    cells_[at].final = true;
-  }
+  cut_up(limits);
   place(cells_, limits);
   return tiles_;
 }

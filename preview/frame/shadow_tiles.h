@@ -129,6 +129,7 @@ class ShadowTileFinder {
   }
   void add_piece(const ViewCell& view, const ViewPiece& shape, const Piece& from);
   void refine(const ViewCell& view, double most, std::span<const ShownItem> items);
+  void cut_up(const TileLimits& limits);
   Cut best_cut(const Cell& cell) const;
   void find_gap(const Cell& cell, int axis, std::vector<Cut>& cuts) const;
   void halves(const Cell& cell, const Cut& cut, Cell* low, Cell* high, Fit& low_fit,
