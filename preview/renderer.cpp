@@ -147,7 +147,6 @@ struct Renderer::Impl {
   Job job;                   // of the call under way
   // of one frame, kept for the next one
   std::vector<TargetShape> shapes;
-  std::vector<std::uint32_t> seen;
   VisibleSetFinder visible_sets;
   TileScene on_tile;
 };
@@ -284,11 +283,8 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
   const std::uint32_t width = std::min(tile_side, image.width) * options.samples;
   const std::uint32_t height = std::min(tile_side, image.height) * options.samples;
   LayerSet layers = 0;
-  seen.clear();
-  for (std::size_t v = 0; v < scene.visible.targets.size(); ++v) {
+  for (std::size_t v = 0; v < scene.visible.targets.size(); ++v)
     layers |= scene.state(v).model().layers;
-    seen.push_back(scene.visible.targets[v].target);
-  }
   const bool shadows = options.shadow_side > 0;
   const auto formats = layer_formats(layers, shadows);
   const bool adaptive = options.samples == 0 || (options.adaptive && options.samples > 1);
@@ -298,8 +294,8 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
     return false;
   if (shadows) scene.shadows = &shadow_maps;
   if (!passes->prepare(scene, pass, log)) return false;
-  if (shadows && !shadow_maps.update(shared, scene.world, scene.states, seen, options.shadow_side,
-                                     options.max_shadow_bytes, log, job))
+  if (shadows &&
+      !shadow_maps.update(shared, scene, {options.shadow_side, options.max_shadow_bytes}, log, job))
     return false;
   if (adaptive) return sampled(scene, options, formats, frame, log);
   for (Tiles whole(image.width, image.height, tile_side); whole; whole.next()) {

@@ -32,14 +32,14 @@ struct RenderOptions {
   // Of N > 1: one sample where it is predicted to do (docs/sampling.md), N×N elsewhere.
   bool adaptive = false;
   bool flat = false;               // shade by the triangles' own normals
-  unsigned shadow_side = 2048;     // texels a side of the map of what the Sun sees, 16 to 16384 (or
+  unsigned shadow_side = 2048;     // texels a side of the maps of what the Sun sees, 16 to 16384 (or
                                    // what the context takes); 0: nothing casts shadows
   bool ground_truth = false;       // also depth, range, normal (without bumps) and ids, at the
                                    // pixels' centres
   std::uint32_t tile_side = 2048;  // samples that are drawn at once, a side; ≥ samples
   std::uint64_t max_bytes = 12ull << 30;  // of the image in memory
-  // of shadow maps, 8 a texel: 16 maps of 2048; targets that are seen share maps beyond, and one
-  // map there is always
+  // of shadow maps, 8 a texel: 16 maps of 2048, which targets that are wide beside what is seen of
+  // them have several of; targets that are seen share maps beyond, and one map there is always
   std::uint64_t max_shadow_bytes = 1ull << 29;
 };
 
@@ -50,7 +50,8 @@ struct RenderOptions {
 // What a pixel is (docs/conventions.md): the mean over its square of the radiance towards the
 // camera, one directional Sun; a point is lit where its shading normal faces the Sun and nothing
 // of any target stands in between. The edges of shadows are hard and right to a texel of the shadow
-// map, which spans the target that is lit as the Sun sees it; a point of a smooth mesh is moved out
+// map, which spans the target that is lit as the Sun sees it, or, where its texels would be wider
+// than two pixels, consists of tiles that follow the view; a point of a smooth mesh is moved out
 // past the mesh's error before it is asked, so that facets cast no shadows on the shape they stand
 // for. The Sun is a point to shadows: those of targets far off have no penumbra either.
 // The back faces of closed meshes are not drawn; open meshes have two equal sides, and so have
@@ -73,7 +74,8 @@ class Renderer {
   //
   // Expects: options as documented; a camera of 1 pixel or more, finite and with unit rotations;
   // no view under way.
-  // Reports: W5006 when every pixel stays empty. Fails: E5001 when the context is lost or cannot be
+  // Reports: W5006 when every pixel stays empty, W5012 when a shadow map is too coarse for the
+  // image. Fails: E5001 when the context is lost or cannot be
   // made current; E0001, between tiles; E5003 when the image, a model or the shadows do not fit.
   // After E0001 and E5003 the renderer and what was on the device before stay usable.
   // Cost: about one draw of what lies in view per tile of tile_side² samples.

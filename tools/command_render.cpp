@@ -115,7 +115,7 @@ void declare_all(Arguments& arguments, Options& options) {
       arguments.flag("--no-shadows", options.no_shadows, "Let the Sun shine through everything");
   arguments
       .add("--shadow-side", options.shadow_side,
-           "Texels a side of the shadow map that spans the model (default 2048)")
+           "Texels a side of a model's shadow map, or of each part of it (default 2048)")
       .range(16u, 16384u)
       .excludes(no_shadows)
       .type("N");

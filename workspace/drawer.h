@@ -95,7 +95,7 @@ class Drawer {
   //
   //   truth  whether the ground truth layers are rendered
   // Expects: targets; camera, Sun and options as the engine wants them.
-  // Fails: E0001, E5003. Reports: W5006, W5008.
+  // Fails: E0001, E5003. Reports: W5006, W5008, W5012.
   Result<Drawn> draw(const world::World& world, const world::Camera& camera, bool ground_truth,
                      DiagnosticLog& log, const Job& job = {});
 

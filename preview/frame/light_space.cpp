@@ -51,6 +51,7 @@ LightSpace fitted_light_space(std::span<const DrawItem> list, const Vec3& to_sun
   const Box whole = box_along(list, Mat3(1));
   const Vec3 right = longest_across(whole.high - whole.low, to_sun);
   const Mat3 axes_from_model = glm::transpose(Mat3(right, glm::cross(to_sun, right), to_sun));
+  frame.axes_from_model = axes_from_model;
   const Box box = box_along(list, axes_from_model);
 
   Vec3 extent = box.high - box.low;

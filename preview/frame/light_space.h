@@ -7,17 +7,18 @@
 
 namespace panwright::preview {
 
-// A box around all that casts shadows, seen by the Sun: x and y run across it from -1 to 1, z from
-// 0 on the far side to 1 towards the Sun. It depends on the model and the Sun alone, so the shadow
-// is the same from every camera.
+// A box seen by the Sun: x and y run across it from -1 to 1, z from 0 on the far side to 1 towards
+// the Sun.
 struct LightSpace {
   Mat4 sun_from_model{1};
   Mat3 sun_normal_from_model{1};  // takes normals to normals of any length
   Vec3 extent{1};                 // of the box, metres
+  Mat3 axes_from_model{1};        // x, y and towards the Sun, unscaled
 };
 
-// Fits the box to the corners of the visible items' boxes, two texels wider all round. x lies along
-// that axis of the model that is longest as the Sun sees it.
+// Fits the box to the corners of the visible items' boxes, two texels wider all round: it depends on
+// the model and the Sun alone, so the shadow is the same from every camera. x lies along that axis
+// of the model that is longest as the Sun sees it.
 //
 //   to_sun  model frame, unit
 //   side    texels, > 4

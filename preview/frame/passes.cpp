@@ -282,6 +282,7 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
   const auto item_at = [&](std::size_t k) -> const DrawItem& {
     return state.items()[visible.items[target.drawn[k]]];
   };
+  if (shadows && is_shaded(pass)) scene.shadows->bind_limits(gl_, target.visible);
   const DrawItem* last = nullptr;
   bool were_instanced = false;
   std::size_t at_once = 1;

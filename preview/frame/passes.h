@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "preview/frame/frame_scene.h"
 #include "preview/frame/shadow.h"
 #include "preview/frame/target_states.h"
 #include "preview/frame/visible_set.h"
@@ -17,19 +18,6 @@ namespace panwright::preview {
 
 // What a pass over the triangles draws.
 enum class Pass { geometry, flat_geometry, ids, bare };
-
-// What the passes of one frame share.
-struct FrameScene {
-  const world::World& world;
-  const world::Camera& camera;
-  const TargetStates& states;
-  const VisibleSet& visible;
-  const ShadowMaps* shadows = nullptr;  // of the visible targets; null: none
-
-  const TargetState& state(std::size_t visible_target) const {
-    return states[visible.targets[visible_target].target];
-  }
-};
 
 // One target on one tile.
 struct TileTarget {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numeric>
@@ -15,9 +16,18 @@ namespace {
 // Uniform block of the shadow shaders, in std140.
 struct alignas(16) ShadowBlock {
   float texel_depth;  // what one texel measures, as a share of the map's depth
-  float half_side;    // texels
-  float padding[2];
+  float half_width;   // texels
+  float half_height;
+  std::int32_t tiles;
+  float inside[4 * kMostShadowTiles];
 };
+
+// Software contexts build every program again for textures whose sides are powers of two, and tiles
+// make sides of any length: no side is one, as with other targets (gl_objects.h).
+GLsizei texture_side(std::size_t texels, std::uint32_t most) {
+  const auto side = static_cast<std::uint32_t>(texels);
+  return static_cast<GLsizei>(std::has_single_bit(side) && side + 64 <= most ? side + 64 : side);
+}
 
 // Whether a box may throw a shadow into the box of a map: it meets its column, and is not behind
 // all of it.
@@ -46,19 +56,59 @@ world::Pose relative_pose(const world::Pose& anchor, const world::Pose& model) {
   return {turn * (model.translation - anchor.translation), turn * model.rotation};
 }
 
-void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, const DrawItem& item,
-                        bool flat, DrawBlock& block) {
-  const LightSpace& frame = place.frame;
-  const Mat4 sun_from_mesh =
-      frame.sun_from_model *
-      (place.anchor ? item.model_from_mesh : place.anchor_from_model * item.model_from_mesh);
+namespace {
+
+void copy_rows(const Mat4& from, float* to) {
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column)
-      block.sun_from_mesh[4 * row + column] = static_cast<float>(sun_from_mesh[column][row]);
+      to[4 * row + column] = static_cast<float>(from[column][row]);
+}
+
+// The tiles that an item may be seen on: its positions are those of the finest.
+LightSpace finest_tile(const ShadowTiles& tiles, const Mat4& model_from_mesh, const DrawItem& item,
+                       double error, DrawBlock& block) {
+  const Mat4 light_from_mesh = Mat4(tiles.light_from_model) * model_from_mesh;
+  Vec3 low(INFINITY);
+  Vec3 high(-INFINITY);
+  for (const Vec3& corner : corners(item.low - 2 * error, item.high + 2 * error)) {
+    const Vec3 at(light_from_mesh * Vec4(corner, 1));
+    low = glm::min(low, at);
+    high = glm::max(high, at);
+  }
+  const auto meets = [&](const ShadowTile& tile) {
+    const Vec3 end = tile.low + tile.texel * Vec3(tile.side, tile.side, tiles.depth);
+    return glm::all(glm::lessThanEqual(low, end)) &&
+           glm::all(glm::greaterThanEqual(high, tile.low));
+  };
+  std::size_t finest = 0;
+  while (finest + 1 < tiles.tiles.size() && !meets(tiles.tiles[finest])) ++finest;
+  for (std::size_t t = 0; t < tiles.tiles.size(); ++t) {
+    const bool met = t == finest || meets(tiles.tiles[t]);
+    const Vec4 there = met ? tile_from_tile(tiles, t, finest) : Vec4(-9, -9, -9, 0);
+    for (int k = 0; k < 4; ++k)
+      block.tiles[4 * t + static_cast<std::size_t>(k)] = static_cast<float>(there[k]);
+  }
+  return light_space_in_map(tiles, finest);
+}
+
+}  // namespace
+
+void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, const DrawItem& item,
+                        bool flat, DrawBlock& block) {
+  const Mat4 model_from_mesh =
+      place.anchor ? item.model_from_mesh : place.anchor_from_model * item.model_from_mesh;
+  const LightSpace& frame =
+      place.tiles ? finest_tile(*place.tiles, model_from_mesh, item, mesh.error, block)
+                  : place.frame;
+  copy_rows(frame.sun_from_model * model_from_mesh, block.sun_from_mesh);
   copy_floats(frame.sun_normal_from_model * (place.anchor
                                                  ? item.model_normal_from_mesh
                                                  : place.anchor_turn * item.model_normal_from_mesh),
               block.sun_normal_from_mesh);
+  // 2^-20 of the size: what rounding to float leaves (2^-24) and no chord is as small as
+  const auto side = [&](int k) { return mesh.bounds_max[k] - mesh.bounds_min[k]; };
+  const bool own_shape = mesh.error <= 0x1p-20f * std::max({side(0), side(1), side(2)});
+  block.id[3] = own_shape && !flat ? 1 : 0;
   // a chord is as deep below the smooth surface as others stand out of it
   block.normal_offset[0] = flat ? 0.0f : static_cast<float>(2 * mesh.error);
 }
@@ -114,10 +164,14 @@ std::vector<std::vector<std::uint32_t>> neighbour_groups(std::span<const Vec3> c
   return result;
 }
 
-bool ShadowMaps::make(const GladGLContext& gl, Map& map, DiagnosticLog& log) const {
-  const auto size = static_cast<GLsizei>(side_);
-  map.depths = make_texture_2d(gl, 1, GL_DEPTH_COMPONENT32F, size, size);
-  map.slopes = make_texture_2d(gl, 1, GL_RG16F, size, size);
+bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map& map,
+                      DiagnosticLog& log) const {
+  map.depths = {};  // first, so that memory need not hold both
+  map.slopes = {};
+  const GLsizei width = texture_side(map.columns * side_, limits.framebuffer_side);
+  const GLsizei height = texture_side(map.rows * side_, limits.framebuffer_side);
+  map.depths = make_texture_2d(gl, 1, GL_DEPTH_COMPONENT32F, width, height);
+  map.slopes = make_texture_2d(gl, 1, GL_RG16F, width, height);
   map.limits = make_stream_buffer(gl);
   gl.NamedBufferStorage(map.limits.id(), sizeof(ShadowBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
   for (const GlTexture* texture : {&map.depths, &map.slopes}) {
@@ -132,55 +186,89 @@ bool ShadowMaps::make(const GladGLContext& gl, Map& map, DiagnosticLog& log) con
   if (gl.CheckNamedFramebufferStatus(id, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE &&
       gl.GetError() == GL_NO_ERROR)
     return true;
+  map.columns = 0;
+  map.depths = {};
+  map.slopes = {};
   log.report_file(
       Code::E5003, {},
-      fmt::format("the context has no memory for a shadow map of {} by {} texels", side_, side_));
+      fmt::format("the context has no memory for a shadow map of {} by {} texels", width, height));
   return false;
 }
 
-bool ShadowMaps::assign(const GladGLContext& gl, DiagnosticLog& log) {
+std::size_t ShadowMaps::stored_cells() const {
+  std::size_t cells = 0;
+  for (const Map& map : maps_) cells += map.columns * map.rows;
+  return cells;
+}
+
+bool ShadowMaps::assign(const ContextLimits& limits, const GladGLContext& gl, std::size_t most,
+                        DiagnosticLog& log) {
+  const auto take = [&](Group& group, Map& map) {
+    map.last_use = update_;
+    group.map = static_cast<std::size_t>(&map - maps_.data());
+  };
+  const auto has_room = [](const Group& group, const Map& map) {
+    return map.columns == group.layout.tiles.columns && map.rows == group.layout.tiles.rows;
+  };
   for (Group& group : groups_)
     for (Map& map : maps_)
-      if (map.last_use != update_ && map.to_sun == group.to_sun && map.receivers == group.members) {
-        map.last_use = update_;
-        group.map = static_cast<std::size_t>(&map - maps_.data());
+      if (map.last_use != update_ && map.drawn && map.to_sun == group.to_sun &&
+          map.receivers == group.members && map.layout.tiles == group.layout.tiles) {
+        take(group, map);
+        map.layout = group.layout;
         break;
       }
   for (Group& group : groups_) {
     if (group.map != kNone) continue;
-    auto oldest = maps_.begin();
-    for (auto map = maps_.begin(); map != maps_.end(); ++map)
-      if (map->last_use < oldest->last_use) oldest = map;
     // a map that nobody asks for now is drawn anew before memory is taken for another one
-    if (oldest == maps_.end() || oldest->last_use == update_) {
-      Map map;
-      if (!make(gl, map, log)) return false;
-      maps_.push_back(std::move(map));
-      oldest = maps_.end() - 1;
+    Map* chosen = nullptr;
+    for (Map& map : maps_)
+      if (map.last_use != update_ && has_room(group, map) &&
+          (!chosen || map.last_use < chosen->last_use))
+        chosen = &map;
+    if (!chosen) {
+      for (Map& map : maps_) {
+        if (stored_cells() + group.layout.tiles.cells() <= most) break;
+        if (map.last_use == update_) continue;
+        map.columns = 0;
+        map.drawn = false;
+        map.depths = {};
+        map.slopes = {};
+      }
+      for (Map& map : maps_)
+        if (map.last_use != update_ && map.columns == 0) chosen = &map;
+      if (!chosen) chosen = &maps_.emplace_back();
+      chosen->columns = group.layout.tiles.columns;
+      chosen->rows = group.layout.tiles.rows;
+      if (!make(limits, gl, *chosen, log)) return false;
     }
-    oldest->to_sun = Vec3(0);
-    oldest->receivers = group.members;
-    oldest->last_use = update_;
-    group.map = static_cast<std::size_t>(oldest - maps_.begin());
+    chosen->drawn = false;
+    chosen->to_sun = group.to_sun;
+    chosen->receivers = group.members;
+    chosen->layout = group.layout;
+    take(group, *chosen);
   }
   return true;
 }
 
-// Adds to targets_ and casters_.
-void ShadowMaps::add_casters(const Map& map, const world::World& world, const TargetStates& states,
-                             std::span<const Drawn> receivers) {
+// Adds to targets_ and casters_. Expects: frames_ are those of the map.
+void ShadowMaps::add_casters(const FrameScene& scene, std::span<const Drawn> receivers) {
   casters_.clear();
+  const world::World& world = scene.world;
   const world::Pose& anchor = world[receivers.front().target].pose();
   for (std::uint32_t i = 0; i < world.size(); ++i) {
-    if (!states[i].bounds) continue;
+    const std::optional<world::Bounds>& bounds = scene.states[i].bounds;
+    if (!bounds) continue;
     if (std::any_of(receivers.begin(), receivers.end(),
                     [&](const Drawn& one) { return one.target == i; }))
       continue;
     const world::Pose pose = relative_pose(anchor, world[i].pose());
-    if (!meets_column(map.frame.sun_from_model * pose.matrix(), states[i].bounds->min,
-                      states[i].bounds->max))
+    const Mat4 anchor_from_model = pose.matrix();
+    if (std::none_of(frames_.begin(), frames_.end(), [&](const LightSpace& frame) {
+          return meets_column(frame.sun_from_model * anchor_from_model, bounds->min, bounds->max);
+        }))
       continue;
-    targets_.push_back({i, false, true, {states[i].shape_stamp, pose}});
+    targets_.push_back({i, false, true, {scene.states[i].shape_stamp, pose}});
     casters_.push_back(targets_.back().member);
   }
 }
@@ -194,9 +282,9 @@ ShadowMaps::Group& ShadowMaps::add_group(std::size_t index) {
   return group;
 }
 
-void ShadowMaps::add_to(Group& group, const world::World& world, const TargetStates& states,
-                        std::span<const std::uint32_t> receivers, std::uint32_t receiver) const {
-  const std::uint32_t target = receivers[receiver];
+void ShadowMaps::add_to(Group& group, const FrameScene& scene, std::uint32_t receiver) const {
+  const world::World& world = scene.world;
+  const std::uint32_t target = scene.visible.targets[receiver].target;
   const bool first = group.targets.empty();
   const std::uint32_t anchor_target = first ? target : group.targets.front().target;
   const world::Pose& anchor = world[anchor_target].pose();
@@ -204,51 +292,113 @@ void ShadowMaps::add_to(Group& group, const world::World& world, const TargetSta
     group.to_sun =
         glm::normalize(glm::conjugate(anchor.rotation) * glm::normalize(world.sun().direction));
   const world::Pose pose = first ? world::Pose{} : relative_pose(anchor, world[target].pose());
-  group.targets.push_back({target, first, false, {states[target].shape_stamp, pose}});
+  group.targets.push_back({target, first, false, {scene.states[target].shape_stamp, pose}});
   group.members.push_back(group.targets.back().member);
   group.receivers.push_back(receiver);
 }
 
-void ShadowMaps::group(const world::World& world, const TargetStates& states,
-                       std::span<const std::uint32_t> receivers, std::size_t most) {
+void ShadowMaps::group(const FrameScene& scene, std::size_t most) {
   std::size_t count = 0;
+  const std::vector<VisibleTarget>& receivers = scene.visible.targets;
   if (receivers.size() <= most) {
-    for (std::uint32_t i = 0; i < receivers.size(); ++i)
-      add_to(add_group(count++), world, states, receivers, i);
+    for (std::uint32_t i = 0; i < receivers.size(); ++i) add_to(add_group(count++), scene, i);
   } else {
     std::vector<Vec3> centres;
-    for (const std::uint32_t target : receivers)
-      centres.push_back(centre_of(world[target], states[target]));
+    for (const VisibleTarget& one : receivers)
+      centres.push_back(centre_of(scene.world[one.target], scene.states[one.target]));
     for (const std::vector<std::uint32_t>& neighbours : neighbour_groups(centres, most)) {
       Group& group = add_group(count++);
-      for (const std::uint32_t i : neighbours) add_to(group, world, states, receivers, i);
+      for (const std::uint32_t i : neighbours) add_to(group, scene, i);
     }
   }
   groups_.resize(count);
 }
 
-bool ShadowMaps::refresh(Device::Impl& device, const world::World& world,
-                         const TargetStates& states, Group& group, DiagnosticLog& log,
-                         const Job& job) {
-  Map& map = maps_[group.map];
-  const bool refit = map.to_sun != group.to_sun;
-  if (refit) {
+// Sets group.layout, as a map has it or anew.
+void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits& limits) {
+  const Map* kept = nullptr;
+  const world::Camera& camera = scene.camera;
+  const ViewKey view{camera_from(camera, scene.world[group.targets.front().target].pose().matrix()),
+                     camera.focal,
+                     camera.principal,
+                     Vec2(camera.width, camera.height),
+                     camera.projection,
+                     limits.cells};
+  for (const Map& map : maps_)
+    if (map.drawn && map.to_sun == group.to_sun && map.receivers == group.members) {
+      kept = &map;
+      if (map.layout.view == view) break;
+    }
+  if (kept) {
+    group.layout = kept->layout;
+    if (kept->layout.view == view) return;
+  } else {
     placed_.clear();
     for (const Drawn& one : group.targets) {
       const Mat4 anchor_from_model = one.member.anchor_from_model.matrix();
-      for (const DrawItem& item : states[one.target].items()) {
+      for (const DrawItem& item : scene.states[one.target].items()) {
         placed_.push_back(item);
         if (!one.anchor) placed_.back().model_from_mesh = anchor_from_model * item.model_from_mesh;
       }
     }
-    map.frame = fitted_light_space(placed_, group.to_sun, side_);
+    group.layout.whole = fitted_light_space(placed_, group.to_sun, side_);
   }
+  shown_.clear();
+  for (const std::uint32_t receiver : group.receivers) {
+    const VisibleTarget& visible = scene.visible.targets[receiver];
+    const TargetState& state = scene.states[visible.target];
+    for (std::size_t k = 0; k < visible.items.size(); ++k)
+      shown_.push_back({&visible.boxes[k], state.resources, state.model().model.get(),
+                        state.items()[visible.items[k]].mesh});
+  }
+  group.layout.view = view;
+  group.layout.tiles =
+      finder_.find(camera, view.camera_from_model, group.layout.whole, shown_, limits);
+  shown_.clear();  // which hold models
+  group.layout.texel = finder_.texel();
+  group.layout.pixel = finder_.pixel();
+}
+
+void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits,
+                             DiagnosticLog& log) {
+  std::size_t spare = limits.cells - std::min(limits.cells, groups_.size());
+  std::size_t left = groups_.size();
+  const Group* worst = nullptr;
+  double most = kMostPixelsATexel;
+  for (Group& group : groups_) {
+    // what one leaves goes to those behind it
+    lay_out(group, scene, {limits.side, 1 + spare / left--, limits.cells_a_row});
+    spare -= group.layout.tiles.cells() - 1;
+    const double coarse = group.layout.texel / group.layout.pixel;
+    if (!(coarse > most)) continue;
+    most = coarse;
+    worst = &group;
+  }
+  if (!worst) return;
+  log.report_file(
+      Code::W5012, {},
+      fmt::format(
+          "the shadow map of '{}' has texels of {:.3g} m where a pixel spans {:.3g} m: edges "
+          "of shadows may be off by {:.2g} pixels there, expected at most {:.2g} "
+          "(a larger --shadow-side may give finer ones)",
+          scene.world[worst->targets.front().target].name(), worst->layout.texel,
+          worst->layout.pixel, 0.375 * most, 0.375 * kMostPixelsATexel));
+}
+
+bool ShadowMaps::refresh(Device::Impl& device, const FrameScene& scene, Group& group,
+                         DiagnosticLog& log, const Job& job) {
+  Map& map = maps_[group.map];
+  frames_.clear();
+  const ShadowTiles& tiles = map.layout.tiles;
+  for (std::size_t t = 0; t < tiles.tiles.size(); ++t)
+    frames_.push_back(light_space_of_tile(tiles, t));
+  if (frames_.empty()) frames_.push_back(map.layout.whole);
   targets_.assign(group.targets.begin(), group.targets.end());
-  add_casters(map, world, states, group.targets);
-  if (!refit && map.casters == casters_) return true;
-  map.to_sun = Vec3(0);
+  add_casters(scene, group.targets);
+  if (map.drawn && map.casters == casters_) return true;
+  map.drawn = false;
   for (const Drawn& one : targets_)
-    for (const DrawItem& item : states[one.target].items()) {
+    for (const DrawItem& item : scene.states[one.target].items()) {
       std::string problem;
       if (device.programs.shadow(item.variant.cutout, false, &problem) &&
           device.programs.shadow(item.variant.cutout, true, &problem))
@@ -257,48 +407,50 @@ bool ShadowMaps::refresh(Device::Impl& device, const world::World& world,
                       fmt::format("{} refuses a shader: {}", device.context->renderer(), problem));
       return false;
     }
-  if (!draw(device, map, states, job)) {
+  if (!draw(device, map, scene.states, job)) {
     report_cancelled(log);
     return false;
   }
   map.casters = casters_;
-  map.to_sun = group.to_sun;
+  map.drawn = true;
   return true;
 }
 
-bool ShadowMaps::update(Device::Impl& device, const world::World& world, const TargetStates& states,
-                        std::span<const std::uint32_t> receivers, unsigned side,
-                        std::uint64_t max_bytes, DiagnosticLog& log, const Job& job) {
+bool ShadowMaps::update(Device::Impl& device, const FrameScene& scene, const Limits& limits,
+                        DiagnosticLog& log, const Job& job) {
   const GladGLContext& gl = device.context->gl();
-  side = std::min(side, device.context->limits().framebuffer_side);
-  const auto most =
-      static_cast<std::size_t>(std::max<std::uint64_t>(max_bytes / (kTexelBytes * side * side), 1));
-  if (side != side_ || maps_.size() > most) maps_.clear();
+  const ContextLimits& context = device.context->limits();
+  const unsigned side = std::min(limits.side, context.framebuffer_side);
+  const auto most = static_cast<std::size_t>(
+      std::max<std::uint64_t>(limits.bytes / (kTexelBytes * side * side), 1));
+  if (side != side_ || stored_cells() > most) maps_.clear();
   side_ = side;
   ++update_;
   if (!stream_) {
     stride_ = block_stride(gl, sizeof(DrawBlock));
     stream_.emplace(gl);
   }
-  group(world, states, receivers, most);
-  places_.assign(receivers.size(), {});
-  if (!assign(gl, log)) return false;
+  group(scene, most);
+  lay_out_all(scene, {side, most, context.framebuffer_side / side}, log);
+  places_.assign(scene.visible.targets.size(), {});
+  if (!assign(context, gl, most, log)) return false;
   for (Group& group : groups_) {
-    if (!refresh(device, world, states, group, log, job)) return false;
+    if (!refresh(device, scene, group, log, job)) return false;
+    const Layout& layout = maps_[group.map].layout;
     for (std::size_t k = 0; k < group.receivers.size(); ++k) {
       const world::Pose& pose = group.members[k].anchor_from_model;
       places_[group.receivers[k]] = {
-          {maps_[group.map].frame, k == 0, pose.matrix(), glm::mat3_cast(pose.rotation)},
+          {layout.whole, k == 0, pose.matrix(), glm::mat3_cast(pose.rotation),
+           layout.tiles.tiles.empty() ? nullptr : &layout.tiles},
           group.map};
     }
   }
   return true;
 }
 
-// What is drawn of targets_, and its blocks.
-void ShadowMaps::upload(const Map& map, const TargetStates& states) {
-  draws_.clear();
-  blocks_.clear();
+// What is drawn of targets_ in one box.
+void ShadowMaps::add_draws(const LightSpace& frame, std::uint32_t tile, bool all_receivers,
+                           const TargetStates& states) {
   for (std::uint32_t t = 0; t < targets_.size(); ++t) {
     const Drawn& target = targets_[t];
     const std::span<const DrawItem> list = states[target.target].items();
@@ -307,19 +459,46 @@ void ShadowMaps::upload(const Map& map, const TargetStates& states) {
       if (!list[i].visible) continue;
       const Mat4 anchor_from_mesh =
           target.anchor ? list[i].model_from_mesh : anchor_from_model * list[i].model_from_mesh;
-      const Mat4 sun_from_mesh = map.frame.sun_from_model * anchor_from_mesh;
-      if (target.caster && !meets_column(sun_from_mesh, list[i].low, list[i].high)) continue;
+      const Mat4 sun_from_mesh = frame.sun_from_model * anchor_from_mesh;
+      if ((target.caster || !all_receivers) &&
+          !meets_column(sun_from_mesh, list[i].low, list[i].high))
+        continue;
       DrawBlock block{};
       copy_floats(sun_from_mesh, block.clip_from_mesh);
       block.id[0] = i + 1;
       copy_repeat(list[i], block);
-      draws_.push_back({t, i});
+      draws_.push_back({t, i, tile});
       blocks_.resize(blocks_.size() + stride_);
       std::memcpy(blocks_.data() + blocks_.size() - stride_, &block, sizeof block);
     }
   }
+}
+
+// What is drawn of targets_, and its blocks.
+void ShadowMaps::upload(const Map& map, const TargetStates& states) {
+  draws_.clear();
+  blocks_.clear();
+  for (std::uint32_t tile = 0; tile < frames_.size(); ++tile)
+    add_draws(frames_[tile], tile, map.layout.tiles.tiles.empty(), states);
   // what is bound of the last blocks reaches beyond them
   first_block_ = stream_->upload(blocks_, kInstancesAtOnce * stride_);
+}
+
+void ShadowMaps::set_limits(const GladGLContext& gl, const Map& map) const {
+  ShadowBlock limits{};
+  const ShadowTiles& tiles = map.layout.tiles;
+  const Vec3& extent = map.layout.whole.extent;
+  const double texel = std::max(extent.x, extent.y) / side_;
+  limits.texel_depth = static_cast<float>(tiles.tiles.empty() ? texel / extent.z : 1 / tiles.depth);
+  limits.half_width = static_cast<float>(tiles.columns * side_) / 2;
+  limits.half_height = static_cast<float>(tiles.rows * side_) / 2;
+  limits.tiles = static_cast<std::int32_t>(tiles.tiles.size());
+  for (std::size_t t = 0; t < tiles.tiles.size(); ++t) {
+    const Vec4 inside = inside_of_tile(tiles, t);
+    for (int k = 0; k < 4; ++k)
+      limits.inside[4 * t + static_cast<std::size_t>(k)] = static_cast<float>(inside[k]);
+  }
+  gl.NamedBufferSubData(map.limits.id(), 0, sizeof limits, &limits);
 }
 
 // False: the job is cancelled.
@@ -328,19 +507,17 @@ bool ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& 
   const GladGLContext& gl = device.context->gl();
   ++drawn_;
   upload(map, states);
-  const double texel = std::max(map.frame.extent.x, map.frame.extent.y) / side_;
-  const ShadowBlock limits{
-      static_cast<float>(texel / map.frame.extent.z), static_cast<float>(side_) / 2, {}};
-  gl.NamedBufferSubData(map.limits.id(), 0, sizeof limits, &limits);
+  set_limits(gl, map);
+  const std::vector<ShadowTile>& tiles = map.layout.tiles.tiles;
 
   gl.BindFramebuffer(GL_FRAMEBUFFER, map.framebuffer.id());
-  gl.Viewport(0, 0, static_cast<GLsizei>(side_), static_cast<GLsizei>(side_));
   gl.Enable(GL_DEPTH_TEST);
   const float nothing = 0;
   gl.ClearBufferfv(GL_DEPTH, 0, &nothing);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, kShadowBinding, map.limits.id());
   const DrawItem* last = nullptr;
   std::uint32_t last_target = ~0u;
+  std::uint32_t last_tile = ~0u;
   const auto item_at = [&](std::size_t k) -> const DrawItem& {
     return states[targets_[draws_[k].target].target].items()[draws_[k].item];
   };
@@ -349,7 +526,7 @@ bool ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& 
   for (std::size_t k = 0; k < draws_.size(); k += at_once) {
     std::size_t end = k;  // of its target's
     while (end < draws_.size() && end - k < kInstancesAtOnce &&
-           draws_[end].target == draws_[k].target)
+           draws_[end].target == draws_[k].target && draws_[end].tile == draws_[k].tile)
       ++end;
     at_once = drawn_at_once(k, end, item_at);
     const bool instanced = at_once > 1;
@@ -358,10 +535,17 @@ bool ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& 
     const GpuModel& gpu = state.model().gpu;
     const DrawItem& item = state.items()[draws_[k].item];
     const pan::layout::Mesh& mesh = state.model().model->meshes()[item.mesh];
+    if (draws_[k].tile != last_tile) {
+      last_tile = draws_[k].tile;
+      const ShadowTile tile =
+          tiles.empty() ? ShadowTile{Vec3(0), 0, 0, 0, side_} : tiles[last_tile];
+      gl.Viewport(static_cast<GLint>(tile.x), static_cast<GLint>(tile.y),
+                  static_cast<GLsizei>(tile.side), static_cast<GLsizei>(tile.side));
+    }
     if (draws_[k].target != last_target) {
       last = nullptr;
       last_target = draws_[k].target;
-      if (target.caster) gl.Enable(GL_DEPTH_CLAMP);
+      if (target.caster || !tiles.empty()) gl.Enable(GL_DEPTH_CLAMP);
     }
     if (!last || item.variant.cutout != last->variant.cutout || instanced != were_instanced)
       gl.UseProgram(device.programs.shadow(item.variant.cutout, instanced, nullptr));
@@ -382,11 +566,15 @@ bool ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& 
   return true;
 }
 
+void ShadowMaps::bind_limits(const GladGLContext& gl, std::size_t receiver) const {
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, kShadowBinding, maps_[places_[receiver].map].limits.id());
+}
+
 void ShadowMaps::bind(const GladGLContext& gl, std::size_t receiver) const {
   const Map& map = maps_[places_[receiver].map];
   gl.BindTextureUnit(kShadowDepthsUnit, map.depths.id());
   gl.BindTextureUnit(kShadowSlopesUnit, map.slopes.id());
-  gl.BindBufferBase(GL_UNIFORM_BUFFER, kShadowBinding, map.limits.id());
+  bind_limits(gl, receiver);
 }
 
 }  // namespace panwright::preview

@@ -11,7 +11,9 @@
 #include "base/job.h"
 #include "preview/context.h"
 #include "preview/frame/draw_list.h"
+#include "preview/frame/frame_scene.h"
 #include "preview/frame/light_space.h"
+#include "preview/frame/shadow_tiles.h"
 #include "preview/frame/target_states.h"
 #include "preview/gl/gl_objects.h"
 #include "preview/gl/programs.h"
@@ -27,6 +29,7 @@ struct SunPlace {
   bool anchor = true;
   Mat4 anchor_from_model{1};  // where it is not the anchor itself
   Mat3 anchor_turn{1};
+  const ShadowTiles* tiles = nullptr;  // of the map, where it has some: in place of the frame
 };
 
 // The rows of a block that place an item in light space. flat: shaded by its triangles' normals.
@@ -40,22 +43,29 @@ void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, co
 // Each target that is seen has a map, fitted to it alone; other targets are drawn into it where
 // they may throw a shadow on it. What of these lies sunward of the map's box is kept at its
 // border (depth clamp), where it hides all below. Beyond the bound on memory neighbours share maps.
+//
+// Where the texels of such a map are too wide for the pixels that see the target (a wide model, a
+// camera close by), the map consists of tiles that follow what the camera sees (shadow_tiles.h),
+// and into each is drawn what stands in its column towards the Sun.
 class ShadowMaps {
  public:
   // Draws the maps that are not there already: a map is kept as long as the shape of its receivers,
   // the Sun in their frame, and the shapes and relative poses of what casts shadows on them are the
   // same. Expects the state that Renderer::Impl::set_state() leaves.
   //
-  //   receivers  indices in the world of the targets that are seen, ascending, not empty
-  //   side       texels, > 4; the context may have less
-  // Fails: E0001; E5003; E5001 when the driver refuses a shader.
-  bool update(Device::Impl& device, const world::World& world, const TargetStates& states,
-              std::span<const std::uint32_t> receivers, unsigned side, std::uint64_t max_bytes,
+  // Expects: targets in view.
+  // Reports: W5012. Fails: E0001; E5003; E5001 when the driver refuses a shader.
+  struct Limits {
+    unsigned side = 2048;  // texels of a map or a cell of one, > 4; the context may have less
+    std::uint64_t bytes = 0;
+  };
+  bool update(Device::Impl& device, const FrameScene& scene, const Limits& limits,
               DiagnosticLog& log, const Job& job);
 
   // For the geometry and shading steps. receiver: into those of the last update.
   const SunPlace& place(std::size_t receiver) const { return places_[receiver].place; }
   void bind(const GladGLContext& gl, std::size_t receiver) const;
+  void bind_limits(const GladGLContext& gl, std::size_t receiver) const;  // the uniforms alone
 
   // Frees all maps: the next update draws anew.
   void forget() { maps_.clear(); }
@@ -71,13 +81,34 @@ class ShadowMaps {
     world::Pose anchor_from_model;
     bool operator==(const Member&) const = default;
   };
+  // What tiles depend on beside the targets.
+  struct ViewKey {
+    Mat4 camera_from_model{1};  // of the anchor
+    Vec2 focal{0};
+    Vec2 principal{0};
+    Vec2 size{0};  // pixels
+    world::Projection projection = world::Projection::perspective;
+    std::size_t cells = 0;  // at most
+    bool operator==(const ViewKey&) const = default;
+  };
+  // How a map is laid out.
+  struct Layout {
+    LightSpace whole;
+    ViewKey view;
+    ShadowTiles tiles;  // for this view
+    double texel = 0;   // the coarsest beside its pixel, metres
+    double pixel = 0;
+  };
   struct Map {
     // what it shows
-    Vec3 to_sun{0};  // of the anchor's frame, unit; 0: nothing is drawn
+    Vec3 to_sun{0};  // of the anchor's frame, unit
     std::vector<Member> receivers;
     std::vector<Member> casters;
-    LightSpace frame;
+    Layout layout;
+    bool drawn = false;
     std::uint64_t last_use = 0;  // number of an update
+    std::size_t columns = 0;     // cells of its textures; 0: there are none
+    std::size_t rows = 0;
     GlTexture depths;
     GlTexture slopes;
     GlFramebuffer framebuffer;
@@ -87,7 +118,7 @@ class ShadowMaps {
   struct Drawn {
     std::uint32_t target = 0;
     bool anchor = false;
-    bool caster = false;
+    bool caster = false;  // and no receiver
     Member member;
   };
   struct Place {
@@ -102,22 +133,28 @@ class ShadowMaps {
     std::vector<Drawn> targets;            // the same
     std::vector<Member> members;           // the same
     Vec3 to_sun{0};                        // of the anchor's frame, unit
+    Layout layout;
     std::size_t map = kNone;
   };
 
-  void group(const world::World& world, const TargetStates& states,
-             std::span<const std::uint32_t> receivers, std::size_t most);
+  void group(const FrameScene& scene, std::size_t most);
   Group& add_group(std::size_t index);
-  void add_to(Group& group, const world::World& world, const TargetStates& states,
-              std::span<const std::uint32_t> receivers, std::uint32_t receiver) const;
-  bool assign(const GladGLContext& gl, DiagnosticLog& log);
-  bool refresh(Device::Impl& device, const world::World& world, const TargetStates& states,
-               Group& group, DiagnosticLog& log, const Job& job);
-  bool make(const GladGLContext& gl, Map& map, DiagnosticLog& log) const;
-  void add_casters(const Map& map, const world::World& world, const TargetStates& states,
-                   std::span<const Drawn> receivers);
+  void add_to(Group& group, const FrameScene& scene, std::uint32_t receiver) const;
+  void lay_out(Group& group, const FrameScene& scene, const TileLimits& limits);
+  void lay_out_all(const FrameScene& scene, const TileLimits& limits, DiagnosticLog& log);
+  std::size_t stored_cells() const;
+  bool assign(const ContextLimits& limits, const GladGLContext& gl, std::size_t most,
+              DiagnosticLog& log);
+  bool refresh(Device::Impl& device, const FrameScene& scene, Group& group, DiagnosticLog& log,
+               const Job& job);
+  bool make(const ContextLimits& limits, const GladGLContext& gl, Map& map,
+            DiagnosticLog& log) const;
+  void add_casters(const FrameScene& scene, std::span<const Drawn> receivers);
+  void set_limits(const GladGLContext& gl, const Map& map) const;
   bool draw(Device::Impl& device, const Map& map, const TargetStates& states, const Job& job);
   void upload(const Map& map, const TargetStates& states);
+  void add_draws(const LightSpace& frame, std::uint32_t tile, bool all_receivers,
+                 const TargetStates& states);
 
   std::vector<Map> maps_;
   std::vector<Place> places_;
@@ -131,9 +168,13 @@ class ShadowMaps {
   std::vector<Drawn> targets_;   // of one map: its receivers, then what else throws shadows there
   std::vector<Member> casters_;  // of these
   std::vector<DrawItem> placed_;
+  std::vector<ShownItem> shown_;
+  std::vector<LightSpace> frames_;  // of the tiles of one map, or of all of it
+  ShadowTileFinder finder_;
   struct Draw {
     std::uint32_t target = 0;  // into targets_
     std::uint32_t item = 0;
+    std::uint32_t tile = 0;
   };
   std::vector<Draw> draws_;
   std::vector<std::byte> blocks_;

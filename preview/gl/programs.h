@@ -68,17 +68,18 @@ struct alignas(16) ViewBlock {
 struct alignas(16) DrawBlock {
   float clip_from_mesh[16];          // columns
   float world_normal_from_mesh[12];  // columns of 3, each padded to 4
-  std::uint32_t id[4];               // x: item + 1; y, z: samples left of and above the tile
-  float diffuse[4];                  // RGB; parts a side in which cells are averaged
-  float repeat[4];                   // of maps: x, y, and their signs
-  float cells[4];                    // their count along u and v, their gaps
-  float gap_color[4];                // RGB, fingers
-  float finger_color[4];             // RGB, their width
-  float sun_from_mesh[12];           // rows of 4, as LightSpace says
-  float sun_normal_from_mesh[12];    // columns of 3, each padded to 4
-  float normal_offset[4];  // x: how far a point is moved out before it is lit, mesh frame;
-                           // others: what glass over cells sends back of diffuse light
-  float padding[48];
+  std::uint32_t id[4];  // x: item + 1; y, z: samples left of and above the tile; w: 1 where shadows
+                        // are those of the triangles as they stand
+  float diffuse[4];     // RGB; parts a side in which cells are averaged
+  float repeat[4];      // of maps: x, y, and their signs
+  float cells[4];       // their count along u and v, their gaps
+  float gap_color[4];   // RGB, fingers
+  float finger_color[4];           // RGB, their width
+  float sun_from_mesh[12];         // rows of 4, as LightSpace says
+  float sun_normal_from_mesh[12];  // columns of 3, each padded to 4
+  float normal_offset[4];          // x: how far a point is moved out before it is lit, mesh frame;
+                                   // others: what glass over cells sends back of diffuse light
+  float tiles[48];                 // of the shadow map: how positions go from tile to tile
 };
 static_assert(sizeof(DrawBlock) == 512 && kInstancesAtOnce == 32);  // draw.glsl
 struct alignas(16) DecalBlock {

@@ -2,14 +2,16 @@
 // across the map. Defined in front: version, draw.glsl, and CUTOUT with cutout.glsl.
 layout(std140, binding = 4) uniform Shadow {
   float texel_depth;
-  float half_side;  // texels
+  float half_width;  // texels
+  float half_height;
 }
 shadow;
 
 layout(location = 0) out vec2 slope;
 
 void main() {
-  vec2 change = vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z)) * shadow.half_side;
+  vec2 change = vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z)) *
+                vec2(shadow.half_width, shadow.half_height);
   slope = clamp(change, vec2(-6e4), vec2(6e4));
 #ifdef CUTOUT
   if (!is_there()) discard;

@@ -1,7 +1,8 @@
 // How much of the Sun a sample sees, from the shadow map around it.
 layout(std140, binding = 4) uniform Shadow {
   float texel_depth;  // what one texel measures, as a share of the map's depth
-  float half_side;    // texels
+  float half_width;   // texels
+  float half_height;
 }
 shadow;
 
@@ -21,15 +22,16 @@ const float kMostDown = 16.0;
 // Whether what the Sun sees at a texel hides a sample from it. Both are planes here: the texel's
 // must lie above the sample, and the texel above the sample's. Along an edge one of the two fails,
 // whichever way it bends, so no bias is needed that grows with the slope.
-bool hides(ivec2 texel, vec3 place, vec2 slope) {
+bool hides(ivec2 texel, vec3 place, vec2 slope, vec2 half_size) {
   float depth = texelFetch(shadow_depths, texel, 0).r;
-  // sunward of the box: another target, above all that asks here
-  if (depth >= 1.0) return true;
-  vec2 there = (vec2(texel) + 0.5) / shadow.half_side - 1.0;
+  // sunward of the box: above all that asks here, but for what is on no tile
+  if (depth >= 1.0) return place.z <= 1.0;
+  vec2 there = (vec2(texel) + 0.5) / half_size - 1.0;
   vec2 step = there - place.xy;
-  vec2 reach = vec2(kTexelSlack / shadow.half_side);
+  vec2 reach = kTexelSlack / half_size;
   float slack = kDepthSlack + dot(abs(slope), reach);
-  if (!(depth > place.z + dot(slope, step) + slack)) return false;
+  // note: where nothing was drawn, depth 0, slopes are those of another map
+  if (!(depth > max(place.z + dot(slope, step) + slack, 0.0))) return false;
   vec2 its_slope = texelFetch(shadow_slopes, texel, 0).xy;
   float down = min(dot(its_slope, step), kMostDown * shadow.texel_depth);
   return depth - down > place.z + kDepthSlack + dot(abs(its_slope), reach);
@@ -41,13 +43,13 @@ float sun_visibility(ivec2 sample_at) {
   uvec4 found = texelFetch(sun_samples, sample_at, 0);
   vec3 place = uintBitsToFloat(found.xyz);
   vec2 slope = unpackHalf2x16(found.w);
-  vec2 at = clamp((place.xy + 1.0) * shadow.half_side - 0.5, vec2(0.0),
-                  vec2(2.0 * shadow.half_side - 1.001));
+  vec2 half_size = vec2(shadow.half_width, shadow.half_height);
+  vec2 at = clamp((place.xy + 1.0) * half_size - 0.5, vec2(0.0), 2.0 * half_size - 1.001);
   ivec2 first = ivec2(at);
   vec2 share = at - vec2(first);
   vec4 seen;
   for (int i = 0; i < 4; ++i)
-    seen[i] = hides(first + ivec2(i & 1, i >> 1), place, slope) ? 0.0 : 1.0;
+    seen[i] = hides(first + ivec2(i & 1, i >> 1), place, slope, half_size) ? 0.0 : 1.0;
   // note: a + (b - a)·t is exactly 1 where all four are
   vec2 rows = seen.xz + (seen.yw - seen.xz) * share.x;
   return rows.x + (rows.y - rows.x) * share.y;

@@ -2,9 +2,9 @@
 #include <cstring>
 #include <random>
 
-#include "textured.h"
 #include "preview/frame/shadow.h"
 #include "tests/support/sun_rays.h"
+#include "textured.h"
 
 namespace panwright::preview {
 namespace {
@@ -407,7 +407,13 @@ class Edits {
 };
 
 // Whatever was drawn before, and from wherever: the bits are those of a renderer without a past.
-TEST(WorldCaches, AnyEditGivesTheBitsOfAFreshRenderer) {
+// Close by, a map consists of tiles.
+class EditedWorlds : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(WorldCaches, EditedWorlds, testing::Bool());
+
+TEST_P(EditedWorlds, HaveTheBitsOfAFreshRenderer) {
+  const bool close = GetParam();
+  const unsigned side = close ? 40 : 96;
   Edits edits(12);
   world::World world;
   Renderer cached(shared_device());
@@ -418,10 +424,10 @@ TEST(WorldCaches, AnyEditGivesTheBitsOfAFreshRenderer) {
     edits.change(world);
     const View view = looking_from(
         step % 3 == 0 ? Vec3(1, 2, 1) : Vec3(-1, 0.1 * static_cast<double>(edits.number(5)), 0.4),
-        12, 0.7, 48);
-    RenderOptions options = truthful(96);
+        close ? 4 : 12, close ? 1.2 : 0.7, close ? 96 : 48);
+    RenderOptions options = truthful(side);
     options.flat = edits.number(4) == 0;
-    if (edits.number(4) == 0) options.max_shadow_bytes = 2 * ShadowMaps::kTexelBytes * 96 * 96;
+    if (edits.number(4) == 0) options.max_shadow_bytes = 2 * ShadowMaps::kTexelBytes * side * side;
     const Image image = drawn(cached, world, view.camera, options);
     Renderer fresh(shared_device());
     const Image other = drawn(fresh, world, view.camera, options);

@@ -1,0 +1,57 @@
+// What of boxes and triangles a part of a view shows, as the Sun sees it. Private to preview;
+// nothing here needs OpenGL.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "world/camera.h"
+
+namespace panwright::preview {
+
+// A part of what a camera sees: a rectangle of its image, pixels, and a range of depths along the
+// boresight, metres (perspective: near > 0).
+struct ViewCell {
+  Vec2 low{0};
+  Vec2 high{0};
+  double near = 0;
+  double far = 0;
+};
+
+// What seldom changes between questions.
+struct ViewFrame {
+  const world::Camera* camera = nullptr;
+  Mat4 light_from_camera{1};  // rigid: across the Sun's rays, across, towards the Sun; metres
+};
+
+// A box, or a triangle where there are 3 corners. Camera frame; a box's in the order of corners().
+struct ViewPiece {
+  std::array<Vec3, 8> corners;
+  unsigned count = 8;
+  // in light space, the whole of it, metres: x or y, z
+  double across = 0;
+  double deep = 0;
+};
+// Sets what is known of a piece as a whole.
+void measure(const ViewFrame& view, ViewPiece& piece);
+
+// Where what a cell shows of a piece lies.
+struct ShownPart {
+  Vec3 low{INFINITY};  // light space, metres
+  Vec3 high{-INFINITY};
+  Vec3 view_low{INFINITY};  // pixel x, pixel y, depth
+  Vec3 view_high{-INFINITY};
+
+  bool empty() const { return !(low.x <= high.x); }
+  void add(const ShownPart& other) {
+    low = glm::min(low, other.low);
+    high = glm::max(high, other.high);
+    view_low = glm::min(view_low, other.view_low);
+    view_high = glm::max(view_high, other.view_high);
+  }
+};
+
+// Exact for convex pieces, in double. Cost: some 100 plane tests at most.
+ShownPart shown_part(const ViewFrame& view, const ViewCell& cell, const ViewPiece& piece);
+
+}  // namespace panwright::preview

@@ -1,0 +1,43 @@
+// Where the parts of a mesh lie, finer than its one box. Private to preview; nothing here needs
+// OpenGL.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pan/model.h"
+
+namespace panwright::preview {
+
+// Triangles of a mesh that stand side by side in its index array.
+struct MeshRun {
+  Vec3 low{0};  // bounds, mesh frame
+  Vec3 high{0};
+  std::uint32_t first = 0;  // triangles
+  std::uint32_t count = 0;
+};
+
+// At most kMostRuns runs of at least 64 triangles, the last one apart. Cost: O(triangles).
+std::vector<MeshRun> mesh_runs(const pan::MeshView& mesh);
+inline constexpr std::size_t kMostRuns = 4096;
+
+// Those of meshes that were asked for, while their owners live.
+class MeshRunCache {
+ public:
+  // owner: what stands for the model; another model has another one.
+  std::span<const MeshRun> find(const std::shared_ptr<const void>& owner, const pan::Model& model,
+                                std::size_t mesh);
+
+ private:
+  struct Entry {
+    std::weak_ptr<const void> owner;
+    const void* key = nullptr;  // the owner, if it lives
+    std::size_t mesh = 0;
+    std::vector<MeshRun> runs;
+  };
+  std::vector<Entry> entries_;
+};
+
+}  // namespace panwright::preview
