@@ -174,22 +174,22 @@ struct Scattering::Parts {
   bool retro() const { return composition.brdf_model.specular == SpecularModel::retroreflector; }
   // through a coat the lobe is wider by its index
   RetroLobe retro_lobe(const f64::SurfaceFields& s) const {
-    return {f64::retro_concentration(s) / (s.coat_index * s.coat_index)};
+    return {f64::retro_concentration(s, 0) / (s.coat_index * s.coat_index)};
   }
 
   HalfVectors peak() const {
-    const double slope = f64::microfacet_slope(surface.coat_alpha, 0);
+    const double slope = f64::microfacet_slope(surface.coat_alpha);
     return {SpecularModel::beckmann, slope, slope, 0};
   }
 
   HalfVectors microfacets(const f64::SurfaceFields& s) const {
     if (mirror()) {
       const double bent = (s.coat_index - 1) * std::sqrt(0.5) * s.coat_alpha;
-      const double slope = f64::microfacet_slope(bent, 0);
+      const double slope = f64::microfacet_slope(bent);
       return {SpecularModel::beckmann, slope, slope, 0};
     }
-    double x = f64::microfacet_slope(s.alpha_x, 0);
-    double y = f64::microfacet_slope(s.alpha_y, 0);
+    double x = f64::microfacet_slope(s.alpha_x);
+    double y = f64::microfacet_slope(s.alpha_y);
     const SpecularModel brdf = composition.brdf_model.specular;
     if (brdf == SpecularModel::cook_torrance) y = x;
     if (f64::isotropic(x, y, s.tangent) > 0) x = y = std::sqrt(x * y);
