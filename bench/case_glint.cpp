@@ -144,6 +144,7 @@ void run_plate(Context& context, const std::shared_ptr<preview::Device>& gl, con
           .setting = fmt::format("{}; Sun at {:g} AU; limb darkening {:g}", brdf.name, static_cast<double>(au),
                                  static_cast<double>(limb)),
           .speed_unit = "ms/frame",
+          .error_unit = "",
           .reference = "quadrature over the disc in long double; slopes 0.001 to 0.1; 0 to 85 degrees",
           .reference_error = 1e-5};
   set_time(row, worst.timing, 1e3);

@@ -11,6 +11,7 @@ using disc_quadrature::Brdf;
 using disc_quadrature::Dir;
 using disc_quadrature::Lobe;
 using disc_quadrature::Long;
+using disc_quadrature::over_disc;
 
 Dir dir(const Vec3& v) { return {v.x, v.y, v.z}; }
 

@@ -10,6 +10,7 @@ using namespace testing_support;
 using disc_quadrature::Brdf;
 using disc_quadrature::Lobe;
 using disc_quadrature::Long;
+using disc_quadrature::over_disc;
 
 // Beside the disc only the lobe's flank is seen, of which even samples of the disc find little: the
 // mean was 0.24 of the truth at a slope of 0.003, 80° and 0.5° out of the plane of incidence.
@@ -31,7 +32,7 @@ TEST(ReferenceSunGlint, FlanksOfNarrowLobes) {
         const Vec3 v(std::sin(in) * std::cos(out), std::sin(out), std::cos(in) * std::cos(out));
         const Vec3 to_sun(-std::sin(angle), 0, std::cos(angle));
         const auto want = static_cast<double>(
-            over_disc({Brdf::beckmann, slope, slope, 1.5L},
+            over_disc(Lobe{Brdf::beckmann, slope, slope, 1.5L},
                       {-std::sin(Long(angle)), 0, std::cos(Long(angle))},
                       {std::sin(Long(in)) * std::cos(Long(out)), std::sin(Long(out)),
                        std::cos(Long(in)) * std::cos(Long(out))},

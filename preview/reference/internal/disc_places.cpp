@@ -66,7 +66,30 @@ Flank along_of(const materials::DiscLobe& lobe, double across) {
   return {lobe.peak.y * lobe.axis.x - lobe.peak.x * lobe.axis.y, lobe.wide, -half, half};
 }
 
+// Whether only the flank of a lobe lies on the disc, and falls by e⁴ there. Others are found by even
+// places, and by directions that the lobe draws.
+bool is_flank(const materials::DiscLobe& lobe) {
+  const double centres[] = {std::fabs(glm::dot(lobe.peak, lobe.axis)),
+                            std::fabs(lobe.peak.y * lobe.axis.x - lobe.peak.x * lobe.axis.y)};
+  const double widths[] = {lobe.narrow, lobe.wide};
+  double nearest = 0, fall = 0;
+  for (int i = 0; i < 2; ++i) {
+    const double beside = std::max(centres[i] - 1, 0.0) / widths[i];
+    const double far = (centres[i] + 1) / widths[i];
+    nearest += beside * beside;
+    fall += (far - beside) * (far + beside);
+  }
+  return nearest > 0 && fall > 4;
+}
+
 }  // namespace
+
+DiscPlaces::DiscPlaces(const materials::DiscLobes& lobes) {
+  for (int i = 0; i < lobes.count; ++i) {
+    const materials::DiscLobe& lobe = lobes.all[static_cast<std::size_t>(i)];
+    if (is_flank(lobe)) lobes_.all[static_cast<std::size_t>(lobes_.count++)] = lobe;
+  }
+}
 
 Vec2 DiscPlaces::sample(const Vec2& u) const {
   const int ways = lobes_.count + 1;

@@ -10,9 +10,9 @@ namespace panwright::preview::reference {
 // any would be where the flank of a lobe beside the disc is, which is all that is seen then.
 class DiscPlaces {
  public:
-  explicit DiscPlaces(const materials::DiscLobes& lobes) : lobes_(lobes) {}
+  explicit DiscPlaces(const materials::DiscLobes& lobes);
 
-  // From u in the unit square: evenly, or by one of the lobes.
+  // From u in the unit square: evenly, or by one of the lobes that look beside the disc.
   Vec2 sample(const Vec2& u) const;
   // Of sample(), over the disc; 0 outside.
   double pdf(const Vec2& place) const;
