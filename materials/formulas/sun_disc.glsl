@@ -117,8 +117,18 @@ FORMULA Real shows_disc(Real heavy, Real slope, Real radius, Real cos_sum) {
   return Real(0);
 }
 
+// Whether a lobe that shows the disc does so here. Farther away a Gaussian one is 0 (below e^-80), and
+// GGX even over the disc: slopes have no digits to spare then.
+FORMULA Real near_disc(Real heavy, Vec3 slopes, Real radius, Vec3 over_x, Vec3 over_y, Real cos_sum) {
+  Real square = dot3(slopes, slopes);
+  Real reach2 = radius * radius * (dot3(over_x, over_x) + dot3(over_y, over_y)) / (cos_sum * cos_sum);
+  Real limit = heavy > Real(0) ? Real(36) * reach2 : Real(162) + Real(2) * reach2;
+  if (square < limit) return Real(1);
+  return Real(0);
+}
+
 // The direction in the disc from which most of what the viewer sees comes: all but the slopes'
-// distribution is taken there. to_light where the lobe is wide.
+// distribution is taken there. Exactly to_light where the lobe is wide or far away, and nowhere else.
 FORMULA Vec3 sunlit_from(Real heavy, Real limb, Real radius, Real slope, Vec3 over_x, Vec3 over_y,
                          Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
   Vec3 inside = below_index(to_light, normal, index);
@@ -127,6 +137,7 @@ FORMULA Vec3 sunlit_from(Real heavy, Real limb, Real radius, Real slope, Vec3 ov
   if (!(cos_sum > Real(1e-6))) return to_light;
   if (!(shows_disc(heavy, slope, radius, cos_sum) > Real(0))) return to_light;
   Vec3 slopes = Vec3(dot3(over_x, both) / cos_sum, dot3(over_y, both) / cos_sum, Real(0));
+  if (!(near_disc(heavy, slopes, radius, over_x, over_y, cos_sum) > Real(0))) return to_light;
   Vec3 step_x = slope_step(light_step(disc_x(to_light), radius, to_light, to_light, inside, normal, index),
                            slopes, over_x, over_y, tilted, cos_sum);
   Vec3 step_y = slope_step(light_step(disc_y(to_light), radius, to_light, to_light, inside, normal, index),
@@ -145,12 +156,15 @@ FORMULA Vec3 sunlit_from(Real heavy, Real limb, Real radius, Real slope, Vec3 ov
   Real variance = disc_variance(limb);
   across = across * variance / (variance + share * narrow2);
   along = along * variance / (variance + share * wide2);
+  // never the very centre, which stands for a lobe that shows no disc
+  if (abs(across) < Real(0.02)) across = Real(0.02);
   across = min(max(across, Real(-0.98)), Real(0.98));
   Real chord = sqrt(Real(0.9605) - across * across);
   along = min(max(along, Real(0) - chord), chord);
   Vec3 place = Vec3(across * axis.x - along * axis.y, across * axis.y + along * axis.x, Real(0));
   Vec3 from = disc_light(to_light, place, radius);
-  if (!(dot3(normal, from) > Real(1e-6))) return to_light;
+  Real height = dot3(normal, from);
+  if (height < Real(1e-6)) from = from + normal * (Real(1e-6) - height);
   return from;
 }
 
@@ -347,11 +361,16 @@ FORMULA Real density_over_disc(Real heavy, Real shine, Real limb, Real radius, R
   Vec3 slopes = Vec3(dot3(over_x, both) / cos_sum, dot3(over_y, both) / cos_sum, Real(0));
   Vec3 axis_x = disc_x(to_light);
   Vec3 axis_y = disc_y(to_light);
-  Vec3 step_x = slope_step(light_step(axis_x, radius, to_light, from, inside, normal, index), slopes, over_x,
+  Vec3 moved = from - to_light;
+  Real near_lobe = dot3(moved, moved);
+  // what the lengths of half vectors add is no small step far from a narrow lobe
+  Vec3 turning = slopes;
+  if (narrow_lobe > Real(0) && !(near_lobe > Real(0))) turning = Vec3(Real(0));
+  Vec3 step_x = slope_step(light_step(axis_x, radius, to_light, from, inside, normal, index), turning, over_x,
                            over_y, tilted, cos_sum);
-  Vec3 step_y = slope_step(light_step(axis_y, radius, to_light, from, inside, normal, index), slopes, over_x,
+  Vec3 step_y = slope_step(light_step(axis_y, radius, to_light, from, inside, normal, index), turning, over_x,
                            over_y, tilted, cos_sum);
-  if (narrow_lobe > Real(0)) {
+  if (near_lobe > Real(0)) {
     Real determinant = slope_determinant(step_x, step_y);
     Vec3 centre = place_of_peak(Vec3(dot3(from, axis_x) / radius, dot3(from, axis_y) / radius, Real(0)), slopes, step_x,
                            step_y, determinant);
@@ -362,11 +381,10 @@ FORMULA Real density_over_disc(Real heavy, Real shine, Real limb, Real radius, R
     Real along = centre.y * axis.x - centre.x * axis.y;
     if (!(heavy > Real(0)))
       return gaussian_over_disc(across, along, narrow, wide, limb) * over_gaussian(shine, slopes);
-    // farther away the lobe is even over the disc
-    if (max(abs(across), abs(along)) < Real(6)) return heavy_over_disc(across, along, narrow, wide, limb);
-    slopes = Vec3(Real(0)) - centre.x * step_x - centre.y * step_y;
+    return heavy_over_disc(across, along, narrow, wide, limb);
   }
   if (heavy > Real(0)) return heavy_wide(slopes, step_x, step_y, limb);
+  if (narrow_lobe > Real(0)) return Real(0);
   Real square = dot3(slopes, slopes);
   if (shine > Real(0)) square = Real(0.5) * shine * log_one_plus(min(square * Real(2) / shine, Real(1e30)));
   return gaussian_wide(square, slopes, step_x, step_y, limb);
