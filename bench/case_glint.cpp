@@ -31,10 +31,11 @@ struct BrdfRow {
   SpecularModel model;
   Long index;
 };
-constexpr BrdfRow kBrdfs[] = {{"Cook-Torrance", Brdf::cook_torrance, SpecularModel::cook_torrance, 1.5L},
-                              {"Beckmann", Brdf::beckmann, SpecularModel::beckmann, 1.5L},
-                              {"GGX", Brdf::ggx, SpecularModel::ggx, 1.5L},
-                              {"Blinn-Phong", Brdf::blinn_phong, SpecularModel::blinn_phong, 0}};
+constexpr BrdfRow kBrdfs[] = {
+    {"Cook-Torrance", Brdf::cook_torrance, SpecularModel::cook_torrance, 1.5L},
+    {"Beckmann", Brdf::beckmann, SpecularModel::beckmann, 1.5L},
+    {"GGX", Brdf::ggx, SpecularModel::ggx, 1.5L},
+    {"Blinn-Phong", Brdf::blinn_phong, SpecularModel::blinn_phong, 0}};
 
 Material material_of(const BrdfRow& brdf, double slope) {
   Material m;
@@ -75,8 +76,8 @@ struct Errors {
 };
 
 // One image; whole: all of its pixels, else those in the plane of incidence and across it.
-void compare(Context& context, const std::shared_ptr<preview::Device>& gl, const BrdfRow& brdf, Long slope,
-             double theta_deg, Long au, Long limb, bool whole, Errors& worst) {
+void compare(Context& context, const std::shared_ptr<preview::Device>& gl, const BrdfRow& brdf,
+             Long slope, double theta_deg, Long au, Long limb, bool whole, Errors& worst) {
   DiagnosticLog log;
   const auto model = plate_of(material_of(brdf, static_cast<double>(slope)), log);
   if (!model) return context.note("the plate was refused");
@@ -111,13 +112,14 @@ void compare(Context& context, const std::shared_ptr<preview::Device>& gl, const
       if (!whole && x != side / 2 && y != side / 2) continue;
       const Vec2 plane = (Vec2(x + 0.5, y + 0.5) - view.camera.principal) / view.camera.focal;
       const Vec3 v = view.camera.world_from_camera * -glm::normalize(Vec3(plane, 1));
-      const auto want = static_cast<double>(
-          over_disc({brdf.brdf, slope, slope, brdf.index}, {view.to_sun.x, 0, view.to_sun.z},
-                    {v.x, v.y, v.z}, kRadius / au, limb));
+      const auto want = static_cast<double>(over_disc({brdf.brdf, slope, slope, brdf.index},
+                                                      {view.to_sun.x, 0, view.to_sun.z},
+                                                      {v.x, v.y, v.z}, kRadius / au, limb));
       const auto got = static_cast<double>(image->radiance[3 * (std::size_t{y} * side + x)]);
       largest = std::max(largest, want);
       error = std::max(error, std::fabs(got - want));
-      if (!whole && x == side / 2 && y == side / 2) worst.peak = std::max(worst.peak, std::fabs(got / want - 1));
+      if (!whole && x == side / 2 && y == side / 2)
+        worst.peak = std::max(worst.peak, std::fabs(got / want - 1));
       want_sum += want;
       got_sum += got;
     }
@@ -130,8 +132,8 @@ void compare(Context& context, const std::shared_ptr<preview::Device>& gl, const
   worst.where = fmt::format("slope {:g}; {:g}°", static_cast<double>(slope), theta_deg);
 }
 
-void run_plate(Context& context, const std::shared_ptr<preview::Device>& gl, const BrdfRow& brdf, Long au,
-               Long limb) {
+void run_plate(Context& context, const std::shared_ptr<preview::Device>& gl, const BrdfRow& brdf,
+               Long au, Long limb) {
   Errors worst;
   for (const Long slope : {0.001L, 0.003L, 0.01L, 0.03L, 0.1L})
     for (const double theta : {0.0, 30.0, 60.0, 75.0, 85.0}) {
@@ -140,13 +142,14 @@ void run_plate(Context& context, const std::shared_ptr<preview::Device>& gl, con
       if (!context.quick() && (theta == 0 || theta == 75) && (slope == 0.001L || slope == 0.01L))
         compare(context, gl, brdf, slope, theta, au, limb, true, worst);
     }
-  Row row{.case_name = "glint",
-          .setting = fmt::format("{}; Sun at {:g} AU; limb darkening {:g}", brdf.name, static_cast<double>(au),
-                                 static_cast<double>(limb)),
-          .speed_unit = "ms/frame",
-          .error_unit = "",
-          .reference = "quadrature over the disc in long double; slopes 0.001 to 0.1; 0 to 85 degrees",
-          .reference_error = 1e-5};
+  Row row{
+      .case_name = "glint",
+      .setting = fmt::format("{}; Sun at {:g} AU; limb darkening {:g}", brdf.name,
+                             static_cast<double>(au), static_cast<double>(limb)),
+      .speed_unit = "ms/frame",
+      .error_unit = "",
+      .reference = "quadrature over the disc in long double; slopes 0.001 to 0.1; 0 to 85 degrees",
+      .reference_error = 1e-5};
   set_time(row, worst.timing, 1e3);
   const auto add = [&](const char* unit, double error, double must) {
     row.error = error;
@@ -161,7 +164,8 @@ void run_plate(Context& context, const std::shared_ptr<preview::Device>& gl, con
     context.note(fmt::format("{}: the profile is worst at {}", row.setting, worst.where));
 }
 
-// The largest |f32 - f64|/f64 where f64 is above 1e-6 of its largest, lights and viewers up to an angle.
+// The largest |f32 - f64|/f64 where f64 is above 1e-6 of its largest, lights and viewers up to an
+// angle.
 double single_precision(const Material& m, double most_deg, int count) {
   const materials::f32::CompiledBrdf single(m);
   const materials::f64::CompiledBrdf twice(m);
@@ -192,7 +196,8 @@ double single_precision(const Material& m, double most_deg, int count) {
   }
   double worst = 0;
   for (const Pair& one : all)
-    if (one.want > 1e-6 * largest) worst = std::max(worst, std::fabs(one.got - one.want) / one.want);
+    if (one.want > 1e-6 * largest)
+      worst = std::max(worst, std::fabs(one.got - one.want) / one.want);
   return worst;
 }
 
@@ -205,7 +210,8 @@ void run_precision(Context& context) {
         double worst = 0;
         const Timing timing = timed([&] { worst = single_precision(m, most, count); }, 1);
         Row row{.case_name = "glint",
-                .setting = fmt::format("precision; {}; slope {:g}; to {:g} degrees", brdf.name, slope, most),
+                .setting = fmt::format("precision; {}; slope {:g}; to {:g} degrees", brdf.name,
+                                       slope, most),
                 .speed_unit = "ns/pair",
                 .error = worst,
                 .error_unit = "single precision, relative",
@@ -224,8 +230,8 @@ void run(Context& context) {
   const std::shared_ptr<preview::Device> device = *std::move(gl);
   context.set_renderer(device->context().renderer());
   for (const BrdfRow& brdf : kBrdfs)
-    for (const auto& [au, limb] : {std::pair{0.3L, 0.0L}, std::pair{1.0L, 0.0L}, std::pair{1.0L, 0.6L},
-                                   std::pair{5.0L, 0.0L}})
+    for (const auto& [au, limb] : {std::pair{0.3L, 0.0L}, std::pair{1.0L, 0.0L},
+                                   std::pair{1.0L, 0.6L}, std::pair{5.0L, 0.0L}})
       run_plate(context, device, brdf, au, limb);
   run_precision(context);
 }

@@ -160,14 +160,15 @@ TEST(Retroreflector, UnderTheSunsDisc) {
       constexpr int kRings = 200, kSpokes = 128;
       for (int i = 0; i < kRings; ++i)
         for (int k = 0; k < kSpokes; ++k) {
-          const double r = radius * std::sqrt((i + 0.5) / kRings), turn = 2 * kPi * (k + 0.5) / kSpokes;
+          const double r = radius * std::sqrt((i + 0.5) / kRings),
+                       turn = 2 * kPi * (k + 0.5) / kSpokes;
           const double x = away + r * std::cos(turn), y = r * std::sin(turn);
           mean += std::exp(-(x * x + y * y) / (2 * width * width)) / (kRings * kSpokes);
         }
       const Vec3 l = at(0.2, away / std::sin(0.2));
       const double got = f64::brdf(m, l, v, kNormal, Vec3(1), sun).x;
-      worst = std::max(worst, std::fabs(got / bare - mean) / std::max(mean, 0.05 * radius * radius /
-                                                                             (width * width)));
+      worst = std::max(worst, std::fabs(got / bare - mean) /
+                                  std::max(mean, 0.05 * radius * radius / (width * width)));
       if (away == 0) EXPECT_NEAR(got / bare / mean, 1, 3e-3) << width;
     }
   }

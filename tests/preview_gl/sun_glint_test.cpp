@@ -22,9 +22,9 @@ materials::Material material_of(const Lobe& lobe) {
   m.weights = Vec3(0, 1, 0);
   m.refract = Vec3(static_cast<double>(lobe.index));
   const auto slope = static_cast<double>(lobe.ax);
-  m.specular_brdf = materials::with_slopes(lobe.brdf == Brdf::ggx ? materials::SpecularModel::ggx
-                                                                  : materials::SpecularModel::beckmann,
-                                           Vec2(slope));
+  m.specular_brdf = materials::with_slopes(
+      lobe.brdf == Brdf::ggx ? materials::SpecularModel::ggx : materials::SpecularModel::beckmann,
+      Vec2(slope));
   materials::fit(m);
   return m;
 }
@@ -63,11 +63,11 @@ TEST(SunGlint, FlatPlate) {
         worst_peak = std::max(worst_peak, peak);
         worst_sum = std::max(worst_sum, std::fabs(sum[1] / sum[0] - 1));
         if (error > 0.02 * largest)
-          printf("slope %g, %g deg: peak %.1e, profile %.1e\n", static_cast<double>(slope), theta, peak,
-                 error / largest);
+          printf("slope %g, %g deg: peak %.1e, profile %.1e\n", static_cast<double>(slope), theta,
+                 peak, error / largest);
       }
-    printf("%s: peak %.1e, profile %.1e, sum %.1e\n", brdf == Brdf::ggx ? "ggx" : "beckmann", worst_peak,
-           worst, worst_sum);
+    printf("%s: peak %.1e, profile %.1e, sum %.1e\n", brdf == Brdf::ggx ? "ggx" : "beckmann",
+           worst_peak, worst, worst_sum);
     EXPECT_LE(worst_peak, 0.02);
     EXPECT_LE(worst, 0.02);
     EXPECT_LE(worst_sum, 0.01);

@@ -23,11 +23,13 @@ TEST(ReferenceSunGlint, FlanksOfNarrowLobes) {
       m.specular = Vec3(1);
       m.weights = Vec3(0, 1, 0);
       m.refract = Vec3(1.5);
-      m.specular_brdf = materials::with_slopes(materials::SpecularModel::beckmann, Vec2(double(slope)));
+      m.specular_brdf =
+          materials::with_slopes(materials::SpecularModel::beckmann, Vec2(double(slope)));
       materials::fit(m);
       const pan::Model model = model_of(single(plate(8, 8), m));
       // one pixel each, as narrow as the flank
-      for (const Vec2 place : {Vec2(0, 0), Vec2(0.2, 0.1), Vec2(0, 0.3), Vec2(0.4, 0), Vec2(0, 0.5)}) {
+      for (const Vec2 place :
+           {Vec2(0, 0), Vec2(0.2, 0.1), Vec2(0, 0.3), Vec2(0.4, 0), Vec2(0, 0.5)}) {
         const double in = angle + place.x * kDegree, out = place.y * kDegree;
         const Vec3 v(std::sin(in) * std::cos(out), std::sin(out), std::cos(in) * std::cos(out));
         const Vec3 to_sun(-std::sin(angle), 0, std::cos(angle));
@@ -46,8 +48,8 @@ TEST(ReferenceSunGlint, FlanksOfNarrowLobes) {
         const ReferenceImage result = traced(model, view, options, 0.6);
         const auto got = static_cast<double>(result.image.radiance[0]);
         const auto error = static_cast<double>(result.standard_error[0]);
-        printf("slope %g, %g deg, (%g, %g): %.3e, off by %+.1e, error %.1e\n", double(slope), theta, place.x,
-               place.y, want, got / want - 1, error / want);
+        printf("slope %g, %g deg, (%g, %g): %.3e, off by %+.1e, error %.1e\n", double(slope), theta,
+               place.x, place.y, want, got / want - 1, error / want);
         EXPECT_NEAR(got, want, 4 * error + 2e-3 * want);
         EXPECT_LE(error, 0.05 * want);
       }

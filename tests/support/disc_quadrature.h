@@ -1,5 +1,5 @@
-// The radiance of a flat plate under the Sun's disc: quadrature of BRDFs as the papers print them, in
-// long double. Shares nothing with the formulas of materials.
+// The radiance of a flat plate under the Sun's disc: quadrature of BRDFs as the papers print them,
+// in long double. Shares nothing with the formulas of materials.
 #pragma once
 
 #include <algorithm>
@@ -126,21 +126,23 @@ inline Long over_disc(const Lobe& lobe, const Dir& l, const Dir& v, Long radius,
   const auto light = [&](Long x, Long y) {
     return radius * x * e1 + radius * y * e2 + std::sqrt(1 - radius * radius * (x * x + y * y)) * l;
   };
-  return panels(-1, 1, c1, w1, [&](Long x) {
-           const Long h = std::sqrt(std::max(1 - x * x, Long(0)));
-           // where the lobe is on this chord, and how wide: a parabola through three points
-           const Long below = lobe.square(light(x, -h), v), middle = lobe.square(light(x, 0), v),
-                      above = lobe.square(light(x, h), v);
-           const Long bend = std::max((above + below) / 2 - middle, Long(1e-12)) / (h * h);
-           const Long about = -(above - below) / (4 * h * bend);
-           return panels(-h, h, about, 1 / std::sqrt(bend), [&](Long y) {
-             const Long r2 = x * x + y * y;
-             const Long height = std::sqrt(std::max(1 - r2, Long(0)));
-             const Long cosine = std::sqrt(1 - radius * radius * r2);
-             const Dir from = light(x, y);
-             return (1 - limb * (1 - height)) / (1 - limb / 3) / cosine * lobe(from, v);
-           });
-         }) /
+  return panels(-1, 1, c1, w1,
+                [&](Long x) {
+                  const Long h = std::sqrt(std::max(1 - x * x, Long(0)));
+                  // where the lobe is on this chord, and how wide: a parabola through three points
+                  const Long below = lobe.square(light(x, -h), v),
+                             middle = lobe.square(light(x, 0), v),
+                             above = lobe.square(light(x, h), v);
+                  const Long bend = std::max((above + below) / 2 - middle, Long(1e-12)) / (h * h);
+                  const Long about = -(above - below) / (4 * h * bend);
+                  return panels(-h, h, about, 1 / std::sqrt(bend), [&](Long y) {
+                    const Long r2 = x * x + y * y;
+                    const Long height = std::sqrt(std::max(1 - r2, Long(0)));
+                    const Long cosine = std::sqrt(1 - radius * radius * r2);
+                    const Dir from = light(x, y);
+                    return (1 - limb * (1 - height)) / (1 - limb / 3) / cosine * lobe(from, v);
+                  });
+                }) /
          kLongPi;
 }
 

@@ -66,8 +66,8 @@ Flank along_of(const materials::DiscLobe& lobe, double across) {
   return {lobe.peak.y * lobe.axis.x - lobe.peak.x * lobe.axis.y, lobe.wide, -half, half};
 }
 
-// Whether only the flank of a lobe lies on the disc, and falls by e⁴ there. Others are found by even
-// places, and by directions that the lobe draws.
+// Whether only the flank of a lobe lies on the disc, and falls by e⁴ there. Others are found by
+// even places, and by directions that the lobe draws.
 bool is_flank(const materials::DiscLobe& lobe) {
   const double centres[] = {std::fabs(glm::dot(lobe.peak, lobe.axis)),
                             std::fabs(lobe.peak.y * lobe.axis.x - lobe.peak.x * lobe.axis.y)};
