@@ -112,8 +112,8 @@ FORMULA Real ggx_smith(Real slope_x, Real slope_y, Vec3 tangent, Vec3 to_light, 
   Vec3 turned = cross3(normal, both);
   Real sum2 = cos_sum * cos_sum;
   Real ratio = (sum2 + dot3(turned, turned)) / (sum2 + over_slopes(slope_x, slope_y, tangent, turned, normal));
-  return ggx_masked(ratio * ratio * Real(0.31830988618379067) / (slope_x * slope_y), slope_x, slope_y, tangent,
-                    to_light, to_viewer, normal);
+  Real d = ratio * ratio * Real(0.31830988618379067) / (slope_x * slope_y);
+  return ggx_masked(d, slope_x, slope_y, tangent, to_light, to_viewer, normal);
 }
 
 // The axes of slopes over alpha.
@@ -181,8 +181,8 @@ FORMULA Real ggx_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 
   if (!(cos_sum > Real(1e-6))) return Real(0);
   Real secant2 = Real(1) + dot3(turned, turned) / (cos_sum * cos_sum);
   Real density = microfacets_density(s, Real(1), slope_x, slope_y, from, to_light, to_viewer, normal, tilted, index);
-  return ggx_masked(density * secant2 * secant2 * Real(0.31830988618379067) / (slope_x * slope_y), slope_x,
-                    slope_y, s.tangent, l, v, tilted);
+  Real d = density * secant2 * secant2 * Real(0.31830988618379067) / (slope_x * slope_y);
+  return ggx_masked(d, slope_x, slope_y, s.tangent, l, v, tilted);
 }
 
 // A mirror, by itself or below a coat, whose passing stands apart: light leaves at the angle it came

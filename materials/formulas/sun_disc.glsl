@@ -320,9 +320,16 @@ FORMULA Real heavy_wide(Vec3 slopes, Vec3 step_x, Vec3 step_y, Real limb) {
   Vec3 a = reach * step_x;
   Vec3 b = reach * (Real(0.5) * step_x + Real(0.8660254037844386) * step_y);
   Vec3 c = b - a;
+  // note: in variables, as arguments of calls are not `precise`
+  Vec3 a_more = slopes + a;
+  Vec3 a_less = slopes - a;
+  Vec3 b_more = slopes + b;
+  Vec3 b_less = slopes - b;
+  Vec3 c_more = slopes + c;
+  Vec3 c_less = slopes - c;
   return (Real(1) - Real(6) * outer) * heavy_density(slopes) +
-         outer * (heavy_density(slopes + a) + heavy_density(slopes - a) + heavy_density(slopes + b) +
-                  heavy_density(slopes - b) + heavy_density(slopes + c) + heavy_density(slopes - c));
+         outer * (heavy_density(a_more) + heavy_density(a_less) + heavy_density(b_more) +
+                  heavy_density(b_less) + heavy_density(c_more) + heavy_density(c_less));
 }
 
 // The mean over the disc where the lobe is Gaussian and wide: its variance added. x: exp(-x) is the
