@@ -45,8 +45,8 @@ FORMULA Real cook_torrance_as_printed(Real slope, Vec3 to_light, Vec3 to_viewer,
 // Under the Sun's disc: see sunlit_from() and density_over_disc().
 FORMULA Vec3 cook_torrance_from(Surface s, Real slope, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
                                 Real index) {
-  if (!(s.sun_alpha2 > Real(0))) return to_light;
   Real m = cook_torrance_slope(slope);
+  if (point_sun(s.sun_alpha2, m, to_light, to_viewer, tilted) > Real(0)) return to_light;
   return sunlit_from(Real(0), s.sun_limb, disc_radius(s.sun_alpha2), m, disc_x(tilted) / m, disc_y(tilted) / m,
                      to_light, to_viewer, normal, tilted, index);
 }
@@ -55,7 +55,8 @@ FORMULA Real cook_torrance_sunlit(Surface s, Real slope, Vec3 from, Vec3 to_ligh
                                   Vec3 tilted, Real index) {
   Vec3 l = below_index(from, normal, index);
   Vec3 v = below_index(to_viewer, normal, index);
-  if (!(s.sun_alpha2 > Real(0))) return cook_torrance(slope, l, v, tilted);
+  Real m = cook_torrance_slope(slope);
+  if (point_sun(s.sun_alpha2, m, to_light, to_viewer, tilted) > Real(0)) return cook_torrance(slope, l, v, tilted);
   Real cos_nl = dot3(tilted, l);
   Real cos_nv = dot3(tilted, v);
   if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Real(0);
@@ -64,7 +65,6 @@ FORMULA Real cook_torrance_sunlit(Surface s, Real slope, Vec3 from, Vec3 to_ligh
   Vec3 both = l + v;
   Real both2 = dot3(both, both);
   if (both2 < Real(1e-12)) return Real(0);
-  Real m = cook_torrance_slope(slope);
   Real density = density_over_disc(Real(0), Real(0), s.sun_limb, disc_radius(s.sun_alpha2), m, disc_x(tilted) / m,
                                    disc_y(tilted) / m, from, to_light, to_viewer, normal, tilted, index);
   Real secant2 = Real(1) + half_tan2(l, v, tilted, cos_nl + cos_nv);

@@ -129,7 +129,7 @@ FORMULA Vec3 over_slope_y(Real slope_x, Real slope_y, Vec3 tangent, Vec3 tilted)
 // sunlit_from() and the density's mean of microfacets under the disc. index: of a coat over them, 0: none
 FORMULA Vec3 microfacets_from(Surface s, Real heavy, Real slope_x, Real slope_y, Vec3 to_light, Vec3 to_viewer,
                               Vec3 normal, Vec3 tilted, Real index) {
-  if (!(s.sun_alpha2 > Real(0))) return to_light;
+  if (point_sun(s.sun_alpha2, min(slope_x, slope_y), to_light, to_viewer, tilted) > Real(0)) return to_light;
   return sunlit_from(heavy, s.sun_limb, disc_radius(s.sun_alpha2), min(slope_x, slope_y),
                      over_slope_x(slope_x, slope_y, s.tangent, tilted),
                      over_slope_y(slope_x, slope_y, s.tangent, tilted), to_light, to_viewer, normal, tilted,
@@ -150,7 +150,7 @@ FORMULA Vec3 beckmann_lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 n
 
 FORMULA Real beckmann_sunlit(Surface s, Real slope_x, Real slope_y, Vec3 from, Vec3 to_light, Vec3 to_viewer,
                              Vec3 normal, Vec3 tilted, Real index) {
-  if (!(s.sun_alpha2 > Real(0)))
+  if (point_sun(s.sun_alpha2, min(slope_x, slope_y), to_light, to_viewer, tilted) > Real(0))
     return beckmann_smith(slope_x, slope_y, s.tangent, below_index(to_light, normal, index),
                           below_index(to_viewer, normal, index), tilted);
   Real density = microfacets_density(s, Real(0), slope_x, slope_y, from, to_light, to_viewer, normal, tilted, index);
@@ -175,7 +175,8 @@ FORMULA Real ggx_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 
   Real slope_y = microfacet_slope(s.alpha_y);
   Vec3 l = below_index(from, normal, index);
   Vec3 v = below_index(to_viewer, normal, index);
-  if (!(s.sun_alpha2 > Real(0))) return ggx_smith(slope_x, slope_y, s.tangent, l, v, tilted);
+  if (point_sun(s.sun_alpha2, min(slope_x, slope_y), to_light, to_viewer, tilted) > Real(0))
+    return ggx_smith(slope_x, slope_y, s.tangent, l, v, tilted);
   Vec3 turned = cross3(tilted, l + v);
   Real cos_sum = dot3(tilted, l + v);
   if (!(cos_sum > Real(1e-6))) return Real(0);
