@@ -13,8 +13,9 @@
 
 namespace panwright::materials {
 
-// What the Sun's disc, of angular radius 4.6504e-3 rad at 1 AU, adds to the squares of alpha: half
-// vectors spread as those of microfacets do, by ρ²/16 along each axis, and alpha² is twice that.
+// An eighth of the square of the Sun's angular radius, 4.6504e-3 rad, at 1 AU: what an even disc adds
+// to the squares of alpha where light and viewer stand at the normal. Half vectors spread by ρ²/16
+// along each axis there, and alpha² is twice that; elsewhere see materials/formulas/sun_disc.glsl.
 inline constexpr double kSunAlpha2 = 2.7033e-6;
 
 // The shading context: what a BRDF depends on besides material, normal and directions.
@@ -24,6 +25,7 @@ struct ShadingContext {
   double sun_alpha2 = 0;  // kSunAlpha2 over the square of the distance in AU; 0: a point Sun
   // texel of a material's reflectance map; none: F0 of the indices
   std::optional<panwright::Vec3> reflectance = std::nullopt;
+  double sun_limb = 0;  // limb darkening u of the Sun's disc, I = 1 − u·(1 − μ), 0 to 1
 };
 
 namespace f64 {

@@ -184,8 +184,8 @@ Vec3 over_hemisphere(const Vec3& v, int order, F f) {
 
 Microfacets microfacets_of(const Material& material) {
   const Vec2 alpha = slopes_of(material).value_or(Vec2(0.5));
-  return {material.specular_model(), f64::microfacet_slope(alpha.x, 0),
-          f64::microfacet_slope(alpha.y, 0)};
+  return {material.specular_model(), f64::microfacet_slope(alpha.x),
+          f64::microfacet_slope(alpha.y)};
 }
 
 // The half vectors of a material's own lobe; of a mirror those that a rough coat lends it.
@@ -196,7 +196,7 @@ HalfSpace own_space(const Material& material, const f64::SurfaceFields& s) {
   }
   if (material.specular_model() == SpecularModel::mirror) {
     const double slope =
-        f64::microfacet_slope((s.coat_index - 1) * std::sqrt(0.5) * s.coat_alpha, 0);
+        f64::microfacet_slope((s.coat_index - 1) * std::sqrt(0.5) * s.coat_alpha);
     return {slope, slope, true};
   }
   return space_of(microfacets_of(material));
@@ -230,7 +230,7 @@ Vec3 microfacet_part(const Material& material, const f64::SurfaceFields& s,
                      f64::Composition composition, const Vec3& v, int order) {
   if (composition.brdf_model.specular == SpecularModel::retroreflector) {
     const double wider = s.coat_index * s.coat_index;
-    return over_retro_lobe(f64::retro_concentration(s) / wider, v, order, [&](const Vec3& l) {
+    return over_retro_lobe(f64::retro_concentration(s, 0) / wider, v, order, [&](const Vec3& l) {
       return composition.brdf_model.coated ? composition.coated_microfacets(s, l, v, kUp)
                                            : s.weights.y * composition.mirrored(s, l, v, kUp, 1.0);
     });
@@ -260,7 +260,7 @@ Vec3 microfacet_part(const Material& material, const f64::SurfaceFields& s,
     const double cosines = l.z / local.z;
     if (mirror) {
       const double lobe =
-          f64::tilted_share(tilted, l, v, kUp) * f64::mirror_below_coat(s, l, v, tilted);
+          f64::tilted_share(tilted, l, v, kUp) * f64::mirror_lobe(s, l, l, v, kUp, tilted, 0);
       return cosines * lobe * composition.coated_reflection(s, f64::half_cosine(l, v), l.z, v.z);
     }
     const Vec3 aside(n * l.x, n * l.y, 0);
@@ -352,7 +352,7 @@ double coat_peak_albedo(const Coat& coat, const Vec3& to_viewer, int nodes) {
   Material material;
   material.coat = coat;
   const f64::SurfaceFields s = f64::surface_of(material);
-  const double slope = f64::microfacet_slope(coat.alpha, 0);
+  const double slope = f64::microfacet_slope(coat.alpha);
   return over_lights<double>({slope, slope, true}, to_viewer, nodes,
                              [&](const Vec3& l) { return f64::coat_peak(s, l, to_viewer, kUp); });
 }

@@ -258,7 +258,7 @@ void fit_microfacets(Material& material) {
 
   // a mirror takes the slopes of its coat
   const Vec2 alpha = slopes_of(material).value_or(Vec2(0));
-  const auto slope = [&](double a) { return blurred ? 0 : f64::microfacet_slope(a, 0); };
+  const auto slope = [&](double a) { return blurred ? 0 : f64::microfacet_slope(a); };
   const Stack stack{{brdf, slope(alpha.x), slope(alpha.y)}, material.coat};
   const Loss albedo_deficit = deficit_of(stack);
   Material tried = material;

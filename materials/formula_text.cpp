@@ -47,9 +47,12 @@ const char* layers(const BrdfModel& brdf_model) {
 std::string surface_functions(const BrdfModel& brdf_model) {
   const std::string fresnel = std::string(brdf_model.mapped ? "mapped_" : "") +
                               kFresnel[static_cast<std::size_t>(brdf_model.fresnel)];
+  const char* const lobe = kSpecularFunctions[static_cast<std::size_t>(brdf_model.specular)];
+  const std::string from = std::string(lobe) + "_from";
   const std::pair<const char*, const char*> names[] = {
       {"DIFFUSE", kDiffuseFunctions[static_cast<std::size_t>(brdf_model.diffuse)]},
-      {"LOBE", kSpecularFunctions[static_cast<std::size_t>(brdf_model.specular)]},
+      {"FROM", from.c_str()},
+      {"LOBE", lobe},
       {"FRESNEL", fresnel.c_str()},
       {"COMPENSATION", compensation(brdf_model)},
       {"LAYERS", layers(brdf_model)}};

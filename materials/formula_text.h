@@ -40,7 +40,7 @@ namespace panwright::materials {
 //
 //   const int kMaterialRows                        vec4 of a record
 //   float, vec2 ... material_SLOT(int row)         one slot of the record that begins at a row
-//   Surface surface_of(int row, float sun_alpha2)  its parameters; tangent 0
+//   Surface surface_of(int row, float sun_alpha2, float sun_limb)   its parameters; tangent 0
 [[nodiscard]] std::string glsl_material_loader();
 
 }  // namespace panwright::materials

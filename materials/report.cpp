@@ -70,9 +70,28 @@ void compare_precisions(const Material& material, MaterialReport& out) {
 
 }  // namespace
 
+namespace {
+
+MaterialReport::Albedo albedo_of(const Material& material, double mu) {
+  MaterialReport::Albedo one{mu, directional_albedo(material, mu)};
+  one.least = one.largest = one.rgb;
+  if (!is_anisotropic(material)) return one;
+  // slopes alone are symmetric about both axes
+  const double range = material.cells ? 2 * kPi : kPi / 2;
+  const int steps = material.cells ? 12 : 6;
+  for (int i = 1; i <= steps; ++i) {
+    const Vec3 rgb = directional_albedo(material, mu, range * i / steps);
+    one.least = glm::min(one.least, rgb);
+    one.largest = glm::max(one.largest, rgb);
+  }
+  return one;
+}
+
+}  // namespace
+
 MaterialReport material_report(const Material& material, std::span<const double> mus) {
   MaterialReport out;
-  for (const double mu : mus) out.directional.push_back({mu, directional_albedo(material, mu)});
+  for (const double mu : mus) out.directional.push_back(albedo_of(material, mu));
   out.hemispherical = hemispherical_albedo(material);
   out.gain = energy_gain(material);
   out.reciprocity = reciprocity_residual(material);

@@ -14,13 +14,17 @@ namespace panwright::materials {
 struct MaterialReport {
   struct Albedo {
     double mu;    // cosine of the direction
-    Vec3 rgb{0};  // directional albedo
+    Vec3 rgb{0};  // directional albedo, of light along the tangent
+    // by channel, over all azimuths; both are rgb where the material is isotropic
+    Vec3 least{0};
+    Vec3 largest{0};
   };
   std::vector<Albedo> directional;
   Vec3 hemispherical{0};  // 2∫E μ dμ
   Gain gain;              // the largest directional albedo found; above 1 the material gains energy
   double reciprocity = 0;  // largest |f(l, v) − f(v, l)|/f in double
-  double f32_error = 0;    // largest |f32 − f64| over f64, where f64 is above 1e-6 of its largest
+  // largest |f32 − f64| over f64, where f64 is above 1e-6 of its largest; directions to 89.9°
+  double f32_error = 0;
   double f32_rms = 0;      // root of the mean square of the same
   double fit_error = 0;    // of the fits that replace integrals, see Fits
 };

@@ -174,22 +174,22 @@ struct Scattering::Parts {
   bool retro() const { return composition.brdf_model.specular == SpecularModel::retroreflector; }
   // through a coat the lobe is wider by its index
   RetroLobe retro_lobe(const f64::SurfaceFields& s) const {
-    return {f64::retro_concentration(s) / (s.coat_index * s.coat_index)};
+    return {f64::retro_concentration(s, 0) / (s.coat_index * s.coat_index)};
   }
 
   HalfVectors peak() const {
-    const double slope = f64::microfacet_slope(surface.coat_alpha, 0);
+    const double slope = f64::microfacet_slope(surface.coat_alpha);
     return {SpecularModel::beckmann, slope, slope, 0};
   }
 
   HalfVectors microfacets(const f64::SurfaceFields& s) const {
     if (mirror()) {
       const double bent = (s.coat_index - 1) * std::sqrt(0.5) * s.coat_alpha;
-      const double slope = f64::microfacet_slope(bent, 0);
+      const double slope = f64::microfacet_slope(bent);
       return {SpecularModel::beckmann, slope, slope, 0};
     }
-    double x = f64::microfacet_slope(s.alpha_x, 0);
-    double y = f64::microfacet_slope(s.alpha_y, 0);
+    double x = f64::microfacet_slope(s.alpha_x);
+    double y = f64::microfacet_slope(s.alpha_y);
     const SpecularModel brdf = composition.brdf_model.specular;
     if (brdf == SpecularModel::cook_torrance) y = x;
     if (f64::isotropic(x, y, s.tangent) > 0) x = y = std::sqrt(x * y);
@@ -395,6 +395,49 @@ Mirrors Scattering::mirrors(const Vec3& to_viewer, const Vec3& normal, const Vec
   }
   add(l, parts_->mirror_below(cos_tilted, cos_nl, cosine) *
              (f64::tilted_share(tilted, l, v, normal) * cos_nl / cos_tilted));
+  return found;
+}
+
+DiscLobes Scattering::disc_lobes(const Vec3& to_sun, double radius, const Vec3& to_viewer,
+                                 const Vec3& normal, const Vec3& tangent) const {
+  const f64::SurfaceFields s = parts_->at(tangent, Vec3(1));
+  const Vec3 v = above_horizon(to_viewer, normal);
+  const Chances c = parts_->chances(s, glm::dot(normal, v));
+  DiscLobes found;
+  const auto add = [&](const HalfVectors& halves, const Vec3& tilted, double index) {
+    const bool phong = halves.brdf == SpecularModel::blinn_phong;
+    const double x = phong ? f64::blinn_phong_slope(halves.shine) : halves.slope_x;
+    const double y = phong ? x : halves.slope_y;
+    const Vec3 over_x = f64::over_slope_x(x, y, s.tangent, tilted);
+    const Vec3 over_y = f64::over_slope_y(x, y, s.tangent, tilted);
+    const Vec3 from = f64::sunlit_from(0, 0, radius, std::min(x, y), over_x, over_y, to_sun, v,
+                                       normal, tilted, index);
+    const Vec3 inside = f64::below_index(from, normal, index);
+    const Vec3 both = inside + f64::below_index(v, normal, index);
+    const double cos_sum = glm::dot(tilted, both);
+    if (!(cos_sum > 1e-6)) return;
+    const Vec3 slopes(glm::dot(over_x, both) / cos_sum, glm::dot(over_y, both) / cos_sum, 0);
+    const Vec3 axis_x = f64::disc_x(to_sun), axis_y = f64::disc_y(to_sun);
+    const auto step = [&](const Vec3& axis) {
+      return f64::slope_step(f64::light_step(axis, radius, to_sun, from, inside, normal, index),
+                             slopes, over_x, over_y, tilted, cos_sum);
+    };
+    const Vec3 step_x = step(axis_x), step_y = step(axis_y);
+    const double determinant = f64::slope_determinant(step_x, step_y);
+    const Vec3 place(glm::dot(from, axis_x) / radius, glm::dot(from, axis_y) / radius, 0);
+    const Vec3 peak = f64::place_of_peak(place, slopes, step_x, step_y, determinant);
+    const Vec3 axis = f64::narrow_axis(f64::slope_form(step_x, step_y));
+    const double narrow = 1 / std::sqrt(std::max(axis.z, 1e-30));
+    found.all[static_cast<std::size_t>(found.count++)] = {
+        Vec2(peak), Vec2(axis), narrow, 1 / (narrow * std::fabs(determinant))};
+  };
+  const Parts::Below in = parts_->below(s, v, normal);
+  if (c.microfacets > 0 && !parts_->retro()) {
+    const HalfVectors halves = parts_->microfacets(s);
+    // the wide tails of GGX are even over the disc
+    if (halves.brdf != SpecularModel::ggx) add(halves, in.normal, in.refracted ? s.coat_index : 0);
+  }
+  if (c.peak > 0) add(parts_->peak(), normal, 0);
   return found;
 }
 

@@ -34,6 +34,20 @@ struct Mirrors {
   int count = 0;
 };
 
+// A Gaussian lobe on the Sun's disc: exp(-(across/narrow)² - (along/wide)²) about `peak`, in radii of the
+// disc along axis_x and axis_y of its frame; across: along `axis`, along: turned left from it. The
+// light's direction is taken linearly about the place where most of it comes from.
+struct DiscLobe {
+  Vec2 peak{0};
+  Vec2 axis{1, 0};
+  double narrow = 1;
+  double wide = 1;
+};
+struct DiscLobes {
+  std::array<DiscLobe, 2> all;
+  int count = 0;
+};
+
 // The authored BRDFs of one material in double, for a point Sun: mirrors and smooth coats are
 // directions, which brdf() leaves out. H of Hapke's model is exact here, where f64::brdf() of
 // materials/brdf.h has the fit that shaders use.
@@ -54,6 +68,11 @@ class Scattering {
 
   // The same with slopes and σ times the value of a roughness map, >= 0.
   Scattering scaled(double roughness) const;
+  // Where on the Sun's disc, of an angular radius (its sine) above 0, Gaussian lobes have their light: those
+  // of Beckmann's slopes and of Blinn and Phong. Axes: those of the frame of T. Duff et al. about to_sun.
+  DiscLobes disc_lobes(const Vec3& to_sun, double radius, const Vec3& to_viewer, const Vec3& normal,
+                       const Vec3& tangent) const;
+
   // The same with the value of a reflectance map as F0, 0 to 1; unchanged where the
   // material has no such map.
   Scattering reflecting(const Vec3& reflectance) const;

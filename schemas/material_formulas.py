@@ -85,7 +85,7 @@ def surface_of_text(schema):
         arguments = f"SurfaceFields& s, const {brdf['struct']}& b" if lines else f"SurfaceFields&, const {brdf['struct']}&"
         out += [f"inline void load_brdf({arguments}) {{" + ("" if lines else "}")] + (lines + ["}"] if lines else [])
     out += ["", "inline SurfaceFields surface_of(const Material& material, const Vec3& tangent = Vec3(Real(0)),",
-            "                                Real sun_alpha2 = Real(0)) {", "  SurfaceFields s{};",
+            "                                Real sun_alpha2 = Real(0), Real sun_limb = Real(0)) {", "  SurfaceFields s{};",
             "  // what a record has where nothing uses a slot"]
     seen = set()
     for brdf in schema["brdf"]:
@@ -110,7 +110,7 @@ def surface_of_text(schema):
         out += [f"  if (const auto& b = material.{struct['field']}) {{"]
         out += ["  " + line.replace("b.", "b->") for line in load_lines(struct["parameter"], "b")] + ["  }"]
     for context in schema["context"]:
-        value = {"0": "tangent", "argument": "sun_alpha2", "coat": "Real(material.coat ? 1 : 0)"}.get(
+        value = {"0": "tangent", "argument": context["name"], "coat": "Real(material.coat ? 1 : 0)"}.get(
             context["value"], f"s.{context['value']}")
         out.append(f"  s.{context['name']} = {value};")
     return "\n".join(out + ["  return s;", "}", ""])
@@ -142,7 +142,7 @@ def loader_text(schema):
                 lines.append(f"  s.{gpu} = vec3({', '.join(f'row{row}.{at}' for row, at in places)});")
     lines = list(dict.fromkeys(lines))
     for context in schema["context"]:
-        value = {"0": "vec3(0.0)", "argument": "sun_alpha2", "coat": "1.0"}.get(context["value"],
+        value = {"0": "vec3(0.0)", "argument": context["name"], "coat": "1.0"}.get(context["value"],
                                                                                 f"s.{context['value']}")
         lines.append(f"  s.{context['name']} = {value};")
     accessors = []
@@ -155,15 +155,15 @@ def loader_text(schema):
     declared = [f"  vec4 row{row} = material_row(row + {row});" for row in sorted(rows)]
     count = schema["record"]["size"] // 16
     text = "\n".join(["vec4 material_row(int i);", f"const int kMaterialRows = {count};", *accessors,
-                      "Surface surface_of(int row, float sun_alpha2) {", *declared, "  Surface s;", *lines,
+                      "Surface surface_of(int row, float sun_alpha2, float sun_limb) {", *declared, "  Surface s;", *lines,
                       "  return s;", "}", ""])
-    return (MARK + "// GLSL that reads a record of a pan: material_SLOT(row) and surface_of(row, sun_alpha2).\n"
+    return (MARK + "// GLSL that reads a record of a pan: material_SLOT(row) and surface_of(row, sun_alpha2, sun_limb).\n"
             "inline constexpr const char* kMaterialLoader = R\"glsl(\n" + text + ")glsl\";\n")
 
 
 def formula_files(schema):
     """Files in an order in which they may stand: what is called stands before who calls it."""
-    files = ["common", "fresnel"]
+    files = ["common", "fresnel", "sun_disc"]
     for brdf in schema["brdf"]:
         if brdf["formula"] not in files:
             files.append(brdf["formula"])
@@ -173,15 +173,19 @@ def formula_files(schema):
 def choice_text(schema):
     """The choice of a BRDF in C++."""
     out = [MARK.rstrip(), "// Members of Composition: the BRDF of the models that are used."]
-    for part, kind, name in (("diffuse", "Vec3", "diffuse"), ("specular", "Real", "lobe")):
-        out += ["", f"Real {name}(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {{".replace(
-            "Real", kind, 1), f"  switch (brdf_model.{part}) {{"]
+    directions = "to_light, to_viewer, normal"
+    lobes = directions + ", tilted, index"
+    for part, kind, name, suffix, arguments in (("diffuse", "Vec3", "diffuse", "", "s, " + directions),
+                                                ("specular", "Vec3", "lobe_from", "_from", "s, " + lobes),
+                                                ("specular", "Real", "lobe", "", "s, from, " + lobes)):
+        parameters = ", ".join({"s": "Surface ", "index": "Real "}.get(each, "Vec3 ") + each
+                               for each in arguments.split(", "))
+        out += ["", f"{kind} {name}({parameters}) const {{", f"  switch (brdf_model.{part}) {{"]
         models = brdfs(schema, part)
         for brdf in models[1:]:
             out += [f"    case {part.capitalize()}Model::{brdf['name']}:",
-                    f"      return {brdf['function']}(s, to_light, to_viewer, normal);"]
-        out += ["    default:", "      break;", "  }",
-                f"  return {models[0]['function']}(s, to_light, to_viewer, normal);", "}"]
+                    f"      return {brdf['function']}{suffix}({arguments});"]
+        out += ["    default:", "      break;", "  }", f"  return {models[0]['function']}{suffix}({arguments});", "}"]
     return "\n".join(out + [""])
 
 

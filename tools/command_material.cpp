@@ -194,7 +194,10 @@ Json report_json(const DescribedMaterial& described, const materials::MaterialRe
   out["laws"] = out["brdf"];  // as it was called
   out["directional_albedo"] = Json::array();
   for (const auto& each : c.directional)
-    out["directional_albedo"].push_back({{"mu", each.mu}, {"rgb", as_json(each.rgb)}});
+    out["directional_albedo"].push_back({{"mu", each.mu},
+                                         {"rgb", as_json(each.rgb)},
+                                         {"least", as_json(each.least)},
+                                         {"largest", as_json(each.largest)}});
   out["hemispherical_albedo"] = as_json(c.hemispherical);
   out["largest_albedo"] = {{"albedo", c.gain.albedo}, {"mu", c.gain.mu}};
   out["reciprocity_residual"] = c.reciprocity;
@@ -225,9 +228,13 @@ void print_report(const DescribedMaterial& described, const materials::MaterialR
                   const Speed& speed) {
   print("{}: {}\n", described.material.name, materials::brdf_in_words(described.material));
   print_provenance(described.provenance);
-  print("cosine  angle   directional albedo at 650, 550, 450 nm\n");
+  const bool anisotropic = materials::is_anisotropic(described.material);
+  print("cosine  angle   directional albedo at 650, 550, 450 nm{}\n",
+        anisotropic ? ", least and largest over the azimuth" : "");
   for (const auto& each : c.directional)
-    print("{:<7.4g} {:>5.2f}°  {}\n", each.mu, det::acos(each.mu) / kDegree, rgb_words(each.rgb));
+    print("{:<7.4g} {:>5.2f}°  {}{}\n", each.mu, det::acos(each.mu) / kDegree,
+          rgb_words(anisotropic ? each.least : each.rgb),
+          anisotropic ? "   " + rgb_words(each.largest) : std::string());
   print("hemispherical albedo  {}\n", rgb_words(c.hemispherical));
   print("energy                {} (largest directional albedo {:.6f} at cosine {:.4g})\n",
         c.gain.albedo <= 1 + 1e-4 ? "kept" : "GAINED", c.gain.albedo, c.gain.mu);

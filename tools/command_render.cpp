@@ -74,7 +74,8 @@ void declare_reference(Arguments& arguments, Options& options) {
       .type("FILTER");
   arguments
       .add("--limb-darkening", options.limb_darkening,
-           "Reference: u of I = 1 - u (1 - cos) over the Sun's disc (default 0)")
+           "u of I = 1 - u (1 - cos) over the Sun's disc (default 0); the preview shows it in "
+           "glints")
       .finite()
       .range(0.0, 1.0)
       .type("U");
@@ -145,7 +146,6 @@ const char* stray_option(const Options& options) {
   if (options.filter != none.filter) return "--filter";
   if (options.bounces != none.bounces) return "--bounces";
   if (options.seed != none.seed) return "--seed";
-  if (options.limb_darkening != none.limb_darkening) return "--limb-darkening";
   return options.no_sun_disc ? "--no-sun-disc" : nullptr;
 }
 

@@ -34,7 +34,7 @@ struct Sun {
   double distance = 1;      // AU, > 0; sets the disc's angular size, the irradiance stands as given
   std::optional<Vec3> irradiance;  // W/m² per band on a plane that faces it; none: 1, radiance in
                                    // 1/sr
-  double limb_darkening = 0;       // u of I = 1 − u·(1 − μ), 0 to 1; OpenGL does not read it
+  double limb_darkening = 0;       // u of I = 1 − u·(1 − μ), 0 to 1
   bool operator==(const Sun&) const = default;
 };
 

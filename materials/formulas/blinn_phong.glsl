@@ -18,6 +18,27 @@ FORMULA Real blinn_phong(Real shine, Vec3 to_light, Vec3 to_viewer, Vec3 normal)
   return blinn_phong_scale(shine) * exp_negative(Real(0.5) * shine * log_one_plus(tan2));
 }
 
-FORMULA Real blinn_phong_lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  return blinn_phong(s.shine, to_light, to_viewer, normal);
+// As wide as a Gaussian of slopes over this.
+FORMULA Real blinn_phong_slope(Real shine) { return sqrt(Real(2) / max(shine, Real(1e-3))); }
+
+FORMULA Vec3 blinn_phong_lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
+                                   Real index) {
+  Real m = blinn_phong_slope(s.shine);
+  if (point_sun(s.sun_alpha2, m, to_light, to_viewer, tilted) > Real(0)) return to_light;
+  return sunlit_from(Real(0), s.sun_limb, disc_radius(s.sun_alpha2), m, disc_x(tilted) / m, disc_y(tilted) / m,
+                     to_light, to_viewer, normal, tilted, index);
+}
+
+FORMULA Real blinn_phong_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
+                              Real index) {
+  Vec3 l = below_index(from, normal, index);
+  Vec3 v = below_index(to_viewer, normal, index);
+  Real m = blinn_phong_slope(s.shine);
+  if (point_sun(s.sun_alpha2, m, to_light, to_viewer, tilted) > Real(0)) return blinn_phong(s.shine, l, v, tilted);
+  Real cos_nl = dot3(tilted, l);
+  Real cos_nv = dot3(tilted, v);
+  if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Real(0);
+  Real density = density_over_disc(Real(0), max(s.shine, Real(1e-3)), s.sun_limb, disc_radius(s.sun_alpha2), m, disc_x(tilted) / m,
+                                   disc_y(tilted) / m, from, to_light, to_viewer, normal, tilted, index);
+  return blinn_phong_scale(s.shine) * density;
 }

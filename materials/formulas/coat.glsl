@@ -1,16 +1,5 @@
 // A clear layer with two faces over a surface. Light is added without regard to phase.
 
-FORMULA Real refracted_cosine(Real cos_i, Real index) {
-  Real sin_i2 = max((Real(1) - cos_i) * (Real(1) + cos_i), Real(0));
-  return sqrt(max(Real(1) - sin_i2 / (index * index), Real(1e-20)));
-}
-
-// The direction inside the layer; both point away from the surface.
-FORMULA Vec3 under_coat(Vec3 outside, Vec3 normal, Real index) {
-  Real cosine = max(dot3(normal, outside), Real(0));
-  return (outside - normal * cosine) / index + normal * refracted_cosine(cosine, index);
-}
-
 FORMULA Vec3 at_most_one(Vec3 v) {
   return Vec3(min(v.x, Real(1)), min(v.y, Real(1)), min(v.z, Real(1)));
 }
@@ -79,10 +68,16 @@ FORMULA Vec3 compensation_through_coat(Surface s, Real cos_nl, Real cos_nv) {
 
 // What the outer surface reflects.
 FORMULA Real coat_peak(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  Real first = s.coat_share * fresnel_dielectric(half_cosine(to_light, to_viewer), s.coat_index);
-  if (!(s.coat_alpha > Real(0)))
-    return first * disc_lobe(s.sun_alpha2, to_light, to_viewer, normal);
-  return first * cook_torrance(with_sun(s.coat_alpha, s.sun_alpha2), to_light, to_viewer, normal);
+  if (!(s.coat_alpha > Real(0))) {
+    Vec3 mirrored = disc_mirrored(s.sun_alpha2, to_light, to_viewer, normal);
+    return s.coat_share * fresnel_dielectric(half_cosine(mirrored, to_viewer), s.coat_index) *
+           disc_lobe(s.sun_alpha2, s.sun_limb, mirrored, to_light, to_viewer, normal) *
+           lobe_weight(s, mirrored, to_light, normal);
+  }
+  Vec3 from = cook_torrance_from(s, s.coat_alpha, to_light, to_viewer, normal, normal, Real(0));
+  Real first = s.coat_share * fresnel_dielectric(half_cosine(from, to_viewer), s.coat_index);
+  return first * cook_torrance_sunlit(s, s.coat_alpha, from, to_light, to_viewer, normal, normal, Real(0)) *
+         lobe_weight(s, from, to_light, normal);
 }
 
 // The mean normal of cells that are not quite parallel to their cover glass. scale: what the slopes
@@ -98,13 +93,4 @@ FORMULA Real tilted_share(Vec3 tilted, Vec3 to_light, Vec3 to_viewer, Vec3 norma
   Real light = max(dot3(tilted, to_light), Real(0)) / max(dot3(normal, to_light), Real(1e-10));
   Real viewer = max(dot3(tilted, to_viewer), Real(0)) / max(dot3(normal, to_viewer), Real(1e-10));
   return min(Real(1), min(light, viewer));
-}
-
-// What a mirror under the coat reflects, the coat's passing apart. A rough coat bends light twice by
-// index - 1 times its slopes: as much as a mirror of slopes (index - 1)/sqrt 2 times them does.
-FORMULA Real mirror_below_coat(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 tilted) {
-  Real bent = (s.coat_index - Real(1)) * Real(0.7071067811865476) * s.coat_alpha;
-  if (!(bent > Real(0))) return disc_lobe(s.sun_alpha2, to_light, to_viewer, tilted);
-  Real slope = microfacet_slope(bent, s.sun_alpha2);
-  return beckmann_smith(slope, slope, s.tangent, to_light, to_viewer, tilted);
 }

@@ -187,10 +187,6 @@ FORMULA Real half_tan2(Vec3 to_light, Vec3 to_viewer, Vec3 normal, Real cos_sum)
   return dot3(across, across) / (cos_sum * cos_sum);
 }
 
-// The slopes of microfacets under the Sun's disc: half vectors spread by a sixteenth of the square of its
-// radius along each axis, as microfacets do whose alpha^2 is an eighth of it. 0 leaves alpha as it is.
-FORMULA Real with_sun(Real alpha, Real sun_alpha2) { return sqrt(alpha * alpha + sun_alpha2); }
-
 // (v.h) of the half vector h between two directions.
 FORMULA Real half_cosine(Vec3 to_light, Vec3 to_viewer) {
   Vec3 both = to_light + to_viewer;

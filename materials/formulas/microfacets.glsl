@@ -5,9 +5,7 @@
 // "Understanding the masking-shadowing function in microfacet-based BRDFs", 2014.
 
 // A slope within 1e-6 (a thousandth of what the Sun's disc blurs) to 1000.
-FORMULA Real microfacet_slope(Real alpha, Real sun_alpha2) {
-  return min(max(with_sun(alpha, sun_alpha2), Real(1e-6)), Real(1000));
-}
+FORMULA Real microfacet_slope(Real alpha) { return min(max(alpha, Real(1e-6)), Real(1000)); }
 
 // 1 where microfacets are isotropic, else 0.
 FORMULA Real isotropic(Real slope_x, Real slope_y, Vec3 tangent) {
@@ -59,9 +57,10 @@ FORMULA Real beckmann_masking(Real cosine, Real sine) {
   return sine * (exp_negative(x * x) * p);
 }
 
-// D G / (4 (n.l) (n.v)) with Beckmann's D.
-FORMULA Real beckmann_smith(Real slope_x, Real slope_y, Vec3 tangent, Vec3 to_light, Vec3 to_viewer,
-                            Vec3 normal) {
+// D G / (4 (n.l) (n.v)) with Beckmann's masking. density: D pi slope_x slope_y cos^4, under a point
+// Sun exp(-y^2) of the half vector's slopes y over alpha.
+FORMULA Real beckmann_masked(Real density, Real slope_x, Real slope_y, Vec3 tangent, Vec3 to_light,
+                             Vec3 to_viewer, Vec3 normal) {
   Real cos_nl = dot3(normal, to_light);
   Real cos_nv = dot3(normal, to_viewer);
   if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Real(0);
@@ -71,48 +70,32 @@ FORMULA Real beckmann_smith(Real slope_x, Real slope_y, Vec3 tangent, Vec3 to_li
   if (dot3(both, both) < Real(1e-12)) return Real(0);
   Vec3 turned = cross3(normal, both);
   Real scale = Real(1) / ((cos_nl + cos_nv) * (cos_nl + cos_nv));
-  Real spread = over_slopes(slope_x, slope_y, tangent, turned, normal) * scale;
-  if (!(spread < Real(80))) return Real(0);
   Real secant2 = Real(1) + dot3(turned, turned) * scale;
-  Real d = exp_negative(spread) * secant2 * secant2 * Real(0.31830988618379067) /
-           (slope_x * slope_y);
+  Real d = density * secant2 * secant2 * Real(0.31830988618379067) / (slope_x * slope_y);
   Real sine_l = sloped_sine(slope_x, slope_y, tangent, to_light, normal);
   Real sine_v = sloped_sine(slope_x, slope_y, tangent, to_viewer, normal);
   Real hidden = cos_nl * beckmann_masking(cos_nv, sine_v) + cos_nv * beckmann_masking(cos_nl, sine_l);
   return Real(0.25) * d / (cos_nl * cos_nv + hidden);
 }
 
-// The same with the distribution of Trowbridge and Reitz, GGX, under the Sun's disc (sun_alpha2, 0: a
-// point). Blurring leaves its wide tails as they are: with a = alpha^2, q = a + 3 sun_alpha2 and
-// t = 1/(1 + slope^2/q) the density is t^2 (k0 + k1 t + k2 t^2)/(pi q). Tail (k0) and sum are exact,
-// k2 is that of small blurs; of the peak 1 % is missing at alpha = 0.01, 0.01 % at 0.03.
-FORMULA Real ggx_blurred(Real slope_x, Real slope_y, Real sun_alpha2, Vec3 tangent, Vec3 to_light,
-                         Vec3 to_viewer, Vec3 normal) {
+FORMULA Real beckmann_smith(Real slope_x, Real slope_y, Vec3 tangent, Vec3 to_light, Vec3 to_viewer,
+                            Vec3 normal) {
+  Real cos_sum = max(dot3(normal, to_light), Real(1e-10)) + max(dot3(normal, to_viewer), Real(1e-10));
+  Real scale = Real(1) / (cos_sum * cos_sum);
+  Vec3 turned = cross3(normal, to_light + to_viewer);
+  Real density = exp_negative(over_slopes(slope_x, slope_y, tangent, turned, normal) * scale);
+  if (!(density > Real(0))) return Real(0);
+  return beckmann_masked(density, slope_x, slope_y, tangent, to_light, to_viewer, normal);
+}
+
+// The masking of GGX: what D is multiplied by.
+FORMULA Real ggx_masked(Real d, Real slope_x, Real slope_y, Vec3 tangent, Vec3 to_light, Vec3 to_viewer,
+                        Vec3 normal) {
   Real cos_nl = dot3(normal, to_light);
   Real cos_nv = dot3(normal, to_viewer);
   if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Real(0);
   cos_nl = max(cos_nl, Real(1e-10));
   cos_nv = max(cos_nv, Real(1e-10));
-  Vec3 both = to_light + to_viewer;
-  if (dot3(both, both) < Real(1e-12)) return Real(0);
-  Vec3 turned = cross3(normal, both);
-  Real sum2 = (cos_nl + cos_nv) * (cos_nl + cos_nv);
-  Real wide_x = slope_x;
-  Real wide_y = slope_y;
-  if (sun_alpha2 > Real(0)) {
-    wide_x = sqrt(slope_x * slope_x + Real(3) * sun_alpha2);
-    wide_y = sqrt(slope_y * slope_y + Real(3) * sun_alpha2);
-  }
-  Real spread = over_slopes(wide_x, wide_y, tangent, turned, normal);
-  Real ratio = (sum2 + dot3(turned, turned)) / (sum2 + spread);
-  Real d = ratio * ratio * Real(0.31830988618379067) / (wide_x * wide_y);
-  if (sun_alpha2 > Real(0)) {
-    Real t = sum2 / (sum2 + spread);
-    Real k0 = slope_x * slope_y / (wide_x * wide_y);
-    Real k2 = Real(-6) * (k0 * k0) * (sun_alpha2 / (wide_x * wide_y));
-    Real k1 = Real(2) * (Real(1) - k0 - k2 * Real(0.3333333333333333));
-    d = d * (k0 + t * (k1 + t * k2));
-  }
   Real sine_l = sloped_sine(slope_x, slope_y, tangent, to_light, normal);
   Real sine_v = sloped_sine(slope_x, slope_y, tangent, to_viewer, normal);
   Real toward_l = cos_nv * sqrt(cos_nl * cos_nl + sine_l * sine_l);
@@ -120,37 +103,108 @@ FORMULA Real ggx_blurred(Real slope_x, Real slope_y, Real sun_alpha2, Vec3 tange
   return Real(0.5) * d / (toward_l + toward_v);
 }
 
+// D G / (4 (n.l) (n.v)) with the distribution of Trowbridge and Reitz, GGX.
 FORMULA Real ggx_smith(Real slope_x, Real slope_y, Vec3 tangent, Vec3 to_light, Vec3 to_viewer,
                        Vec3 normal) {
-  return ggx_blurred(slope_x, slope_y, Real(0), tangent, to_light, to_viewer, normal);
+  Real cos_sum = max(dot3(normal, to_light), Real(1e-10)) + max(dot3(normal, to_viewer), Real(1e-10));
+  Vec3 both = to_light + to_viewer;
+  if (dot3(both, both) < Real(1e-12)) return Real(0);
+  Vec3 turned = cross3(normal, both);
+  Real sum2 = cos_sum * cos_sum;
+  Real ratio = (sum2 + dot3(turned, turned)) / (sum2 + over_slopes(slope_x, slope_y, tangent, turned, normal));
+  Real d = ratio * ratio * Real(0.31830988618379067) / (slope_x * slope_y);
+  return ggx_masked(d, slope_x, slope_y, tangent, to_light, to_viewer, normal);
 }
 
-FORMULA Real beckmann_lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  return beckmann_smith(microfacet_slope(s.alpha_x, s.sun_alpha2), microfacet_slope(s.alpha_y, s.sun_alpha2),
-                        s.tangent, to_light, to_viewer, normal);
+// The axes of slopes over alpha.
+FORMULA Vec3 over_slope_x(Real slope_x, Real slope_y, Vec3 tangent, Vec3 tilted) {
+  if (isotropic(slope_x, slope_y, tangent) > Real(0)) return disc_x(tilted) / sqrt(slope_x * slope_y);
+  return tangent / slope_x;
+}
+FORMULA Vec3 over_slope_y(Real slope_x, Real slope_y, Vec3 tangent, Vec3 tilted) {
+  if (isotropic(slope_x, slope_y, tangent) > Real(0)) return disc_y(tilted) / sqrt(slope_x * slope_y);
+  return cross3(tilted, tangent) / slope_y;
 }
 
-FORMULA Real ggx_lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  return ggx_blurred(microfacet_slope(s.alpha_x, Real(0)), microfacet_slope(s.alpha_y, Real(0)), s.sun_alpha2,
-                     s.tangent, to_light, to_viewer, normal);
+// sunlit_from() and the density's mean of microfacets under the disc. index: of a coat over them, 0: none
+FORMULA Vec3 microfacets_from(Surface s, Real heavy, Real slope_x, Real slope_y, Vec3 to_light, Vec3 to_viewer,
+                              Vec3 normal, Vec3 tilted, Real index) {
+  if (point_sun(s.sun_alpha2, min(slope_x, slope_y), to_light, to_viewer, tilted) > Real(0)) return to_light;
+  return sunlit_from(heavy, s.sun_limb, disc_radius(s.sun_alpha2), min(slope_x, slope_y),
+                     over_slope_x(slope_x, slope_y, s.tangent, tilted),
+                     over_slope_y(slope_x, slope_y, s.tangent, tilted), to_light, to_viewer, normal, tilted,
+                     index);
+}
+FORMULA Real microfacets_density(Surface s, Real heavy, Real slope_x, Real slope_y, Vec3 from, Vec3 to_light,
+                                 Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
+  return density_over_disc(heavy, Real(0), s.sun_limb, disc_radius(s.sun_alpha2), min(slope_x, slope_y),
+                           over_slope_x(slope_x, slope_y, s.tangent, tilted),
+                           over_slope_y(slope_x, slope_y, s.tangent, tilted), from, to_light, to_viewer,
+                           normal, tilted, index);
 }
 
-// What a mirror shows of the Sun's even disc, whose squared radius is 8 sun_alpha2. 0 under a Sun
-// without a disc: that is a direction, not a lobe.
-FORMULA Real disc_lobe(Real sun_alpha2, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  if (!(sun_alpha2 > Real(0))) return Real(0);
-  Real cos_nl = dot3(normal, to_light);
-  Real cos_nv = dot3(normal, to_viewer);
-  if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Real(0);
-  // the chord from the light to the mirrored viewer
-  Vec3 turned = cross3(normal, to_light + to_viewer);
-  Real apart = cos_nl - cos_nv;
-  if (!(dot3(turned, turned) + apart * apart < Real(8) * sun_alpha2)) return Real(0);
-  return Real(0.07957747154594767) / (sun_alpha2 * max(cos_nl + cos_nv, Real(1e-10)));
+FORMULA Vec3 beckmann_lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
+  return microfacets_from(s, Real(0), microfacet_slope(s.alpha_x), microfacet_slope(s.alpha_y), to_light,
+                          to_viewer, normal, tilted, index);
 }
 
-FORMULA Real mirror_lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
-  return disc_lobe(s.sun_alpha2, to_light, to_viewer, normal);
+FORMULA Real beckmann_sunlit(Surface s, Real slope_x, Real slope_y, Vec3 from, Vec3 to_light, Vec3 to_viewer,
+                             Vec3 normal, Vec3 tilted, Real index) {
+  if (point_sun(s.sun_alpha2, min(slope_x, slope_y), to_light, to_viewer, tilted) > Real(0))
+    return beckmann_smith(slope_x, slope_y, s.tangent, below_index(to_light, normal, index),
+                          below_index(to_viewer, normal, index), tilted);
+  Real density = microfacets_density(s, Real(0), slope_x, slope_y, from, to_light, to_viewer, normal, tilted, index);
+  if (!(density > Real(0))) return Real(0);
+  return beckmann_masked(density, slope_x, slope_y, s.tangent, below_index(from, normal, index),
+                         below_index(to_viewer, normal, index), tilted);
+}
+
+FORMULA Real beckmann_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
+                           Real index) {
+  return beckmann_sunlit(s, microfacet_slope(s.alpha_x), microfacet_slope(s.alpha_y), from, to_light,
+                         to_viewer, normal, tilted, index);
+}
+
+FORMULA Vec3 ggx_lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
+  return microfacets_from(s, Real(1), microfacet_slope(s.alpha_x), microfacet_slope(s.alpha_y), to_light,
+                          to_viewer, normal, tilted, index);
+}
+
+FORMULA Real ggx_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
+  Real slope_x = microfacet_slope(s.alpha_x);
+  Real slope_y = microfacet_slope(s.alpha_y);
+  Vec3 l = below_index(from, normal, index);
+  Vec3 v = below_index(to_viewer, normal, index);
+  if (point_sun(s.sun_alpha2, min(slope_x, slope_y), to_light, to_viewer, tilted) > Real(0))
+    return ggx_smith(slope_x, slope_y, s.tangent, l, v, tilted);
+  Vec3 turned = cross3(tilted, l + v);
+  Real cos_sum = dot3(tilted, l + v);
+  if (!(cos_sum > Real(1e-6))) return Real(0);
+  Real secant2 = Real(1) + dot3(turned, turned) / (cos_sum * cos_sum);
+  Real density = microfacets_density(s, Real(1), slope_x, slope_y, from, to_light, to_viewer, normal, tilted, index);
+  Real d = density * secant2 * secant2 * Real(0.31830988618379067) / (slope_x * slope_y);
+  return ggx_masked(d, slope_x, slope_y, s.tangent, l, v, tilted);
+}
+
+// A mirror, by itself or below a coat, whose passing stands apart: light leaves at the angle it came
+// at, whatever the coat bends it. A rough coat bends light twice by index - 1 times its slopes: as
+// much as a mirror of slopes (index - 1)/sqrt 2 times them does.
+FORMULA Real mirror_bent(Surface s) {
+  return (s.coat_index - Real(1)) * Real(0.7071067811865476) * s.coat_alpha;
+}
+
+FORMULA Vec3 mirror_lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
+  if (!(mirror_bent(s) > Real(0))) return disc_mirrored(s.sun_alpha2, to_light, to_viewer, tilted);
+  Real slope = microfacet_slope(mirror_bent(s));
+  return microfacets_from(s, Real(0), slope, slope, to_light, to_viewer, normal, tilted, Real(0));
+}
+
+FORMULA Real mirror_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
+                         Real index) {
+  if (!(mirror_bent(s) > Real(0)))
+    return disc_lobe(s.sun_alpha2, s.sun_limb, from, to_light, to_viewer, tilted);
+  Real slope = microfacet_slope(mirror_bent(s));
+  return beckmann_sunlit(s, slope, slope, from, to_light, to_viewer, normal, tilted, Real(0));
 }
 
 FORMULA Vec3 no_compensation(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {

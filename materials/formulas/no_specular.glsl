@@ -1,4 +1,9 @@
 // No highlight.
-FORMULA Real no_specular_lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+FORMULA Vec3 no_specular_lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
+  return to_light;
+}
+
+FORMULA Real no_specular_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
+                              Real index) {
   return Real(0);
 }

@@ -1,11 +1,16 @@
-// The BRDFs of a material put together. PANWRIGHT_DIFFUSE, PANWRIGHT_LOBE and PANWRIGHT_COMPENSATION name functions
-// of (Surface, to_light, to_viewer, normal), PANWRIGHT_FRESNEL one of (Surface, cosine, index
+// The BRDFs of a material put together. PANWRIGHT_DIFFUSE and PANWRIGHT_COMPENSATION name functions
+// of (Surface, to_light, to_viewer, normal), PANWRIGHT_FROM and PANWRIGHT_LOBE what sun_disc.glsl has of
+// a lobe: the light of the Sun's disc that most of what is seen comes from, and the lobe for it, of
+// (Surface, [from,] to_light, to_viewer, normal, normal of the microfacets, index of a coat over them
+// or 0), PANWRIGHT_FRESNEL one of (Surface, cosine, index
 // outside), PANWRIGHT_LAYERS `bare`, `coated` or `coated_mirror`.
 
 // microfacets, `outer` over them.
 FORMULA Vec3 mirrored(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Real outer) {
-  return s.specular * (PANWRIGHT_FRESNEL(s, half_cosine(to_light, to_viewer), outer) *
-                           PANWRIGHT_LOBE(s, to_light, to_viewer, normal) +
+  Vec3 from = PANWRIGHT_FROM(s, to_light, to_viewer, normal, normal, Real(0));
+  Real peak = PANWRIGHT_LOBE(s, from, to_light, to_viewer, normal, normal, Real(0)) *
+              lobe_weight(s, from, to_light, normal);
+  return s.specular * (PANWRIGHT_FRESNEL(s, half_cosine(from, to_viewer), outer) * peak +
                        PANWRIGHT_COMPENSATION(s, to_light, to_viewer, normal));
 }
 
@@ -27,15 +32,17 @@ FORMULA Vec3 coated_diffuse(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 norma
 // it is lost here, and comes back in coated_compensation.
 FORMULA Vec3 coated_microfacets(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Real n = s.coat_index;
-  Vec3 l = under_coat(to_light, normal, n);
-  Vec3 v = under_coat(to_viewer, normal, n);
   Vec3 tilted = tilted_normal(s, normal, Real(1) / n);
+  Vec3 from = PANWRIGHT_FROM(s, to_light, to_viewer, normal, tilted, n);
+  Vec3 l = under_coat(from, normal, n);
+  Vec3 v = under_coat(to_viewer, normal, n);
   Vec3 below = s.weights.y * s.specular * PANWRIGHT_FRESNEL(s, half_cosine(l, v), n);
-  Vec3 through = through_both(s, below, max(dot3(normal, to_light), Real(0)),
+  Vec3 through = through_both(s, below, max(dot3(normal, from), Real(0)),
                               max(dot3(normal, to_viewer), Real(0)));
   Real share = s.weights.y * tilted_share(tilted, l, v, normal) / (n * n);
-  return share * (through * (s.specular * (PANWRIGHT_FRESNEL(s, half_cosine(l, v), n) *
-                                           PANWRIGHT_LOBE(s, l, v, tilted))));
+  Real peak = PANWRIGHT_LOBE(s, from, to_light, to_viewer, normal, tilted, n) *
+              lobe_weight(s, from, to_light, normal);
+  return share * (through * (s.specular * (PANWRIGHT_FRESNEL(s, half_cosine(l, v), n) * peak)));
 }
 
 // What microfacets and coat send back and forth until it leaves.
@@ -65,11 +72,12 @@ FORMULA Vec3 coated_reflection(Surface s, Real tilted, Real cos_nl, Real cos_nv)
 // A mirror under the coat: light leaves at the angle it came at, whatever the coat bends it.
 FORMULA Vec3 coated_mirror(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
   Vec3 tilted = tilted_normal(s, normal, Real(1));
-  Real lobe = tilted_share(tilted, to_light, to_viewer, normal) *
-              mirror_below_coat(s, to_light, to_viewer, tilted);
+  Vec3 from = PANWRIGHT_FROM(s, to_light, to_viewer, normal, tilted, Real(0));
+  Real peak = tilted_share(tilted, from, to_viewer, normal) *
+              PANWRIGHT_LOBE(s, from, to_light, to_viewer, normal, tilted, Real(0)) *
+              lobe_weight(s, from, to_light, normal);
   return Vec3(coat_peak(s, to_light, to_viewer, normal)) +
-         lobe * coated_reflection(s, half_cosine(to_light, to_viewer),
-                                  max(dot3(normal, to_light), Real(0)),
+         peak * coated_reflection(s, half_cosine(from, to_viewer), max(dot3(normal, from), Real(0)),
                                   max(dot3(normal, to_viewer), Real(0))) +
          coated_compensation(s, to_light, to_viewer, normal) +
          coated_diffuse(s, to_light, to_viewer, normal);

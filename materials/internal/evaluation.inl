@@ -3,7 +3,8 @@
 Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer, const Vec3& normal,
           const Vec3& tint, const ShadingContext& local) {
   SurfaceFields s =
-      surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2));
+      surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2),
+                 static_cast<Real>(local.sun_limb));
   s.diffuse = s.diffuse * tint;
   if (local.reflectance) s.reflectance = rounded(*local.reflectance);
   return composition_of(material).surface_brdf(s, to_light, to_viewer, normal);
@@ -12,7 +13,8 @@ Vec3 brdf(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
 Vec3 radiance(const Material& material, const Vec3& to_light, const Vec3& to_viewer,
               const Vec3& normal, const Vec3& irradiance, const Vec3& tint, const ShadingContext& local) {
   SurfaceFields s =
-      surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2));
+      surface_of(material, rounded(local.tangent), static_cast<Real>(local.sun_alpha2),
+                 static_cast<Real>(local.sun_limb));
   s.diffuse = s.diffuse * tint;
   if (local.reflectance) s.reflectance = rounded(*local.reflectance);
   return composition_of(material).surface_radiance(s, to_light, to_viewer, normal, irradiance);
@@ -35,6 +37,7 @@ Vec3 CompiledBrdf::brdf(const Vec3& to_light, const Vec3& to_viewer, const Vec3&
   SurfaceFields s = parts_->surface;
   s.tangent = rounded(local.tangent);
   s.sun_alpha2 = static_cast<Real>(local.sun_alpha2);
+  s.sun_limb = static_cast<Real>(local.sun_limb);
   s.diffuse = s.diffuse * tint;
   if (local.reflectance) s.reflectance = rounded(*local.reflectance);
   Composition composition = parts_->composition;

@@ -70,6 +70,7 @@ struct Composition {
 
 #define FORMULA
 #define PANWRIGHT_DIFFUSE diffuse
+#define PANWRIGHT_FROM lobe_from
 #define PANWRIGHT_LOBE lobe
 #define PANWRIGHT_FRESNEL fresnel
 #define PANWRIGHT_COMPENSATION compensation
@@ -77,6 +78,7 @@ struct Composition {
 #include "materials/formulas/surface.glsl"
 #undef FORMULA
 #undef PANWRIGHT_DIFFUSE
+#undef PANWRIGHT_FROM
 #undef PANWRIGHT_LOBE
 #undef PANWRIGHT_FRESNEL
 #undef PANWRIGHT_COMPENSATION

@@ -41,6 +41,7 @@ ViewBlock view_block(const world::Camera& camera, const world::Sun& sun, const T
   }
   ViewBlock block{};
   copy_floats(view_ray, block.view_ray);
+  block.view_ray[3] = static_cast<float>(sun.limb_darkening);
   copy_floats(right, block.view_ray_right);
   copy_floats(down, block.view_ray_down);
   copy_floats(glm::normalize(sun.direction), block.to_sun);

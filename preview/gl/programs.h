@@ -59,10 +59,11 @@ constexpr bool has(LayerSet set, Layer layer) { return (set >> layer & 1) != 0; 
 
 // Uniform blocks, in std140.
 struct alignas(16) ViewBlock {
-  float view_ray[4];        // world direction through the tile's upper left corner, any length
+  float view_ray[4];        // world direction through the tile's upper left corner, any length; limb
+                            // darkening of the Sun's disc
   float view_ray_right[4];  // its change from sample to sample
   float view_ray_down[4];
-  float to_sun[4];      // world, unit; w: what its disc adds to alpha²
+  float to_sun[4];      // world, unit; w: an eighth of the square of its disc's radius
   float irradiance[4];  // RGB; w: 1 where errors are to be predicted
 };
 struct alignas(16) DrawBlock {

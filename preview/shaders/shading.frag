@@ -3,10 +3,11 @@
 // formulas of its BRDF model (materials/formulas), with what reads a material (materials/formula_text.h).
 
 layout(std140, binding = 0) uniform View {
-  vec4 view_ray;        // world direction through the tile's upper left corner, any length
+  vec4 view_ray;        // world direction through the tile's upper left corner, any length; w: limb
+                        // darkening of the Sun's disc
   vec4 view_ray_right;  // its change from sample to sample
   vec4 view_ray_down;
-  vec4 to_sun;      // world, unit; w: what its disc adds to the squares of alpha
+  vec4 to_sun;      // world, unit; w: an eighth of the square of its disc's radius
   vec4 irradiance;  // RGB; w: above 0 where errors are to be predicted
 }
 view;
@@ -106,7 +107,7 @@ void main() {
                (float(place.y) + 0.5) * view.view_ray_down.xyz;
   vec3 to_viewer = -normalize(view_ray);
 
-  Surface surface = surface_of(first_row, view.to_sun.w);
+  Surface surface = surface_of(first_row, view.to_sun.w, view.view_ray.w);
 #ifdef ROUGH
   vec3 whole_cell = surface.weights.x * surface.diffuse;
 #endif

@@ -18,22 +18,42 @@ Vec3 diffuse(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {
   return lambert_brdf(s, to_light, to_viewer, normal);
 }
 
-Real lobe(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal) const {
+Vec3 lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) const {
   switch (brdf_model.specular) {
     case SpecularModel::blinn_phong:
-      return blinn_phong_lobe(s, to_light, to_viewer, normal);
+      return blinn_phong_lobe_from(s, to_light, to_viewer, normal, tilted, index);
     case SpecularModel::cook_torrance:
-      return cook_torrance_lobe(s, to_light, to_viewer, normal);
+      return cook_torrance_lobe_from(s, to_light, to_viewer, normal, tilted, index);
     case SpecularModel::beckmann:
-      return beckmann_lobe(s, to_light, to_viewer, normal);
+      return beckmann_lobe_from(s, to_light, to_viewer, normal, tilted, index);
     case SpecularModel::ggx:
-      return ggx_lobe(s, to_light, to_viewer, normal);
+      return ggx_lobe_from(s, to_light, to_viewer, normal, tilted, index);
     case SpecularModel::mirror:
-      return mirror_lobe(s, to_light, to_viewer, normal);
+      return mirror_lobe_from(s, to_light, to_viewer, normal, tilted, index);
     case SpecularModel::retroreflector:
-      return retroreflector_lobe(s, to_light, to_viewer, normal);
+      return retroreflector_lobe_from(s, to_light, to_viewer, normal, tilted, index);
     default:
       break;
   }
-  return no_specular_lobe(s, to_light, to_viewer, normal);
+  return no_specular_lobe_from(s, to_light, to_viewer, normal, tilted, index);
+}
+
+Real lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) const {
+  switch (brdf_model.specular) {
+    case SpecularModel::blinn_phong:
+      return blinn_phong_lobe(s, from, to_light, to_viewer, normal, tilted, index);
+    case SpecularModel::cook_torrance:
+      return cook_torrance_lobe(s, from, to_light, to_viewer, normal, tilted, index);
+    case SpecularModel::beckmann:
+      return beckmann_lobe(s, from, to_light, to_viewer, normal, tilted, index);
+    case SpecularModel::ggx:
+      return ggx_lobe(s, from, to_light, to_viewer, normal, tilted, index);
+    case SpecularModel::mirror:
+      return mirror_lobe(s, from, to_light, to_viewer, normal, tilted, index);
+    case SpecularModel::retroreflector:
+      return retroreflector_lobe(s, from, to_light, to_viewer, normal, tilted, index);
+    default:
+      break;
+  }
+  return no_specular_lobe(s, from, to_light, to_viewer, normal, tilted, index);
 }

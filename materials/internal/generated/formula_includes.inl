@@ -4,6 +4,8 @@
 //
 #include "materials/formulas/fresnel.glsl"
 //
+#include "materials/formulas/sun_disc.glsl"
+//
 #include "materials/formulas/lambert.glsl"
 //
 #include "materials/formulas/oren_nayar.glsl"

@@ -96,8 +96,11 @@ struct Surface {
   Vec3 f0;
   // unit, perpendicular to the normal; of isotropic surfaces any
   Vec3 tangent;
-  // what the Sun's disc adds to the squares of alpha; 0: a point Sun
+  // an eighth of the square of the Sun's angular radius, what an even disc adds to the squares
+  // of alpha at normal incidence; 0: a point Sun
   Real sun_alpha2;
+  // limb darkening u of the disc, 0 to 1
+  Real sun_limb;
   // R, which a map gives in the place of f0; asked only where there is one
   Vec3 reflectance;
   // part of the surface that the coat covers, 0 to 1

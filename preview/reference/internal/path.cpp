@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/random.h"
+#include "preview/reference/internal/disc_places.h"
 
 namespace panwright::preview::reference {
 namespace {
@@ -20,6 +22,11 @@ double power_weight(double pdf, double other) {
 
 bool is_black(const Vec3& v) { return !(v.x > 0 || v.y > 0 || v.z > 0); }
 
+// Places of the unit disc in a steradian.
+double per_steradian(const Sun& sun, const Vec3& direction) {
+  return glm::dot(direction, sun.centre()) / (sun.sine() * sun.sine());
+}
+
 // A point of a target, in its frame as the Sun is there.
 struct Lit {
   const TraceScene& scene;
@@ -30,11 +37,14 @@ struct Lit {
   bool reaches(const Vec3& to_light) const { return !scene.any({target, {point.start, to_light}}); }
 };
 
-// The Sun's light that a surface sends to a viewer, its disc sampled.
-Vec3 sunlight(const Lit& lit, const Vec3& to_viewer, const Vec2& u, RayCounts& counts) {
+// The Sun's light that a surface sends to a viewer, its disc sampled. places: where a narrow lobe sees
+// it; none elsewhere
+Vec3 sunlight(const Lit& lit, const Vec3& to_viewer, const Vec2& u,
+              const std::optional<DiscPlaces>& places, RayCounts& counts) {
   const Sun& sun = lit.sun;
   const Point& point = lit.point;
-  const Sun::Sample light = sun.sample(u);
+  const Vec2 place = places ? places->sample(u) : Vec2(0);
+  const Sun::Sample light = places ? sun.at(place) : sun.sample(u);
   const double cosine = glm::dot(point.normal, light.to_light);
   if (!(cosine > 0)) return Vec3(0);
   const Scatter& surface = point.surface();
@@ -42,10 +52,13 @@ Vec3 sunlight(const Lit& lit, const Vec3& to_viewer, const Vec2& u, RayCounts& c
       surface.scattering.brdf(light.to_light, to_viewer, point.normal, point.tangent, point.tint) *
       cosine * light.irradiance;
   if (is_black(result)) return Vec3(0);
-  if (surface.is_narrow() && sun.has_disc())
-    result *= power_weight(
-        sun.pdf(light.to_light),
-        surface.scattering.pdf(light.to_light, to_viewer, point.normal, point.tangent, point.tint));
+  if (places) {
+    const double density = places->pdf(place);
+    result *= power_weight(density * per_steradian(sun, light.to_light),
+                           surface.scattering.pdf(light.to_light, to_viewer, point.normal,
+                                                  point.tangent, point.tint)) /
+              (kPi * density);
+  }
   ++counts.shadow;
   return lit.reaches(light.to_light) ? result : Vec3(0);
 }
@@ -68,11 +81,13 @@ Vec3 mirrored_disc(const Lit& lit, const Vec3& to_viewer, RayCounts& counts) {
 }
 
 // What a direction drawn by a narrow lobe gets of the Sun's disc where nothing stands before it.
-Vec3 disc_seen(const Sun& sun, const materials::Sampled& sampled) {
-  const double pdf = sun.pdf(sampled.to_light);
+Vec3 disc_seen(const Sun& sun, const DiscPlaces& places, const materials::Sampled& sampled) {
   // mirrors have looked for the Sun already
-  if (sampled.delta || !(pdf > 0)) return Vec3(0);
-  return sun.radiance(sampled.to_light) * sampled.weight * power_weight(sampled.pdf, pdf);
+  if (sampled.delta) return Vec3(0);
+  const double density = places.pdf(sun.place(sampled.to_light));
+  if (!(density > 0)) return Vec3(0);
+  return sun.radiance(sampled.to_light) * sampled.weight *
+         power_weight(sampled.pdf, density * per_steradian(sun, sampled.to_light));
 }
 
 }  // namespace
@@ -110,16 +125,20 @@ PathResult traced(const TraceScene& scene, std::span<const Sun> suns, const Trac
       u_survival = b[3];
     }
     const Vec3 to_viewer = -direction;
-    result.radiance += share * sunlight(lit, to_viewer, u.sun, counts);
+    std::optional<DiscPlaces> places;
+    if (surface.is_narrow() && sun.has_disc())
+      places.emplace(surface.scattering.disc_lobes(sun.centre(), sun.sine(), to_viewer,
+                                                   point.normal, point.tangent));
+    result.radiance += share * sunlight(lit, to_viewer, u.sun, places, counts);
     if (surface.has_mirror && sun.has_disc())
       result.radiance += share * mirrored_disc(lit, to_viewer, counts);
 
     const bool last = depth >= options.bounces;
-    if (last && !(surface.is_narrow() && sun.has_disc())) break;
+    if (last && !places) break;
     const auto sampled = surface.scattering.sample(to_viewer, point.normal, point.tangent,
                                                    point.tint, u.bounce, u.lobe);
     if (!sampled || is_black(sampled->weight)) break;
-    const Vec3 disc = surface.is_narrow() && sun.has_disc() ? disc_seen(sun, *sampled) : Vec3(0);
+    const Vec3 disc = places ? disc_seen(sun, *places, *sampled) : Vec3(0);
     if (last && is_black(disc)) break;
     const TraceRay onward{hit->target, {point.start, sampled->to_light}};
     ++counts.bounce;

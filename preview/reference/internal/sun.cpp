@@ -34,11 +34,19 @@ double Sun::brightness(double square) const {
 Sun::Sample Sun::sample(const Vec2& u) const {
   if (!has_disc()) return {centre_, irradiance_};
   // even on the disc's projection, where what a facing plane gets is even
-  const Vec2 place = on_disc(u);
+  return at(on_disc(u));
+}
+
+Sun::Sample Sun::at(const Vec2& place) const {
   const Vec2 offset = sine_ * place;
   const double cosine = std::sqrt(1 - glm::dot(offset, offset));
   const Vec3 direction = offset.x * across_[0] + offset.y * across_[1] + cosine * centre_;
   return {direction, irradiance_ * (brightness(glm::dot(place, place)) / cosine)};
+}
+
+Vec2 Sun::place(const Vec3& direction) const {
+  if (!(glm::dot(direction, centre_) > 0)) return Vec2(2);
+  return Vec2(glm::dot(direction, across_[0]), glm::dot(direction, across_[1])) / sine_;
 }
 
 Vec3 Sun::radiance(const Vec3& direction) const {
@@ -46,13 +54,6 @@ Vec3 Sun::radiance(const Vec3& direction) const {
   const double square = glm::dot(offset, offset) / (sine_ * sine_);
   if (!(square <= 1) || !(glm::dot(direction, centre_) > 0)) return Vec3(0);
   return irradiance_ * (brightness(square) / (kPi * sine_ * sine_));
-}
-
-double Sun::pdf(const Vec3& direction) const {
-  const double cosine = glm::dot(direction, centre_);
-  const Vec2 offset(glm::dot(direction, across_[0]), glm::dot(direction, across_[1]));
-  if (!(glm::dot(offset, offset) <= sine_ * sine_) || !(cosine > 0)) return 0;
-  return cosine / (kPi * sine_ * sine_);
 }
 
 }  // namespace panwright::preview::reference

@@ -24,10 +24,15 @@ class Sun {
   };
   Sample sample(const Vec2& u) const;
 
+  // The same of a place in the unit disc: divide by pi times the density of places.
+  Sample at(const Vec2& place) const;
+  // The place of a direction, beyond 1 beside the disc or behind. Expects: has_disc().
+  Vec2 place(const Vec3& direction) const;
+  const Vec3& centre() const { return centre_; }
+  double sine() const { return sine_; }  // of the angular radius; 0: a point
+
   // 0 beside the disc. Expects: has_disc().
   Vec3 radiance(const Vec3& direction) const;
-  // Of sample(), per steradian; 0 beside the disc. Expects: has_disc().
-  double pdf(const Vec3& direction) const;
 
  private:
   double brightness(double square) const;  // relative to the mean; of (r / disc's radius)²
