@@ -297,13 +297,13 @@ void run_model(Context& context, const std::string& name, double seconds) {
       },
       1);
   const Seen seen =
-      compared(model->scene, after, context.quick() ? 2 : kViews, context.quick() ? 32 : 256);
+      compared(model->scene, after, context.quick() ? 2 : kViews, context.quick() ? 32 : 128);
   Row row{.case_name = "hidden",
           .setting = fmt::format("{} {}", name, words(report)),
           .speed_unit = "s",
           .error = static_cast<double>(seen.changed + seen.ids),
           .error_unit = fmt::format("pixels of {} with another distance or id", seen.rays),
-          .reference = fmt::format("rays of {} random views of 256² of the whole model", kViews),
+          .reference = fmt::format("rays of {} random views of 128² of the whole model", kViews),
           .must = seconds,
           .must_is_least = false,
           .must_error = 0.5};

@@ -15,8 +15,8 @@ struct HiddenOptions {
   // one per instance: whether it may lose faces; empty: all may. All of them occlude others.
   std::vector<char> may_lose;
   Options compile;                        // as the model will be compiled with
-  std::uint32_t rays_per_triangle = 256;  // that lead nowhere from each removed triangle
-  // In all, and four more for each triangle. What they do not suffice for stays.
+  std::uint32_t rays_per_triangle = 64;  // that lead nowhere from each removed triangle
+  // In all, and four more for each triangle of a mesh. What they do not suffice for stays.
   std::uint64_t max_rays = 16'000'000;
   std::uint64_t max_triangles = 8'000'000;  // instances counted; a larger model is left alone
 };

@@ -15,17 +15,20 @@ namespace {
 
 // sine of the angle between facets of one surface
 constexpr double kSmooth = 0.2;
+constexpr double kGrazing = 0.02;
 constexpr std::size_t kChunk = 128;  // triangles that a thread takes at once
 constexpr std::uint64_t kRaysOfTriangle = 4;  // beyond max_rays, for each triangle
 // rays of a triangle that need no others beside them: seams are too narrow to be met so soon
 constexpr std::uint32_t kSure = 8;
-constexpr std::uint32_t kClassify = 16;  // rays of a triangle, the later ones of which tell what it faces
-constexpr std::uint32_t kOnwards = 64;   // of which onwards from there so many are followed
+constexpr std::uint32_t kNormals = 2;    // first rays of a triangle, along its normals
+constexpr std::uint32_t kFirstBeside = 4;  // along what neighbours see
+constexpr std::uint32_t kClassify = 16;  // rays that tell what a triangle faces
+constexpr std::uint32_t kOnwards = 32;   // of which onwards from there so many are followed
 constexpr std::uint32_t kLeastProbes = 32;
 constexpr std::uint64_t kProbes = 1'000'000;  // of all triangles together, at least
 constexpr std::uint32_t kMostProbes = 4096;   // of one
 constexpr std::uint64_t kSweep = 250'000;     // rays from outside
-constexpr std::uint32_t kSharedRounds = 8;
+constexpr std::uint32_t kSharedRounds = 16;
 constexpr std::size_t kAlone = 4;  // parts of a mesh that is worth a search of its own
 constexpr int kExplorations = 64;  // rounds
 constexpr int kConfirmations = 3;
@@ -42,6 +45,8 @@ constexpr double kAreaRays = 1e8;
 constexpr double kBallArea = 8;
 constexpr std::uint32_t kMostAreaRays = 65536;  // of one triangle
 constexpr std::size_t kMostPortals = 512;
+constexpr std::uint32_t kOfGap = 16;            // rays towards one, of each triangle, at most
+constexpr std::uint64_t kMostGuided = 250'000;  // where what faces a visible side stays anyway
 
 Vec3 on_sphere(double a, double b) {
   const double z = 2 * a - 1;
@@ -77,6 +82,14 @@ struct Find {
   std::uint32_t side;
   Vec3 point;
   Vec3 direction;
+};
+
+// A ray that leads outside through a gap.
+struct Portal {
+  Vec3 point{0};
+  Vec3 direction{0};
+  Vec3 gap{0};
+  bool narrow = false;
 };
 
 // Rays of a chunk of triangles.
@@ -133,7 +146,7 @@ class VisibilitySearch {
     }
     exposed_.resize(rays_.triangles(), 0);
     side_seen_.resize(2 * std::size_t{rays_.triangles()}, 0);
-    max_rays_ = options_.max_rays + kRaysOfTriangle * rays_.triangles();
+    max_rays_ = options_.max_rays + kRaysOfTriangle * mesh_first_.back();
   }
 
   // Of its mesh.
@@ -221,32 +234,46 @@ class VisibilitySearch {
   // Remembers rays that found what few find, and where on them the gap is that let them through:
   // beyond it most directions lead outside.
   void note_portals(const std::vector<Find>& finds) {
-    const std::size_t first = portals_.size();
-    for (const Find& find : finds)
-      if (portals_.size() < kMostPortals) portals_.push_back(find);
-    gaps_.resize(portals_.size());
-    round(portals_.size() - first, [&](std::size_t i, Harvest& out) {
-      gaps_[first + i] = gap_on(portals_[first + i], static_cast<std::uint32_t>(first + i), out);
+    constexpr std::size_t kAtOnce = 64;
+    const std::size_t count = std::min({finds.size(), kAtOnce, kMostPortals - portals_.size()});
+    if (count == 0) return;
+    std::vector<Portal> made(count);
+    round(count, [&](std::size_t i, Harvest& out) {
+      made[i] = portal_of(finds[i * finds.size() / count], out);
     });
+    for (const Portal& portal : made)
+      if (portal.narrow) portals_.push_back(portal);
   }
 
-  Vec3 gap_on(const Find& find, std::uint32_t number, Harvest& out) const {
-    constexpr int kSteps = 12;
+  // The share of directions about a ray that lead outside from a place on it.
+  double open_share(const Find& find, double along, Harvest& out) const {
     constexpr std::uint32_t kRays = 12;
+    std::uint32_t open = 0;
+    for (std::uint32_t k = 0; k < kRays; ++k) {
+      const auto random = philox({find.triangle, k, 10, 0}, {0x51947, 7});
+      ++out.rays;
+      open += rays_.escapes(find.triangle, find.point + along * find.direction,
+                            cosine(find.direction, random[0], random[1]));
+    }
+    return static_cast<double>(open) / kRays;
+  }
+
+  Portal portal_of(const Find& find, Harvest& out) const {
+    constexpr int kSteps = 12;
+    constexpr double kNarrow = 0.3;
+    constexpr double kOutside = 0.75;
+    Portal portal;
+    portal.narrow = open_share(find, 0, out) < kNarrow;
     double low = 0;
     double high = 2 * rays_.radius();
-    for (int step = 0; step < kSteps; ++step) {
+    for (int step = 0; portal.narrow && step < kSteps; ++step) {
       const double middle = 0.5 * (low + high);
-      const Vec3 at = find.point + middle * find.direction;
-      std::uint32_t open = 0;
-      for (std::uint32_t k = 0; k < kRays; ++k) {
-        const auto random = philox({number, k, 10, static_cast<std::uint32_t>(step)}, {0x51947, 7});
-        ++out.rays;
-        open += rays_.escapes(find.triangle, at, cosine(find.direction, random[0], random[1]));
-      }
-      (4 * open >= 3 * kRays ? high : low) = middle;
+      (open_share(find, middle, out) >= kOutside ? high : low) = middle;
     }
-    return find.point + high * find.direction;
+    portal.point = find.point;
+    portal.direction = find.direction;
+    portal.gap = find.point + high * find.direction;
+    return portal;
   }
 
   // ---- rays from triangles
@@ -317,9 +344,11 @@ class VisibilitySearch {
   }
 
   // Notes a ray that escaped, if others beside it do as well.
+  //   check  else this is looked at only where it runs along the surface, as seams between parts
+  //          that touch do
   bool take(std::uint32_t w, const Vec3& point, const Vec3& direction, const Vec3& front,
             bool check, Harvest& out) const {
-    if (check) {
+    if (check || std::fabs(glm::dot(front, direction)) < kGrazing) {
       out.rays += 2;
       if (!rays_.is_open(w, point, direction)) return false;
     }
@@ -329,8 +358,8 @@ class VisibilitySearch {
 
   // Rays onwards from what a ray met: whether that is seen itself.
   void go_on(std::uint32_t w, std::uint32_t k, const Meeting& met, Harvest& out) {
-    constexpr std::uint32_t kRays = 2;
     const Vec3 front = rays_.normal(met.triangle);
+    constexpr std::uint32_t kRays = 1;
     for (std::uint32_t j = 0; j < kRays; ++j) {
       const auto random = philox({w, k, 1, j}, {0x51947, 2});
       const Vec3 direction = cosine(met.side == 0 ? front : -front, random[0], random[1]);
@@ -383,7 +412,8 @@ class VisibilitySearch {
         const Vec3 direction = in_cone(directions_[index_of(seen[k % count])],
                                        k == 0 ? 0 : 0.5 * spread * spread, more[0], more[1]);
         ++out.rays;
-        if (rays_.escapes(w, point, direction) && take(w, point, direction, front, true, out))
+        if (rays_.escapes(w, point, direction) &&
+            take(w, point, direction, front, done_ >= kSure, out))
           return;
       }
     });
@@ -391,7 +421,7 @@ class VisibilitySearch {
 
   // What was found tells where more may be: among the neighbours, and theirs.
   void explore(std::vector<Find> found) {
-    constexpr std::uint32_t kRays = 8;
+    const std::uint32_t each = done_ < kSure ? kFirstBeside : 2 * kFirstBeside;
     for (int i = 0; i < kExplorations && !found.empty(); ++i) {
       list_neighbours();
       std::vector<std::uint32_t> items;
@@ -401,38 +431,33 @@ class VisibilitySearch {
         });
       std::sort(items.begin(), items.end());
       items.erase(std::unique(items.begin(), items.end()), items.end());
-      found = cast_beside(std::move(items), kRays, static_cast<std::uint32_t>(i));
-      note_portals(found);
+      found = cast_beside(std::move(items), each, static_cast<std::uint32_t>(i));
+      if (done_ >= kClassify) note_portals(found);
     }
   }
 
-  // Rays from triangles to places on rays that escaped where few do: the gap is at one of them.
-  std::vector<Find> cast_guided(std::vector<std::uint32_t> items, std::uint32_t from,
+  // Rays from triangles to gaps that others were seen through, from number `first` on.
+  std::vector<Find> cast_guided(const std::vector<std::uint32_t>& items, std::size_t first,
                                 std::uint32_t each) {
-    if (portals_.empty()) return {};
-    fit(items, each);
     return round(items.size(), [&](std::size_t i, Harvest& out) {
       const std::uint32_t w = items[i];
       const std::array<Vec3, 3> corners = rays_.corners(w);
       const Vec3 front = normal_of(corners);
-      for (std::uint32_t k = from; k < from + each; ++k) {
-        const auto random = philox({w, k, 4, 0}, {0x51947, 4});
-        const auto more = philox({w, k, 5, 0}, {0x51947, 4});
-        const auto aside = philox({w, k, 6, 0}, {0x51947, 4});
+      for (std::uint32_t k = 0; k < each; ++k) {
+        const auto stream = static_cast<std::uint32_t>(first);
+        const auto random = philox({w, k, 4, stream}, {0x51947, 4});
+        const auto more = philox({w, k, 5, stream}, {0x51947, 4});
+        const auto aside = philox({w, k, 6, stream}, {0x51947, 4});
         const Vec3 point = point_of(corners, k, random);
-        const auto at = static_cast<std::size_t>(in_unit(more[0]) *
-                                                 static_cast<double>(portals_.size()));
-        const std::size_t number = std::min(at, portals_.size() - 1);
-        const Find& portal = portals_[number];
+        const Portal& portal = portals_[first + more[0] % (portals_.size() - first)];
         // at the gap, or anywhere, near places more often
         const double u = in_unit(more[1]);
-        const Vec3 along = k % 4 == 3
-                               ? portal.point + 2 * rays_.radius() * u * u * portal.direction
-                               : gaps_[number];
+        const Vec3 at = k % 4 == 3
+                            ? portal.point + 2 * rays_.radius() * u * u * portal.direction
+                            : portal.gap;
         const double width = 1e-4 * det::exp(6.907755278982137 * in_unit(more[2]));
-        const Vec3 to = along + width * rays_.radius() * in_unit(more[3]) *
-                                    on_sphere(in_unit(aside[0]), in_unit(aside[1]));
-        const Vec3 line = to - point;
+        const Vec3 line = at - point + width * rays_.radius() * in_unit(more[3]) *
+                                           on_sphere(in_unit(aside[0]), in_unit(aside[1]));
         const double length = glm::length(line);
         if (!(length > 0)) continue;
         ++out.rays;
@@ -443,12 +468,17 @@ class VisibilitySearch {
     });
   }
 
-  // Until they find nothing.
-  void search_gaps(std::uint32_t each) {
-    for (int i = 0; i < kExplorations; ++i) {
-      std::vector<Find> found = cast_guided(undecided(Which::all), guided_, each);
-      guided_ += each;
-      if (found.empty()) return;
+  // Until there are no new ones.
+  void search_gaps() {
+    const std::uint64_t most = keep_exposed_ ? kMostGuided : max_rays_ / 4;
+    for (int i = 0; i < kExplorations && gaps_used_ < portals_.size(); ++i) {
+      const std::vector<std::uint32_t> items = undecided(Which::all);
+      const auto fresh = static_cast<std::uint32_t>(portals_.size() - gaps_used_);
+      const std::uint32_t each = std::min(kGuided, kOfGap * fresh);
+      if (items.empty() || guided_ + items.size() * each > most) return;
+      guided_ += items.size() * each;
+      std::vector<Find> found = cast_guided(items, gaps_used_, each);
+      gaps_used_ = portals_.size();
       note_portals(found);
       explore(std::move(found));
     }
@@ -484,12 +514,16 @@ class VisibilitySearch {
     Phase phase(job_, "finding hidden parts", 7);
     share_evidence();
     hide_alone();
+    limit_parts();
     phase.advance();
-    for (const std::uint32_t to : {2u, 4u, kSure}) probe_all(to, kClassify);
+    probe_all(kNormals, kNormals);
     phase.advance();
     if (undecided(Which::all).empty()) return;
-    explore_everywhere(kSure);
-    probe_all(kClassify, kSure);
+    explore_everywhere();
+    for (const std::uint32_t to : {kSure, kClassify}) {
+      probe_all(to, kNormals);
+      drop_exposed();
+    }
     phase.advance();
     if (undecided(Which::all).empty()) return;
     std::vector<Find> found = sweep();
@@ -508,14 +542,13 @@ class VisibilitySearch {
   void probe_all(std::uint32_t to, std::uint32_t classify) {
     std::vector<std::uint32_t> items = undecided(Which::all);
     fit(items, to - done_);
-    const std::vector<Find> found = probe(items, done_, to, classify);
-    if (done_ >= kSure) note_portals(found);
+    probe(items, done_, to, classify);
     done_ = to;
   }
 
-  void explore_everywhere(std::uint32_t each) {
+  void explore_everywhere() {
     list_neighbours();
-    std::vector<Find> found = cast_beside(undecided(Which::all), each, 100);
+    std::vector<Find> found = cast_beside(undecided(Which::all), kFirstBeside, 100);
     explore(std::move(found));
   }
 
@@ -528,10 +561,14 @@ class VisibilitySearch {
         const std::vector<std::uint32_t>& parts = parts_of_[m];
         const std::uint32_t count = mesh_first_[m + 1] - mesh_first_[m];
         if (parts.size() < 2 || count == 0) continue;
-        for (std::uint32_t t = 0; t < count; ++t) {
+        // in parts that are seen rather than in those that others may hide
+        std::vector<std::uint32_t> seen = parts;
+        if (r % 2 == 1)
+          std::erase_if(seen, [&](std::uint32_t p) { return parts_[p] != State::seen; });
+        for (std::uint32_t t = 0; t < count && !seen.empty(); ++t) {
           if (triangles_[mesh_first_[m] + t] != State::unknown) continue;
           const std::uint32_t random = philox({t, r, 7, 0}, {0x51947, 5})[0];
-          items.push_back(rays_.first_of(parts[random % parts.size()]) + t);
+          items.push_back(rays_.first_of(seen[random % seen.size()]) + t);
         }
         for (const std::uint32_t p : parts) {
           if (parts_[p] != State::unknown) continue;
@@ -575,6 +612,17 @@ class VisibilitySearch {
     }
   }
 
+  // Where meshes have so many parts that those not seen yet are too many to be sure of, they stay.
+  void limit_parts() {
+    std::vector<std::uint32_t> items = undecided(Which::all);
+    std::erase_if(items, [&](std::uint32_t w) {
+      return parts_of_[model_.parts[rays_.part_of(w)].mesh].size() < 2;
+    });
+    if (items.size() * kLeastProbes <= max_rays_ / 2) return;
+    for (const std::uint32_t w : items) keep(w);
+    capped_ = true;
+  }
+
   // What counts as one surface, in the frame of a part, at least.
   double slack_in(std::uint32_t p) const {
     const Mat3 inverse = glm::inverse(Mat3(model_.parts[p].world_from_mesh));
@@ -584,12 +632,17 @@ class VisibilitySearch {
     return rays_.slack() * std::sqrt(most);
   }
 
-  // Triangles that face hidden sides alone take more rays the fewer they are. They are told from
-  // those that face a visible one; where of these are too many to be sure of, they stay.
+  // What faces a visible side stays where that is too many to be sure of.
+  void drop_exposed() {
+    const std::uint64_t left = max_rays_ - std::min(max_rays_, cast_);
+    if (undecided(Which::exposed).size() * kDeepRays > left / 2) keep_exposed_ = true;
+  }
+
+  // Triangles that face hidden sides alone take more rays the fewer they are.
   void probe_enclosed() {
     while (true) {
+      drop_exposed();
       const std::uint64_t left = max_rays_ - std::min(max_rays_, cast_);
-      if (undecided(Which::exposed).size() * kDeepRays > left / 2) keep_exposed_ = true;
       std::vector<std::uint32_t> items = undecided(Which::enclosed);
       if (items.empty()) return;
       const std::uint64_t wanted = std::clamp<std::uint64_t>(
@@ -604,7 +657,7 @@ class VisibilitySearch {
       done_ += number;
       note_portals(found);
       explore(std::move(found));
-      search_gaps(kGuided / 4);
+      search_gaps();
     }
   }
 
@@ -619,7 +672,7 @@ class VisibilitySearch {
       done += kDeepProbes;
       note_portals(found);
       explore(std::move(found));
-      search_gaps(kGuided);
+      search_gaps();
       found = cast_beside(undecided(Which::exposed), kBeside, 200 + pass);
       note_portals(found);
       explore(std::move(found));
@@ -658,7 +711,7 @@ class VisibilitySearch {
     });
     note_portals(found);
     explore(std::move(found));
-    if (!jobs.empty()) search_gaps(kGuided);
+    if (!jobs.empty()) search_gaps();
   }
 
   void confirm() {
@@ -669,7 +722,7 @@ class VisibilitySearch {
       if (found.empty()) return;
       note_portals(found);
       explore(std::move(found));
-      search_gaps(kGuided);
+      search_gaps();
     }
   }
 
@@ -706,8 +759,8 @@ class VisibilitySearch {
   std::vector<State> parts_;                          // P
   std::vector<char> exposed_;                         // of the world: faces a visible side
   std::vector<char> side_seen_;                       // two for each of the world
-  std::vector<Find> portals_;                         // rays that found what few find
-  std::vector<Vec3> gaps_;                            // on them
+  std::vector<Portal> portals_;                       // rays that found what few find
+  std::size_t gaps_used_ = 0;                         // of them
   bool listed_ = false;                               // neighbours
   bool keep_exposed_ = false;
   bool capped_ = false;
@@ -716,7 +769,7 @@ class VisibilitySearch {
   std::uint64_t swept_ = 0;  // of them, from outside
   std::uint64_t last_found_ = 0;
   std::uint64_t ambiguous_ = 0;
-  std::uint32_t guided_ = 0;  // rays of each triangle towards gaps
+  std::uint64_t guided_ = 0;  // of them, towards gaps
   std::uint32_t done_ = 0;    // rays of each triangle that is undecided
 };
 
