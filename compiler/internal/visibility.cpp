@@ -287,6 +287,7 @@ class VisibilitySearch {
     if (number % 4 == 0) {  // a corner
       u = v = kInset;
     } else if (number % 4 == 1) {  // an edge
+      u = kInset + (1 - 3 * kInset) * u;
       v = kInset;
     } else if (u + v > 1) {
       u = 1 - u;
