@@ -84,8 +84,7 @@ Seen compared(const scene::Scene& before, const scene::Scene& after, int views, 
         parts[view].changed +=
             first.has_value() != second.has_value() ||
             (first && std::fabs(first->distance - second->distance) > 2e-5 * ball.radius);
-        parts[view].ids +=
-            first && second && a.ids[first->instance] != b.ids[second->instance];
+        parts[view].ids += first && second && a.ids[first->instance] != b.ids[second->instance];
       }
     }
   });
@@ -320,19 +319,19 @@ void run(Context& context) {
   run_open(context, "skin", skin(708, 707), 0, 1);
   run_open(context, "field of grass", field(78, 24), 0, 5);
   run_open(context, "pots", pots(1900), 300, 5);
-  for (const auto& [name, seconds] : std::vector<std::pair<const char*, double>>{
-           {"hubble-draco-webp", 5},
-           {"jwst-draco-webp", 2.5},
-           {"iss-draco-webp", 2.5},
-           {"hubble-meshopt", 5},
-           {"sentinel6-draco-webp", 5},
-           {"cassini-draco-webp", 5},
-           {"juno-draco-webp", 5},
-           {"mro-draco-webp", 5},
-           {"newhorizons-draco-webp", 5},
-           {"goes-blender", 5},
-           {"landsat8-blender", 5},
-           {"spitzer-blender", 5}})
+  for (const auto& [name, seconds] :
+       std::vector<std::pair<const char*, double>>{{"hubble-draco-webp", 5},
+                                                   {"jwst-draco-webp", 2.5},
+                                                   {"iss-draco-webp", 2.5},
+                                                   {"hubble-meshopt", 5},
+                                                   {"sentinel6-draco-webp", 5},
+                                                   {"cassini-draco-webp", 5},
+                                                   {"juno-draco-webp", 5},
+                                                   {"mro-draco-webp", 5},
+                                                   {"newhorizons-draco-webp", 5},
+                                                   {"goes-blender", 5},
+                                                   {"landsat8-blender", 5},
+                                                   {"spitzer-blender", 5}})
     run_model(context, name, seconds);
 }
 

@@ -122,8 +122,8 @@ class Pruner {
         continue;
       }
       const std::uint64_t left = options_.max_rays - std::min(options_.max_rays, report_.rays);
-      const internal::Visibility found = internal::visibility_of(
-          body.model, {options_.rays_per_triangle, left, 0}, job_);
+      const internal::Visibility found =
+          internal::visibility_of(body.model, {options_.rays_per_triangle, left, 0}, job_);
       report_.rays += found.rays;
       report_.reached += found.last_found;
       report_.ambiguous += found.ambiguous;
@@ -172,8 +172,8 @@ class Pruner {
         parts.emplace_back();
       }
       internal::VisibilityModel& model = out[b].model;
-      const auto [mesh, is_new] = meshes[b].try_emplace(
-          meshes_[i].get(), static_cast<std::uint32_t>(model.meshes.size()));
+      const auto [mesh, is_new] =
+          meshes[b].try_emplace(meshes_[i].get(), static_cast<std::uint32_t>(model.meshes.size()));
       if (is_new) {
         model.meshes.push_back(meshes_[i]);
         model.divisible.push_back(std::holds_alternative<MeshShape>(
@@ -208,8 +208,7 @@ class Pruner {
 
   void show_all(const Body& body) {
     for (const auto& [instance, part] : body.parts)
-      if (std::vector<char>* const shown = shown_of(instance))
-        shown->assign(shown->size(), 1);
+      if (std::vector<char>* const shown = shown_of(instance)) shown->assign(shown->size(), 1);
   }
 
   // Whatever is visible in one body stays.
@@ -307,9 +306,9 @@ class Pruner {
   const Job& job_;
   HiddenReport report_;
   std::vector<Mat4> world_from_node_;
-  std::vector<MeshShape> meshes_;   // one per instance
-  std::vector<char> allowed_;       // one per instance: may lose faces
-  std::vector<char> visible_;       // one per instance
+  std::vector<MeshShape> meshes_;         // one per instance
+  std::vector<char> allowed_;             // one per instance: may lose faces
+  std::vector<char> visible_;             // one per instance
   std::vector<std::vector<char>> shown_;  // of each mesh, the triangles that stay; else empty
 };
 

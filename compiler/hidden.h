@@ -14,7 +14,7 @@ namespace panwright::compiler {
 struct HiddenOptions {
   // one per instance: whether it may lose faces; empty: all may. All of them occlude others.
   std::vector<char> may_lose;
-  Options compile;                        // as the model will be compiled with
+  Options compile;                       // as the model will be compiled with
   std::uint32_t rays_per_triangle = 64;  // that lead nowhere from each removed triangle
   // In all, and four more for each triangle of a mesh. What they do not suffice for stays.
   std::uint64_t max_rays = 16'000'000;

@@ -16,14 +16,14 @@ namespace {
 // sine of the angle between facets of one surface
 constexpr double kSmooth = 0.2;
 constexpr double kGrazing = 0.02;
-constexpr std::size_t kChunk = 128;  // triangles that a thread takes at once
+constexpr std::size_t kChunk = 128;           // triangles that a thread takes at once
 constexpr std::uint64_t kRaysOfTriangle = 4;  // beyond max_rays, for each triangle
 // rays of a triangle that need no others beside them: seams are too narrow to be met so soon
 constexpr std::uint32_t kSure = 8;
-constexpr std::uint32_t kNormals = 2;    // first rays of a triangle, along its normals
+constexpr std::uint32_t kNormals = 2;      // first rays of a triangle, along its normals
 constexpr std::uint32_t kFirstBeside = 4;  // along what neighbours see
-constexpr std::uint32_t kClassify = 16;  // rays that tell what a triangle faces
-constexpr std::uint32_t kOnwards = 32;   // of which onwards from there so many are followed
+constexpr std::uint32_t kClassify = 16;    // rays that tell what a triangle faces
+constexpr std::uint32_t kOnwards = 32;     // of which onwards from there so many are followed
 constexpr std::uint32_t kLeastProbes = 32;
 constexpr std::uint64_t kProbes = 1'000'000;  // of all triangles together, at least
 constexpr std::uint32_t kMostProbes = 4096;   // of one
@@ -96,6 +96,7 @@ struct Portal {
 struct Harvest {
   std::uint64_t rays = 0;
   std::vector<Find> finds;
+  std::vector<std::size_t> exposed;  // sides
 };
 
 class VisibilitySearch {
@@ -146,6 +147,7 @@ class VisibilitySearch {
     }
     exposed_.resize(rays_.triangles(), 0);
     side_seen_.resize(2 * std::size_t{rays_.triangles()}, 0);
+    side_exposed_.resize(side_seen_.size(), 0);
     max_rays_ = options_.max_rays + kRaysOfTriangle * mesh_first_.back();
   }
 
@@ -225,6 +227,7 @@ class VisibilitySearch {
     std::vector<Find> fresh;
     for (const Harvest& one : parts) {
       cast_ += one.rays;
+      for (const std::size_t side : one.exposed) side_exposed_[side] = 1;
       for (const Find& find : one.finds)
         if (mark(find)) fresh.push_back(find);
     }
@@ -308,13 +311,16 @@ class VisibilitySearch {
     return glm::dot(front, direction) < 0 ? 1 : 0;
   }
 
-  // The k-th ray of a triangle: along both normals from its middle, then by the cosine on both
-  // sides.
-  std::pair<Vec3, Vec3> ray_of(std::uint32_t w, std::uint32_t k,
-                               const std::array<Vec3, 3>& corners, const Vec3& front) const {
+  // The k-th ray of a triangle: along both normals, then by the cosine on both sides. Never quite
+  // along the normals nor from the middle, where a symmetrical model has its seams.
+  std::pair<Vec3, Vec3> ray_of(std::uint32_t w, std::uint32_t k, const std::array<Vec3, 3>& corners,
+                               const Vec3& front) const {
+    constexpr double kTilt = 0.02;
     const Vec3 normal = k % 2 == 0 ? front : -front;
-    if (k < 2 && front != Vec3(0)) return {(corners[0] + corners[1] + corners[2]) / 3.0, normal};
     const auto random = philox({w, k, 0, 0}, {0x51947, 1});
+    if (k < kNormals && front != Vec3(0))
+      return {point_of(corners, 2, random),
+              glm::normalize(normal + kTilt * on_sphere(in_unit(random[2]), in_unit(random[3])))};
     return {point_of(corners, k / 2, random), cosine(normal, random[2], random[3])};
   }
 
@@ -332,10 +338,15 @@ class VisibilitySearch {
         if (k < classify || exposed_[w]) {
           if (!rays_.escapes(w, point, direction)) continue;
         } else if (const auto met = rays_.meets(w, point, direction)) {
-          if (side_seen_[2 * std::size_t{met->triangle} + met->side])
+          const std::size_t side = 2 * std::size_t{met->triangle} + met->side;
+          if (side_seen_[side]) {
             exposed_[w] = 1;
-          else if (k < kOnwards)
+            out.exposed.push_back(2 * std::size_t{w} + side_of(front, direction));
+          } else if (keep_exposed_ && side_exposed_[side]) {
+            exposed_[w] = 1;
+          } else if (k < kOnwards) {
             go_on(w, k, *met, out);
+          }
           continue;
         }
         if (!take(w, point, direction, front, k >= kSure, out)) continue;
@@ -395,7 +406,7 @@ class VisibilitySearch {
       rays_.for_neighbours(w, [&](std::uint32_t other) { any = any || is_seen(other); });
       return !any;
     });
-    fit(items, each);
+    fit(items, each + 2);
     return round(items.size(), [&](std::size_t i, Harvest& out) {
       const std::uint32_t w = items[i];
       std::array<std::uint32_t, 8> seen;
@@ -453,12 +464,12 @@ class VisibilitySearch {
         const Portal& portal = portals_[first + more[0] % (portals_.size() - first)];
         // at the gap, or anywhere, near places more often
         const double u = in_unit(more[1]);
-        const Vec3 at = k % 4 == 3
-                            ? portal.point + 2 * rays_.radius() * u * u * portal.direction
-                            : portal.gap;
+        const Vec3 at =
+            k % 4 == 3 ? portal.point + 2 * rays_.radius() * u * u * portal.direction : portal.gap;
         const double width = 1e-4 * det::exp(6.907755278982137 * in_unit(more[2]));
-        const Vec3 line = at - point + width * rays_.radius() * in_unit(more[3]) *
-                                           on_sphere(in_unit(aside[0]), in_unit(aside[1]));
+        const Vec3 line = at - point +
+                          width * rays_.radius() * in_unit(more[3]) *
+                              on_sphere(in_unit(aside[0]), in_unit(aside[1]));
         const double length = glm::length(line);
         if (!(length > 0)) continue;
         ++out.rays;
@@ -490,6 +501,7 @@ class VisibilitySearch {
   // Even in direction and position: multiples of powers of the root of x⁵ = x + 1 (Roberts, "The
   // unreasonable effectiveness of quasirandom sequences", 2018).
   std::vector<Find> sweep() {
+    if (cast_ + kSweep > max_rays_) return {};
     const std::uint64_t base = swept_;
     swept_ += kSweep;
     return round(kSweep, [&](std::size_t i, Harvest& out) {
@@ -499,8 +511,8 @@ class VisibilitySearch {
       const auto turn = det::sincos(2 * kPi * part(n * 0.5385972572236101));
       const auto [right, up] = perpendiculars(d);
       ++out.rays;
-      const auto met = rays_.first_from_outside(
-          rays_.centre() + r * turn.cos * right + r * turn.sin * up, d);
+      const auto met =
+          rays_.first_from_outside(rays_.centre() + r * turn.cos * right + r * turn.sin * up, d);
       if (!met || side_seen_[2 * std::size_t{met->triangle} + met->side]) return;
       const Vec3 front = rays_.normal(met->triangle);
       // at an outline, a hit that rounding may have made proves nothing
@@ -542,7 +554,7 @@ class VisibilitySearch {
 
   void probe_all(std::uint32_t to, std::uint32_t classify) {
     std::vector<std::uint32_t> items = undecided(Which::all);
-    fit(items, to - done_);
+    fit(items, 2 * (to - done_));
     probe(items, done_, to, classify);
     done_ = to;
   }
@@ -628,12 +640,11 @@ class VisibilitySearch {
   double slack_in(std::uint32_t p) const {
     const Mat3 inverse = glm::inverse(Mat3(model_.parts[p].world_from_mesh));
     double most = 0;
-    for (int column = 0; column < 3; ++column)
-      most += glm::dot(inverse[column], inverse[column]);
+    for (int column = 0; column < 3; ++column) most += glm::dot(inverse[column], inverse[column]);
     return rays_.slack() * std::sqrt(most);
   }
 
-  // What faces a visible side stays where that is too many to be sure of.
+  // What faces a visible side stays where that is too many to be sure of, and then what faces that.
   void drop_exposed() {
     const std::uint64_t left = max_rays_ - std::min(max_rays_, cast_);
     if (undecided(Which::exposed).size() * kDeepRays > left / 2) keep_exposed_ = true;
@@ -646,14 +657,14 @@ class VisibilitySearch {
       const std::uint64_t left = max_rays_ - std::min(max_rays_, cast_);
       std::vector<std::uint32_t> items = undecided(Which::enclosed);
       if (items.empty()) return;
-      const std::uint64_t wanted = std::clamp<std::uint64_t>(
-          kProbes / items.size(), options_.rays_per_triangle,
-          std::max(options_.rays_per_triangle, kMostProbes));
+      const std::uint64_t wanted =
+          std::clamp<std::uint64_t>(kProbes / items.size(), options_.rays_per_triangle,
+                                    std::max(options_.rays_per_triangle, kMostProbes));
       const std::uint64_t most = std::max<std::uint64_t>(kLeastProbes, left / 2 / items.size());
       const auto needed = static_cast<std::uint32_t>(std::min(wanted, most));
       if (done_ >= needed) return;
       const std::uint32_t number = std::min(done_, needed - done_);
-      fit(items, number);
+      fit(items, 2 * number);
       std::vector<Find> found = probe(items, done_, done_ + number, 0);
       done_ += number;
       note_portals(found);
@@ -686,8 +697,7 @@ class VisibilitySearch {
     const std::vector<std::uint32_t> items = undecided(Which::exposed);
     std::vector<std::uint32_t> numbers;
     double sum = 0;
-    for (const std::uint32_t w : items)
-      sum += rays_.area(w) / (rays_.radius() * rays_.radius());
+    for (const std::uint32_t w : items) sum += rays_.area(w) / (rays_.radius() * rays_.radius());
     const double left = static_cast<double>(max_rays_ - std::min(max_rays_, cast_));
     const double each = std::min(kAreaRays / kBallArea, left / 2 / std::max(sum, 1e-300));
     std::vector<std::pair<std::uint32_t, std::uint32_t>> jobs;  // triangle, first ray
@@ -729,7 +739,8 @@ class VisibilitySearch {
 
   // ---- what stays in doubt
 
-  // Triangles that continue a visible one about as smoothly as one surface stay: of a gap that shows a sliver of one, few rays may meet the next.
+  // Triangles that continue a visible one about as smoothly as one surface stay: of a gap that
+  // shows a sliver of one, few rays may meet the next.
   void keep_smooth() {
     std::vector<std::uint32_t> doubtful = undecided(Which::all);
     std::erase_if(doubtful, [&](std::uint32_t w) { return !continues_visible_surface(w); });
@@ -760,6 +771,7 @@ class VisibilitySearch {
   std::vector<State> parts_;                          // P
   std::vector<char> exposed_;                         // of the world: faces a visible side
   std::vector<char> side_seen_;                       // two for each of the world
+  std::vector<char> side_exposed_;                    // the same: faces a visible side
   std::vector<Portal> portals_;                       // rays that found what few find
   std::size_t gaps_used_ = 0;                         // of them
   bool listed_ = false;                               // neighbours

@@ -27,8 +27,8 @@ struct VisibilityModel {
 
 struct VisibilityOptions {
   std::uint32_t rays_per_triangle = 64;  // without escape, at least, before it counts as hidden
-  std::uint64_t max_rays = 0;             // in all
-  double least_slack = 0;                 // metres: of what counts as one surface
+  std::uint64_t max_rays = 0;            // in all
+  double least_slack = 0;                // metres: of what counts as one surface
 };
 
 struct Visibility {

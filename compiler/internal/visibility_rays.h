@@ -97,11 +97,11 @@ class VisibilityRays {
   const VisibilityOptions& options_;
   const Job& job_;
   geometry::InstanceCaster caster_;
-  std::vector<std::uint32_t> first_;       // P + 1: of each part, its first triangle
-  std::vector<std::uint32_t> part_of_;     // of each triangle
+  std::vector<std::uint32_t> first_;        // P + 1: of each part, its first triangle
+  std::vector<std::uint32_t> part_of_;      // of each triangle
   std::vector<std::uint32_t> caster_part_;  // of each of the caster's instances
-  std::vector<char> mirrored_;             // the same: its fronts are backs in the world
-  std::vector<std::uint32_t> flat_;        // triangles of the caster's first mesh
+  std::vector<char> mirrored_;              // the same: its fronts are backs in the world
+  std::vector<std::uint32_t> flat_;         // triangles of the caster's first mesh
   Vec3 centre_{0};
   double radius_ = 0;
   double slack_ = 0;
