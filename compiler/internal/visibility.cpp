@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "base/parallel.h"
 #include "base/random.h"
-#include "compiler/internal/visibility_rays.h"
+#include "compiler/internal/visibility_sampling.h"
+#include "compiler/internal/visibility_state.h"
 
 namespace panwright::compiler::internal {
 
@@ -15,15 +15,16 @@ namespace {
 
 // sine of the angle between facets of one surface
 constexpr double kSmooth = 0.2;
+// sine of the angle below which a ray runs along a surface
 constexpr double kGrazing = 0.02;
-constexpr std::size_t kChunk = 128;           // triangles that a thread takes at once
-constexpr std::uint64_t kRaysOfTriangle = 4;  // beyond max_rays, for each triangle
 // rays of a triangle that need no others beside them: seams are too narrow to be met so soon
 constexpr std::uint32_t kSure = 8;
 constexpr std::uint32_t kNormals = 2;      // first rays of a triangle, along its normals
 constexpr std::uint32_t kFirstBeside = 4;  // along what neighbours see
 constexpr std::uint32_t kClassify = 16;    // rays that tell what a triangle faces
 constexpr std::uint32_t kOnwards = 32;     // of which onwards from there so many are followed
+// rays that meet what faces a visible side and stays for that: as if they met a visible one
+constexpr char kNearExposed = 4;
 constexpr std::uint32_t kLeastProbes = 32;
 constexpr std::uint64_t kProbes = 1'000'000;  // of all triangles together, at least
 constexpr std::uint32_t kMostProbes = 4096;   // of one
@@ -48,42 +49,6 @@ constexpr std::size_t kMostPortals = 512;
 constexpr std::uint32_t kOfGap = 16;            // rays towards one, of each triangle, at most
 constexpr std::uint64_t kMostGuided = 250'000;  // where what faces a visible side stays anyway
 
-Vec3 on_sphere(double a, double b) {
-  const double z = 2 * a - 1;
-  const double across = std::sqrt(std::max(0.0, 1 - z * z));
-  const auto turn = det::sincos(2 * kPi * b);
-  return {across * turn.cos, across * turn.sin, z};
-}
-
-double part(double x) { return x - std::floor(x); }
-
-// A direction within a cone about d; a and b are random.
-Vec3 in_cone(const Vec3& d, double angle, std::uint32_t a, std::uint32_t b) {
-  const auto [right, up] = perpendiculars(d);
-  const double r = angle * std::sqrt(in_unit(a));
-  const auto turn = det::sincos(2 * kPi * in_unit(b));
-  return glm::normalize(d + r * turn.cos * right + r * turn.sin * up);
-}
-
-// Cosine-distributed about a normal; anywhere where there is none.
-Vec3 cosine(const Vec3& normal, std::uint32_t a, std::uint32_t b) {
-  const Vec3 random = on_sphere(in_unit(a), in_unit(b));
-  const Vec3 sum = normal + random;
-  const double length = glm::length(sum);
-  return length > 1e-9 ? sum / length : random;
-}
-
-// What is known of a triangle of a mesh, or of a part.
-enum class State : char { unknown, seen, kept, hidden_alone };
-
-// A ray that leads outside.
-struct Find {
-  std::uint32_t triangle;
-  std::uint32_t side;
-  Vec3 point;
-  Vec3 direction;
-};
-
 // A ray that leads outside through a gap.
 struct Portal {
   Vec3 point{0};
@@ -92,148 +57,19 @@ struct Portal {
   bool narrow = false;
 };
 
-// Rays of a chunk of triangles.
-struct Harvest {
-  std::uint64_t rays = 0;
-  std::vector<Find> finds;
-  std::vector<std::size_t> exposed;  // sides
-};
-
-class VisibilitySearch {
+class VisibilitySearch : VisibilityState {
  public:
-  VisibilitySearch(const VisibilityModel& model, const VisibilityOptions& options, const Job& job)
-      : model_(model), options_(options), job_(job), rays_(model, options, job) {}
+  using VisibilityState::VisibilityState;
 
   Visibility run() {
-    begin();
     if (rays_.prepare())
       search();
     else
       for (std::uint32_t w = 0; w < rays_.triangles(); ++w) keep(w);
-    Visibility out;
-    for (const State state : parts_) out.part_visible.push_back(state != State::unknown);
-    for (std::size_t m = 0; m < model_.meshes.size(); ++m) {
-      auto& shown = out.shown.emplace_back();
-      for (std::uint32_t i = mesh_first_[m]; i < mesh_first_[m + 1]; ++i)
-        shown.push_back(triangles_[i] == State::seen || triangles_[i] == State::kept);
-    }
-    out.rays = cast_;
-    out.last_found = last_found_;
-    out.probes = done_;
-    out.ambiguous = ambiguous_;
-    out.capped = capped_;
-    return out;
+    return result();
   }
 
  private:
-  // ---- what is known
-
-  void begin() {
-    mesh_first_.push_back(0);
-    for (const auto& mesh : model_.meshes)
-      mesh_first_.push_back(mesh_first_.back() +
-                            static_cast<std::uint32_t>(mesh->triangles.size()));
-    triangles_.resize(mesh_first_.back(), State::unknown);
-    directions_.resize(mesh_first_.back());
-    parts_.resize(model_.parts.size(), State::unknown);
-    parts_of_.resize(model_.meshes.size());
-    for (std::uint32_t p = 0; p < parts_.size(); ++p) {
-      const VisibilityPart& part = model_.parts[p];
-      parts_of_[part.mesh].push_back(p);
-      if (!part.candidate) parts_[p] = State::seen;
-      if (!part.candidate || !model_.divisible[part.mesh])
-        for (std::uint32_t i = mesh_first_[part.mesh]; i < mesh_first_[part.mesh + 1]; ++i)
-          triangles_[i] = State::seen;
-    }
-    exposed_.resize(rays_.triangles(), 0);
-    side_seen_.resize(2 * std::size_t{rays_.triangles()}, 0);
-    side_exposed_.resize(side_seen_.size(), 0);
-    max_rays_ = options_.max_rays + kRaysOfTriangle * mesh_first_.back();
-  }
-
-  // Of its mesh.
-  std::uint32_t index_of(std::uint32_t w) const {
-    const std::uint32_t p = rays_.part_of(w);
-    return mesh_first_[model_.parts[p].mesh] + (w - rays_.first_of(p));
-  }
-  bool is_seen(std::uint32_t w) const {
-    return side_seen_[2 * std::size_t{w}] || side_seen_[2 * std::size_t{w} + 1];
-  }
-  // Whether it matters if it is seen: what is seen elsewhere, of a part that is seen, does not.
-  bool is_undecided(std::uint32_t w) const {
-    const State triangle = triangles_[index_of(w)];
-    return triangle == State::unknown ||
-           (triangle != State::hidden_alone && parts_[rays_.part_of(w)] == State::unknown);
-  }
-  void keep(std::uint32_t w) {
-    if (!is_undecided(w)) return;
-    ++ambiguous_;
-    State& triangle = triangles_[index_of(w)];
-    State& part = parts_[rays_.part_of(w)];
-    if (triangle == State::unknown) triangle = State::kept;
-    if (part == State::unknown) part = State::kept;
-  }
-  // Returns whether the triangle was not seen before.
-  bool mark(const Find& find) {
-    const bool fresh = !is_seen(find.triangle);
-    side_seen_[2 * std::size_t{find.triangle} + find.side] = 1;
-    const std::uint32_t index = index_of(find.triangle);
-    if (triangles_[index] == State::hidden_alone) return fresh;
-    if (fresh) directions_[index] = find.direction;
-    triangles_[index] = State::seen;
-    parts_[rays_.part_of(find.triangle)] = State::seen;
-    return fresh;
-  }
-
-  enum class Which { all, enclosed, exposed };
-
-  // Those that face a visible side stay where they are too many to be sure of.
-  std::vector<std::uint32_t> undecided(Which which) {
-    std::vector<std::uint32_t> out;
-    for (std::uint32_t w = 0; w < rays_.triangles(); ++w) {
-      if (!is_undecided(w)) continue;
-      if (exposed_[w] && keep_exposed_)
-        keep(w);
-      else if (which == Which::all || (which == Which::exposed) == (exposed_[w] != 0))
-        out.push_back(w);
-    }
-    return out;
-  }
-
-  // ---- rounds
-
-  // What there are no rays for stays.
-  void fit(std::vector<std::uint32_t>& items, std::uint64_t each) {
-    const std::uint64_t left = max_rays_ > cast_ ? max_rays_ - cast_ : 0;
-    if (items.size() * each <= left) return;
-    const auto count = static_cast<std::size_t>(left / each);
-    for (std::size_t i = count; i < items.size(); ++i) keep(items[i]);
-    items.resize(count);
-    capped_ = true;
-  }
-
-  // Calls body(i, harvest) for i in [0, count) and notes what was found. What bodies read does not
-  // change meanwhile. Returns the finds of triangles not seen before.
-  template <class Body>
-  std::vector<Find> round(std::size_t count, const Body& body) {
-    std::vector<Harvest> parts((count + kChunk - 1) / kChunk);
-    parallel_for(
-        parts.size(),
-        [&](std::size_t c) {
-          const std::size_t end = std::min(count, (c + 1) * kChunk);
-          for (std::size_t i = c * kChunk; i < end; ++i) body(i, parts[c]);
-        },
-        job_);
-    std::vector<Find> fresh;
-    for (const Harvest& one : parts) {
-      cast_ += one.rays;
-      for (const std::size_t side : one.exposed) side_exposed_[side] = 1;
-      for (const Find& find : one.finds)
-        if (mark(find)) fresh.push_back(find);
-    }
-    return fresh;
-  }
-
   // Remembers rays that found what few find, and where on them the gap is that let them through:
   // beyond it most directions lead outside.
   void note_portals(const std::vector<Find>& finds) {
@@ -281,36 +117,6 @@ class VisibilitySearch {
 
   // ---- rays from triangles
 
-  // Corners, edges and insides in turn.
-  Vec3 point_of(const std::array<Vec3, 3>& corners, std::uint32_t number,
-                const std::array<std::uint32_t, 4>& random) const {
-    constexpr double kInset = 1e-3;
-    double u = in_unit(random[0]);
-    double v = in_unit(random[1]);
-    if (number % 4 == 0) {  // a corner
-      u = v = kInset;
-    } else if (number % 4 == 1) {  // an edge
-      u = kInset + (1 - 3 * kInset) * u;
-      v = kInset;
-    } else if (u + v > 1) {
-      u = 1 - u;
-      v = 1 - v;
-    }
-    const std::uint32_t k = number / 4 % 3;
-    return corners[k] + u * (corners[(k + 1) % 3] - corners[k]) +
-           v * (corners[(k + 2) % 3] - corners[k]);
-  }
-
-  static Vec3 normal_of(const std::array<Vec3, 3>& c) {
-    const Vec3 cross = glm::cross(c[1] - c[0], c[2] - c[0]);
-    const double length = glm::length(cross);
-    return length > 0 ? cross / length : Vec3(0);
-  }
-
-  static std::uint32_t side_of(const Vec3& front, const Vec3& direction) {
-    return glm::dot(front, direction) < 0 ? 1 : 0;
-  }
-
   // The k-th ray of a triangle: along both normals, then by the cosine on both sides. Never quite
   // along the normals nor from the middle, where a symmetrical model has its seams.
   std::pair<Vec3, Vec3> ray_of(std::uint32_t w, std::uint32_t k, const std::array<Vec3, 3>& corners,
@@ -343,7 +149,7 @@ class VisibilitySearch {
             exposed_[w] = 1;
             out.exposed.push_back(2 * std::size_t{w} + side_of(front, direction));
           } else if (keep_exposed_ && side_exposed_[side]) {
-            exposed_[w] = 1;
+            if (++near_exposed_[w] >= kNearExposed) exposed_[w] = 1;
           } else if (k < kOnwards) {
             go_on(w, k, *met, out);
           }
@@ -609,7 +415,7 @@ class VisibilitySearch {
       alone.divisible = {1};
       alone.parts.emplace_back();
       VisibilityOptions options = options_;
-      options.max_rays = (max_rays_ - std::min(cast_, max_rays_)) / 4;
+      options.max_rays = rays_left() / 4;
       options.least_slack = 0;
       bool transparent = false;
       for (const std::uint32_t p : parts) {
@@ -646,7 +452,7 @@ class VisibilitySearch {
 
   // What faces a visible side stays where that is too many to be sure of, and then what faces that.
   void drop_exposed() {
-    const std::uint64_t left = max_rays_ - std::min(max_rays_, cast_);
+    const std::uint64_t left = rays_left();
     if (undecided(Which::exposed).size() * kDeepRays > left / 2) keep_exposed_ = true;
   }
 
@@ -654,7 +460,7 @@ class VisibilitySearch {
   void probe_enclosed() {
     while (true) {
       drop_exposed();
-      const std::uint64_t left = max_rays_ - std::min(max_rays_, cast_);
+      const std::uint64_t left = rays_left();
       std::vector<std::uint32_t> items = undecided(Which::enclosed);
       if (items.empty()) return;
       const std::uint64_t wanted =
@@ -698,7 +504,7 @@ class VisibilitySearch {
     std::vector<std::uint32_t> numbers;
     double sum = 0;
     for (const std::uint32_t w : items) sum += rays_.area(w) / (rays_.radius() * rays_.radius());
-    const double left = static_cast<double>(max_rays_ - std::min(max_rays_, cast_));
+    const double left = static_cast<double>(rays_left());
     const double each = std::min(kAreaRays / kBallArea, left / 2 / std::max(sum, 1e-300));
     std::vector<std::pair<std::uint32_t, std::uint32_t>> jobs;  // triangle, first ray
     constexpr std::uint32_t kTogether = 256;
@@ -760,30 +566,11 @@ class VisibilitySearch {
     return found;
   }
 
-  const VisibilityModel& model_;
-  const VisibilityOptions& options_;
-  const Job& job_;
-  VisibilityRays rays_;
-  std::vector<std::uint32_t> mesh_first_;             // M + 1: of each mesh, its first triangle
-  std::vector<std::vector<std::uint32_t>> parts_of_;  // M
-  std::vector<State> triangles_;                      // of meshes
-  std::vector<Vec3> directions_;                      // of meshes: of a ray that escaped
-  std::vector<State> parts_;                          // P
-  std::vector<char> exposed_;                         // of the world: faces a visible side
-  std::vector<char> side_seen_;                       // two for each of the world
-  std::vector<char> side_exposed_;                    // the same: faces a visible side
-  std::vector<Portal> portals_;                       // rays that found what few find
-  std::size_t gaps_used_ = 0;                         // of them
-  bool listed_ = false;                               // neighbours
-  bool keep_exposed_ = false;
-  bool capped_ = false;
-  std::uint64_t max_rays_ = 0;
-  std::uint64_t cast_ = 0;   // rays
-  std::uint64_t swept_ = 0;  // of them, from outside
-  std::uint64_t last_found_ = 0;
-  std::uint64_t ambiguous_ = 0;
-  std::uint64_t guided_ = 0;  // of them, towards gaps
-  std::uint32_t done_ = 0;    // rays of each triangle that is undecided
+  std::vector<Portal> portals_;  // rays that found what few find
+  std::size_t gaps_used_ = 0;    // of them
+  bool listed_ = false;          // neighbours
+  std::uint64_t swept_ = 0;      // rays from outside
+  std::uint64_t guided_ = 0;     // rays towards gaps
 };
 
 }  // namespace
