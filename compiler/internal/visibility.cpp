@@ -464,8 +464,10 @@ class VisibilitySearch : VisibilityState {
       std::vector<std::uint32_t> items = undecided(Which::enclosed);
       if (items.empty()) return;
       const std::uint64_t wanted =
-          std::clamp<std::uint64_t>(kProbes / items.size(), options_.rays_per_triangle,
-                                    std::max(options_.rays_per_triangle, kMostProbes));
+          keep_exposed_
+              ? 2 * std::uint64_t{options_.rays_per_triangle}
+              : std::clamp<std::uint64_t>(kProbes / items.size(), options_.rays_per_triangle,
+                                          std::max(options_.rays_per_triangle, kMostProbes));
       const std::uint64_t most = std::max<std::uint64_t>(kLeastProbes, left / 2 / items.size());
       const auto needed = static_cast<std::uint32_t>(std::min(wanted, most));
       if (done_ >= needed) return;
