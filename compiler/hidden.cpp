@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <map>
 #include <memory>
+#include <tuple>
+#include <utility>
 
 #include "base/parallel.h"
 #include "compiler/internal/jobs.h"
@@ -45,6 +49,34 @@ std::vector<MeshShape> meshes_of(const scene::Scene& scene, const std::vector<Ma
   return out;
 }
 
+// Whether a joint can take more than one value.
+bool can_move(const scene::Joint& joint) {
+  return joint.kind != scene::JointKind::fixed &&
+         (joint.lower.empty() || joint.lower != joint.upper);
+}
+
+// Of each node, a number of the rigid body that it belongs to: what a joint can move starts one.
+std::vector<std::int32_t> bodies_of(const scene::Scene& scene) {
+  std::vector<char> moves(scene.nodes.size(), 0);
+  for (const scene::Joint& joint : scene.joints)
+    if (can_move(joint)) moves[static_cast<std::size_t>(joint.node)] = 1;
+  std::vector<std::int32_t> bodies(scene.nodes.size(), 0);
+  for (std::size_t n = 0; n < bodies.size(); ++n) {
+    const std::int32_t parent = scene.nodes[n].parent;
+    if (moves[n])
+      bodies[n] = static_cast<std::int32_t>(n);
+    else if (parent != scene::kNone)
+      bodies[n] = bodies[static_cast<std::size_t>(parent)];
+  }
+  return bodies;
+}
+
+// One rigid body: its meshes in their places, equal ones once.
+struct Body {
+  internal::VisibilityModel model;
+  std::vector<std::pair<std::size_t, std::uint32_t>> parts;  // instance, part of the model
+};
+
 class Pruner {
  public:
   Pruner(scene::Scene& scene, const HiddenOptions& options, const Job& job)
@@ -80,14 +112,30 @@ class Pruner {
   void prune() {
     find_allowed();
     if (std::find(allowed_.begin(), allowed_.end(), 1) == allowed_.end()) return;
-    const internal::Visibility visibility = internal::visibility_of(
-        world_triangles(),
-        {options_.rays_from_outside, options_.rays_per_triangle, options_.max_probes}, job_);
-    report_.rays = visibility.rays;
-    report_.reached = visibility.last_found;
-    report_.ambiguous = visibility.ambiguous;
-    decide(visibility);
-    state_confidence(visibility);
+    visible_.assign(scene_.instances.size(), 1);
+    shown_.resize(scene_.shapes.size());
+    std::uint64_t probes = 0;
+    for (const Body& body : bodies()) {
+      if (std::none_of(body.model.parts.begin(), body.model.parts.end(),
+                       [](const internal::VisibilityPart& part) { return part.candidate; })) {
+        show_all(body);
+        continue;
+      }
+      const std::uint64_t left = options_.max_rays - std::min(options_.max_rays, report_.rays);
+      const internal::Visibility found =
+          internal::visibility_of(body.model, {options_.rays_per_triangle, left, 0}, job_);
+      report_.rays += found.rays;
+      report_.reached += found.last_found;
+      report_.ambiguous += found.ambiguous;
+      report_.capped = report_.capped || found.capped;
+      if (found.probes > 0) probes = probes > 0 ? std::min(probes, found.probes) : found.probes;
+      take(body, found);
+    }
+    for (std::size_t s = 0; s < shown_.size(); ++s)
+      if (!shown_[s].empty()) reduce(s, shown_[s]);
+    drop_instances(visible_);
+    report_.hidden = report_.triangles_before - report_.triangles_after;
+    state_confidence(probes);
   }
 
   // Shapes with decals stay whole, wherever they are used.
@@ -105,53 +153,75 @@ class Pruner {
     }
   }
 
-  internal::WorldTriangles world_triangles() {
-    internal::WorldTriangles out;
-    first_.clear();
+  // What stands in one place more than once is one part.
+  std::vector<Body> bodies() const {
+    using Key = std::tuple<std::uint32_t, bool, std::array<double, 16>>;
+    std::vector<Body> out;
+    std::map<std::int32_t, std::size_t> numbers;
+    std::vector<std::map<const Mesh*, std::uint32_t>> meshes;
+    std::vector<std::map<Key, std::uint32_t>> parts;
+    const std::vector<std::int32_t> body_of = bodies_of(scene_);
     for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
-      first_.push_back(out.triangles.size());
       if (!meshes_[i]) continue;
       const scene::Instance& instance = scene_.instances[i];
-      const Mat4& world_from_mesh = world_from_node_[static_cast<std::size_t>(instance.node)];
-      const auto& material = scene_.materials[static_cast<std::size_t>(instance.material)];
-      const auto base = static_cast<std::uint32_t>(out.positions.size());
-      for (const Vec3& p : meshes_[i]->positions)
-        out.positions.push_back(Vec3(world_from_mesh * Vec4(p, 1)));
-      for (const geometry::Triangle& t : meshes_[i]->triangles)
-        out.triangles.push_back({base + t[0], base + t[1], base + t[2]});
-      out.transparent.resize(out.triangles.size(), material.maps.cutout >= 0 ? 1 : 0);
-      out.candidate.resize(out.triangles.size(), allowed_[i]);
+      const auto node = static_cast<std::size_t>(instance.node);
+      const std::size_t b = numbers.try_emplace(body_of[node], numbers.size()).first->second;
+      if (b == out.size()) {
+        out.emplace_back();
+        meshes.emplace_back();
+        parts.emplace_back();
+      }
+      internal::VisibilityModel& model = out[b].model;
+      const auto [mesh, is_new] =
+          meshes[b].try_emplace(meshes_[i].get(), static_cast<std::uint32_t>(model.meshes.size()));
+      if (is_new) {
+        model.meshes.push_back(meshes_[i]);
+        model.divisible.push_back(std::holds_alternative<MeshShape>(
+            scene_.shapes[static_cast<std::size_t>(instance.shape)]));
+      }
+      internal::VisibilityPart part;
+      part.mesh = mesh->second;
+      part.world_from_mesh = world_from_node_[node];
+      part.transparent =
+          scene_.materials[static_cast<std::size_t>(instance.material)].maps.cutout >= 0;
+      part.candidate = allowed_[i] != 0;
+      Key key{part.mesh, part.transparent, {}};
+      for (int k = 0; k < 16; ++k)
+        std::get<2>(key)[static_cast<std::size_t>(k)] = part.world_from_mesh[k / 4][k % 4];
+      const auto [known, first] =
+          parts[b].try_emplace(key, static_cast<std::uint32_t>(model.parts.size()));
+      if (first)
+        model.parts.push_back(part);
+      else if (part.candidate)
+        model.parts[known->second].candidate = true;
+      out[b].parts.push_back({i, known->second});
     }
-    first_.push_back(out.triangles.size());
     return out;
   }
 
-  bool is_visible(const internal::Visibility& visibility, std::size_t instance) const {
-    if (!allowed_[instance]) return true;
-    const auto begin = visibility.visible.begin() + static_cast<std::ptrdiff_t>(first_[instance]);
-    const auto end = visibility.visible.begin() + static_cast<std::ptrdiff_t>(first_[instance + 1]);
-    return std::find(begin, end, 1) != end;
+  std::vector<char>* shown_of(std::size_t instance) {
+    const auto shape = static_cast<std::size_t>(scene_.instances[instance].shape);
+    if (!std::holds_alternative<MeshShape>(scene_.shapes[shape])) return nullptr;
+    shown_[shape].resize(meshes_[instance]->triangles.size(), 0);
+    return &shown_[shape];
   }
 
-  void decide(const internal::Visibility& visibility) {
-    std::vector<char> visible(scene_.instances.size());
-    // of each shape, the triangles that are visible in some instance
-    std::vector<std::vector<char>> shown(scene_.shapes.size());
-    for (std::size_t i = 0; i < visible.size(); ++i) {
-      visible[i] = is_visible(visibility, i);
-      for (std::size_t t = first_[i]; t < first_[i + 1]; ++t)
-        report_.hidden += allowed_[i] && !visibility.visible[t];
-      if (!visible[i]) continue;
-      const auto shape = static_cast<std::size_t>(scene_.instances[i].shape);
-      if (!std::holds_alternative<MeshShape>(scene_.shapes[shape])) continue;
-      std::vector<char>& show = shown[shape];
-      show.resize(meshes_[i]->triangles.size(), 0);
-      for (std::size_t t = 0; t < show.size(); ++t)
-        if (!allowed_[i] || visibility.visible[first_[i] + t]) show[t] = 1;
+  void show_all(const Body& body) {
+    for (const auto& [instance, part] : body.parts)
+      if (std::vector<char>* const shown = shown_of(instance)) shown->assign(shown->size(), 1);
+  }
+
+  // Whatever is visible in one body stays.
+  void take(const Body& body, const internal::Visibility& found) {
+    for (const auto& [instance, part] : body.parts) {
+      visible_[instance] = !allowed_[instance] || found.part_visible[part];
+      if (!visible_[instance]) continue;
+      std::vector<char>* const shown = shown_of(instance);
+      if (shown == nullptr) continue;
+      const std::vector<char>& seen = found.shown[body.model.parts[part].mesh];
+      for (std::size_t t = 0; t < seen.size(); ++t)
+        if (seen[t] || !allowed_[instance]) (*shown)[t] = 1;
     }
-    for (std::size_t s = 0; s < shown.size(); ++s)
-      if (!shown[s].empty()) reduce(s, shown[s]);
-    drop_instances(visible);
   }
 
   // Keeps some triangles of a mesh, and the vertices that they use.
@@ -223,12 +293,12 @@ class Pruner {
       instance.shape = moved[static_cast<std::size_t>(instance.shape)];
   }
 
-  // No hit in n trials: with 95 % confidence the share is below 3 / n.
-  void state_confidence(const internal::Visibility& visibility) {
+  // No escape in n trials: with 95 % confidence the share is below 3 / n.
+  void state_confidence(std::uint64_t probes) {
     if (report_.hidden == 0) return;
-    const auto probes = static_cast<double>(std::max<std::uint64_t>(1, visibility.probes));
-    report_.open_share_each = std::min(1.0, 3 / probes);
-    report_.open_share = std::min(1.0, 3 / (probes * static_cast<double>(report_.hidden)));
+    const auto each = static_cast<double>(std::max<std::uint64_t>(1, probes));
+    report_.open_share_each = std::min(1.0, 3 / each);
+    report_.open_share = std::min(1.0, 3 / (each * static_cast<double>(report_.hidden)));
   }
 
   scene::Scene& scene_;
@@ -236,9 +306,10 @@ class Pruner {
   const Job& job_;
   HiddenReport report_;
   std::vector<Mat4> world_from_node_;
-  std::vector<MeshShape> meshes_;   // one per instance
-  std::vector<char> allowed_;       // one per instance: may lose faces
-  std::vector<std::size_t> first_;  // of each instance, in the world's triangles; and their end
+  std::vector<MeshShape> meshes_;         // one per instance
+  std::vector<char> allowed_;             // one per instance: may lose faces
+  std::vector<char> visible_;             // one per instance
+  std::vector<std::vector<char>> shown_;  // of each mesh, the triangles that stay; else empty
 };
 
 }  // namespace
@@ -250,15 +321,19 @@ Result<HiddenReport> prune_hidden(scene::Scene& scene, const HiddenOptions& opti
   if (!found) return failed;
   const HiddenReport& report = *found;
   const std::uint64_t gone = report.triangles_before - report.triangles_after;
-  if (gone > 0)
+  if (gone > 0 || report.capped) {
+    const std::string kept =
+        report.capped ? fmt::format("; {} stay that so many rays do not decide", report.ambiguous)
+                      : "";
     log.report_file(Code::N6304, {},
                     fmt::format("removed {} of {} triangles ({:.1f} %) as hidden; none of {} rays "
-                                "from outside hit them",
+                                "reached them from outside{}",
                                 gone, report.triangles_before,
                                 100.0 * static_cast<double>(gone) /
                                     static_cast<double>(report.triangles_before),
-                                report.rays),
+                                report.rays, kept),
                     "use --keep-hidden, or hidden=\"keep\" in a pxn file, to keep them");
+  }
   return report;
 }
 

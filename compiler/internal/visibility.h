@@ -1,7 +1,8 @@
-// Which triangles of a model rays from outside reach. Private to compiler.
+// Which triangles of a model can be seen from outside. Private to compiler.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "base/job.h"
@@ -9,31 +10,39 @@
 
 namespace panwright::compiler::internal {
 
-// The triangles of a model in world coordinates.
-struct WorldTriangles {
-  std::vector<Vec3> positions;                // V
-  std::vector<geometry::Triangle> triangles;  // T
-  std::vector<char> transparent;              // T: occludes nothing
-  std::vector<char> candidate;                // T: may be removed where it is hidden
+// A mesh in its place.
+struct VisibilityPart {
+  std::uint32_t mesh = 0;
+  Mat4 world_from_mesh{1};
+  bool transparent = false;  // occludes nothing
+  bool candidate = true;     // may lose triangles, or go
+};
+
+// Meshes and where they stand. Parts are rigid against each other.
+struct VisibilityModel {
+  std::vector<std::shared_ptr<const geometry::Mesh>> meshes;  // M, not null
+  std::vector<char> divisible;                                // M: may lose single triangles
+  std::vector<VisibilityPart> parts;                          // P, no two alike
 };
 
 struct VisibilityOptions {
-  std::uint64_t rays_from_outside = 0;
-  std::uint32_t rays_per_triangle = 0;
-  std::uint64_t max_probes = 0;
+  std::uint32_t rays_per_triangle = 64;  // without escape, at least, before it counts as hidden
+  std::uint64_t max_rays = 0;            // in all
+  double least_slack = 0;                // metres: of what counts as one surface
 };
 
 struct Visibility {
-  std::vector<char> visible;     // T: hit, or ambiguous and kept
-  std::vector<char> kept;        // T: the latter
-  std::uint64_t rays = 0;        // in all
-  std::uint64_t last_rays = 0;   // of the last even distribution from outside, after all others
-  std::uint64_t last_found = 0;  // triangles that those were the first to hit
-  std::uint64_t probes = 0;      // through each triangle that was not hit
-  std::uint64_t ambiguous = 0;   // triangles not hit, and kept
+  std::vector<char> part_visible;        // P: with a triangle that is seen, or kept
+  std::vector<std::vector<char>> shown;  // M, T: seen or kept in some part
+  std::uint64_t rays = 0;                // in all
+  std::uint64_t last_found = 0;          // triangles that the last rays from outside found
+  std::uint64_t probes = 0;              // from each triangle that is hidden
+  std::uint64_t ambiguous = 0;           // triangles of parts, not seen and kept
+  bool capped = false;                   // for want of rays
 };
 
 // See prune_hidden(). Throws Cancelled.
-Visibility visibility_of(WorldTriangles model, const VisibilityOptions& options, const Job& job);
+Visibility visibility_of(const VisibilityModel& model, const VisibilityOptions& options,
+                         const Job& job);
 
 }  // namespace panwright::compiler::internal

@@ -4,37 +4,23 @@
 #include <cmath>
 #include <tuple>
 
-#include "base/parallel.h"
-
 namespace panwright::compiler::internal {
 
 namespace {
 
 using geometry::InstanceHit;
 
-constexpr std::size_t kChunk = 2048;  // rays that a thread takes at once
-// sine of the angle between surfaces that are at the same depth over more than a line
+// sine of the angle between surfaces that are one
 constexpr double kParallel = 1e-3;
-// of the radius: a ray passes an edge on the side where double says it does
-constexpr double kRounding = 1e-12;
 // of the radius: farther than what a search in single precision may be wrong by (2e-6)
 constexpr double kAside = 3e-6;
 // unit vectors a third of a turn apart
 const Vec2 kThirds[] = {
     {0.8, 0.6}, {-0.9196152422706632, 0.39282032302755}, {0.1196152422706632, -0.99282032302755}};
-// of the rays from outside, one in so many looks for surfaces at the same depth
-constexpr std::uint32_t kShare = 8;
+// triangles that are searched in one tree: two levels cost more time, and one more memory
+constexpr std::uint64_t kOneTree = 2'000'000;
 
 }  // namespace
-
-// What a ray hit.
-struct VisibilityRays::Hits {
-  static constexpr std::size_t kMost = 64;
-  std::array<InstanceHit, kMost> list;
-  std::size_t count = 0;
-  const WorldTriangles* model = nullptr;
-  bool opaque_count = false;
-};
 
 std::pair<std::vector<std::uint32_t>, std::uint32_t> unique_positions(
     const std::vector<Vec3>& positions) {
@@ -66,50 +52,87 @@ std::array<Vec3, 2> perpendiculars(const Vec3& direction) {
   return {right, glm::cross(direction, right)};
 }
 
-VisibilityRays::VisibilityRays(WorldTriangles model, const Job& job)
-    : model_(std::move(model)),
-      job_(job),
-      hit_(2 * model_.triangles.size()),
-      ray_(model_.triangles.size()) {}
+VisibilityRays::VisibilityRays(const VisibilityModel& model, const VisibilityOptions& options,
+                               const Job& job)
+    : model_(model), options_(options), job_(job) {
+  first_.push_back(0);
+  for (std::uint32_t p = 0; p < model_.parts.size(); ++p) {
+    const auto count = static_cast<std::uint32_t>(mesh_of(p).triangles.size());
+    part_of_.resize(part_of_.size() + count, p);
+    first_.push_back(first_.back() + count);
+  }
+}
 
 bool VisibilityRays::prepare() {
-  if (model_.triangles.empty()) return false;
   Vec3 low(HUGE_VAL);
   Vec3 high(-HUGE_VAL);
-  for (const geometry::Triangle& t : model_.triangles)
-    for (const std::uint32_t v : t) {
-      low = glm::min(low, model_.positions[v]);
-      high = glm::max(high, model_.positions[v]);
-    }
+  for (std::uint32_t p = 0; p < model_.parts.size(); ++p) {
+    const geometry::Mesh& mesh = mesh_of(p);
+    for (const geometry::Triangle& t : mesh.triangles)
+      for (const std::uint32_t v : t) {
+        const Vec3 at(model_.parts[p].world_from_mesh * Vec4(mesh.positions[v], 1));
+        low = glm::min(low, at);
+        high = glm::max(high, at);
+      }
+    job_.poll();
+  }
+  if (triangles() == 0) return false;
   centre_ = 0.5 * low + 0.5 * high;
   radius_ = glm::length(0.5 * high - 0.5 * low);
+  slack_ = std::max(kDepthSlack * radius_, options_.least_slack);
   if (!(radius_ > 0)) return false;
-  has_transparent_ = std::find(model_.transparent.begin(), model_.transparent.end(), 1) !=
-                     model_.transparent.end();
-  caster_.add(caster_.add_mesh(model_.positions, model_.triangles), Mat4(1), true);
+  place_parts();
   caster_.build(job_);
-  list_neighbours();
   return true;
 }
 
-// ---- adjacency and triangles
-
-// Triangles by the unique positions of their corners, as compressed rows.
-void VisibilityRays::list_neighbours() {
-  std::uint32_t unique = 0;
-  std::tie(position_, unique) = unique_positions(model_.positions);
-  start_.assign(std::size_t{unique} + 2, 0);
-  for (const geometry::Triangle& t : model_.triangles)
-    for (const std::uint32_t v : t) ++start_[position_[v] + 2];
-  for (std::size_t i = 2; i < start_.size(); ++i) start_[i] += start_[i - 1];
-  around_.resize(start_.back());
-  for (std::uint32_t i = 0; i < model_.triangles.size(); ++i)
-    for (const std::uint32_t v : model_.triangles[i]) around_[start_[position_[v] + 1]++] = i;
+// Parts go into one tree, in world coordinates; where that would be large, meshes with several
+// parts have one of their own.
+void VisibilityRays::place_parts() {
+  std::vector<std::uint32_t> uses(model_.meshes.size(), 0);
+  for (const VisibilityPart& part : model_.parts) ++uses[part.mesh];
+  const bool one = triangles() <= kOneTree;
+  const auto is_flat = [&](std::uint32_t p) { return one || uses[model_.parts[p].mesh] == 1; };
+  std::vector<Vec3> positions;
+  std::vector<geometry::Triangle> list;
+  for (std::uint32_t p = 0; p < model_.parts.size(); ++p) {
+    if (!is_flat(p)) continue;
+    const geometry::Mesh& mesh = mesh_of(p);
+    const auto base = static_cast<std::uint32_t>(positions.size());
+    for (const Vec3& at : mesh.positions)
+      positions.push_back(Vec3(model_.parts[p].world_from_mesh * Vec4(at, 1)));
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      const geometry::Triangle& from = mesh.triangles[t];
+      list.push_back({base + from[0], base + from[1], base + from[2]});
+      if (!one) flat_.push_back(first_[p] + t);
+    }
+  }
+  const auto place = [&](std::uint32_t mesh, std::uint32_t part, const Mat4& world_from_mesh) {
+    caster_.add(mesh, world_from_mesh, true);
+    caster_part_.push_back(part);
+    mirrored_.push_back(glm::determinant(Mat3(world_from_mesh)) < 0);
+  };
+  place(caster_.add_mesh(geometry::search_mesh(std::move(positions), std::move(list), job_)), kNone,
+        Mat4(1));
+  if (one) return;
+  std::vector<std::uint32_t> known(model_.meshes.size(), kNone);
+  for (std::uint32_t p = 0; p < model_.parts.size(); ++p) {
+    if (is_flat(p)) continue;
+    std::uint32_t& mesh = known[model_.parts[p].mesh];
+    if (mesh == kNone) mesh = caster_.add_mesh(mesh_of(p).positions, mesh_of(p).triangles);
+    place(mesh, p, model_.parts[p].world_from_mesh);
+  }
 }
 
+// ---- triangles
+
 std::array<Vec3, 3> VisibilityRays::corners(std::uint32_t triangle) const {
-  const geometry::Triangle& t = model_.triangles[triangle];
-  return {model_.positions[t[0]], model_.positions[t[1]], model_.positions[t[2]]};
+  const std::uint32_t p = part_of_[triangle];
+  const geometry::Mesh& mesh = mesh_of(p);
+  const geometry::Triangle& t = mesh.triangles[triangle - first_[p]];
+  const Mat4& place = model_.parts[p].world_from_mesh;
+  return {Vec3(place * Vec4(mesh.positions[t[0]], 1)), Vec3(place * Vec4(mesh.positions[t[1]], 1)),
+          Vec3(place * Vec4(mesh.positions[t[2]], 1))};
 }
 
 Vec3 VisibilityRays::normal(std::uint32_t triangle) const {
@@ -124,149 +147,115 @@ double VisibilityRays::area(std::uint32_t triangle) const {
   return 0.5 * glm::length(glm::cross(b - a, c - a));
 }
 
-int VisibilityRays::common_corners(std::uint32_t a, std::uint32_t b) const {
-  int common = 0;
-  for (const std::uint32_t i : model_.triangles[a])
-    for (const std::uint32_t j : model_.triangles[b]) common += position_[i] == position_[j];
-  return common;
+std::uint32_t VisibilityRays::triangle_of(const InstanceHit& hit) const {
+  const std::uint32_t part = caster_part_[hit.instance];
+  if (part != kNone) return first_[part] + hit.triangle;
+  return flat_.empty() ? hit.triangle : flat_[hit.triangle];
 }
 
 // ---- one ray
 
-OutsideRay VisibilityRays::ray_through(const Vec3& point, const Vec3& inwards) const {
-  const double back = glm::dot(point - centre_, inwards) + 2 * radius_;
-  return {point - back * inwards, inwards};
+// Where a ray starts; kNone: outside.
+struct VisibilityRays::Start {
+  const VisibilityRays* rays;
+  std::uint32_t triangle;
+};
+
+// A filter of hits.
+bool VisibilityRays::counts(const void* data, const InstanceHit& hit) {
+  const Start& start = *static_cast<const Start*>(data);
+  const VisibilityRays& rays = *start.rays;
+  const std::uint32_t triangle = rays.triangle_of(hit);
+  if (triangle == start.triangle) return false;
+  if (rays.model_.parts[rays.part_of_[triangle]].transparent) return false;
+  if (start.triangle == kNone || hit.distance > rays.slack_) return true;
+  const Vec3 apart = glm::cross(rays.normal(start.triangle), rays.normal(triangle));
+  return !(glm::length(apart) < kParallel);
 }
 
-// The round in which a side of a triangle was hit first; 0: none.
-std::atomic<std::uint16_t>& VisibilityRays::first_round(const InstanceHit& hit) {
-  return hit_[2 * std::size_t{hit.triangle} + (hit.front ? 0 : 1)];
+bool VisibilityRays::escapes(std::uint32_t triangle, const Vec3& point,
+                             const Vec3& direction) const {
+  const Start start{this, triangle};
+  return !caster_.any({point, direction}, {counts, &start});
 }
 
-bool VisibilityRays::was_hit_before(const InstanceHit& hit) {
-  const std::uint16_t round = first_round(hit).load(std::memory_order_relaxed);
-  return round != 0 && round != round_;
+Meeting VisibilityRays::meeting_at(const InstanceHit& hit, const Vec3& point,
+                                   const Vec3& direction) const {
+  const bool front = hit.front != (mirrored_[hit.instance] != 0);
+  return {triangle_of(hit), front ? 0u : 1u, point + hit.distance * direction};
 }
 
-// A filter of hits: remembers each, and lets rays pass what is transparent.
-bool VisibilityRays::remember(const void* data, const InstanceHit& hit) {
-  auto& hits = *static_cast<Hits*>(const_cast<void*>(data));
-  if (hits.count < Hits::kMost) hits.list[hits.count++] = hit;
-  return hits.opaque_count && !hits.model->transparent[hit.triangle];
+std::optional<Meeting> VisibilityRays::meets(std::uint32_t triangle, const Vec3& point,
+                                             const Vec3& direction) const {
+  const Start start{this, triangle};
+  const auto hit = caster_.closest({point, direction}, {counts, &start});
+  if (!hit) return std::nullopt;
+  return meeting_at(*hit, point, direction);
 }
 
-// Whether a ray passes through a triangle by more than rounding could have made of it.
-bool VisibilityRays::passes_inside(const OutsideRay& ray, const InstanceHit& hit) const {
-  const auto& [u, v] = std::pair{hit.barycentric.x, hit.barycentric.y};
-  constexpr double kInside = 1e-3;
-  if (u > kInside && v > kInside && 1 - u - v > kInside) return true;
-  const Vec3 at = ray.origin + hit.distance * ray.direction;
-  const auto [a, b, c] = corners(hit.triangle);
-  double sign = 0;
-  for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}}) {
-    const Vec3 edge = to - from;
-    const double side = glm::dot(ray.direction, glm::cross(from - at, edge));
-    if (!(std::fabs(side) > kRounding * radius_ * glm::length(edge))) return false;
-    if (side * sign < 0) return false;
-    sign = side;
-  }
-  return true;
-}
-
-// Whether rays beside this one reach the hit too: a ray that rounding let through a seam is alone.
-bool VisibilityRays::is_open(const OutsideRay& ray, const InstanceHit& hit) const {
-  const Vec3 front = normal(hit.triangle);
-  const double slope = glm::dot(front, ray.direction);
-  if (slope == 0) return false;
-  const auto [right, up] = perpendiculars(ray.direction);
+bool VisibilityRays::is_open(std::uint32_t triangle, const Vec3& point,
+                             const Vec3& direction) const {
+  const Vec3 front = normal(triangle);
+  const Vec3 outwards = glm::dot(front, direction) < 0 ? -front : front;
+  const auto [right, up] = perpendiculars(direction);
   int open = 0;
   for (int k = 0; k < 3; ++k) {
     const Vec3 aside = kAside * radius_ * (kThirds[k].x * right + kThirds[k].y * up);
-    const double end = hit.distance - glm::dot(front, aside) / slope;
-    if (std::fabs(end - hit.distance) > radius_) continue;
-    Hits hits;
-    hits.model = &model_;
-    hits.opaque_count = true;
-    const geometry::Ray beside{ray.origin + aside, ray.direction, 0, end - kDepthSlack * radius_};
-    open += !(has_transparent_ ? caster_.any(beside, {remember, &hits}) : caster_.any(beside));
+    // never behind the surface
+    const double height = glm::dot(outwards, aside);
+    const Vec3 beside = point + aside + (std::fabs(height) - height) * outwards;
+    open += escapes(triangle, beside, direction);
+    if (open == 2) return true;
+    if (open + 2 - k < 2) return false;
   }
-  return open >= 2;
+  return false;
 }
 
-void VisibilityRays::mark(const OutsideRay& ray, const InstanceHit& hit, std::uint32_t index,
-                          std::vector<FirstHit>& found) {
-  if (was_hit_before(hit) || !is_open(ray, hit)) return;
-  first_round(hit).store(round_, std::memory_order_relaxed);
-  found.push_back({hit.triangle, index});
+std::optional<Meeting> VisibilityRays::first_from_outside(const Vec3& point,
+                                                          const Vec3& inwards) const {
+  const Vec3 origin = point - (glm::dot(point - centre_, inwards) + 2 * radius_) * inwards;
+  return meets(kNone, origin, inwards);
 }
 
-// Marks what a ray hits first, and what lies in the same surface.
-// thorough: the latter for every ray
-void VisibilityRays::follow(const OutsideRay& ray, std::uint32_t index, bool thorough,
-                            std::vector<FirstHit>& found) {
-  Hits hits;
-  hits.model = &model_;
-  hits.opaque_count = true;
-  geometry::Ray segment{ray.origin, ray.direction};
-  const auto first =
-      has_transparent_ ? caster_.closest(segment, {remember, &hits}) : caster_.closest(segment);
-  const double end = first ? first->distance : HUGE_VAL;
-  // transparent surfaces in front of it
-  for (std::size_t i = 0; i < hits.count; ++i)
-    if (model_.transparent[hits.list[i].triangle] &&
-        hits.list[i].distance <= end + kDepthSlack * radius_ && passes_inside(ray, hits.list[i]))
-      mark(ray, hits.list[i], index, found);
-  // at an edge, a hit that rounding may have made proves nothing
-  if (!first || !passes_inside(ray, *first)) return;
-  mark(ray, *first, index, found);
-  if (!thorough && index % kShare != 0) return;
-  hits.count = 0;
-  hits.opaque_count = false;
-  segment.min_distance = end;
-  segment.max_distance = end + kDepthSlack * radius_;
-  (void)caster_.closest(segment, {remember, &hits});
-  if (hits.count < 2) return;
-  const Vec3 front = normal(first->triangle);
-  for (std::size_t i = 0; i < hits.count; ++i) {
-    const InstanceHit& hit = hits.list[i];
-    if (hit.triangle != first->triangle && passes_inside(ray, hit) &&
-        glm::length(glm::cross(front, normal(hit.triangle))) < kParallel)
-      mark(ray, hit, index, found);
+// ---- neighbours
+
+std::array<std::uint32_t, 3> VisibilityRays::positions_of(std::uint32_t triangle) const {
+  const std::uint32_t p = part_of_[triangle];
+  const geometry::Triangle& t = mesh_of(p).triangles[triangle - first_[p]];
+  const std::uint32_t base = vertex_base_[p];
+  return {position_[base + t[0]], position_[base + t[1]], position_[base + t[2]]};
+}
+
+// Triangles by the unique positions of their corners, as compressed rows.
+void VisibilityRays::list_neighbours(const std::vector<char>& parts) {
+  vertex_base_.assign(model_.parts.size(), kNone);
+  std::vector<Vec3> positions;
+  for (std::uint32_t p = 0; p < model_.parts.size(); ++p) {
+    if (!parts[p]) continue;
+    vertex_base_[p] = static_cast<std::uint32_t>(positions.size());
+    for (const Vec3& at : mesh_of(p).positions)
+      positions.push_back(Vec3(model_.parts[p].world_from_mesh * Vec4(at, 1)));
   }
-}
-
-// ---- many rays
-
-std::vector<FirstHit> VisibilityRays::cast(std::uint64_t count, const MakeRay& make,
-                                           bool thorough) {
-  if (round_ < 0xffff) ++round_;
-  const auto chunks = static_cast<std::size_t>((count + kChunk - 1) / kChunk);
-  std::vector<std::vector<FirstHit>> parts(chunks);
-  const auto cast_chunk = [&](std::size_t c) {
-    const std::uint64_t end = std::min<std::uint64_t>(count, (c + 1) * kChunk);
-    for (std::uint64_t i = c * kChunk; i < end; ++i)
-      if (const std::optional<OutsideRay> ray = make(i))
-        follow(*ray, static_cast<std::uint32_t>(i), thorough, parts[c]);
+  job_.poll();
+  std::uint32_t unique = 0;
+  std::tie(position_, unique) = unique_positions(positions);
+  start_.assign(std::size_t{unique} + 2, 0);
+  const auto for_corners = [&](const auto& body) {
+    for (std::uint32_t p = 0; p < model_.parts.size(); ++p)
+      for (std::uint32_t t = first_[p]; parts[p] && t < first_[p + 1]; ++t)
+        for (const std::uint32_t at : positions_of(t)) body(t, at);
   };
-  parallel_for(chunks, cast_chunk, job_);
-  rays_ += count;
-  std::vector<FirstHit> found;
-  for (const auto& one : parts) found.insert(found.end(), one.begin(), one.end());
-  std::sort(found.begin(), found.end());
-  found.erase(
-      std::unique(found.begin(), found.end(),
-                  [](const FirstHit& a, const FirstHit& b) { return a.triangle == b.triangle; }),
-      found.end());
-  // a triangle whose other side was hit before is not new
-  std::erase_if(found, [&](const FirstHit& one) {
-    for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-      const std::uint16_t round = hit_[2 * std::size_t{one.triangle} + side];
-      if (round != 0 && round != round_) return true;
-    }
-    return false;
-  });
-  for (const FirstHit& one : found) ray_[one.triangle] = *make(one.ray);
-  return found;
+  for_corners([&](std::uint32_t, std::uint32_t at) { ++start_[at + 2]; });
+  for (std::size_t i = 2; i < start_.size(); ++i) start_[i] += start_[i - 1];
+  around_.resize(start_.back());
+  for_corners([&](std::uint32_t t, std::uint32_t at) { around_[start_[at + 1]++] = t; });
+}
+
+int VisibilityRays::common_corners(std::uint32_t a, std::uint32_t b) const {
+  int common = 0;
+  for (const std::uint32_t i : positions_of(a))
+    for (const std::uint32_t j : positions_of(b)) common += i == j;
+  return common;
 }
 
 }  // namespace panwright::compiler::internal

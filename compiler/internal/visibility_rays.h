@@ -1,11 +1,9 @@
-// Rays from outside a model, and the sides of triangles that they hit first. Private to compiler.
+// Rays from the triangles of a model outwards. Private to compiler.
 #pragma once
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -18,19 +16,6 @@ namespace panwright::compiler::internal {
 // of the model's radius: surfaces closer than that fight for the same depth in a depth buffer
 inline constexpr double kDepthSlack = 1e-5;
 
-// A ray that begins outside the model.
-struct OutsideRay {
-  Vec3 origin;
-  Vec3 direction;  // unit, inwards
-};
-
-// A triangle that a ray of this round was the first to hit.
-struct FirstHit {
-  std::uint32_t triangle;
-  std::uint32_t ray;
-  auto operator<=>(const FirstHit&) const = default;
-};
-
 // Numbers of the unique positions: for each position, equal ones alike, from 0; and their count.
 std::pair<std::vector<std::uint32_t>, std::uint32_t> unique_positions(
     const std::vector<Vec3>& positions);
@@ -38,88 +23,92 @@ std::pair<std::vector<std::uint32_t>, std::uint32_t> unique_positions(
 // Two unit vectors perpendicular to a unit vector and to each other.
 std::array<Vec3, 2> perpendiculars(const Vec3& direction);
 
-// Casts rays in rounds and remembers which side of which triangle was hit in which round.
+// Where a ray from a triangle ends.
+struct Meeting {
+  std::uint32_t triangle = 0;
+  std::uint32_t side = 0;  // 0: the front, to which its corners turn counter-clockwise
+  Vec3 point{0};
+};
+
+// A model in the world: its triangles are numbered part by part.
 class VisibilityRays {
  public:
-  // The i-th ray of a round, where there is one. Called from any thread.
-  using MakeRay = std::function<std::optional<OutsideRay>(std::uint64_t)>;
+  VisibilityRays(const VisibilityModel& model, const VisibilityOptions& options, const Job& job);
 
-  VisibilityRays(WorldTriangles model, const Job& job);
-
-  // Builds the search tree and the adjacency. False: nothing to see.
+  // Builds the search tree. False: nothing to see.
   bool prepare();
 
-  // Casts `count` rays. Returns what they were the first to hit, each triangle once, in order of
-  // triangles; ray_to() gives the ray of each.
-  //   thorough  looks for surfaces at the same depth behind every ray, not every eighth
-  std::vector<FirstHit> cast(std::uint64_t count, const MakeRay& make, bool thorough = true);
-
-  std::uint64_t rays() const { return rays_; }
-  std::uint32_t triangles() const { return static_cast<std::uint32_t>(model_.triangles.size()); }
+  std::uint32_t triangles() const { return first_.back(); }
+  std::uint32_t first_of(std::size_t part) const { return first_[part]; }
+  std::uint32_t part_of(std::uint32_t triangle) const { return part_of_[triangle]; }
   const Vec3& centre() const { return centre_; }
   double radius() const { return radius_; }
-  bool has_transparent() const { return has_transparent_; }
-  const geometry::InstanceCaster& caster() const { return caster_; }
-
-  // Between rounds.
-  bool is_visible(std::uint32_t triangle) const {
-    return hit_[2 * std::size_t{triangle}] != 0 || hit_[2 * std::size_t{triangle} + 1] != 0;
-  }
-  bool is_undecided(std::uint32_t triangle) const {
-    return model_.candidate[triangle] && !is_visible(triangle);
-  }
-  // Whether a round before this one hit that side.
-  bool was_hit_before(const geometry::InstanceHit& hit);
-
-  // The ray that hit a visible triangle first.
-  const OutsideRay& ray_to(std::uint32_t triangle) const { return ray_[triangle]; }
-  // A ray through a point, from outside.
-  OutsideRay ray_through(const Vec3& point, const Vec3& inwards) const;
+  double slack() const { return slack_; }
 
   std::array<Vec3, 3> corners(std::uint32_t triangle) const;
   Vec3 normal(std::uint32_t triangle) const;  // unit, or 0 without area
   double area(std::uint32_t triangle) const;
-  // The number of pairs of corners at the same position.
-  int common_corners(std::uint32_t a, std::uint32_t b) const;
 
-  // Calls body(t) for triangles with a corner in common, some more than once.
+  // Of a ray from a point of a triangle. The triangle itself, what is transparent, and what lies in
+  // the same surface to slack() do not stop it.
+  bool escapes(std::uint32_t triangle, const Vec3& point, const Vec3& direction) const;
+  std::optional<Meeting> meets(std::uint32_t triangle, const Vec3& point,
+                               const Vec3& direction) const;
+  // Whether rays beside one that escapes do too: one that rounding let through a seam is alone.
+  bool is_open(std::uint32_t triangle, const Vec3& point, const Vec3& direction) const;
+  // What a ray from outside meets first; transparent surfaces in front of that are passed.
+  std::optional<Meeting> first_from_outside(const Vec3& point, const Vec3& inwards) const;
+
+  // ---- neighbours
+
+  // Lists neighbours in the parts that are marked.
+  void list_neighbours(const std::vector<char>& parts);
+  // Calls body(t) for triangles with a corner in common, some more than once. None in other parts
+  // than those listed.
   template <class Body>
   void for_neighbours(std::uint32_t triangle, const Body& body) const {
     constexpr std::uint32_t kMost = 64;  // at one position
-    for (const std::uint32_t v : model_.triangles[triangle]) {
-      const std::uint32_t begin = start_[position_[v]];
-      const std::uint32_t end = std::min(start_[position_[v] + 1], begin + kMost);
+    if (vertex_base_.empty() || vertex_base_[part_of_[triangle]] == kNone) return;
+    for (const std::uint32_t position : positions_of(triangle)) {
+      const std::uint32_t begin = start_[position];
+      const std::uint32_t end = std::min(start_[position + 1], begin + kMost);
       for (std::uint32_t i = begin; i < end; ++i)
         if (around_[i] != triangle) body(around_[i]);
     }
   }
+  // The number of pairs of corners at the same position. Expects: both in listed parts.
+  int common_corners(std::uint32_t a, std::uint32_t b) const;
 
  private:
-  struct Hits;
-  static bool remember(const void* data, const geometry::InstanceHit& hit);
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+  struct Start;
+  static bool counts(const void* data, const geometry::InstanceHit& hit);
 
-  void list_neighbours();
-  std::atomic<std::uint16_t>& first_round(const geometry::InstanceHit& hit);
-  bool passes_inside(const OutsideRay& ray, const geometry::InstanceHit& hit) const;
-  bool is_open(const OutsideRay& ray, const geometry::InstanceHit& hit) const;
-  void mark(const OutsideRay& ray, const geometry::InstanceHit& hit, std::uint32_t index,
-            std::vector<FirstHit>& found);
-  void follow(const OutsideRay& ray, std::uint32_t index, bool thorough,
-              std::vector<FirstHit>& found);
+  const geometry::Mesh& mesh_of(std::uint32_t part) const {
+    return *model_.meshes[model_.parts[part].mesh];
+  }
+  void place_parts();
+  std::uint32_t triangle_of(const geometry::InstanceHit& hit) const;
+  Meeting meeting_at(const geometry::InstanceHit& hit, const Vec3& point,
+                     const Vec3& direction) const;
+  std::array<std::uint32_t, 3> positions_of(std::uint32_t triangle) const;
 
-  WorldTriangles model_;
+  const VisibilityModel& model_;
+  const VisibilityOptions& options_;
   const Job& job_;
   geometry::InstanceCaster caster_;
+  std::vector<std::uint32_t> first_;        // P + 1: of each part, its first triangle
+  std::vector<std::uint32_t> part_of_;      // of each triangle
+  std::vector<std::uint32_t> caster_part_;  // of each of the caster's instances
+  std::vector<char> mirrored_;              // the same: its fronts are backs in the world
+  std::vector<std::uint32_t> flat_;         // triangles of the caster's first mesh
   Vec3 centre_{0};
   double radius_ = 0;
-  bool has_transparent_ = false;
-  std::vector<std::atomic<std::uint16_t>> hit_;  // 2*T: see first_round()
-  std::vector<OutsideRay> ray_;                  // T: that hit it first
-  std::vector<std::uint32_t> position_;          // V: unique
-  std::vector<std::uint32_t> start_;             // of the rows of around_, by unique position
+  double slack_ = 0;
+  std::vector<std::uint32_t> vertex_base_;  // P: in position_; kNone: not listed
+  std::vector<std::uint32_t> position_;     // of each listed vertex: unique
+  std::vector<std::uint32_t> start_;        // of the rows of around_, by unique position
   std::vector<std::uint32_t> around_;
-  std::uint16_t round_ = 0;
-  std::uint64_t rays_ = 0;
 };
 
 }  // namespace panwright::compiler::internal
