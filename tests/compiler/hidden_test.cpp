@@ -368,7 +368,7 @@ TEST(Hidden, WhatIsNotDecidedStays) {
   EXPECT_TRUE(log.contains(Code::N6304));
 }
 
-// A box in a box whose lid a joint opens. Oracle: what is seen at any of 64 joint values.
+// A box in a box whose lid a joint opens. Oracle: what is seen at any of four joint values.
 TEST(Hidden, WhatAJointUncoversStays) {
   const auto make = [](bool can_move) {
     assemblies::Builder builder("chest");
