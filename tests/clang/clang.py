@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Reads every source that a build compiles with clang too, syntax only: what gcc takes and clang
-refuses breaks the fuzz targets.
+"""Reads every source of the libraries and the program with clang too, syntax only: what gcc takes
+and clang refuses breaks the fuzz targets.
 
     clang.py BUILD    the build folder, with its compile_commands.json
 
@@ -20,7 +20,7 @@ REFUSED = ("-fno-fat-lto-objects",)
 
 
 def sources(build):
-    """(file, folder, arguments) of each source below the project, outside the build."""
+    """(file, folder, arguments) of each source."""
     root = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
     seen = set()
     with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as file:
@@ -29,7 +29,8 @@ def sources(build):
         path = os.path.realpath(os.path.join(command["directory"], command["file"]))
         if not path.startswith(root + os.sep) or path.startswith(os.path.realpath(build) + os.sep):
             continue
-        if path in seen:
+        folder = os.path.relpath(path, root).split(os.sep)[0]
+        if folder in ("tests", "bench") or path in seen:
             continue
         seen.add(path)
         words = iter(shlex.split(command["command"]))
