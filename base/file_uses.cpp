@@ -37,6 +37,7 @@ struct Declared {
   FileUses::Output kind = FileUses::Output::result;
   Place place;
   std::optional<Identity> identity;  // of the file that will be replaced
+  bool foretold = true;              // before anything was written
   bool begun = false;
   bool refused = false;
 };
@@ -94,7 +95,7 @@ struct FileUses::State {
   // Returns its index.
   std::size_t add(Declared&& output, DiagnosticLog& log) {
     for (std::size_t i = 0; i < outputs.size(); ++i) {
-      const Declared& other = outputs[i];
+      Declared& other = outputs[i];
       if (same_file(other, output)) {
         if (other.kind == Output::in_place && output.kind == Output::in_place) return i;
         log.report(Code::E0206, {},
@@ -102,6 +103,7 @@ struct FileUses::State {
                                named(other), named(output)),
                    "choose another output");
         output.refused = true;
+        other.refused = !other.begun;
         break;
       }
     }
@@ -153,11 +155,14 @@ bool FileUses::may_write(const fs::path& path, DiagnosticLog& log) {
     const Declared& other = state_->outputs[i];
     if (!other.begun && same_file(other, *output)) own = i;
   }
-  if (!own) own = state_->add(*std::move(output), log);
+  if (!own) {
+    output->foretold = false;
+    own = state_->add(*std::move(output), log);
+  }
   bool all = true;
   for (Declared& each : state_->outputs) {
     state_->refuse_input(each, log);
-    all = all && !each.refused;
+    all = all && !(each.refused && each.foretold);
   }
   Declared& mine = state_->outputs[*own];
   if (mine.refused || (!all && mine.kind != Output::diagnostics)) return false;

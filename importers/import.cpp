@@ -226,9 +226,6 @@ Result<Imported> imported_from(Files& files, const std::string& path, const Opti
   drop_texts(first, log);
   if (text.size() >= kHuge) give_back_memory();
   if (imported) make_storable(imported->scene, name, log);
-  if (imported && imported->scene.instances.empty())
-    report(Code::E6011, name, "the file holds no surface, or none that could be read", included_at,
-           log);
   if (imported) imported->scene.inputs.insert(imported->scene.inputs.begin(), {path, hash, size});
   return imported;
 }

@@ -145,6 +145,9 @@ Result<importers::Imported> read_cad(const std::filesystem::path& path, const Op
     return importers::import_file(path, import_options(options), log, job);
   }();
   if (!imported) return failed;
+  if (imported->scene.instances.empty())
+    log.report_file(Code::E6011, path.string(),
+                    "the file holds no surface, or none that could be read");
   note_other_formats(cad, imported->format, path.string(), log);
   // before cleaning, whose lengths are metres in the world
   importers::place(*imported, importers::unit_of(cad.units), importers::up_of(cad.up), cad.recentre,

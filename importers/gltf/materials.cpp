@@ -124,9 +124,10 @@ struct Look {
 
 class MaterialBuilder {
  public:
-  MaterialBuilder(const tinygltf::Material& from, std::string name, bool with_textures,
+  // ours: of a file that we wrote, whose coats mean what ours do
+  MaterialBuilder(const tinygltf::Material& from, std::string name, bool with_textures, bool ours,
                   TextureReader& textures)
-      : from_(from), texture_cache_(textures), with_textures_(with_textures) {
+      : from_(from), texture_cache_(textures), with_textures_(with_textures), ours_(ours) {
     out_.cad.name = from.name;
     out_.material.name = std::move(name);
   }
@@ -350,7 +351,7 @@ class MaterialBuilder {
     if (factor < 1) lose(fmt::format("clearcoat of {:.3g}; ours is there or not", factor));
     if (factor < 0.5) return;
     // light is refracted at ours, and comes back from below it more than once
-    lose("clearcoat; ours is darker over colours");
+    if (!ours_) lose("clearcoat; ours is darker over colours");
     const double roughness = coat.number("clearcoatRoughnessFactor", 0);
     materials::Coat ours;
     ours.alpha = roughness * roughness;
@@ -390,6 +391,7 @@ class MaterialBuilder {
   const tinygltf::Material& from_;
   TextureReader& texture_cache_;
   bool with_textures_;
+  bool ours_;
   BuiltMaterial out_;
   double alpha_ = 1;
   Vec3 metal_colour_{1};
@@ -454,7 +456,8 @@ BuiltMaterial material_of(const tinygltf::Model& model, int index, bool with_tex
   }
   const tinygltf::Material& from = model.materials[static_cast<std::size_t>(index)];
   const std::string name = from.name.empty() ? fmt::format("material{}", index) : from.name;
-  return MaterialBuilder(from, name, with_textures, textures).build();
+  const bool ours = model.asset.generator == "panwright";
+  return MaterialBuilder(from, name, with_textures, ours, textures).build();
 }
 
 }  // namespace panwright::importers::gltf

@@ -82,8 +82,12 @@ bool structs_of(const Document& document, tinygltf::Model& model, std::string& p
   tinygltf::TinyGLTF reader;
   reader.SetImageLoader(no_image, nullptr);
   std::string warnings;
-  return reader.LoadASCIIFromString(&model, &problem, &warnings, text.data(),
-                                    static_cast<unsigned>(text.size()), "");
+  if (!reader.LoadASCIIFromString(&model, &problem, &warnings, text.data(),
+                                  static_cast<unsigned>(text.size()), ""))
+    return false;
+  if (const Json* asset = document.root.find("asset"))
+    if (const Json* generator = asset->find("generator")) model.asset.generator = generator->text;
+  return true;
 }
 
 }  // namespace panwright::importers::gltf

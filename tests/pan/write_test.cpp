@@ -157,7 +157,7 @@ TEST(Write, AnAbandonedWriterLeavesNothing) {
   {
     auto writer = Writer::create(folder / "a.pan", log);
     ASSERT_TRUE(writer);
-    EXPECT_EQ(folder.files(), 2u);
+    EXPECT_LE(folder.files(), 2u);  // the unfinished one has a name on some file systems
     const std::vector<std::byte> data(3 * layout::kHashBlock);
     EXPECT_TRUE(writer->section(layout::SectionKind::texels, data, log));
   }
@@ -196,8 +196,8 @@ TEST(Write, AKilledWriterLeavesTheOldFileWhole) {
     });
     EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
     EXPECT_EQ(contents_of(folder / "a.pan"), "old");
-    // the temporary file is still there, and says of itself that it is not finished
-    ASSERT_EQ(folder.files(), 2u);
+    // where the temporary file has a name it is still there, and says that it is not finished
+    ASSERT_LE(folder.files(), 2u);
     for (const auto& file : folder) {
       if (file.path().filename() == "a.pan") continue;
       DiagnosticLog inner;

@@ -138,8 +138,8 @@ TEST(Import, a_model_without_any_surface_says_so) {
   folder.write("empty.wrl", "#VRML V2.0 utf8\nTransform { children [ ] }\n");
   const support::Outcome empty =
       panwright({"import", folder / "empty.wrl", "-o", folder / "empty.pan"});
-  EXPECT_EQ(empty.code, 0);
-  EXPECT_THAT(empty.err, HasSubstr("W6009"));
+  EXPECT_EQ(empty.code, 1);
+  EXPECT_THAT(empty.err, HasSubstr("E6011"));
   EXPECT_THAT(empty.err, HasSubstr("no surface"));
   const support::Outcome full =
       panwright({"import", kRelay, "--units", "mm", "--keep-hidden", "-o", folder / "a.pan"});

@@ -78,7 +78,7 @@ TEST_F(Outputs, LeaveInputsWhole) {
   refuses({"expand", model_, "-o", model_}, "-o");
   refuses({"compile", model_, "-o", folder_ / "a.pan", "-M", part_}, "--depfile");
   refuses({"compile", model_, "-o", folder_ / "a.pan", "-M", model_}, "--depfile");
-  refuses({"render", panel_, "--width", "8", "--height", "8"}, "panel.png");
+  refuses({"render", panel_, "--size", "8x8"}, "panel.png");
 }
 
 TEST_F(Outputs, AreDifferentFiles) {
@@ -87,10 +87,11 @@ TEST_F(Outputs, AreDifferentFiles) {
   const std::string relay = PANWRIGHT_SOURCE_DIR "/examples/cad/relay.wrl";
   refuses({"import", relay, "-o", folder_ / "y.pan", "--report", folder_ / "y.pan"}, "one file");
   const TemporaryFolder elsewhere;
-  const std::string views =
-      elsewhere.write("views.json", R"([{"output": ")" + (folder_ / "v.png") +
-                                        R"("}, {"output": ")" + (folder_ / "./v.png") + R"("}])");
-  refuses({"render", model_, "--views", views, "--width", "8", "--height", "8"}, "one file");
+  const std::string views = elsewhere.write(
+      "views.json", R"([{"output": ")" + (folder_ / "v.png") + R"("}, {"output": ")" +
+                        (elsewhere / "here/v.png") + R"("}])");
+  fs::create_directory_symlink(folder_.path(), elsewhere / "here");
+  refuses({"render", model_, "--views", views, "--size", "8x8"}, "one file");
 }
 
 TEST_F(Outputs, AreWrittenWhereNobodyListens) {
