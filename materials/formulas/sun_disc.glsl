@@ -46,6 +46,7 @@ FORMULA Real disc_radius(Real sun_alpha2) { return sqrt(Real(8) * sun_alpha2); }
 // Whether the Sun has no disc, or one so small beside a lobe of that slope, 40 radii or more, that it changes
 // it by less than 4e-4 of its peak: then a point does.
 FORMULA Real point_sun(Real sun_alpha2, Real slope, Vec3 to_light, Vec3 to_viewer, Vec3 tilted) {
+  if (!(sun_alpha2 > Real(0))) return Real(1);
   Real reach = slope * max(dot3(tilted, to_light) + dot3(tilted, to_viewer), Real(0));
   if (!(reach * reach < Real(12800) * sun_alpha2)) return Real(1);
   return Real(0);

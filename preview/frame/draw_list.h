@@ -16,9 +16,17 @@
 
 namespace panwright::preview {
 
-// The BRDF models that a model has; each is shaded by a program of its own.
+// Materials of one BRDF model that one program shades.
+struct ShadingModel {
+  materials::BrdfModel brdf;
+  // no lobe is narrow enough to show the Sun's disc, at 1 AU and beyond
+  bool wide = false;
+  auto operator<=>(const ShadingModel&) const = default;
+};
+
+// The shading models that a model has.
 struct Families {
-  std::vector<materials::BrdfModel> all;   // sorted
+  std::vector<ShadingModel> all;           // sorted
   std::vector<std::uint32_t> of_material;  // into all, one per material
   std::vector<std::uint32_t> materials;    // how many there are of each
 };

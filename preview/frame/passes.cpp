@@ -134,6 +134,13 @@ GLuint Passes::program(const ModelResources::Impl& model, const Variant& variant
   return 0;
 }
 
+namespace {
+
+// Whether the Sun's disc is no larger than what ShadingModel::wide is about.
+bool is_far(const world::Sun& sun) { return sun.distance >= 0.98; }
+
+}  // namespace
+
 bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
   const bool shadows = scene.shadows != nullptr;
   for (std::size_t v = 0; v < scene.visible.targets.size(); ++v) {
@@ -161,13 +168,14 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
       if (same && good) continue;
       if (is_shaded(pass)) {
         if (!model.gpu.decals().empty()) good = good && device_.programs.decal(&problem) != 0;
-        const materials::BrdfModel& brdf_model =
+        const ShadingModel& shading =
             model.brdf_models.all[model.brdf_models.of_material[item.material]];
         good = good && device_.programs.classes(&problem) != 0;
         const bool one =
             model.brdf_models.materials[model.brdf_models.of_material[item.material]] == 1;
-        good =
-            good && device_.programs.shading(brdf_model, model.layers, one, shadows, &problem) != 0;
+        good = good &&
+               device_.programs.shading(shading.brdf, model.layers, one, shadows,
+                                        shading.wide && is_far(scene.world.sun()), &problem) != 0;
       }
       if (good) continue;
       log.report_file(Code::E5001, {},
@@ -410,8 +418,10 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
     model.gpu.bind_materials();
     for (const TileTarget::ShadingClass& one : target.classes) {
       if (one.one_material) model.gpu.bind_one_material(one.material);
-      gl_.UseProgram(device_.programs.shading(model.brdf_models.all[one.brdf_model], model.layers,
-                                              one.one_material, scene.shadows != nullptr, nullptr));
+      const ShadingModel& shading = model.brdf_models.all[one.brdf_model];
+      gl_.UseProgram(device_.programs.shading(shading.brdf, model.layers, one.one_material,
+                                              scene.shadows != nullptr,
+                                              shading.wide && is_far(scene.world.sun()), nullptr));
       gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
       gl_.Uniform2ui(kBlocksLocation, samples, blocks.a_row);
       gl_.Uniform1f(kDepthLocation, static_cast<float>(first_classes_[t] + one.brdf_model + 1) *

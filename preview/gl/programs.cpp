@@ -65,12 +65,13 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
 }
 
 GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
-                         bool shadows, std::string* problem) {
-  GlProgram& program = shading_[{brdf_model, (layers * 2 + one_material) * 2 + shadows}];
+                         bool shadows, bool point_sun, std::string* problem) {
+  GlProgram& program =
+      shading_[{brdf_model, ((layers * 2 + one_material) * 2 + shadows) * 2 + point_sun}];
   if (!program) {
     std::string head = kVersion;
     head += sample_place_glsl + layer_names(layers) + defined("REFLECTING", brdf_model.mapped) +
-            defined("ONE_MATERIAL", one_material);
+            defined("ONE_MATERIAL", one_material) + defined("POINT_SUN", point_sun);
     head += materials::glsl_formulas(brdf_model) + materials::glsl_material_loader();
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
     program = made(std::string(kVersion) + screen_vert, head + shading_frag, problem);

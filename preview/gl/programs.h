@@ -59,8 +59,8 @@ constexpr bool has(LayerSet set, Layer layer) { return (set >> layer & 1) != 0; 
 
 // Uniform blocks, in std140.
 struct alignas(16) ViewBlock {
-  float view_ray[4];        // world direction through the tile's upper left corner, any length; limb
-                            // darkening of the Sun's disc
+  float view_ray[4];  // world direction through the tile's upper left corner, any length; limb
+                      // darkening of the Sun's disc
   float view_ray_right[4];  // its change from sample to sample
   float view_ray_down[4];
   float to_sun[4];      // world, unit; w: an eighth of the square of its disc's radius
@@ -98,8 +98,9 @@ class Programs {
   // instanced: draws up to kInstancesAtOnce instances of one mesh and material at once
   GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows, bool instanced,
                   std::string* problem);
+  // point_sun: its disc shows nowhere
   GLuint shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
-                 bool shadows, std::string* problem);
+                 bool shadows, bool point_sun, std::string* problem);
   GLuint classes(std::string* problem);
   GLuint shadow(bool cutout, bool instanced, std::string* problem);
   GLuint ids(bool cutout, bool instanced, std::string* problem);

@@ -1,5 +1,5 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, any of PAINTED
-// ROUGH BRUSHED REFLECTING ONE_MATERIAL, sample_place.glsl, SHADOWED (with shadow.glsl), and the
+// ROUGH BRUSHED REFLECTING ONE_MATERIAL POINT_SUN, sample_place.glsl, SHADOWED (with shadow.glsl), and the
 // formulas of its BRDF model (materials/formulas), with what reads a material (materials/formula_text.h).
 
 layout(std140, binding = 0) uniform View {
@@ -107,7 +107,11 @@ void main() {
                (float(place.y) + 0.5) * view.view_ray_down.xyz;
   vec3 to_viewer = -normalize(view_ray);
 
+#ifdef POINT_SUN
+  Surface surface = surface_of(first_row, 0.0, 0.0);
+#else
   Surface surface = surface_of(first_row, view.to_sun.w, view.view_ray.w);
+#endif
 #ifdef ROUGH
   vec3 whole_cell = surface.weights.x * surface.diffuse;
 #endif
