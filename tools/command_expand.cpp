@@ -48,9 +48,11 @@ int run(const Options& options, const Host& host) {
   const auto read = options.read.opening(log);
   if (!read) return context.finish();
   workspace::OpenReport report;
-  const auto scene = workspace::read_scene(options.input, *read, log, context.job(), &report);
+  auto scene = workspace::read_scene(options.input, *read, log, context.job(), &report);
+  // the text has no imports, and so nothing that would take hidden parts away later
+  const bool pruned = scene && workspace::prune(*scene, *read, log, context.job(), &report);
   context.add_timings(report.steps);
-  if (!scene) return context.finish();
+  if (!scene || !pruned) return context.finish();
   const std::size_t errors = log.errors();
   context.step("write");
   std::vector<std::string> images;

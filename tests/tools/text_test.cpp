@@ -108,5 +108,15 @@ TEST(Expand, TheServicerInOneFile) {
   EXPECT_EQ(panwright({"expand", out}).code, 2);
 }
 
+TEST(Expand, HiddenPartsStayAway) {
+  const TemporaryFolder folder;
+  const std::string relay = PANWRIGHT_SOURCE_DIR "/examples/cad/relay.pxn";
+  ASSERT_EQ(panwright({"expand", relay, "-o", folder / "x.pxn", "-q"}).code, 0);
+  const auto triangles = [](const std::string& model) {
+    return json::parse(panwright({"info", model, "--json"}).out)["triangles"].get<int>();
+  };
+  EXPECT_EQ(triangles(folder / "x.pxn"), triangles(relay));
+}
+
 }  // namespace
 }  // namespace panwright
