@@ -387,6 +387,9 @@ void list(const CommandContext& context) {
 int run(const Options& options, const Host& host) {
   CommandContext context("material", options.common, host);
   Json& out = context.result();
+  for (const std::string& input : options.inputs) context.files().will_read(input);
+  if (!context.files().will_write(options.render, "--render", context.log()))
+    return context.finish();
   if (options.list) {
     out["presets"] = pxn::preset_names();
     list(context);

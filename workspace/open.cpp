@@ -6,6 +6,7 @@
 #include <memory>
 #include <string_view>
 
+#include "base/file_uses.h"
 #include "base/text.h"
 #include "importers/clean.h"
 #include "pxn/pxn.h"
@@ -115,6 +116,10 @@ Result<world::ModelPtr> open_pan(const std::filesystem::path& path, const OpenOp
   if (!model) return failed;
   const Stopwatch watch(report, "check " + path.string());
   if (!model->check(log, job)) return failed;
+  // what the pan was made of, where it still lies beside it: no image may take its place
+  if (log.files())
+    for (const auto& input : model->inputs())
+      log.files()->will_read(path.parent_path() / std::string(model->string(input.path)));
   return world::ModelPtr(std::make_shared<const pan::Model>(*std::move(model)));
 }
 

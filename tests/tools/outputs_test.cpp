@@ -81,6 +81,13 @@ TEST_F(Outputs, LeaveInputsWhole) {
   refuses({"render", panel_, "--size", "8x8"}, "panel.png");
 }
 
+// A pan knows what it was made of.
+TEST_F(Outputs, LeaveWhatAPanWasMadeOf) {
+  ASSERT_EQ(panwright({"compile", panel_}).code, 0);
+  before_[folder_ / "panel.pan"] = contents(folder_ / "panel.pan");
+  refuses({"render", folder_ / "panel.pan", "--size", "8x8"}, "panel.png");
+}
+
 TEST_F(Outputs, AreDifferentFiles) {
   refuses({"compile", model_, "-o", folder_ / "a.pan", "-M", folder_ / "./a.pan"}, "one file");
   refuses({"compile", model_, "-o", folder_ / "a.pan", "--sarif", folder_ / "a.pan"}, "one file");
