@@ -25,7 +25,7 @@ and 56° (servicer) from the line of sight. This page is written by `bench/accur
 BARS = """
 ## Error bars of the reference
 
-How honest the standard error is that the reference states for each pixel (`docs/reference-renderer.md`), with few samples: 48 × 48 pixels, three bounces, the disc of the Sun, 16
+How right the standard error is that the reference states for each pixel (`docs/reference-renderer.md`), with few samples: 48 × 48 pixels, three bounces, the disc of the Sun, 16
 to 64 seeds each against 4096 samples of another seed. Of pixels with any light: the share within three standard errors (99 % are
 wanted), and the mean stated error over the mean true one, the RMS of the seeds (at most 1.5 is wanted). Written from `bench/results/error_bars.csv`, which
 `panwright-bench error_bars` measures.
