@@ -1,4 +1,5 @@
-// OpenGL against the reference renderer, BRDF by BRDF: a sphere, and the servicer in some of them.
+// OpenGL against the reference renderer, BRDF by BRDF: a sphere, and the servicer in some of them
+// and from twelve sides.
 // Three rows each: flux, RMSE, FLIP, beside the time of a frame.
 #include <fmt/format.h>
 
@@ -186,6 +187,28 @@ void compare(Context& context, const std::shared_ptr<preview::Device>& gl,
   add("flip", mean_flip(wanted, seen, image->width, image->height), 0);
 }
 
+// The servicer as authored, from the corners of an icosahedron.
+void compare_sides(Context& context, const std::shared_ptr<preview::Device>& gl,
+                   const world::ModelPtr& model, std::uint32_t side, DiagnosticLog& log) {
+  constexpr double kGolden = 1.618033988749895;
+  const Vec3 center(0, 0, 0.4);
+  const Vec3 to_sun(1, 0.2, 0.5);
+  for (int corner = 0; corner < 12; ++corner) {
+    Vec3 out(0);
+    out[corner / 4] = corner & 1 ? -1 : 1;
+    out[(corner / 4 + 1) % 3] = corner & 2 ? -kGolden : kGolden;
+    out = glm::normalize(out);
+    const preview::View view =
+        view_from(center + 15.3 * out, center, 24 * kDegree, to_sun, side, log);
+    const double phase = std::acos(glm::dot(out, glm::normalize(to_sun))) / kDegree;
+    compare(context, gl,
+            fmt::format("servicer from ({:.2f} {:.2f} {:.2f}), phase {:.0f} deg", out.x, out.y,
+                        out.z, phase),
+            model, view, 0, 2e-3, log);
+    if (context.quick()) return;
+  }
+}
+
 void run_accuracy(Context& context) {
   DiagnosticLog log;
   auto gl = preview::Device::create(preview::ContextKind::automatic, log);
@@ -216,6 +239,7 @@ void run_accuracy(Context& context) {
   compare(context, *gl, "servicer, as authored", authored, view, 0, 2e-3, log);
   compare(context, *gl, "servicer, as authored, with light between surfaces", authored, view, 3,
           2e-3, log);
+  compare_sides(context, *gl, authored, side, log);
   if (context.quick()) return;
   for (const auto& [name, material] : all_brdfs()) {
     const std::string_view shown[] = {"Lambert",           "Hapke",         "Cook-Torrance", "GGX",
