@@ -28,7 +28,7 @@ TEST(ReferenceSunGlint, FlanksOfNarrowLobes) {
       materials::fit(m);
       const pan::Model model = model_of(single(plate(8, 8), m));
       // one pixel each, as narrow as the flank
-      for (const Vec2 place :
+      for (const Vec2& place :
            {Vec2(0, 0), Vec2(0.2, 0.1), Vec2(0, 0.3), Vec2(0.4, 0), Vec2(0, 0.5)}) {
         const double in = angle + place.x * kDegree, out = place.y * kDegree;
         const Vec3 v(std::sin(in) * std::cos(out), std::sin(out), std::cos(in) * std::cos(out));
