@@ -177,11 +177,15 @@ void write_import_template(const importers::Imported& imported, const Options& o
         Code::E0201, {},
         fmt::format("{} does not lie in the folder of {} or below it, where imports are found",
                     in_quotes(options.input), in_quotes(options.output)));
-  else
-    write_file(options.output,
-               as_bytes(pxn::import_template(imported, file.generic_string(),
-                                             attributes_of(options.open.cad))),
-               context.log());
+  else {
+    // the text says what was assumed, so that it stays what it was seen to be
+    CadOptions cad = options.open.cad;
+    if (!imported.assumed_unit.empty()) cad.units = imported.assumed_unit;
+    write_file(
+        options.output,
+        as_bytes(pxn::import_template(imported, file.generic_string(), attributes_of(cad))),
+        context.log());
+  }
 }
 
 int run(const Options& options, const Host& host) {

@@ -497,6 +497,11 @@ Result<Imported> read_ply(Files& files, const InputFile& file, const Options& op
   PlyHeader header = ply_header_of(*file.bytes);
   const bool text = header.order == PlyOrder::text;
   ReaderContext context(files, file, options, text, log);
+  // note: Blender 2.41 writes "Created by Blender3D …" so
+  if (!header.credit.empty())
+    log.report(Code::W6502, context.at(header.credit),
+               fmt::format("{} has no 'comment' before it; it is taken for one",
+                           in_quotes(header.credit)));
   if (header.problem.empty()) return PlyReader(context, std::move(header)).read();
   log.report(Code::E6501, context.at(header.place), header.problem);
   return failed;

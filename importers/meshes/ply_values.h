@@ -38,6 +38,7 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
   std::string texture;     // of "comment TextureFile"
   std::string_view body;   // of the file's bytes
+  std::string_view credit;  // a line of the program that wrote it, without "comment"
   std::string problem;     // one lower-case sentence; empty: none
   std::string_view place;  // of the file's bytes: what the problem is about
 };

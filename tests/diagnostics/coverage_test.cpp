@@ -209,7 +209,7 @@ TEST(Coverage, EveryCodeIsProducedByAnInput) {
     // the program takes one target at least; other hosts need not: tests/workspace/run_test.cpp
     if (info.name == "E5030") continue;
 #ifndef PANWRIGHT_STEP
-    // builds with STEP report them: preset step
+    // builds with OpenCASCADE report them
     if (info.name == "E6601" || info.name == "W6602") continue;
 #endif
 #ifdef PANWRIGHT_GL

@@ -313,6 +313,12 @@ const NodeSpec* Parser::spec_named(std::string_view& name, SourceSpan where) {
   const NodeSpec* spec = vrml97_ ? spec97(name) : spec10(name);
   if (spec != nullptr) return spec;
   if (unknown_depth_ > 0) return nullptr;  // what is around it is skipped, and has been reported
+  if (vrml97_ && is_transform10(name)) {
+    report(Code::W6118, where,
+           fmt::format("{} is a node of VRML 1.0; it moves what follows it in its group",
+                       in_quotes(name)));
+    return spec10(name);
+  }
   std::vector<std::string_view> names;
   for (const NodeSpec& other : vrml97_ ? specs97() : specs10()) names.push_back(other.name);
   for (const Scope* scope = scope_; scope != nullptr; scope = scope->around)
