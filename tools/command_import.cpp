@@ -34,7 +34,7 @@ void declare_all(Arguments& arguments, Options& options) {
   CadOptions& cad = options.open.cad;
   arguments
       .add("input", options.input,
-           "VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY (STEP where built in), packed or not")
+           "VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY, STEP, packed or not")
       .required()
       .type("FILE");
   arguments

@@ -62,6 +62,7 @@ class PlyReader {
         values_(header_.body, header_.order) {}
 
   Result<Imported> read() {
+    if (!header_.texture.empty()) declare(s_.files, s_.file.path, header_.texture, false);
     for (const PlyElement& element : header_.elements) {
       if (!going_ || s_.full) break;
       if (element.name == "vertex" && mesh_.positions.empty())

@@ -169,7 +169,10 @@ std::size_t send_diagnostics(const DiagnosticLog& log, std::size_t first, const 
     const Diagnostic& entry = log.entries()[i];
     std::string out;
     put_text(out, code_info(entry.code).name);
-    put(out, static_cast<std::uint32_t>(entry.where.file == kNoFile ? 0 : 1));
+    // a diagnostic of the file as a whole is about one without bytes
+    const FileId file = entry.where.file;
+    const bool placed = file != kNoFile && log.sources().file(file).bytes;
+    put(out, static_cast<std::uint32_t>(placed ? 1 : 0));
     put(out, entry.where.begin);
     put(out, entry.where.end);
     put_text(out, entry.message);
