@@ -93,7 +93,8 @@ bool write_and_read(const scene::Scene& scene) {
     require(second && *second == *bytes, "the same bytes a second time");
     DiagnosticLog reading;
     auto model = pan::Model::from_bytes(*bytes, "fuzz.pan", reading);
-    require(model && model->check(reading), "the reader takes it: " + to_text(reading));
+    const bool sound = model && model->check(reading);
+    require(sound, "the reader takes it: " + to_text(reading));
     compare(scene, *model, !log.has_errors() && log.warnings() == 0);
     models.push_back(std::move(*model));
   }

@@ -25,6 +25,7 @@
 #include "importers/step/internal/wire.h"
 #include "tests/importers/step/reading.h"
 #include "tests/importers/step/sample.h"
+#include "tests/support/paths.h"
 #include "tests/support/process.h"
 
 namespace panwright::importers::step {
@@ -215,6 +216,20 @@ TEST(StepProcess, ItsLimitsAreSetBeforeItReads) {
   EXPECT_EQ(seconds, "30");
   EXPECT_EQ(core, "0");
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// The real one, with less than it needs.
+TEST(StepProcess, MemoryIsLimited) {
+  const std::string text = text_of(BRepPrimAPI_MakeSphere(254, 0, 1.5).Shape(), "cap");
+  Options options;
+  options.deflection = 2e-8;
+  const Stand stand("ulimit -v 500000; exec " PANWRIGHT_BIN_DIR "/panwright-step\n");
+  const auto reading = read(text, options);
+  EXPECT_FALSE(reading->out && !reading->scene().instances.empty());
+  EXPECT_EQ(reading->count(Code::E6002), 1u) << to_text(reading->log);
+  EXPECT_THAT(to_text(reading->log), HasSubstr("more memory than the limit allows"));
+}
+#endif
 
 // The descriptors that a host has open, close-on-exec or not, are not handed on.
 TEST(StepProcess, NothingOfTheHostIsHandedOn) {
