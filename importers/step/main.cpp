@@ -5,9 +5,12 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
+#include <Standard_OutOfMemory.hxx>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <memory>
 #include <new>
 #include <string>
@@ -54,6 +57,20 @@ void be_expendable() {
   close(file);
 }
 
+// Nothing can be told any more: telling takes memory.
+[[noreturn]] void give_up() { _exit(step::kOutOfMemory); }
+
+// OpenCASCADE throws what it throws from functions that must not.
+[[noreturn]] void terminated() {
+  try {
+    if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const Standard_OutOfMemory&) {
+    give_up();
+  } catch (...) {
+  }
+  std::abort();
+}
+
 int answer() {
   auto bytes = std::make_shared<const std::string>(received());
   std::string_view text = *bytes;
@@ -75,9 +92,8 @@ int answer() {
     tell();
     if (out) step::send_scene(*out, send_all);
     complete = out.ok();
-  } catch (const std::bad_alloc&) {
-    log.report_file(Code::E6002, file.name, "the model needs more memory than the limit allows");
-    tell();
+  } catch (const Standard_OutOfMemory&) {
+    give_up();
   }
   step::send_end(complete, send_all);
   return 0;
@@ -91,12 +107,9 @@ int main(int argc, char**) {
     return 2;
   }
   be_expendable();
-  int code = 2;
-  try {
-    code = answer();
-  } catch (const std::bad_alloc&) {
-    code = 3;
-  }
+  std::set_new_handler(give_up);
+  std::set_terminate(terminated);
+  const int code = answer();
   // what OpenCASCADE would tidy up goes with the process
   _exit(code);
 }

@@ -91,6 +91,9 @@ void report_end(const ProcessEnd& end, const fs::path& program, const Limits& li
                                 signal_text(end.code)),
                     "another program may read the file and export it again, as STEP or glTF");
     case How::exited:
+      if (end.code == kOutOfMemory)
+        return report(Code::E6002, "the model needs more memory than the limit allows",
+                      "a larger --deflection needs less");
       return report(Code::E6601,
                     fmt::format("the reader of STEP files ended without an answer (exit code {})",
                                 end.code),

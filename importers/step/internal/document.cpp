@@ -16,6 +16,7 @@
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
+#include <Standard_OutOfMemory.hxx>
 #include <StepBasic_ProductDefinition.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepGeom_Curve.hxx>
@@ -637,6 +638,8 @@ class Reading {
     Made made;
     try {
       made = make(body, part);
+    } catch (const Standard_OutOfMemory&) {
+      throw;
     } catch (const Standard_Failure& failure) {
       report_lost(number_of(body.shape), fmt::format("a body of {} cannot be meshed: {}",
                                                      in_quotes(part), failure.GetMessageString()));
@@ -735,6 +738,8 @@ Result<Imported> read_document(const Text& text, std::string_view bytes, const s
     return Reading(text, path, name, options, log, job).run(bytes);
   } catch (const Reading::Cyclic&) {
     return failed;
+  } catch (const Standard_OutOfMemory&) {
+    throw OverLimit{"memory"};
   } catch (const Standard_Failure& failure) {
     log.report_file(Code::E6601, name,
                     fmt::format("OpenCASCADE gives up: {}", failure.GetMessageString()));

@@ -19,6 +19,8 @@ namespace panwright::importers::step {
 
 inline constexpr std::string_view kRequestMark = "PWSTEPQ1";
 inline constexpr std::string_view kAnswerMark = "PWSTEPA1";
+// The exit code of a reader whose memory ran out.
+inline constexpr int kOutOfMemory = 3;
 
 class Values;
 
