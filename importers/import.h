@@ -72,7 +72,7 @@ struct CadMaterial {
 // is called "root"; it has the identity as transform.
 struct Imported {
   Format format = Format::gltf;
-  bool in_metres = false;  // the file says its unit, and lengths are metres by it
+  bool in_metres = false;    // the file says its unit, and lengths are metres by it
   std::string assumed_unit;  // by place(), where neither the file nor anybody says it: "mm"
   scene::Scene scene;
   std::vector<CadMaterial> materials;  // one for each of scene.materials

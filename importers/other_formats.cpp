@@ -113,7 +113,8 @@ std::optional<OtherFormat> other_format_by_bytes(std::string_view bytes, std::st
   if (text.starts_with("#X3D")) return kX3d;
   if (text.starts_with("#Inventor")) return kInventor;
   if (text.starts_with("**ABCDEFGHIJKLMNOPQRSTUVWXYZ")) return kParasolid;
-  if (starts_with_any(text, {"<?xml", "<COLLADA", "<X3D", "<!DOCTYPE X3D"})) return xml_format(text);
+  if (starts_with_any(text, {"<?xml", "<COLLADA", "<X3D", "<!DOCTYPE X3D"}))
+    return xml_format(text);
   if (text.starts_with("PK\x03\x04")) {
     const auto named = other_format_by_name(path);
     return named ? named : OtherFormat{"a ZIP archive", "unpack it, and import the model in it"};

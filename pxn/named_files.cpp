@@ -32,8 +32,7 @@ void declare_named_files(const std::filesystem::path& path, std::string_view tex
     const std::size_t first = name.find_first_not_of(" \t\r\n");
     if (first == name.npos) return;
     name = name.substr(first, name.find_last_not_of(" \t\r\n") + 1 - first);
-    if ( looks_like_a_file(name) && seen.size() < kMost &&
-        seen.insert(name).second)
+    if (looks_like_a_file(name) && seen.size() < kMost && seen.insert(name).second)
       files.will_read(folder / name);
   };
   // what stands between quotes, and between '>' and '<'

@@ -94,10 +94,10 @@ void report_end(const ProcessEnd& end, const fs::path& program, const Limits& li
       if (end.code == kOutOfMemory)
         return report(Code::E6002, "the model needs more memory than the limit allows",
                       "a larger --deflection needs less");
-      return report(Code::E6601,
-                    fmt::format("the reader of STEP files ended without an answer (exit code {})",
-                                end.code),
-                    "another program may read the file and export it again, as STEP or glTF");
+      return report(
+          Code::E6601,
+          fmt::format("the reader of STEP files ended without an answer (exit code {})", end.code),
+          "another program may read the file and export it again, as STEP or glTF");
   }
 }
 
@@ -110,13 +110,13 @@ Result<Imported> read(const InputFile& file, const Options& options, DiagnosticL
   const auto program = reader();
   if (!program) {
     const fs::path given = given_reader();
-    report(Code::E6001,
-           given.empty()
-               ? fmt::format("STEP is read by {}, which is not installed here", in_quotes(kProgram))
-               : fmt::format("{} names {}, which is not a file", kVariable,
-                             in_quotes(given.string())),
-           "build Panwright where OpenCASCADE is installed (scripts/setup), or export glTF from a "
-           "CAD program, as FreeCAD");
+    report(
+        Code::E6001,
+        given.empty()
+            ? fmt::format("STEP is read by {}, which is not installed here", in_quotes(kProgram))
+            : fmt::format("{} names {}, which is not a file", kVariable, in_quotes(given.string())),
+        "build Panwright where OpenCASCADE is installed (scripts/setup), or export glTF from a "
+        "CAD program, as FreeCAD");
     return failed;
   }
   SourceFile source;

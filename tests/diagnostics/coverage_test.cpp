@@ -143,7 +143,9 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
 #ifdef PANWRIGHT_GL
   triggers.insert(
       triggers.end(),
-      {{"W5012", {"render", pan, "-o", png, "--shadow-side", "16", "--size", "512x512", "--samples", "1"}, {}},
+      {{"W5012",
+        {"render", pan, "-o", png, "--shadow-side", "16", "--size", "512x512", "--samples", "1"},
+        {}},
        {"E5001", {"render", pan, "-o", png, "--gl", "osmesa"}, {"MESA_GL_VERSION_OVERRIDE=3.0"}},
        {"E5003",
         {"render", pan, "-o", png, "--gl", "osmesa", "--size", "16384x16384", "--samples", "64",

@@ -31,7 +31,8 @@ TEST(Replay, PxnCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/pxn", 
 TEST(Replay, PxnTestFiles) { replay(PANWRIGHT_SOURCE_DIR "/tests/pxn/data", fuzz::pxn); }
 TEST(Replay, Examples) { replay(PANWRIGHT_SOURCE_DIR "/examples", fuzz::pxn); }
 TEST(Replay, RoundtripCorpus) {
-  replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/roundtrip", [](std::span<const std::byte> bytes) { fuzz::roundtrip(bytes); });
+  replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/roundtrip",
+         [](std::span<const std::byte> bytes) { fuzz::roundtrip(bytes); });
 }
 TEST(Replay, PanCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/pan", fuzz::pan); }
 TEST(Replay, PanOfOlderFormats) { replay(PANWRIGHT_SOURCE_DIR "/tests/pan/data", fuzz::pan); }

@@ -108,8 +108,7 @@ bool write_and_read(const scene::Scene& scene) {
 bool roundtrip(Source source, std::span<const std::byte> input) {
   const std::string bytes(reinterpret_cast<const char*>(input.data()), input.size());
   DiagnosticLog log;
-  const auto scene =
-      source == Source::pxn ? read_pxn(bytes, log) : read_cad(source, bytes, log);
+  const auto scene = source == Source::pxn ? read_pxn(bytes, log) : read_cad(source, bytes, log);
   require(scene.has_value() || log.has_errors(), "no scene without an error");
   for (const Diagnostic& entry : log.entries())
     require(!entry.message.empty(), "a message with each code");

@@ -12,8 +12,8 @@ namespace panwright::fuzz {
 enum class Source : std::uint8_t { pxn, vrml, gltf, obj, stl, ply, step, count };
 
 // Reads bytes as a file of one kind, compiles it, writes the pan, plain and compressed, reads both
-// back, and compares: with the scene, with each other, and with what a second run writes. Aborts when
-// something that must hold does not.
+// back, and compares: with the scene, with each other, and with what a second run writes. Aborts
+// when something that must hold does not.
 //
 //   returns  whether a pan came of it
 bool roundtrip(Source source, std::span<const std::byte> input);

@@ -99,7 +99,8 @@ TEST(Import, a_text_around_a_file_without_a_unit_says_it) {
     const support::Outcome made = panwright({"import", folder / "t.obj", "-o", folder / "t.pxn"});
     EXPECT_EQ(made.code, 0);
     EXPECT_THAT(made.err, HasSubstr("[W6006]"));
-    EXPECT_THAT(support::contents(folder / "t.pxn"), HasSubstr("units=\"" + std::string(unit) + "\""));
+    EXPECT_THAT(support::contents(folder / "t.pxn"),
+                HasSubstr("units=\"" + std::string(unit) + "\""));
     const support::Outcome read = panwright({"info", folder / "t.pxn"});
     EXPECT_THAT(read.err, testing::Not(HasSubstr("[W6006]")));
   }
@@ -108,9 +109,11 @@ TEST(Import, a_text_around_a_file_without_a_unit_says_it) {
 TEST(Import, other_formats_are_named_with_a_converter_by_every_command) {
   const TemporaryFolder folder;
   const std::string fbx = folder.write("a.fbx", "; FBX 7.3.0 project file\n");
-  for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"import", fbx}, {"check", fbx}, {"info", fbx}, {"render", fbx},
-        {"export", fbx, "-o", folder / "a.glb"}}) {
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"import", fbx},
+                                                {"check", fbx},
+                                                {"info", fbx},
+                                                {"render", fbx},
+                                                {"export", fbx, "-o", folder / "a.glb"}}) {
     const support::Outcome outcome = panwright(words);
     EXPECT_NE(outcome.code, 0) << words[0];
     EXPECT_THAT(outcome.err, HasSubstr("FBX is not supported")) << words[0];

@@ -100,9 +100,10 @@ TEST_F(Outputs, LeaveWhatIsNamedAndNotUsed) {
   };
   refuses({"render", obj, "--size", "8x8", "--units", "m"}, "m.png");  // the default output
   render(obj, "bump.png");
-  const std::string wrl = add(
-      "s.wrl", "#VRML V2.0 utf8\nShape { geometry Box {} }\nSwitch { choice [ Shape { appearance "
-               "Appearance { texture ImageTexture { url \"inner.png\" } } geometry Box {} } ] }\n");
+  const std::string wrl =
+      add("s.wrl",
+          "#VRML V2.0 utf8\nShape { geometry Box {} }\nSwitch { choice [ Shape { appearance "
+          "Appearance { texture ImageTexture { url \"inner.png\" } } geometry Box {} } ] }\n");
   render(wrl, "inner.png");
   const std::string gltf = add(
       "g.gltf",
@@ -116,8 +117,9 @@ TEST_F(Outputs, LeaveWhatIsNamedAndNotUsed) {
   refuses({"fmt", "--check", panel_, "--sarif", folder_ / "panel.png"}, "--sarif");
   refuses({"check", wrl, "--units", "m", "--sarif", folder_ / "inner.png"}, "--sarif");
   // what no model names may be written
-  EXPECT_EQ(panwright({"render", obj, "--size", "8x8", "--units", "m", "-o", folder_ / "new.png"}).code,
-            0);
+  EXPECT_EQ(
+      panwright({"render", obj, "--size", "8x8", "--units", "m", "-o", folder_ / "new.png"}).code,
+      0);
 }
 
 // A pan knows what it was made of.

@@ -28,10 +28,10 @@ namespace panwright::importers::step {
 
 namespace {
 
-constexpr int kSlice = 50;                        // milliseconds between looks at the job
-constexpr std::size_t kChunk = 256u << 10;        // bytes read at once
-constexpr double kGrace = 2;                      // seconds to end in, once the socket is closed
-constexpr double kMostOfASlice = 0.5;             // seconds: a stopped process counts no more
+constexpr int kSlice = 50;                  // milliseconds between looks at the job
+constexpr std::size_t kChunk = 256u << 10;  // bytes read at once
+constexpr double kGrace = 2;                // seconds to end in, once the socket is closed
+constexpr double kMostOfASlice = 0.5;       // seconds: a stopped process counts no more
 
 class Descriptor {
  public:
@@ -62,8 +62,8 @@ class Plan {
     posix_spawn_file_actions_addclosefrom_np(&actions_, STDERR_FILENO + 1);
 #endif
     posix_spawnattr_init(&attributes_);
-    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK |
-                                               POSIX_SPAWN_SETSIGDEF);
+    posix_spawnattr_setflags(
+        &attributes_, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
     posix_spawnattr_setpgroup(&attributes_, 0);
     sigset_t signals;
     sigemptyset(&signals);
@@ -123,9 +123,9 @@ class Child {
       if (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
         return std::nullopt;
       if (info.si_pid == pid_)
-        return ProcessEnd{info.si_code == CLD_EXITED ? ProcessEnd::How::exited
-                                                     : ProcessEnd::How::killed,
-                          info.si_status};
+        return ProcessEnd{
+            info.si_code == CLD_EXITED ? ProcessEnd::How::exited : ProcessEnd::How::killed,
+            info.si_status};
       poll(nullptr, 0, 5);
     }
     return std::nullopt;

@@ -32,8 +32,7 @@ Result<Imported> read_in_process(const InputFile& file, const Options& options, 
       const std::string_view bytes = text.repaired.empty() ? *file.bytes : text.repaired;
       if (before_risk) before_risk();
       try {
-        return read_document(text, bytes, file.path, file.name, options, log,
-                             file.job);
+        return read_document(text, bytes, file.path, file.name, options, log, file.job);
       } catch (const Torn& torn) {
         // what they stand in may be torn by it in turn
         for (const std::uint64_t number : torn.numbers)

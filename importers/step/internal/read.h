@@ -10,7 +10,8 @@ namespace panwright::importers::step {
 
 // Reads the products of a file as nodes, each solid meshed once however often it is used.
 //
-//   before_risk  called before OpenCASCADE is given something to do, so that what is reported so far
+//   before_risk  called before OpenCASCADE is given something to do, so that what is reported so
+//   far
 //                can be told
 //
 // Fails: E6601. Reports E6002, E6601, W6602, N6007, W6008, W6009. Not to be called by two threads

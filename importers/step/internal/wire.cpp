@@ -36,8 +36,8 @@ constexpr std::uint64_t kOverhead = 64ull << 20;  // of an answer: whatever is n
 
 // note: GLM's vectors are plain numbers, which their constructors hide from the compiler
 template <class T>
-inline constexpr bool kPlain = std::is_trivially_copyable_v<T> || std::is_same_v<T, Vec3> ||
-                               std::is_same_v<T, Quat>;
+inline constexpr bool kPlain =
+    std::is_trivially_copyable_v<T> || std::is_same_v<T, Vec3> || std::is_same_v<T, Quat>;
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Quat) == 4 * sizeof(double));
 
 template <class T>

@@ -1,7 +1,8 @@
 // What the importers and panwright-step, the program that holds OpenCASCADE, say to each other.
 //
 // Request:  kRequestMark, a head (lengths, limits, names), the bytes of the file.
-// Answer:   kAnswerMark, then records: kind (u32), size (u64), so many bytes. Diagnostics come as they
+// Answer:   kAnswerMark, then records: kind (u32), size (u64), so many bytes. Diagnostics come as
+// they
 //           are found, the scene in pieces, at last one `end`. Whatever follows is not read.
 // Both programs run on one machine and come from one build: numbers are as they lie in memory. The
 // answer is not trusted: OpenCASCADE may have written anywhere in the memory that it comes from.

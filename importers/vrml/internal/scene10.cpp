@@ -272,8 +272,9 @@ void Scene10::cube(Node& node) {
   if (plain || materials.size() == 1) {
     const auto sheet = sheet_of(size);
     if (sheet)
-      builder_.context.log.report(Code::W6009, node.where,
-                                  "the Cube has a side of 0 m; it is a sheet, seen from both sides");
+      builder_.context.log.report(
+          Code::W6009, node.where,
+          "the Cube has a side of 0 m; it is a sheet, seen from both sides");
     return add_primitive(node, sheet ? *sheet : box_of(size, texture_index() != scene::kNone), 0);
   }
   std::array<double, 24> points;

@@ -90,12 +90,11 @@ std::int32_t Scene97::add(Node* node, std::int32_t parent) {
 
 void Scene97::add_all(std::span<Node* const> nodes, std::int32_t parent) {
   for (Node* node : nodes) {
-    const Node* const here = node != nullptr && node->prototype ? context_.actual(node) : node;
-    const auto moved = here == nullptr ? std::nullopt : transform10_of(*here, context_.log);
+    const auto moved = node == nullptr ? std::nullopt : transform10_of(*node, context_.log);
     if (!moved)
       add(node, parent);
     else if (parent != scene::kNone)
-      parent = builder_.add_node(parent, *moved, node->name, here->spec->name, node->where);
+      parent = builder_.add_node(parent, *moved, node->name, node->spec->name, node->where);
   }
 }
 
@@ -133,6 +132,12 @@ std::int32_t Scene97::add_actual(const Node& node, std::string_view name, std::i
                        "FontStyle"})) {
     context_.log.report(Code::W6115, node.where,
                         fmt::format("{} is outside of a Shape", in_quotes(node.type)));
+    return scene::kNone;
+  }
+  if (is_transform10(type)) {
+    context_.log.report(
+        Code::W6115, node.where,
+        fmt::format("{} is not in a group: it moves nothing", in_quotes(node.type)));
     return scene::kNone;
   }
   builder_.skipped(type);
