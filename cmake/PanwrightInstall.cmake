@@ -23,6 +23,9 @@ install(FILES LICENSE docs/pxn-reference.md docs/pan-format.md docs/conventions.
         DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 
 install(TARGETS panwright_tool RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+if(PANWRIGHT_HAS_STEP)
+  install(TARGETS panwright_step RUNTIME DESTINATION "${CMAKE_INSTALL_LIBEXECDIR}/panwright")
+endif()
 foreach(name pxntopan pxn2pan vrmltopan gltftopan)
   install(CODE "file(CREATE_LINK panwright
     \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}/${name}\" SYMBOLIC)")

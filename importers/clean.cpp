@@ -301,11 +301,14 @@ UnitGuess guessed_unit(double largest_extent) {
 
 namespace {
 
+bool is_unitless(Format format) {
+  return format == Format::obj || format == Format::stl || format == Format::ply;
+}
+
 // Says what was taken for the unit of a file that does not say it, and what else it may be.
 void warn_of_unit(const Imported& model, double size, const UnitGuess& guess, DiagnosticLog& log) {
   if (!(size > 0)) return;
-  const Format format = model.format;
-  const bool unitless = format == Format::obj || format == Format::stl || format == Format::ply;
+  const bool unitless = is_unitless(model.format);
   const std::string file = model.scene.inputs.empty() ? "" : model.scene.inputs.front().path;
   const std::string of_format =
       unitless ? "the format has no unit" : "the unit of the format is the metre";
@@ -347,6 +350,7 @@ Vec3 place(Imported& model, std::optional<double> unit, std::optional<UpAxis> up
     const UnitGuess guess = guessed_unit(bounds.largest_extent());
     warn_of_unit(model, bounds.largest_extent(), guess, log);
     unit = guess.unit;
+    if (is_unitless(model.format) || guess.unit != 1) model.assumed_unit = guess.name;
   }
   transform.scale = Vec3(*unit);
   if (up.value_or(usual_up(model.format)) == UpAxis::y)

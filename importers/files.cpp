@@ -3,9 +3,11 @@
 #include <unistd.h>
 
 #include <map>
+#include <set>
 #include <system_error>
 
 #include "base/file.h"
+#include "base/file_uses.h"
 
 namespace panwright::importers {
 
@@ -77,6 +79,12 @@ class FolderFiles : public Files {
     return found.generic_string();
   }
 
+  void declare(const std::string& path) override {
+    constexpr std::size_t kMost = 10'000;
+    if (log_.files() && declared_.size() < kMost && declared_.insert(path).second)
+      log_.files()->will_read(real_ / path);
+  }
+
   std::string display_name(const std::string& path) const override {
     return (typed_ / path).string();
   }
@@ -103,6 +111,7 @@ class FolderFiles : public Files {
   fs::path real_;
   std::uint64_t left_;
   const DiagnosticLog log_;  // an empty one of the run
+  std::set<std::string> declared_;
 };
 
 class MemoryFiles : public Files {
@@ -177,12 +186,32 @@ std::unique_ptr<Files> files_in_memory(std::span<const MemoryFile> files, std::u
   return std::make_unique<MemoryFiles>(files, max_bytes);
 }
 
-std::optional<std::string> resolved(std::string_view including, std::string_view uri,
-                                    bool percent_encoded) {
+namespace {
+
+// A name as a path: '/' between parts, no "file:".
+std::string path_in(std::string_view uri, bool percent_encoded) {
   std::string path = percent_encoded ? percent_decoded(uri) : std::string(uri);
   for (char& c : path)
     if (c == '\\') c = '/';
   if (path.starts_with("file:")) path.erase(0, path.starts_with("file://") ? 7 : 5);
+  return path;
+}
+
+}  // namespace
+
+void declare(Files& files, std::string_view including, std::string_view uri, bool percent_encoded) {
+  constexpr std::size_t kLongest = 1024;  // what is longer is a script, or data
+  if (uri.size() > kLongest) return;
+  const std::string path = path_in(uri.substr(0, uri.find('#')), percent_encoded);
+  if (path.empty() || path.find_first_of(std::string_view("\0\n", 2)) != path.npos ||
+      has_scheme(path))
+    return;
+  files.declare((fs::path(including).parent_path() / path).lexically_normal().generic_string());
+}
+
+std::optional<std::string> resolved(std::string_view including, std::string_view uri,
+                                    bool percent_encoded) {
+  const std::string path = path_in(uri, percent_encoded);
   if (path.empty() || path.find('\0') != path.npos || path.front() == '/' || has_scheme(path))
     return std::nullopt;
   const fs::path whole = (fs::path(including).parent_path() / path).lexically_normal();

@@ -38,6 +38,10 @@ class Files {
   // The one file whose path differs from this in the case of letters alone.
   virtual std::optional<std::string> same_but_for_case(const std::string&) { return std::nullopt; }
 
+  // Declares a file that the model names, whether or not anybody reads it: no output may take its
+  // place (base/file_uses.h). As the model's folder sees it; it may lie outside, or not be there.
+  virtual void declare(const std::string&) {}
+
   // As the user would type it.
   virtual std::string display_name(const std::string& path) const = 0;
 };
@@ -56,5 +60,8 @@ std::unique_ptr<Files> files_in_memory(std::span<const MemoryFile> files, std::u
 // absolute, names another scheme, or holds a NUL.
 std::optional<std::string> resolved(std::string_view including, std::string_view uri,
                                     bool percent_encoded);
+
+// Declares what a URI or file name in the file `including` stands for, if it is one of a file.
+void declare(Files& files, std::string_view including, std::string_view uri, bool percent_encoded);
 
 }  // namespace panwright::importers

@@ -13,10 +13,9 @@
 #include "importers/internal/gzip.h"
 #include "importers/internal/storable.h"
 #include "importers/meshes/meshes.h"
-#include "importers/vrml/vrml.h"
-#ifdef PANWRIGHT_STEP
+#include "importers/other_formats.h"
 #include "importers/step/step.h"
-#endif
+#include "importers/vrml/vrml.h"
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
@@ -46,9 +45,9 @@ std::string extension_of(std::string_view path) {
   return out;
 }
 
-// By first bytes; by its name where a format has no mark, or one that others have too. What is
-// nothing else is left to the reader of VRML, which says what is wrong.
-Format format_of(std::string_view bytes, std::string_view path, std::optional<Format> assume) {
+// By first bytes; by its name where a format has no mark, or one that others have too.
+std::optional<Format> format_of(std::string_view bytes, std::string_view path,
+                                std::optional<Format> assume) {
   if (bytes.starts_with("glTF")) return Format::gltf;
   if (bytes.starts_with("#VRML")) return Format::vrml97;
   if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
@@ -64,39 +63,6 @@ Format format_of(std::string_view bytes, std::string_view path, std::optional<Fo
   if (extension == ".stp" || extension == ".step") return Format::step;
   if (starts_with_any(text, {"solid ", "solid\n", "solid\r"})) return Format::stl;
   if (text.starts_with('{')) return Format::gltf;
-  return Format::vrml97;
-}
-
-// A format that is known and not read, and a program that converts it.
-struct OtherFormat {
-  std::string_view name;
-  std::string_view converter;
-};
-
-std::optional<OtherFormat> other_format_of(std::string_view bytes, const std::string& path) {
-  constexpr std::string_view kCad = "FreeCAD, or export STEP";
-  constexpr std::size_t kHead = 4096;
-  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
-  const std::size_t first = bytes.find_first_not_of(" \t\r\n");
-  const std::string_view text = first == bytes.npos ? std::string_view() : bytes.substr(first);
-  const std::string extension = extension_of(path);
-  if (starts_with_any(text, {"Kaydara FBX Binary", "; FBX"})) return OtherFormat{"FBX", "Blender"};
-  if (text.starts_with("BLENDER")) return OtherFormat{"a Blender file", "Blender"};
-  if (starts_with_any(text, {"PXR-USDC", "#usda"})) return OtherFormat{"USD", "Blender"};
-  if (text.starts_with("#X3D")) return OtherFormat{"X3D", "Blender"};
-  if (text.starts_with("#Inventor")) return OtherFormat{"Open Inventor", "ivcon"};
-  if (text.starts_with("**ABCDEFGHIJKLMNOPQRSTUVWXYZ")) return OtherFormat{"Parasolid", kCad};
-  if (starts_with_any(text, {"<?xml", "<COLLADA", "<X3D", "<!DOCTYPE X3D"})) {
-    const std::string_view head = text.substr(0, kHead);
-    if (head.find("<COLLADA") != head.npos)
-      return OtherFormat{"COLLADA", "assimp, or Blender before 5.0"};
-    if (head.find("<X3D") != head.npos) return OtherFormat{"X3D", "Blender"};
-    return OtherFormat{"an XML file", "the program that wrote it"};
-  }
-  if (text.starts_with("PK\x03\x04"))
-    return OtherFormat{extension == ".3mf" ? "3MF" : "a ZIP archive", "the program that wrote it"};
-  if (extension == ".3ds" && text.starts_with("MM")) return OtherFormat{"3DS", "assimp"};
-  if (extension == ".igs" || extension == ".iges") return OtherFormat{"IGES", kCad};
   return std::nullopt;
 }
 
@@ -154,13 +120,7 @@ Result<Imported> read_as(Format format, Files& files, const InputFile& file, con
     case Format::step:
       break;
   }
-#ifdef PANWRIGHT_STEP
   return step::read(file, options, log);
-#else
-  report(Code::E6001, file.name, "this build of panwright does not read STEP", file.included_at,
-         log, "build it with PANWRIGHT_STEP, or convert the file");
-  return failed;
-#endif
 }
 
 }  // namespace
@@ -169,6 +129,8 @@ UpAxis usual_up(Format format) {
   const bool z = format == Format::stl || format == Format::ply || format == Format::step;
   return z ? UpAxis::z : UpAxis::y;
 }
+
+bool reads_step() { return step::is_available(); }
 
 namespace {
 
@@ -211,18 +173,21 @@ Result<Imported> imported_from(Files& files, const std::string& path, const Opti
                   : "use `panwright compile`, or <include> in a pxn file");
     return failed;
   }
-  const auto other = options.assume ? std::nullopt : other_format_of(text, path);
+  const auto format = format_of(text, path, options.assume);
+  auto other = options.assume ? std::nullopt : other_format_by_bytes(text, path);
+  if (!other && !format) other = other_format_by_name(path);
   if (other) {
     report(Code::E6001, name,
            fmt::format("{} is not supported, expected VRML, glTF, GLB, OBJ, STL, PLY or STEP",
                        other->name),
-           included_at, log, fmt::format("convert it to glTF (.glb) with {}", other->converter));
+           included_at, log, std::string(other->advice));
     return failed;
   }
   const auto first = static_cast<FileId>(log.sources().size());
   const InputFile file{path, name, unpacked.bytes, included_at, job};
   job.poll();
-  auto imported = read_as(format_of(text, path, options.assume), files, file, options, log);
+  // what is nothing else is left to the reader of VRML, which says what is wrong
+  auto imported = read_as(format.value_or(Format::vrml97), files, file, options, log);
   drop_texts(first, log);
   if (text.size() >= kHuge) give_back_memory();
   if (imported) make_storable(imported->scene, name, log);

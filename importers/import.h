@@ -27,6 +27,8 @@ struct Limits {
   std::uint32_t depth = 256;               // of nodes
   std::uint32_t files = 10'000;            // inlines, prototypes, buffers and textures
   std::uint64_t texture_bytes = 1u << 30;  // of decoded textures together
+  // STEP: processor time of the process that reads it; on the clock it may take four times as long
+  double seconds = 600;
 };
 
 // The axis of the file that becomes the scene's +z. y: (x, y, z) → (x, −z, y).
@@ -34,6 +36,11 @@ enum class UpAxis : std::uint8_t { y, z };
 
 // The axis that points up in most files of a format: z in STL, PLY and STEP, y in the others.
 UpAxis usual_up(Format format);
+
+// Whether STEP files can be read here: the program `panwright-step` does it, which is built where
+// OpenCASCADE is installed, and found by PANWRIGHT_STEP_READER (its path), beside the running
+// program, or in the installation.
+bool reads_step();
 
 struct Options {
   Limits limits;
@@ -65,7 +72,8 @@ struct CadMaterial {
 // is called "root"; it has the identity as transform.
 struct Imported {
   Format format = Format::gltf;
-  bool in_metres = false;  // the file says its unit, and lengths are metres by it
+  bool in_metres = false;    // the file says its unit, and lengths are metres by it
+  std::string assumed_unit;  // by place(), where neither the file nor anybody says it: "mm"
   scene::Scene scene;
   std::vector<CadMaterial> materials;  // one for each of scene.materials
 };

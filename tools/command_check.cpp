@@ -41,9 +41,7 @@ void check_one(const std::string& path, const workspace::OpenOptions& read,
       if ((*model)->compressed()) how = " (compressed)";
     }
   } else {
-    log.report(Code::E0202, {},
-               fmt::format("{} is not a supported model file, expected .pan, .pxn or a CAD file",
-                           in_quotes(path)));
+    workspace::report_unknown_format(path, log);
   }
   const std::size_t found = log.errors() - errors;
   context.result()["files"].push_back({{"file", path},

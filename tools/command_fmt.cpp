@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "pxn/format.h"
+#include "pxn/named_files.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/print.h"
@@ -48,6 +49,7 @@ class Formatting {
     auto bytes = read_file(standard ? "/dev/stdin" : input, options_.max_input, log);
     if (!bytes) return;
     const auto original = std::make_shared<const std::string>(std::move(*bytes));
+    if (!standard) pxn::declare_named_files(input, *original, context_.files());
     pxn::Limits limits;
     limits.bytes = options_.max_input;
     const auto text = pxn::formatted(name, original, limits, log);

@@ -34,7 +34,7 @@ void declare_all(Arguments& arguments, Options& options) {
   CadOptions& cad = options.open.cad;
   arguments
       .add("input", options.input,
-           "VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY (STEP where built in), packed or not")
+           "VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY, STEP, packed or not")
       .required()
       .type("FILE");
   arguments
@@ -177,11 +177,14 @@ void write_import_template(const importers::Imported& imported, const Options& o
         Code::E0201, {},
         fmt::format("{} does not lie in the folder of {} or below it, where imports are found",
                     in_quotes(options.input), in_quotes(options.output)));
-  else
+  else {
+    // the text says what was assumed, so that it stays what it was seen to be
+    CadOptions cad = options.open.cad;
+    if (!imported.assumed_unit.empty()) cad.units = imported.assumed_unit;
     write_file(options.output,
-               as_bytes(pxn::import_template(imported, file.generic_string(),
-                                             attributes_of(options.open.cad))),
+               as_bytes(pxn::import_template(imported, file.generic_string(), attributes_of(cad))),
                context.log());
+  }
 }
 
 int run(const Options& options, const Host& host) {

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "importers/import.h"
 #include "schemas/generated/pan_layout.h"
 #include "tools/commands.h"
 #include "tools/print.h"
@@ -24,9 +25,7 @@ int print_version(bool json) {
 #else
   out["features"] = {"compile", "check", "info", "diff"};
 #endif
-#ifdef PANWRIGHT_STEP
-  out["features"].push_back("step");
-#endif
+  if (importers::reads_step()) out["features"].push_back("step");
   out["reads"] = {".pxn", ".pan"};
   out["writes"] = {".pan", ".png", ".exr", ".npy", ".npz"};
   print("{}\n", out.dump(2));

@@ -106,6 +106,11 @@ void declare(Arguments& arguments, workspace::CadOptions& cad) {
          "STEP: triangles lie this close to their surfaces (default 0: 1e-4 of the model's size)")
       .finite()
       .not_negative();
+  option(
+      "--max-seconds", cad.max_seconds, "SECONDS",
+      "STEP: processor time that reading may take (default 600); on the clock four times as much")
+      .finite()
+      .positive();
   option("--assume", cad.assume, "KIND",
          "Format to assume when it cannot be detected: vrml97, vrml1, gltf, obj, stl, ply or step")
       .one_of({"vrml97", "vrml1", "gltf", "obj", "stl", "ply", "step"});

@@ -9,6 +9,7 @@
 #include "base/file_uses.h"
 #include "base/text.h"
 #include "importers/clean.h"
+#include "importers/other_formats.h"
 #include "pxn/pxn.h"
 #include "workspace/internal/stopwatch.h"
 
@@ -37,6 +38,8 @@ void note_other_formats(const CadOptions& cad, importers::Format format, const s
   if (cad.primitives > 0 && format != Format::vrml97 && format != Format::vrml1)
     unused.push_back("--primitives");
   if (cad.deflection > 0 && format != Format::step) unused.push_back("--deflection");
+  if (cad.max_seconds != CadOptions().max_seconds && format != Format::step)
+    unused.push_back("--max-seconds");
   constexpr std::string_view kKinds[] = {"VRML", "VRML", "glTF", "OBJ", "STL", "PLY", "STEP"};
   note_unused(unused, path, kKinds[static_cast<std::size_t>(format)], log);
 }
@@ -58,6 +61,7 @@ void note_cad_options(const CadOptions& cad, const std::filesystem::path& path,
   look(cad.crease_deg != usual.crease_deg, "--crease");
   look(cad.primitives != usual.primitives, "--primitives");
   look(cad.deflection != usual.deflection, "--deflection");
+  look(cad.max_seconds != usual.max_seconds, "--max-seconds");
   look(cad.crease_normals, "--crease-normals");
   look(cad.keep_hidden, "--keep-hidden");
   look(cad.recentre, "--recentre");
@@ -93,6 +97,7 @@ importers::Options import_options(const OpenOptions& options) {
   read.crease_angle = cad.crease_deg * kDegree;
   read.primitives = cad.primitives;
   read.deflection = cad.deflection;
+  read.limits.seconds = cad.max_seconds;
   if (!cad.scene.empty()) read.scene = cad.scene;
   for (const auto& [name, format] : kFormats)
     if (cad.assume == name) read.assume = format;
@@ -139,6 +144,20 @@ bool is_cad(const std::filesystem::path& path) {
        {".wrl", ".wrz", ".vrml", ".glb", ".gltf", ".obj", ".stl", ".ply", ".stp", ".step"})
     if (extension == known) return true;
   return false;
+}
+
+void report_unknown_format(const std::filesystem::path& path, DiagnosticLog& log) {
+  if (const auto other = importers::other_format_by_name(path.string()))
+    log.report(Code::E0202, {},
+               fmt::format("{}: {} is not supported, expected .pan, .pxn, VRML, glTF, GLB, OBJ, "
+                           "STL, PLY or STEP",
+                           in_quotes(path.string()), other->name),
+               std::string(other->advice));
+  else
+    log.report(Code::E0202, {},
+               fmt::format("{} is not a supported model file, expected .pan, .pxn, .wrl, .wrz, "
+                           ".vrml, .glb, .gltf, .obj, .stl, .ply or .step",
+                           in_quotes(path.string())));
 }
 
 Result<importers::Imported> read_cad(const std::filesystem::path& path, const OpenOptions& options,
@@ -207,10 +226,7 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
   const std::string extension = extension_of(path);
   if (extension == ".pan") return open_pan(path, options, log, job, report);
   if (extension != ".pxn" && !is_cad(path)) {
-    log.report(Code::E0202, {},
-               fmt::format("{} is not a supported model file, expected .pan, .pxn, .wrl, .wrz, "
-                           ".vrml, .glb, .gltf, .obj, .stl, .ply or .step",
-                           in_quotes(path.string())));
+    report_unknown_format(path, log);
     return failed;
   }
   auto scene = read_scene(path, options, log, job, report);

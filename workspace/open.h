@@ -33,6 +33,7 @@ struct CadOptions {
   double crease_deg = 30;
   std::uint32_t primitives = 0;  // VRML; 0: exact shapes
   double deflection = 0;         // STEP; metres, 0: by the model's size
+  double max_seconds = 600;      // STEP; importers::Limits::seconds
   bool crease_normals = false;   // computed instead of those of the file
   bool keep_hidden = false;
   bool recentre = false;
@@ -69,6 +70,10 @@ std::string extension_of(const std::filesystem::path& path);
 
 // Whether a file is one for the importers, by its extension.
 bool is_cad(const std::filesystem::path& path);
+
+// Reports E0202 for a file that is_cad() and the readers of .pan and .pxn do not know, with a
+// converter where its format has a name.
+void report_unknown_format(const std::filesystem::path& path, DiagnosticLog& log);
 
 // Opens a file as a model that worlds, renderers and threads share. The reader is chosen by the
 // extension: .pan is mapped and checked; .pxn and CAD files are read, cleaned, pruned and compiled

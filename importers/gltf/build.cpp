@@ -397,8 +397,7 @@ class SceneBuilder {
     for (const auto& [what, times] : lost_)
       lost.push_back(times > 1 ? fmt::format("{} ({} materials)", what, times) : what);
     if (!lost.empty())
-      d_.report(Code::W6008, nullptr, "/materials",
-                fmt::format("unsupported material properties ignored: {}", fmt::join(lost, ", ")));
+      d_.report(Code::W6008, nullptr, "/materials", fmt::format("lost: {}", fmt::join(lost, ", ")));
   }
 
   Document& d_;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/text.h"
+#include "importers/gltf/base64.h"
 #include "importers/gltf/build.h"
 #include "importers/gltf/container.h"
 #include "importers/gltf/document.h"
@@ -54,6 +55,9 @@ class Reader {
     if (!find_json(json) || !parse(json) || !accept_version()) return failed;
     collect_extensions();
     check_schema(d_);
+    for (const Json& image : d_.root.list("images"))
+      if (const Json* uri = image.find("uri"); uri != nullptr && !is_data_uri(uri->text))
+        declare(d_.files, d_.file.path, uri->text, true);
     if (!accept_extensions()) return failed;
     load_buffers(d_);
     check_accessors(d_);

@@ -55,6 +55,11 @@ std::size_t mend_numbers(scene::Scene& scene) {
     count += mended(copy.texcoords, Vec2(0)) + mended(copy.colors, Vec3(1));
     *held = std::make_shared<const Mesh>(std::move(copy));
   }
+  for (materials::Material& material : scene.materials)
+    if (!fits_all(material.maps.repeat)) {
+      material.maps.repeat = Vec2(1);
+      ++count;
+    }
   return count;
 }
 
@@ -107,7 +112,7 @@ void make_storable(scene::Scene& scene, const std::string& name, DiagnosticLog& 
   if (const std::size_t count = mend_numbers(scene); count > 0)
     log.report_file(Code::W6012, name,
                     fmt::format("{} beyond single precision: texture coordinates become 0, "
-                                "colours white",
+                                "colours white, repeats of textures 1",
                                 counted(count, "value")));
   if (const std::size_t count = mend_names(scene); count > 0)
     log.report_file(Code::W6012, name,

@@ -46,6 +46,12 @@ constexpr std::pair<std::string_view, std::string_view> kLostMaps[] = {
 // Words that say nothing of our surfaces: ambient light, filters, sharpness, antialiasing.
 constexpr std::string_view kIgnored[] = {"ka", "tf", "sharpness", "map_aat", "kt", "km"};
 
+// Whether a property names an image.
+bool is_map(std::string_view key) {
+  return key.starts_with("map_") || key == "bump" || key == "disp" || key == "decal" ||
+         key == "refl";
+}
+
 class MtlReader {
  public:
   MtlReader(ReaderContext& context, std::string path, SharedText bytes, FileId source,
@@ -111,6 +117,10 @@ class MtlReader {
     }
     if (key == "map_kd") return read_texture(rest, m.albedo);
     if (key == "norm" || key == "map_kn") return read_texture(rest, m.normal);
+    if (is_map(key)) {
+      MtlTexture unused;  // it is named, and so no output takes its place
+      read_texture(rest, unused);
+    }
     for (const auto& [name, what] : kLostMaps)
       if (key == name) return lose(std::string(what));
     if (std::find(std::begin(kIgnored), std::end(kIgnored), key) == std::end(kIgnored))
@@ -169,6 +179,7 @@ class MtlReader {
     if (name.empty()) return;
     out.name = name;
     out.where = at(name);
+    declare(s_.files, path_, name, false);
   }
 
   void read_option(const std::pair<std::string_view, int>& option, std::string_view& rest,

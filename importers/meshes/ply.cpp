@@ -62,6 +62,7 @@ class PlyReader {
         values_(header_.body, header_.order) {}
 
   Result<Imported> read() {
+    if (!header_.texture.empty()) declare(s_.files, s_.file.path, header_.texture, false);
     for (const PlyElement& element : header_.elements) {
       if (!going_ || s_.full) break;
       if (element.name == "vertex" && mesh_.positions.empty())
@@ -497,6 +498,11 @@ Result<Imported> read_ply(Files& files, const InputFile& file, const Options& op
   PlyHeader header = ply_header_of(*file.bytes);
   const bool text = header.order == PlyOrder::text;
   ReaderContext context(files, file, options, text, log);
+  // note: Blender 2.41 writes "Created by Blender3D …" so
+  if (!header.credit.empty())
+    log.report(Code::W6502, context.at(header.credit),
+               fmt::format("{} has no 'comment' before it; it is taken for one",
+                           in_quotes(header.credit)));
   if (header.problem.empty()) return PlyReader(context, std::move(header)).read();
   log.report(Code::E6501, context.at(header.place), header.problem);
   return failed;

@@ -44,6 +44,8 @@ class HeaderReader {
         read_element(line, rest);
       else if (key == "property")
         read_property(line, rest);
+      else if (key == "Created" && trimmed(rest).starts_with("by "))
+        out_.credit = trimmed(line);
       else if (key != "obj_info" && !key.empty())
         wrong(key, fmt::format("{} is not a keyword of a PLY header", in_quotes(key)));
     }

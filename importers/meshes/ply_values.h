@@ -36,10 +36,11 @@ enum class PlyOrder : std::uint8_t { text, little, big };
 struct PlyHeader {
   PlyOrder order = PlyOrder::text;
   std::vector<PlyElement> elements;
-  std::string texture;     // of "comment TextureFile"
-  std::string_view body;   // of the file's bytes
-  std::string problem;     // one lower-case sentence; empty: none
-  std::string_view place;  // of the file's bytes: what the problem is about
+  std::string texture;      // of "comment TextureFile"
+  std::string_view body;    // of the file's bytes
+  std::string_view credit;  // a line of the program that wrote it, without "comment"
+  std::string problem;      // one lower-case sentence; empty: none
+  std::string_view place;   // of the file's bytes: what the problem is about
 };
 
 // Stops at the first problem: without the header nothing of the body can be found.

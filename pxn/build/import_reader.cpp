@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <set>
 
+#include "base/file_uses.h"
 #include "base/text.h"
 #include "importers/clean.h"
 #include "pxn/build/loader.h"
@@ -43,6 +44,10 @@ class ImportFiles : public importers::Files {
     if (!loaded) return log.contains(Code::E0104) ? Outcome::too_large : Outcome::unreadable;
     bytes = *loaded;
     return Outcome::found;
+  }
+
+  void declare(const std::string& path) override {
+    if (log_.files()) log_.files()->will_read(std::filesystem::path(display_name(path)));
   }
 
   std::string display_name(const std::string& path) const override {

@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "pxn/build/material_reader.h"
 #include "pxn/build/shapes.h"
+#include "pxn/named_files.h"
 #include "pxn/text/grammar.h"
 
 namespace panwright::pxn {
@@ -108,6 +109,7 @@ std::optional<std::uint32_t> Loader::load(const FoundFile& found, SourceSpan inc
   auto bytes = files_.load(found, included_at, reporter_.log());
   if (!bytes) return std::nullopt;
   add_input(found, as_bytes(**bytes));
+  if (const auto& uses = reporter_.log().files()) declare_named_files(found.name, **bytes, *uses);
 
   File& file = loaded_files_.emplace_back();
   file.found = found;

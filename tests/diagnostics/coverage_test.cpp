@@ -143,7 +143,9 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
 #ifdef PANWRIGHT_GL
   triggers.insert(
       triggers.end(),
-      {{"W5012", {"render", pan, "-o", png, "--shadow-side", "16", "--size", "512x512", "--samples", "1"}, {}},
+      {{"W5012",
+        {"render", pan, "-o", png, "--shadow-side", "16", "--size", "512x512", "--samples", "1"},
+        {}},
        {"E5001", {"render", pan, "-o", png, "--gl", "osmesa"}, {"MESA_GL_VERSION_OVERRIDE=3.0"}},
        {"E5003",
         {"render", pan, "-o", png, "--gl", "osmesa", "--size", "16384x16384", "--samples", "64",
@@ -209,7 +211,7 @@ TEST(Coverage, EveryCodeIsProducedByAnInput) {
     // the program takes one target at least; other hosts need not: tests/workspace/run_test.cpp
     if (info.name == "E5030") continue;
 #ifndef PANWRIGHT_STEP
-    // builds with STEP report them: preset step
+    // builds with OpenCASCADE report them
     if (info.name == "E6601" || info.name == "W6602") continue;
 #endif
 #ifdef PANWRIGHT_GL

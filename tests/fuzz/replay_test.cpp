@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "tests/fuzz/targets.h"
 #include "tests/fuzz/targets_gltf.h"
+#include "tests/fuzz/targets_roundtrip.h"
 #include "tests/support/paths.h"
 
 namespace panwright {
@@ -29,6 +30,10 @@ void replay(const std::filesystem::path& folder, void (*target)(std::span<const 
 TEST(Replay, PxnCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/pxn", fuzz::pxn); }
 TEST(Replay, PxnTestFiles) { replay(PANWRIGHT_SOURCE_DIR "/tests/pxn/data", fuzz::pxn); }
 TEST(Replay, Examples) { replay(PANWRIGHT_SOURCE_DIR "/examples", fuzz::pxn); }
+TEST(Replay, RoundtripCorpus) {
+  replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/roundtrip",
+         [](std::span<const std::byte> bytes) { fuzz::roundtrip(bytes); });
+}
 TEST(Replay, PanCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/pan", fuzz::pan); }
 TEST(Replay, PanOfOlderFormats) { replay(PANWRIGHT_SOURCE_DIR "/tests/pan/data", fuzz::pan); }
 TEST(Replay, VrmlCorpus) { replay(PANWRIGHT_SOURCE_DIR "/tests/fuzz/corpus/vrml", fuzz::vrml); }

@@ -149,13 +149,22 @@ TEST(Import, other_formats_are_refused_by_name) {
                {"a.usdc", "PXR-USDC", "USD"},
                {"a.igs", "        S      1\n", "IGES"},
                {"a.3mf", "PK\x03\x04", "3MF"},
-               {"a.blend", "BLENDER-v300", "Blender"}};
+               {"a.blend", "BLENDER-v300", "Blender"},
+               {"a.usdz", "PK\x03\x04", "USD is not"},
+               {"a.zip", "PK\x03\x04", "ZIP"},
+               {"a.dxf", "  0\nSECTION\n", "DXF"},
+               {"a.DWG", "AC1032", "DWG"},
+               {"part.SLDPRT", "\xd0\xcf\x11\xe0", "SolidWorks"},
+               {"a.x_t", "**ABCDEFGHIJKLMNOPQRSTUVWXYZ****", "Parasolid"}};
   for (const auto& each : cases) {
     DiagnosticLog log;
     const MemoryFile files[] = {{each.path, each.bytes}};
     EXPECT_FALSE(import_memory(files, {}, log));
     EXPECT_TRUE(log.contains(Code::E6001)) << each.path;
     EXPECT_NE(to_text(log).find(each.name), std::string::npos) << to_text(log);
+    // FreeCAD has no reader of it
+    if (std::string(each.path) == "a.x_t")
+      EXPECT_EQ(to_text(log).find("FreeCAD"), std::string::npos) << to_text(log);
   }
 }
 

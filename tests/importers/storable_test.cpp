@@ -64,5 +64,23 @@ TEST(Storable, whatImportKeepsThePanReaderTakes) {
   }
 }
 
+// Of a library that has no images too.
+TEST(Storable, repeatsOfTexturesFitSinglePrecision) {
+  const MemoryFile files[] = {
+      {"m.obj",
+       "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+       "f 1/1 2/2 3/3\n"},
+      {"m.mtl", "newmtl a\nKd 1 1 1\nmap_Kd -s 1e39 1 1 t.ppm\n"},
+      {"t.ppm", std::string("P6\n1 1\n255\n\xff\xff\xff", 14)}};
+  DiagnosticLog log;
+  const auto imported = import_memory(files, {}, log);
+  ASSERT_TRUE(imported) << to_text(log);
+  EXPECT_TRUE(log.contains(Code::W6012)) << to_text(log);
+  const auto bytes = compiler::compiled(imported->scene, {}, log);
+  ASSERT_TRUE(bytes) << to_text(log);
+  auto model = pan::Model::from_bytes(*bytes, "m.pan", log);
+  EXPECT_TRUE(model && model->check(log)) << to_text(log);
+}
+
 }  // namespace
 }  // namespace panwright::importers

@@ -61,6 +61,16 @@ run("${WORK_DIR}/outside/outside" "${model}" "${WORK_DIR}/outside.pan")
 run("${WORK_DIR}/prefix/bin/pxn2pan" -lic none.txt -o "${WORK_DIR}/tool.pan" "${model}")
 run(${CMAKE_COMMAND} -E compare_files "${WORK_DIR}/outside.pan" "${WORK_DIR}/tool.pan")
 
+# the installed program finds the installed reader of STEP, and holds nothing of it itself
+if(STEP)
+  run("${WORK_DIR}/prefix/bin/panwright" import "${SOURCE_DIR}/tests/importers/step/data/W6602.step"
+      -o "${WORK_DIR}/step.pan" --keep-hidden)
+  execute_process(COMMAND ldd "${WORK_DIR}/prefix/bin/panwright" OUTPUT_VARIABLE libraries)
+  if(libraries MATCHES "libTK")
+    message(FATAL_ERROR "the program links OpenCASCADE:\n${libraries}")
+  endif()
+endif()
+
 # a film of two models
 if(GL)
   set(examples "${WORK_DIR}/prefix/share/panwright/examples")

@@ -88,6 +88,39 @@ TEST(Import, a_text_around_a_file_compiles) {
   EXPECT_EQ(panwright({"import", folder / "relay.wrl", "-o", folder / "below/relay.pxn"}).code, 2);
 }
 
+// The text says the unit that was assumed, and is not asked again.
+TEST(Import, a_text_around_a_file_without_a_unit_says_it) {
+  const TemporaryFolder folder;
+  const auto triangle = [](const std::string& size) {
+    return "v 0 0 0\nv " + size + " 0 0\nv 0 " + size + " 0\nf 1 2 3\n";
+  };
+  for (const auto& [size, unit] : {std::pair{"2", "m"}, std::pair{"2000", "mm"}}) {
+    folder.write("t.obj", triangle(size));
+    const support::Outcome made = panwright({"import", folder / "t.obj", "-o", folder / "t.pxn"});
+    EXPECT_EQ(made.code, 0);
+    EXPECT_THAT(made.err, HasSubstr("[W6006]"));
+    EXPECT_THAT(support::contents(folder / "t.pxn"),
+                HasSubstr("units=\"" + std::string(unit) + "\""));
+    const support::Outcome read = panwright({"info", folder / "t.pxn"});
+    EXPECT_THAT(read.err, testing::Not(HasSubstr("[W6006]")));
+  }
+}
+
+TEST(Import, other_formats_are_named_with_a_converter_by_every_command) {
+  const TemporaryFolder folder;
+  const std::string fbx = folder.write("a.fbx", "; FBX 7.3.0 project file\n");
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"import", fbx},
+                                                {"check", fbx},
+                                                {"info", fbx},
+                                                {"render", fbx},
+                                                {"export", fbx, "-o", folder / "a.glb"}}) {
+    const support::Outcome outcome = panwright(words);
+    EXPECT_NE(outcome.code, 0) << words[0];
+    EXPECT_THAT(outcome.err, HasSubstr("FBX is not supported")) << words[0];
+    EXPECT_THAT(outcome.err, HasSubstr("Blender")) << words[0];
+  }
+}
+
 // docs/pan-format.md: equal identities mean equal models.
 TEST(Import, what_decides_a_model_is_in_its_identity) {
   const TemporaryFolder folder;

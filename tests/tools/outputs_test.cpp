@@ -81,6 +81,47 @@ TEST_F(Outputs, LeaveInputsWhole) {
   refuses({"render", panel_, "--size", "8x8"}, "panel.png");
 }
 
+// Files that a model names and that nobody reads.
+TEST_F(Outputs, LeaveWhatIsNamedAndNotUsed) {
+  const auto add = [&](const std::string& name, const std::string& text) {
+    before_[folder_.path() / name] = text;
+    return folder_.write(name, text);
+  };
+  add("used.png", contents(folder_ / "panel.png"));
+  for (const char* name : {"m.png", "bump.png", "glow.png", "inner.png"}) add(name, "not an image");
+  add("m.mtl", "newmtl a\nKd 1 1 1\nmap_Ks m.png\nmap_bump -bm 2 bump.png\n");
+  const std::string obj =
+      add("m.obj", "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const std::vector<std::string> small = {"--size", "8x8", "--units", "m"};
+  const auto render = [&](const std::string& model, const std::string& image) {
+    std::vector<std::string> words = {"render", model, "-o", folder_ / image};
+    words.insert(words.end(), small.begin(), small.end());
+    refuses(words, image);
+  };
+  refuses({"render", obj, "--size", "8x8", "--units", "m"}, "m.png");  // the default output
+  render(obj, "bump.png");
+  const std::string wrl =
+      add("s.wrl",
+          "#VRML V2.0 utf8\nShape { geometry Box {} }\nSwitch { choice [ Shape { appearance "
+          "Appearance { texture ImageTexture { url \"inner.png\" } } geometry Box {} } ] }\n");
+  render(wrl, "inner.png");
+  const std::string gltf = add(
+      "g.gltf",
+      R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"images":[{"uri":"glow.png"}],)"
+      R"("textures":[{"source":0}],"materials":[{"occlusionTexture":{"index":0}}],"meshes":[{"primitives":[)"
+      R"({"attributes":{"POSITION":0},"material":0}]}],"accessors":[{"bufferView":0,"componentType":5126,)"
+      R"("count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
+      R"("buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
+      R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+  render(gltf, "glow.png");
+  refuses({"fmt", "--check", panel_, "--sarif", folder_ / "panel.png"}, "--sarif");
+  refuses({"check", wrl, "--units", "m", "--sarif", folder_ / "inner.png"}, "--sarif");
+  // what no model names may be written
+  EXPECT_EQ(
+      panwright({"render", obj, "--size", "8x8", "--units", "m", "-o", folder_ / "new.png"}).code,
+      0);
+}
+
 // A pan knows what it was made of.
 TEST_F(Outputs, LeaveWhatAPanWasMadeOf) {
   ASSERT_EQ(panwright({"compile", panel_}).code, 0);

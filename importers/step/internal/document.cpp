@@ -16,6 +16,7 @@
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
+#include <Standard_OutOfMemory.hxx>
 #include <StepBasic_ProductDefinition.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepGeom_Curve.hxx>
@@ -55,6 +56,7 @@
 #include "base/text.h"
 #include "importers/internal/placed_node.h"
 #include "importers/step/internal/bodies.h"
+#include "importers/step/internal/wire.h"
 
 namespace panwright::importers::step {
 
@@ -375,9 +377,9 @@ class Reading {
       std::string list;
       for (const auto& [what, count] : skipped_)
         list += fmt::format("{}{}", list.empty() ? "" : ", ", counted(count, what));
-      log_.report_file(Code::N6007, {}, fmt::format("skipped: {}", list));
+      log_.report_file(Code::N6007, name_, fmt::format("skipped: {}", list));
     }
-    if (transparent_) log_.report_file(Code::W6008, {}, "lost: transparency");
+    if (transparent_) log_.report_file(Code::W6008, name_, "lost: transparency");
     return std::move(out_);
   }
 
@@ -636,6 +638,8 @@ class Reading {
     Made made;
     try {
       made = make(body, part);
+    } catch (const Standard_OutOfMemory&) {
+      throw;
     } catch (const Standard_Failure& failure) {
       report_lost(number_of(body.shape), fmt::format("a body of {} cannot be meshed: {}",
                                                      in_quotes(part), failure.GetMessageString()));
@@ -682,21 +686,16 @@ class Reading {
       if (material_keys_[i].first == color && material_keys_[i].second == name)
         return static_cast<std::int32_t>(i);
     material_keys_.emplace_back(color, name);
-    materials::Material material;
     CadMaterial cad;
-    material.name = cad.name = name;
+    cad.name = name;
+    cad.base_color = materials::Material().diffuse;
     if (color) {
-      material.diffuse = glm::clamp(color->rgb, Vec3(0), Vec3(1));
+      cad.base_color = glm::clamp(color->rgb, Vec3(0), Vec3(1));
       cad.opacity = std::clamp(color->opacity, 0.0, 1.0);
     }
-    cad.base_color = material.diffuse;
-    if (cad.opacity < 1) {
-      cad.lost.emplace_back("transparency");
-      transparent_ = true;
-    }
-    materials::fit(material);
-    out_.scene.materials.push_back(material);
-    out_.materials.push_back(cad);
+    transparent_ = transparent_ || cad.opacity < 1;
+    out_.scene.materials.push_back(lambert_of(cad));
+    out_.materials.push_back(std::move(cad));
     return static_cast<std::int32_t>(material_keys_.size() - 1);
   }
 
@@ -739,6 +738,8 @@ Result<Imported> read_document(const Text& text, std::string_view bytes, const s
     return Reading(text, path, name, options, log, job).run(bytes);
   } catch (const Reading::Cyclic&) {
     return failed;
+  } catch (const Standard_OutOfMemory&) {
+    throw OverLimit{"memory"};
   } catch (const Standard_Failure& failure) {
     log.report_file(Code::E6601, name,
                     fmt::format("OpenCASCADE gives up: {}", failure.GetMessageString()));

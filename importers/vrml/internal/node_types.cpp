@@ -255,4 +255,9 @@ std::optional<FieldType> field_type(std::string_view name) {
   return std::nullopt;
 }
 
+bool is_transform10(std::string_view name) {
+  return name == "Translation" || name == "Rotation" || name == "Scale" ||
+         name == "MatrixTransform";
+}
+
 }  // namespace panwright::importers::vrml

@@ -306,13 +306,36 @@ Node* Parser::typed_node(std::string_view def) {
   fill(*node, body);
   unknown_depth_ -= unknown;
   --depth_;
+  declare_files(*node);
   return node;
+}
+
+// Files that a node names are the model's, also where nothing of it is used: in the branches of a
+// Switch, for instance. Of prototypes any text may be such a name.
+void Parser::declare_files(const Node& node) const {
+  if (node.type == "Script") return;
+  for (const Field& field : node.fields) {
+    const bool text =
+        field.value.type == FieldType::mf_string || field.value.type == FieldType::sf_string;
+    const bool names = field.name == "url" || field.name.ends_with("Url") ||
+                       field.name == "filename" || node.prototype != nullptr ||
+                       (field.name == "name" && node.type == "WWWInline");
+    if (!text || !names) continue;
+    for (const std::string_view url : field.value.strings())
+      declare(context_.files, document_.path, url, true);
+  }
 }
 
 const NodeSpec* Parser::spec_named(std::string_view& name, SourceSpan where) {
   const NodeSpec* spec = vrml97_ ? spec97(name) : spec10(name);
   if (spec != nullptr) return spec;
   if (unknown_depth_ > 0) return nullptr;  // what is around it is skipped, and has been reported
+  if (vrml97_ && is_transform10(name)) {
+    report(Code::W6118, where,
+           fmt::format("{} is a node of VRML 1.0; it moves what follows it in its group",
+                       in_quotes(name)));
+    return spec10(name);
+  }
   std::vector<std::string_view> names;
   for (const NodeSpec& other : vrml97_ ? specs97() : specs10()) names.push_back(other.name);
   for (const Scope* scope = scope_; scope != nullptr; scope = scope->around)

@@ -114,6 +114,7 @@ class Parser {
   Node* use();
   Node* typed_node(std::string_view def);
   void fill(Node& node, Body& body);
+  void declare_files(const Node& node) const;
   bool field_of_97(Body& body);
   bool item_of_10(Body& body);
   void unknown_item();

@@ -22,6 +22,20 @@ Primitive box_of(const Vec3& size, bool textured) {
   return {box, textured ? kUpright : Mat4(1)};
 }
 
+std::optional<Primitive> sheet_of(const Vec3& size) {
+  if (glm::any(glm::lessThan(size, Vec3(0)))) return std::nullopt;
+  // along the other two, as on the right, top and front of the box
+  if (size.x == 0 && size.y > 0 && size.z > 0) {
+    const Mat4 right{Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(1, 0, 0, 0), Vec4(0, 0, 0, 1)};
+    return Primitive{geometry::Plane{size.z, size.y}, right};
+  }
+  if (size.y == 0 && size.x > 0 && size.z > 0)
+    return Primitive{geometry::Plane{size.x, size.z}, kUpright};
+  if (size.z == 0 && size.x > 0 && size.y > 0)
+    return Primitive{geometry::Plane{size.x, size.y}, Mat4(1)};
+  return std::nullopt;
+}
+
 Primitive sphere_of(double radius, std::uint32_t segments) {
   geometry::Sphere sphere;
   sphere.radius = radius;

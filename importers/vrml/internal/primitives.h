@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "geometry/tessellate/shape.h"
 
@@ -15,6 +16,10 @@ struct Primitive {
 
 // textured: textures are upright along the z of our boxes, so that they are turned.
 Primitive box_of(const Vec3& size, bool textured);
+
+// What is left of a box with one side of 0 and two above: an open sheet, upright as that side of
+// the box. Nothing for other boxes.
+std::optional<Primitive> sheet_of(const Vec3& size);
 
 // Surfaces of revolution begin their texture at −z (ISO/IEC 14772-1, 6.13, 6.41).
 //

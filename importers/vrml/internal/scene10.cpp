@@ -49,15 +49,15 @@ const std::map<std::string_view, Scene10::Visitor>& Scene10::visitors() {
       {"LOD", &Scene10::lod},
       {"Material", &Scene10::material},
       {"MaterialBinding", &Scene10::material_binding},
-      {"MatrixTransform", &Scene10::matrix_transform},
+      {"MatrixTransform", &Scene10::move},
       {"Normal", &Scene10::normals},
       {"NormalBinding", &Scene10::normal_binding},
       {"OrthographicCamera", &Scene10::skipped},
       {"PerspectiveCamera", &Scene10::skipped},
       {"PointLight", &Scene10::skipped},
       {"PointSet", &Scene10::skipped},
-      {"Rotation", &Scene10::rotation},
-      {"Scale", &Scene10::scaling},
+      {"Rotation", &Scene10::move},
+      {"Scale", &Scene10::move},
       {"Separator", &Scene10::separator},
       {"ShapeHints", &Scene10::hints},
       {"Sphere", &Scene10::sphere},
@@ -68,7 +68,7 @@ const std::map<std::string_view, Scene10::Visitor>& Scene10::visitors() {
       {"TextureCoordinate2", &Scene10::texcoords},
       {"Transform", &Scene10::transform},
       {"TransformSeparator", &Scene10::transform_separator},
-      {"Translation", &Scene10::translation},
+      {"Translation", &Scene10::move},
       {"WWWAnchor", &Scene10::separator},
       {"WWWInline", &Scene10::inlined},
   };
@@ -218,16 +218,10 @@ void Scene10::texture_transform(Node& node) {
 }
 
 // note: the file multiplies rows by it, so that its rows are our columns
-void Scene10::matrix_transform(Node& node) {
-  const auto numbers = node.numbers("matrix");
-  Mat4 m;
-  for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = numbers[static_cast<std::size_t>(i)];
-  if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) {
-    builder_.context.log.report(Code::W6118, node.find("matrix")->where,
-                                "the last column of a matrix is 0 0 0 1; it is taken for that");
-    for (int i = 0; i < 4; ++i) m[i][3] = i == 3 ? 1 : 0;
-  }
-  state_.anchor_from_here = state_.anchor_from_here * m;
+// Translation, Rotation, Scale and MatrixTransform.
+void Scene10::move(Node& node) {
+  if (const auto moved = transform10_of(node, builder_.context.log))
+    state_.anchor_from_here = state_.anchor_from_here * *moved;
 }
 
 void Scene10::transform(Node& node) {
@@ -238,21 +232,6 @@ void Scene10::transform(Node& node) {
   fields.scale = node.vec3("scaleFactor");
   fields.scale_orientation = node.numbers("scaleOrientation");
   state_.anchor_from_here = state_.anchor_from_here * matrix_of(fields);
-}
-
-void Scene10::rotation(Node& node) {
-  const Quat turn = rotation_of(node.numbers("rotation"));
-  state_.anchor_from_here = state_.anchor_from_here * matrix_from_trs(Vec3(0), turn, Vec3(1));
-}
-void Scene10::scaling(Node& node) {
-  const Vec3 factor = node.vec3("scaleFactor");
-  state_.anchor_from_here =
-      state_.anchor_from_here * matrix_from_trs(Vec3(0), Quat(1, 0, 0, 0), factor);
-}
-void Scene10::translation(Node& node) {
-  const Vec3 by = node.vec3("translation");
-  state_.anchor_from_here =
-      state_.anchor_from_here * matrix_from_trs(by, Quat(1, 0, 0, 0), Vec3(1));
 }
 
 void Scene10::skipped(Node& node) { builder_.skipped(node.spec->name); }
@@ -291,7 +270,12 @@ void Scene10::cube(Node& node) {
   const bool plain =
       state_.material_binding == Binding::standard || state_.material_binding == Binding::overall;
   if (plain || materials.size() == 1) {
-    return add_primitive(node, box_of(size, texture_index() != scene::kNone), 0);
+    const auto sheet = sheet_of(size);
+    if (sheet)
+      builder_.context.log.report(
+          Code::W6009, node.where,
+          "the Cube has a side of 0 m; it is a sheet, seen from both sides");
+    return add_primitive(node, sheet ? *sheet : box_of(size, texture_index() != scene::kNone), 0);
   }
   std::array<double, 24> points;
   for (std::size_t i = 0; i < 8; ++i)

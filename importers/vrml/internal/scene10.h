@@ -129,11 +129,8 @@ class Scene10 {
   void material_binding(Node& node) { state_.material_binding = binding(node); }
   void normal_binding(Node& node) { state_.normal_binding = binding(node); }
   void texture_transform(Node& node);
-  void matrix_transform(Node& node);
+  void move(Node& node);
   void transform(Node& node);
-  void rotation(Node& node);
-  void scaling(Node& node);
-  void translation(Node& node);
   void nothing(Node&) {}
   void skipped(Node& node);
 

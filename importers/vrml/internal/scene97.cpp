@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "importers/vrml/internal/node_types.h"
 
 namespace panwright::importers::vrml {
 
@@ -46,6 +47,25 @@ Mat4 matrix_of(const TransformFields& f) {
   return pivot * matrix_from_trs(-f.centre, {1, 0, 0, 0}, Vec3(1));
 }
 
+std::optional<Mat4> transform10_of(const Node& node, DiagnosticLog& log) {
+  if (node.spec == nullptr || !is_transform10(node.spec->name)) return std::nullopt;
+  const std::string_view type = node.spec->name;
+  constexpr Quat kNoTurn(1, 0, 0, 0);
+  if (type == "Translation") return matrix_from_trs(node.vec3("translation"), kNoTurn, Vec3(1));
+  if (type == "Rotation")
+    return matrix_from_trs(Vec3(0), rotation_of(node.numbers("rotation")), Vec3(1));
+  if (type == "Scale") return matrix_from_trs(Vec3(0), kNoTurn, node.vec3("scaleFactor"));
+  const auto numbers = node.numbers("matrix");
+  Mat4 m;
+  for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = numbers[static_cast<std::size_t>(i)];
+  if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) {
+    log.report(Code::W6118, node.find("matrix")->where,
+               "the last column of a matrix is 0 0 0 1; it is taken for that");
+    for (int i = 0; i < 4; ++i) m[i][3] = i == 3 ? 1 : 0;
+  }
+  return m;
+}
+
 std::int32_t Scene97::add(Node* node, std::int32_t parent) {
   if (node == nullptr || parent == scene::kNone) return scene::kNone;
   if (!builder_.enter(*node)) return scene::kNone;
@@ -69,7 +89,13 @@ std::int32_t Scene97::add(Node* node, std::int32_t parent) {
 }
 
 void Scene97::add_all(std::span<Node* const> nodes, std::int32_t parent) {
-  for (Node* node : nodes) add(node, parent);
+  for (Node* node : nodes) {
+    const auto moved = node == nullptr ? std::nullopt : transform10_of(*node, context_.log);
+    if (!moved)
+      add(node, parent);
+    else if (parent != scene::kNone)
+      parent = builder_.add_node(parent, *moved, node->name, node->spec->name, node->where);
+  }
 }
 
 std::int32_t Scene97::add_actual(const Node& node, std::string_view name, std::int32_t parent,
@@ -106,6 +132,12 @@ std::int32_t Scene97::add_actual(const Node& node, std::string_view name, std::i
                        "FontStyle"})) {
     context_.log.report(Code::W6115, node.where,
                         fmt::format("{} is outside of a Shape", in_quotes(node.type)));
+    return scene::kNone;
+  }
+  if (is_transform10(type)) {
+    context_.log.report(
+        Code::W6115, node.where,
+        fmt::format("{} is not in a group: it moves nothing", in_quotes(node.type)));
     return scene::kNone;
   }
   builder_.skipped(type);
@@ -174,7 +206,7 @@ std::int32_t Scene97::add_inline(const Node& node, std::string_view name, std::i
 void build97(Builder& builder, Document& document, std::int32_t parent) {
   if (!builder.cache97) builder.cache97 = std::make_shared<Cache97>();
   Scene97 scene(builder, *builder.cache97);
-  for (Node* node : document.nodes) scene.add(node, parent);
+  scene.add_all(document.nodes, parent);
 }
 
 }  // namespace panwright::importers::vrml

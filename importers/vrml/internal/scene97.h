@@ -1,6 +1,7 @@
 // VRML 97 → scene. Private to scene97*.cpp.
 #pragma once
 
+#include <optional>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -22,6 +23,10 @@ struct TransformFields {
 // Without the last step (−C): maps the origin to the centre.
 Mat4 pivot_of(const TransformFields& fields);
 Mat4 matrix_of(const TransformFields& fields);
+
+// Of Translation, Rotation, Scale and MatrixTransform of VRML 1.0; nothing for other nodes. Reports
+// W6118.
+std::optional<Mat4> transform10_of(const Node& node, DiagnosticLog& log);
 
 // An axis and an angle; the identity for an axis without direction.
 Quat rotation_of(std::span<const double> axis_angle);
@@ -62,6 +67,9 @@ class Scene97 {
   // Returns the node of the scene that stands for it, or scene::kNone.
   std::int32_t add(Node* node, std::int32_t parent);
 
+  // The nodes of a group or a file. Transforms of VRML 1.0 among them hold for those behind them.
+  void add_all(std::span<Node* const> nodes, std::int32_t parent);
+
  private:
   // What a shape looks like.
   struct Look {
@@ -79,7 +87,6 @@ class Scene97 {
 
   std::int32_t add_actual(const Node& node, std::string_view name, std::int32_t parent,
                           bool pivots);
-  void add_all(std::span<Node* const> nodes, std::int32_t parent);
   std::int32_t add_group(const Node& node, std::string_view name, std::int32_t parent);
   std::int32_t add_transform(const Node& node, std::string_view name, std::int32_t parent,
                              bool pivots);

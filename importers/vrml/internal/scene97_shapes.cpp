@@ -139,7 +139,12 @@ bool Scene97::add_primitive(const Node& geometry, const Look& look, std::int32_t
   const std::string_view type = geometry.spec->name;
   const std::uint32_t segments = context_.options.primitives;
   if (type == "Box") {
-    *made = place(box_of(geometry.vec3("size"), look.texture != scene::kNone), look, parent, name,
+    const Vec3 size = geometry.vec3("size");
+    const auto sheet = sheet_of(size);
+    if (sheet)
+      context_.log.report(Code::W6009, geometry.where,
+                          "the Box has a side of 0 m; it is a sheet, seen from both sides");
+    *made = place(sheet ? *sheet : box_of(size, look.texture != scene::kNone), look, parent, name,
                   geometry);
     return true;
   }

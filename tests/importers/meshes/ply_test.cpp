@@ -186,6 +186,19 @@ TEST(Ply, HeadersThatLieCostNoMemory) {
   }
 }
 
+// The exporter of Blender 2.41 forgets the word "comment".
+TEST(Ply, TheCreditOfOldBlendersIsAComment) {
+  const auto out = read_meshes(
+      {{"m.ply",
+        "ply\nformat ascii 1.0\nCreated by Blender3D 241 - www.blender.org, source file: "
+        "a.blend\nelement vertex 3\nproperty float32 x\nproperty float32 y\nproperty "
+        "float32 z\nelement face 1\nproperty list uint8 int32 vertex_indices\n"
+        "end_header\n0 0 0 \n1 0 0 \n0 1 0 \n3 0 1 2 \n"}});
+  ASSERT_TRUE(out->out) << out->text();
+  EXPECT_EQ(out->mesh().triangles.size(), 1u);
+  EXPECT_THAT(out->places(), ElementsAre("3:1 W6502"));
+}
+
 TEST(Ply, WrongHeadersAreRefusedAtTheirPlace) {
   const auto place_of = [](const std::string& text) {
     const auto out = read_meshes({{"m.ply", text}});

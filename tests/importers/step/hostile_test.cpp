@@ -53,7 +53,7 @@ std::uint64_t mixed(std::uint64_t n) {
 void expect_sound_or_refused(const std::string& text, const std::string& what) {
   Options options;
   options.limits.triangles = 1'000'000;
-  const auto reading = read(text, options);
+  const auto reading = read_here(text, options);
   if (reading->out)
     EXPECT_EQ(scene::check(reading->scene()), "") << what;
   else
@@ -65,8 +65,10 @@ TEST(StepHostile, CutTextsAreReadAsFarAsTheyGo) {
   std::size_t with_shapes = 0;
   for (std::size_t i = 0; i < 100; ++i) {
     const std::size_t size = text.size() * i / 100;
-    expect_sound_or_refused(text.substr(0, size), fmt::format("cut to {}", size));
-    const auto reading = read(text.substr(0, size));
+    const auto reading = read_here(text.substr(0, size));
+    if (reading->out) {
+      EXPECT_EQ(scene::check(reading->scene()), "") << size;
+    }
     EXPECT_GE(reading->count(Code::E6601), 1u) << size;
     if (reading->out && !reading->scene().instances.empty()) ++with_shapes;
   }
@@ -221,7 +223,8 @@ TEST(StepHostile, NothingIsPrinted) {
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   read(half_cylinder());
-  read("ISO-10303-21;DATA;#1=NO_SUCH_ENTITY();ENDSEC;END-ISO-10303-21;");
+  read_here(half_cylinder());
+  read_here("ISO-10303-21;DATA;#1=NO_SUCH_ENTITY();ENDSEC;END-ISO-10303-21;");
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "importers/import.h"
+#include "importers/step/internal/read.h"
 
 namespace panwright::importers::step {
 
@@ -33,6 +34,19 @@ inline std::unique_ptr<Reading> read(std::string text, const Options& options = 
   auto reading = std::make_unique<Reading>();
   reading->file = {"model.step", std::move(text)};
   auto result = import_memory({&reading->file, 1}, options, reading->log);
+  if (result) reading->out = std::move(*result);
+  return reading;
+}
+
+// The same in this process, without the program that reads STEP files: quick, and as brittle as
+// OpenCASCADE.
+inline std::unique_ptr<Reading> read_here(std::string text, const Options& options = {}) {
+  auto reading = std::make_unique<Reading>();
+  reading->file = {"model.step", std::move(text)};
+  InputFile file;
+  file.path = file.name = reading->file.path;
+  file.bytes = std::make_shared<const std::string>(reading->file.bytes);
+  auto result = read_in_process(file, options, reading->log);
   if (result) reading->out = std::move(*result);
   return reading;
 }

@@ -301,7 +301,8 @@ TEST(Vrml1, PartsOfCylindersAndCones) {
 TEST(Vrml1, PrimitivesWithoutSizeAreLeftOut) {
   const auto reading =
       read10("Sphere { radius 0 } Cylinder { height -1 } Cube { width 0 } Cone {}");
-  EXPECT_EQ(reading->scene().instances.size(), 1u);
+  // the cube without width is a sheet
+  EXPECT_EQ(reading->scene().instances.size(), 2u);
   EXPECT_EQ(reading->count(Code::W6009), 3u);
 }
 

@@ -301,6 +301,79 @@ TEST(VrmlRelease, CoordinatesStayForTheFacesThatAskForThemLater) {
   }
 }
 
+// Exporters write panels so. The corners of the sheet are those of the box.
+TEST(VrmlExporters, BoxesWithoutThicknessAreSheets) {
+  const struct {
+    Vec3 size;
+    Vec3 normal;
+  } cases[] = {{{0, 2, 6}, {1, 0, 0}}, {{2, 0, 6}, {0, 1, 0}}, {{2, 6, 0}, {0, 0, 1}}};
+  for (const auto& each : cases) {
+    const std::string size = fmt::format("{} {} {}", each.size.x, each.size.y, each.size.z);
+    const std::string in_10 = fmt::format(
+        "#VRML V1.0 ascii\nSeparator {{ Cube {{ width {} height {} "
+        "depth {} }} }}\n",
+        each.size.x, each.size.y, each.size.z);
+    for (const auto& text : {kHeader97 + "Shape { geometry Box { size " + size + " } }\n", in_10}) {
+      SCOPED_TRACE(text);
+      const auto reading = read_text(text);
+      ASSERT_TRUE(reading->out) << to_text(reading->log);
+      EXPECT_EQ(reading->count(Code::W6009), 1u);
+      EXPECT_THAT(note(*reading, Code::W6009), HasSubstr("sheet"));
+      const scene::Scene& scene = reading->scene();
+      ASSERT_EQ(scene.instances.size(), 1u);
+      const auto& plane = std::get<geometry::Plane>(scene.shapes[0]);
+      const Mat4 world =
+          scene::world_from_nodes(scene)[static_cast<std::size_t>(scene.instances[0].node)];
+      // quarter turns as quaternions: measured 1.4e-15
+      constexpr double kTurned = 1e-14;
+      EXPECT_LT(glm::length(Vec3(world * Vec4(0, 0, 1, 0)) - each.normal), kTurned);
+      const Vec3 corner = world * Vec4(plane.width, plane.height, 0, 1);
+      EXPECT_LT(glm::length(glm::abs(corner) - each.size), kTurned);
+    }
+  }
+  // lines and points are none
+  EXPECT_EQ(read97("Shape { geometry Box { size 0 0 1 } }")->scene().instances.size(), 0u);
+  EXPECT_EQ(read97("Shape { geometry Box { size 0 -1 1 } }")->scene().instances.size(), 0u);
+}
+
+// They hold for what follows in the group, and not for what is around it.
+TEST(VrmlExporters, TransformsOfTheOtherVersionMoveWhatFollows) {
+  const std::string box = "Shape { geometry Box { } } ";
+  const struct {
+    std::string body;
+    std::vector<Vec3> at;  // of the boxes' corner (1, 1, 1)
+  } cases[] = {
+      {"Group { children [ " + box + "Translation { translation 5 0 0 } " + box +
+           "Scale { scaleFactor 2 2 2 } " + box + "] } " + box,
+       {{1, 1, 1}, {6, 1, 1}, {7, 2, 2}, {1, 1, 1}}},
+      {"MatrixTransform { matrix 1 0 0 0 0 1 0 0 0 0 1 0 0 0 7 1 } " + box, {{1, 1, 8}}},
+      {"DEF T Translation { translation 5 0 0 } Transform { translation 0 1 0 children [ USE T " +
+           box + "] }",
+       {{11, 2, 1}}},
+  };
+  for (const auto& each : cases) {
+    SCOPED_TRACE(each.body);
+    const auto reading = read97(each.body);
+    ASSERT_TRUE(reading->out);
+    EXPECT_GE(reading->count(Code::W6118), 1u);
+    EXPECT_EQ(reading->log.errors(), 0u) << to_text(reading->log);
+    const scene::Scene& scene = reading->scene();
+    const auto worlds = scene::world_from_nodes(scene);
+    std::vector<Vec3> found;
+    for (const scene::Instance& instance : scene.instances)
+      found.emplace_back(worlds[static_cast<std::size_t>(instance.node)] * Vec4(1, 1, 1, 1));
+    EXPECT_EQ(found, each.at);
+  }
+  // where nothing can follow it
+  for (const std::string& body :
+       {"Switch { whichChoice 0 choice Scale { scaleFactor 2 2 2 } } " + box,
+        "PROTO P [ ] { Scale { scaleFactor 2 2 2 } } P { } " + box})
+    EXPECT_EQ(read97(body)->count(Code::W6115), 1u) << body;
+  const auto turned = read97("Rotation { rotation 0 0 1 1.5707963267948966 } " + box);
+  const Vec3 corner = scene::world_from_nodes(turned->scene()).back() * Vec4(1, 0, 0, 1);
+  EXPECT_NEAR(glm::length(corner - Vec3(0, 1, 0)), 0, 1e-15);
+}
+
 TEST(VrmlLimits, ExtrusionsAreRefusedBeforeTheyAreMade) {
   std::string section, spine;
   for (int i = 0; i < 7000; ++i) {
