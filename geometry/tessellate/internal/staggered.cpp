@@ -17,14 +17,15 @@ constexpr double kTextureShare = 0.7;
 // of equilateral facets at the equator, the length of their sides
 constexpr std::array kFirst{0.95, 1.03, 1.08};
 // Counts fall where facets have become slimmer than the first, to make them as wide as the second:
-// falling costs half a row, which matters less the more rows there are.
+// falling costs half a row, which matters less the more rows there are. From so many steps at the
+// equator on; measured on spheres.
 struct Fall {
-  double slim, wide;
+  double steps, slim, wide;
 };
-constexpr std::array kFalls{Fall{0.85, 1.0}, Fall{0.7, 0.9}, Fall{0.5, 0.8}};
-// Beyond so many triangles only the first of them is tried, which is the best then.
-constexpr double kMany = 5e5;
-
+constexpr std::array kFalls{Fall{0, 0.5, 0.8}, Fall{45, 0.6, 0.85}, Fall{80, 0.7, 0.9},
+                            Fall{150, 0.75, 0.95}, Fall{350, 0.85, 1.0}};
+// a strip with fewer steps is at least so much as high as one without
+constexpr double kLeastHeight = 0.35;
 // shorter sides where no plan was found, and how short they become
 constexpr double kNarrow = 0.75, kNarrowest = 0.01;
 // steps towards equal errors inside and outside
@@ -51,14 +52,14 @@ class Planner {
 
   std::optional<Staggered> best(double most) {
     std::optional<Staggered> best;
-    for (const Fall& fall : kFalls) {
-      for (const double side : kFirst)
-        if (!consider(side, fall, most, best)) return std::nullopt;
-      if (best && best->triangles > kMany) break;
-    }
+    Fall fall = kFalls.front();
+    for (const Fall& other : kFalls)
+      if (equator_ >= other.steps) fall = other;
+    for (const double side : kFirst)
+      if (!consider(side, fall, most, best)) return std::nullopt;
     // note: where much longer steps stand beside short ones, strips may be too low for them
     for (double side = kNarrow * kFirst.front(); !best && side > kNarrowest; side *= kNarrow)
-      if (!consider(side, kFalls.front(), most, best)) return std::nullopt;
+      if (!consider(side, fall, most, best)) return std::nullopt;
     if (!best || best->triangles > most) return std::nullopt;
     balance(*best);
     return best;
@@ -166,16 +167,17 @@ class Planner {
     x = std::min(x, room);
     double low = 0, high = 0, at_low = 0, at_high = 0;
     for (int i = 0; i < 24 && (low == 0 || high == 0); ++i) {
+      // the guess is near
       const double value = deep(x) - error_;
       if (value <= 0) {
         low = x;
         at_low = value;
         if (x == room) break;
-        x = std::min(room, 1.15 * x);
+        x = std::min(room, (i == 0 ? 1.04 : 1.15) * x);
       } else {
         high = x;
         at_high = value;
-        x *= 0.88;
+        x *= i == 0 ? 0.96 : 0.88;
       }
     }
     if (low == 0 || high == 0) return low;
@@ -240,9 +242,14 @@ class Planner {
     if (steps <= fewest || wanted >= fall.slim * steps) return {even, steps};
     auto fewer = static_cast<std::uint32_t>(
         std::clamp(wanted / fall.wide, static_cast<double>(fewest), static_cast<double>(steps)));
+    const det::SinCos at = det::sincos(latitude);
+    const double least = latitude + kLeastHeight * (even - latitude);
+    const det::SinCos above = det::sincos(least);
     for (; fewer < steps; fewer += 1 + fewer / 50) {
+      set_steps(fewer);
+      if (strip_depth(at, above, Joint::any) > error_) continue;
       const double further = next(latitude, fewer, Joint::any);
-      if (further < 0.5 * kPi && further - latitude > 0.35 * (even - latitude) &&
+      if (further < 0.5 * kPi && further > least &&
           steps_of_side(further) <= 1.2 * fall.wide * fewer)
         return {further, fewer};
     }
