@@ -29,17 +29,6 @@ struct Subject {
   bool flat = false;                    // exact, whatever error is allowed
 };
 
-// ∮ of sqrt(distance between centre and tangent) over the parameter of an ellipse
-double tangent_integral(double a, double b) {
-  const int n = 20000;
-  double sum = 0;
-  for (int i = 0; i < n; ++i) {
-    const double t = 0.5 * M_PI * (i + 0.5) / n;
-    sum += std::pow(std::pow(std::cos(t) / a, 2) + std::pow(std::sin(t) / b, 2), -0.25);
-  }
-  return sum * 2 * M_PI / n;
-}
-
 // balanced: half of both dips, in equal shares; outlines of equal area stand out by h²/3
 double outline(double radius, double e) { return M_PI / std::sqrt(3 * e / radius); }
 
@@ -54,8 +43,18 @@ double dish_count(double radius, double focal, double e) {
   return segments * (2 * chords - 1);
 }
 
+// The fewest of many small triangles, equilateral where the ellipsoid is an image of the unit
+// sphere: ∫ h dω / (3√3 e), h the distance between centre and tangent plane.
 double ellipsoid_count(const Vec3& r, double e) {
-  return 2 * tangent_integral(r.x, r.y) * 0.5 * tangent_integral(std::max(r.x, r.y), r.z) / (8 * e);
+  double sum = 0;
+  const int n = 400;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const double t = (i + 0.5) * M_PI / n, l = (j + 0.5) * M_PI / 2 / n;
+      const Vec3 u(std::sin(t) * std::cos(l), std::sin(t) * std::sin(l), std::cos(t));
+      sum += std::sin(t) / glm::length(u / r);
+    }
+  return sum * 4 * (M_PI / n) * (M_PI / 2 / n) / (3 * std::sqrt(3.0) * e);
 }
 
 void add_pipes(std::vector<Subject>& all) {
@@ -132,7 +131,10 @@ std::vector<Subject> subjects() {
   };
   add("cylinder 1 x 2", Cylinder{1, 2}, 1, [](double e) { return 4 * outline(1, e) - 4; });
   add("cone 1 x 2", Cone{1, 0, 2}, 1, [](double e) { return 2 * outline(1, e) - 2; });
-  add("disc 1, 0.3", Disc{1, 0.3}, 1, [](double e) { return 2 * outline(1, e); });
+  for (const double top : {0.7, 0.25, 0.04})
+    add(fmt::format("frustum 1, {:g} x 2", top), Cone{1, top, 2}, 1,
+        [top](double e) { return 2 * outline(1, e) + 2 * outline(top, e) - 4; });
+  add("disc 1, 0.3", Disc{1, 0.3}, 1, [](double e) { return outline(1, e) + outline(0.3, e); });
   add("torus 1, 0.25", Torus{1, 0.25}, 1,
       [](double e) { return M_PI * M_PI * std::sqrt(1.25 * 0.25) / e; });
   add("dish 2, f 0.5", Dish{2, 0.5}, 1, [](double e) { return dish_count(1, 0.5, e); });

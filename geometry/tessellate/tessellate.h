@@ -39,10 +39,17 @@ struct TessellationOptions {
 //            whose coordinates are exact in float32. It holds for round outlines both ways.
 //            Triangles are degenerate only where the shape is thinner than 1e-7 of its size
 //
-// Sphere: vertices run from the south pole, ring by ring, eastward from +x. Without texcoords each
-// position is one vertex. With them the meridian at +x stands twice (u = 0 and 1) and each pole
-// once for each triangle; u = longitude/2π eastward from +x, v = 0 at the south pole, 1 at the
-// north. A MeshShape is returned as it is, with its error of rounding to float32.
+// Spheres and ellipsoids without explicit counts are rings of vertices, those of one ring between
+// those of the next, with fewer of them towards the poles; ellipsoids without texcoords have their
+// poles on the axis whose rings are the roundest. Cones and rings whose ends are unlike may have
+// fewer segments at the smaller one.
+//
+// Sphere: vertices run from the south pole, ring by ring, eastward from +x or half a step beyond.
+// Without texcoords each position is one vertex. With them a vertex of each ring stands on the
+// meridian at +x, twice (u = 0 and 1), and each pole once for each triangle; u = longitude/2π
+// eastward from +x, v = 0 at the south pole, 1 at the north; textures of spheres move by no more
+// than four times max_error between vertices. A MeshShape is returned as it is, with its error of
+// rounding to float32.
 //
 // Expects: no problem_of(shape). Fails: E2003 before anything is allocated, and where float32
 // cannot keep max_error on a shape that is not flat; E2010 for a radius outside [kMinRadius,
@@ -76,10 +83,6 @@ std::uint32_t segments_of(const Shape& shape, const TessellationOptions& options
 // Fails: E2003, E2010.
 bool within_limits(const Mesh& mesh, const TessellationOptions& options, SourceSpan where,
                    DiagnosticLog& log);
-
-// The fewest rings and quads that keep a balanced sphere of radius 1 within an error, > 0, in
-// exact arithmetic. Counts saturate at 2^31.
-SphereCounts sphere_counts(double max_error);
 
 // The largest distance between a point of the mesh and the sphere about the mesh's origin,
 // measured on float32 positions relative to `origin`. Exact to a few ulps of the radius.

@@ -210,24 +210,6 @@ TEST(Sphere, SampledErrorOfARequestedOne) {
   }
 }
 
-// All pairs of counts, and the depth measured on the mesh itself.
-TEST(Sphere, NoFewerTrianglesWouldDo) {
-  for (double requested : {0.29, 0.2, 0.1, 0.05, 0.02, 0.01}) {
-    const SphereCounts chosen = sphere_counts(requested);
-    std::uint64_t fewest = ~0ull;
-    for (std::uint32_t rings = 2; rings <= 24; ++rings) {
-      for (std::uint32_t quads = 3; quads <= 48; ++quads) {
-        const std::uint64_t triangles = 2ull * quads * (rings - 1);
-        if (triangles >= fewest) continue;
-        const double depth = sphere(rings, quads).error;
-        // the best radius for these counts is the balanced one; 1e-7: float32 vertices
-        if (depth / (2 - depth) <= requested - 1e-7) fewest = triangles;
-      }
-    }
-    EXPECT_EQ(2ull * chosen.quads * (chosen.rings - 1), fewest) << requested;
-  }
-}
-
 TEST(Sphere, LimitsHoldBeforeAnythingIsAllocated) {
   for (const SphereCounts counts : {SphereCounts{1000000000u, 60}, SphereCounts{100, 4294967295u},
                                     SphereCounts{4294967295u, 4294967295u}}) {

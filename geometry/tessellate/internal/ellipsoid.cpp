@@ -10,9 +10,10 @@
 #include "geometry/internal/triangle.h"
 #include "geometry/tessellate/internal/circle.h"
 #include "geometry/tessellate/internal/maximum.h"
-#include "geometry/tessellate/internal/profile.h"
 #include "geometry/tessellate/internal/revolution_problem.h"
 #include "geometry/tessellate/internal/revolve.h"
+#include "geometry/tessellate/internal/staggered.h"
+#include "geometry/tessellate/internal/steps.h"
 #include "geometry/tessellate/internal/tessellators.h"
 
 namespace panwright::geometry::internal {
@@ -24,82 +25,12 @@ constexpr double kMostVertices = 4294967295.0;
 constexpr int kIterations = 24;
 // a little less than requested spares most meshes a second try
 constexpr double kMargin = 0.998;
-// below this many triangles a plan makes the mesh, as whole numbers matter then
+// where steps about the axis are uneven the plan is an estimate
+constexpr double kStep = 0.99;
+// triangles of a small mesh
 constexpr double kSmall = 4096;
-// intervals of a quarter turn before halving, and how often they are halved
-constexpr int kNodes = 16;
-constexpr int kDepth = 40;
 // a facet is examined in 4^this parts where its plane is not enough
 constexpr int kHalvings = 3;
-
-// A circle's parameter, stepped so that the ellipse x = a cos t, y = b sin t has chords of equal
-// sag: steps go with the inverse square root of the distance between centre and tangent.
-class Steps {
- public:
-  Steps(double a, double b)
-      : even_(a == b), sharp_(std::max(a, b) > 3 * std::min(a, b)), density_(made(a, b)) {}
-
-  bool sharp() const { return sharp_; }
-
-  // of a whole turn: turn over count is the step
-  double integral() const { return 4 * density_.total(); }
-
-  // cos and sin at k of n steps of a whole turn, symmetric to the last bit
-  det::SinCos at(std::uint64_t k, std::uint64_t n) const {
-    if (even_) return turn(k, n);
-    std::uint64_t num = 4 * k;
-    const bool lower = num > 2 * n;
-    if (lower) num = 4 * n - num;
-    const bool left = num > n;
-    if (left) num = 2 * n - num;
-    det::SinCos r{0, 1};
-    if (num == n)
-      r = {1, 0};
-    else if (num > 0)
-      r = det::sincos(density_.place(static_cast<double>(num) / static_cast<double>(n)));
-    if (left) r.cos = -r.cos;
-    if (lower) r.sin = -r.sin;
-    return r;
-  }
-
- private:
-  static Density made(double a, double b) {
-    // of the distance between the centre and the tangent, relative to the longer one
-    const double unit = std::max(a, b);
-    const double ra = unit / a, rb = unit / b;
-    const auto value = [&](double t) {
-      const det::SinCos s = det::sincos(t);
-      return std::sqrt(unit / std::hypot(s.cos * ra, s.sin * rb));
-    };
-    std::vector<double> t{0}, v{value(0)};
-    struct Span {
-      double end, value;
-      int depth;
-    };
-    std::vector<Span> todo;
-    for (int i = 1; i <= kNodes; ++i) {
-      const double end = 0.5 * kPi * (static_cast<double>(i) / kNodes);
-      todo.push_back({end, value(end), 0});
-      while (!todo.empty()) {
-        const Span span = todo.back();
-        const double middle = 0.5 * (t.back() + span.end);
-        const double mid = value(middle);
-        if (span.depth < kDepth && std::fabs(mid - 0.5 * (v.back() + span.value)) > 0.01 * mid) {
-          todo.back().depth = span.depth + 1;
-          todo.push_back({middle, mid, span.depth + 1});
-          continue;
-        }
-        todo.pop_back();
-        t.push_back(span.end);
-        v.push_back(span.value);
-      }
-    }
-    return {std::move(t), std::move(v)};
-  }
-
-  bool even_, sharp_;
-  Density density_;
-};
 
 struct Grid {
   std::uint64_t quads = 0;  // segments about the axis
@@ -109,113 +40,114 @@ struct Grid {
   }
 };
 
-class Tessellator {
- public:
-  Tessellator(const Ellipsoid& shape, const TessellationOptions& options)
-      : shape_(shape),
-        options_(options),
-        balanced_(shape.counts == Counts{}),
-        around_(shape.radii.x, shape.radii.y),
-        // the longer of the two meridians needs the shorter steps
-        along_(std::max(shape.radii.x, shape.radii.y), shape.radii.z) {
-    const double largest = std::max({shape.radii.x, shape.radii.y, shape.radii.z});
+// How deep the points of a triangle lie under the ellipsoid at most, or less than `known`. With
+// u = x/radii the depth of x is at most (1 − |u|)·|u|/|u/radii|, the way to the surface of |u| = 1
+// against its gradient, as |u| is convex; both factors are bounded over the triangle, in parts
+// where they differ.
+double facet_depth(const Vec3& radii, const Vec3& a, const Vec3& b, const Vec3& c, double known,
+                   int halvings) {
+  const double unit = std::min({radii.x, radii.y, radii.z});
+  const Vec3 q = unit / radii;
+  const double below = 1 - glm::length(nearest_to_origin(a / radii, b / radii, c / radii));
+  if (!(below > 0)) return 0;
+  const double gradient =
+      glm::length(nearest_to_origin(a / radii * q, b / radii * q, c / radii * q));
+  const double bound = below * unit / gradient;
+  if (bound <= known || halvings == 0) return bound;
+  const Vec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
+  double deepest = 0;
+  for (const auto& [x, y, z] : {std::array{a, ab, ca}, std::array{ab, b, bc}, std::array{ca, bc, c},
+                                std::array{ab, bc, ca}})
+    deepest =
+        std::max(deepest, facet_depth(radii, x, y, z, std::max(known, deepest), halvings - 1));
+  return deepest;
+}
+
+// No point of the mesh lies deeper under the ellipsoid; facets that lie no deeper than `enough`
+// are not examined further.
+double depth_of(const Mesh& mesh, const Vec3& radii, double enough) {
+  const double smallest = std::min({radii.x, radii.y, radii.z});
+  return maximum(mesh.triangles.size(), [&](std::size_t begin, std::size_t end) {
+    double deepest = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Triangle& t = mesh.triangles[i];
+      const Vec3& a = mesh.positions[t[0]];
+      const Vec3& b = mesh.positions[t[1]];
+      const Vec3& c = mesh.positions[t[2]];
+      // no deeper than the facet's plane lies under the tangent plane parallel to it
+      Vec3 n = glm::cross(b - a, c - a);
+      const double length = glm::length(n);
+      if (!(length > 0)) continue;
+      n /= length;
+      const double height = std::max({glm::dot(n, a), glm::dot(n, b), glm::dot(n, c)});
+      const double plane = std::min(smallest, glm::length(radii * n) - height);
+      if (plane <= deepest) continue;
+      deepest =
+          plane <= enough
+              ? plane
+              : std::max(deepest, std::min(plane, facet_depth(radii, a, b, c, deepest, kHalvings)));
+    }
+    return deepest;
+  });
+}
+
+// What float32 leaves of the error that is asked for.
+struct Room {
+  Room(const Ellipsoid& s, const TessellationOptions& options) {
+    const double largest = std::max({s.radii.x, s.radii.y, s.radii.z});
     const double rounding = rounding_bound(largest + std::min(largest, options.max_error));
-    half_range_ = options.max_error - rounding;
-    least_error_ = 1.01 * rounding;
+    half_range = options.max_error - rounding;
+    least_error = 1.01 * rounding;
   }
+  double half_range, least_error;
+};
 
-  double half_range() const { return half_range_; }
-  double least_error() const { return least_error_; }
-  bool counted() const { return shape_.counts.around != 0 && shape_.counts.along != 0; }
+// Explicit counts: a grid of equal steps of the parameters, with vertices on the shape.
+class GridBuilder {
+ public:
+  GridBuilder(const Ellipsoid& shape, const TessellationOptions& options)
+      : shape_(shape), options_(options), grid_(grid(shape, Room(shape, options).half_range)) {}
 
-  // The patch at (u, v) with steps du, dv bends by h (cos²v du² + dv²)/8, h the distance between
-  // the centre and the tangent plane there; steps that go with 1/sqrt(h) bend everywhere alike.
-  // Equal shares for both are the fewest.
-  Grid grid(double half_range) const {
-    const double sag = (balanced_ ? 1 : 0.5) * half_range;
-    const double step = std::sqrt(8 * sag);
-    Grid g;
-    g.quads = chosen(shape_.counts.around, around_.integral() / step, 3);
-    g.rings = chosen(shape_.counts.along, 0.5 * along_.integral() / step, 2);
-    // sharp ends get a vertex
-    if (shape_.counts.around == 0 && around_.sharp()) g.quads += g.quads % 2;
-    if (shape_.counts.along == 0 && along_.sharp()) g.rings += g.rings % 2;
-    return g;
-  }
+  const Grid& grid() const { return grid_; }
 
-  void make(const Grid& grid, Mesh& mesh) {
-    grid_ = grid;
-    columns_ = grid.quads + (options_.texcoords ? 1 : 0);
-    poles_ = options_.texcoords ? grid.quads : 1;
-    const std::uint64_t vertices = 2 * poles_ + (grid.rings - 1) * columns_;
+  Mesh build() {
+    columns_ = grid_.quads + (options_.texcoords ? 1 : 0);
+    poles_ = options_.texcoords ? grid_.quads : 1;
+    const std::uint64_t vertices = 2 * poles_ + (grid_.rings - 1) * columns_;
+    Mesh mesh;
     mesh.positions.resize(vertices);
     mesh.normals.resize(vertices);
     if (options_.texcoords) mesh.texcoords.resize(vertices);
-    mesh.triangles.resize(2 * grid.quads * (grid.rings - 1));
+    mesh.triangles.resize(2 * grid_.quads * (grid_.rings - 1));
     mesh.closed = true;
-    angles(grid);
-    std::vector<double> furthest(grid.rings + 1);
+    angles();
     const std::uint64_t rows = std::max<std::uint64_t>(1, kChunk / columns_);
-    parallel_for((grid.rings + rows) / rows, [&](std::size_t task) {
-      const std::uint64_t end = std::min(grid.rings, (task + 1) * rows - 1);
+    parallel_for((grid_.rings + rows) / rows, [&](std::size_t task) {
+      const std::uint64_t end = std::min(grid_.rings, (task + 1) * rows - 1);
       for (std::uint64_t ring = task * rows; ring <= end; ++ring) {
-        furthest[ring] = fill(mesh, ring);
-        if (ring < grid.rings) join(mesh, ring);
+        fill(mesh, ring);
+        if (ring < grid_.rings) join(mesh, ring);
       }
     });
-    furthest_ = *std::max_element(furthest.begin(), furthest.end());
-  }
-
-  // No point of the mesh lies further from the ellipsoid. Points outside: corners decide, as the
-  // distance to a convex body is convex. Points inside: see depth().
-  double error(const Mesh& mesh) const {
-    const double enough = balanced_ ? half_range_ : 0;
-    const Vec3& radii = shape_.radii;
-    const double smallest = std::min({radii.x, radii.y, radii.z});
-    const double inside = maximum(mesh.triangles.size(), [&](std::size_t begin, std::size_t end) {
-      double deepest = 0;
-      for (std::size_t i = begin; i < end; ++i) {
-        const Triangle& t = mesh.triangles[i];
-        const Vec3& a = mesh.positions[t[0]];
-        const Vec3& b = mesh.positions[t[1]];
-        const Vec3& c = mesh.positions[t[2]];
-        // no deeper than the facet's plane lies under the tangent plane parallel to it
-        Vec3 n = glm::cross(b - a, c - a);
-        const double length = glm::length(n);
-        if (!(length > 0)) continue;
-        n /= length;
-        const double height = std::max({glm::dot(n, a), glm::dot(n, b), glm::dot(n, c)});
-        const double plane = std::min(smallest, glm::length(radii * n) - height);
-        if (plane <= deepest) continue;
-        deepest = plane <= enough
-                      ? plane
-                      : std::max(deepest, std::min(plane, depth(a, b, c, deepest, kHalvings)));
-      }
-      return deepest;
-    });
-    return std::max(furthest_, inside) * (1 + 1e-12);
+    return mesh;
   }
 
  private:
-  // How deep the points of a triangle lie at most, or less than `known`. With u = x/radii the depth
-  // of x is at most (1 − |u|)·|u|/|u/radii|, the way to the surface of |u| = 1 against its
-  // gradient, as |u| is convex; both factors are bounded over the triangle, in parts where they
-  // differ.
-  double depth(const Vec3& a, const Vec3& b, const Vec3& c, double known, int halvings) const {
-    const Vec3& r = shape_.radii;
-    const double unit = std::min({r.x, r.y, r.z});
-    const Vec3 q = unit / r;
-    const double below = 1 - glm::length(nearest_to_origin(a / r, b / r, c / r));
-    if (!(below > 0)) return 0;
-    const double gradient = glm::length(nearest_to_origin(a / r * q, b / r * q, c / r * q));
-    const double bound = below * unit / gradient;
-    if (bound <= known || halvings == 0) return bound;
-    const Vec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
-    double deepest = 0;
-    for (const auto& [x, y, z] : {std::array{a, ab, ca}, std::array{ab, b, bc},
-                                  std::array{ca, bc, c}, std::array{ab, bc, ca}})
-      deepest = std::max(deepest, depth(x, y, z, std::max(known, deepest), halvings - 1));
-    return deepest;
+  // A count that is not given is what the error needs. The patch at (u, v) with steps du, dv bends
+  // by h (cos²v du² + dv²)/8, h the distance between the centre and the tangent plane there; equal
+  // shares for both are the fewest.
+  static Grid grid(const Ellipsoid& s, double half_range) {
+    const Steps around(s.radii.x, s.radii.y, Steps::Kind::chords);
+    // the longer of the two meridians needs the shorter steps
+    const Steps along(std::max(s.radii.x, s.radii.y), s.radii.z, Steps::Kind::chords);
+    const double step = std::sqrt(4 * half_range);
+    Grid g;
+    g.quads = chosen(s.counts.around, around.integral() / step, 3);
+    g.rings = chosen(s.counts.along, 0.5 * along.integral() / step, 2);
+    // sharp ends get a vertex
+    if (s.counts.around == 0 && around.sharp()) g.quads += g.quads % 2;
+    if (s.counts.along == 0 && along.sharp()) g.rings += g.rings % 2;
+    return g;
   }
 
   static std::uint64_t chosen(std::uint32_t given, double needed, double least) {
@@ -223,64 +155,21 @@ class Tessellator {
     return static_cast<std::uint64_t>(std::clamp(std::ceil(needed), least, kMostVertices));
   }
 
-  void angles(const Grid& grid) {
-    // explicit counts: equal steps of the parameters
-    longitudes_.resize(grid.quads);
-    for (std::uint64_t i = 0; i < grid.quads; ++i)
-      longitudes_[i] = balanced_ ? around_.at(i, grid.quads) : turn(i, grid.quads);
-    latitudes_.resize(grid.rings + 1);
-    for (std::uint64_t j = 0; j <= grid.rings; ++j) {
-      det::SinCos& latitude = latitudes_[j];
-      if (balanced_) {
-        // a quarter turn behind, from the south pole
-        latitude = along_.at((2 * j + 3 * grid.rings) % (4 * grid.rings), 4 * grid.rings);
-      } else {
-        const det::SinCos polar = turn(j, 2 * grid.rings);
-        latitude = {-polar.cos, polar.sin};
-      }
-      if (j == 0 || j == grid.rings) latitude.cos = 0;
+  void angles() {
+    longitudes_.resize(grid_.quads);
+    for (std::uint64_t i = 0; i < grid_.quads; ++i) longitudes_[i] = turn(i, grid_.quads);
+    latitudes_.resize(grid_.rings + 1);
+    for (std::uint64_t j = 0; j <= grid_.rings; ++j) {
+      const det::SinCos polar = turn(j, 2 * grid_.rings);
+      latitudes_[j] = {-polar.cos, j == 0 || j == grid_.rings ? 0 : polar.sin};
     }
-    const Vec3& radii = shape_.radii;
-    around_step_ = squares(longitudes_, radii.x, radii.y, true);
-    along_step_ = squares(latitudes_, std::max(radii.x, radii.y), radii.z, false);
     if (!options_.texcoords) return;
-    u_.resize(grid.quads + 1);
-    for (std::uint64_t i = 0; i < grid.quads; ++i) {
+    u_.resize(grid_.quads + 1);
+    for (std::uint64_t i = 0; i < grid_.quads; ++i) {
       const double share = det::atan2(longitudes_[i].sin, longitudes_[i].cos) / (2 * kPi);
       u_[i] = share < 0 ? share + 1 : share;
     }
     u_.back() = 1;
-  }
-
-  // For vertices of the ellipse x = a cos t, y = b sin t: eight times the mean sag of their chords
-  // over the distance between centre and tangent, which is step² where that distance changes
-  // little. A chord's deepest point is at its middle parameter, as on the circle that the ellipse
-  // is an image of.
-  static std::vector<double> squares(const std::vector<det::SinCos>& t, double a, double b,
-                                     bool ring) {
-    const double unit = std::max(a, b);
-    const double ra = unit / a, rb = unit / b;
-    const std::size_t n = t.size();
-    const auto tangent = [&](double x, double y) {
-      return std::hypot(x, y) / std::hypot(x * ra, y * rb);
-    };
-    const auto sag = [&](std::size_t i) {
-      const det::SinCos& p = t[i];
-      const det::SinCos& q = t[i + 1 < n ? i + 1 : 0];
-      const double x = p.cos + q.cos, y = p.sin + q.sin;
-      const double dx = p.cos - q.cos, dy = p.sin - q.sin;
-      const double chord = dx * dx + dy * dy;
-      // 1 − cos of half the step
-      const double depth = 0.25 * chord / (1 + std::sqrt(std::max(0.0, 1 - 0.25 * chord)));
-      return depth * (x == 0 && y == 0 ? 1 : tangent(x, y));
-    };
-    std::vector<double> result(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const double before = i > 0 ? sag(i - 1) : ring ? sag(n - 1) : sag(0);
-      const double after = ring || i + 1 < n ? sag(i) : before;
-      result[i] = 4 * (before + after) / tangent(t[i].cos, t[i].sin);
-    }
-    return result;
   }
 
   // the point's normal, not of unit length, scaled by the smallest radius
@@ -291,11 +180,8 @@ class Tessellator {
             latitudes_[j].sin * (s / shape_.radii.z)};
   }
 
-  // the vertices of a ring; returns how far they stand out
-  double fill(Mesh& mesh, std::uint64_t ring) const {
-    const Vec3& radii = shape_.radii;
-    const double smallest = std::min({radii.x, radii.y, radii.z});
-    double furthest = 0;
+  // the vertices of a ring
+  void fill(Mesh& mesh, std::uint64_t ring) const {
     const bool pole = ring == 0 || ring == grid_.rings;
     const std::uint64_t count = pole ? poles_ : columns_;
     const std::uint64_t start = start_of(ring);
@@ -303,23 +189,14 @@ class Tessellator {
     for (std::uint64_t k = 0; k < count; ++k) {
       const std::size_t i = pole ? 0 : k % grid_.quads;
       const Vec3 scaled = normal(i, ring);
-      const double length = glm::length(scaled);
-      const Vec3 n = scaled / length;
       const det::SinCos& lon = longitudes_[i];
       const det::SinCos& lat = latitudes_[ring];
-      const Vec3 p = radii * Vec3(lat.cos * lon.cos, lat.cos * lon.sin, lat.sin);
-      // half of how far chords sag, both ways together
-      const double out =
-          balanced_
-              ? smallest / length * (lat.cos * lat.cos * around_step_[i] + along_step_[ring]) / 16
-              : 0;
-      furthest = std::max(furthest, out);
-      mesh.positions[start + k] = p + out * n;
-      mesh.normals[start + k] = n;
+      mesh.positions[start + k] =
+          shape_.radii * Vec3(lat.cos * lon.cos, lat.cos * lon.sin, lat.sin);
+      mesh.normals[start + k] = scaled / glm::length(scaled);
       if (!options_.texcoords) continue;
       mesh.texcoords[start + k] = {pole ? 0.5 * (u_[k] + u_[k + 1]) : u_[k], v};
     }
-    return furthest;
   }
 
   std::uint64_t start_of(std::uint64_t ring) const {
@@ -350,35 +227,97 @@ class Tessellator {
 
   const Ellipsoid& shape_;
   const TessellationOptions& options_;
-  bool balanced_;
-  Steps around_, along_;
-  double half_range_ = 0, least_error_ = 0;
   Grid grid_;
   std::uint64_t columns_ = 0, poles_ = 0;
   std::vector<det::SinCos> longitudes_, latitudes_;
-  std::vector<double> around_step_, along_step_;  // squares of steps
-  std::vector<double> u_;                         // texture, by column
-  double furthest_ = 0;
+  std::vector<double> u_;  // texture, by column
+};
+
+// The axis about which rings of vertices lie: with texture coordinates z, else that whose rings are
+// the roundest, where equal steps about it are equally good all over.
+int polar_axis(const Ellipsoid& s, bool texcoords) {
+  if (texcoords) return 2;
+  int best = 2;
+  double least = 0;
+  for (const int axis : {2, 0, 1}) {
+    const double a = s.radii[(axis + 1) % 3], b = s.radii[(axis + 2) % 3];
+    const double ratio = std::max(a, b) / std::min(a, b);
+    if (axis == 2 || ratio < least) {
+      best = axis;
+      least = ratio;
+    }
+  }
+  return best;
+}
+
+bool counted(const Ellipsoid& s) { return s.counts.around != 0 && s.counts.along != 0; }
+
+double most_triangles(const TessellationOptions& options) {
+  return std::min(static_cast<double>(options.max_triangles), kMostVertices);
+}
+
+// Staggered rings without explicit counts.
+class Free {
+ public:
+  Free(const Ellipsoid& s, const TessellationOptions& options)
+      : options_(options),
+        radii_(s.radii),
+        axis_(polar_axis(s, options.texcoords)),
+        local_(s.radii[(axis_ + 1) % 3], s.radii[(axis_ + 2) % 3], s.radii[axis_]),
+        around_(local_.x, local_.y, Steps::Kind::staggered) {}
+
+  // Below this many triangles a plan makes the mesh: whole numbers matter, and where steps about
+  // the axis differ much plans are rough.
+  double small() const { return around_.sharp() ? 64 * kSmall : kSmall; }
+
+  // the share of the error that is planned for first
+  double margin() const { return around_.even() ? kMargin : kStep; }
+
+  std::optional<Staggered> plan(double half_range) const {
+    return staggered(local_, around_, half_range, options_.texcoords, most_triangles(options_));
+  }
+
+  // The mesh, with its error in exact arithmetic.
+  Mesh mesh(const Staggered& plan, double half_range) const {
+    Mesh mesh = staggered_mesh(plan, {.radii = local_, .out = plan.out, .polar_axis = axis_},
+                               around_, options_.texcoords);
+    // points outside: no vertex is further, and the distance to a convex body is convex
+    mesh.error = std::max(plan.out, depth_of(mesh, radii_, half_range)) * (1 + 1e-12);
+    return mesh;
+  }
+
+ private:
+  const TessellationOptions& options_;
+  Vec3 radii_;
+  int axis_;
+  Vec3 local_;  // radii, the polar axis last
+  Steps around_;
 };
 
 // The mesh, with its error, or nothing where it has too many triangles.
-std::optional<Mesh> made(const Ellipsoid& s, const TessellationOptions& options,
-                         Tessellator& tessellator) {
-  const double most = std::min(static_cast<double>(options.max_triangles), kMostVertices);
-  double target = kMargin * tessellator.half_range();
-  Mesh mesh;
-  for (int i = 0;; ++i) {
-    const Grid grid = tessellator.grid(target);
-    if (!(grid.triangles() <= most) ||
+std::optional<Mesh> made(const Ellipsoid& s, const TessellationOptions& options) {
+  if (!(s.counts == Counts{})) {
+    GridBuilder builder(s, options);
+    const Grid& grid = builder.grid();
+    if (!(grid.triangles() <= most_triangles(options)) ||
         static_cast<double>(grid.quads + 1) * static_cast<double>(grid.rings + 1) > kMostVertices)
       return std::nullopt;
-    tessellator.make(grid, mesh);
-    const double error = tessellator.error(mesh);
-    if (error <= tessellator.half_range() || !(s.counts == Counts{}) || i == kIterations) {
-      set_error(mesh, error);
+    Mesh mesh = builder.build();
+    set_error(mesh, depth_of(mesh, s.radii, 0) * (1 + 1e-12));
+    return mesh;
+  }
+  const Free free(s, options);
+  const double half_range = Room(s, options).half_range;
+  double target = free.margin() * half_range;
+  for (int i = 0;; ++i) {
+    const std::optional<Staggered> plan = free.plan(target);
+    if (!plan || plan->vertices > kMostVertices) return std::nullopt;
+    Mesh mesh = free.mesh(*plan, half_range);
+    if (mesh.error <= half_range || i == kIterations) {
+      set_error(mesh, mesh.error);
       return mesh;
     }
-    target *= std::clamp(kMargin * tessellator.half_range() / error, 0.5, kMargin);
+    target *= std::clamp(kMargin * half_range / mesh.error, 0.5, kStep);
   }
 }
 
@@ -396,16 +335,16 @@ Result<Mesh> make(const Ellipsoid& s, const TessellationOptions& options, Source
     log.report(p->code, where, p->message);
     return failed;
   }
-  Tessellator tessellator(s, options);
-  if (tessellator.half_range() <= 0 && !tessellator.counted()) {
+  const Room room(s, options);
+  if (room.half_range <= 0 && !counted(s)) {
     log.report(
         Code::E2003, where,
         fmt::format("an error of {} m cannot be achieved with single-precision vertices on an "
                     "ellipsoid of this size, expected at least {} m",
-                    format_double(options.max_error), format_double(tessellator.least_error())));
+                    format_double(options.max_error), format_double(room.least_error)));
     return failed;
   }
-  std::optional<Mesh> mesh = made(s, options, tessellator);
+  std::optional<Mesh> mesh = made(s, options);
   if (mesh) return std::move(*mesh);
   log.report(Code::E2003, where,
              fmt::format("an ellipsoid with an error of {} m needs more than {} triangles",
@@ -414,15 +353,16 @@ Result<Mesh> make(const Ellipsoid& s, const TessellationOptions& options, Source
 }
 
 double planned(const Ellipsoid& s, const TessellationOptions& options) {
-  Tessellator tessellator(s, options);
-  if (tessellator.half_range() <= 0 && !tessellator.counted()) return kMostVertices;
-  const double triangles = tessellator.grid(kMargin * tessellator.half_range()).triangles();
-  if (triangles > kSmall) return triangles;
-  TessellationOptions plain = options;
-  plain.texcoords = false;
-  plain.max_triangles = std::uint64_t{1} << 32;
-  Tessellator small(s, plain);
-  const std::optional<Mesh> mesh = made(s, plain, small);
+  const double half_range = Room(s, options).half_range;
+  if (half_range <= 0 && !counted(s)) return kMostVertices;
+  TessellationOptions unlimited = options;
+  unlimited.max_triangles = std::uint64_t{1} << 32;
+  if (!(s.counts == Counts{})) return GridBuilder(s, unlimited).grid().triangles();
+  const Free free(s, unlimited);
+  const std::optional<Staggered> plan = free.plan(free.margin() * half_range);
+  if (!plan) return kMostVertices;
+  if (plan->triangles > free.small()) return plan->triangles;
+  const std::optional<Mesh> mesh = made(s, unlimited);
   return mesh ? static_cast<double>(mesh->triangles.size()) : kMostVertices;
 }
 

@@ -14,6 +14,8 @@ constexpr double kMostVertices = 4294967295.0;
 constexpr std::uint32_t kCandidates = 24;
 // how often more segments are tried where chords alone do not reach the error
 constexpr int kRetries = 16;
+// segments of the larger of two circular edges for which the smaller may have one fewer
+constexpr std::uint64_t kMostPeriod = 32;
 // below this many triangles other numbers of segments are tried as well
 constexpr double kSmall = 300;
 
@@ -76,6 +78,7 @@ class Solver {
     const double most = static_cast<double>(options_.max_triangles);
     const bool free = shape_.counts.around == 0 && options_.edge_segments == 0;
     std::uint32_t n = segments();
+    if (free && !on_shape_) n = narrowed(n);
     if (!lay(n)) return too_many();
     // note: few wide segments bend a coarse profile in ways that its chords cannot mend
     for (int i = 0; i < kRetries && free && layout_.error > half_range_; ++i)
@@ -104,14 +107,49 @@ class Solver {
     layout_.segments = segments;
     const double half = 0.5 * span_of(shape_.sector) / segments;
     layout_.edge_factor = on_shape_ ? 1 : area_factor(half);
-    layout_.error =
-        rim_radius_ *
-        std::max(layout_.edge_factor - 1, 1 - layout_.edge_factor * (1 - segment_dip(half, false)));
+    layout_.error = rim_error(rim_radius_, layout_.edge_factor, half);
+    if (layout_.narrow_segments != 0) {
+      // between edges the mesh misses the shape by no more than a mean of what the edges do
+      const double wide = 0.5 * span_of(shape_.sector) / layout_.narrow_segments;
+      layout_.narrow_factor = area_factor(wide);
+      layout_.error =
+          std::max(layout_.error, rim_error(layout_.narrow_radius, layout_.narrow_factor, wide));
+    }
     const double most = static_cast<double>(options_.max_triangles);
     if (!(segments * rows(segment_dip(half, balanced_)) <= 4 * most + 100)) return false;
     lay_parts(half);
     count();
     return true;
+  }
+
+  static double rim_error(double radius, double factor, double half) {
+    return radius * std::max(factor - 1, 1 - factor * (1 - segment_dip(half, false)));
+  }
+
+  // Fewer segments for the smaller of two circular edges; returns those of the larger one.
+  std::uint32_t narrowed(std::uint32_t segments) {
+    double narrow = 0;
+    for (const Part& part : shape_.parts) {
+      if (part.curve) return segments;
+      for (const double radius : {part.from.x, part.to.x}) {
+        if (radius == 0 || radius == rim_radius_ || radius == narrow) continue;
+        if (narrow != 0) return segments;
+        narrow = radius;
+      }
+    }
+    if (narrow == 0) return segments;
+    const std::uint64_t needed = segments_within(half_range_ / narrow, shape_.sector, on_shape_);
+    const std::uint64_t wide = segments;
+    std::uint64_t best = 2 * wide;
+    for (std::uint64_t k = 1; k <= kMostPeriod && k < wide; ++k) {
+      const std::uint64_t periods = std::max((wide + k) / (k + 1), (needed + k - 1) / k);
+      if ((2 * k + 1) * periods >= best) continue;
+      best = (2 * k + 1) * periods;
+      segments = static_cast<std::uint32_t>((k + 1) * periods);
+      layout_.narrow_segments = static_cast<std::uint32_t>(k * periods);
+      layout_.narrow_radius = narrow;
+    }
+    return segments;
   }
 
   // Where there are few triangles whole numbers matter more than any estimate.
@@ -204,10 +242,10 @@ class Solver {
     const double length = glm::length(d);
     const Vec2 normal(d.y / length, -d.x / length);
     const bool plane = part.mapping != Mapping::angle;
-    const double k = layout_.edge_factor;
-    return {{k * part.from.x, part.from.y, normal,
+    return {{layout_.factor_at(part.from.x) * part.from.x, part.from.y, normal,
              plane ? part.from.x / part.plane_radius : part.v_begin},
-            {k * part.to.x, part.to.y, normal, plane ? part.to.x / part.plane_radius : part.v_end}};
+            {layout_.factor_at(part.to.x) * part.to.x, part.to.y, normal,
+             plane ? part.to.x / part.plane_radius : part.v_end}};
   }
 
   void count() {
@@ -218,13 +256,19 @@ class Solver {
       const Part& part = shape_.parts[i];
       const auto& points = layout_.parts[i];
       if (part.cap) {
-        layout_.triangles += whole ? n - 2 : n;
-        layout_.vertices += whole ? n : n + 2;
+        const double edge = layout_.segments_at(std::max(part.from.x, part.to.x));
+        layout_.triangles += whole ? edge - 2 : edge;
+        layout_.vertices += whole ? edge : edge + 2;
         continue;
       }
-      layout_.triangles += 2 * n * (static_cast<double>(points.size()) - 1);
-      if (points.front().radius == 0) layout_.triangles -= n;
-      if (points.back().radius == 0) layout_.triangles -= n;
+      if (layout_.narrow_segments != 0) {
+        for (const double radius : {part.from.x, part.to.x})
+          if (radius > 0) layout_.triangles += layout_.segments_at(radius);
+      } else {
+        layout_.triangles += 2 * n * (static_cast<double>(points.size()) - 1);
+        if (points.front().radius == 0) layout_.triangles -= n;
+        if (points.back().radius == 0) layout_.triangles -= n;
+      }
       layout_.vertices += (n + 1) * static_cast<double>(points.size());
     }
     if (!shape_.wall.empty())

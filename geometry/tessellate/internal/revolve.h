@@ -45,7 +45,21 @@ struct Layout {
   enum class State { good, too_fine, too_many };
   State state = State::good;
   std::uint32_t segments = 0;
-  double edge_factor = 1;
+  double edge_factor = 1;  // on the radius of circular edges
+  // Of straight profiles between circular edges of two radii: segments of those of the smaller one,
+  // k for each k + 1 of the others, one of each at the same angle. No side of a triangle then spans
+  // more than a segment of the larger one, so that normals and textures between vertices are as
+  // good as on a grid.
+  std::uint32_t narrow_segments = 0;  // 0: there are none
+  double narrow_radius = 0;
+  double narrow_factor = 1;
+  bool is_narrow(double radius) const {
+    return narrow_segments != 0 && radius > 0 && radius <= narrow_radius;
+  }
+  std::uint32_t segments_at(double radius) const {
+    return is_narrow(radius) ? narrow_segments : segments;
+  }
+  double factor_at(double radius) const { return is_narrow(radius) ? narrow_factor : edge_factor; }
   std::vector<std::vector<ProfilePoint>> parts;  // one per part
   double error = 0;                              // in exact arithmetic, metres
   double least_error = 0;                        // what float32 can keep, metres

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "geometry/tessellate/internal/circle.h"
 #include "geometry/tessellate/internal/revolve.h"
+#include "geometry/tessellate/internal/zipper.h"
 
 namespace panwright::geometry::internal {
 
@@ -20,8 +21,9 @@ class Builder {
       : shape_(shape),
         layout_(layout),
         texcoords_(texcoords),
-        segments_(layout.segments),
         directions_(directions(shape.sector, layout.segments)) {
+    if (layout.narrow_segments != 0)
+      narrow_directions_ = directions(shape.sector, layout.narrow_segments);
     for (std::size_t i = 0; i < shape.parts.size(); ++i) place(i);
     wall_start_ = vertices_;
     vertices_ += 2 * shape.wall.size();
@@ -35,7 +37,7 @@ class Builder {
     if (texcoords_) mesh_.texcoords.resize(vertices_);
     mesh_.triangles.resize(triangles_);
     mesh_.closed = shape_.closed;
-    const std::size_t rows = std::max<std::size_t>(1, kTask / (segments_ + 1));
+    const std::size_t rows = std::max<std::size_t>(1, kTask / (std::size_t{layout_.segments} + 1));
     const std::size_t tasks = (rings_.size() + rows - 1) / rows;
     parallel_for(tasks, [&](std::size_t task) {
       const std::size_t end = std::min(rings_.size(), (task + 1) * rows);
@@ -53,6 +55,8 @@ class Builder {
  private:
   struct Ring {
     const ProfilePoint* point;
+    std::uint32_t segments;
+    const std::vector<det::SinCos>* directions;
     Mapping mapping;
     std::uint64_t start;      // its first vertex
     std::uint64_t count;      // vertices
@@ -62,6 +66,16 @@ class Builder {
     bool joined;  // to the next ring
   };
 
+  const std::vector<det::SinCos>& directions_at(double radius) const {
+    return layout_.is_narrow(radius) ? narrow_directions_ : directions_;
+  }
+
+  // the radius on the shape whose segments the ends of a part have: of a pole its neighbour's
+  static double edge_radius(const Part& part, bool last) {
+    const double radius = last ? part.to.x : part.from.x;
+    return radius > 0 ? radius : std::max(part.from.x, part.to.x);
+  }
+
   // gives the rings of a part their vertices and triangles
   void place(std::size_t index) {
     const Part& part = shape_.parts[index];
@@ -69,27 +83,36 @@ class Builder {
     cap_start_.push_back(vertices_);
     cap_triangles_.push_back(triangles_);
     if (part.cap) {
-      vertices_ += directions_.size() + (shape_.sector.whole() ? 0 : 1);
-      triangles_ += shape_.sector.whole() ? segments_ - 2 : segments_;
+      const double edge = std::max(part.from.x, part.to.x);
+      vertices_ += directions_at(edge).size() + (shape_.sector.whole() ? 0 : 1);
+      triangles_ += layout_.segments_at(edge) - (shape_.sector.whole() ? 2 : 0);
       return;
     }
     const bool seam = texcoords_ && part.mapping == Mapping::angle;
-    const std::uint64_t columns = seam ? std::uint64_t{segments_} + 1 : directions_.size();
     const bool loop = part.curve && part.curve->loop() && !seam;
     const std::size_t first = rings_.size();
     for (std::size_t k = 0; k < points.size(); ++k) {
       const ProfilePoint& p = points[k];
-      Ring ring{&p,         part.mapping,  vertices_, columns,
-                triangles_, p.radius == 0, false,     k + 1 < points.size()};
-      if (ring.pole) ring.count = seam || p.normal.x != 0 ? segments_ : 1;
+      const double edge = part.curve ? 0 : edge_radius(part, k > 0);
+      const std::uint32_t segments = layout_.segments_at(edge);
+      const std::vector<det::SinCos>& around = directions_at(edge);
+      Ring ring{&p,         segments,
+                &around,    part.mapping,
+                vertices_,  seam ? std::uint64_t{segments} + 1 : around.size(),
+                triangles_, p.radius == 0,
+                false,      k + 1 < points.size()};
+      if (ring.pole) ring.count = seam || p.normal.x != 0 ? segments : 1;
       if (loop && k + 1 == points.size()) {
         ring.shared = true;
         ring.start = rings_[first].start;
       } else {
         vertices_ += ring.count;
       }
-      if (ring.joined)
-        triangles_ += (ring.pole || points[k + 1].radius == 0 ? 1 : 2) * std::uint64_t{segments_};
+      if (ring.joined) {
+        const std::uint32_t next =
+            part.curve ? segments : layout_.segments_at(edge_radius(part, true));
+        triangles_ += (ring.pole ? 0 : segments) + (points[k + 1].radius == 0 ? 0 : next);
+      }
       rings_.push_back(ring);
     }
   }
@@ -101,13 +124,14 @@ class Builder {
 
   void fill(const Ring& ring) {
     const ProfilePoint& p = *ring.point;
-    const double share = 1 / static_cast<double>(segments_);
+    const std::vector<det::SinCos>& around = *ring.directions;
+    const double share = 1 / static_cast<double>(ring.segments);
     for (std::uint64_t i = 0; i < ring.count; ++i) {
       const std::uint64_t at = ring.start + i;
       const auto column = static_cast<std::uint32_t>(i);
       const det::SinCos angle = ring.pole && p.normal.x != 0
-                                    ? middle_direction(shape_.sector, segments_, column)
-                                    : directions_[i < directions_.size() ? i : 0];
+                                    ? middle_direction(shape_.sector, ring.segments, column)
+                                    : around[i < around.size() ? i : 0];
       mesh_.positions[at] = {p.radius * angle.cos, p.radius * angle.sin, p.z};
       mesh_.normals[at] = {p.normal.x * angle.cos, p.normal.x * angle.sin, p.normal.y};
       if (!texcoords_) continue;
@@ -125,8 +149,16 @@ class Builder {
 
   void join(const Ring& low, const Ring& high) {
     Triangle* out = mesh_.triangles.data() + low.triangles;
+    if (low.segments != high.segments) {
+      const auto vertices = [](const Ring& ring) {
+        return RingOfVertices{ring.start, ring.count, ring.segments, false,
+                              ring.count > ring.segments};
+      };
+      zip(vertices(low), vertices(high), out);
+      return;
+    }
     const std::uint64_t columns = low.pole ? high.count : low.count;
-    for (std::uint64_t i = 0; i < segments_; ++i) {
+    for (std::uint64_t i = 0; i < low.segments; ++i) {
       const std::uint64_t next = i + 1 < columns ? i + 1 : 0;
       if (low.pole) {
         const std::uint64_t pole = low.start + (low.count > 1 ? i : 0);
@@ -149,9 +181,11 @@ class Builder {
     const Mapping mapping = shape_.parts[index].mapping;
     const bool up = mapping == Mapping::above;
     const std::uint64_t start = cap_start_[index];
-    const std::uint64_t count = directions_.size();
+    const Part& part = shape_.parts[index];
+    const std::vector<det::SinCos>& around = directions_at(std::max(part.from.x, part.to.x));
+    const std::uint64_t count = around.size();
     for (std::uint64_t i = 0; i < count; ++i) {
-      const det::SinCos angle = directions_[i];
+      const det::SinCos angle = around[i];
       set(start + i, {edge.radius * angle.cos, edge.radius * angle.sin, edge.z},
           {0, 0, up ? 1 : -1}, plane_texcoord(mapping, edge.v, angle));
     }
@@ -192,7 +226,7 @@ class Builder {
       const double side = last ? -1 : 1;
       const Vec3 normal(side * angle.sin, -side * angle.cos, 0);
       for (std::size_t i = 0; i < count; ++i) {
-        const double radius = layout_.edge_factor * shape_.wall[i].x;
+        const double radius = layout_.factor_at(shape_.wall[i].x) * shape_.wall[i].x;
         const double u = shape_.wall[i].x / high.x;
         const double v = (shape_.wall[i].y - low.y) / (high.y - low.y);
         set(start + i, {radius * angle.cos, radius * angle.sin, shape_.wall[i].y}, normal,
@@ -213,8 +247,7 @@ class Builder {
   const Revolution& shape_;
   const Layout& layout_;
   bool texcoords_;
-  std::uint32_t segments_;
-  std::vector<det::SinCos> directions_;
+  std::vector<det::SinCos> directions_, narrow_directions_;
   std::vector<Ring> rings_;
   std::vector<std::uint64_t> cap_start_, cap_triangles_;  // by part
   std::uint64_t vertices_ = 0, triangles_ = 0;

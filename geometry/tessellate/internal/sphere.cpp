@@ -10,6 +10,7 @@
 #include "geometry/tessellate/internal/maximum.h"
 #include "geometry/tessellate/internal/revolution_problem.h"
 #include "geometry/tessellate/internal/revolve.h"
+#include "geometry/tessellate/internal/staggered.h"
 #include "geometry/tessellate/internal/tessellators.h"
 
 namespace panwright::geometry {
@@ -17,55 +18,26 @@ namespace panwright::geometry {
 namespace {
 
 using internal::kChunk;
+using internal::Staggered;
+using internal::staggered;
+using internal::staggered_mesh;
+using internal::Steps;
 using internal::turn;
 
 constexpr std::uint64_t kMaxVertices = 0xffffffffu;
 // half the spacing of single precision relative to the number
 constexpr double kFloatRounding = 0x1p-24;
 
-// How far the facets of an inscribed sphere of radius 1 dip inside: the band nearest the equator
-// decides. It lies across the equator when rings is odd, and touches it otherwise.
-double inscribed_depth(std::uint64_t rings, std::uint64_t quads) {
-  const double half_band = 0.5 * kPi / static_cast<double>(rings);
-  const double half_step = kPi / static_cast<double>(quads);
-  const double sin_half_step = det::sin(half_step);
-  const double sin_band = det::sin(half_band);
-  if (rings % 2 == 1) {
-    // 1 − cos·cos without cancellation
-    const double a = det::sin(0.5 * half_band);
-    const double b = det::sin(0.5 * half_step);
-    return 2 * a * a + 2 * b * b - 4 * a * a * b * b;
-  }
-  const double k2 = 1 - sin_half_step * sin_half_step;
-  const double s2 = sin_band * sin_band;
-  const double c2 = 1 - s2;
-  const double x2_deficit = (c2 * (sin_half_step * sin_half_step) + k2 * s2) / (c2 + k2 * s2);
-  return x2_deficit / (1 + std::sqrt(1 - x2_deficit));
+std::optional<Staggered> plan(double error, bool texcoords, std::uint64_t most) {
+  return staggered(Vec3(1), Steps(1, 1, Steps::Kind::staggered), error, texcoords,
+                   static_cast<double>(most));
 }
 
-// The fewest quads for which the depth is allowed, or 0 where no number of them is enough.
-std::uint64_t fewest_quads(std::uint64_t rings, double depth) {
-  const double half_band = 0.5 * kPi / static_cast<double>(rings);
-  double sin2 = 0;  // of π/quads at the allowed depth
-  if (rings % 2 == 1) {
-    const double a = det::sin(0.5 * half_band);
-    if (depth <= 2 * a * a) return 0;
-    const double b2 = (0.5 * depth - a * a) / (1 - 2 * a * a);
-    sin2 = 4 * b2 * (1 - b2);
-    if (b2 >= 0.5) sin2 = 1;
-  } else {
-    const double s = det::sin(half_band);
-    const double room = depth * (2 - depth) - s * s;
-    if (room <= 0) return 0;
-    const double x2 = (1 - depth) * (1 - depth);
-    sin2 = std::min(1.0, room / (1 - s * s - x2 * s * s));
-  }
-  const double half_step = det::atan2(std::sqrt(sin2), std::sqrt(1 - sin2));
-  auto quads = std::max<std::uint64_t>(3, static_cast<std::uint64_t>(std::ceil(kPi / half_step)));
-  // the analytic answer can be off by its own rounding
-  while (inscribed_depth(rings, quads) > depth) ++quads;
-  while (quads > 3 && inscribed_depth(rings, quads - 1) <= depth) --quads;
-  return quads;
+// what rounding to single precision leaves of the error, relative to the radius
+double relative_error(const Sphere& sphere, const TessellationOptions& options) {
+  const double asked = options.max_error / sphere.radius;
+  // note: vertices stand out by the error
+  return asked - kFloatRounding * 1.01 * (1 + std::min(1.0, asked));
 }
 
 class SphereBuilder {
@@ -169,38 +141,19 @@ class SphereBuilder {
   std::uint64_t triangles_ = 0;
 };
 
-Result<Mesh> tessellated_sphere(const Sphere& sphere, const TessellationOptions& options,
-                                SourceSpan where, DiagnosticLog& log) {
-  if (!(sphere.radius >= kMinRadius && sphere.radius <= kMaxCoordinate)) {
-    log.report(
-        Code::E2010, where,
-        fmt::format("a sphere of radius {} m, expected {} to {} m", format_double(sphere.radius),
-                    format_double(kMinRadius), format_double(kMaxCoordinate)));
-    return failed;
-  }
-  SphereCounts counts;
-  double radius = sphere.radius;
-  if (sphere.counts) {
-    assert(sphere.counts->rings >= 2 && sphere.counts->quads >= 3);
-    counts = *sphere.counts;
-  } else {
-    assert(options.max_error > 0);
-    // what rounding to single precision may add on top of the facets
-    const double relative = options.max_error / sphere.radius - kFloatRounding * 1.01;
-    if (relative <= 0) {
-      log.report(
-          Code::E2003, where,
-          fmt::format("an error of {} m cannot be achieved with single-precision vertices on a "
-                      "sphere of radius {} m, expected at least {} m",
-                      format_double(options.max_error), format_double(sphere.radius),
-                      format_double(kFloatRounding * 1.02 * sphere.radius)));
-      return failed;
-    }
-    counts = sphere_counts(relative);
-    // balance: facets dip inside by as much as vertices stand out
-    const double depth = inscribed_depth(counts.rings, counts.quads);
-    radius *= 1 + depth / (2 - depth);
-  }
+bool size_is_held(const Sphere& sphere, SourceSpan where, DiagnosticLog& log) {
+  if (sphere.radius >= kMinRadius && sphere.radius <= kMaxCoordinate) return true;
+  log.report(
+      Code::E2010, where,
+      fmt::format("a sphere of radius {} m, expected {} to {} m", format_double(sphere.radius),
+                  format_double(kMinRadius), format_double(kMaxCoordinate)));
+  return false;
+}
+
+Result<Mesh> counted_sphere(const Sphere& sphere, const TessellationOptions& options,
+                            SourceSpan where, DiagnosticLog& log) {
+  const SphereCounts counts = *sphere.counts;
+  assert(counts.rings >= 2 && counts.quads >= 3);
   // note: the product of two 32-bit counts fits 64 bits, twice it may not
   const std::uint64_t half = std::uint64_t{counts.quads} * (counts.rings - 1);
   const std::uint64_t limit = std::min(options.max_triangles, kMaxVertices);
@@ -210,7 +163,7 @@ Result<Mesh> tessellated_sphere(const Sphere& sphere, const TessellationOptions&
                            counts.rings, counts.quads, limit));
     return failed;
   }
-  const SphereBuilder builder(radius, counts, options.texcoords);
+  const SphereBuilder builder(sphere.radius, counts, options.texcoords);
   if (builder.vertices() > kMaxVertices) {
     log.report(Code::E2003, where,
                fmt::format("a sphere of {} rings and {} quads with texture coordinates needs more "
@@ -223,31 +176,37 @@ Result<Mesh> tessellated_sphere(const Sphere& sphere, const TessellationOptions&
   return mesh;
 }
 
-}  // namespace
-
-SphereCounts sphere_counts(double max_error) {
-  assert(max_error > 0);
-  constexpr std::uint64_t kSaturated = std::uint64_t{1} << 31;
-  const double depth = std::min(1.0, 2 * max_error / (1 + max_error));
-  // equal steps along both axes are the optimum of small errors; whole numbers shift it a little
-  const double ideal = 0.5 * kPi / std::sqrt(depth);
-  if (ideal > 1e8) return {kSaturated, kSaturated};
-  const auto first = static_cast<std::uint64_t>(std::max(2.0, std::floor(0.8 * ideal) - 3));
-  const auto last = static_cast<std::uint64_t>(std::ceil(1.2 * ideal) + 6);
-  std::uint64_t best_rings = 0;
-  std::uint64_t best_quads = 0;
-  for (std::uint64_t rings = first; rings <= last; ++rings) {
-    const std::uint64_t quads = fewest_quads(rings, depth);
-    if (quads == 0) continue;
-    if (best_rings == 0 || quads * (rings - 1) < best_quads * (best_rings - 1)) {
-      best_rings = rings;
-      best_quads = quads;
-    }
+Result<Mesh> staggered_sphere(const Sphere& sphere, const TessellationOptions& options,
+                              SourceSpan where, DiagnosticLog& log) {
+  assert(options.max_error > 0);
+  const double relative = relative_error(sphere, options);
+  if (relative <= 0) {
+    log.report(Code::E2003, where,
+               fmt::format("an error of {} m cannot be achieved with single-precision vertices on "
+                           "a sphere of radius {} m, expected at least {} m",
+                           format_double(options.max_error), format_double(sphere.radius),
+                           format_double(kFloatRounding * 1.02 * sphere.radius)));
+    return failed;
   }
-  assert(best_rings != 0);
-  return {static_cast<std::uint32_t>(std::min(best_rings, kSaturated)),
-          static_cast<std::uint32_t>(std::min(best_quads, kSaturated))};
+  const std::uint64_t limit = std::min(options.max_triangles, kMaxVertices);
+  const std::optional<Staggered> rings = plan(relative, options.texcoords, limit);
+  if (!rings || rings->vertices > static_cast<double>(kMaxVertices)) {
+    log.report(Code::E2003, where,
+               fmt::format("a sphere of radius {} m with an error of {} m needs more than {} "
+                           "triangles",
+                           format_double(sphere.radius), format_double(options.max_error), limit));
+    return failed;
+  }
+  const det::SinCos begin =
+      internal::directions(sphere.sector, internal::fewest_segments(sphere.sector)).front();
+  Mesh mesh = staggered_mesh(
+      *rings, {.radii = Vec3(sphere.radius), .out = sphere.radius * rings->out, .begin = begin},
+      Steps(1, 1, Steps::Kind::staggered), options.texcoords);
+  mesh.error = sphere_error(mesh, sphere.radius, Vec3(0));
+  return mesh;
 }
+
+}  // namespace
 
 namespace internal {
 
@@ -264,7 +223,8 @@ Revolution revolution(const Sphere& s) {
   return r;
 }
 
-bool plain(const Sphere& s) { return s.whole() && s.sector.begin == 0; }
+// explicit counts about another first meridian are a revolution's
+bool plain(const Sphere& s) { return s.whole() && (!s.counts || s.sector.begin == 0); }
 
 }  // namespace
 
@@ -295,7 +255,11 @@ Problem problem(const Sphere& s) {
 
 Result<Mesh> make(const Sphere& s, const TessellationOptions& options, SourceSpan where,
                   DiagnosticLog& log) {
-  if (plain(s)) return tessellated_sphere(s, options, where, log);
+  if (plain(s)) {
+    if (!size_is_held(s, where, log)) return failed;
+    return s.counts ? counted_sphere(s, options, where, log)
+                    : staggered_sphere(s, options, where, log);
+  }
   if (const Problem p = problem(s)) {
     log.report(p->code, where, p->message);
     return failed;
@@ -305,10 +269,11 @@ Result<Mesh> make(const Sphere& s, const TessellationOptions& options, SourceSpa
 
 double planned(const Sphere& s, const TessellationOptions& options) {
   if (!plain(s)) return planned_triangles(revolution(s), options);
-  const double relative = options.max_error / s.radius - kFloatRounding * 1.01;
-  const SphereCounts counts =
-      s.counts ? *s.counts : sphere_counts(std::max(relative, kFloatRounding * 1e-6));
-  return 2.0 * counts.quads * (counts.rings - 1.0);
+  if (s.counts) return 2.0 * s.counts->quads * (s.counts->rings - 1.0);
+  const double relative = relative_error(s, options);
+  if (relative <= 0) return static_cast<double>(kMaxVertices);
+  const std::optional<Staggered> rings = plan(relative, options.texcoords, kMaxVertices);
+  return rings ? rings->triangles : static_cast<double>(kMaxVertices);
 }
 
 std::vector<CircularEdge> circular_edges(const Sphere& s) {
