@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/file_uses.h"
+#include "base/internal/write_target.h"
 #include "base/text.h"
 
 namespace panwright {
@@ -65,6 +66,14 @@ bool write_all(int fd, std::span<const std::byte> bytes, std::uint64_t offset, b
     offset += static_cast<std::uint64_t>(done);
   }
   return true;
+}
+
+bool write_stream(int fd, const std::filesystem::path& path, std::span<const std::byte> bytes,
+                  DiagnosticLog& log) {
+  int error = 0;
+  if (write_all(fd, bytes, 0, false, &error)) return true;
+  log.report_file(Code::E0103, path.string(), reason("cannot write", path, error));
+  return false;
 }
 
 std::filesystem::path folder_of(const std::filesystem::path& path) {
@@ -163,13 +172,8 @@ MappedFile::~MappedFile() {
 Result<AtomicFile> AtomicFile::create(const std::filesystem::path& path, DiagnosticLog& log) {
   if (log.files() && !log.files()->may_write(path, log)) return failed;
   AtomicFile file;
-  file.path_ = path;
   // a symbolic link keeps pointing: its target is what gets replaced
-  std::error_code ignored;
-  if (std::filesystem::is_symlink(path, ignored)) {
-    const auto target = std::filesystem::weakly_canonical(path, ignored);
-    if (!ignored) file.path_ = target;
-  }
+  file.path_ = internal::write_target(path).path;
   // rename would put a plain file into the place of a device or a pipe
   struct stat target {};
   if (stat(file.path_.c_str(), &target) == 0 && !S_ISREG(target.st_mode)) {
@@ -252,10 +256,7 @@ bool AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes
 bool AtomicFile::commit(DiagnosticLog& log, double* sync_seconds) {
   const auto start = std::chrono::steady_clock::now();
   if (fsync(descriptor_) != 0) return fail("cannot sync", errno, log);
-  if (temporary_.empty() && !give_name()) return fail("cannot link", errno, log);
-  if (close(std::exchange(descriptor_, -1)) != 0) return fail("cannot close", errno, log);
-  if (rename(temporary_.c_str(), path_.c_str()) != 0) return fail("cannot rename to", errno, log);
-  temporary_.clear();
+  if (!publish(log)) return false;
   // the folder's entry is durable only when the folder is synced; some file systems cannot
   const Descriptor fd(::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (fd.get() >= 0) fsync(fd.get());
@@ -265,12 +266,25 @@ bool AtomicFile::commit(DiagnosticLog& log, double* sync_seconds) {
   return true;
 }
 
+bool AtomicFile::publish(DiagnosticLog& log) {
+  if (temporary_.empty() && !give_name()) return fail("cannot link", errno, log);
+  if (close(std::exchange(descriptor_, -1)) != 0) return fail("cannot close", errno, log);
+  if (rename(temporary_.c_str(), path_.c_str()) != 0) return fail("cannot rename to", errno, log);
+  temporary_.clear();
+  return true;
+}
+
 bool write_file(const std::filesystem::path& path, std::span<const std::byte> bytes,
                 DiagnosticLog& log, double* sync_seconds) {
-  if (path == "-") {
-    int error = 0;
-    if (write_all(STDOUT_FILENO, bytes, 0, false, &error)) return true;
-    log.report_file(Code::E0103, "-", reason("cannot write", path, error));
+  if (path == "-") return write_stream(STDOUT_FILENO, path, bytes, log);
+  const internal::WriteTarget target = internal::write_target(path);
+  if (target.stream >= 0) return write_stream(target.stream, path, bytes, log);
+  struct stat status {};
+  if (stat(target.path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) &&
+      !S_ISDIR(status.st_mode)) {
+    const Descriptor fd(::open(target.path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY));
+    if (fd.get() >= 0) return write_stream(fd.get(), path, bytes, log);
+    log.report_file(Code::E0103, path.string(), reason("cannot open", path, errno));
     return false;
   }
   auto file = AtomicFile::create(path, log);

@@ -57,6 +57,8 @@ class AtomicFile {
 
   // Syncs and renames. The seconds spent in fsync are added to *sync_seconds when given.
   bool commit(DiagnosticLog& log, double* sync_seconds = nullptr);
+  // Renames alone: after a crash of the machine the file may be there and not whole.
+  bool publish(DiagnosticLog& log);
 
  private:
   AtomicFile() = default;
@@ -69,7 +71,8 @@ class AtomicFile {
   std::filesystem::path temporary_;  // empty: it has no name yet
 };
 
-// create, write, commit. "-" writes to standard output.
+// create, write, commit. "-" writes to standard output; devices, pipes and open streams
+// (/dev/stdout) take the bytes as they are. A named pipe waits for its reader.
 bool write_file(const std::filesystem::path& path, std::span<const std::byte> bytes,
                 DiagnosticLog& log, double* sync_seconds = nullptr);
 inline std::span<const std::byte> as_bytes(std::string_view text) {

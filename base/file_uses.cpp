@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/internal/write_target.h"
 #include "base/text.h"
 
 namespace panwright {
@@ -42,16 +43,16 @@ struct Declared {
   bool refused = false;
 };
 
-// Nothing for what cannot be destroyed: standard output, devices; and for what cannot be written,
+// Nothing for what cannot be destroyed: open streams, devices; and for what cannot be written,
 // which its writer reports.
 std::optional<Declared> declared(const fs::path& path) {
   if (path.empty() || path == "-") return std::nullopt;
   Declared out;
   out.path = path.string();
   // a symbolic link keeps pointing: its target is what gets replaced
-  std::error_code error;
-  fs::path real = path;
-  if (fs::is_symlink(path, error)) real = fs::weakly_canonical(path, error);
+  const internal::WriteTarget target = internal::write_target(path);
+  if (target.stream >= 0) return std::nullopt;
+  const fs::path& real = target.path;
   struct stat status {};
   if (stat(real.c_str(), &status) == 0) {
     out.identity = identity_of(status);

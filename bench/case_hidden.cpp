@@ -1,13 +1,17 @@
 // Removal of hidden parts: share, time, and whether anything changes.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <set>
 
+#include "base/file_cache.h"
 #include "base/parallel.h"
 #include "bench/bench.h"
+#include "compiler/compile.h"
 #include "compiler/hidden.h"
 #include "importers/clean.h"
 #include "importers/import.h"
@@ -272,6 +276,40 @@ void run_open(Context& context, const char* name, const scene::Scene& before, st
   context.add(row);
 }
 
+// The same search once more, whose result was kept.
+void run_cached(Context& context, const std::string& name, const scene::Scene& before,
+                const scene::Scene& expected) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / fmt::format("panwright-bench-cache-{}", getpid());
+  const FileCache cache(folder);
+  compiler::HiddenOptions options = options_of(context);
+  options.cache = &cache;
+  scene::Scene after;
+  HiddenReport report;
+  const auto search = [&] {
+    after = before;
+    DiagnosticLog log;
+    report = *compiler::prune_hidden(after, options, log);
+  };
+  search();
+  const Timing timing = timed(search, 3);
+  std::error_code ignored;
+  std::filesystem::remove_all(folder, ignored);
+  DiagnosticLog log;
+  const bool same = *compiler::compiled(after, {}, log) == *compiler::compiled(expected, {}, log);
+  Row row{.case_name = "hidden",
+          .setting = fmt::format("{}, known from an earlier run", name),
+          .speed_unit = "s",
+          .error = same && report.cached ? 0.0 : 1.0,
+          .error_unit = "pan files with other bytes",
+          .reference = "the file without a cache",
+          .must = 0.25,
+          .must_is_least = false,
+          .must_error = 0.5};
+  set_time(row, timing, 1);
+  context.add(row);
+}
+
 void run_model(Context& context, const std::string& name, double seconds) {
   const auto path = context.source("../shared/data/spacecraft-gltf/" + name + ".glb");
   if (path.empty()) {
@@ -308,6 +346,7 @@ void run_model(Context& context, const std::string& name, double seconds) {
           .must_error = 0.5};
   set_time(row, timing, 1);
   context.add(row);
+  if (!context.quick()) run_cached(context, name, model->scene, after);
 }
 
 void run(Context& context) {

@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "compiler/internal/jobs.h"
 #include "compiler/internal/visibility.h"
+#include "compiler/internal/visibility_cache.h"
 #include "geometry/tessellate/tessellate.h"
 
 namespace panwright::compiler {
@@ -115,6 +116,8 @@ class Pruner {
     visible_.assign(scene_.instances.size(), 1);
     shown_.resize(scene_.shapes.size());
     std::uint64_t probes = 0;
+    std::size_t searched = 0;
+    std::size_t known = 0;
     for (const Body& body : bodies()) {
       if (std::none_of(body.model.parts.begin(), body.model.parts.end(),
                        [](const internal::VisibilityPart& part) { return part.candidate; })) {
@@ -122,8 +125,11 @@ class Pruner {
         continue;
       }
       const std::uint64_t left = options_.max_rays - std::min(options_.max_rays, report_.rays);
-      const internal::Visibility found =
-          internal::visibility_of(body.model, {options_.rays_per_triangle, left, 0}, job_);
+      bool is_known = false;
+      const internal::Visibility found = internal::cached_visibility_of(
+          body.model, {options_.rays_per_triangle, left, 0}, options_.cache, &is_known, job_);
+      ++searched;
+      known += is_known;
       report_.rays += found.rays;
       report_.reached += found.last_found;
       report_.ambiguous += found.ambiguous;
@@ -135,6 +141,7 @@ class Pruner {
       if (!shown_[s].empty()) reduce(s, shown_[s]);
     drop_instances(visible_);
     report_.hidden = report_.triangles_before - report_.triangles_after;
+    report_.cached = searched > 0 && known == searched;
     state_confidence(probes);
   }
 

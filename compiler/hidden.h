@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/file_cache.h"
 #include "compiler/compile.h"
 #include "scene/scene.h"
 
@@ -19,6 +20,8 @@ struct HiddenOptions {
   // In all, and four more for each triangle of a mesh. What they do not suffice for stays.
   std::uint64_t max_rays = 16'000'000;
   std::uint64_t max_triangles = 8'000'000;  // instances counted; a larger model is left alone
+  // Of what earlier searches found; null: none. It changes no result, `cached` and `seconds` apart.
+  const FileCache* cache = nullptr;
 };
 
 struct HiddenReport {
@@ -39,6 +42,7 @@ struct HiddenReport {
   double open_share = 0;
   double open_share_each = 0;
   double seconds = 0;
+  bool cached = false;  // all that takes a search was found before
 };
 
 // Removes the triangles of meshes, and whole instances, that nobody outside the model can see.
@@ -63,7 +67,7 @@ struct HiddenReport {
 //
 // Reports: N6304. Fails: E0001.
 // Cost: about 0.3 µs per ray on two cores, one or two rays for a triangle in the open; 150 bytes
-// per triangle, instances counted.
+// per triangle, instances counted. From the cache: a hash of the meshes.
 Result<HiddenReport> prune_hidden(scene::Scene& scene, const HiddenOptions& options,
                                   DiagnosticLog& log, const Job& job = {});
 

@@ -32,7 +32,7 @@ Result<DescribedMaterial> preset(std::string_view name, DiagnosticLog& log) {
                near ? fmt::format("did you mean '{}'?", *near) : "");
     return failed;
   }
-  DescribedMaterial described{materials::resolved(found->fields, {}, log), found->provenance};
+  DescribedMaterial described{materials::resolved(found->fields, {}, log), found->provenance, {}};
   described.material.name = name;
   return described;
 }
@@ -50,9 +50,13 @@ Result<std::vector<DescribedMaterial>> read_materials(const std::filesystem::pat
     std::vector<DescribedMaterial> all;
     for (const NamedMaterial& material : loader.materials()) {
       all.push_back(
-          {materials::resolved(material.fields, material.place, log), material.provenance});
+          {materials::resolved(material.fields, material.place, log), material.provenance, {}});
       all.back().material.name = material.name;
     }
+    const auto textures =
+        std::make_shared<const std::vector<scene::Texture>>(std::move(scene.textures));
+    for (DescribedMaterial& each : all)
+      if (each.material.maps.any()) each.textures = textures;
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
       return a.material.name < b.material.name;
     });

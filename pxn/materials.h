@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "base/result.h"
 #include "materials/material.h"
 #include "pxn/pxn.h"
+#include "scene/scene.h"
 
 namespace panwright::pxn {
 
@@ -31,6 +33,8 @@ struct Provenance {
 struct DescribedMaterial {
   materials::Material material;  // with its name
   Provenance provenance;
+  // of its file, which its maps are numbers of; null: it has none
+  std::shared_ptr<const std::vector<scene::Texture>> textures;
 };
 
 // The names of the library's materials, in alphabetical order.

@@ -37,6 +37,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments.flag("--compress", options.compress,
                  "A smaller file, slower to load, that programs of format 1.0 refuse");
   declare(arguments, options.read);
+  declare(arguments, options.read.cache);
   declare(arguments, options.common);
 }
 

@@ -72,6 +72,8 @@ int CommandContext::finish(int clean) {
   end_step();
   step_.clear();
   log_.sort_by_place();
+  // which may be standard output: after what was printed there
+  std::fflush(stdout);
   if (!options_.sarif.empty()) write_file(options_.sarif, as_bytes(to_sarif(log_)), log_);
   const int code = log_.has_errors() ? exit_code(log_) : clean;
   if (options_.json) {

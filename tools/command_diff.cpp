@@ -29,6 +29,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments.add("b", options.b, "A .pan or .pxn file").required().type("B");
   arguments.flag("--all", options.all, "Count differences of provenance and storage too");
   declare(arguments, options.read);
+  declare(arguments, options.read.cache);
   declare(arguments, options.common);
 }
 
@@ -40,7 +41,8 @@ Json as_json(const std::vector<pan::Difference>& list) {
 }
 
 void print(const std::vector<pan::Difference>& list, const char* prefix) {
-  for (const pan::Difference& each : list) tools::print("{}{}: {}\n", prefix, each.where, each.what);
+  for (const pan::Difference& each : list)
+    tools::print("{}{}: {}\n", prefix, each.where, each.what);
 }
 
 // What equal models differ in all the same.

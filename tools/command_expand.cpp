@@ -31,6 +31,7 @@ void declare_all(Arguments& arguments, Options& options) {
       .required()
       .type("FILE.pxn");
   declare(arguments, options.read);
+  declare(arguments, options.read.cache);
   declare(arguments, options.common);
 }
 

@@ -25,6 +25,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments.add("input", options.input, "A .pan, .pxn or CAD file").required().type("FILE");
   arguments.add("-o,--output", options.output, "The glTF file").required().type("FILE.glb");
   declare(arguments, options.read);
+  declare(arguments, options.read.cache);
   declare(arguments, options.read.open.cad);
   declare(arguments, options.common);
 }

@@ -27,6 +27,7 @@ struct Options {
   std::string input;
   std::string output;  // .pan or .pxn; empty: none
   std::string report;  // .txt, .json or .html; empty: none
+  CacheOption cache;
   bool compress = false;
 };
 
@@ -61,6 +62,7 @@ void declare_all(Arguments& arguments, Options& options) {
       .range(1.0, 1e12)
       .type("N");
   declare(arguments, cad);
+  declare(arguments, options.cache);
   // the camera has no say here, so that the short name is free
   arguments.find("--up-axis").group("CAD files");
   arguments.add("--up", cad.up, "The same as --up-axis")
@@ -109,7 +111,8 @@ Json as_json(const compiler::HiddenReport& hidden) {
           {"instances_after", hidden.instances_after},
           {"rays", hidden.rays},
           {"open_share_95", hidden.open_share},
-          {"seconds", hidden.seconds}};
+          {"seconds", hidden.seconds},
+          {"cached", hidden.cached}};
 }
 
 constexpr const char* kFormats[] = {"VRML 97", "VRML 1.0", "glTF", "OBJ", "STL", "PLY", "STEP"};
@@ -153,12 +156,16 @@ bool write_report(const importers::MeshReport& mesh_report, const scene::Scene& 
   context.step("report");
   const std::string extension = workspace::extension_of(options.report);
   std::string text;
-  if (extension == ".json")
+  if (extension == ".json") {
     text = importers::to_json(mesh_report);
-  else if (extension == ".html")
-    text = mesh_report_page(mesh_report, scene, options.input, options.open);
-  else
+  } else if (extension == ".html") {
+    auto page = mesh_report_page(mesh_report, scene, options.input, options.open, context.log(),
+                                 context.job());
+    if (!page) return false;
+    text = *std::move(page);
+  } else {
     text = importers::to_text(mesh_report);
+  }
   return write_file(options.report, as_bytes(text), context.log());
 }
 
@@ -200,8 +207,10 @@ int run(const Options& options, const Host& host) {
   context.files().will_write(options.output, "-o", log);
   context.files().will_write(options.report, "--report", log);
   if (log.has_errors()) return context.finish();
+  workspace::OpenOptions open = options.open;
+  open.cache = options.cache.folder();
   workspace::OpenReport found;
-  auto imported = workspace::read_cad(options.input, options.open, log, context.job(), &found);
+  auto imported = workspace::read_cad(options.input, open, log, context.job(), &found);
   context.add_timings(std::exchange(found.steps, {}));
   if (!imported) return context.finish();
   std::size_t errors = log.errors();
@@ -223,7 +232,7 @@ int run(const Options& options, const Host& host) {
                       fmt::format("{} left out: a .pan does not hold them yet",
                                   counted(imported->scene.joints.size(), "joint")));
     context.step({});
-    const auto report = workspace::write_pan(imported->scene, options.open,
+    const auto report = workspace::write_pan(imported->scene, open,
                                              {.output = options.output,
                                               .strip_sources = false,
                                               .compress = options.compress,

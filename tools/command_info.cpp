@@ -30,6 +30,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments.add("input", options.input, "A .pan, .pxn or CAD file").required().type("FILE");
   arguments.flag("--meshes", options.meshes, "List all meshes, not the heaviest only");
   declare(arguments, options.read);
+  declare(arguments, options.read.cache);
   declare(arguments, options.read.open.cad);
   declare(arguments, options.common);
 }

@@ -19,7 +19,9 @@ namespace panwright::tools {
 namespace {
 
 constexpr int kUsage = 2;
+constexpr int kUnwritten = 3;
 constexpr int kInternal = 70;
+constexpr int kCancelled = 130;
 
 std::vector<Command> all_commands() {
   return {compile_command(), import_command(),  export_command(),   check_command(),
@@ -107,7 +109,7 @@ int run_panwright(std::vector<std::string> words, const Host& host) {
       "  panwright import iss.glb -o iss.pxn\n"
       "  panwright explain E1101\n"
       "Exit codes: 0 ok, 1 errors in a model, 2 usage, 3 I/O, 4 damaged pan file, 70 internal, "
-      "130 stopped.\n"
+      "130 stopped by Ctrl-C (143, 129 by SIGTERM, SIGHUP).\n"
       "The language: docs/pxn-reference.md. Conventions of cameras, axes and units: "
       "docs/conventions.md.");
   app.require_subcommand(0, 1);
@@ -163,7 +165,8 @@ int run(int argc, const char* const* argv, const Host& host) {
   const int code = run_unchecked(argc, argv, host);
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   print(stderr, "panwright: standard output could not be written\n");
-  return code == 0 ? 3 : code;
+  // the first of the order of exit_code(): what was stopped or asked for wrongly comes before
+  return code == kUsage || code == kCancelled || code == kInternal ? code : kUnwritten;
 }
 
 }  // namespace panwright::tools

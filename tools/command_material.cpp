@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 
 #include "base/file.h"
@@ -38,12 +39,12 @@ struct Options {
   std::string name;                 // of one in the files; empty: all
   bool all = false;                 // the whole library too
   bool list = false;
-  bool show = false;          // the text of a library's material
-  std::string albedo;         // cosines, with commas
-  std::string svg;            // folder for plots
-  std::string fit;            // table of measured reflectance
-  std::string render;         // image of samples
-  std::uint32_t width = 480;  // of one material in the image, pixels
+  bool show = false;                  // the text of a library's material
+  std::optional<std::string> albedo;  // cosines, with commas
+  std::string svg;                    // folder for plots
+  std::string fit;                    // table of measured reflectance
+  std::string render;                 // image of samples
+  std::uint32_t width = 480;          // of one material in the image, pixels
   std::string engine = "gl";
 };
 
@@ -112,16 +113,17 @@ std::vector<DescribedMaterial> chosen(const Options& options, CommandContext& co
 }
 
 std::optional<std::vector<double>> cosines(const Options& options, CommandContext& context) {
-  if (options.albedo.empty()) return std::vector<double>{0.02, 0.05, 0.1, 0.25, 0.5, 0.75, 1};
+  if (!options.albedo) return std::vector<double>{0.02, 0.05, 0.1, 0.25, 0.5, 0.75, 1};
   std::vector<double> mus;
-  for (std::size_t at = 0; at <= options.albedo.size();) {
-    const std::size_t comma = std::min(options.albedo.find(',', at), options.albedo.size());
-    const auto number = parse_numbers(options.albedo.substr(at, comma - at), 1);
+  const std::string& text = *options.albedo;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', at), text.size());
+    const auto number = parse_numbers(text.substr(at, comma - at), 1);
     if (!number || !((*number)[0] > 0 && (*number)[0] <= 1)) {
       context.log().report(Code::E0201, {},
                            fmt::format("--albedo is {}, expected cosines above 0 and up to 1, with "
                                        "commas between them",
-                                       in_quotes(options.albedo)));
+                                       in_quotes(text)));
       return std::nullopt;
     }
     mus.push_back((*number)[0]);
@@ -269,12 +271,12 @@ bool write_plots(const std::string& folder, const materials::Material& material,
 }
 
 // One image of a material's samples.
-Result<preview::Image> sample_texture(const materials::Material& material, const Options& options,
+Result<preview::Image> sample_texture(const DescribedMaterial& material, const Options& options,
                                       workspace::Drawer& drawer, CommandContext& context) {
   DiagnosticLog& log = context.log();
   const auto bytes = compiler::compiled(sample_scene(material), {}, log, context.job());
   if (!bytes) return failed;
-  auto model = pan::Model::from_bytes(*bytes, material.name, log);
+  auto model = pan::Model::from_bytes(*bytes, material.material.name, log);
   if (!model || !model->check(log)) return failed;
   world::World world;
   if (!world.add("samples", std::make_shared<const pan::Model>(*std::move(model)), log))
@@ -314,7 +316,7 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& optio
   sheet.coverage.assign(sheet.pixels(), 0.0f);
   for (std::size_t i = 0; i < all.size(); ++i) {
     context.step("render " + all[i].material.name);
-    const auto image = sample_texture(all[i].material, options, *drawer, context);
+    const auto image = sample_texture(all[i], options, *drawer, context);
     if (!image) return false;
     const auto x = static_cast<std::uint32_t>(i % columns) * options.width;
     const auto y = static_cast<std::uint32_t>(i / columns) * cell_height;

@@ -24,8 +24,8 @@ struct Options {
   ViewOptions view;
   std::string views;  // JSON file of many views
   std::string gl = "auto";
-  std::string samples;      // "auto" or N; empty: the engine's own
-  std::string pixel_error;  // "1%" or a fraction; empty: the engine's own
+  std::optional<std::string> samples;      // "auto" or N; none: the engine's own
+  std::optional<std::string> pixel_error;  // "1%" or a fraction; none: the engine's own
   bool adaptive = false;
   bool flat = false;
   bool no_shadows = false;
@@ -33,7 +33,7 @@ struct Options {
   std::uint64_t max_image_bytes = 12ull << 30;
 
   std::string engine = "gl";  // or reference, the path tracer; what follows is for it alone
-  std::string until_error;    // "0.1%" or a fraction; empty: none
+  std::optional<std::string> until_error;  // "0.1%" or a fraction; none: no end by error
   std::uint64_t seed = 0;
   unsigned max_samples = 1u << 26;  // of a pixel, with until_error
   unsigned bounces = 3;
@@ -139,10 +139,10 @@ const char* stray_option(const Options& options) {
   if (options.is_traced()) {
     if (options.no_shadows) return "--no-shadows";
     if (options.adaptive) return "--adaptive";
-    if (!options.pixel_error.empty()) return "--pixel-error";
+    if (options.pixel_error) return "--pixel-error";
     return options.shadow_side != none.shadow_side ? "--shadow-side" : nullptr;
   }
-  if (options.until_error != none.until_error) return "--until-error";
+  if (options.until_error) return "--until-error";
   if (options.filter != none.filter) return "--filter";
   if (options.bounces != none.bounces) return "--bounces";
   if (options.seed != none.seed) return "--seed";
@@ -159,14 +159,14 @@ Result<preview::ReferenceOptions> reference_options(const Options& options, Diag
   result.sun_disc = !options.no_sun_disc;
   result.flat = options.flat;
   result.max_bytes = options.max_image_bytes;
-  if (!options.until_error.empty()) {
-    const auto share = workspace::parse_share(options.until_error);
+  if (options.until_error) {
+    const auto share = workspace::parse_share(*options.until_error);
     if (share && *share > 0 && *share < 1)
       result.until_error = *share;
     else
       log.report(Code::E0201, {},
                  fmt::format("--until-error is {}, expected a share between 0 and 1, as 0.1%",
-                             in_quotes(options.until_error)));
+                             in_quotes(*options.until_error)));
   }
   if (options.filter != "box") {
     const std::string prefix = "gaussian:";
@@ -186,14 +186,14 @@ Result<preview::ReferenceOptions> reference_options(const Options& options, Diag
 
 // N, or 0 for auto.
 Result<unsigned> samples_of(const Options& options, DiagnosticLog& log) {
-  if (options.samples.empty()) return options.is_traced() ? 8u : 0u;
-  if (options.samples == "auto" && !options.is_traced()) return 0u;
-  const auto number = workspace::parse_numbers(options.samples, 1);
+  if (!options.samples) return options.is_traced() ? 8u : 0u;
+  if (*options.samples == "auto" && !options.is_traced()) return 0u;
+  const auto number = workspace::parse_numbers(*options.samples, 1);
   if (number && (*number)[0] >= 1 && (*number)[0] <= 64 && (*number)[0] == std::floor((*number)[0]))
     return static_cast<unsigned>((*number)[0]);
   log.report(Code::E0201, {},
              fmt::format("--samples is {}, expected a whole number from 1 to 64{}",
-                         in_quotes(options.samples), options.is_traced() ? "" : ", or auto"));
+                         in_quotes(*options.samples), options.is_traced() ? "" : ", or auto"));
   return failed;
 }
 
@@ -205,15 +205,15 @@ Result<workspace::DrawOptions> draw_options(const Options& options, DiagnosticLo
   if (!samples) return failed;
   draw.samples = *samples;
   draw.gl.samples = *samples;
-  if (!options.pixel_error.empty()) {
-    const auto share = workspace::parse_share(options.pixel_error);
+  if (options.pixel_error) {
+    const auto share = workspace::parse_share(*options.pixel_error);
     if (*samples > 0 || !share || !(*share > 0 && *share < 1)) {
       log.report(Code::E0201, {},
                  *samples > 0
                      ? std::string("--pixel-error requires --samples auto")
                      : fmt::format("--pixel-error is {}, expected a share between 0 and 1, "
                                    "as 1%",
-                                   in_quotes(options.pixel_error)));
+                                   in_quotes(*options.pixel_error)));
       return failed;
     }
     draw.gl.pixel_error = *share;

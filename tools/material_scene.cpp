@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 
 #include "base/random.h"
@@ -78,11 +79,25 @@ Quat facing(const Vec3& normal) {
   return glm::quat_cast(Mat3(x, glm::cross(z, x), z));
 }
 
+// The textures of a material's maps, which are numbers of them then.
+void take_textures(materials::Maps& maps, const pxn::DescribedMaterial& from, scene::Scene& scene) {
+  std::map<std::int32_t, std::int32_t> taken;
+  for (std::int32_t* map :
+       {&maps.albedo, &maps.normal, &maps.roughness, &maps.reflectance, &maps.cutout}) {
+    if (*map < 0 || !from.textures) continue;
+    const auto [number, is_new] =
+        taken.try_emplace(*map, static_cast<std::int32_t>(scene.textures.size()));
+    if (is_new) scene.textures.push_back((*from.textures)[static_cast<std::size_t>(*map)]);
+    *map = number->second;
+  }
+}
+
 }  // namespace
 
-scene::Scene sample_scene(const materials::Material& material) {
+scene::Scene sample_scene(const pxn::DescribedMaterial& material) {
   scene::Scene scene;
-  scene.materials.push_back(material);
+  scene.materials.push_back(material.material);
+  take_textures(scene.materials[0].maps, material, scene);
   scene.budget.tolerance = 2e-4;
   scene::Node root;
   root.name = "root";

@@ -4,14 +4,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "materials/material.h"
+#include "pxn/materials.h"
 #include "scene/scene.h"
 #include "world/world.h"
 
 namespace panwright::tools {
 
 // One material's samples side by side, within 3.6 × 1.2 m about the origin, seen from −y.
-scene::Scene sample_scene(const materials::Material& material);
+scene::Scene sample_scene(const pxn::DescribedMaterial& material);
 
 // What sees them, `width` pixels across and a third of it high. The tiles are turned
 // so that a mirror's glint just misses the viewer.

@@ -69,20 +69,20 @@ void draw_ring(preview::Image& image) {
 // Images of places on one model.
 class Camera {
  public:
-  Camera(const scene::Scene& scene, const workspace::OpenOptions& options)
-      : bounds_(importers::bounds_of(scene)) {
+  Camera(const scene::Scene& scene, const workspace::OpenOptions& options, const Job& job)
+      : job_(job), bounds_(importers::bounds_of(scene)) {
     compiler::Options compile;
     compile.max_error = options.max_error;
-    const auto bytes = compiler::compiled(scene, compile, log_);
+    const auto bytes = compiler::compiled(scene, compile, log_, job_);
     if (!bytes) return;
     auto model = pan::Model::from_bytes(*bytes, "model", log_);
-    if (!model || !model->check(log_)) return;
+    if (!model || !model->check(log_, job_)) return;
     if (!world_.add("model", std::make_shared<const pan::Model>(*std::move(model)), log_)) return;
     workspace::DrawOptions draw;
     draw.gl.samples = 2;
     draw.gl.shadow_side = 0;
     auto drawer = workspace::Drawer::create(draw, log_);
-    if (drawer && drawer->prepare(world_, log_)) drawer_.emplace(*std::move(drawer));
+    if (drawer && drawer->prepare(world_, log_, job_)) drawer_.emplace(*std::move(drawer));
     file_ = std::filesystem::temp_directory_path() /
             fmt::format("panwright-report-{}.png", static_cast<long>(::getpid()));
   }
@@ -111,7 +111,7 @@ class Camera {
     world::Sun sun;
     sun.direction = outwards + Vec3(0.3, -0.2, 0.5);
     world_.set_sun(sun);
-    auto drawn = drawer_->draw(world_, camera, false, log_);
+    auto drawn = drawer_->draw(world_, camera, false, log_, job_);
     if (!drawn) return {};
     preview::Image& image = drawn->image;
     draw_ring(image);
@@ -121,6 +121,7 @@ class Camera {
   }
 
  private:
+  const Job& job_;
   DiagnosticLog log_;  // what the report cannot show is no error of the import
   importers::Bounds bounds_;
   world::World world_;
@@ -185,15 +186,18 @@ std::string mesh_rows(const importers::MeshReport& mesh_report) {
 
 }  // namespace
 
-std::string mesh_report_page(const importers::MeshReport& mesh_report, const scene::Scene& scene,
-                             const std::string& input, const workspace::OpenOptions& options) {
+Result<std::string> mesh_report_page(const importers::MeshReport& mesh_report,
+                                     const scene::Scene& scene, const std::string& input,
+                                     const workspace::OpenOptions& options, DiagnosticLog& log,
+                                     const Job& job) {
   std::string out = head(input) + totals(mesh_report.total);
   if (!mesh_report.spots.empty()) {
-    Camera camera(scene, options);
+    Camera camera(scene, options, job);
     out += "<h2>Locations to inspect</h2>\n";
     if (!camera.works()) out += "<p>No images: no OpenGL context.</p>\n";
     std::array<std::size_t, 8> shown{};
     for (const importers::WorldSpot& spot : mesh_report.spots) {
+      if (job.cancelled()) break;
       if (!camera.works() || shown[static_cast<std::size_t>(spot.kind)]++ >= kTexturesOfAKind)
         continue;
       const std::string image = camera.image(spot);
@@ -205,6 +209,10 @@ std::string mesh_report_page(const importers::MeshReport& mesh_report, const sce
           kSide, flipped ? "flipped region" : importers::kind_name(spot.kind), image, spot.length,
           escaped(mesh_report.meshes[spot.mesh].path), spot.at.x, spot.at.y, spot.at.z);
     }
+  }
+  if (job.cancelled()) {
+    report_cancelled(log);
+    return failed;
   }
   return out + mesh_rows(mesh_report) + "</body></html>\n";
 }

@@ -22,6 +22,16 @@ void declare(Arguments& arguments, CommonOptions& common) {
       .type("N");
 }
 
+void declare(Arguments& arguments, CacheOption& cache) {
+  arguments.flag("--no-cache", cache.off,
+                 "Search hidden parts anew, and do not keep what is found for the next run "
+                 "(otherwise in ~/.cache/panwright)");
+}
+
+std::filesystem::path CacheOption::folder() const {
+  return off ? std::filesystem::path() : workspace::user_cache_folder();
+}
+
 void declare_max_input(Arguments& arguments, std::uint64_t& bytes) {
   arguments.add("--max-input", bytes, "Most bytes of input to read, e.g. 512MB")
       .bytes()
@@ -55,6 +65,7 @@ void declare(Arguments& arguments, ReadOptions& read) {
 
 Result<workspace::OpenOptions> ReadOptions::opening(DiagnosticLog& log) const {
   workspace::OpenOptions out = open;
+  out.cache = cache.folder();
   for (const std::string& parameter : parameters) {
     const std::size_t sign = parameter.find('=');
     if (sign == std::string::npos || sign == 0) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -24,10 +25,18 @@ struct CommonOptions {
 };
 void declare(Arguments& arguments, CommonOptions& options);
 
+// Whether results of earlier runs are used: an option of what removes hidden parts.
+struct CacheOption {
+  bool off = false;
+  std::filesystem::path folder() const;  // for OpenOptions::cache
+};
+void declare(Arguments& arguments, CacheOption& cache);
+
 // Options of what reads models.
 struct ReadOptions {
   workspace::OpenOptions open;          // but for the parameters
   std::vector<std::string> parameters;  // NAME=VALUE
+  CacheOption cache;                    // declared by itself
 
   // All of it. Fails: E0201 for a parameter without a value.
   Result<workspace::OpenOptions> opening(DiagnosticLog& log) const;

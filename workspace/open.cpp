@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 #include <string_view>
 
+#include "base/file_cache.h"
 #include "base/file_uses.h"
 #include "base/text.h"
 #include "importers/clean.h"
@@ -130,6 +132,19 @@ Result<world::ModelPtr> open_pan(const std::filesystem::path& path, const OpenOp
 
 }  // namespace
 
+std::filesystem::path user_cache_folder() {
+  namespace fs = std::filesystem;
+  if (const char* chosen = std::getenv("PANWRIGHT_CACHE"))
+    return std::string_view(chosen) == "off" ? fs::path() : fs::path(chosen);
+  // relative ones are to be ignored, says the XDG Base Directory Specification
+  if (const char* folder = std::getenv("XDG_CACHE_HOME"); folder != nullptr && folder[0] == '/')
+    return fs::path(folder) / "panwright";
+  const char* home = std::getenv("HOME");
+  std::error_code ignored;
+  if (home == nullptr || home[0] != '/' || !fs::is_directory(home, ignored)) return {};
+  return fs::path(home) / ".cache" / "panwright";
+}
+
 std::string extension_of(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension)
@@ -199,6 +214,8 @@ Result<bool> prune(scene::Scene& scene, const OpenOptions& options, DiagnosticLo
     return false;
   const Stopwatch watch(report, "remove hidden parts");
   hidden.compile = compile_options(options);
+  std::optional<FileCache> cache;
+  if (!options.cache.empty()) hidden.cache = &cache.emplace(options.cache / "visibility");
   const auto found = compiler::prune_hidden(scene, hidden, log, job);
   if (!found) return failed;
   if (report != nullptr) report->hidden = *found;

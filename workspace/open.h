@@ -50,7 +50,14 @@ struct OpenOptions {
   // Whether hidden geometry is removed from imports with hidden="remove" (the default) and from CAD
   // files unless keep_hidden. A model that is shown once and not stored does not need it.
   bool prune = true;
+  // Folder that keeps what took long, so that the same model does not take it again: today, which
+  // triangles are hidden. It changes no result. Empty: none; user_cache_folder(): the user's own.
+  std::filesystem::path cache;
 };
+
+// Where this user's programs keep such things: panwright in $XDG_CACHE_HOME, or in ~/.cache;
+// $PANWRIGHT_CACHE names another folder, or none by "off". Empty: none, or no home.
+std::filesystem::path user_cache_folder();
 
 // One step and its duration.
 struct Step {

@@ -21,16 +21,26 @@ class Coding {
     };
     for (std::size_t i = 0; i < 256; ++i) values_[i] = value(static_cast<double>(i));
     for (std::size_t i = 0; i < 255; ++i) edges_[i] = value(static_cast<double>(i) + 0.5);
+    for (std::size_t i = 0; i < kBuckets; ++i) {
+      const auto above =
+          std::upper_bound(edges_.begin(), edges_.end(), static_cast<double>(i) / kBuckets);
+      buckets_[i] = static_cast<std::uint8_t>(above - edges_.begin());
+    }
   }
   double value(std::uint8_t code) const { return values_[code]; }
+  // value: 0 to 1
   std::uint8_t code(double value) const {
-    return static_cast<std::uint8_t>(std::upper_bound(edges_.begin(), edges_.end(), value) -
-                                     edges_.begin());
+    if (!(value < 1)) return 255;
+    std::uint8_t code = buckets_[static_cast<std::size_t>(value * kBuckets)];
+    while (code < 255 && edges_[code] <= value) ++code;
+    return code;
   }
 
  private:
+  static constexpr std::size_t kBuckets = 4096;  // of 0 to 1: few hold an edge, none holds two
   std::array<double, 256> values_{};
-  std::array<double, 255> edges_{};  // half way between two codes
+  std::array<double, 255> edges_{};               // half way between two codes
+  std::array<std::uint8_t, kBuckets> buckets_{};  // the code where each begins
 };
 
 // The two texels of one axis beside the centre of another texture's texel, and the second's share.
@@ -116,13 +126,21 @@ Baked baked(std::span<const BakeSource> sources, std::span<const bool> srgb,
   for (const BakeSource& source : sources)
     readers.emplace_back(source, out.width, out.height, colors, numbers);
   parallel_for(out.height, [&](std::size_t y) {
-    std::vector<Vec4> from(sources.size()), to(srgb.size());
+    std::vector<Vec4> from(sources.size()), before, to(srgb.size());
     for (std::size_t x = 0; x < out.width; ++x) {
       for (std::size_t i = 0; i < from.size(); ++i) from[i] = readers[i].at(x, y);
-      texel(from, to);
+      const bool same = from == before;  // as in evenly coloured areas
+      if (!same) {
+        texel(from, to);
+        before = from;
+      }
       for (std::size_t i = 0; i < to.size(); ++i) {
-        const Vec4 value = glm::clamp(to[i], Vec4(0), Vec4(1));
         std::uint8_t* code = &out.textures[i][4 * (y * out.width + x)];
+        if (same) {
+          std::copy_n(code - 4, 4, code);
+          continue;
+        }
+        const Vec4 value = glm::clamp(to[i], Vec4(0), Vec4(1));
         for (int k = 0; k < 4; ++k) code[k] = (srgb[i] && k < 3 ? colors : numbers).code(value[k]);
       }
     }

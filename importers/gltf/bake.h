@@ -30,8 +30,8 @@ std::uint32_t baked_height(std::span<const BakeSource> sources);
 //
 //   sources  one or more with a texture
 //   srgb     for each texture made, whether its RGB is stored as sRGB codes
-//   texel    of the sources' texels, 0 to 1, those of the textures; taken to 0 to 1. Called from
-//            several threads.
+//   texel    of the sources' texels, 0 to 1, those of the textures; taken to 0 to 1. A function of
+//            them alone, called from several threads.
 Baked baked(std::span<const BakeSource> sources, std::span<const bool> srgb,
             const std::function<void(std::span<const Vec4>, std::span<Vec4>)>& texel);
 

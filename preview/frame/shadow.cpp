@@ -357,6 +357,7 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
   shown_.clear();  // which hold models
   group.layout.texel = finder_.texel();
   group.layout.pixel = finder_.pixel();
+  group.layout.finest = finder_.finest();
 }
 
 void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits,
@@ -380,9 +381,12 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits,
       fmt::format(
           "the shadow map of '{}' has texels of {:.3g} m where a pixel spans {:.3g} m: edges "
           "of shadows may be off by {:.2g} pixels there, expected at most {:.2g} "
-          "(a larger --shadow-side may give finer ones)",
+          "({})",
           scene.world[worst->targets.front().target].name(), worst->layout.texel,
-          worst->layout.pixel, 0.375 * most, 0.375 * kMostPixelsATexel));
+          worst->layout.pixel, 0.375 * most, 0.375 * kMostPixelsATexel,
+          worst->layout.finest > kMostPixelsATexel * worst->layout.pixel
+              ? "single precision allows no finer ones for triangles so large: smaller ones help"
+              : "a larger --shadow-side may give finer ones"));
 }
 
 bool ShadowMaps::refresh(Device::Impl& device, const FrameScene& scene, Group& group,

@@ -98,6 +98,7 @@ class ShadowMaps {
     ShadowTiles tiles;  // for this view
     double texel = 0;   // the coarsest beside its pixel, metres
     double pixel = 0;
+    double finest = 0;  // texel that single precision allows there
   };
   struct Map {
     // what it shows

@@ -116,12 +116,17 @@ double ShadowTileFinder::pixel_of(double depth) const {
   return (camera.projection == world::Projection::perspective ? depth : 1.0) / focal;
 }
 
+// what single precision allows, metres
+double ShadowTileFinder::finest_of(const Fit& fit) {
+  const double deep = fit.all.high.z - fit.all.low.z;
+  return stepped(std::max({deep * kLeastTexel, fit.across * kLeastTexel, 0x1p-900}));
+}
+
 // of a tile of so many texels, metres
 double ShadowTileFinder::texel_of(const Fit& fit, unsigned side) const {
   const Vec3 extent = fit.all.high - fit.all.low;
   const double room = side - 2 * kBorder - side / 16;
-  return stepped(std::max(
-      {extent.x / room, extent.y / room, extent.z * 0x1p-20, fit.across * kLeastTexel, 0x1p-900}));
+  return std::max(finest_of(fit), stepped(std::max({extent.x / room, extent.y / room, 0x1p-900})));
 }
 
 // The smallest tile whose texels are no wider than a pixel; of none, the largest.
@@ -289,6 +294,7 @@ void ShadowTileFinder::place(std::span<const Cell> cells, const TileLimits& limi
       worst = tile.texel / pixel;
       texel_ = tile.texel;
       pixel_ = pixel;
+      finest_ = finest_of(fit);
     }
     tiles_.tiles.push_back(tile);
   }
@@ -359,6 +365,7 @@ const ShadowTiles& ShadowTileFinder::find(const world::Camera& camera,
   tiles_ = {{}, whole.axes_from_model, 0, side_, 1, 1};
   texel_ = std::max(whole.extent.x, whole.extent.y) / side_;
   pixel_ = INFINITY;
+  finest_ = 0;
 
   // corners of pixels are looked at too (sampling.h)
   ViewCell view{Vec2(-2), Vec2(camera.width, camera.height) + 2.0, INFINITY, 0};

@@ -88,6 +88,8 @@ class ShadowTileFinder {
   // Metres.
   double texel() const { return texel_; }
   double pixel() const { return pixel_; }
+  // The texel that single precision allows there, metres; 0: any.
+  double finest() const { return finest_; }
 
  private:
   // A piece and where it comes from.
@@ -122,6 +124,7 @@ class ShadowTileFinder {
   };
 
   double pixel_of(double depth) const;
+  static double finest_of(const Fit& fit);
   double texel_of(const Fit& fit, unsigned side) const;
   unsigned level_of(const Fit& fit) const;
   double coarseness(const Fit& fit) const {
@@ -141,6 +144,7 @@ class ShadowTileFinder {
   unsigned side_ = 0;
   double texel_ = 0;
   double pixel_ = 0;
+  double finest_ = 0;
   MeshRunCache runs_;
   std::vector<Piece> pieces_;
   std::vector<Piece> coarse_;

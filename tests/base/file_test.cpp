@@ -141,11 +141,53 @@ TEST_F(File, SaysWhyItCannotWrite) {
   EXPECT_EQ(log.errors(), 2u);
   EXPECT_EQ(log.entries()[0].code, Code::E0103);
   EXPECT_EQ(exit_code(log), 3);
-  // devices and pipes stay what they are
-  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
-  EXPECT_FALSE(write_file(folder / "pipe", as_bytes("x"), log));
-  EXPECT_TRUE(fs::is_fifo(folder / "pipe"));
+  EXPECT_FALSE(write_file("/dev/full", as_bytes("x"), log));
   EXPECT_EQ(log.errors(), 3u);
+}
+
+// They stay what they are.
+TEST_F(File, DevicesAndPipesTakeWhatIsWritten) {
+  EXPECT_TRUE(write_file("/dev/null", as_bytes("x"), log));
+  const fs::path pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  // nothing can be put into its place
+  EXPECT_FALSE(AtomicFile::create(pipe, log));
+  EXPECT_EQ(log.errors(), 1u);
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  EXPECT_TRUE(write_file(pipe, as_bytes("said"), log));
+  fs::create_symlink("pipe", folder / "link");
+  EXPECT_TRUE(write_file(folder / "link", as_bytes("!"), log));
+  char got[8] = {};
+  EXPECT_EQ(read(reader, got, sizeof got), 5);
+  EXPECT_STREQ(got, "said!");
+  close(reader);
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_EQ(log.errors(), 1u);
+}
+
+// Not the file behind it, which has other text from the same descriptor.
+TEST_F(File, OpenStreamsTakeWhatIsWritten) {
+  const int stream = open((folder / "out").c_str(), O_WRONLY | O_CREAT, 0600);
+  ASSERT_EQ(write(stream, "one ", 4), 4);
+  for (const char* name : {"/dev/fd/", "/proc/self/fd/"})
+    EXPECT_TRUE(write_file(name + std::to_string(stream), as_bytes("two "), log));
+  ASSERT_EQ(write(stream, "three", 5), 5);
+  close(stream);
+  EXPECT_EQ(contents(folder / "out"), "one two two three");
+  EXPECT_FALSE(log.has_errors());
+}
+
+TEST_F(File, ALinkThatLeadsNowhereStaysALink) {
+  fs::create_directory(folder / "sub");
+  fs::create_symlink("sub/b", folder / "a");
+  fs::create_symlink(folder / "a", folder / "again");
+  ASSERT_TRUE(write_file(folder / "again", as_bytes("new"), log));
+  EXPECT_TRUE(fs::is_symlink(folder / "a"));
+  EXPECT_TRUE(fs::is_symlink(folder / "again"));
+  EXPECT_EQ(contents(folder / "sub" / "b"), "new");
+  fs::create_symlink("loop", folder / "loop");
+  EXPECT_FALSE(write_file(folder / "loop" / "f", as_bytes("new"), log));
 }
 
 }  // namespace

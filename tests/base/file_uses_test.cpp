@@ -73,6 +73,16 @@ TEST_F(Uses, NothingIsWrittenWhereOneDeclaredOutputIsAnInput) {
   EXPECT_TRUE(write(folder / "said"));
 }
 
+// The target of a link is where the file will be, whether it is there or not.
+TEST_F(Uses, ALinkThatLeadsNowhereIsItsTarget) {
+  fs::create_symlink("b", folder / "a");
+  EXPECT_TRUE(files().will_write(folder / "b", "-o", log));
+  EXPECT_FALSE(files().will_write(folder / "a", "--report", log));
+  EXPECT_EQ(refusals(), 1u);
+  EXPECT_FALSE(write(folder / "b"));
+  EXPECT_FALSE(fs::exists(folder / "b"));
+}
+
 TEST_F(Uses, TwoOutputsAreTwoFiles) {
   fs::create_directory_symlink(".", folder / "here");
   EXPECT_TRUE(files().will_write(folder / "a", "-o", log));

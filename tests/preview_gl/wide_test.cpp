@@ -137,6 +137,9 @@ TEST(WideModels, WhatIsTooCoarseIsSaid) {
   DiagnosticLog log;
   errors(cube_on_plate(4e4), view, log);
   EXPECT_TRUE(log.contains(Code::W5012)) << to_text(log);
+  // and what helps: more texels do not
+  EXPECT_NE(to_text(log).find("single precision"), std::string::npos) << to_text(log);
+  EXPECT_EQ(to_text(log).find("--shadow-side"), std::string::npos) << to_text(log);
   // so it is where memory ends
   RenderOptions options;
   options.shadow_side = 64;
@@ -144,6 +147,7 @@ TEST(WideModels, WhatIsTooCoarseIsSaid) {
   DiagnosticLog small;
   errors(cube_on_plate(20), view, small, options);
   EXPECT_TRUE(small.contains(Code::W5012)) << to_text(small);
+  EXPECT_NE(to_text(small).find("a larger --shadow-side"), std::string::npos) << to_text(small);
   printf("%s", to_text(small).c_str());
 }
 

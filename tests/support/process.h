@@ -13,7 +13,8 @@ struct Outcome {
   std::string err;
 };
 
-// Runs a program with arguments, to its end. environment: NAME=VALUE entries added to ours.
+// Runs a program with arguments, to its end. environment: NAME=VALUE entries added to ours; NAME
+// takes one away. PANWRIGHT_CACHE is off unless it is there.
 Outcome run(const std::vector<std::string>& words,
             const std::vector<std::string>& environment = {});
 

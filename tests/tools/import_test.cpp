@@ -9,6 +9,7 @@
 
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
+#include "tools/mesh_report_page.h"
 
 namespace panwright {
 namespace {
@@ -20,14 +21,15 @@ using testing::HasSubstr;
 
 const std::string kRelay = PANWRIGHT_SOURCE_DIR "/examples/cad/relay.wrl";
 
-support::Outcome panwright(std::vector<std::string> words, const char* name = "panwright") {
+support::Outcome panwright(std::vector<std::string> words, const char* name = "panwright",
+                           const std::vector<std::string>& environment = {}) {
   words.insert(words.begin(), std::string(PANWRIGHT_BIN_DIR "/") + name);
-  return support::run(words);
+  return support::run(words, environment);
 }
 
-json result_of(std::vector<std::string> words) {
+json result_of(std::vector<std::string> words, const std::vector<std::string>& environment = {}) {
   words.push_back("--json");
-  const support::Outcome outcome = panwright(words);
+  const support::Outcome outcome = panwright(words, "panwright", environment);
   const json out = json::parse(outcome.out, nullptr, false);
   EXPECT_FALSE(out.is_discarded()) << outcome.out << outcome.err;
   return out;
@@ -69,6 +71,62 @@ TEST(Import, hidden_parts_go_unless_they_are_kept) {
             gone["removed"]["instances_after"].get<int>() + 2);
   EXPECT_LT(gone["triangles"], kept["triangles"]);
   EXPECT_FALSE(kept.contains("removed"));
+}
+
+// What a search found is kept for the next one: it changes no byte and no word.
+TEST(Import, hidden_parts_are_searched_once) {
+  const TemporaryFolder folder;
+  const std::string cache = folder / "cache";
+  const std::vector<std::string> words = {"import", kRelay, "--units",
+                                          "mm",     "-o",   folder / "a.pan"};
+  const auto run = [&](const std::string& environment, bool no_cache, bool cached) {
+    std::vector<std::string> all = words;
+    if (no_cache) all.push_back("--no-cache");
+    const json out = result_of(all, {environment});
+    EXPECT_EQ(out["removed"]["cached"], cached) << environment;
+    json diagnostics = out["diagnostics"];
+    diagnostics.push_back(support::contents(folder / "a.pan"));
+    return diagnostics.dump(-1, ' ', false, json::error_handler_t::replace);
+  };
+  const auto entries = [&](const std::string& in) {
+    std::size_t count = 0;
+    if (fs::exists(in))
+      for (const auto& entry : fs::recursive_directory_iterator(in))
+        count += entry.is_regular_file();
+    return count;
+  };
+  const std::string here = "PANWRIGHT_CACHE=" + cache;
+  const std::string without = run("PANWRIGHT_CACHE=off", false, false);
+  EXPECT_EQ(run(here, true, false), without);
+  EXPECT_EQ(entries(cache), 0u);
+  EXPECT_EQ(run(here, false, false), without);
+  EXPECT_EQ(entries(cache), 1u);
+  EXPECT_EQ(run(here, false, true), without);
+  EXPECT_EQ(run(here, true, false), without);
+  // what else opens the file finds it too, and another reading of the file is another model
+  EXPECT_EQ(panwright({"info", kRelay, "--units", "mm"}, "panwright", {here}).code, 0);
+  EXPECT_EQ(
+      panwright({"export", kRelay, "--units", "mm", "-o", folder / "a.glb"}, "panwright", {here})
+          .code,
+      0);
+  EXPECT_EQ(entries(cache), 1u);
+  EXPECT_EQ(panwright({"info", kRelay, "--units", "cm"}, "panwright", {here}).code, 0);
+  EXPECT_EQ(entries(cache), 2u);
+  // where it cannot be kept
+  EXPECT_EQ(run("PANWRIGHT_CACHE=/proc/none", false, false), without);
+  EXPECT_EQ(run("PANWRIGHT_CACHE=" + kRelay, false, false), without);
+  // the user's own
+  const auto own = [&](std::vector<std::string> environment) {
+    environment.push_back("PANWRIGHT_CACHE");
+    EXPECT_EQ(panwright(words, "panwright", environment).code, 0);
+  };
+  fs::create_directory(folder / "home");
+  own({"XDG_CACHE_HOME=" + folder / "xdg", "HOME=" + folder / "home"});
+  EXPECT_EQ(entries(folder / "xdg/panwright/visibility"), 1u);
+  own({"XDG_CACHE_HOME=relative", "HOME=" + folder / "home"});
+  EXPECT_EQ(entries(folder / "home/.cache/panwright/visibility"), 1u);
+  own({"XDG_CACHE_HOME=", "HOME=" + folder / "nowhere"});
+  EXPECT_FALSE(fs::exists(folder / "nowhere"));
 }
 
 TEST(Import, a_text_around_a_file_compiles) {
@@ -155,6 +213,35 @@ TEST(Import, reports_in_three_kinds) {
 #ifdef PANWRIGHT_GL
   EXPECT_THAT(page, HasSubstr("data:image/png;base64,"));
 #endif
+}
+
+// Its images take long for large models.
+TEST(Import, a_report_stops_when_it_is_asked_to) {
+  DiagnosticLog log;
+  workspace::OpenReport report;
+  const std::string bad = PANWRIGHT_SOURCE_DIR "/tests/importers/data/bad/W6302.wrl";
+  const auto imported = workspace::read_cad(bad, {}, log, {}, &report);
+  ASSERT_TRUE(imported && report.mesh_report);
+  const auto page = [&](const Job& job) {
+    DiagnosticLog said;
+    const auto text =
+        tools::mesh_report_page(*report.mesh_report, imported->scene, bad, {}, said, job);
+    EXPECT_EQ(static_cast<bool>(text), !job.cancelled());
+    EXPECT_EQ(said.contains(Code::E0001), job.cancelled());
+  };
+  std::size_t told = 0;
+  page(Job({0, [&](const Progress&) { ++told; }}));
+  EXPECT_GT(told, 0u) << "the job goes with the work";
+  // wherever it is
+  for (std::size_t stop = 0; stop < told; ++stop) {
+    std::size_t count = 0;
+    Job job;
+    job = Job({1, [&](const Progress&) {
+                 if (count++ == stop) job.cancel();
+               }});
+    page(job);
+    EXPECT_TRUE(job.cancelled());
+  }
 }
 
 TEST(Import, what_could_be_read_of_a_bad_file_is_written_and_the_exit_code_is_1) {

@@ -142,6 +142,40 @@ TEST_F(Outputs, AreDifferentFiles) {
   refuses({"render", model_, "--views", views, "--size", "8x8"}, "one file");
 }
 
+// A link that leads nowhere yet leads to the other output.
+TEST_F(Outputs, AreDifferentFilesBehindLinks) {
+  fs::create_symlink("a.pan", folder_ / "rule.d");
+  before_[folder_ / "rule.d"] = "";
+  refuses({"compile", model_, "-o", folder_ / "a.pan", "-M", folder_ / "rule.d"}, "one file");
+  refuses({"compile", model_, "-o", folder_ / "a.pan", "--sarif", folder_ / "rule.d"}, "one file");
+}
+
+TEST_F(Outputs, MayBeDevicesAndPipes) {
+  EXPECT_EQ(panwright({"check", model_, "--sarif", "/dev/null"}).code, 0);
+  EXPECT_EQ(panwright({"check", model_, "--sarif", "/dev/full"}).code, 3);
+  const Outcome sarif = panwright({"check", model_, "--sarif", "/dev/stdout"});
+  EXPECT_EQ(sarif.code, 0) << sarif.err;
+  EXPECT_THAT(sarif.out, HasSubstr("\"version\": \"2.1.0\""));
+  EXPECT_THAT(sarif.out, HasSubstr("model.pxn: ok"));
+  const Outcome rule = panwright({"compile", model_, "-o", folder_ / "a.pan", "-M", "/dev/stdout"});
+  EXPECT_EQ(rule.code, 0) << rule.err;
+  EXPECT_THAT(rule.out, HasSubstr("part.pxn"));
+  const std::string pipe = folder_ / "pipe";
+  const Outcome piped = shell("mkfifo " + pipe + "; cat " + pipe + " & \"$P\" check " + model_ +
+                              " --sarif " + pipe + " >&2; wait");
+  EXPECT_THAT(piped.out, HasSubstr("2.1.0")) << piped.err;
+  EXPECT_TRUE(fs::is_fifo(pipe));
+}
+
+// docs/conventions.md 18
+TEST_F(Outputs, AClosedPipeEndsTheProgramAsItEndsOthers) {
+  const std::string code = folder_ / "code";
+  const std::string go = folder_ / "go";
+  shell("mkfifo " + go + "; (read x <" + go + "; \"$P\" info " + model_ + "; echo $? >" + code +
+        ") | (exec <&-; echo x >" + go + ")");
+  EXPECT_EQ(contents(code), "141\n");
+}
+
 TEST_F(Outputs, AreWrittenWhereNobodyListens) {
   const std::string go = "\"$P\" compile " + model_ + " -o " + (folder_ / "a.pan");
   const std::string broken = folder_.write("broken.pxn", "<pangu_model ver=\"1\"><spere/>");
@@ -156,6 +190,11 @@ TEST_F(Outputs, AreWrittenWhereNobodyListens) {
   EXPECT_EQ(shell("\"$P\" info " + model_ + " >/dev/full").code, 3);
   EXPECT_EQ(shell("\"$P\" info " + model_ + " >&-").code, 3);
   EXPECT_EQ(shell("\"$P\" info " + model_ + " --json >/dev/full 2>/dev/full").code, 3);
+  // a result that nobody can read is not "the models differ"
+  EXPECT_EQ(shell("\"$P\" diff " + part_ + " " + panel_).code, 1);
+  EXPECT_EQ(shell("\"$P\" diff " + part_ + " " + panel_ + " >/dev/full").code, 3);
+  EXPECT_EQ(shell("\"$P\" diff " + part_ + " " + part_ + " >/dev/full").code, 3);
+  EXPECT_EQ(shell("\"$P\" info --nothing >/dev/full").code, 2);
 }
 
 TEST_F(Outputs, AboveTheLimitOfTheShellAreAnError) {

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "base/diagnostic.h"
+#include "base/png.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -178,6 +180,60 @@ TEST(Program, SarifFileHoldsTheDiagnostics) {
   const json sarif = json::parse(contents(folder / "out.sarif"));
   EXPECT_EQ(sarif["version"], "2.1.0");
   EXPECT_EQ(sarif["runs"][0]["results"][0]["ruleId"], "E1101");
+}
+
+// Work without an end: the model is never known this well.
+TEST(Program, SignalsEndItAsTheyEndOthers) {
+  const TemporaryFolder folder;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const Outcome outcome = support::run_and_signal(
+        {PANWRIGHT_BIN_DIR "/panwright", "render", kFigure8, "-o", folder / "a.npy", "--engine",
+         "reference", "--until-error", "1e-9", "--size", "64x64"},
+        signal, 500'000);
+    EXPECT_EQ(outcome.code, 128 + signal) << outcome.err;
+    EXPECT_TRUE(fs::is_empty(folder.path()));
+  }
+}
+
+// Nothing is not the default.
+TEST(Program, EmptyValuesOfOptionsAreRefused) {
+  const TemporaryFolder folder;
+  for (const char* option : {"--samples", "--pixel-error", "--until-error"}) {
+    const Outcome outcome =
+        panwright({"render", kFigure8, "-o", folder / "a.png", "--size", "8x8", option, "",
+                   "--engine", std::string(option) == "--until-error" ? "reference" : "gl"});
+    EXPECT_EQ(outcome.code, 2) << option << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("[E0201]"));
+    EXPECT_THAT(outcome.err, HasSubstr(option));
+  }
+  EXPECT_EQ(panwright({"material", "white_z93", "--albedo", ""}).code, 2);
+}
+
+// Samples of a material have its textures.
+TEST(Program, SamplesOfATexturedMaterial) {
+  const TemporaryFolder folder;
+  std::vector<std::uint8_t> texels;
+  for (int i = 0; i < 16; ++i) texels.insert(texels.end(), {0, 255, 0, 255});
+  folder.write("green.png", png_file(4, 4, texels));
+  std::vector<std::uint8_t> upright;
+  for (int i = 0; i < 16; ++i) upright.insert(upright.end(), {128, 128, 255, 255});
+  folder.write("upright.png", png_file(4, 4, upright));
+  const auto render = [&](const std::string& maps, const std::string& output) {
+    const std::string file =
+        folder.write("m.pxn",
+                     "<pangu_model ver=\"1\"><material name=\"plain\" preset=\"white_z93\"/>"
+                     "<material name=\"m\" preset=\"white_z93\" " +
+                         maps + "/></pangu_model>");
+    const Outcome outcome = panwright({"material", file, "--name", "m", "--engine", "reference",
+                                       "--width", "60", "--render", folder / output});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return contents(folder / output);
+  };
+  const std::string plain = render("", "plain.png");
+  // the second texture of the file
+  const std::string green =
+      render("normal_map=\"upright.png\" albedo_map=\"green.png\"", "green.png.png");
+  EXPECT_NE(plain, green);
 }
 
 TEST(Program, DiffSeesWhatChanged) {

@@ -36,9 +36,9 @@ struct Query {
 };
 
 // Decides a candidate and remembers the best. False: no hit, or no better.
-bool take(Query& query, std::uint32_t triangle) {
+bool take(Query& query, const MeshSearch::Leaf& leaf, std::uint32_t number) {
   SearchRay& ray = *query.ray;
-  const Triangle& t = query.mesh->triangles()[triangle];
+  const Triangle& t = leaf.triangles[number];
   const std::vector<Vec3>& positions = query.mesh->positions();
   internal::Crossing crossing;
   if (!cross(query.sheared, positions[t[0]], positions[t[1]], positions[t[2]], query.first,
@@ -47,7 +47,7 @@ bool take(Query& query, std::uint32_t triangle) {
   InstanceHit candidate;
   candidate.distance = (query.moved + crossing.along) * query.shrink;
   candidate.instance = query.instance;
-  candidate.triangle = triangle;
+  candidate.triangle = leaf.first + number;
   candidate.barycentric = crossing.barycentric;
   candidate.front = crossing.front;
   if (!(candidate.distance >= ray.min_distance && candidate.distance <= ray.max_distance))
@@ -66,7 +66,7 @@ void find_closest(const RTCIntersectFunctionNArguments* arguments) {
   auto& query = *reinterpret_cast<Query*>(arguments->context);
   bool found = false;
   const MeshSearch::Leaf& leaf = query.mesh->leaf(arguments->primID);
-  for (std::uint32_t i = 0; i < leaf.count; ++i) found |= take(query, leaf.first + i);
+  for (std::uint32_t i = 0; i < leaf.count; ++i) found |= take(query, leaf, i);
   if (!found) return;
   // what lies behind the hit by no more than rounding is still to be compared
   auto& search = reinterpret_cast<RTCRayHit*>(arguments->rayhit)->ray;
@@ -81,7 +81,7 @@ void find_any(const RTCOccludedFunctionNArguments* arguments) {
   auto& query = *reinterpret_cast<Query*>(arguments->context);
   const MeshSearch::Leaf& leaf = query.mesh->leaf(arguments->primID);
   for (std::uint32_t i = 0; i < leaf.count; ++i) {
-    if (!take(query, leaf.first + i)) continue;
+    if (!take(query, leaf, i)) continue;
     reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
     return;
   }
@@ -148,6 +148,7 @@ void MeshSearch::list_leaves() {
         ++i;
       }
     }
+    for (std::uint32_t k = 0; k < leaf.count; ++k) leaf.triangles[k] = triangles_[leaf.first + k];
     leaf.slices = slices_of(leaf);
     for (leaf.slice = 0; leaf.slice < leaf.slices; ++leaf.slice) leaves_.push_back(leaf);
   }

@@ -1,6 +1,7 @@
 // Rays in the frame of one mesh. Private to geometry.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -58,6 +59,8 @@ class MeshSearch {
     std::uint8_t count = 1;
     std::uint8_t slice = 0;
     std::uint8_t slices = 1;
+    // note: their corners, of which rays would wait for another line of memory otherwise
+    std::array<Triangle, 2> triangles{};
   };
   const Leaf& leaf(std::size_t index) const { return leaves_[index]; }
 

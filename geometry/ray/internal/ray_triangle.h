@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/type_ptr.hpp>
 #include <utility>
 
 #include "base/math.h"
@@ -28,8 +29,10 @@ struct ShearedRay {
 
   // A point projected into the plane.
   Vec2 flat(const Vec3& p) const {
-    const double height = p[z] - start.z;
-    return {p[x] - start.x - shear.x * height, p[y] - start.y - shear.y * height};
+    // note: glm's operator[] jumps by the axis, and processors guess jumps wrong
+    const double* const at = glm::value_ptr(p);
+    const double height = at[z] - start.z;
+    return {at[x] - start.x - shear.x * height, at[y] - start.y - shear.y * height};
   }
 
   Vec3 origin;
@@ -70,9 +73,9 @@ inline bool cross(const ShearedRay& ray, const Vec3& a, const Vec3& b, const Vec
   const Vec2 flat_c = ray.flat(c);
   const double u = turn(flat_c, flat_b);
   const double v = turn(flat_a, flat_c);
-  if ((u < 0 && v > 0) || (u > 0 && v < 0)) return false;
   const double w = turn(flat_b, flat_a);
-  if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
+  // note: one jump in place of six
+  if (((u < 0) | (v < 0) | (w < 0)) & ((u > 0) | (v > 0) | (w > 0))) return false;
   const double sum = u + v + w;
   if (!(sum != 0)) return false;
   // the height above the plane says on which side of it the ray begins
