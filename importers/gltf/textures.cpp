@@ -36,6 +36,11 @@ std::string decode_webp(std::span<const std::byte> bytes, std::uint64_t max_byte
   return {};
 }
 
+BakeSource source_of(const DecodedImage* image, bool srgb) {
+  if (!image) return {};
+  return {image->rgba, image->width, image->height, srgb};
+}
+
 }  // namespace
 
 bool TextureReader::bytes_of(std::size_t image, const Json& json, std::string& name,
@@ -212,7 +217,7 @@ std::optional<RecipeTextures> TextureReader::metal(const MetalRecipe& recipe) {
       made_.try_emplace({0.0, static_cast<double>(base), static_cast<double>(metal), factor.x,
                          factor.y, factor.z, metallic, dielectric.x, dielectric.y, dielectric.z});
   if (!is_new) return place->second;
-  const BakeSource sources[] = {{color, true}, {part, false}};
+  const BakeSource sources[] = {source_of(color, true), source_of(part, false)};
   // where all is equally metal, the colour's own texture is the albedo
   const bool two = part != nullptr;
   if (!has_room(sources, two ? 2 : 1)) return std::nullopt;
@@ -244,7 +249,7 @@ std::optional<RecipeTextures> TextureReader::gloss(const GlossRecipe& recipe) {
       made_.try_emplace({1.0, static_cast<double>(diffuse), static_cast<double>(specular), factor.x,
                          factor.y, factor.z, glossiness});
   if (!is_new) return place->second;
-  const BakeSource sources[] = {{color, true}, {shine, true}};
+  const BakeSource sources[] = {source_of(color, true), source_of(shine, true)};
   if (!has_room(sources, 3)) return std::nullopt;
   constexpr bool kColors[] = {true, true, false};
   Baked made = baked(sources, kColors, [&](std::span<const Vec4> from, std::span<Vec4> to) {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <tuple>
 
-#include "importers/gltf/bake.h"
+#include "base/texture_bake.h"
 #include "importers/gltf/structs.h"
 #include "importers/image.h"
 
