@@ -4,19 +4,23 @@
 #include <array>
 #include <cmath>
 
-#include "exporters/internal/gltf_brdf.h"
 #include "exporters/internal/gltf_mixture.h"
 #include "materials/cells.h"
-#include "materials/energy.h"
+#include "materials/gltf_surface.h"
 
 namespace panwright::exporters {
 
 namespace {
 
 using Channel = TexturePool::Channel;
+using materials::diffuse_curve;
+using materials::DiffuseCurve;
 using materials::DiffuseModel;
+using materials::GltfSurface;
 using materials::Material;
+using materials::reflectance_of_index;
 using materials::SpecularModel;
+using materials::SurfacePart;
 using nlohmann::ordered_json;
 
 constexpr double kDielectric = 0.04;  // reflectance of glTF's own index, 1.5
@@ -26,7 +30,8 @@ constexpr double kWorthSaying = 0.02;
 constexpr double kMixed = 0.006;
 constexpr int kSamples = 64;  // texels a side that a decision looks at
 
-double unit(double x) { return std::clamp(x, 0.0, 1.0); }
+// 0 to 1; what single precision left beside 1 is 1.
+double unit(double x) { return x > 1 - 1e-6 ? 1 : std::max(x, 0.0); }
 double mean(const Vec3& v) { return (v.x + v.y + v.z) / 3; }
 double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 ordered_json list(const Vec3& v) { return ordered_json::array({unit(v.x), unit(v.y), unit(v.z)}); }
@@ -56,66 +61,6 @@ double slope_of(const Material& m) {
   if (const auto* phong = std::get_if<materials::BlinnPhong>(&m.specular_brdf))
     return bent * std::sqrt(2 / (phong->shine + 2));
   return m.specular_model() == SpecularModel::mirror ? 0 : 1;
-}
-
-// What glTF's coat lets through of light that leaves at 37 degrees, as ours; at most 1 − 0.04.
-constexpr double kThere = 0.8;
-
-double coat_strength(const Material& m) {
-  return m.coat ? std::min(reflectance_of_index(m.coat->index) / kDielectric, 1.0) : 0;
-}
-double passed_by_gltf(const Material& m) { return 1 - 0.0403 * coat_strength(m); }
-
-// The albedo of diffuse light as glTF must have it below its coat, if any, by the diffuse colour x:
-// gain·x/(1 − back·x), what a coat sends back included.
-struct DiffuseCurve {
-  Vec3 gain{0};
-  Vec3 back{0};
-
-  Vec3 operator()(const Vec3& x) const {
-    return gain * x / glm::max(Vec3(1) - back * x, Vec3(1e-6));
-  }
-};
-
-DiffuseCurve diffuse_curve(const Material& m) {
-  DiffuseCurve curve;
-  if (!(m.weights.x > 0)) return curve;
-  Material part = m;
-  part.weights = {m.weights.x, 0, 0};
-  part.specular_brdf = materials::NoSpecular{};
-  part.cells.reset();
-  part.maps = {};
-  const auto albedo = [&](double diffuse) {
-    part.diffuse = Vec3(diffuse);
-    materials::fit(part);
-    return m.coat ? materials::directional_albedo(part, kThere)
-                  : materials::hemispherical_albedo(part);
-  };
-  if (!m.coat) {
-    curve.gain = m.diffuse_model() == DiffuseModel::lambert ? Vec3(m.weights.x) : albedo(1);
-    return curve;
-  }
-  const Vec3 dark = albedo(0), half = albedo(0.5) - dark, all = albedo(1) - dark;
-  for (int c = 0; c < 3; ++c) {
-    if (!(half[c] > 1e-9)) continue;
-    const double ratio = all[c] / half[c];
-    curve.back[c] = std::max((ratio - 2) / (ratio - 1), 0.0);
-    curve.gain[c] = all[c] * (1 - curve.back[c]) / passed_by_gltf(m);
-  }
-  return curve;
-}
-
-// What comes of a reflectance below the coat.
-Vec3 out_of_coat(const Material& m, const Vec3& reflectance) {
-  if (!m.coat) return reflectance;
-  const double first = reflectance_of_index(m.coat->index);
-  Vec3 out;
-  for (int c = 0; c < 3; ++c) {
-    const double twice = det::exp(-2 * m.coat->depth[c]);
-    out[c] = (1 - first) * (1 - first) * twice * reflectance[c] /
-             (1 - first * twice * std::min(reflectance[c], 1.0));
-  }
-  return out / passed_by_gltf(m);
 }
 
 // How a material is told in glTF's terms.
@@ -227,7 +172,7 @@ class Translation {
   Vec3 reflectance(const Vec3& texel) const {
     if (!shines_) return Vec3(0);
     const Vec3 below = m_.weights.y * m_.specular * (mapped() ? texel : reflectance_at_normal(m_));
-    return glm::min(cell_share_ * out_of_coat(m_, below), Vec3(1));
+    return glm::min(cell_share_ * materials::reflectance_below_gltf_coat(m_, below), Vec3(1));
   }
 
   Vec3 color_at(std::span<const BakeSource> sources, double u, double v) const {
@@ -279,7 +224,9 @@ class Translation {
     } else {
       // metal and roughness share a texture
       const bool apart = has_map(maps_.roughness) && color_repeat_ != maps_.repeat;
-      form_ = !apart && mixture_error() <= kMixed ? Form::mixture : Form::dielectric;
+      // a faint reflectance that is the same everywhere needs no texture
+      const bool even = colored() && !mapped() && largest(mean_reflectance_) < 0.2;
+      form_ = !apart && !even && mixture_error() <= kMixed ? Form::mixture : Form::dielectric;
     }
   }
 
@@ -315,7 +262,7 @@ class Translation {
     if (form_ == Form::dielectric) write_dielectric(one_reflectance);
     if (form_ == Form::diffuse) surface_.specular = 0;
     if (m_.coat) {
-      surface_.clearcoat = coat_strength(m_) * coat_share_;
+      surface_.clearcoat = materials::gltf_coat_strength(m_) * coat_share_;
       surface_.clearcoat_roughness = unit(std::sqrt(m_.coat->alpha));
     }
   }
@@ -331,6 +278,9 @@ class Translation {
       surface_.specular = strength.x;
     } else {
       surface_.specular_color = reflectance / kDielectric;
+      // ours and glTF's differ by rounding where a file came from glTF
+      if (largest(glm::abs(surface_.specular_color - Vec3(1))) < 2e-3)
+        surface_.specular_color = Vec3(1);
     }
   }
 
@@ -498,13 +448,12 @@ class Translation {
     if (form_ == Form::dielectric && surface_.specular_color != Vec3(1))
       middle.specular_color = mean_reflectance_ / kDielectric;
     middle.roughness *= std::sqrt(mean_roughness_);
-    double share = changed_share(parts(), middle) + flattened_;
+    double share = materials::changed_share(parts(), middle) + flattened_;
     if (form_ == Form::mixture && varied_)
       share += mixture_error() / std::max(mean(mean_diffuse_ + mean_reflectance_), 1e-6);
     if (named_.empty() && share > kWorthSaying)
-      named_.insert(m_.refract && m_.extinction != Vec3(0)
-                        ? "reflectances other than Schlick's curve"
-                        : "diffuse light that is not weakened by the reflectance above it");
+      named_.insert(
+          "exact Fresnel reflectances (it has Schlick's curve, and weakens diffuse light by it)");
     for (const std::string& what : named_) lost[what] = share;
   }
 

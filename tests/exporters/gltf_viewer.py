@@ -342,8 +342,7 @@ def dot(a, b):
 def ggx(alpha, nl, nv, nh):
     a2 = np.maximum(alpha, 1e-3) ** 2
     d = a2 / (np.pi * (nh * nh * (a2 - 1) + 1) ** 2)
-    g = 4 * nl * nv / ((nl + np.sqrt(a2 + (1 - a2) * nl * nl)) * (nv + np.sqrt(a2 + (1 - a2) * nv * nv)))
-    return d * g / (4 * nl * nv)
+    return d / 2 / (nl * np.sqrt(a2 + (1 - a2) * nv * nv) + nv * np.sqrt(a2 + (1 - a2) * nl * nl))
 
 
 def shaded(file, surface, picked, shares, to_viewer, to_light, sky, options):
