@@ -441,12 +441,13 @@ class Translation {
     takes_colors = form_ != Form::metal;
     mixes_colors = form_ == Form::mixture;
     name_losses();
+    // of the mean texels, as parts() has them
     GltfSurface middle = surface_;
-    middle.base = glm::min(base_of(mean_diffuse_, mean_reflectance_), Vec3(1));
-    if (form_ == Form::mixture)
-      middle.metallic = mixture_of(mean_diffuse_, mean_reflectance_, kDielectric).metallic;
+    const Vec3 d = diffuse(mean_color_), r = reflectance(mean_texel_);
+    middle.base = glm::min(base_of(d, r), Vec3(1));
+    if (form_ == Form::mixture) middle.metallic = mixture_of(d, r, kDielectric).metallic;
     if (form_ == Form::dielectric && surface_.specular_color != Vec3(1))
-      middle.specular_color = mean_reflectance_ / kDielectric;
+      middle.specular_color = r / kDielectric;
     middle.roughness *= std::sqrt(mean_roughness_);
     double share = materials::changed_share(parts(), middle) + flattened_;
     if (form_ == Form::mixture && varied_)

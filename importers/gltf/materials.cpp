@@ -369,9 +369,10 @@ class MaterialBuilder {
     return surface;
   }
 
-  // How much of the light a material of ours changes.
-  double changed(materials::Material m, const materials::GltfSurface& surface) {
-    if (m.maps.albedo >= 0) m.diffuse *= Vec3(texture_cache_.mean_of(m.maps.albedo));
+  // How much of the light a material of ours changes, with a mean diffuse colour.
+  double changed(materials::Material m, const Vec3& diffuse,
+                 const materials::GltfSurface& surface) {
+    m.diffuse = diffuse;
     if (m.maps.roughness >= 0)
       m.specular_brdf = materials::Ggx{surface.roughness * surface.roughness + kSmoothest,
                                        surface.roughness * surface.roughness + kSmoothest};
@@ -403,8 +404,13 @@ class MaterialBuilder {
       out_.material = *std::move(coated);
       return;
     }
-    const double without = changed(out_.material, surface);
-    const double with = coated ? changed(*coated, surface) : without;
+    Vec3 diffuse = out_.material.diffuse;
+    if (out_.material.maps.albedo >= 0)
+      diffuse *= Vec3(texture_cache_.mean_of(out_.material.maps.albedo));
+    const double without = changed(out_.material, diffuse, surface);
+    double with = without;
+    if (coated)
+      with = changed(*coated, materials::diffuse_curve(*coated).inverse(diffuse), surface);
     out_.coat_changed = std::min(with, without);
     lose("clearcoat");
     if (coated && with < without) out_.material = *std::move(coated);
