@@ -26,12 +26,15 @@ double lobe(double roughness, const Vec3& l, const Vec3& v, const Vec3& h) {
 
 // The same material with lobes that can be compared by a sum of a thousand directions.
 Material widened(Material m) {
-  if (m.specular_model() == SpecularModel::mirror) m.specular_brdf = Ggx{kNarrowest, kNarrowest};
+  // slopes below a coat look larger by its index
+  const double least = m.coat ? kNarrowest / m.coat->index : kNarrowest;
+  if (m.specular_model() == SpecularModel::mirror) m.specular_brdf = Ggx{least, least};
   if (const auto slopes = slopes_of(m))
-    m.specular_brdf = with_slopes(m.specular_model(), glm::max(*slopes, Vec2(kNarrowest)));
+    m.specular_brdf = with_slopes(m.specular_model(), glm::max(*slopes, Vec2(least)));
   if (auto* phong = std::get_if<BlinnPhong>(&m.specular_brdf))
     phong->shine = std::min(phong->shine, 2 / (kNarrowest * kNarrowest) - 2);
-  if (m.coat) m.coat->alpha = std::max(m.coat->alpha, kNarrowest);
+  // what a smooth coat mirrors is compared by itself
+  if (m.coat && m.coat->alpha > 0) m.coat->alpha = std::max(m.coat->alpha, kNarrowest);
   fit(m);
   return m;
 }
@@ -40,14 +43,46 @@ struct Compared {
   f64::CompiledBrdf brdf;
   ShadingContext local;
   double share;
+  double smooth_index;  // of a coat without slopes; 0: none
 };
+
+// What a smooth boundary to an index reflects, exact.
+double fresnel(double cosine, double index) {
+  const double inside = std::sqrt(1 - (1 - cosine * cosine) / (index * index));
+  const double across = (cosine - index * inside) / (cosine + index * inside);
+  const double along = (index * cosine - inside) / (index * cosine + inside);
+  return 0.5 * (across * across + along * along);
+}
+
+// The share of the light that glTF's coat reflects.
+double coat_share(const GltfSurface& s, const Vec3& v) {
+  return s.clearcoat * (0.04 + 0.96 * fifth_power(1 - v.z));
+}
+
+// The BRDF, or what is left of it without what the coat reflects.
+Vec3 gltf_rough(const GltfSurface& s, const Vec3& l, const Vec3& v, bool smooth_coat) {
+  const Vec3 h = glm::normalize(l + v);
+  const double rise = fifth_power(1 - glm::dot(v, h));
+  const double shine = lobe(s.roughness, l, v, h);
+  const Vec3 f0 = glm::min(reflectance_of_index(s.ior) * s.specular_color, Vec3(1));
+  const Vec3 fresnel = f0 + (Vec3(1) - f0) * rise;
+  const double passed = 1 - s.specular * std::max({fresnel.x, fresnel.y, fresnel.z});
+  const Vec3 dielectric = passed * s.base / kPi + s.specular * shine * fresnel;
+  const Vec3 metal = shine * (s.base + (Vec3(1) - s.base) * rise);
+  const Vec3 below = glm::mix(dielectric, metal, s.metallic);
+  const double coat = coat_share(s, v);
+  if (!(coat > 0)) return below;
+  if (smooth_coat) return (1 - coat) * below;
+  return glm::mix(below, Vec3(lobe(s.clearcoat_roughness, l, v, h)), coat);
+}
 
 double changed_for(std::span<const Compared> parts, const GltfSurface& surface, const Vec3& v) {
   constexpr int kRings = 48, kTurns = 24;
   const double first = det::log(kNarrowest / 50), last = det::log(40.0);
   const double step = (last - first) / kRings;
   const Vec3 up(0, 0, 1);
-  double changed = 0, reflected = 0;
+  double changed = 0, reflected = 0, mirrored = 0;
+  const bool smooth = surface.clearcoat > 0 && !(surface.clearcoat_roughness > 0);
   for (int ring = 0; ring < kRings; ++ring) {
     // half vectors of tangents that grow by equal factors: a lobe of any width gets as many
     const double t = det::exp(first + (ring + 0.5) * step);
@@ -61,12 +96,16 @@ double changed_for(std::span<const Compared> parts, const GltfSurface& surface, 
       Vec3 ours(0);
       for (const Compared& part : parts)
         ours += part.share * part.brdf.brdf(l, v, up, Vec3(1), part.local);
-      const Vec3 off = glm::abs(ours - gltf_brdf(surface, l, v));
-      const double weight = along * l.z * t * sine * cosine * cosine;
+      const Vec3 off = glm::abs(ours - gltf_rough(surface, l, v, smooth));
+      const double weight = 4 * along * l.z * t * sine * cosine * cosine * step * 2 * kPi / kTurns;
       changed += weight * (off.x + off.y + off.z);
       reflected += weight * (ours.x + ours.y + ours.z);
     }
   }
+  for (const Compared& part : parts)
+    if (part.smooth_index > 0) mirrored += part.share * fresnel(v.z, part.smooth_index);
+  changed += 3 * std::fabs(mirrored - (smooth ? coat_share(surface, v) : 0));
+  reflected += 3 * mirrored;
   return reflected > 0 ? changed / reflected : changed > 0 ? 1 : 0;
 }
 
@@ -78,18 +117,7 @@ double reflectance_of_index(double index) {
 }
 
 Vec3 gltf_brdf(const GltfSurface& s, const Vec3& l, const Vec3& v) {
-  const Vec3 h = glm::normalize(l + v);
-  const double rise = fifth_power(1 - glm::dot(v, h));
-  const double shine = lobe(s.roughness, l, v, h);
-  const Vec3 f0 = glm::min(reflectance_of_index(s.ior) * s.specular_color, Vec3(1));
-  const Vec3 fresnel = f0 + (Vec3(1) - f0) * rise;
-  const double passed = 1 - s.specular * std::max({fresnel.x, fresnel.y, fresnel.z});
-  const Vec3 dielectric = passed * s.base / kPi + s.specular * shine * fresnel;
-  const Vec3 metal = shine * (s.base + (Vec3(1) - s.base) * rise);
-  const Vec3 below = glm::mix(dielectric, metal, s.metallic);
-  const double coat = s.clearcoat * (0.04 + 0.96 * fifth_power(1 - v.z));
-  if (!(coat > 0)) return below;
-  return glm::mix(below, Vec3(lobe(s.clearcoat_roughness, l, v, h)), coat);
+  return gltf_rough(s, l, v, false);
 }
 
 double changed_share(std::span<const SurfacePart> parts, const GltfSurface& surface) {
@@ -98,12 +126,15 @@ double changed_share(std::span<const SurfacePart> parts, const GltfSurface& surf
     ShadingContext local;
     if (is_anisotropic(part.material)) local.tangent = Vec3(1, 0, 0);
     local.reflectance = part.reflectance;
-    compared.push_back({f64::CompiledBrdf(widened(part.material)), local, part.share});
+    const bool smooth = part.material.coat && !(part.material.coat->alpha > 0);
+    compared.push_back({f64::CompiledBrdf(widened(part.material)), local, part.share,
+                        smooth ? part.material.coat->index : 0});
   }
   GltfSurface wide = surface;
   const double least = std::sqrt(kNarrowest);
   wide.roughness = std::max(wide.roughness, least);
-  wide.clearcoat_roughness = std::max(wide.clearcoat_roughness, least);
+  if (wide.clearcoat_roughness > 0)
+    wide.clearcoat_roughness = std::max(wide.clearcoat_roughness, least);
   double most = 0;
   for (const double mu : {0.95, 0.5})
     most = std::max(most, changed_for(compared, wide, Vec3(std::sqrt(1 - mu * mu), 0, mu)));
