@@ -14,8 +14,9 @@ namespace panwright::exporters {
 // A model as a binary glTF 2.0 file that the format's validator finds nothing wrong with: nodes
 // with their names, meshes shared as the model shares them, bit for bit, materials as metallic and
 // roughness with the extensions ior, specular, clearcoat and emissive_strength, textures as PNG,
-// cut-outs as alpha masks, frames and keypoints as empty nodes with `extras.kind`. Surfaces whose
-// backs are drawn are two-sided. A root above all turns z up into glTF's y up.
+// cut-outs as alpha masks, solar cells drawn, frames and keypoints as empty nodes with
+// `extras.kind`. Surfaces whose backs are drawn are two-sided. A root above all turns z up into
+// glTF's y up.
 //
 // Expects: model.checked().
 // Fails: E0001; E6002 for more than 4 GiB. Reports W6402 for what is lost, with the share of the

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "exporters/internal/cell_pattern.h"
 #include "exporters/internal/gltf_mixture.h"
 #include "materials/cells.h"
 #include "materials/gltf_surface.h"
@@ -78,7 +79,11 @@ class Translation {
       : textures_(textures), job_(job), m_(std::move(material)) {
     find_sources(texture, has_texcoords);
     curve_ = diffuse_curve(m_);
-    if (m_.cells) average_cells();
+    if (m_.cells) {
+      // the texture has the surface to itself
+      pattern_ = CellPattern(*m_.cells, has_texcoords && !m_.maps.any() && colors_.empty());
+      average_cells();
+    }
     shines_ = shines(m_);
     slope_ = slope_of(m_);
     sample();
@@ -148,16 +153,12 @@ class Translation {
   // Cells, grid lines and gaps by their shares of the area.
   void average_cells() {
     const std::array<Material, 3> parts = materials::cell_parts(m_);
-    const materials::CellShares shares =
-        materials::cells_at(*m_.cells, Vec2(0), 1e3 / m_.cells->count);
-    const std::array<double, 3> all = {shares.cell, shares.finger, shares.gap};
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (!(all[i] > 0)) continue;
-      parts_.push_back({parts[i], all[i], {}});
-      if (i > 0) added_diffuse_ += all[i] * diffuse_curve(parts[i])(parts[i].diffuse);
+    const Vec3& shares = pattern_.mean();
+    for (int i = 0; i < 3; ++i) {
+      const Material& part = parts[static_cast<std::size_t>(i)];
+      if (shares[i] > 0) parts_.push_back({part, shares[i], {}});
+      if (i > 0) others_[static_cast<std::size_t>(i - 1)] = diffuse_curve(part)(part.diffuse);
     }
-    cell_share_ = shares.cell;
-    coat_share_ = 1 - shares.gap;
   }
 
   static bool has_map(std::int32_t map) { return map >= 0; }
@@ -165,14 +166,16 @@ class Translation {
     return shines_ && maps_.reflectance >= 0 && materials::brdf_model_of(m_).mapped;
   }
 
-  Vec3 diffuse(const Vec3& texel) const {
-    return cell_share_ * curve_(m_.diffuse * tint_ * texel) + added_diffuse_;
+  // shares: of cells, grid lines and gaps
+  Vec3 diffuse(const Vec3& texel, const Vec3& shares) const {
+    return shares.x * curve_(m_.diffuse * tint_ * texel) + shares.y * others_[0] +
+           shares.z * others_[1];
   }
   // texel: of the reflectance map
-  Vec3 reflectance(const Vec3& texel) const {
+  Vec3 reflectance(const Vec3& texel, const Vec3& shares) const {
     if (!shines_) return Vec3(0);
     const Vec3 below = m_.weights.y * m_.specular * (mapped() ? texel : reflectance_at_normal(m_));
-    return glm::min(cell_share_ * materials::reflectance_below_gltf_coat(m_, below), Vec3(1));
+    return glm::min(shares.x * materials::reflectance_below_gltf_coat(m_, below), Vec3(1));
   }
 
   Vec3 color_at(std::span<const BakeSource> sources, double u, double v) const {
@@ -190,7 +193,7 @@ class Translation {
     each_sample([&](double u, double v) {
       const Vec3 texel(nearest_texel(shine, u, v));
       const Vec3 color = color_at(colors, u, v);
-      samples_.push_back({diffuse(color), reflectance(texel)});
+      samples_.push_back({diffuse(color, pattern_.mean()), reflectance(texel, pattern_.mean())});
       mean_color_ += color / static_cast<double>(kSamples * kSamples);
       mean_texel_ += texel / static_cast<double>(kSamples * kSamples);
       roughness += nearest_texel(rough, u, v).x / (kSamples * kSamples);
@@ -200,6 +203,12 @@ class Translation {
       mean_reflectance_ += r / static_cast<double>(samples_.size());
     }
     mean_roughness_ = roughness;
+    if (!pattern_.drawn()) return;
+    // what the texture has is the parts, not their mean
+    samples_.clear();
+    for (const Vec3& part : pattern_.parts())
+      for (int k = 0; k <= kSamples * glm::dot(part, pattern_.mean()); ++k)
+        samples_.push_back({diffuse(Vec3(1), part), reflectance(Vec3(1), part)});
   }
 
   // ---- how it is told
@@ -239,7 +248,7 @@ class Translation {
       case Form::metal:
         return r;
       case Form::mixture:
-        return mixture_of(d, r, kDielectric, 255).base;
+        return mixture_of(d, r, kDielectric, varied_ ? 255 : 0).base;
     }
     return d;
   }
@@ -247,22 +256,27 @@ class Translation {
   bool colored() const { return !colors_.empty(); }
 
   void write_factors() {
-    const Vec3 one_diffuse = diffuse(Vec3(1)), one_reflectance = reflectance(Vec3(1));
     surface_.roughness = unit(std::sqrt(slope_));
     surface_.metallic = form_ == Form::metal ? 1 : 0;
-    surface_.base = glm::min(base_of(one_diffuse, one_reflectance), Vec3(1));
-    if (form_ == Form::mixture) {
-      const Mixture mixture = mixture_of(one_diffuse, one_reflectance, kDielectric);
-      varied_ = colored() || mapped();
-      surface_.metallic = varied_ ? 1 : mixture.metallic;
-      // textures have the colours themselves, which lie below this
-      const Vec3 bound = one_reflectance + one_diffuse / (1 - kDielectric);
-      surface_.base = varied_ ? glm::min(bound, Vec3(1)) : mixture.base;
+    varied_ = form_ == Form::mixture && (colored() || mapped() || pattern_.drawn());
+    if (varied_) surface_.metallic = 1;
+    // textures lie below what the parts of the surface have without them
+    surface_.base = Vec3(0);
+    for (const Vec3& shares : pattern_.parts()) {
+      const Vec3 d = diffuse(Vec3(1), shares), r = reflectance(Vec3(1), shares);
+      peak_ = glm::max(peak_, r);
+      surface_.base = glm::max(surface_.base, varied_ ? r + d / (1 - kDielectric) : base_of(d, r));
     }
-    if (form_ == Form::dielectric) write_dielectric(one_reflectance);
+    surface_.base = glm::min(surface_.base, Vec3(1));
+    if (form_ == Form::mixture && !varied_)
+      surface_.metallic = mixture_of(diffuse(Vec3(1), pattern_.mean()),
+                                     reflectance(Vec3(1), pattern_.mean()), kDielectric)
+                              .metallic;
+    if (form_ == Form::dielectric) write_dielectric(peak_);
     if (form_ == Form::diffuse) surface_.specular = 0;
     if (m_.coat) {
-      surface_.clearcoat = materials::gltf_coat_strength(m_) * coat_share_;
+      surface_.clearcoat =
+          materials::gltf_coat_strength(m_) * (pattern_.drawn() ? 1 : 1 - pattern_.mean().z);
       surface_.clearcoat_roughness = unit(std::sqrt(m_.coat->alpha));
     }
   }
@@ -314,6 +328,7 @@ class Translation {
     bool base = false;
     bool specular = false;  // KHR_materials_specular's colour
     bool rough = false;     // metallic and roughness
+    bool coat = false;      // KHR_materials_clearcoat's strength
   };
 
   void write_textures() {
@@ -322,10 +337,11 @@ class Translation {
     if (plain >= 0) base_texture_ = copied(plain, Channel::color);
     Wanted wanted;
     const bool depends = metal ? mapped() : colored() || (mapped() && form_ != Form::diffuse);
-    wanted.base = plain < 0 && (depends || has_map(maps_.cutout));
-    wanted.specular = form_ == Form::dielectric && mapped();
+    wanted.base = plain < 0 && (depends || pattern_.drawn() || has_map(maps_.cutout));
+    wanted.specular = form_ == Form::dielectric && (mapped() || pattern_.drawn());
+    wanted.coat = pattern_.drawn() && m_.coat;
     wanted.rough = shines_ && (has_map(maps_.roughness) || varied_);
-    if (wanted.base || wanted.specular || wanted.rough) bake(wanted);
+    if (wanted.base || wanted.specular || wanted.rough || wanted.coat) bake(wanted);
     if (has_map(maps_.normal)) normal_texture_ = copied(maps_.normal, Channel::number);
     write_json();
   }
@@ -335,19 +351,23 @@ class Translation {
     const auto at = [&](std::size_t i) {
       return textures_.source(whole && i < colors_.size() ? colors_[i] : -1);
     };
-    const BakeSource sources[] = {at(0), at(1),
+    const BakeSource sources[] = {at(0),
+                                  at(1),
                                   textures_.source(whole && mapped() ? maps_.reflectance : -1),
                                   textures_.source(wanted.rough ? maps_.roughness : -1),
-                                  textures_.source(wanted.base ? maps_.cutout : -1)};
-    constexpr bool kCodes[] = {true, true, false};  // base, specular colour, metal and roughness
-    const Vec3 peak = glm::max(reflectance(Vec3(1)), Vec3(1e-9));
+                                  textures_.source(wanted.base ? maps_.cutout : -1),
+                                  pattern_.source()};
+    // base, specular colour, metal and roughness, coat
+    constexpr bool kCodes[] = {true, true, false, false};
+    const Vec3 peak = glm::max(peak_, Vec3(1e-9));
     const Vec3 factor = glm::max(surface_.base, Vec3(1e-9));
     const bool cut = has_map(maps_.cutout);
     Baked made = baked(
         sources, kCodes,
         [&](std::span<const Vec4> from, std::span<Vec4> to) {
-          const Vec3 d = diffuse(Vec3(from[0]) * Vec3(from[1]));
-          const Vec3 r = reflectance(Vec3(from[2]));
+          const Vec3 shares = pattern_.shares(from[5]);
+          const Vec3 d = diffuse(Vec3(from[0]) * Vec3(from[1]), shares);
+          const Vec3 r = reflectance(Vec3(from[2]), shares);
           double metallic = 1;
           Vec3 base;
           if (form_ == Form::mixture && varied_) {
@@ -360,6 +380,7 @@ class Translation {
           to[0] = Vec4(base / factor, cut ? from[4].w : 1);
           to[1] = Vec4(r / peak, 1);
           to[2] = Vec4(1, std::sqrt(from[3].x), metallic, 1);
+          to[3] = Vec4(Vec3(1 - shares.z), 1);
         },
         job_);
     const auto add = [&](std::size_t i, const char* what) {
@@ -369,6 +390,7 @@ class Translation {
     if (wanted.base) base_texture_ = add(0, ".base");
     if (wanted.specular) specular_texture_ = add(1, ".specular");
     if (wanted.rough) rough_texture_ = add(2, ".roughness");
+    if (wanted.coat) coat_texture_ = add(3, ".coat");
   }
 
   // ---- the JSON
@@ -402,10 +424,12 @@ class Translation {
     if (specular_texture_ >= 0)
       specular["specularColorTexture"] = info(specular_texture_, color_repeat_);
     if (!specular.empty()) more["KHR_materials_specular"] = std::move(specular);
-    if (surface_.clearcoat > 0)
-      more["KHR_materials_clearcoat"] = {
-          {"clearcoatFactor", unit(surface_.clearcoat)},
-          {"clearcoatRoughnessFactor", surface_.clearcoat_roughness}};
+    if (surface_.clearcoat > 0) {
+      ordered_json& coat = more["KHR_materials_clearcoat"];
+      coat = {{"clearcoatFactor", unit(surface_.clearcoat)},
+              {"clearcoatRoughnessFactor", surface_.clearcoat_roughness}};
+      if (coat_texture_ >= 0) coat["clearcoatTexture"] = info(coat_texture_, color_repeat_);
+    }
     write_emission(more);
     for (const auto& [name, value] : more.items()) extensions.insert(name);
     if (!more.empty()) json["extensions"] = std::move(more);
@@ -430,7 +454,8 @@ class Translation {
       named_.insert("slopes that differ along u and v");
     if (shines_ && model != SpecularModel::ggx && model != SpecularModel::mirror)
       named_.insert("specular BRDFs other than GGX");
-    if (m_.cells) named_.insert("the pattern of solar cells");
+    if (m_.cells && !pattern_.drawn()) named_.insert("the pattern of solar cells");
+    if (m_.cells && m_.cells->tilt != Vec2(0)) named_.insert("the tilt of solar cells");
     if (m_.coat && (m_.coat->index != 1.5 || m_.coat->depth != Vec3(0)))
       named_.insert("index and depth of coats");
     if (shines_ && materials::brdf_model_of(m_).compensated)
@@ -443,7 +468,8 @@ class Translation {
     name_losses();
     // of the mean texels, as parts() has them
     GltfSurface middle = surface_;
-    const Vec3 d = diffuse(mean_color_), r = reflectance(mean_texel_);
+    const Vec3 shares = pattern_.drawn() ? Vec3(1, 0, 0) : pattern_.mean();
+    const Vec3 d = diffuse(mean_color_, shares), r = reflectance(mean_texel_, shares);
     middle.base = glm::min(base_of(d, r), Vec3(1));
     if (form_ == Form::mixture) middle.metallic = mixture_of(d, r, kDielectric).metallic;
     if (form_ == Form::dielectric && surface_.specular_color != Vec3(1))
@@ -460,7 +486,7 @@ class Translation {
 
   std::vector<SurfacePart> parts() const {
     std::vector<SurfacePart> all = parts_;
-    if (all.empty()) all.push_back({m_, 1, {}});
+    if (all.empty() || pattern_.drawn()) all = {{m_, 1, {}}};
     for (SurfacePart& part : all) {
       Material& m = part.material;
       m.cells.reset();
@@ -482,10 +508,10 @@ class Translation {
   Vec3 tint_{1};                      // mean of a texture that cannot be laid on
   double flattened_ = 0;              // share of the diffuse light that it moved
   DiffuseCurve curve_;
-  std::vector<SurfacePart> parts_;  // of cells
-  Vec3 added_diffuse_{0};           // of grid lines and gaps
-  double cell_share_ = 1;
-  double coat_share_ = 1;
+  std::vector<SurfacePart> parts_;                // of cells
+  CellPattern pattern_;                           // shares of cells, grid lines and gaps
+  std::array<Vec3, 2> others_{Vec3(0), Vec3(0)};  // diffuse albedos of grid lines and gaps
+  Vec3 peak_{0};                                  // reflectance without its texture
   bool shines_ = false;
   double slope_ = 1;
   std::vector<std::pair<Vec3, Vec3>> samples_;  // diffuse albedo and reflectance
@@ -495,7 +521,7 @@ class Translation {
   bool varied_ = false;  // metal comes from a texture
   GltfSurface surface_;
   std::ptrdiff_t base_texture_ = -1, specular_texture_ = -1, rough_texture_ = -1,
-                 normal_texture_ = -1;
+                 coat_texture_ = -1, normal_texture_ = -1;
   std::set<std::string> named_;
 };
 

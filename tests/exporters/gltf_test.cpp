@@ -279,6 +279,48 @@ TEST(GltfExport, LossesAreSharesOfTheLight) {
   EXPECT_NEAR(std::stod(text.substr(at + before.size())) / 100, share, 0.008) << text;
 }
 
+// The pattern of solar cells becomes a texture whose mean is that of its parts by their areas.
+TEST(GltfExport, SolarCellsAreDrawn) {
+  scene::Scene scene = spacecraft();
+  materials::Material& panel = scene.materials[1];
+  panel = {};
+  panel.name = "panel";
+  panel.diffuse = Vec3(0.1);
+  materials::Cells cells;
+  cells.count = {6, 4};
+  cells.gap = {0.1, 0.1};
+  cells.fingers = 2;
+  cells.finger_width = 0.1;
+  cells.gap_color = Vec3(0.5, 0.4, 0.3);
+  cells.finger_color = Vec3(0.6);
+  panel.cells = cells;
+  materials::fit(panel);
+  scene.materials[2] = scene.materials[0];
+  const auto model = compiled(scene);
+  ASSERT_TRUE(model);
+  DiagnosticLog log;
+  const auto glb = glb_from(*model, log);
+  ASSERT_TRUE(glb);
+  EXPECT_EQ(to_text(log).find("solar cells"), std::string::npos) << to_text(log);
+  const Loaded out = load({reinterpret_cast<const char*>(glb->data()), glb->size()});
+  ASSERT_TRUE(out.imported) << out.text();
+  const materials::Material* back = nullptr;
+  for (const materials::Material& material : out.imported->scene.materials)
+    if (material.name == "panel") back = &material;
+  ASSERT_TRUE(back && back->maps.albedo >= 0);
+  const scene::Texture& texture =
+      out.imported->scene.textures[static_cast<std::size_t>(back->maps.albedo)];
+  const double gap = 1 - 0.9 * 0.9, finger = 0.81 * 0.1, cell = 0.81 - finger;
+  for (int c = 0; c < 3; ++c) {
+    double sum = 0;
+    for (std::size_t i = static_cast<std::size_t>(c); i < texture.rgba.size(); i += 4)
+      sum += srgb_decoded(texture.rgba[i]) * back->diffuse[c];
+    const double found = 4 * sum / static_cast<double>(texture.rgba.size());
+    // measured 3e-4, by codes
+    EXPECT_NEAR(found, cell * 0.1 + finger * 0.6 + gap * cells.gap_color[c], 1e-3);
+  }
+}
+
 // Back faces are drawn where the model draws them: of open meshes and cut-outs.
 TEST(GltfExport, OpenMeshesAndCutoutsHaveTwoSides) {
   scene::Scene scene = spacecraft();
