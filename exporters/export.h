@@ -14,12 +14,14 @@ namespace panwright::exporters {
 // A model as a binary glTF 2.0 file that the format's validator finds nothing wrong with: nodes
 // with their names, meshes shared as the model shares them, bit for bit, materials as metallic and
 // roughness with the extensions ior, specular, clearcoat and emissive_strength, textures as PNG,
-// frames and keypoints as empty nodes with `extras.kind`. A root above all turns z up into glTF's
-// y up.
+// cut-outs as alpha masks, solar cells drawn, frames and keypoints as empty nodes with
+// `extras.kind`. Surfaces whose backs are drawn are two-sided. A root above all turns z up into
+// glTF's y up.
 //
 // Expects: model.checked().
-// Fails: E0001; E6002 for more than 4 GiB. Reports W6402 for what is lost.
-// Same model, same bytes. Cost: O(bytes) and the packing of textures.
+// Fails: E0001; E6002 for more than 4 GiB. Reports W6402 for what is lost, with the share of the
+// light that it changes (materials/gltf_surface.h).
+// Same model, same bytes. Cost: O(bytes), some ms for each material, and the packing of textures.
 [[nodiscard]] Result<std::vector<std::byte>> glb_from(const pan::Model& model, DiagnosticLog& log,
                                                       const Job& job = {});
 

@@ -10,9 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "base/parallel.h"
-#include "base/png.h"
-#include "base/srgb.h"
+#include "base/text.h"
 #include "exporters/internal/gltf_materials.h"
 
 namespace panwright::exporters {
@@ -24,15 +22,13 @@ using nlohmann::ordered_json;
 constexpr int kFloat = 5126, kShorts = 5123, kLongs = 5125;
 constexpr int kVertices = 34962, kElements = 34963;
 
-enum class Channel : std::uint8_t { color, normal, roughness };
-
 // Surfaces of one glTF mesh: a pan mesh, material and texture each.
 using Parts = std::vector<std::array<std::int64_t, 3>>;
 
 class Exporter {
  public:
   Exporter(const pan::Model& model, DiagnosticLog& log, const Job& job)
-      : model_(model), log_(log), job_(job) {}
+      : model_(model), log_(log), job_(job), materials_(model, job) {}
 
   Result<std::vector<std::byte>> run() {
     json_["asset"] = {{"version", "2.0"}, {"generator", "panwright"}};
@@ -41,11 +37,10 @@ class Exporter {
     add_nodes();
     add_points();
     finish_nodes();
+    if (!materials_.json().empty()) json_["materials"] = materials_.json();
     add_textures();
-    if (model_.decals().size() > 0) lost_.insert("decals");
-    for (const std::string& what : lost_)
-      log_.report_file(Code::W6402, model_.name(), fmt::format("glTF does not keep {}", what));
-    if (!extensions_.empty()) json_["extensionsUsed"] = extensions_;
+    say_what_is_lost();
+    if (!materials_.extensions().empty()) json_["extensionsUsed"] = materials_.extensions();
     return container();
   }
 
@@ -104,13 +99,35 @@ class Exporter {
     out["attributes"]["POSITION"] = add_positions(mesh.positions);
     out["attributes"]["NORMAL"] = add_vertices(mesh.normals, "VEC3");
     if (!mesh.texcoords.empty()) out["attributes"]["TEXCOORD_0"] = add_texcoords(mesh.texcoords);
-    if (!mesh.colors.empty()) out["attributes"]["COLOR_0"] = add_vertices(mesh.colors, "VEC3");
     const bool shorts = !mesh.indices.shorts.empty();
     const std::size_t view =
         shorts
             ? add_view(mesh.indices.shorts.data(), mesh.indices.shorts.size_bytes(), 0, kElements)
             : add_view(mesh.indices.longs.data(), mesh.indices.longs.size_bytes(), 0, kElements);
     out["indices"] = add_accessor(view, shorts ? kShorts : kLongs, mesh.indices.size(), "SCALAR");
+    return out;
+  }
+
+  std::size_t colors(std::size_t index) {
+    const auto known = colors_.find(index);
+    if (known != colors_.end()) return known->second;
+    return colors_[index] = add_vertices(model_.mesh(index).colors, "VEC3");
+  }
+
+  ordered_json primitive(const std::array<std::int64_t, 3>& part) {
+    const auto index = static_cast<std::size_t>(part[0]);
+    const auto material = static_cast<std::size_t>(part[1]);
+    ordered_json out = geometry(index);
+    // our back faces are drawn but where nobody can see one
+    const bool two_sided = (model_.meshes()[index].flags & pan::layout::kMeshClosed) == 0 ||
+                           model_.materials()[material].cutout_map >= 0;
+    const std::size_t place = materials_.place(material, static_cast<std::int32_t>(part[2]),
+                                               out["attributes"].contains("TEXCOORD_0"), two_sided);
+    if (!model_.mesh(index).colors.empty() && materials_.takes_colors(place)) {
+      out["attributes"]["COLOR_0"] = colors(index);
+      materials_.note_colors(place);
+    }
+    out["material"] = place;
     return out;
   }
 
@@ -189,11 +206,7 @@ class Exporter {
         {"primitives", ordered_json::array()}};
     for (const auto& part : parts) {
       job_.poll();
-      ordered_json primitive = geometry(static_cast<std::size_t>(part[0]));
-      const bool has_texcoords = primitive["attributes"].contains("TEXCOORD_0");
-      primitive["material"] = material_index(static_cast<std::size_t>(part[1]),
-                                             static_cast<std::int32_t>(part[2]), has_texcoords);
-      mesh["primitives"].push_back(std::move(primitive));
+      mesh["primitives"].push_back(primitive(part));
     }
     json_["meshes"].push_back(std::move(mesh));
     return known->second;
@@ -227,101 +240,35 @@ class Exporter {
 
   // ---- materials and textures
 
-  std::size_t texture_index(std::int32_t texture, Channel channel) {
-    const auto [known, is_new] = textures_.try_emplace({texture, channel}, wanted_.size());
-    if (is_new) wanted_.push_back({texture, channel});
-    return known->second;
-  }
-
-  ordered_json texture_info(std::int32_t texture, Channel channel, const Vec2& repeat) {
-    ordered_json info = {{"index", texture_index(texture, channel)}};
-    if (repeat != Vec2(1)) {
-      extensions_.insert("KHR_texture_transform");
-      // ours turns about the bottom left corner
-      info["extensions"]["KHR_texture_transform"] = {{"offset", {0.0, 1 - repeat.y}},
-                                                     {"scale", {repeat.x, repeat.y}}};
-    }
-    return info;
-  }
-
-  std::size_t material_index(std::size_t index, std::int32_t texture, bool has_texcoords) {
-    const auto [known, is_new] = materials_.try_emplace(
-        {index, has_texcoords ? texture : -1, has_texcoords}, materials_.size());
-    if (!is_new) return known->second;
-    const pan::layout::Material& record = model_.materials()[index];
-    const materials::Material material = pan::material_from(record, model_.material_name(index));
-    ordered_json json = exported(material, lost_, extensions_);
-    const materials::Maps& maps = material.maps;
-    if (has_texcoords) {
-      ordered_json& pbr = json["pbrMetallicRoughness"];
-      if (texture >= 0 && maps.albedo >= 0)
-        lost_.insert("a second texture over the diffuse colour");
-      const bool metal = is_coloured_metal(material);
-      if (maps.reflectance >= 0 && !metal) lost_.insert("reflectance maps with a diffuse colour");
-      const std::int32_t color = metal ? maps.reflectance : maps.albedo;
-      if (texture >= 0 && !metal)
-        pbr["baseColorTexture"] = texture_info(texture, Channel::color, Vec2(1));
-      else if (color >= 0)
-        pbr["baseColorTexture"] = texture_info(color, Channel::color, maps.repeat);
-      if (maps.roughness >= 0)
-        pbr["metallicRoughnessTexture"] =
-            texture_info(maps.roughness, Channel::roughness, maps.repeat);
-      if (maps.normal >= 0)
-        json["normalTexture"] = texture_info(maps.normal, Channel::normal, maps.repeat);
-      if (maps.cutout >= 0 && (texture < 0 || metal) && maps.cutout == color) {
-        json["alphaMode"] = "MASK";
-        json["alphaCutoff"] = maps.threshold;
-      } else if (maps.cutout >= 0) {
-        lost_.insert("holes cut by a texture of their own");
-      }
-    } else if (texture >= 0) {
-      lost_.insert("textures laid on by longitude and latitude");
-    }
-    json_["materials"].push_back(std::move(json));
-    return known->second;
-  }
-
-  std::vector<std::uint8_t> texels(std::int32_t texture, Channel channel) const {
-    const auto index = static_cast<std::size_t>(texture);
-    const std::span<const std::uint8_t> from = model_.texels(index);
-    std::vector<std::uint8_t> out(from.begin(), from.end());
-    const bool linear = (model_.textures()[index].flags & pan::layout::kTextureLinear) != 0;
-    std::array<std::uint8_t, 256> table;
-    for (std::size_t i = 0; i < table.size(); ++i) {
-      const double x = static_cast<double>(i) / 255;
-      table[i] = channel == Channel::roughness
-                     ? static_cast<std::uint8_t>(std::floor(255 * std::sqrt(x) + 0.5))
-                     : srgb_code(x);
-    }
-    for (std::size_t i = 0; i < out.size(); i += 4) {
-      if (channel == Channel::roughness) {
-        out[i + 1] = table[out[i]];
-        out[i] = out[i + 2] = 255;
-      } else if (channel == Channel::color && linear) {
-        for (std::size_t k = 0; k < 3; ++k) out[i + k] = table[out[i + k]];
-      }
-    }
-    return out;
-  }
-
   void add_textures() {
-    std::vector<std::string> packed(wanted_.size());
-    parallel_for(
-        wanted_.size(),
-        [&](std::size_t i) {
-          const auto& record = model_.textures()[static_cast<std::size_t>(wanted_[i].first)];
-          packed[i] =
-              png_file(record.width, record.height, texels(wanted_[i].first, wanted_[i].second));
-        },
-        job_);
-    for (std::size_t i = 0; i < wanted_.size(); ++i) {
-      const std::size_t view = add_view(packed[i].data(), packed[i].size(), 0, 0);
+    const std::vector<TexturePool::Packed> packed = materials_.textures().packed();
+    for (std::size_t i = 0; i < packed.size(); ++i) {
+      const std::size_t view = add_view(packed[i].png.data(), packed[i].png.size(), 0, 0);
       json_["images"].push_back(
-          {{"name", std::string(model_.texture_name(static_cast<std::size_t>(wanted_[i].first)))},
-           {"mimeType", "image/png"},
-           {"bufferView", view}});
+          {{"name", packed[i].name}, {"mimeType", "image/png"}, {"bufferView", view}});
       json_["textures"].push_back({{"source", i}});
     }
+  }
+
+  void say_what_is_lost() {
+    for (const auto& [what, loss] : materials_.losses()) {
+      const std::string others =
+          loss.materials > 1 ? fmt::format(", the most of {} materials", loss.materials) : "";
+      log_.report_file(Code::W6402, model_.name(),
+                       fmt::format("glTF does not keep {}: {} of the light of {} changes{}", what,
+                                   percent(loss.share), in_quotes(loss.worst), others));
+    }
+    if (model_.decals().empty()) return;
+    std::set<std::uint32_t> under;
+    for (const pan::layout::Decal& decal : model_.decals()) under.insert(decal.instance);
+    log_.report_file(
+        Code::W6402, model_.name(),
+        fmt::format("glTF does not keep {} over {}", counted(model_.decals().size(), "decal"),
+                    counted(under.size(), "surface")));
+  }
+
+  static std::string percent(double share) {
+    return share < 0.0005 ? "under 0.1 %" : fmt::format("{:.2g} %", 100 * std::min(share, 2.0));
   }
 
   // ---- the file
@@ -369,12 +316,9 @@ class Exporter {
   std::map<std::array<double, 3>, std::size_t> origin_places_;
   std::map<std::size_t, ordered_json> geometries_;
   std::map<Parts, std::size_t> meshes_;
-  std::map<std::tuple<std::size_t, std::int32_t, bool>, std::size_t> materials_;
-  std::map<std::pair<std::int32_t, Channel>, std::size_t> textures_;
-  std::vector<std::pair<std::int32_t, Channel>> wanted_;
+  std::map<std::size_t, std::size_t> colors_;  // accessors of meshes
+  MaterialWriter materials_;
   std::vector<std::byte> binary_;
-  std::set<std::string> lost_;
-  std::set<std::string> extensions_;
 };
 
 }  // namespace

@@ -1,23 +1,62 @@
-// Our materials as glTF's. Private to importers/gltf.
+// Our materials as glTF's. Private to exporters.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <tuple>
+#include <vector>
 
-#include "materials/material.h"
+#include "exporters/internal/gltf_textures.h"
 
 namespace panwright::exporters {
 
-// Whether a material's reflectance map can stand as the colour of a metal: one that shines and does
-// nothing else.
-bool is_coloured_metal(const materials::Material& material);
+// What glTF does not keep of one or more materials.
+struct Loss {
+  std::size_t materials = 0;
+  double share = 0;   // of the light of the worst of them, see changed_share()
+  std::string worst;  // its name
+};
 
-// What glTF's material keeps of ours, without textures. Of a coloured metal, the factor of its map.
-//
-//   lost        gets what it does not keep
-//   extensions  gets the names of those that are used
-nlohmann::ordered_json exported(const materials::Material& material, std::set<std::string>& lost,
-                                std::set<std::string>& extensions);
+// Writes the materials that the surfaces of a pan ask for, each once.
+class MaterialWriter {
+ public:
+  // Both outlive the writer.
+  MaterialWriter(const pan::Model& model, const Job& job)
+      : model_(model), job_(job), textures_(model, job) {}
+
+  // The place, in the file, of a material.
+  //
+  //   material       of the pan
+  //   texture        of the instance, over the diffuse colour; −1: none
+  //   has_texcoords  whether the mesh has texture coordinates
+  //   two_sided      whether the back of the surface is drawn
+  std::size_t place(std::size_t material, std::int32_t texture, bool has_texcoords, bool two_sided);
+
+  // Whether colours of vertices change what a material reflects: a metal without diffuse light has
+  // its own colour.
+  bool takes_colors(std::size_t place) const { return takes_colors_[place]; }
+  // Notes that a mesh with colours has this material.
+  void note_colors(std::size_t place);
+
+  const nlohmann::ordered_json& json() const { return json_; }
+  const TexturePool& textures() const { return textures_; }
+  const std::set<std::string>& extensions() const { return extensions_; }
+  const std::map<std::string, Loss>& losses() const { return losses_; }
+
+ private:
+  void lose(const std::string& what, double share, std::string_view name);
+
+  const pan::Model& model_;
+  const Job& job_;
+  TexturePool textures_;
+  nlohmann::ordered_json json_ = nlohmann::ordered_json::array();
+  std::set<std::string> extensions_;
+  std::map<std::string, Loss> losses_;
+  std::vector<bool> takes_colors_;
+  std::vector<bool> mixes_colors_;  // reflects light that vertex colours leave alone here
+  std::map<std::tuple<std::size_t, std::int32_t, bool>, std::size_t> places_;
+};
 
 }  // namespace panwright::exporters

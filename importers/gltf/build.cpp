@@ -366,6 +366,7 @@ class SceneBuilder {
     if (!is_new) return place->second;
     BuiltMaterial built = material_of(model_, material, with_textures, texture_cache_);
     for (const std::string& what : built.cad.lost) ++lost_[what];
+    if (built.coat_changed > worst_coat_.first) worst_coat_ = {built.coat_changed, built.cad.name};
     out_.scene.materials.push_back(std::move(built.material));
     out_.materials.push_back(std::move(built.cad));
     repeats_.push_back(built.repeats);
@@ -394,8 +395,13 @@ class SceneBuilder {
                 fmt::format("{} and {} are at rest", counted(skinned_, "skinned surface"),
                             counted(morphed_, "morphed shape")));
     std::vector<std::string> lost;
-    for (const auto& [what, times] : lost_)
-      lost.push_back(times > 1 ? fmt::format("{} ({} materials)", what, times) : what);
+    for (const auto& [what, times] : lost_) {
+      std::string text = what;
+      if (what == "clearcoat" && worst_coat_.first > 0)
+        text += fmt::format(", which changes {:.2g} % of the light of {}", 100 * worst_coat_.first,
+                            in_quotes(worst_coat_.second));
+      lost.push_back(times > 1 ? fmt::format("{} ({} materials)", text, times) : text);
+    }
     if (!lost.empty())
       d_.report(Code::W6008, nullptr, "/materials", fmt::format("lost: {}", fmt::join(lost, ", ")));
   }
@@ -409,6 +415,7 @@ class SceneBuilder {
   std::map<std::string, Loaded> loaded_;
   std::map<std::pair<int, bool>, std::int32_t> material_places_;
   std::map<std::string, std::size_t> lost_;
+  std::pair<double, std::string> worst_coat_;  // share of the light that is lost, and its material
   std::set<std::int32_t> coloured_metals_;
   std::set<std::int32_t> beyond_edges_;  // of textures that do not repeat
   std::vector<char> invisible_;          // BuiltMaterial's, of each material

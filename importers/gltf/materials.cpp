@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "materials/gltf_surface.h"
+
 namespace panwright::importers::gltf {
 
 namespace {
@@ -124,7 +126,7 @@ struct Look {
 
 class MaterialBuilder {
  public:
-  // ours: of a file that we wrote, whose coats mean what ours do
+  // ours: of a file that we wrote, whose coats were ours
   MaterialBuilder(const tinygltf::Material& from, std::string name, bool with_textures, bool ours,
                   TextureReader& textures)
       : from_(from), texture_cache_(textures), with_textures_(with_textures), ours_(ours) {
@@ -137,7 +139,7 @@ class MaterialBuilder {
     read_maps(look);
     set_brdfs(look);
     set_emission();
-    set_coat();
+    set_coat(look);
     set_opacity();
     list_lost();
     out_.cad.base_color = look.base;
@@ -198,9 +200,7 @@ class MaterialBuilder {
     materials::Maps& maps = out_.material.maps;
     out_.cad.textured = base_texture_.index >= 0;
     const bool has_base = lies_right(base_texture_, "base colour");
-    if (lies_right(from_.normalTexture, "normal"))
-      maps.normal = texture_cache_.texture(from_.normalTexture.index, TextureUse::normal);
-    if (maps.normal >= 0 && from_.normalTexture.scale != 1) lose("scale of the normal texture");
+    if (lies_right(from_.normalTexture, "normal")) read_normals();
     const bool has_rough = lies_right(rough_texture_, "roughness");
     if (has_rough)
       maps.roughness = texture_cache_.texture(rough_texture_.index, TextureUse::roughness);
@@ -218,6 +218,20 @@ class MaterialBuilder {
                         : texture_cache_.texture(base_texture_.index, TextureUse::color);
       maps.threshold = std::clamp(from_.alphaCutoff / std::max(alpha_, 1e-6), 0.0, 1.0);
     }
+  }
+
+  void read_normals() {
+    materials::Maps& maps = out_.material.maps;
+    const int index = from_.normalTexture.index;
+    const double scale = from_.normalTexture.scale;
+    if (scale != 1) {
+      if (const auto made = texture_cache_.normals(index, scale)) {
+        maps.normal = *made;
+        return;
+      }
+      lose("scale of the normal texture");
+    }
+    maps.normal = texture_cache_.texture(index, TextureUse::normal);
   }
 
   void use(const RecipeTextures& textures) {
@@ -341,21 +355,102 @@ class MaterialBuilder {
     out_.material.weights.z = 1;
   }
 
-  void set_coat() {
+  // What glTF says of the whole surface, textures by their means.
+  materials::GltfSurface as_gltf(const Look& look, double strength, double roughness) {
+    materials::GltfSurface surface;
+    surface.base = look.base * Vec3(texture_cache_.mean(base_texture_.index, true));
+    surface.metallic = look.metallic;
+    surface.roughness = look.roughness * texture_cache_.mean(rough_texture_.index, false).y;
+    surface.ior = look.index;
+    surface.specular = look.specular;
+    surface.specular_color = look.specular_color;
+    surface.clearcoat = strength;
+    surface.clearcoat_roughness = roughness;
+    return surface;
+  }
+
+  // How much of the light a material of ours changes, with a mean diffuse colour.
+  double changed(materials::Material m, const Vec3& diffuse,
+                 const materials::GltfSurface& surface) {
+    m.diffuse = diffuse;
+    if (m.maps.roughness >= 0)
+      m.specular_brdf = materials::Ggx{surface.roughness * surface.roughness + kSmoothest,
+                                       surface.roughness * surface.roughness + kSmoothest};
+    materials::SurfacePart part{std::move(m), 1, {}};
+    if (part.material.maps.reflectance >= 0)
+      part.reflectance = Vec3(texture_cache_.mean_of(part.material.maps.reflectance));
+    part.material.weights.z = 0;
+    return materials::changed_share(std::span(&part, 1), surface);
+  }
+
+  // Ours refracts and sends light back and forth: colours, reflectance and slopes below it become
+  // those that look the same. Where that changes more of the light than no coat does, as over
+  // metals, there is none.
+  void set_coat(const Look& look) {
     const Extension coat(from_, "KHR_materials_clearcoat");
-    const double factor = coat.number("clearcoatFactor", 0);
-    if (!(factor > 0)) return;
-    if (coat.has("clearcoatTexture") || coat.has("clearcoatRoughnessTexture") ||
-        coat.has("clearcoatNormalTexture"))
-      lose("clearcoat textures");
-    if (factor < 1) lose(fmt::format("clearcoat of {:.3g}; ours is there or not", factor));
-    if (factor < 0.5) return;
-    // light is refracted at ours, and comes back from below it more than once
-    if (!ours_) lose("clearcoat; ours is darker over colours");
-    const double roughness = coat.number("clearcoatRoughnessFactor", 0);
-    materials::Coat ours;
-    ours.alpha = roughness * roughness;
-    out_.material.coat = ours;
+    double strength = coat.number("clearcoatFactor", 0);
+    double roughness = coat.number("clearcoatRoughnessFactor", 0);
+    if (!(strength > 0)) return;
+    if (coat.has("clearcoatTexture") || coat.has("clearcoatRoughnessTexture"))
+      lose("clearcoat textures; their means are used");
+    if (coat.has("clearcoatNormalTexture") || out_.material.maps.normal >= 0)
+      lose("clearcoat normals of their own");
+    strength *= texture_cache_.mean(coat.texture("clearcoatTexture").index, false).x;
+    roughness *= texture_cache_.mean(coat.texture("clearcoatRoughnessTexture").index, false).y;
+    const materials::GltfSurface surface = as_gltf(look, strength, roughness);
+    std::optional<materials::Material> coated;
+    if (!mapped_ && !look.f0) coated = with_coat(look, strength, roughness);
+    if (coated && ours_) {
+      out_.material = *std::move(coated);
+      return;
+    }
+    Vec3 diffuse = out_.material.diffuse;
+    if (out_.material.maps.albedo >= 0)
+      diffuse *= Vec3(texture_cache_.mean_of(out_.material.maps.albedo));
+    const double without = changed(out_.material, diffuse, surface);
+    double with = without;
+    if (coated)
+      with = changed(*coated, materials::diffuse_curve(*coated).inverse(diffuse), surface);
+    out_.coat_changed = std::min(with, without);
+    lose("clearcoat");
+    if (coated && with < without) out_.material = *std::move(coated);
+  }
+
+  std::optional<materials::Material> with_coat(const Look& look, double strength,
+                                               double roughness) {
+    materials::Material m = out_.material;
+    materials::Coat coat;
+    coat.index = materials::coat_index_of_strength(strength);
+    coat.alpha = roughness * roughness;
+    m.coat = coat;
+    const materials::DiffuseCurve curve = materials::diffuse_curve(m);
+    if (m.maps.albedo >= 0) {
+      const auto made = texture_cache_.below_coat(base_texture_.index, m.diffuse, curve);
+      if (!made) return std::nullopt;
+      m.maps.albedo = *made;
+      if (m.maps.cutout >= 0) m.maps.cutout = *made;
+      m.diffuse = Vec3(1);
+    } else {
+      m.diffuse = curve.inverse(m.diffuse);
+    }
+    if (const auto slopes = materials::slopes_of(m))
+      m.specular_brdf = materials::Ggx{std::max(slopes->x / coat.index, kSmoothest),
+                                       std::max(slopes->y / coat.index, kSmoothest)};
+    if (!m.refract) return m;
+    const bool metal = m.extinction != Vec3(0);
+    const Vec3 dielectric = look.dielectric() / std::max(look.specular, 1e-12);
+    const Vec3 f0 =
+        metal ? glm::mix(look.dielectric(), look.base * metal_colour_, look.metallic) : dielectric;
+    const Vec3 below = materials::reflectance_below_our_coat(coat, f0);
+    Vec3 n(1);
+    for (int k = 0; k < 3; ++k) {
+      const ComplexIndex index =
+          metal ? index_like_schlick(below[k]) : ComplexIndex{index_of_reflectance(below[k]), 0};
+      n[k] = coat.index * index.n;
+      m.extinction[k] = coat.index * index.k;
+    }
+    m.refract = n;
+    return m;
   }
 
   void set_opacity() {

@@ -12,7 +12,8 @@ struct BuiltMaterial {
   TexcoordChoice texcoords;  // what its textures lie over
   // whether all of them repeat along u and v; ours do, whatever the file says
   std::array<bool, 2> repeats{true, true};
-  bool invisible = false;  // its alpha is 0, or below what is cut out, everywhere
+  double coat_changed = 0;  // share of its light that its clearcoat changes, see changed_share()
+  bool invisible = false;   // its alpha is 0, or below what is cut out, everywhere
 };
 
 // The material of that index; −1: what a surface without one gets. Textures only where asked for.

@@ -17,6 +17,8 @@ namespace {
 
 using Kind = Json::Kind;
 
+constexpr double kRounding = 1e-6;  // of a bound of the schema
+
 // One kind of value, as a word of the table.
 struct Rule {
   std::string_view name;
@@ -215,6 +217,15 @@ class SchemaPass {
       return wrong_type(value, path, whole ? "an integer" : "a number");
     const double x = value.number;
     if ((rule.open_below ? x > rule.low : x >= rule.low) && x <= rule.high) return true;
+    // what single precision makes of a bound, 1.00000012: exporters write it
+    const double within = std::clamp(x, rule.low, rule.high);
+    if (!whole && !rule.open_below && std::fabs(x - within) <= kRounding) {
+      report(Code::W6215, value, path,
+             fmt::format("{} is {} but for rounding, and taken for it", format_double(x),
+                         format_double(within)));
+      value.number = within;
+      return true;
+    }
     report(Code::E6204, value, path,
            std::isinf(rule.high)
                ? fmt::format("{} is not {} {}", format_double(x),

@@ -36,6 +36,11 @@ std::string decode_webp(std::span<const std::byte> bytes, std::uint64_t max_byte
   return {};
 }
 
+BakeSource source_of(const DecodedImage* image, bool srgb) {
+  if (!image) return {};
+  return {image->rgba, image->width, image->height, srgb};
+}
+
 }  // namespace
 
 bool TextureReader::bytes_of(std::size_t image, const Json& json, std::string& name,
@@ -212,7 +217,7 @@ std::optional<RecipeTextures> TextureReader::metal(const MetalRecipe& recipe) {
       made_.try_emplace({0.0, static_cast<double>(base), static_cast<double>(metal), factor.x,
                          factor.y, factor.z, metallic, dielectric.x, dielectric.y, dielectric.z});
   if (!is_new) return place->second;
-  const BakeSource sources[] = {{color, true}, {part, false}};
+  const BakeSource sources[] = {source_of(color, true), source_of(part, false)};
   // where all is equally metal, the colour's own texture is the albedo
   const bool two = part != nullptr;
   if (!has_room(sources, two ? 2 : 1)) return std::nullopt;
@@ -244,7 +249,7 @@ std::optional<RecipeTextures> TextureReader::gloss(const GlossRecipe& recipe) {
       made_.try_emplace({1.0, static_cast<double>(diffuse), static_cast<double>(specular), factor.x,
                          factor.y, factor.z, glossiness});
   if (!is_new) return place->second;
-  const BakeSource sources[] = {{color, true}, {shine, true}};
+  const BakeSource sources[] = {source_of(color, true), source_of(shine, true)};
   if (!has_room(sources, 3)) return std::nullopt;
   constexpr bool kColors[] = {true, true, false};
   Baked made = baked(sources, kColors, [&](std::span<const Vec4> from, std::span<Vec4> to) {
@@ -260,6 +265,63 @@ std::optional<RecipeTextures> TextureReader::gloss(const GlossRecipe& recipe) {
   out.albedo = add(color ? diffuse : specular, ".albedo", made, 1, false);
   out.roughness = add(specular, ".roughness", made, 2, true);
   return place->second = out;
+}
+
+std::optional<std::int32_t> TextureReader::normals(int index, double scale) {
+  const DecodedImage* image = texture(index);
+  if (!image) return std::nullopt;
+  const auto [place, is_new] = made_.try_emplace({2.0, static_cast<double>(index), scale});
+  if (!is_new) return place->second ? std::optional(place->second->albedo) : std::nullopt;
+  const BakeSource sources[] = {source_of(image, false)};
+  if (!has_room(sources, 1)) return std::nullopt;
+  constexpr bool kNumbers[] = {false};
+  Baked made = baked(sources, kNumbers, [&](std::span<const Vec4> from, std::span<Vec4> to) {
+    Vec3 normal = Vec3(from[0]) * 2.0 - Vec3(1);
+    normal.x *= scale;
+    normal.y *= scale;
+    const double length = std::sqrt(glm::dot(normal, normal));
+    if (length > 1e-6) normal /= length;
+    to[0] = Vec4(normal * 0.5 + Vec3(0.5), 1);
+  });
+  RecipeTextures out;
+  out.albedo = add(index, ".normals", made, 0, true);
+  place->second = out;
+  return out.albedo;
+}
+
+std::optional<std::int32_t> TextureReader::below_coat(int index, const Vec3& factor,
+                                                      const materials::DiffuseCurve& curve) {
+  const DecodedImage* image = texture(index);
+  if (!image) return std::nullopt;
+  const auto [place, is_new] =
+      made_.try_emplace({3.0, static_cast<double>(index), factor.x, factor.y, factor.z,
+                         curve.gain.x, curve.gain.y, curve.gain.z, curve.back.x});
+  if (!is_new) return place->second ? std::optional(place->second->albedo) : std::nullopt;
+  const BakeSource sources[] = {source_of(image, true)};
+  if (!has_room(sources, 1)) return std::nullopt;
+  constexpr bool kColors[] = {true};
+  Baked made = baked(sources, kColors, [&](std::span<const Vec4> from, std::span<Vec4> to) {
+    to[0] = Vec4(curve.inverse(factor * Vec3(from[0])), from[0].w);
+  });
+  RecipeTextures out;
+  out.albedo = add(index, ".albedo", made, 0, false);
+  place->second = out;
+  return out.albedo;
+}
+
+Vec4 TextureReader::mean_of(std::int32_t texture) const {
+  const scene::Texture& found = scene_.textures[static_cast<std::size_t>(texture)];
+  std::array<std::array<std::uint64_t, 256>, 4> levels{};
+  for (std::size_t i = 0; i < found.rgba.size(); ++i) ++levels[i % 4][found.rgba[i]];
+  Vec4 sum(0);
+  for (int k = 0; k < 4; ++k)
+    for (std::size_t level = 0; level < 256; ++level) {
+      const auto code = static_cast<std::uint8_t>(level);
+      const auto count = levels[static_cast<std::size_t>(k)][level];
+      sum[k] += static_cast<double>(count) *
+                (k < 3 && !found.linear ? srgb_decoded(code) : static_cast<double>(level) / 255);
+    }
+  return sum / static_cast<double>(std::max<std::size_t>(found.rgba.size() / 4, 1));
 }
 
 }  // namespace panwright::importers::gltf

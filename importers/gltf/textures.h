@@ -7,9 +7,10 @@
 #include <optional>
 #include <tuple>
 
-#include "importers/gltf/bake.h"
+#include "base/texture_bake.h"
 #include "importers/gltf/structs.h"
 #include "importers/image.h"
+#include "materials/gltf_surface.h"
 
 namespace panwright::importers::gltf {
 
@@ -63,6 +64,15 @@ class TextureReader {
   // the limit of texture bytes.
   std::optional<RecipeTextures> metal(const MetalRecipe& recipe);
   std::optional<RecipeTextures> gloss(const GlossRecipe& recipe);
+
+  // The scene's texture for normals whose slopes are multiplied by a factor.
+  std::optional<std::int32_t> normals(int index, double scale);
+  // The one for diffuse colours below a coat of ours, factor included.
+  std::optional<std::int32_t> below_coat(int index, const Vec3& factor,
+                                         const materials::DiffuseCurve& curve);
+
+  // The mean of a texture of the scene, decoded.
+  Vec4 mean_of(std::int32_t texture) const;
 
  private:
   const DecodedImage* texture(int index, std::size_t& image);

@@ -1,4 +1,4 @@
-#include "importers/gltf/bake.h"
+#include "base/texture_bake.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "base/srgb.h"
 
-namespace panwright::importers::gltf {
+namespace panwright {
 
 namespace {
 
@@ -68,14 +68,14 @@ class Reader {
  public:
   Reader(const BakeSource& source, std::uint32_t width, std::uint32_t height, const Coding& colors,
          const Coding& numbers)
-      : image_(source.image), colors_(source.srgb ? colors : numbers), numbers_(numbers) {
-    if (!image_) return;
-    columns_ = pairs(image_->width, width);
-    rows_ = pairs(image_->height, height);
+      : source_(source), colors_(source.srgb ? colors : numbers), numbers_(numbers) {
+    if (source.rgba.empty()) return;
+    columns_ = pairs(source.width, width);
+    rows_ = pairs(source.height, height);
   }
 
   Vec4 at(std::size_t x, std::size_t y) const {
-    if (!image_) return Vec4(1);
+    if (source_.rgba.empty()) return Vec4(1);
     const auto row = [&](std::size_t j) {
       const Pair& p = columns_[x];
       if (p.share == 0) return texel(p.first, j);
@@ -87,12 +87,12 @@ class Reader {
 
  private:
   Vec4 texel(std::size_t x, std::size_t y) const {
-    const std::uint8_t* code = &image_->rgba[4 * (y * image_->width + x)];
+    const std::uint8_t* code = &source_.rgba[4 * (y * source_.width + x)];
     return {colors_.value(code[0]), colors_.value(code[1]), colors_.value(code[2]),
             numbers_.value(code[3])};
   }
 
-  const DecodedImage* image_;
+  BakeSource source_;
   const Coding& colors_;
   const Coding& numbers_;
   std::vector<Pair> columns_;
@@ -103,20 +103,19 @@ class Reader {
 
 std::uint32_t baked_width(std::span<const BakeSource> sources) {
   std::uint32_t side = 0;
-  for (const BakeSource& source : sources)
-    if (source.image) side = std::max(side, source.image->width);
+  for (const BakeSource& source : sources) side = std::max(side, source.width);
   return side;
 }
 
 std::uint32_t baked_height(std::span<const BakeSource> sources) {
   std::uint32_t side = 0;
-  for (const BakeSource& source : sources)
-    if (source.image) side = std::max(side, source.image->height);
+  for (const BakeSource& source : sources) side = std::max(side, source.height);
   return side;
 }
 
 Baked baked(std::span<const BakeSource> sources, std::span<const bool> srgb,
-            const std::function<void(std::span<const Vec4>, std::span<Vec4>)>& texel) {
+            const std::function<void(std::span<const Vec4>, std::span<Vec4>)>& texel,
+            const Job& job) {
   const Coding colors(true), numbers(false);
   Baked out{baked_width(sources), baked_height(sources), {}};
   assert(out.width > 0 && out.height > 0);
@@ -125,27 +124,31 @@ Baked baked(std::span<const BakeSource> sources, std::span<const bool> srgb,
   std::vector<Reader> readers;
   for (const BakeSource& source : sources)
     readers.emplace_back(source, out.width, out.height, colors, numbers);
-  parallel_for(out.height, [&](std::size_t y) {
-    std::vector<Vec4> from(sources.size()), before, to(srgb.size());
-    for (std::size_t x = 0; x < out.width; ++x) {
-      for (std::size_t i = 0; i < from.size(); ++i) from[i] = readers[i].at(x, y);
-      const bool same = from == before;  // as in evenly coloured areas
-      if (!same) {
-        texel(from, to);
-        before = from;
-      }
-      for (std::size_t i = 0; i < to.size(); ++i) {
-        std::uint8_t* code = &out.textures[i][4 * (y * out.width + x)];
-        if (same) {
-          std::copy_n(code - 4, 4, code);
-          continue;
+  parallel_for(
+      out.height,
+      [&](std::size_t y) {
+        std::vector<Vec4> from(sources.size()), before, to(srgb.size());
+        for (std::size_t x = 0; x < out.width; ++x) {
+          for (std::size_t i = 0; i < from.size(); ++i) from[i] = readers[i].at(x, y);
+          const bool same = from == before;  // as in evenly coloured areas
+          if (!same) {
+            texel(from, to);
+            before = from;
+          }
+          for (std::size_t i = 0; i < to.size(); ++i) {
+            std::uint8_t* code = &out.textures[i][4 * (y * out.width + x)];
+            if (same) {
+              std::copy_n(code - 4, 4, code);
+              continue;
+            }
+            const Vec4 value = glm::clamp(to[i], Vec4(0), Vec4(1));
+            for (int k = 0; k < 4; ++k)
+              code[k] = (srgb[i] && k < 3 ? colors : numbers).code(value[k]);
+          }
         }
-        const Vec4 value = glm::clamp(to[i], Vec4(0), Vec4(1));
-        for (int k = 0; k < 4; ++k) code[k] = (srgb[i] && k < 3 ? colors : numbers).code(value[k]);
-      }
-    }
-  });
+      },
+      job);
   return out;
 }
 
-}  // namespace panwright::importers::gltf
+}  // namespace panwright

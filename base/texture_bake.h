@@ -1,4 +1,4 @@
-// Textures that are computed from others, texel by texel. Private to importers/gltf.
+// Textures that are computed from others, texel by texel.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,16 @@
 #include <span>
 #include <vector>
 
+#include "base/job.h"
 #include "base/math.h"
-#include "importers/image.h"
 
-namespace panwright::importers::gltf {
+namespace panwright {
 
 struct BakeSource {
-  const DecodedImage* image = nullptr;  // null: 1 in every channel
-  bool srgb = false;                    // RGB is decoded; A never is
+  std::span<const std::uint8_t> rgba;  // 4·width·height, row 0 the top row; empty: 1 everywhere
+  std::uint32_t width = 0;             // texels, 1 or more; 0 where it is empty
+  std::uint32_t height = 0;
+  bool srgb = false;  // RGB is decoded; A never is
 };
 
 struct Baked {
@@ -32,7 +34,10 @@ std::uint32_t baked_height(std::span<const BakeSource> sources);
 //   srgb     for each texture made, whether its RGB is stored as sRGB codes
 //   texel    of the sources' texels, 0 to 1, those of the textures; taken to 0 to 1. A function of
 //            them alone, called from several threads.
+//
+// Expects: a source that is not empty. Cost: O(texels made).
 Baked baked(std::span<const BakeSource> sources, std::span<const bool> srgb,
-            const std::function<void(std::span<const Vec4>, std::span<Vec4>)>& texel);
+            const std::function<void(std::span<const Vec4>, std::span<Vec4>)>& texel,
+            const Job& job = {});
 
-}  // namespace panwright::importers::gltf
+}  // namespace panwright
