@@ -25,17 +25,20 @@ double lobe(double roughness, const Vec3& l, const Vec3& v, const Vec3& h) {
 }
 
 // The same material with lobes that can be compared by a sum of a thousand directions.
-Material widened(Material m) {
+Material widened(const Material& given) {
+  Material m = given;
   // slopes below a coat look larger by its index
   const double least = m.coat ? kNarrowest / m.coat->index : kNarrowest;
   if (m.specular_model() == SpecularModel::mirror) m.specular_brdf = Ggx{least, least};
   if (const auto slopes = slopes_of(m))
-    m.specular_brdf = with_slopes(m.specular_model(), glm::max(*slopes, Vec2(least)));
+    if (std::min(slopes->x, slopes->y) < least)
+      m.specular_brdf = with_slopes(m.specular_model(), glm::max(*slopes, Vec2(least)));
   if (auto* phong = std::get_if<BlinnPhong>(&m.specular_brdf))
     phong->shine = std::min(phong->shine, 2 / (kNarrowest * kNarrowest) - 2);
   // what a smooth coat mirrors is compared by itself
   if (m.coat && m.coat->alpha > 0) m.coat->alpha = std::max(m.coat->alpha, kNarrowest);
-  fit(m);
+  // fits cost up to 0.2 s, and those of what is wide enough hold
+  if (m.specular_brdf != given.specular_brdf || m.coat != given.coat) fit(m);
   return m;
 }
 

@@ -492,9 +492,11 @@ class Translation {
       m.cells.reset();
       if (m.maps.reflectance >= 0) part.reflectance = mean_texel_;
       if (&part == &all.front()) m.diffuse *= tint_ * mean_color_;
-      if (const auto slopes = materials::slopes_of(m))
-        m.specular_brdf = materials::with_slopes(m.specular_model(),
-                                                 glm::max(*slopes * mean_roughness_, Vec2(1e-6)));
+      const auto slopes = materials::slopes_of(m);
+      if (!slopes || mean_roughness_ == 1) continue;
+      m.specular_brdf = materials::with_slopes(m.specular_model(),
+                                               glm::max(*slopes * mean_roughness_, Vec2(1e-6)));
+      materials::fit(m);
     }
     return all;
   }

@@ -376,6 +376,7 @@ class MaterialBuilder {
     if (m.maps.roughness >= 0)
       m.specular_brdf = materials::Ggx{surface.roughness * surface.roughness + kSmoothest,
                                        surface.roughness * surface.roughness + kSmoothest};
+    materials::fit(m);
     materials::SurfacePart part{std::move(m), 1, {}};
     if (part.material.maps.reflectance >= 0)
       part.reflectance = Vec3(texture_cache_.mean_of(part.material.maps.reflectance));
