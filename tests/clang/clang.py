@@ -28,9 +28,9 @@ EXAMPLES = ("examples/*/*.pxn", "examples/*/*.wrl")
 # small files of each format, and ten of the corpus where it is there
 IMPORTS = (
     "tests/importers/data/bad/[NW]6*", "spacecraft-gltf/hubble-draco-webp.glb",
-    "spacecraft-gltf/hubble-meshopt.glb", "spacecraft-gltf/cassini-draco-webp.glb",
-    "spacecraft-gltf/sentinel6-draco-webp.glb", "spacecraft-gltf/goes-blender.glb",
-    "spacecraft-gltf/m2020-ingenuity-leg01.glb", "spacecraft-vrml/derived/tdrs-a-vtk.wrl",
+    "spacecraft-gltf/hubble-meshopt.glb", "spacecraft-gltf/newhorizons-draco-webp.glb",
+    "spacecraft-gltf/ulysses-draco-webp.glb", "spacecraft-gltf/tdrs-a-blender.glb",
+    "spacecraft-gltf/space-shuttle-d-draco.glb", "spacecraft-vrml/derived/tdrs-a-vtk.wrl",
     "spacecraft-vrml/derived/cubesat6u-freecad-gui.wrl",
     "spacecraft-vrml/derived/ISS_MainBody-meshlab.wrl", "small-bodies/bennu.obj")
 
