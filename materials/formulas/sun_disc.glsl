@@ -280,10 +280,14 @@ FORMULA Real heavy_over_disc(Real across, Real along, Real narrow, Real wide, Re
   Real to = unit_slope((Real(1) - c1) / wide);
   Real middle = Real(0.5) * (from + to);
   Real half_length = Real(0.5) * (to - from);
-  Real cosine = Real(0.9914448613738104);
-  Real sine = Real(0.13052619222005157);
+  // twelve chords, or so many more as the disc is wider
+  int chords = wide < Real(0.3) ? 32 : 12;
+  Real cosine = wide < Real(0.3) ? Real(0.9987954562051724) : Real(0.9914448613738104);
+  Real sine = wide < Real(0.3) ? Real(0.049067674327418015) : Real(0.13052619222005157);
+  Real turn_cosine = wide < Real(0.3) ? Real(0.9951847266721969) : Real(0.9659258262890683);
+  Real turn_sine = wide < Real(0.3) ? Real(0.0980171403295606) : Real(0.25881904510252074);
   Real total = Real(0);
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < chords; ++i) {
     Real place = middle - half_length * cosine;
     Real root = sqrt(max((Real(1) - place) * (Real(1) + place), Real(1e-12)));
     Real u = min(max(c1 + wide * place / root, Real(-1)), Real(1));
@@ -309,11 +313,11 @@ FORMULA Real heavy_over_disc(Real across, Real along, Real narrow, Real wide, Re
       }
       total = total + sine * sum * bright;
     }
-    Real turned = cosine * Real(0.9659258262890683) - sine * Real(0.25881904510252074);
-    sine = cosine * Real(0.25881904510252074) + sine * Real(0.9659258262890683);
+    Real turned = cosine * turn_cosine - sine * turn_sine;
+    sine = cosine * turn_sine + sine * turn_cosine;
     cosine = turned;
   }
-  return total * half_length * narrow * wide * Real(0.041666666666666664);
+  return total * half_length * narrow * wide * (Real(0.5) / Real(chords));
 }
 
 FORMULA Real heavy_density(Vec3 slopes) {

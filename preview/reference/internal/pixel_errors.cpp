@@ -28,6 +28,11 @@ constexpr double kFewSamples = 9;
 // mean
 constexpr double kDiscord = 3;
 constexpr double kAgreement = 0.3;
+// and how much more with few samples (share of kFewSamples' root beyond this) where what is around
+// varies by much more than the pixel's mean: glints that most samples miss
+constexpr double kGlints = 2;
+constexpr double kGlintScarcity = 0.75;
+constexpr double kGlintMean = 5;
 constexpr double kRounding = 0x1p-24;
 
 double area_of(const Cell& cell) { return (cell.high.x - cell.low.x) * (cell.high.y - cell.low.y); }
@@ -176,7 +181,12 @@ std::vector<Vec3> pixel_errors(std::span<const Cell> cells, const RunningStatist
         const double agreed = kAgreement * mean[k] / area_of(cell);
         const double spread = own[k] * samples;
         const double discord = mean[k] == 0 ? 1 : spread / (spread + agreed * agreed);
-        const double others = shown[k] + scarcity * (1 + kDiscord * discord) * scarce[k];
+        const double bright = kGlintMean * mean[k] / area_of(cell);
+        const double beside = scarce[k] * samples;
+        const double glints = beside > 0 ? beside / (beside + bright * bright) : 0;
+        const double weight =
+            1 + kDiscord * discord + kGlints * std::max(scarcity - kGlintScarcity, 0.0) * glints;
+        const double others = shown[k] + scarcity * weight * scarce[k];
         double variance = std::max(own[k], kOwn * own[k] + others);
         // nothing around: of few batches, alone
         if (others == 0) variance *= (n - 1) / (n - 3);
