@@ -32,6 +32,21 @@ Mesh made(const Shape& shape, double error, bool texcoords = false) {
   return *mesh;
 }
 
+// An error beyond a shape's size makes the coarsest mesh, not one that stands out by the error.
+TEST(Staggered, ErrorsBeyondTheSize) {
+  for (const double error : {1.0, 3.0, 1e3, 1e30})
+    for (const bool texcoords : {false, true})
+      for (const Vec3& radii : {Vec3(1), Vec3(3, 2, 1), Vec3(1, 1, 0.01), Vec3(1, 100, 1)}) {
+        const Shape shape = radii == Vec3(1) ? Shape(Sphere{1}) : Shape(Ellipsoid{radii});
+        const Mesh mesh = made(shape, error * radii.x, texcoords);
+        EXPECT_GE(mesh.triangles.size(), 6u);
+        // measured: 0.91 of the longest radius
+        const double largest = std::max({radii.x, radii.y, radii.z});
+        EXPECT_LE(mesh.error, largest);
+        for (const Vec3& p : mesh.positions) EXPECT_LE(glm::length(p), 1.5 * largest);
+      }
+}
+
 // Fejes Tóth: no polyhedron of so many triangles in a unit sphere comes closer to it than one of
 // equilateral ones would. Its depth under the sphere.
 double least_depth(double triangles) {

@@ -317,7 +317,10 @@ class Planner {
 
 std::optional<Staggered> staggered(const Vec3& radii, const Steps& around, double error,
                                    bool texcoords, double most) {
-  return Planner(radii, around, error, texcoords).best(most);
+  // beyond the shape's size an error allows no fewer triangles, and vertices should not stand so
+  // far out
+  const double largest = std::max({radii.x, radii.y, radii.z});
+  return Planner(radii, around, std::min(error, largest), texcoords).best(most);
 }
 
 }  // namespace panwright::geometry::internal
