@@ -139,7 +139,7 @@ def sides(table):
         flux, rmse, flip = values["flux"], values["rmse"], values["flip"]
         out += (f"| {place} | {phase.split()[0]}° | {flux[0]:.1e} | {flux[1]:.0e} | {rmse[0]:.1e} | {rmse[1]:.0e} "
                 f"| {flip[0]:.4f} | {values['ms']:.0f} |\n")
-    return out + "\n"
+    return out + "\n" if out != SIDES else ""
 
 
 def page():

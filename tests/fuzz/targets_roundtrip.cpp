@@ -23,24 +23,30 @@ void require(bool holds, const std::string& what) {
   std::abort();
 }
 
-std::optional<scene::Scene> read_pxn(const std::string& text, DiagnosticLog& log) {
-  const pxn::MemoryFile files[] = {{"top.pxn", text}, {"part.pxn", text}};
+// note: what a log says of files refers to their bytes
+struct Files {
+  std::vector<pxn::MemoryFile> pxn;
+  std::vector<importers::MemoryFile> cad;
+};
+
+std::optional<scene::Scene> read_pxn(const std::string& text, Files& kept, DiagnosticLog& log) {
+  kept.pxn = {{"top.pxn", text}, {"part.pxn", text}};
   pxn::Options options;
   options.limits.nodes = 2000;
   options.limits.elements = 20'000;
   options.limits.includes = 20;
   options.limits.texture_bytes = 1 << 20;
-  auto scene = pxn::read_memory(files, options, log);
+  auto scene = pxn::read_memory(kept.pxn, options, log);
   if (!scene) return std::nullopt;
   return std::move(*scene);
 }
 
-std::optional<scene::Scene> read_cad(Source source, const std::string& bytes, DiagnosticLog& log) {
+std::optional<scene::Scene> read_cad(Source source, const std::string& bytes, Files& kept,
+                                     DiagnosticLog& log) {
   constexpr const char* kNames[] = {"", "m.wrl", "m.gltf", "m.obj", "m.stl", "m.ply", "m.step"};
   const std::string name = kNames[static_cast<std::size_t>(source)];
   // a file may be its own part, buffer and library
-  const importers::MemoryFile files[] = {
-      {name, bytes}, {"part.wrl", bytes}, {"data.bin", bytes}, {"m.mtl", bytes}};
+  kept.cad = {{name, bytes}, {"part.wrl", bytes}, {"data.bin", bytes}, {"m.mtl", bytes}};
   importers::Options options;
   options.limits.nodes = 2000;
   options.limits.triangles = 20'000;
@@ -48,7 +54,7 @@ std::optional<scene::Scene> read_cad(Source source, const std::string& bytes, Di
   options.limits.texture_bytes = 1 << 20;
   options.limits.files = 20;
   options.limits.seconds = 20;
-  auto imported = importers::import_memory(files, options, log);
+  auto imported = importers::import_memory(kept.cad, options, log);
   if (!imported) return std::nullopt;
   require(imported->materials.size() == imported->scene.materials.size(), "a material for each");
   DiagnosticLog cleaning;
@@ -107,8 +113,10 @@ bool write_and_read(const scene::Scene& scene) {
 
 bool roundtrip(Source source, std::span<const std::byte> input) {
   const std::string bytes(reinterpret_cast<const char*>(input.data()), input.size());
+  Files kept;
   DiagnosticLog log;
-  const auto scene = source == Source::pxn ? read_pxn(bytes, log) : read_cad(source, bytes, log);
+  const auto scene =
+      source == Source::pxn ? read_pxn(bytes, kept, log) : read_cad(source, bytes, kept, log);
   require(scene.has_value() || log.has_errors(), "no scene without an error");
   for (const Diagnostic& entry : log.entries())
     require(!entry.message.empty(), "a message with each code");
