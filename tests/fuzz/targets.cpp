@@ -1,7 +1,5 @@
 #include "tests/fuzz/targets.h"
 
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <string>
 
@@ -10,16 +8,11 @@
 #include "pan/diff.h"
 #include "pan/model.h"
 #include "pxn/pxn.h"
+#include "tests/fuzz/require.h"
 
 namespace panwright::fuzz {
 
 namespace {
-
-void require(bool holds, const std::string& what) {
-  if (holds) return;
-  std::fprintf(stderr, "does not hold: %s\n", what.c_str());
-  std::abort();
-}
 
 // Reads every byte that a checked model hands out.
 void touch(const panwright::pan::Model& model) {

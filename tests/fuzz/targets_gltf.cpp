@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include "compiler/compile.h"
@@ -12,16 +10,11 @@
 #include "importers/import.h"
 #include "importers/vrml/internal/gif.h"
 #include "pan/model.h"
+#include "tests/fuzz/require.h"
 
 namespace panwright::fuzz {
 
 namespace {
-
-void require(bool holds, const std::string& what) {
-  if (holds) return;
-  std::fprintf(stderr, "does not hold: %s\n", what.c_str());
-  std::abort();
-}
 
 importers::Options small_options() {
   importers::Options options;

@@ -1,8 +1,6 @@
 #include "tests/fuzz/targets_roundtrip.h"
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -12,16 +10,11 @@
 #include "pan/diff.h"
 #include "pan/model.h"
 #include "pxn/pxn.h"
+#include "tests/fuzz/require.h"
 
 namespace panwright::fuzz {
 
 namespace {
-
-void require(bool holds, const std::string& what) {
-  if (holds) return;
-  std::fprintf(stderr, "does not hold: %s\n", what.c_str());
-  std::abort();
-}
 
 // note: what a log says of files refers to their bytes
 struct Files {
