@@ -27,6 +27,17 @@ FORMULA Vec3 below_index(Vec3 outside, Vec3 normal, Real index) {
   return under_coat(outside, normal, index);
 }
 
+// The direction outside of one inside a layer, along the surface where none leaves it.
+FORMULA Vec3 above_index(Vec3 inside, Vec3 normal, Real index) {
+  if (!(index > Real(0))) return inside;
+  Vec3 along = (inside - normal * dot3(normal, inside)) * index;
+  return along + normal * sqrt(max(Real(1) - dot3(along, along), Real(0)));
+}
+
+FORMULA Vec3 mirrored_about(Vec3 axis, Vec3 direction) {
+  return axis * (Real(2) * dot3(axis, direction)) - direction;
+}
+
 // Two directions that make a right-handed frame with a unit one. T. Duff et al., "Building an
 // orthonormal basis, revisited", 2017.
 FORMULA Vec3 disc_x(Vec3 z) {
@@ -136,47 +147,6 @@ FORMULA Real near_disc(Real heavy, Vec3 slopes, Real radius, Vec3 over_x, Vec3 o
   return Real(0);
 }
 
-// The direction in the disc from which most of what the viewer sees comes: all but the slopes'
-// distribution is taken there. Exactly to_light where the lobe is wide or far away, and nowhere else.
-FORMULA Vec3 sunlit_from(Real heavy, Real limb, Real radius, Real slope, Vec3 over_x, Vec3 over_y,
-                         Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
-  Vec3 inside = below_index(to_light, normal, index);
-  Vec3 both = inside + below_index(to_viewer, normal, index);
-  Real cos_sum = dot3(tilted, both);
-  if (!(cos_sum > Real(1e-6))) return to_light;
-  if (!(shows_disc(heavy, slope, radius, cos_sum) > Real(0))) return to_light;
-  Vec3 slopes = Vec3(dot3(over_x, both) / cos_sum, dot3(over_y, both) / cos_sum, Real(0));
-  if (!(near_disc(heavy, slopes, radius, over_x, over_y, cos_sum) > Real(0))) return to_light;
-  Vec3 step_x = slope_step(light_step(disc_x(to_light), radius, to_light, to_light, inside, normal, index),
-                           slopes, over_x, over_y, tilted, cos_sum);
-  Vec3 step_y = slope_step(light_step(disc_y(to_light), radius, to_light, to_light, inside, normal, index),
-                           slopes, over_x, over_y, tilted, cos_sum);
-  Real determinant = slope_determinant(step_x, step_y);
-  Vec3 centre = place_of_peak(Vec3(Real(0)), slopes, step_x, step_y, determinant);
-  Vec3 axis = narrow_axis(slope_form(step_x, step_y));
-  Real narrow2 = Real(1) / max(axis.z, Real(1e-30));
-  Real wide2 = axis.z / (determinant * determinant);
-  Real across = centre.x * axis.x + centre.y * axis.y;
-  Real along = centre.y * axis.x - centre.x * axis.y;
-  // the mean of disc times lobe, as if both were Gaussian, within the disc
-  Real share = Real(0.5);
-  if (heavy > Real(0))
-    share = Real(0.25) * max(Real(1) + across * across / narrow2 + along * along / wide2, Real(1));
-  Real variance = disc_variance(limb);
-  across = across * variance / (variance + share * narrow2);
-  along = along * variance / (variance + share * wide2);
-  // never the very centre, which stands for a lobe that shows no disc
-  if (abs(across) < Real(0.02)) across = Real(0.02);
-  across = min(max(across, Real(-0.98)), Real(0.98));
-  Real chord = sqrt(Real(0.9605) - across * across);
-  along = min(max(along, Real(0) - chord), chord);
-  Vec3 place = Vec3(across * axis.x - along * axis.y, across * axis.y + along * axis.x, Real(0));
-  Vec3 from = disc_light(to_light, place, radius);
-  Real height = dot3(normal, from);
-  if (height < Real(1e-6)) from = from + normal * (Real(1e-6) - height);
-  return from;
-}
-
 // exp(x^2) erfc(x), x >= 0, within 1e-8: a minimax polynomial of 1/(1 + 0.4 x).
 FORMULA Real scaled_erfc(Real x) {
   Real t = Real(1) / (Real(1) + Real(0.4) * x);
@@ -193,6 +163,77 @@ FORMULA Real scaled_erfc(Real x) {
   p = p * d + Real(0.32186076592825263);
   p = p * d + Real(0.42161272678990336);
   return p * t;
+}
+
+// x/sqrt(1 + x^2)
+FORMULA Real unit_slope(Real x) { return x / sqrt(Real(1) + x * x); }
+
+// The mean place on [-h, h] of what a lobe about a centre leaves there: exp(-((x - centre)/wide)^2), or
+// (1 + ((x - centre)/wide)^2)^(-3/2), which is (1 + r^2)^-2 summed across.
+FORMULA Real mean_on_chord(Real heavy, Real centre, Real h, Real wide) {
+  Real c = abs(centre);
+  // wide lobes to first order: the others are differences of what is nearly one there
+  Real mean = c * (h * h / (h * h + (heavy > Real(0) ? Real(1) : Real(1.5)) * wide * wide));
+  if (wide < Real(3) * h) {
+    Real far = (h + c) / wide;
+    Real near = (h - c) / wide;
+    if (heavy > Real(0)) {
+      Real a = Real(1) / sqrt(Real(1) + far * far);
+      Real b = Real(1) / sqrt(Real(1) + near * near);
+      mean = c - wide * (b - a) / (unit_slope(near) + unit_slope(far));
+    } else {
+      // over exp(-near^2)
+      Real less = exp_negative(far * far - near * near);
+      Real under = scaled_erfc(abs(near)) - less * scaled_erfc(far);
+      if (near > Real(0))
+        under = Real(2) / max(exp_negative(near * near), Real(1e-30)) - scaled_erfc(near) - less * scaled_erfc(far);
+      mean = c - wide * Real(0.5641895835477563) * (Real(1) - less) / under;
+    }
+  }
+  mean = min(max(mean, Real(0) - h), h);
+  return centre < Real(0) ? Real(0) - mean : mean;
+}
+
+// The direction in the disc from which most of what the viewer sees comes: all but the slopes'
+// distribution is taken there. Exactly to_light where the lobe is wide or far away, and nowhere else.
+FORMULA Vec3 sunlit_from(Real heavy, Real limb, Real radius, Real slope, Vec3 over_x, Vec3 over_y,
+                         Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted, Real index) {
+  Vec3 inside = below_index(to_light, normal, index);
+  Vec3 both = inside + below_index(to_viewer, normal, index);
+  Real cos_sum = dot3(tilted, both);
+  if (!(cos_sum > Real(1e-6))) return to_light;
+  if (!(shows_disc(heavy, slope, radius, cos_sum) > Real(0))) return to_light;
+  Vec3 slopes = Vec3(dot3(over_x, both) / cos_sum, dot3(over_y, both) / cos_sum, Real(0));
+  if (!(near_disc(heavy, slopes, radius, over_x, over_y, cos_sum) > Real(0))) return to_light;
+  Vec3 step_x = slope_step(light_step(disc_x(to_light), radius, to_light, to_light, inside, normal, index),
+                           slopes, over_x, over_y, tilted, cos_sum);
+  Vec3 step_y = slope_step(light_step(disc_y(to_light), radius, to_light, to_light, inside, normal, index),
+                           slopes, over_x, over_y, tilted, cos_sum);
+  Real determinant = slope_determinant(step_x, step_y);
+  Vec3 peak = above_index(mirrored_about(tilted, below_index(to_viewer, normal, index)), normal, index);
+  Vec3 centre = Vec3(dot3(peak, disc_x(to_light)) / radius, dot3(peak, disc_y(to_light)) / radius, Real(0));
+  Vec3 axis = narrow_axis(slope_form(step_x, step_y));
+  Real narrow2 = Real(1) / max(axis.z, Real(1e-30));
+  Real wide2 = axis.z / (determinant * determinant);
+  Real across = centre.x * axis.x + centre.y * axis.y;
+  Real along = centre.y * axis.x - centre.x * axis.y;
+  // the disc is as wide as it is where the lobe is narrow, and as its variance says where it is not
+  Real variance = disc_variance(limb);
+  Real within = sqrt(Real(1) - Real(0.25) * narrow2 / (narrow2 + variance));
+  Real beyond = heavy * max(abs(along) - Real(1), Real(0));
+  Real apart = across;
+  across = mean_on_chord(heavy, across, within, sqrt(narrow2 * (Real(1) + beyond * beyond / wide2)));
+  // never the very centre, which stands for a lobe that shows no disc
+  if (abs(across) < Real(0.02)) across = Real(0.02);
+  across = min(max(across, Real(-0.98)), Real(0.98));
+  beyond = heavy * (apart - across);
+  within = within * sqrt(Real(1) - across * across);
+  along = mean_on_chord(heavy, along, within, sqrt(wide2 * (Real(1) + beyond * beyond / narrow2)));
+  Vec3 place = Vec3(across * axis.x - along * axis.y, across * axis.y + along * axis.x, Real(0));
+  Vec3 from = disc_light(to_light, place, radius);
+  Real height = dot3(normal, from);
+  if (height < Real(1e-6)) from = from + normal * (Real(1e-6) - height);
+  return from;
 }
 
 // The mean of sqrt(h^2 - x^2) on a chord of half length h over what the lobe leaves of it, by the
@@ -268,9 +309,6 @@ FORMULA Real gaussian_over_disc(Real across, Real along, Real narrow, Real wide,
   return total * half_length * narrow * Real(0.08862269254527580);
 }
 
-// x/sqrt(1 + x^2)
-FORMULA Real unit_slope(Real x) { return x / sqrt(Real(1) + x * x); }
-
 // The mean over the disc of (1 + (across/narrow)^2 + (along/wide)^2)^-2 about a place.
 FORMULA Real heavy_over_disc(Real across, Real along, Real narrow, Real wide, Real limb) {
   Real c2 = abs(across);
@@ -281,11 +319,11 @@ FORMULA Real heavy_over_disc(Real across, Real along, Real narrow, Real wide, Re
   Real middle = Real(0.5) * (from + to);
   Real half_length = Real(0.5) * (to - from);
   // twelve chords, or so many more as the disc is wider
-  int chords = wide < Real(0.3) ? 32 : 12;
-  Real cosine = wide < Real(0.3) ? Real(0.9987954562051724) : Real(0.9914448613738104);
-  Real sine = wide < Real(0.3) ? Real(0.049067674327418015) : Real(0.13052619222005157);
-  Real turn_cosine = wide < Real(0.3) ? Real(0.9951847266721969) : Real(0.9659258262890683);
-  Real turn_sine = wide < Real(0.3) ? Real(0.0980171403295606) : Real(0.25881904510252074);
+  int chords = wide < Real(0.6) ? 32 : 12;
+  Real cosine = wide < Real(0.6) ? Real(0.9987954562051724) : Real(0.9914448613738104);
+  Real sine = wide < Real(0.6) ? Real(0.049067674327418015) : Real(0.13052619222005157);
+  Real turn_cosine = wide < Real(0.6) ? Real(0.9951847266721969) : Real(0.9659258262890683);
+  Real turn_sine = wide < Real(0.6) ? Real(0.0980171403295606) : Real(0.25881904510252074);
   Real total = Real(0);
   for (int i = 0; i < chords; ++i) {
     Real place = middle - half_length * cosine;
@@ -419,7 +457,7 @@ FORMULA Real lobe_weight(Surface s, Vec3 from, Vec3 to_light, Vec3 normal) {
 
 // The light that a mirror shows to a viewer, if it lies in the disc, else the disc's centre.
 FORMULA Vec3 disc_mirrored(Real sun_alpha2, Vec3 to_light, Vec3 to_viewer, Vec3 tilted) {
-  Vec3 mirrored = tilted * (Real(2) * dot3(tilted, to_viewer)) - to_viewer;
+  Vec3 mirrored = mirrored_about(tilted, to_viewer);
   Vec3 apart = mirrored - to_light;
   if (!(dot3(apart, apart) < Real(8) * sun_alpha2)) return to_light;
   return mirrored;

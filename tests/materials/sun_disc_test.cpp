@@ -44,7 +44,8 @@ Material material_of(const Lobe& lobe) {
 
 struct Residuals {
   double peak = 0;     // relative, at the specular direction
-  double profile = 0;  // over the largest, ±1° about it
+  double profile = 0;  // over the largest, ±1° about it in the plane of incidence and across it
+  double between = 0;  // the same between them
   double single = 0;   // f32 − f64 over the largest
 };
 
@@ -52,7 +53,9 @@ struct Residuals {
 constexpr double kPlaces_deg[][2] = {{0, 0},   {0.1, 0},   {-0.1, 0},  {0.25, 0}, {-0.25, 0},
                                      {0.6, 0}, {-0.6, 0},  {1, 0},     {-1, 0},   {0, 0.03},
                                      {0, 0.1}, {0, 0.2},   {0, 0.27},  {0, 0.4},  {0, 0.7},
-                                     {0, 1},   {0.2, 0.2}, {-0.4, 0.3}};
+                                     {0, 1},   {0.2, 0.2}, {-0.4, 0.3}, {0, 0.265},
+                                     // where the disc ends at 0.3 AU
+                                     {0, 0.885}, {0, 0.87}, {0.8, 0},   {-0.8, 0.3}};
 
 // phi: azimuth of the plane of incidence against the tangent
 Residuals residuals(const Lobe& lobe, Long theta, Long phi, Long au, Long limb) {
@@ -85,7 +88,8 @@ Residuals residuals(const Lobe& lobe, Long theta, Long phi, Long au, Long limb) 
   r.peak = std::fabs(got[0] / want[0] - 1);
   for (std::size_t i = 0; i < want.size(); ++i) {
     EXPECT_TRUE(std::isfinite(got[i]) && got[i] >= 0 && std::isfinite(single[i]) && single[i] >= 0);
-    r.profile = std::max(r.profile, std::fabs(got[i] - want[i]) / largest);
+    double& error = kPlaces_deg[i][0] != 0 && kPlaces_deg[i][1] != 0 ? r.between : r.profile;
+    error = std::max(error, std::fabs(got[i] - want[i]) / largest);
     r.single = std::max(r.single, std::fabs(single[i] - got[i]) / largest);
   }
   return r;
@@ -116,14 +120,16 @@ TEST(SunDisc, FlatPlate) {
                         double(theta), double(au), r.peak, r.profile, r.single);
           worst.peak = std::max(worst.peak, r.peak);
           worst.profile = std::max(worst.profile, r.profile);
+          worst.between = std::max(worst.between, r.between);
           worst.single = std::max(worst.single, r.single);
         }
-    std::printf("%s: peak %.1e, profile %.1e, single precision %.1e\n", each.name, worst.peak,
-                worst.profile, worst.single);
-    // measured 1.3e-3 to 4.0e-3, 7.5e-3 to 2.1e-2 (Blinn-Phong at 85 degrees and 0.3 AU, which has
-    // no cosine below; 1.4e-2 without it) and 2e-4 to 4e-4; until it was, 5 to 30 of the peak
+    std::printf("%s: peak %.1e, profile %.1e, between %.1e, single precision %.1e\n", each.name,
+                worst.peak, worst.profile, worst.between, worst.single);
+    // measured 1.3e-3 to 4.0e-3, 3.8e-3 to 6.4e-3, 1.3e-2 to 2.4e-2 (slope 0.001 at 85 degrees, where
+    // the disc ends) and 1.5e-4; the profile was 4e-2 where the disc ends at 0.3 AU
     EXPECT_LE(worst.peak, 5e-3) << each.name;
-    EXPECT_LE(worst.profile, each.brdf == Brdf::blinn_phong ? 0.023 : 0.016) << each.name;
+    EXPECT_LE(worst.profile, 0.01) << each.name;
+    EXPECT_LE(worst.between, 0.026) << each.name;
     EXPECT_LE(worst.single, 6e-4) << each.name;
   }
 }
@@ -142,12 +148,14 @@ TEST(SunDisc, Anisotropic) {
                         double(y), double(theta), double(phi), r.peak, r.profile, r.single);
           worst.peak = std::max(worst.peak, r.peak);
           worst.profile = std::max(worst.profile, r.profile);
+          worst.between = std::max(worst.between, r.between);
           worst.single = std::max(worst.single, r.single);
         }
-    std::printf("%s: peak %.1e, profile %.1e, single precision %.1e\n", each.name, worst.peak,
-                worst.profile, worst.single);
+    std::printf("%s: peak %.1e, profile %.1e, between %.1e, single precision %.1e\n", each.name,
+                worst.peak, worst.profile, worst.between, worst.single);
     EXPECT_LE(worst.peak, 7e-3) << each.name;      // measured 5.2e-3
-    EXPECT_LE(worst.profile, 0.017) << each.name;  // measured 1.4e-2
+    // measured 1.4e-2
+    EXPECT_LE(std::max(worst.profile, worst.between), 0.017) << each.name;
   }
 }
 
