@@ -185,7 +185,7 @@ Result<AtomicFile> AtomicFile::create(const std::filesystem::path& path, Diagnos
   // a file without a name is gone with the process that writes it, however that ends
   const std::string folder = folder_of(file.path_).string();
   if (access("/proc/self/fd", X_OK) == 0)
-    file.descriptor_ = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    file.descriptor_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
   if (file.descriptor_ < 0 && !file.create_named()) {
     log.report_file(Code::E0103, path.string(), reason("cannot write", path, errno));
     return failed;
@@ -251,6 +251,17 @@ bool AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes
   int error = 0;
   if (!write_all(descriptor_, bytes, offset, true, &error)) return fail("cannot write", error, log);
   return true;
+}
+
+Result<MappedFile> AtomicFile::map(DiagnosticLog& log) const {
+  const auto size = static_cast<std::size_t>(size_);
+  if (size == 0) return MappedFile(nullptr, 0);
+  void* data = mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor_, 0);
+  if (data == MAP_FAILED) {
+    log.report_file(Code::E0102, path_.string(), reason("cannot map", path_, errno));
+    return failed;
+  }
+  return MappedFile(static_cast<const std::byte*>(data), size);
 }
 
 bool AtomicFile::commit(DiagnosticLog& log, double* sync_seconds) {

@@ -24,6 +24,7 @@ Result<std::string> read_file(const std::filesystem::path& path, std::uint64_t m
 // A read-only mapping of a regular file.
 class MappedFile {
  public:
+  friend class AtomicFile;
   // Fails: E0101. An empty file maps to an empty span. Cost: O(1).
   static Result<MappedFile> open(const std::filesystem::path& path, DiagnosticLog& log);
 
@@ -54,6 +55,11 @@ class AtomicFile {
   // Appends, or writes at a place. False, once reported as E0103, when the disk refuses.
   bool write(std::span<const std::byte> bytes, DiagnosticLog& log);
   bool write_at(std::uint64_t offset, std::span<const std::byte> bytes, DiagnosticLog& log);
+
+  // What was written so far, before it has a name.
+  //
+  // Fails: E0102.
+  Result<MappedFile> map(DiagnosticLog& log) const;
 
   // Syncs and renames. The seconds spent in fsync are added to *sync_seconds when given.
   bool commit(DiagnosticLog& log, double* sync_seconds = nullptr);

@@ -262,7 +262,7 @@ bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log
   job.poll();
   return sections &&
          writer.finish(build_identity(contents.inputs, contents.version, contents.options), log,
-                       sync_seconds);
+                       sync_seconds, &job);
 }
 
 }  // namespace
@@ -315,7 +315,8 @@ Result<WriteReport> write(const Contents& contents, const std::filesystem::path&
   if (path == "-") {
     const std::vector<std::byte> bytes = write_to_memory(contents, options);
     report.bytes = bytes.size();
-    if (!write_file(path, bytes, log)) return failed;
+    auto model = Model::from_bytes(bytes, "-", log);
+    if (!model || !model->check(log, job) || !write_file(path, bytes, log)) return failed;
     return report;
   }
   return run_job(job, log, [&]() -> Result<WriteReport> {

@@ -83,6 +83,9 @@ class Model {
   static Result<Model> from_bytes(std::span<const std::byte> bytes, std::string name,
                                   DiagnosticLog& log);
 
+  // The same from a mapping. name: the file name that diagnostics show.
+  static Result<Model> from_mapping(MappedFile file, std::string name, DiagnosticLog& log);
+
   // open() and check().
   static Result<Model> load(const std::filesystem::path& path, DiagnosticLog& log,
                             const Job& job = {});

@@ -201,6 +201,15 @@ Result<Model> Model::open(const std::filesystem::path& path, DiagnosticLog& log)
   return model;
 }
 
+Result<Model> Model::from_mapping(MappedFile file, std::string name, DiagnosticLog& log) {
+  Model model;
+  model.name_ = std::move(name);
+  model.mapped_.emplace(std::move(file));
+  model.bytes_ = model.mapped_->bytes();
+  if (!model.parse(log)) return failed;
+  return model;
+}
+
 Result<Model> Model::read(const std::filesystem::path& path, std::uint64_t max_bytes,
                           DiagnosticLog& log) {
   const auto text = read_file(path, max_bytes, log);

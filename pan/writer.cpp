@@ -8,6 +8,7 @@
 #include "pan/internal/block_hash.h"
 #include "pan/internal/packing.h"
 #include "pan/internal/report.h"
+#include "pan/model.h"
 
 namespace panwright::pan {
 
@@ -26,6 +27,7 @@ std::uint32_t StringTable::id(std::string_view text) {
 
 struct Writer::State {
   std::optional<AtomicFile> file;  // none: in memory
+  std::string path;                // of the file
   std::vector<std::byte> memory;
   std::uint64_t written = 0;  // bytes of the file so far
   std::vector<layout::DirectoryEntry> entries;
@@ -117,6 +119,7 @@ Result<Writer> Writer::create(const std::filesystem::path& path, DiagnosticLog& 
   if (!file) return failed;
   auto state = std::make_unique<State>();
   state->file.emplace(*std::move(file));
+  state->path = path.string();
   state->compress = options.compress;
   // a header without the complete mark: what a copy of the unfinished file is recognised by
   const layout::Header header = empty_header(0);
@@ -202,7 +205,8 @@ void Writer::require(std::uint64_t features) {
   state_->features |= features;
 }
 
-bool Writer::finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds) {
+bool Writer::finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds,
+                    const Job* check) {
   State& s = *state_;
   assert(!s.open && !s.finished);
   s.finished = true;
@@ -218,7 +222,14 @@ bool Writer::finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds) 
   header.build_id[1] = build_id.high;
   header.header_hash = internal::header_hash(header);
   if (!s.put(directory, log) || !s.put_header(header, log)) return false;
-  return !s.file || s.file->commit(log, sync_seconds);
+  if (!s.file) return true;
+  if (check) {
+    auto mapped = s.file->map(log);
+    if (!mapped) return false;
+    auto model = Model::from_mapping(*std::move(mapped), s.path, log);
+    if (!model || !model->check(log, *check)) return false;
+  }
+  return s.file->commit(log, sync_seconds);
 }
 
 std::uint64_t Writer::bytes() const { return state_->written; }

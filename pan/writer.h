@@ -147,7 +147,8 @@ struct WriteOptions {
 //
 // Expects: contents as the comments above say, as scene::check makes sure of; fewer than 2^32
 // vertices and 4 GiB of names in all.
-// Fails: E0001, E0103. Cost: O(bytes); memory for one block besides the contents, and when it
+// Fails: E0001, E0103; where the contents are not as expected, what Model::check() fails with: no
+// file is written that readers refuse, and an old one stays. Cost: O(bytes); memory for one block besides the contents, and when it
 // compresses, for one section and what it comes to.
 Result<WriteReport> write(const Contents& contents, const std::filesystem::path& path,
                           DiagnosticLog& log, const WriteOptions& options = {},
@@ -205,8 +206,12 @@ class Writer {
   // Writes the directory, then the header with the complete mark, syncs and renames. The minor
   // version is the lowest that has all that was written.
   //
-  // Fails: E0103. sync_seconds: the time that fsync took is added, when given.
-  bool finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds = nullptr);
+  // sync_seconds: the time that fsync took is added, when given. check: for Model::check() of the
+  // file before it takes its name, when given.
+  //
+  // Fails: E0103; with check, in a file, what Model::check() fails with, and an old file stays.
+  bool finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds = nullptr,
+              const Job* check = nullptr);
 
   std::uint64_t bytes() const;       // written so far; of the file after finish()
   std::vector<std::byte> take() &&;  // the file. Expects: in_memory(), finish() returned true

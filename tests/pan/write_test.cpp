@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <random>
 
 #include "base/file.h"
@@ -57,6 +58,25 @@ TEST(Write, FileAndMemoryAndASecondTimeAreTheSame) {
   EXPECT_EQ(std::memcmp(file.data(), memory.data(), file.size()), 0);
   EXPECT_EQ(memory, support::small_pan());
   EXPECT_EQ(folder.files(), 1u);
+}
+
+TEST(Write, NothingThatReadersRefuse) {
+  const Folder folder;
+  DiagnosticLog log;
+  ASSERT_TRUE(write(support::small_contents(), folder / "a.pan", log)) << to_text(log);
+  const std::string before = contents_of(folder / "a.pan");
+  for (const bool compress : {false, true})
+    for (const int fault : {0, 1, 2}) {
+      Contents contents = support::small_contents();
+      if (fault == 0) contents.meshes[0].positions[0] = std::numeric_limits<float>::infinity();
+      if (fault == 1) contents.instances[0].material = 1000;
+      if (fault == 2) contents.nodes.back().rotation = Quat(2, 0, 0, 0);
+      DiagnosticLog refused;
+      EXPECT_FALSE(write(contents, folder / "a.pan", refused, {.compress = compress})) << fault;
+      EXPECT_EQ(refused.errors(), 1u) << to_text(refused);
+      EXPECT_EQ(contents_of(folder / "a.pan"), before) << fault;
+      EXPECT_EQ(folder.files(), 1u);
+    }
 }
 
 TEST(Write, SectionsMayComeInPieces) {
