@@ -1,0 +1,116 @@
+// The sheets of docs/mli.md: their checksums, or their heights as files of numpy.
+//
+//   mli_sheets THREADS          "name checksum of heights, bits of a statistic", a line each
+//   mli_sheets --write FOLDER   FOLDER/NAME.npy, (rows, columns), row 0 at the lower edge
+#include <bit>
+#include <cinttypes>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "mli/sheet.h"
+
+using namespace panwright;
+using namespace panwright::mli;
+
+namespace {
+
+struct Named {
+  const char* name;
+  Recipe recipe;
+};
+
+Crease creases(double density, double depth, double length) {
+  Crease crease;
+  crease.density = density;
+  crease.depth = depth;
+  crease.length = length;
+  return crease;
+}
+
+// Half a metre square, cells of 0.8 mm.
+Recipe square(std::vector<Operation> operations) {
+  Recipe recipe;
+  recipe.width = recipe.height = 0.5;
+  recipe.xgrid = 600;
+  recipe.seed = 1;
+  recipe.operations = std::move(operations);
+  return recipe;
+}
+
+std::vector<Named> sheets() {
+  Recipe figure9;
+  figure9.width = 120;
+  figure9.height = 60;
+  figure9.xgrid = 240;
+  figure9.operations = {Random{1.0}, Smooth{4}, Constant{4.0}, Taper{5.0, 7.0, 2.5, 3.5}};
+  const Operation slopes = SlopeRms{0.2};
+  const std::vector<Operation> blanket = {creases(2500, 0.0012, 0.03),
+                                          Wrinkle{0.08, 0.0008, 0.6, 2},
+                                          slopes,
+                                          Constant{0.006},
+                                          Seam{true, 0.36, 0.025, 0.0008, 0.012, 0.0004},
+                                          Button{0.25, 0.004, 0.05, 0.001},
+                                          Taper{0.008, 0.03, 0.008, 0.03}};
+  return {
+      {"figure9", figure9},
+      {"random", square({Random{0.001}, slopes})},
+      {"smooth", square({Random{0.001}, Smooth{4}, slopes})},
+      {"wrinkle", square({Wrinkle{0.05, 0.002, 0.5, 3}, slopes})},
+      {"crease", square({creases(2500, 0.002, 0.03), slopes})},
+      {"fractal", square({Fractal{0.8, 0.004}, slopes})},
+      {"crush", square({Crush{0.05, 0.002}, slopes})},
+      {"quilt", square({Emboss{Pattern::quilt, 0.06, 0.005}, creases(1500, 0.0004, 0.02)})},
+      {"diamond", square({Emboss{Pattern::diamond, 0.02, 0.002}})},
+      {"seam", square({creases(1500, 0.0006, 0.03),
+                       Seam{true, 0.25, 0.04, 0.002, 0.015, 0.0006}})},
+      {"button", square({creases(1500, 0.0006, 0.03), Constant{0.006},
+                         Button{0.2, 0.004, 0.06, 0.0015}})},
+      {"slope_05", square({creases(2500, 0.002, 0.03), SlopeRms{0.05}})},
+      {"slope_10", square({creases(2500, 0.002, 0.03), SlopeRms{0.1}})},
+      {"slope_40", square({creases(2500, 0.002, 0.03), SlopeRms{0.4}})},
+      {"blanket", square(blanket)},
+  };
+}
+
+bool write_npy(const std::string& path, const Sheet& sheet) {
+  std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (" +
+                       std::to_string(sheet.rows) + ", " + std::to_string(sheet.columns) + "), }";
+  header.resize(128 - 10 - 1, ' ');
+  header += '\n';
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (!file) return false;
+  const unsigned char start[] = {0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0, 128 - 10, 0};
+  bool good = std::fwrite(start, sizeof start, 1, file) == 1;
+  good = std::fwrite(header.data(), header.size(), 1, file) == 1 && good;
+  good = std::fwrite(sheet.heights.data(), sizeof(double), sheet.heights.size(), file) ==
+             sheet.heights.size() && good;
+  return std::fclose(file) == 0 && good;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const bool write = argc == 3 && std::strcmp(argv[1], "--write") == 0;
+  if (argc != 2 && !write)
+    return std::fputs("mli_sheets THREADS | mli_sheets --write FOLDER\n", stderr), 2;
+  const Job job({.threads = write ? 0 : std::strtoul(argv[1], nullptr, 10), .progress = {}});
+  for (const Named& each : sheets()) {
+    DiagnosticLog log;
+    const auto sheet = made(each.recipe, {}, log, {}, job);
+    if (!sheet) return std::fputs(to_text(log).c_str(), stderr), 1;
+    if (write) {
+      if (!write_npy(std::string(argv[2]) + "/" + each.name + ".npy", *sheet)) return 3;
+      continue;
+    }
+    const Sheet coarse = filtered(*sheet, 100, job);
+    const Statistics& s = coarse.statistics;
+    const double numbers[] = {s.height_rms,           s.slope_covariance.xy, s.slope_rms,
+                              s.facet_slope_rms,      s.mean_normal.x,       s.mean_normal.y,
+                              s.correlation_length.x, s.height_mean};
+    std::printf("%s %016" PRIx64 " %016" PRIx64 " %016" PRIx64 "\n", each.name,
+                checksum(sheet->heights), checksum(coarse.heights), checksum(numbers));
+  }
+  return 0;
+}
