@@ -84,14 +84,15 @@ struct Emboss {
 };
 
 // A lap or tape across the whole sheet: a step of the given height, flat on top, whose flanks take
-// a fifth of its width each. Beside it puckers of the stitches' pitch fade away.
+// a fifth of its width each. Beside it folds, up and down in turn, half a stitch apart, each of its own
+// height, fade away within two and a half widths.
 struct Seam {
   bool along_x = true;
   double position = 0;  // of its middle line: y where along_x, else x
   double width = 0;
   double height = 0;  // may be negative
-  double stitch = 0;  // 0: no puckers
-  double pucker = 0;  // their amplitude
+  double stitch = 0;  // 0: no folds
+  double pucker = 0;  // the largest height of a fold
 };
 
 // Pins the sheet to its base on a grid of points, a pitch apart and centred: multiplies by 0 within

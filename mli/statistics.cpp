@@ -15,12 +15,6 @@ struct View {
   Vec2 spacing;
 
   const double* row(std::size_t j) const { return heights + j * columns; }
-  Vec2 slope(std::size_t i, std::size_t j) const {
-    const std::size_t left = i > 0 ? i - 1 : 0, right = std::min(i + 1, columns - 1);
-    const std::size_t below = j > 0 ? j - 1 : 0, above = std::min(j + 1, rows - 1);
-    return {(row(j)[right] - row(j)[left]) / (static_cast<double>(right - left) * spacing.x),
-            (row(above)[i] - row(below)[i]) / (static_cast<double>(above - below) * spacing.y)};
-  }
 };
 
 struct Moments {
@@ -65,20 +59,36 @@ struct RowSums {
   }
 };
 
-// Upper bounds of the bins, as squared slopes; the last has none.
-std::array<double, Statistics::kBins - 1> bin_bounds() {
-  std::array<double, Statistics::kBins - 1> bounds;
-  for (std::size_t k = 0; k < bounds.size(); ++k) {
-    const double slope = det::tan(static_cast<double>(k + 1) * 0.5 * kDegree);
-    bounds[k] = slope * slope;
+// Bins of tilts by squared slopes.
+class Bins {
+ public:
+  Bins() {
+    for (std::size_t k = 0; k < kLast; ++k) {
+      const double slope = det::tan(static_cast<double>(k + 1) * 0.5 * kDegree);
+      bounds_[k] = slope * slope;
+    }
+    for (std::size_t n = 0; n < kGuesses; ++n) {
+      // squared sines from n/kGuesses on, and a little less for what rounds
+      const double sine = (static_cast<double>(n) - 1e-6) / kGuesses;
+      while (guesses_[n] < kLast && bounds_[guesses_[n]] <= sine / (1 - sine)) ++guesses_[n];
+    }
   }
-  return bounds;
-}
+
+  std::size_t operator()(double square) const {
+    const auto guess = static_cast<std::size_t>(square / (1 + square) * kGuesses);
+    std::size_t bin = guesses_[std::min(guess, kGuesses - 1)];
+    while (bin < kLast && square >= bounds_[bin]) ++bin;
+    return bin;
+  }
+
+ private:
+  static constexpr std::size_t kLast = Statistics::kBins - 1, kGuesses = 2048;
+  std::array<double, kLast> bounds_;  // upper; the last bin has none
+  std::array<std::size_t, kGuesses> guesses_{};
+};
 
 // about: from which heights are measured, so that no digits are lost
-RowSums sums_of_row(const View& view, std::size_t j, double about,
-                    const std::array<double, Statistics::kBins - 1>& bounds) {
-  RowSums sums;
+void add_heights_and_slopes(const View& view, std::size_t j, double about, RowSums& sums) {
   const double* h = view.row(j);
   sums.lowest = sums.highest = h[0];
   for (std::size_t i = 0; i < view.columns; ++i) {
@@ -86,24 +96,38 @@ RowSums sums_of_row(const View& view, std::size_t j, double about,
     sums.height2 += (h[i] - about) * (h[i] - about);
     sums.lowest = std::min(sums.lowest, h[i]);
     sums.highest = std::max(sums.highest, h[i]);
-    const Vec2 slope = view.slope(i, j);
-    sums.slopes.add(slope.x, slope.y);
   }
+  const double* below = view.row(j > 0 ? j - 1 : 0);
+  const double* above = view.row(std::min(j + 1, view.rows - 1));
+  const double per_x = 0.5 / view.spacing.x;
+  const double per_y = (j > 0 && j + 1 < view.rows ? 0.5 : 1.0) / view.spacing.y;
+  const std::size_t last = view.columns - 1;
+  sums.slopes.add((h[1] - h[0]) * (2 * per_x), (above[0] - below[0]) * per_y);
+  for (std::size_t i = 1; i < last; ++i)
+    sums.slopes.add((h[i + 1] - h[i - 1]) * per_x, (above[i] - below[i]) * per_y);
+  sums.slopes.add((h[last] - h[last - 1]) * (2 * per_x), (above[last] - below[last]) * per_y);
+}
+
+RowSums sums_of_row(const View& view, std::size_t j, double about, const Bins& bins) {
+  RowSums sums;
+  add_heights_and_slopes(view, j, about, sums);
   if (j + 1 == view.rows) return sums;
+  const double* h = view.row(j);
   const double* up = view.row(j + 1);
+  const double per_x = 1 / view.spacing.x, per_y = 1 / view.spacing.y;
   const auto add_facet = [&](double sx, double sy) {
     sums.facets.add(sx, sy);
-    sums.normal.x -= sx;
-    sums.normal.y -= sy;
-    const double tilt = sx * sx + sy * sy;
-    const auto bin = std::upper_bound(bounds.begin(), bounds.end(), tilt) - bounds.begin();
-    ++sums.tilts[static_cast<std::size_t>(bin)];
+    ++sums.tilts[bins(sx * sx + sy * sy)];
   };
+  double left = (up[0] - h[0]) * per_y;
   for (std::size_t i = 0; i + 1 < view.columns; ++i) {
-    add_facet((h[i + 1] - h[i]) / view.spacing.x, (up[i + 1] - h[i + 1]) / view.spacing.y);
-    add_facet((up[i + 1] - up[i]) / view.spacing.x, (up[i] - h[i]) / view.spacing.y);
+    const double below = (h[i + 1] - h[i]) * per_x;
+    const double above = (up[i + 1] - up[i]) * per_x, right = (up[i + 1] - h[i + 1]) * per_y;
+    add_facet(below, right);
+    add_facet(above, left);
+    left = right;
   }
-  sums.normal.z = 2 * static_cast<double>(view.columns - 1);
+  sums.normal = {-sums.facets.x, -sums.facets.y, 2 * static_cast<double>(view.columns - 1)};
   return sums;
 }
 
@@ -175,10 +199,9 @@ double slope_rms(std::span<const double> heights, std::size_t columns, const Vec
   const View view = view_of(heights, columns, spacing);
   std::vector<double> rows(view.rows);
   parallel_for(view.rows, [&](std::size_t j) {
-    for (std::size_t i = 0; i < columns; ++i) {
-      const Vec2 slope = view.slope(i, j);
-      rows[j] += slope.x * slope.x + slope.y * slope.y;
-    }
+    RowSums sums;
+    add_heights_and_slopes(view, j, 0, sums);
+    rows[j] = sums.slopes.xx + sums.slopes.yy;
   }, job);
   double sum = 0;
   for (const double row : rows) sum += row;
@@ -188,14 +211,14 @@ double slope_rms(std::span<const double> heights, std::size_t columns, const Vec
 Statistics measured(std::span<const double> heights, std::size_t columns, const Vec2& spacing,
                     const Job& job) {
   const View view = view_of(heights, columns, spacing);
-  const auto bounds = bin_bounds();
+  const Bins bins;
   const double about = heights[0];
   constexpr std::size_t kRows = 64;
   std::vector<RowSums> bands((view.rows + kRows - 1) / kRows);
   parallel_for(bands.size(), [&](std::size_t band) {
-    bands[band] = sums_of_row(view, band * kRows, about, bounds);
+    bands[band] = sums_of_row(view, band * kRows, about, bins);
     for (std::size_t j = band * kRows + 1; j < std::min(view.rows, (band + 1) * kRows); ++j)
-      bands[band].add(sums_of_row(view, j, about, bounds));
+      bands[band].add(sums_of_row(view, j, about, bins));
   }, job);
   RowSums all = bands[0];
   for (std::size_t band = 1; band < bands.size(); ++band) all.add(bands[band]);

@@ -46,13 +46,6 @@ inline double smooth_step(double t) {
   return t * t * (3 - 2 * t);
 }
 
-// A triangular wave of period 1: 1 at whole numbers, −1 half-way. x: any size that a double holds
-inline double triangular(double x) {
-  x -= static_cast<double>(static_cast<long long>(x));
-  x = x < 0 ? -x : x;
-  return x < 0.5 ? 1 - 4 * x : 4 * x - 3;
-}
-
 void apply(const Random&, const Grid&, const Job&);
 void apply(const Smooth&, const Grid&, const Job&);
 void apply(const Constant&, const Grid&, const Job&);

@@ -18,6 +18,8 @@ void for_vertices(const Grid& grid, const Job& job, const Body& body) {
   });
 }
 
+constexpr double kFolds = 5;  // half widths that they reach from a seam
+
 double fraction(double x) { return x - std::floor(x); }
 
 }  // namespace
@@ -38,13 +40,24 @@ void apply(const Emboss& emboss, const Grid& grid, const Job& job) {
 }
 
 void apply(const Seam& seam, const Grid& grid, const Job& job) {
+  // of a fold between stitches: up and down in turn, each of its own height
+  const auto fold = [&](double number) {
+    const auto bits = static_cast<std::uint64_t>(static_cast<std::int64_t>(number));
+    const auto words =
+        grid.words(static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32));
+    const double size = 0.4 + 0.6 * in_unit(words[0]);
+    return bits % 2 == 0 ? size : -size;
+  };
   for_vertices(grid, job, [&](double x, double y, double& h) {
     const double across = std::fabs((seam.along_x ? y : x) - seam.position) * 2 / seam.width;
     // flat to 0.6 of the half width
     h += seam.height * smooth_step((1 - across) / 0.4);
-    if (seam.stitch > 0) {
+    if (seam.stitch > 0 && across < kFolds) {
+      const double along = 2 * (seam.along_x ? x : y) / seam.stitch;
+      const double number = std::floor(along), t = along - number;
       const double fade = 2 * across / (1 + across * across);  // 1 at the border
-      h += seam.pucker * triangular((seam.along_x ? x : y) / seam.stitch) * (fade * fade);
+      h += seam.pucker * ((1 - t) * fold(number) + t * fold(number + 1)) * (fade * fade) *
+           smooth_step(1 - across / kFolds);
     }
   });
 }
@@ -63,16 +76,19 @@ void apply(const Button& button, const Grid& grid, const Job& job) {
     const double t = (r - button.radius) / (button.reach - button.radius);
     h *= smooth_step(t);
     if (!(t > 0 && t < 1)) return;
-    // cos(nφ + ψ): five to eight puckers a button
+    // cos(nφ + ψ) and cos((n + 3)φ + χ): five to eight puckers a button, and more
     const auto words = grid.words(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
-    const auto turned = det::sincos(2 * kPi * in_unit(words[0]));
-    double re = turned.cos, im = turned.sin;
-    for (std::uint32_t n = 0; n < 5 + words[1] % 4; ++n) {
+    const std::uint32_t few = 5 + words[2] % 4;
+    double re = 1, im = 0, puckers = 0;
+    for (std::uint32_t n = 1; n <= few + 3; ++n) {
       const double next = (re * dx - im * dy) / r;
       im = (re * dy + im * dx) / r;
       re = next;
+      if (n != few && n != few + 3) continue;
+      const auto turned = det::sincos(2 * kPi * in_unit(words[n == few ? 0 : 1]));
+      puckers += (re * turned.cos - im * turned.sin) / 2;
     }
-    h += button.pucker * re * (6.75 * t * (1 - t) * (1 - t));  // 1 at a third of the way
+    h += button.pucker * puckers * (6.75 * t * (1 - t) * (1 - t));  // most at a third of the way
   });
 }
 

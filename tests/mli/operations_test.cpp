@@ -3,6 +3,7 @@
 
 #include "base/random.h"
 #include "mli/internal/crease.h"
+#include "mli/internal/grid.h"
 #include "tests/mli/sheet_support.h"
 
 namespace panwright::mli {
@@ -291,13 +292,22 @@ TEST(Seam, IsFlatOnTopAndGoneBeside) {
       }
     EXPECT_NEAR(at(68, 5), 0.001, 1e-12);  // half-way down
   }
-  // puckers have the stitches' pitch
-  const Sheet puckered = sheet_of(recipe(1, 1, 200, {Seam{true, 0.3, 0.1, 0, 0.02, 0.001}}));
-  for (std::uint32_t i = 0; i + 4 <= 200; ++i)
-    EXPECT_NEAR(puckered.at(i, 70), puckered.at(i + 4, 70), 1e-15);
-  EXPECT_NEAR(puckered.at(0, 70), 0.001, 1e-12);
-  EXPECT_NEAR(puckered.at(2, 70), -0.001, 1e-12);
-  EXPECT_NEAR(puckered.at(1, 60), 0, 1e-15);
+  // folds stand up and hang down in turn, half a stitch apart, straight between, within their bound
+  const Sheet folded = sheet_of(recipe(1, 1, 200, {Seam{true, 0.3, 0.1, 0, 0.04, 0.001}}));
+  const double fade = smooth_step(0.8);  // at the border
+  double least = 1, most = 0;
+  for (std::uint32_t i = 0; i < 200; i += 4) {
+    const double size = folded.at(i, 70) / 0.001 / fade * (i % 8 == 0 ? 1 : -1);
+    least = std::min(least, size);
+    most = std::max(most, size);
+    for (std::uint32_t k = 1; k < 4; ++k)
+      EXPECT_NEAR(folded.at(i + k, 70),
+                  (folded.at(i, 70) * (4 - k) + folded.at(i + 4, 70) * k) / 4, 1e-15);
+    EXPECT_EQ(folded.at(i, 60), 0);
+    EXPECT_EQ(folded.at(i, 111), 0);  // 2.55 widths away
+  }
+  EXPECT_TRUE(least > 0.4 && least < 0.45) << least;
+  EXPECT_TRUE(most > 0.95 && most < 1) << most;
 }
 
 TEST(Button, PinsTheSheetToItsBase) {

@@ -2,6 +2,7 @@
 //
 //   mli_sheets THREADS          "name checksum of heights, bits of a statistic", a line each
 //   mli_sheets --write FOLDER   FOLDER/NAME.npy, (rows, columns), row 0 at the lower edge
+//   mli_sheets --side N         makes random 1, smooth 4 of N x N vertices, for bench/case_mli.cpp
 #include <bit>
 #include <cinttypes>
 #include <cstdio>
@@ -46,30 +47,30 @@ std::vector<Named> sheets() {
   figure9.xgrid = 240;
   figure9.operations = {Random{1.0}, Smooth{4}, Constant{4.0}, Taper{5.0, 7.0, 2.5, 3.5}};
   const Operation slopes = SlopeRms{0.2};
-  const std::vector<Operation> blanket = {creases(2500, 0.0012, 0.03),
-                                          Wrinkle{0.08, 0.0008, 0.6, 2},
+  const std::vector<Operation> blanket = {creases(8000, 0.001, 0.02),
+                                          Wrinkle{0.1, 0.0012, 0.6, 2},
                                           slopes,
                                           Constant{0.006},
                                           Seam{true, 0.36, 0.025, 0.0008, 0.012, 0.0004},
-                                          Button{0.25, 0.004, 0.05, 0.001},
+                                          Button{0.25, 0.003, 0.04, 0.0008},
                                           Taper{0.008, 0.03, 0.008, 0.03}};
   return {
       {"figure9", figure9},
       {"random", square({Random{0.001}, slopes})},
       {"smooth", square({Random{0.001}, Smooth{4}, slopes})},
       {"wrinkle", square({Wrinkle{0.05, 0.002, 0.5, 3}, slopes})},
-      {"crease", square({creases(2500, 0.002, 0.03), slopes})},
+      {"crease", square({creases(8000, 0.002, 0.02), slopes})},
       {"fractal", square({Fractal{0.8, 0.004}, slopes})},
       {"crush", square({Crush{0.05, 0.002}, slopes})},
-      {"quilt", square({Emboss{Pattern::quilt, 0.06, 0.005}, creases(1500, 0.0004, 0.02)})},
+      {"quilt", square({Emboss{Pattern::quilt, 0.06, 0.005}, creases(8000, 0.0003, 0.02)})},
       {"diamond", square({Emboss{Pattern::diamond, 0.02, 0.002}})},
-      {"seam", square({creases(1500, 0.0006, 0.03),
+      {"seam", square({creases(8000, 0.0004, 0.02),
                        Seam{true, 0.25, 0.04, 0.002, 0.015, 0.0006}})},
-      {"button", square({creases(1500, 0.0006, 0.03), Constant{0.006},
+      {"button", square({creases(8000, 0.0004, 0.02), Constant{0.006},
                          Button{0.2, 0.004, 0.06, 0.0015}})},
-      {"slope_05", square({creases(2500, 0.002, 0.03), SlopeRms{0.05}})},
-      {"slope_10", square({creases(2500, 0.002, 0.03), SlopeRms{0.1}})},
-      {"slope_40", square({creases(2500, 0.002, 0.03), SlopeRms{0.4}})},
+      {"slope_05", square({creases(8000, 0.002, 0.02), SlopeRms{0.05}})},
+      {"slope_10", square({creases(8000, 0.002, 0.02), SlopeRms{0.1}})},
+      {"slope_40", square({creases(8000, 0.002, 0.02), SlopeRms{0.4}})},
       {"blanket", square(blanket)},
   };
 }
@@ -92,9 +93,15 @@ bool write_npy(const std::string& path, const Sheet& sheet) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 3 && std::strcmp(argv[1], "--side") == 0) {
+    Recipe recipe = square({Random{1}, Smooth{4}});
+    recipe.xgrid = static_cast<std::uint32_t>(std::strtoul(argv[2], nullptr, 10)) - 1;
+    DiagnosticLog log;
+    return made(recipe, {}, log) ? 0 : 1;
+  }
   const bool write = argc == 3 && std::strcmp(argv[1], "--write") == 0;
   if (argc != 2 && !write)
-    return std::fputs("mli_sheets THREADS | mli_sheets --write FOLDER\n", stderr), 2;
+    return std::fputs("mli_sheets THREADS | --write FOLDER | --side N\n", stderr), 2;
   const Job job({.threads = write ? 0 : std::strtoul(argv[1], nullptr, 10), .progress = {}});
   for (const Named& each : sheets()) {
     DiagnosticLog log;
