@@ -53,7 +53,7 @@ TEST(Level0, VariancesAreThoseOfTheExactTable) {
           ++count;
         }
     }
-    // worst of the six: 0.9 % of heights, 0.6 % of slopes, after 16 passes
+    // worst: heights 0.24 %, slopes 0.64 %
     EXPECT_NEAR(height / count, gain.height, 0.03 * gain.height) << gain.passes;
     EXPECT_NEAR(x / count, gain.slope, 0.03 * gain.slope) << gain.passes;
     EXPECT_NEAR(y / count, gain.slope, 0.03 * gain.slope) << gain.passes;
@@ -70,7 +70,7 @@ TEST(Level0, SmoothingPreservesTheMean) {
       for (const double h : sheet.heights) sum += h;
       means[k] = sum / static_cast<double>(sheet.heights.size());
     }
-    EXPECT_NEAR(means[0], means[1], 1e-12);  // 3e-16 measured; 1e-7 asked for
+    EXPECT_NEAR(means[0], means[1], 1e-12);  // 1.4e-17 measured; 1e-7 asked for
   }
 }
 
@@ -81,7 +81,7 @@ TEST(Level0, EqualHeightsStayEqualToTheBit) {
   }
 }
 
-// The largest height is that of one vertex alone, and its square spreads as the kernel says.
+// Moments, and products of neighbours.
 TEST(Level0, RandomHeightsAreUniformAndIndependent) {
   constexpr std::uint32_t kSeeds = 16;
   double moments[4]{}, neighbour = 0, count = 0;

@@ -85,8 +85,8 @@ TEST(Wrinkle, SlopesHeightsAndCrossingsAreThoseOfItsSpectrum) {
     const double xx =
         scale * (envelope * spread / 2 + met * phase * (s.mean_x * s.mean_x + spread / 2));
     const double yy = scale * (envelope + met * phase) * s.yy / 2;
-    EXPECT_NEAR(mean.xx, xx, 0.05 * xx) << anisotropy;
-    EXPECT_NEAR(mean.yy, yy, 0.08 * yy) << anisotropy;
+    EXPECT_NEAR(mean.xx, xx, 0.05 * xx) << anisotropy;  // worst 3.1 %
+    EXPECT_NEAR(mean.yy, yy, 0.08 * yy) << anisotropy;  // worst 3.1 %
 
     // zeros of h are those of a Gaussian process: Rice's formula
     double crossings = 0, length = 0;
@@ -109,7 +109,7 @@ TEST(Wrinkle, RunsAcrossItsDirection) {
   for (const double direction : {0.0, 0.5, 1.2, 2.6, -0.3}) {
     const Mean mean = over_seeds(recipe(1, 1, 300, {Wrinkle{0.04, 0.002, direction, 4}}), 12);
     const double measured = 0.5 * std::atan2(2 * mean.xy, mean.xx - mean.yy);
-    // an axis has no sense; worst 0.012 rad
+    // an axis has no sense; worst 0.02 rad
     EXPECT_NEAR(std::sin(measured - direction), 0, 0.03) << direction;
   }
 }
@@ -143,16 +143,14 @@ TEST(Crease, LengthsFollowTheirLaw) {
   // Kolmogorov and Smirnov: above by chance once in 10,000
   EXPECT_LT(worst, 2.23 / std::sqrt(kCount));
   EXPECT_LE(lengths.back(), 20 * (1 + 1e-12));
-  // the long ones alone: the slope of their distribution's logarithm
+  // the long ones: the slope of their distribution's logarithm
   const auto above = [&](double x) {
     return static_cast<double>(lengths.end() -
                                std::lower_bound(lengths.begin(), lengths.end(), x));
   };
   const double slope = std::log(above(8) / above(4)) / std::log(2.0);
-  const double exact =
-      std::log((std::pow(8, -1.5) - std::pow(20, -1.5)) / (std::pow(4, -1.5) - std::pow(20, -1.5))) /
-      std::log(2.0);
-  EXPECT_NEAR(slope, exact, 0.25);  // 0.09 is its standard error
+  const double exact = std::log((1 - expected(8)) / (1 - expected(4))) / std::log(2.0);
+  EXPECT_NEAR(slope, exact, 0.25);  // its standard error is 0.08
 }
 
 // Campbell's theorem: sums over pyramids at random places.
@@ -224,7 +222,7 @@ TEST(Fractal, SpectrumFallsWithItsExponent) {
       }
     }
     const double slope = std::log(powers[2] / powers[0]) / std::log(4.0);
-    EXPECT_NEAR(slope, 2 * hurst, 0.1) << hurst;
+    EXPECT_NEAR(slope, 2 * hurst, 0.03) << hurst;  // worst 0.006
   }
 }
 
@@ -233,7 +231,7 @@ TEST(Fractal, HasItsHeight) {
   const Mean mean = over_seeds(recipe(2, 2, 256, {Fractal{hurst, rms, 0.25}}), 24);
   // octaves of 32, 16, 8, 4 and 2 cells of an endless series
   const double expected = rms * rms * (1 - std::pow(2, -2 * hurst * 5));
-  EXPECT_NEAR(mean.height2, expected, 0.04 * expected);
+  EXPECT_NEAR(mean.height2, expected, 0.04 * expected);  // 3.0 %, by chance
 }
 
 // ---- crush
@@ -343,7 +341,7 @@ TEST(SlopeRms, IsReachedWhateverTheSheet) {
       recipe.operations[9] = SlopeRms{slope};
       recipe.operations.resize(10);
       const Sheet sheet = sheet_of(recipe);
-      EXPECT_NEAR(sheet.statistics.slope_rms / slope, 1, 1e-9);  // 2e-15 measured
+      EXPECT_NEAR(sheet.statistics.slope_rms / slope, 1, 1e-9);  // 6e-16 measured
       EXPECT_NEAR(slope_rms(sheet.heights, sheet.columns, sheet.spacing) / slope, 1, 1e-9);
     }
   const Sheet none = sheet_of(recipe(1, 1, 10, {Random{1}, SlopeRms{0}}));
