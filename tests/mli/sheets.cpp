@@ -1,7 +1,8 @@
-// The sheets of docs/mli.md: their checksums, or their heights as files of numpy.
+// The sheets and forms of docs/mli.md: their checksums, or files of numpy.
 //
-//   mli_sheets THREADS          "name checksum of heights, bits of a statistic", a line each
-//   mli_sheets --write FOLDER   FOLDER/NAME.npy, (rows, columns), row 0 at the lower edge
+//   mli_sheets THREADS          a line each: its name, checksums of heights and statistics, or of positions
+//   mli_sheets --write FOLDER   FOLDER/NAME.npy: heights (rows, columns), row 0 at the lower edge, or
+//                               corners (triangles, 3, 3); metres
 //   mli_sheets --side N         makes random 1, smooth 4 of N x N vertices, for bench/case_mli.cpp
 #include <bit>
 #include <cinttypes>
@@ -10,6 +11,7 @@
 #include <cstring>
 #include <string>
 
+#include "mli/form.h"
 #include "mli/sheet.h"
 
 using namespace panwright;
@@ -75,9 +77,30 @@ std::vector<Named> sheets() {
   };
 }
 
-bool write_npy(const std::string& path, const Sheet& sheet) {
-  std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (" +
-                       std::to_string(sheet.rows) + ", " + std::to_string(sheet.columns) + "), }";
+struct NamedForm {
+  const char* name;
+  Form form;
+};
+
+// Of one sheet, 2.1 m by 1.5 m, cells of 4 mm.
+std::vector<NamedForm> forms() {
+  return {{"form_tube", Tube{0.25, 0.6, 0.05}},
+          {"form_cone", Cone{0.3, 0.15, 0.45, 0.05}},
+          {"form_disc", Disc{0.35, 0.06}},
+          {"form_box", Box{{0.5, 0.4, 0.5}, 0.02}}};
+}
+
+Recipe form_recipe() {
+  Recipe recipe;
+  recipe.width = 2.1;
+  recipe.height = 1.5;
+  recipe.xgrid = 525;
+  recipe.operations = {creases(6000, 0.003, 0.023), SlopeRms{0.16}, Constant{0.003}};
+  return recipe;
+}
+
+bool write_npy(const std::string& path, const std::string& shape, std::span<const double> numbers) {
+  std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + shape + "), }";
   header.resize(128 - 10 - 1, ' ');
   header += '\n';
   std::FILE* file = std::fopen(path.c_str(), "wb");
@@ -85,9 +108,45 @@ bool write_npy(const std::string& path, const Sheet& sheet) {
   const unsigned char start[] = {0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0, 128 - 10, 0};
   bool good = std::fwrite(start, sizeof start, 1, file) == 1;
   good = std::fwrite(header.data(), header.size(), 1, file) == 1 && good;
-  good = std::fwrite(sheet.heights.data(), sizeof(double), sheet.heights.size(), file) ==
-             sheet.heights.size() && good;
+  good = std::fwrite(numbers.data(), sizeof(double), numbers.size(), file) == numbers.size() && good;
   return std::fclose(file) == 0 && good;
+}
+
+// folder: where files are written; null: nowhere, and checksums are printed
+bool show_sheet(const Named& each, const char* folder, const Job& job, DiagnosticLog& log) {
+  const auto sheet = made(each.recipe, {}, log, {}, job);
+  if (!sheet) return false;
+  if (folder)
+    return write_npy(std::string(folder) + "/" + each.name + ".npy",
+                     std::to_string(sheet->rows) + ", " + std::to_string(sheet->columns),
+                     sheet->heights);
+  const Sheet coarse = filtered(*sheet, 100, job);
+  const Statistics& s = coarse.statistics;
+  const double numbers[] = {s.height_rms,           s.slope_covariance.xy, s.slope_rms,
+                            s.facet_slope_rms,      s.mean_normal.x,       s.mean_normal.y,
+                            s.correlation_length.x, s.height_mean};
+  std::printf("%s %016" PRIx64 " %016" PRIx64 " %016" PRIx64 "\n", each.name,
+              checksum(sheet->heights), checksum(coarse.heights), checksum(numbers));
+  return true;
+}
+
+bool show_forms(const char* folder, const Job& job, DiagnosticLog& log) {
+  const auto sheet = made(form_recipe(), {}, log, {}, job);
+  if (!sheet) return false;
+  for (const NamedForm& each : forms()) {
+    const auto mesh = formed(*sheet, each.form, log);
+    if (!mesh) return false;
+    std::vector<double> corners;
+    for (const geometry::Triangle& t : mesh->triangles)
+      for (const std::uint32_t v : t)
+        for (int k = 0; k < 3; ++k) corners.push_back(mesh->positions[v][k]);
+    if (!folder)
+      std::printf("%s %016" PRIx64 "\n", each.name, checksum(corners));
+    else if (!write_npy(std::string(folder) + "/" + each.name + ".npy",
+                        std::to_string(mesh->triangles.size()) + ", 3, 3", corners))
+      return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -103,21 +162,10 @@ int main(int argc, char** argv) {
   if (argc != 2 && !write)
     return std::fputs("mli_sheets THREADS | --write FOLDER | --side N\n", stderr), 2;
   const Job job({.threads = write ? 0 : std::strtoul(argv[1], nullptr, 10), .progress = {}});
-  for (const Named& each : sheets()) {
-    DiagnosticLog log;
-    const auto sheet = made(each.recipe, {}, log, {}, job);
-    if (!sheet) return std::fputs(to_text(log).c_str(), stderr), 1;
-    if (write) {
-      if (!write_npy(std::string(argv[2]) + "/" + each.name + ".npy", *sheet)) return 3;
-      continue;
-    }
-    const Sheet coarse = filtered(*sheet, 100, job);
-    const Statistics& s = coarse.statistics;
-    const double numbers[] = {s.height_rms,           s.slope_covariance.xy, s.slope_rms,
-                              s.facet_slope_rms,      s.mean_normal.x,       s.mean_normal.y,
-                              s.correlation_length.x, s.height_mean};
-    std::printf("%s %016" PRIx64 " %016" PRIx64 " %016" PRIx64 "\n", each.name,
-                checksum(sheet->heights), checksum(coarse.heights), checksum(numbers));
-  }
-  return 0;
+  DiagnosticLog log;
+  bool good = true;
+  for (const Named& each : sheets()) good = good && show_sheet(each, write ? argv[2] : nullptr, job, log);
+  good = good && show_forms(write ? argv[2] : nullptr, job, log);
+  std::fputs(to_text(log).c_str(), stderr);
+  return good ? 0 : 1;
 }
