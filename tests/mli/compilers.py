@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+"""Sheets have the same bits whatever compiler, optimisation and number of threads: what decides them,
+mli/ and base/math.cpp, is compiled by g++ and clang++ without optimisation and with all of it.
+
+    compilers.py SHEETS BASE FOLDER    mli_sheets and libpanwright_base.a of the build, a folder to work in
+
+Exit code 77: clang++ is not installed (scripts/setup --test installs it).
+"""
+import concurrent.futures
+import glob
+import os
+import shutil
+import subprocess
+import sys
+
+ROOT = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
+FLAGS = ["-std=c++20", "-ffp-contract=off", "-DGLM_FORCE_CTOR_INIT", f"-I{ROOT}", "-w"]
+LIBRARIES = ["-lfmt", "-lxxhash", "-lsleef", "-lpng", "-ltbb", "-lpthread"]
+
+
+def run(command):
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"{' '.join(command)}\n{done.stderr}")
+    return done.stdout
+
+
+def built(compiler, level, base, folder):
+    """The program as one compiler makes it."""
+    here = os.path.join(folder, f"{compiler}{level}")
+    os.makedirs(here, exist_ok=True)
+    sources = sorted(glob.glob(f"{ROOT}/mli/*.cpp") + glob.glob(f"{ROOT}/mli/internal/*.cpp"))
+    sources += [f"{ROOT}/base/math.cpp", f"{ROOT}/tests/mli/sheets.cpp"]
+    cache = ["ccache"] if shutil.which("ccache") else []
+    objects = []
+    for source in sources:
+        objects.append(os.path.join(here, os.path.relpath(source, ROOT).replace("/", "_") + ".o"))
+        run([*cache, compiler, *FLAGS, level, "-c", source, "-o", objects[-1]])
+    program = os.path.join(here, "mli_sheets")
+    run([compiler, *objects, base, *LIBRARIES, "-o", program])
+    return program
+
+
+def main():
+    if not shutil.which("clang++"):
+        print("clang++ is not installed: nothing was compared")
+        return 77
+    sheets, base, folder = sys.argv[1:4]
+    ways = [(compiler, level) for compiler in ("g++", "clang++") for level in ("-O0", "-O3")]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        programs = list(pool.map(lambda way: built(*way, base, folder), ways))
+    expected = run([sheets, "1"])
+    wrong = 0
+    for name, program in [("the build", sheets), *zip(map(" ".join, ways), programs)]:
+        for threads in ("1", "8"):
+            for want, got in zip(expected.splitlines(), run([program, threads]).splitlines()):
+                if want != got:
+                    print(f"{name}, {threads} threads: {got}; the build with one thread: {want}")
+                    wrong += 1
+    print(f"{len(expected.splitlines())} sheets by {len(programs)} compilers and the build, "
+          f"{wrong} differ")
+    return 1 if wrong or not expected else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
