@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "compiler/internal/decals.h"
 #include "compiler/internal/jobs.h"
+#include "compiler/internal/size_check.h"
 #include "geometry/tessellate/mapping.h"
 #include "geometry/tessellate/tessellate.h"
 #include "materials/report.h"
@@ -286,6 +287,7 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
   copy_tables(scene, out);
   certify(scene, log, job);
   place_instances(scene, plan, options, mesh_of_job, product, out);
+  if (options.check_size) internal::check_size(scene, out, log);
   for (const pan::InstanceContent& instance : out.instances)
     report.triangles += out.meshes[instance.mesh].triangle_count();
   for (const pan::PackedMesh& mesh : out.meshes) {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
+#include "compiler/size.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/print.h"
@@ -31,11 +32,14 @@ void check_one(const std::string& path, const workspace::OpenOptions& read,
   const std::string extension = workspace::extension_of(path);
   const std::size_t errors = log.errors(), warnings = log.warnings();
   std::string format, how;  // of a .pan
+  std::string size;         // in words
   if (extension == ".pan" || extension == ".pxn" || workspace::is_cad(path)) {
     workspace::OpenReport report;
     // a text is compiled too, to find it all
     const auto model = workspace::open(path, read, log, context.job(), &report);
     context.add_timings(report.steps);
+    if (const auto bounds = model ? (*model)->world_bounds() : std::nullopt)
+      size = compiler::size_in_words(bounds->max - bounds->min);
     if (model && extension == ".pan") {
       format = fmt::format("{}.{}", (*model)->header().major, (*model)->header().minor);
       if ((*model)->compressed()) how = " (compressed)";
@@ -52,7 +56,9 @@ void check_one(const std::string& path, const workspace::OpenOptions& read,
     context.result()["files"].back()["format"] = format;
     context.result()["files"].back()["compressed"] = !how.empty();
   }
-  if (!context.options().json && found == 0) print("{}: ok{}\n", path, how);
+  if (!size.empty()) context.result()["files"].back()["size"] = size;
+  if (!context.options().json && found == 0)
+    print("{}: ok{}{}\n", path, how, size.empty() ? "" : ", " + size);
 }
 
 int run(const Options& options, const Host& host) {

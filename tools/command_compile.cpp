@@ -113,6 +113,7 @@ int run(const Options& options, const Host& host) {
                                            {.output = output,
                                             .strip_sources = options.strip_sources,
                                             .compress = options.compress,
+                                            .check_size = true,
                                             .origin = {}},
                                            log, context.job(), &steps);
   context.add_timings(steps.steps);

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/text.h"
+#include "compiler/size.h"
 #include "compiler/tolerance.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
@@ -292,6 +293,15 @@ Json tables_json(const pan::Model& model) {
   return out;
 }
 
+// Metres, and words.
+Json size_json(const std::optional<pan::Model::Bounds>& bounds) {
+  if (!bounds) return nullptr;
+  const Vec3 extents = bounds->max - bounds->min;
+  return {{"extents", as_json(extents)},
+          {"largest", std::max({extents.x, extents.y, extents.z})},
+          {"words", compiler::size_in_words(extents)}};
+}
+
 std::string plural(std::uint64_t n, const char* one, const char* many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);
 }
@@ -491,7 +501,9 @@ void print_text(const std::string& path, const pan::Model& model, const Totals& 
   print("made by   {} ({})\n", model.version(), model.options());
   print("build id  {}\n", model.build_id().hex());
   print_storage(model);
-  if (const auto bounds = model.world_bounds())
+  const auto bounds = model.world_bounds();
+  if (bounds) print("size      {}\n", compiler::size_in_words(bounds->max - bounds->min));
+  if (bounds)
     print("bounds    {:.6g} {:.6g} {:.6g} .. {:.6g} {:.6g} {:.6g} m\n", bounds->min.x,
           bounds->min.y, bounds->min.z, bounds->max.x, bounds->max.y, bounds->max.z);
   print("error     {:.4g} m at most between mesh and shape\n", totals.worst_error);
@@ -532,6 +544,7 @@ int run(const Options& options, const Host& host) {
   const auto bounds = model->world_bounds();
   out["bounds"]["min"] = bounds ? as_json(bounds->min) : Json(nullptr);
   out["bounds"]["max"] = bounds ? as_json(bounds->max) : Json(nullptr);
+  out["size"] = size_json(bounds);
   out["nodes"] = nodes_json(*model);
   out["joints"] = Json::array();
   out["instances"] = instances_json(*model);

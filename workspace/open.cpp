@@ -250,7 +250,10 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
   if (!scene) return failed;
   if (options.prune && !prune(*scene, options, log, job, report)) return failed;
   const Stopwatch watch(report, "compile " + path.string());
-  const auto bytes = compiler::compiled(*scene, compile_options(options), log, job);
+  compiler::Options compile = compile_options(options);
+  // CAD files have guesses and warnings of their own
+  compile.check_size = extension == ".pxn";
+  const auto bytes = compiler::compiled(*scene, compile, log, job);
   if (!bytes) return failed;
   auto model = pan::Model::from_bytes(*bytes, path.string(), log);
   if (!model || !model->check(log, job)) return failed;
@@ -265,6 +268,7 @@ Result<compiler::Report> write_pan(scene::Scene& scene, const OpenOptions& optio
   compile.strip_sources = write.strip_sources;
   compile.compress = write.compress;
   compile.origin = write.origin;
+  compile.check_size = write.check_size;
   const auto done = compiler::compile(scene, compile, write.output, log, job);
   if (done && report != nullptr) {
     report->steps.push_back({"tessellate", done->seconds_tessellate});

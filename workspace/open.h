@@ -119,8 +119,9 @@ Result<bool> prune(scene::Scene& scene, const OpenOptions& options, DiagnosticLo
 struct WriteOptions {
   std::string output;  // .pan; "-": standard output
   bool strip_sources = false;
-  bool compress = false;  // pan::WriteOptions
-  std::string origin;     // import options that the inputs do not record
+  bool compress = false;    // pan::WriteOptions
+  bool check_size = false;  // of a pxn: W2022, W2023
+  std::string origin;       // import options that the inputs do not record
 };
 
 // Prunes a scene and writes it as a pan file: there it is whole, or not at all.

@@ -121,14 +121,15 @@ void Loader::read_parameter(File& file, std::uint32_t element) {
   if (!name) return;
   parameters_.insert(*name);
   for (const auto& [overridden, text] : options_.parameters)
-    if (overridden == *name) value = overriding_value(*name, text);
+    if (overridden == *name) value = overriding_value(*name, text, file.units);
   // one that cannot be read is there as well, so that its uses are no errors
   file.scope.set(*name, value.value_or(kUnread));
 }
 
-// The value of -D NAME=VALUE, read as that of a <param>, so that it may hold what that may.
-std::optional<Quantity> Loader::overriding_value(const std::string& name,
-                                                 const std::string& value) {
+// The value of -D NAME=VALUE, read as that of a <param> of the file that declares it, so that it
+// may hold what that may.
+std::optional<Quantity> Loader::overriding_value(const std::string& name, const std::string& value,
+                                                 const Units& units) {
   auto bytes = std::make_shared<const std::string>(
       fmt::format("<param name=\"{}\" value=\"{}\"/>", xml::escaped(name), xml::escaped(value)));
   const FileId id =
@@ -137,7 +138,7 @@ std::optional<Quantity> Loader::overriding_value(const std::string& name,
   if (document.size() != 1) return std::nullopt;
   document.elements[0].id = ElementId::param;
   Values values(document, schemas::kPxn, reporter_);
-  values.set_units({1, 1, kDegree});
+  values.set_units(units);
   return values.quantity(0, attribute::param_value);
 }
 
@@ -223,8 +224,10 @@ void Loader::read_definitions(File& file) {
 std::optional<std::uint32_t> Loader::part_of(Definition& definition, const Arguments& arguments,
                                              SourceSpan used_at) {
   if (definition.reading) return std::nullopt;
-  std::vector<std::tuple<std::string, double, schemas::Dimension>> key;
-  for (const auto& [name, value] : arguments) key.emplace_back(name, value.value, value.dimension);
+  ArgumentsKey key;
+  for (const auto& [name, value] : arguments)
+    key.emplace_back(name, value.value, value.dimension, value.length, value.angle, value.pi,
+                     value.ratio);
   const auto known = definition.parts.find(key);
   if (known != definition.parts.end()) return known->second;
   File& file = *definition.file;

@@ -88,7 +88,8 @@ class Loader {
   void merge(File& file, const Definitions& from, Definitions& to, std::uint32_t element);
   std::optional<std::string> parameter_name(File& file, std::uint32_t element, const Scope& scope);
   void read_parameter(File& file, std::uint32_t element);
-  std::optional<Quantity> overriding_value(const std::string& name, const std::string& value);
+  std::optional<Quantity> overriding_value(const std::string& name, const std::string& value,
+                                           const Units& units);
   void define(File& file, std::uint32_t element, std::size_t attribute, Definitions& known);
   void read_budget(File& file, std::uint32_t element);
   void read_definitions(File& file);

@@ -86,6 +86,9 @@ struct File;
 
 // Values that a use gives to parameters of its part, by name.
 using Arguments = std::map<std::string, Quantity>;
+// The same as a key: what a Quantity holds, member by member.
+using ArgumentsKey =
+    std::vector<std::tuple<std::string, double, schemas::Dimension, double, double, int, bool>>;
 
 // A part or a material with a name. It is read when it is first asked for, a part once for each set
 // of arguments.
@@ -98,7 +101,7 @@ struct Definition {
   bool used = false;
   std::optional<std::uint32_t> index;  // of the named material, once done, if it can be used
   // of the part, for each set of arguments it was used with
-  std::map<std::vector<std::tuple<std::string, double, schemas::Dimension>>, std::uint32_t> parts;
+  std::map<ArgumentsKey, std::uint32_t> parts;
 };
 
 using Definitions = std::map<std::string, Definition*, std::less<>>;

@@ -23,7 +23,9 @@ bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z')
 
 class FormulaReader {
  public:
-  explicit FormulaReader(std::string_view text) : text_(text) { frames_.push_back({}); }
+  FormulaReader(std::string_view text, const Unit* length) : text_(text), length_(length) {
+    frames_.push_back({});
+  }
 
   Formula run() {
     if (text_.size() > kLongestExpression) {
@@ -193,7 +195,9 @@ class FormulaReader {
       unit = find_unit(name);
       if (unit == nullptr) return unknown_unit(name, at_ + length);
     }
-    const auto value = read_number(number, unit);
+    const bool is_length = unit != nullptr && unit->dimension == schemas::Dimension::length;
+    const auto value = is_length && length_ != nullptr ? read_length(number, *unit, *length_)
+                                                       : read_number(number, unit);
     if (!value)
       return fail(at_, end,
                   fmt::format("{} is past 1.8e308, the largest number", in_quotes(number)), {},
@@ -359,6 +363,7 @@ class FormulaReader {
   }
 
   std::string_view text_;
+  const Unit* length_;
   std::size_t at_ = 0;
   bool want_operand_ = true;
   std::vector<Frame> frames_;
@@ -373,6 +378,8 @@ std::string operand_name(std::size_t n) {
   return {'v', kDigits[n / kDigits.size()], kDigits[n % kDigits.size()]};
 }
 
-Formula read_formula(std::string_view text) { return FormulaReader(text).run(); }
+Formula read_formula(std::string_view text, const Unit* length) {
+  return FormulaReader(text, length).run();
+}
 
 }  // namespace panwright::pxn

@@ -12,6 +12,8 @@
 
 namespace panwright::pxn {
 
+struct Unit;
+
 // What is wrong with an expression; the bytes of its text.
 struct ExpressionProblem {
   Code code = Code::E1221;
@@ -46,7 +48,7 @@ inline constexpr std::size_t kLongestExpression = 4096;  // bytes
 struct Formula {
   // A number or a name of the text, in its order.
   struct Operand {
-    double value = 0;  // in SI, of a number
+    double value = 0;  // of a number: a length in the reader's unit, else in SI
     schemas::Dimension dimension = schemas::Dimension::none;
     std::string name;  // empty: a number
     std::uint32_t begin = 0;
@@ -74,7 +76,9 @@ std::string operand_name(std::size_t n);
 // Reads what stands between the braces: C's operators and precedences, with ^ for powers (to the
 // right, and before signs: -2^2 is -4). Comparisons do not chain.
 //
+// length: the unit in which lengths are given as values; nullptr: metres.
+//
 // Problems: E1213, E1221, E1222 (functions), E1223 (a number past 1.8e308). Cost: O(bytes).
-Formula read_formula(std::string_view text);
+Formula read_formula(std::string_view text, const Unit* length = nullptr);
 
 }  // namespace panwright::pxn

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/math.h"
+#include "pxn/expression/units.h"
 
 namespace panwright::pxn {
 
@@ -140,6 +141,7 @@ class ProgramMaker {
         depth_ -= step.number - 1;
         break;
       case Step::Kind::unary:
+      case Step::Kind::scale:
         break;
     }
     deepest_ = std::max(deepest_, depth_);
@@ -284,6 +286,37 @@ class ProgramMaker {
 
 Program::Program(const Formula& formula) { ProgramMaker(formula, *this).run(); }
 
+Program::Program(const Formula& formula, std::span<const Scaling> scalings, const Unit& unit)
+    : Program(formula) {
+  if (scalings.empty()) return;
+  unit_ = &unit;
+  // those that stand before each step
+  std::vector<std::uint32_t> before(steps_.size() + 1, 0);
+  for (const Scaling& scaling : scalings) ++before[scaling.end];
+  std::vector<bool> here(steps_.size() + 1, false);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    here[i] = before[i] != 0;
+    if (i > 0) before[i] += before[i - 1];
+  }
+  std::vector<Step> steps;
+  steps.reserve(steps_.size() + scalings.size());
+  for (std::uint32_t i = 0; i <= steps_.size(); ++i) {
+    if (here[i]) steps.push_back({Step::Kind::scale, 0, 0xffff, 0});
+    if (i == steps_.size()) break;
+    Step step = steps_[i];
+    if (step.kind == Step::Kind::skip || step.kind == Step::Kind::skip_if_zero) {
+      const std::uint32_t target = step.number;
+      // a choice that is scaled as a whole ends with it, a branch that is not scaled goes past it
+      const bool inside = std::any_of(
+          scalings.begin(), scalings.end(),
+          [&](const Scaling& scaling) { return scaling.end == target && scaling.begin <= i; });
+      step.number += before[target] - (inside ? 1 : 0);
+    }
+    steps.push_back(step);
+  }
+  steps_ = std::move(steps);
+}
+
 std::optional<double> Program::run(std::span<const double> operands) {
   double* top = stack_.data();  // past the last value
   for (std::size_t at = 0; at < steps_.size(); ++at) {
@@ -298,6 +331,9 @@ std::optional<double> Program::run(std::span<const double> operands) {
         continue;
       case Step::Kind::skip:
         at = step.number - 1;
+        continue;
+      case Step::Kind::scale:
+        top[-1] = to_si(top[-1], *unit_);
         continue;
       case Step::Kind::unary:
         a = top[-1];

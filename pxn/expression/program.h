@@ -10,6 +10,8 @@
 
 namespace panwright::pxn {
 
+struct Unit;
+
 // A formula as steps on a stack of numbers.
 //
 // All sides of operators are evaluated, && and || included; of ?: the branch that is taken.
@@ -23,9 +25,20 @@ class Program {
     double values[2] = {0, 0};      // what it was given: the first two
   };
 
+  // The steps of a part of the formula, whose value is in a unit and goes to SI. Steps are counted
+  // as they are without any of these: one for each operand, sign, operator and function, one for
+  // each ? and one for each :, in the order in which they are done.
+  struct Scaling {
+    std::uint32_t begin = 0;
+    std::uint32_t end = 0;
+    bool operator==(const Scaling&) const = default;
+  };
+
   Program() = default;
   // Expects a formula without a problem. Cost: O(bytes), with no recursion.
   explicit Program(const Formula& formula);
+  // With some parts taken to SI. Expects no two parts of which one ends the other.
+  Program(const Formula& formula, std::span<const Scaling> scalings, const Unit& unit);
 
   // Evaluates. operands: the values of the formula's, in their order. Nothing when an operation or
   // the whole has no finite result; broken() then says which. Cost: O(steps).
@@ -36,7 +49,7 @@ class Program {
   friend class ProgramMaker;
 
   struct Step {
-    enum class Kind : std::uint8_t { operand, unary, binary, several, skip_if_zero, skip };
+    enum class Kind : std::uint8_t { operand, unary, binary, several, scale, skip_if_zero, skip };
     Kind kind = Kind::operand;
     std::uint8_t function = 0;         // in the table of its kind
     std::uint16_t operation = 0xffff;  // of the formula; 0xffff: the result is always finite
@@ -45,6 +58,7 @@ class Program {
 
   std::vector<Step> steps_;
   std::vector<double> stack_;
+  const Unit* unit_ = nullptr;  // of scale
   Broken broken_;
 };
 

@@ -1,6 +1,7 @@
 // Names that expressions know: parameters, and variables of repeats.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <string>
@@ -11,11 +12,25 @@
 
 namespace panwright::pxn {
 
-// A number in SI and what it measures. Dimension::none fits everywhere.
+// A number and what it measures. Dimension::none fits everywhere.
 struct Quantity {
-  double value = 0;
+  double value = 0;  // a length in `length`, else in SI
   schemas::Dimension dimension = schemas::Dimension::none;
-  bool operator==(const Quantity&) const = default;
+  // In metres and radians: the units of the file that the number is from, which a bare number has
+  // where it stands for a length or an angle. 0: metres; a bare number fits in every file then.
+  double length = 0;
+  double angle = 0;
+  int pi = 0;          // of a bare number: the power of pi in it; with one, it counts as radians
+  bool ratio = false;  // a bare number that lengths or angles made: neither degrees nor radians
+
+  // What a name has stood for so far: bits of Use. note: no part of the value
+  enum Use : std::uint8_t { as_length = 1, as_angle = 2, as_plain = 4 };
+  mutable std::uint8_t uses = 0;
+
+  bool operator==(const Quantity& other) const {
+    return value == other.value && dimension == other.dimension && length == other.length &&
+           angle == other.angle && pi == other.pi && ratio == other.ratio;
+  }
 };
 
 // The value of a parameter that could not be read, which has been reported: what is computed from

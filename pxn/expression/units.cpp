@@ -89,6 +89,17 @@ Decimal decimal_at(std::string_view text) {
   return out;
 }
 
+constexpr double kPowers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                              1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                              1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+
+// x·times·10^shift, with |shift| up to 22.
+double scaled(double x, std::uint32_t times, int shift) {
+  const bool large = std::fabs(x) > 1e290;  // the product may not be finite where the whole is
+  if (shift >= 0) return large ? x * kPowers[shift] * times : x * times * kPowers[shift];
+  return large ? x / kPowers[-shift] * times : x * times / kPowers[-shift];
+}
+
 // The digits of a mantissa times a small number, as digits.
 std::string multiplied(std::string_view mantissa, std::uint32_t times) {
   std::string out;
@@ -128,19 +139,13 @@ std::optional<double> read_number(std::string_view number, const Unit* unit) {
   if (unit == nullptr || (unit->times == 1 && unit->shift == 0)) return parse_double(number);
   if (unit->times == 0) {
     const std::optional<double> x = parse_double(number);
-    if (!x) return std::nullopt;
-    const double product = *x * unit->factor;
-    const double rest = std::fma(*x, unit->factor, -product);
-    return product + (rest + *x * unit->low);
+    return x ? std::optional(to_si(*x, *unit)) : std::nullopt;
   }
   const Decimal decimal = decimal_at(number);
   if (decimal.length != number.size() || number.empty()) return std::nullopt;
   const std::int64_t exponent = decimal.exponent + unit->shift;
   const std::uint64_t whole = decimal.value * unit->times;
   // both are exact, so that the quotient or product is rounded once
-  constexpr double kPowers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
   if (decimal.exact && whole <= (std::uint64_t{1} << 53) && exponent >= -22 && exponent <= 22) {
     const auto x = static_cast<double>(whole);
     const double size = exponent < 0 ? x / kPowers[-exponent] : x * kPowers[exponent];
@@ -148,6 +153,35 @@ std::optional<double> read_number(std::string_view number, const Unit* unit) {
   }
   return parse_double(fmt::format("{}{}e{}", decimal.negative ? "-" : "",
                                   multiplied(decimal.mantissa, unit->times), exponent));
+}
+
+std::optional<double> read_length(std::string_view number, const Unit& unit, const Unit& in) {
+  const Unit ratio{unit.name, unit.dimension, unit.times, unit.shift - in.shift, 0, 0};
+  const bool same = unit.times == in.times;
+  const Unit shifted{unit.name, unit.dimension, 1, ratio.shift, 0, 0};
+  const auto read = read_number(number, same ? &shifted : &ratio);
+  return read && !same && in.times != 1 ? std::optional(*read / in.times) : read;
+}
+
+double to_si(double x, const Unit& unit) {
+  if (unit.times != 0) return scaled(x, unit.times, unit.shift);
+  const double product = x * unit.factor;
+  const double rest = std::fma(x, unit.factor, -product);
+  return product + (rest + x * unit.low);
+}
+
+double from_si(double si, const Unit& unit) {
+  const double quotient =
+      unit.times != 0 ? scaled(si, 1, -unit.shift) / unit.times : si / unit.factor;
+  if (unit.times == 1 && unit.shift == 0) return si;
+  const auto shorter = parse_double(fmt::format("{:.15g}", quotient));
+  return shorter && to_si(*shorter, unit) == si ? *shorter : quotient;
+}
+
+double in_unit(double x, const Unit& from, const Unit& to) {
+  if (from.factor == to.factor) return x;
+  const double product = scaled(x, from.times, from.shift - to.shift);
+  return to.times == 1 ? product : product / to.times;
 }
 
 std::string_view name_of(Dimension dimension) {

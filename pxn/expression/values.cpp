@@ -25,6 +25,10 @@ void Values::set_units(const Units& units) {
   units_ = units;
   length_unit_ = find_unit(schemas::Dimension::length, units.length);
   angle_unit_ = find_unit(schemas::Dimension::angle, units.angle);
+  BareUnits bare;
+  if (length_unit_ != nullptr) bare.length = length_unit_;
+  if (angle_unit_ != nullptr) bare.angle = angle_unit_;
+  expressions_.set_units(bare);
 }
 
 // ---- text
@@ -146,7 +150,20 @@ std::optional<Quantity> Values::quantity(std::uint32_t element, std::size_t attr
   const Text text = text_of(*given);
   const auto amount = read_amount(element, text, trimmed(text), known.value, 0);
   if (!amount) return std::nullopt;
-  return Quantity{amount->value, amount->dimension};
+  const BareUnits& bare = expressions_.units();
+  Quantity out{amount->value, amount->dimension, bare.length->factor, bare.angle->factor};
+  if (amount->computed) {
+    const Measured& measured = amount->measured;
+    out.length = measured.length;
+    out.angle = measured.angle;
+    out.pi = measured.pi;
+    out.ratio = measured.ratio;
+  } else if (amount->dimension == schemas::Dimension::length) {
+    const std::string_view number = trimmed(text).text;
+    out.value = read_length(number.substr(0, number_length(number)), *amount->unit, *bare.length)
+                    .value_or(amount->value);
+  }
+  return out;
 }
 
 std::optional<std::uint64_t> Values::integer(std::uint32_t element, std::size_t attribute) {

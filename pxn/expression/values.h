@@ -19,10 +19,10 @@ namespace panwright::pxn {
 // Reads values of one document. What cannot be read is reported and comes back empty or false.
 //
 // In files of level 1 a number may have a unit ("12mm"), and may be an expression in braces over
-// the names of a scope ("{span/2 - 5mm}"), whose value is in SI; labels and paths may hold
-// expressions in braces ("bolt{i}"), written as whole numbers where they are. Results are in metres
-// and radians where the tables give a dimension: there a bare number has the root's unit; the value
-// of an expression has none, so that {5} is 5 m. A unit must be of the table's dimension, and so
+// the names of a scope ("{span/2 - 5mm}"); labels and paths may hold expressions in braces
+// ("bolt{i}"), written as whole numbers where they are, lengths and angles in the root's units.
+// Results are in metres and radians where the tables give a dimension: there a bare number has the
+// root's unit, inside braces as outside: {5} is 5. A unit must be of the table's dimension, and so
 // must the value of an expression as far as it is known (Expressions). A value of an expression
 // that leaves a range by 1e-15 of its limit, as {3*30deg} may, is the limit.
 //
@@ -68,6 +68,7 @@ class Values {
     const double initial = schema(element).attributes[attribute].initial[0];
     return integer(element, attribute).value_or(static_cast<std::uint64_t>(initial));
   }
+  // Lengths in the root's unit, which it says.
   std::optional<Quantity> quantity(std::uint32_t element, std::size_t attribute);
 
   // A word, path or label, as UTF-8 without control characters.
@@ -117,6 +118,7 @@ class Values {
     const Unit* unit = nullptr;                               // in which it is written
     bool bare = false;                                        // the unit is the root's
     bool computed = false;                                    // by an expression
+    Measured measured;  // by an expression, where any dimension will do
   };
 
   bool next_token(const Text& text, std::size_t& at, Token& token) const;
@@ -137,7 +139,8 @@ class Values {
                                     const schemas::Value& value, std::size_t index);
   std::optional<Amount> read_computed(std::uint32_t element, const Text& text, const Token& token,
                                       const schemas::Value& value);
-  std::optional<Measured> evaluate(std::uint32_t element, const Text& text, const Token& token);
+  std::optional<Measured> evaluate(std::uint32_t element, const Text& text, const Token& token,
+                                   const std::optional<Need>& need);
   bool read_real(std::uint32_t element, const Text& text, const Token& token,
                  const schemas::Value& value, std::size_t index, double& out);
   bool read_integer(std::uint32_t element, const Text& text, const Token& token,

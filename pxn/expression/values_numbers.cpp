@@ -307,12 +307,12 @@ static bool mentions_unread(std::string_view expression, const Scope& scope) {
 }
 
 std::optional<Measured> Values::evaluate(std::uint32_t element, const Text& text,
-                                         const Token& token) {
+                                         const Token& token, const std::optional<Need>& need) {
   const std::string_view inside =
       token.text.substr(1, std::max<std::size_t>(token.text.size(), 2) - 2);
   ExpressionProblem problem;
   const SourceSpan all = place(text, token);
-  const auto measured = expressions_.evaluate(inside, all.begin, scope_, problem);
+  const auto measured = expressions_.evaluate(inside, all.begin, scope_, problem, need);
   if (measured && std::isfinite(measured->value)) return measured;
   // what is wrong with a parameter has been said where it stands
   if (scope_ != nullptr && mentions_unread(inside, *scope_)) return std::nullopt;
@@ -333,7 +333,7 @@ std::optional<Values::Amount> Values::read_computed(std::uint32_t element, const
     const std::size_t open = whole.find('{');
     const bool nested = whole.find('{', open + 1) < end;
     if (open == 0 && nested && whole.ends_with('}')) {
-      evaluate(element, text, token);  // says where nested braces
+      evaluate(element, text, token, {});  // says where nested braces
       return std::nullopt;
     }
     const Token part = {whole.substr(open, 1), token.at + open};
@@ -345,13 +345,19 @@ std::optional<Values::Amount> Values::read_computed(std::uint32_t element, const
     });
     return std::nullopt;
   }
-  const auto measured = evaluate(element, text, token);
+  std::optional<Need> need;
+  const bool any = value.kind == schemas::ValueKind::quantity;
+  if (!any) need = Need{value.dimension, value.bare_radians};
+  const auto measured = evaluate(element, text, token, need);
   if (!measured) return std::nullopt;
   Amount amount;
   amount.value = measured->value;
   amount.computed = true;
   amount.dimension = dimension_of(measured->kind);
-  if (value.kind == schemas::ValueKind::quantity) return amount;
+  if (any) {
+    amount.measured = *measured;
+    return amount;
+  }
   const bool is_part = amount.dimension == Dimension::ratio && value.dimension == Dimension::none;
   const bool is_other = measured->kind.measure == QuantityKind::Measure::other;
   if (is_other ||
@@ -360,6 +366,10 @@ std::optional<Values::Amount> Values::read_computed(std::uint32_t element, const
     return std::nullopt;
   }
   amount.unit = find_unit(value.dimension, 1);
+  if (value.dimension == Dimension::length) {
+    amount.unit = expressions_.units().length;
+    amount.value = to_si(amount.value, *amount.unit);
+  }
   return amount;
 }
 
@@ -446,9 +456,15 @@ bool Values::replace_expressions(std::uint32_t element, const Text& text, std::s
                        [&] { return Reporter::Text("this brace is not closed"); });
       return false;
     }
-    const auto measured = evaluate(element, text, {text.text.substr(open, close + 1 - open), open});
-    // 0 has no sign in a name
-    if (measured) out += format_double(measured->value == 0 ? 0 : measured->value);
+    const auto measured =
+        evaluate(element, text, {text.text.substr(open, close + 1 - open), open}, {});
+    if (measured) {
+      const bool is_angle = measured->kind.measure == QuantityKind::Measure::angle;
+      const double number =
+          is_angle ? from_si(measured->value, *expressions_.units().angle) : measured->value;
+      // 0 has no sign in a name
+      out += format_double(number == 0 ? 0 : number);
+    }
     ok = ok && measured.has_value();
     at = close + 1;
   }
@@ -526,10 +542,17 @@ void Values::bad_number(Code code, std::uint32_t element, const Text& text, cons
 void Values::bad_kind(std::uint32_t element, const Text& text, const Token& token, Dimension needed,
                       std::string_view got) {
   reporter_.report(Code::E1212, place(text, token), doc_, element, [&]() -> Reporter::Text {
-    const std::string units = needed == Dimension::none ? "" : units_of(needed);
+    std::string hint;
+    if (needed != Dimension::none) hint = fmt::format("its units: {}", units_of(needed));
+    // a number of them, then
+    const bool computed = is_expression(token.text);
+    if (needed == Dimension::none && computed && got == name_of(Dimension::length))
+      hint = fmt::format("divide it by a length: (…)/1{}", expressions_.units().length->name);
+    if (needed == Dimension::none && computed && got == name_of(Dimension::angle))
+      hint = fmt::format("divide it by an angle: (…)/1{}", expressions_.units().angle->name);
     return {
         fmt::format("{} is needed here, got {} ({})", name_of(needed), got, written(text, token)),
-        units.empty() ? "" : fmt::format("its units: {}", units)};
+        hint};
   });
 }
 

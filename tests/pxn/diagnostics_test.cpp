@@ -29,7 +29,8 @@ TEST(Diagnostics, EachBadFileGivesTheCodeOfItsName) {
   for (const auto& entry : fs::directory_iterator(kBad)) {
     if (!entry.is_regular_file()) continue;
     const std::string code = code_in(entry.path());
-    if (code == "E2003") continue;  // tessellation reports it
+    // tessellation and compilation report them
+    if (code == "E2003" || code == "W2022" || code == "W2023") continue;
     ++files;
     const Reading r = read_path(entry.path().string());
     EXPECT_TRUE(r.codes().contains(code)) << entry.path() << "\n" << r.summary();

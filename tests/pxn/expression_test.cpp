@@ -103,6 +103,7 @@ TEST(Expression, FunctionsHoldLibmToAnUlp) {
   };
   std::mt19937_64 random(7);
   double worst = 0;
+  at.expressions.set_units({find_unit("m"), find_unit("rad")});
   for (const Case& c : cases) {
     const std::string text = std::string(c.name) + "(x)";
     const std::uint64_t place = at.place++;
@@ -366,34 +367,34 @@ TEST(Expression, Problems) {
       {"0*(1e300*1e300)", "E1223 8-9 1e+300 * 1e+300 has no finite value"},
       {"1mm + 1deg",
        "E1212 0-10 a length and an angle cannot be added"
-       " (inside braces bare numbers are in metres and radians)"},
+       " (a bare number is in m where it is a length, in deg where it is an angle)"},
       {"2*(gap*gap - 3*gap)",
        "E1212 3-18 an area and a length cannot be subtracted"
-       " (inside braces bare numbers are in metres and radians)"},
+       " (a bare number is in m where it is a length, in deg where it is an angle)"},
       {"gap < 30deg ? 1 : 2",
        "E1212 0-11 a length and an angle cannot be compared"
-       " (inside braces bare numbers are in metres and radians)"},
+       " (a bare number is in m where it is a length, in deg where it is an angle)"},
       {"1 == gap || gap != 3px",
        "E1212 12-22 a length and a number of pixels cannot be compared"
-       " (inside braces bare numbers are in metres and radians)"},
+       " (a bare number is in m where it is a length, in deg where it is an angle)"},
       {"min(1mm, i, 2deg)",
        "E1212 4-16 min expects values of one dimension, got a length and an angle"
-       " (inside braces bare numbers are in metres and radians)"},
+       " (a bare number is in m where it is a length, in deg where it is an angle)"},
       {"hypot(gap, 10%)",
        "E1212 6-14 hypot expects values of one dimension, got a length and a ratio"
-       " (inside braces bare numbers are in metres and radians)"},
+       " (a bare number is in m where it is a length, in deg where it is an angle)"},
       {"1 + sin(2*gap)",
        "E1212 8-13 sin expects an angle, got a length"
-       " (inside braces bare numbers are in metres and radians)"},
+       " (a bare number is in m where it is a length, in deg where it is an angle)"},
       {"gap - -(2px)",
        "E1212 0-11 a length and a number of pixels cannot be subtracted"
-       " (inside braces bare numbers are in metres and radians)"},
+       " (a bare number is in m where it is a length, in deg where it is an angle)"},
       {"1/gap + gap",
        "E1212 0-11 a length to the power -1 and a length cannot be added"
-       " (inside braces bare numbers are in metres and radians)"},
+       " (a bare number is in m where it is a length, in deg where it is an angle)"},
       {"(i > 2 ? 1mm : 2mm) + 1deg",
        "E1212 1-26 a length and an angle cannot be added"
-       " (inside braces bare numbers are in metres and radians)"},
+       " (a bare number is in m where it is a length, in deg where it is an angle)"},
       {"atan(1/(i - 3))",
        "E1223 6-7 1 / 0 has no finite value (condition ? value : other can leave "
        "it out)"},
@@ -411,7 +412,7 @@ TEST(Expression, TheCulpritIsFoundAmongMany) {
     std::size_t place = 0;
     for (int i = 0; i < 40; ++i) {
       if (i == bad) place = text.size();
-      text += i == bad ? "/0" : i % 3 == 0 ? "+sin(1)" : i % 3 == 1 ? "*1" : "/2";
+      text += i == bad ? "/0" : i % 3 == 0 ? "+sin(1deg)" : i % 3 == 1 ? "*1" : "/2";
     }
     EXPECT_FALSE(at(text));
     EXPECT_EQ(at.problem.begin, place) << text;

@@ -210,7 +210,11 @@ TEST(Values, BareNumbersHaveTheUnitOfTheRoot) {
   EXPECT_EQ(real(kL, "0.3", {1, 0.001, 1}), 3e-4);  // 0.3/1000 is an ulp off
   EXPECT_EQ(real(kL, "12", {1, 0.0254, 1}), 0.3048);
   EXPECT_EQ(real(kL, "12m", {1, 0.001, 1}), 12);
-  EXPECT_EQ(real(kL, "{12}", {1, 0.001, 1}), 12) << "expressions are in SI";
+  EXPECT_EQ(real(kL, "{12}", {1, 0.001, 1}), 0.012);
+  EXPECT_EQ(real(kL, "{12m}", {1, 0.001, 1}), 12);
+  EXPECT_EQ(real(kA, "{30}", {1, 1, kDegree}), kThirty);
+  EXPECT_EQ(real(kB, "{0.5}", {1, 1, kDegree}), 0.5) << "radians, whatever the root says";
+  EXPECT_EQ(real(kF, "{12}", {1, 0.001, 1}), 12);
   EXPECT_EQ(real(kA, "1", {1, 1, 1}), 1);
   EXPECT_EQ(real(kA, "30", {1, 1, 1 * kDegree}), kThirty);
   EXPECT_EQ(real(kF, "12", {1, 0.001, 1}), 12);
@@ -255,9 +259,11 @@ TEST(Values, UnitsOfTheWrongKind) {
   EXPECT_EQ(complaint(kL, "{gap^4}").substr(0, 73),
             "1:7 E1212 a length is needed here, got a length to the power 4 ({gap^4}) ");
   EXPECT_EQ(complaint(kF, "{gap}"),
-            "1:7 E1212 a plain number is needed here, got a length ({gap})\n");
+            "1:7 E1212 a plain number is needed here, got a length ({gap}) (divide it by a "
+            "length: (…)/1m)\n");
   EXPECT_EQ(complaint(kN, "{gap*2}"),
-            "1:7 E1212 a plain number is needed here, got a length ({gap*2})\n");
+            "1:7 E1212 a plain number is needed here, got a length ({gap*2}) (divide it by "
+            "a length: (…)/1m)\n");
   EXPECT_EQ(complaint(kL, "{1px}").substr(0, 66),
             "1:7 E1212 a length is needed here, got a number of pixels ({1px}) ");
   EXPECT_EQ(complaint(kL, "{2*50%}").substr(0, 59),
@@ -265,7 +271,7 @@ TEST(Values, UnitsOfTheWrongKind) {
   EXPECT_EQ(complaint(kA, "{gap + 1}").substr(0, 62),
             "1:7 E1212 an angle is needed here, got a length ({gap + 1}) (i");
   EXPECT_EQ(complaint(kA, "{2*(gap + 1deg)}").substr(0, 57),
-            "1:11 E1212 a length and an angle cannot be added (inside ");
+            "1:11 E1212 a length and an angle cannot be added (a bare ");
   EXPECT_EQ(real(kF, "{50% + 1}"), 1.5) << "a part of 1 is a number";
   EXPECT_EQ(complaint(kF, "{gap/5mm}"), "");
   EXPECT_EQ(complaint(kL, "{gap + 1}"), "");
@@ -421,14 +427,14 @@ TEST(Values, Quantities) {
     EXPECT_TRUE(q) << value << e.summary();
     return q.value_or(Quantity{});
   };
-  EXPECT_EQ(read("5"), (Quantity{5, Dimension::none}));
-  EXPECT_EQ(read("-5e300"), (Quantity{-5e300, Dimension::none}));
-  EXPECT_EQ(read("5mm"), (Quantity{0.005, Dimension::length}));
-  EXPECT_EQ(read(" 30deg "), (Quantity{kThirty, Dimension::angle}));
-  EXPECT_EQ(read("5%"), (Quantity{0.05, Dimension::ratio}));
-  EXPECT_EQ(read("5px"), (Quantity{5, Dimension::pixels}));
-  EXPECT_EQ(read("{2*gap + 1mm}"), (Quantity{1.001, Dimension::length}));
-  EXPECT_EQ(read("{gap*gap}"), (Quantity{0.25, Dimension::none}));
+  EXPECT_EQ(read("5"), (Quantity{5, Dimension::none, 1, kDegree}));
+  EXPECT_EQ(read("-5e300"), (Quantity{-5e300, Dimension::none, 1, kDegree}));
+  EXPECT_EQ(read("5mm"), (Quantity{0.005, Dimension::length, 1, kDegree}));
+  EXPECT_EQ(read(" 30deg "), (Quantity{kThirty, Dimension::angle, 1, kDegree}));
+  EXPECT_EQ(read("5%"), (Quantity{0.05, Dimension::ratio, 1, kDegree}));
+  EXPECT_EQ(read("5px"), (Quantity{5, Dimension::pixels, 1, kDegree}));
+  EXPECT_EQ(read("{2*gap + 1mm}"), (Quantity{1.001, Dimension::length, 1, kDegree}));
+  EXPECT_EQ(read("{gap*gap}"), (Quantity{0.25, Dimension::none, 1, kDegree}));
   EXPECT_EQ(complaint(kQ, "abc"),
             "1:7 E1201 'abc' is not a number, expected a number, with or without a unit, or an "
             "expression in braces for value of <e>\n");

@@ -36,6 +36,47 @@ class Info : public testing::Test {
   support::TemporaryFolder folder_;
 };
 
+TEST_F(Info, SaysHowLargeAModelIs) {
+  const support::TemporaryFolder folder;
+  const auto model = [&](const std::string& root, const std::string& name) {
+    return folder.write(name, "<pangu_model ver=\"1\"" + root +
+                                  "><param name=\"W\" value=\"100\"/><box size=\"{W} 226.3 "
+                                  "{W*3 + 40.5}\"/></pangu_model>");
+  };
+  const auto panwright = [](std::vector<std::string> words) {
+    words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
+    return support::run(words);
+  };
+  const std::string meant = model(" units=\"mm\"", "meant.pxn"), meters = model("", "metres.pxn");
+  const json read = json::parse(panwright({"info", meant, "--json"}).out);
+  for (int k = 0; k < 3; ++k)
+    // residual of single precision: 1.2e-8
+    EXPECT_NEAR(read["size"]["extents"][k].get<double>(), (std::array{0.1, 0.2263, 0.3405}[k]),
+                2e-8);
+  EXPECT_EQ(read["size"]["largest"], read["size"]["extents"][2]);
+  EXPECT_EQ(read["size"]["words"], "100 x 226 x 341 mm (about a shoe box)");
+  EXPECT_THAT(panwright({"info", meant}).out,
+              HasSubstr("size      100 x 226 x 341 mm (about a shoe box)\n"));
+  const auto checked = panwright({"check", meant});
+  EXPECT_EQ(checked.out, meant + ": ok, 100 x 226 x 341 mm (about a shoe box)\n");
+  EXPECT_EQ(checked.err, "");
+  EXPECT_EQ(json::parse(panwright({"check", meant, "--json"}).out)["files"][0]["size"],
+            "100 x 226 x 341 mm (about a shoe box)");
+  // what everybody meets who takes the wrong unit
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"info", meters}, {"check", meters}, {"compile", meters}}) {
+    const auto outcome = panwright(words);
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_THAT(outcome.err, HasSubstr("the model is 340 m large, more than any spacecraft: 340 mm "
+                                       "if what was read as metres is millimetres"))
+        << words[0];
+    EXPECT_THAT(outcome.err, HasSubstr("[W2022]"));
+  }
+  const std::string empty = folder.write("empty.pxn", "<pangu_model ver=\"1\"/>");
+  EXPECT_EQ(json::parse(panwright({"info", empty, "--json"}).out)["size"], nullptr);
+  EXPECT_EQ(panwright({"check", empty}).out, empty + ": ok\n");
+}
+
 TEST_F(Info, SaysWhatWasAskedAndWhatCameOfIt) {
   pan::Contents contents = support::small_contents();
   contents.budget = pan::layout::Budget{0, 50, 2e-4, 0.5, 0.02, 0.25, 1e-3, {}};

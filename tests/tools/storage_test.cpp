@@ -77,8 +77,9 @@ TEST(Storage, CompressedModelsAreEqualModels) {
   for (const char* key : {"bounds", "nodes", "instances", "meshes", "textures", "frames"})
     EXPECT_EQ(a[key], b[key]) << key;
 
-  EXPECT_EQ(panwright({"check", plain}).out, plain + ": ok\n");
-  EXPECT_EQ(panwright({"check", packed}).out, packed + ": ok (compressed)\n");
+  EXPECT_THAT(panwright({"check", plain}).out, testing::StartsWith(plain + ": ok, "));
+  EXPECT_THAT(panwright({"check", packed}).out,
+              testing::StartsWith(packed + ": ok (compressed), "));
   EXPECT_THAT(panwright({"info", packed}).out, HasSubstr("format    1.1, "));
 
   const Outcome same = panwright({"diff", plain, packed});

@@ -1,0 +1,118 @@
+#include "compiler/internal/size_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "compiler/size.h"
+
+namespace panwright::compiler::internal {
+
+namespace {
+
+constexpr double kLargest = 200;  // metres: the largest spacecraft, a space station, is 109 m
+constexpr double kSmallest = 0.05;
+constexpr double kMostRatio = 1e5;  // of the sizes of two parts
+
+struct Box {
+  Vec3 min{HUGE_VAL};
+  Vec3 max{-HUGE_VAL};
+  void add(const Vec3& point) {
+    min = glm::min(min, point);
+    max = glm::max(max, point);
+  }
+  double size() const {
+    const Vec3 extents = max - min;
+    return std::max({extents.x, extents.y, extents.z, 0.0});
+  }
+};
+
+Box box_of(const pan::PackedMesh& mesh, const Mat4& world) {
+  Box box;
+  for (std::size_t i = 0; i < mesh.positions.size(); i += 3) {
+    const Vec3 p(mesh.positions[i], mesh.positions[i + 1], mesh.positions[i + 2]);
+    box.add(Vec3(world * Vec4(mesh.origin + p, 1.0)));
+  }
+  return box;
+}
+
+bool may_be_celestial(const scene::Scene& scene) {
+  if (scene.instances.size() != 1) return false;
+  const geometry::Shape& shape = scene.shapes[static_cast<std::size_t>(scene.instances[0].shape)];
+  return std::holds_alternative<geometry::Sphere>(shape) ||
+         std::holds_alternative<geometry::Ellipsoid>(shape) ||
+         std::holds_alternative<geometry::MeshShape>(shape);
+}
+
+// "wing/panel2", below the root.
+std::string path_of(const pan::Contents& contents, std::uint32_t node) {
+  std::string path = contents.nodes[node].name;
+  for (std::int32_t at = contents.nodes[node].parent; at > 0;
+       at = contents.nodes[static_cast<std::size_t>(at)].parent)
+    path = contents.nodes[static_cast<std::size_t>(at)].name + "/" + path;
+  return path;
+}
+
+void report_whole(const std::string& file, double size, DiagnosticLog& log) {
+  const std::string words = length_in_words(size);
+  if (size > kLargest)
+    log.report_file(
+        Code::W2022, file,
+        fmt::format("the model is {} large, more than any spacecraft: {} if what was "
+                    "read as metres is millimetres, {} if it is inches",
+                    words, length_in_words(size * 1e-3), length_in_words(size * 0.0254)),
+        "units=\"mm\" at the root says what bare lengths are, a unit behind a number "
+        "what it is: 6mm");
+  else
+    log.report_file(Code::W2022, file,
+                    fmt::format("the model is {} large, less than any spacecraft: {} if what was "
+                                "read as millimetres is metres, {} if it is inches",
+                                words, length_in_words(size * 1e3), length_in_words(size * 25.4)),
+                    "units=\"m\" at the root says what bare lengths are, a unit behind a number "
+                    "what it is: 6m");
+}
+
+}  // namespace
+
+void check_size(const scene::Scene& scene, const pan::Contents& contents, DiagnosticLog& log) {
+  if (contents.instances.empty() || may_be_celestial(scene)) return;
+  const std::vector<Mat4> world = scene::world_from_nodes(scene);
+  const std::string file = scene.inputs.empty() ? "" : scene.inputs.front().path;
+  Box whole;
+  double least = HUGE_VAL, most = 0;
+  std::uint32_t smallest = 0, largest = 0;  // their nodes
+  for (const pan::InstanceContent& instance : contents.instances) {
+    const Box box = box_of(contents.meshes[instance.mesh], world[instance.node]);
+    whole.min = glm::min(whole.min, box.min);
+    whole.max = glm::max(whole.max, box.max);
+    const double size = box.size();
+    // what has no extent is reported elsewhere
+    if (!(size > 0) || !std::isfinite(size)) continue;
+    if (size < least) {
+      least = size;
+      smallest = instance.node;
+    }
+    if (size > most) {
+      most = size;
+      largest = instance.node;
+    }
+  }
+  if (!(most > 0)) return;
+  if (most > kMostRatio * least) {
+    log.report_file(
+        Code::W2023, file,
+        fmt::format("the part '{}' is {} large, and '{}' is {}: {:.2g} times as much",
+                    path_of(contents, smallest), length_in_words(least), path_of(contents, largest),
+                    length_in_words(most), most / least),
+        "one of them may be in another unit: a unit behind a number says what it is, 6mm");
+    return;
+  }
+  const double size = whole.size();
+  if ((size > kLargest || size < kSmallest) && !log.contains(Code::W6006))
+    report_whole(file, size, log);
+}
+
+}  // namespace panwright::compiler::internal
