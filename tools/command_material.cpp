@@ -429,7 +429,7 @@ int run(const Options& options, const Host& host) {
       report_cancelled(context.log());
       break;
     }
-    context.step("certify " + each.material.name);
+    context.step("report on " + each.material.name);
     const materials::MaterialReport report = materials::material_report(each.material, *mus);
     const Speed speed = speed_of(each.material);
     out["materials"].push_back(report_json(each, report, speed));
@@ -448,7 +448,7 @@ int run(const Options& options, const Host& host) {
 }  // namespace
 
 Command material_command() {
-  return command("material", "Certify materials: albedo, energy, reciprocity, precision",
+  return command("material", "Report on materials: albedo, energy, reciprocity, precision",
                  declare_all, run);
 }
 

@@ -17,9 +17,11 @@
 #include "tests/support/process.h"
 #include "tools/command_table.h"
 #include "tools/completion.h"
+#include "tools/explain_examples.h"
 #include "tools/progress_line.h"
 #include "tools/run.h"
 #include "tools/words.h"
+#include "workspace/open.h"
 
 namespace panwright {
 namespace {
@@ -249,6 +251,35 @@ TEST(Help, EveryCommandHasItsOwnThreeExamplesAndEveryOptionAHelp) {
   }
 }
 
+// As the help says: from a copy of examples/, each command's in one of its own.
+TEST(Help, ExamplesRun) {
+  for (const tools::DescribedCommand& each : tools::command_table()) {
+#ifndef PANWRIGHT_GL
+    if (each.command.name == "render" || each.command.name == "material") continue;
+#endif
+    const TemporaryFolder folder;
+    std::filesystem::copy(PANWRIGHT_SOURCE_DIR "/examples", folder.path(),
+                          std::filesystem::copy_options::recursive);
+    for (const tools::Example& example : each.examples) {
+      std::string line = "panwright " + each.command.name + " " + std::string(example.words);
+      if (const auto pipe = line.find(" | "); pipe != std::string::npos) line.resize(pipe);
+      const Outcome outcome =
+          support::run({"/bin/sh", "-c", "cd \"$0\" && PATH=\"$1:$PATH\" && " + line,
+                        folder.path().string(), PANWRIGHT_BIN_DIR});
+      EXPECT_EQ(outcome.code, 0) << line << "\n" << outcome.err;
+      EXPECT_THAT(outcome.err, Not(HasSubstr("error"))) << line;
+      // export says what glTF does not keep
+      if (each.command.name != "export") {
+        EXPECT_THAT(outcome.err, Not(HasSubstr("warning"))) << line;
+      }
+      const bool writes = line.find(" -o ") != std::string::npos && !line.ends_with(" -o -");
+      if (writes && each.command.name != "render") {
+        EXPECT_THAT(outcome.err, HasSubstr("wrote ")) << line;
+      }
+    }
+  }
+}
+
 // Manual pages without a warning of the program that sets them.
 TEST(Help, ManualPagesAreWellFormed) {
   if (!std::filesystem::exists("/usr/bin/groff")) GTEST_SKIP() << "groff is not installed";
@@ -261,6 +292,37 @@ TEST(Help, ManualPagesAreWellFormed) {
     EXPECT_EQ(set.code, 0);
     EXPECT_EQ(set.err, "") << name;
   }
+}
+
+// Whether the diagnostics of a text of the language have a code.
+bool reports(std::string text, Code code) {
+  const TemporaryFolder folder;
+  if (text.find("<pangu_model") == std::string::npos)
+    text = "<pangu_model ver=\"1\">\n" + text + "\n</pangu_model>\n";
+  DiagnosticLog log;
+  workspace::OpenOptions options;
+  (void)workspace::open(folder.write("m.pxn", text), options, log);
+  return log.contains(code);
+}
+
+TEST(Explain, EveryCodeHasAnExampleAndTextsBringItAboutUntilCured) {
+  int texts = 0;
+  for (const CodeInfo& info : all_codes()) {
+    const Code code = *code_from_name(info.name);
+    const tools::CodeExample* example = tools::example_of(code);
+    ASSERT_NE(example, nullptr) << info.name;
+    EXPECT_NE(example->example, example->cure) << info.name;
+    EXPECT_THAT(run_here({"explain", std::string(info.name)}).out,
+                HasSubstr("\nCure:\n    " + std::string(example->cure.substr(0, 20))));
+    // complete texts; others are fragments with words around them
+    if (!example->example.starts_with('<') || !example->example.ends_with('>')) continue;
+    ++texts;
+    EXPECT_TRUE(reports(std::string(example->example), code)) << info.name;
+    if (example->cure.starts_with('<') && example->cure.ends_with('>')) {
+      EXPECT_FALSE(reports(std::string(example->cure), code)) << info.name;
+    }
+  }
+  EXPECT_GT(texts, 40);
 }
 
 std::set<std::string> texts(const tools::Candidates& found) {
