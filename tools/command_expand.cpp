@@ -69,7 +69,8 @@ int run(const Options& options, const Host& host) {
   context.result()["output"] = options.output;
   context.result()["nodes"] = scene->nodes.size();
   context.result()["shapes"] = scene->instances.size();
-  context.result()["pictures"] = images;
+  context.result()["images"] = images;
+  context.result()["pictures"] = images;  // as it was called
   return context.finish();
 }
 
