@@ -1,118 +1,196 @@
 #include "tools/arguments.h"
 
-#include <CLI/CLI.hpp>
-#include <cmath>
+#include <fmt/format.h>
 
-#include "workspace/views.h"
+#include <algorithm>
+#include <cassert>
+#include <cctype>
+#include <charconv>
+#include <filesystem>
+
+#include "base/text.h"
+#include "tools/words.h"
 
 namespace panwright::tools {
 
 namespace {
 
-const CLI::Validator kFinite(
-    [](std::string& text) {
-      const auto number = workspace::parse_numbers(text, 1);
-      return number && std::isfinite((*number)[0]) ? std::string()
-                                                   : text + " is not a finite number";
-    },
-    "");
+template <class Integer>
+bool take_integer(const std::string& text, Integer& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
 
-const CLI::Validator kNoMinus(
-    [](std::string& text) { return text.starts_with('-') ? text + " is negative" : std::string(); },
-    "");
+// "512MB" as a number of bytes; the prefixes are powers of 1024.
+std::optional<std::uint64_t> bytes_of(std::string_view text) {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc()) return std::nullopt;
+  std::string unit(end, text.data() + text.size());
+  std::transform(unit.begin(), unit.end(), unit.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (!unit.empty() && unit.back() == 'b') unit.pop_back();
+  if (unit.size() == 2 && unit[1] == 'i') unit.pop_back();
+  constexpr std::string_view kPrefixes = "kmgtpe";
+  if (unit.size() > 1) return std::nullopt;
+  const std::size_t power = unit.empty() ? 0 : kPrefixes.find(unit[0]) + 1;
+  if (!unit.empty() && power == 0) return std::nullopt;
+  if (number > (UINT64_MAX >> (10 * power))) return std::nullopt;
+  return number << (10 * power);
+}
 
 }  // namespace
 
 Argument& Argument::type(const char* name) {
-  option_->type_name(name);
+  option_.type = name;
   return *this;
 }
 Argument& Argument::group(const char* name) {
-  option_->group(name);
+  option_.group = name;
   return *this;
 }
 Argument& Argument::required() {
-  option_->required();
+  option_.required = true;
+  return *this;
+}
+Argument& Argument::may_be_empty() {
+  option_.may_be_empty = true;
   return *this;
 }
 Argument& Argument::one_value() {
-  option_->allow_extra_args(false);
+  assert(option_.repeatable && !option_.argument);
   return *this;
 }
 Argument& Argument::excludes(const Argument& other) {
-  option_->excludes(other.option_);
+  option_.excluded.push_back(&other.option_);
+  return *this;
+}
+Argument& Argument::alias_of(const Argument& other) {
+  option_.alias_of = other.option_.name();
   return *this;
 }
 Argument& Argument::one_of(std::initializer_list<const char*> values) {
-  option_->check(CLI::IsMember(std::vector<std::string>(values.begin(), values.end())));
-  return *this;
-}
-Argument& Argument::range(int least, int most) {
-  option_->check(CLI::Range(least, most));
-  return *this;
-}
-Argument& Argument::range(unsigned least, unsigned most) {
-  option_->check(CLI::Range(least, most));
+  option_.choices.assign(values.begin(), values.end());
+  option_.checks.push_back([&choices = option_.choices](std::string& text) {
+    return std::find(choices.begin(), choices.end(), text) != choices.end() ? std::string()
+                                                                            : listed(choices, "or");
+  });
   return *this;
 }
 Argument& Argument::range(double least, double most) {
-  option_->check(CLI::Range(least, most));
+  const std::string words = fmt::format("{} from {} to {}", option_.value_words,
+                                        format_double(least), format_double(most));
+  option_.checks.push_back([=](std::string& text) {
+    const auto number = parse_double(text);
+    return number && *number >= least && *number <= most ? std::string() : words;
+  });
   return *this;
 }
-Argument& Argument::finite() {
-  option_->check(kFinite);
-  return *this;
-}
+Argument& Argument::finite() { return *this; }
 Argument& Argument::positive() {
-  option_->check(CLI::PositiveNumber);
+  option_.checks.push_back([](std::string& text) {
+    const auto number = parse_double(text);
+    return number && *number > 0 ? std::string() : std::string("a number above 0");
+  });
   return *this;
 }
 Argument& Argument::not_negative() {
-  option_->check(CLI::NonNegativeNumber);
-  return *this;
-}
-Argument& Argument::no_minus() {
-  option_->check(kNoMinus);
+  option_.checks.push_back([](std::string& text) {
+    const auto number = parse_double(text);
+    return number && *number >= 0 ? std::string() : std::string("0 or a number above it");
+  });
   return *this;
 }
 Argument& Argument::bytes() {
-  option_->transform(CLI::AsSizeValue(false));
+  option_.checks.push_back([](std::string& text) -> std::string {
+    const auto bytes = bytes_of(text);
+    if (!bytes) return "a number of bytes, as 512MB";
+    text = std::to_string(*bytes);
+    return {};
+  });
   return *this;
 }
 Argument& Argument::folder() {
-  option_->check(CLI::ExistingDirectory);
+  option_.checks.push_back([](std::string& text) {
+    std::error_code ignored;
+    return std::filesystem::is_directory(text, ignored) ? std::string()
+                                                        : std::string("an existing folder");
+  });
   return *this;
 }
 
-Argument Arguments::add(const char* names, std::string& value, const char* help) {
-  return Argument(app_.add_option(names, value, help));
-}
-Argument Arguments::add(const char* names, std::optional<std::string>& value, const char* help) {
-  return Argument(app_.add_option(names, value, help));
-}
-Argument Arguments::add(const char* names, std::vector<std::string>& values, const char* help) {
-  return Argument(app_.add_option(names, values, help));
-}
-Argument Arguments::add(const char* names, std::uint32_t& value, const char* help) {
-  return Argument(app_.add_option(names, value, help));
-}
-Argument Arguments::add(const char* names, std::uint64_t& value, const char* help) {
-  return Argument(app_.add_option(names, value, help));
-}
-Argument Arguments::add(const char* names, double& value, const char* help) {
-  return Argument(app_.add_option(names, value, help));
-}
-Argument Arguments::add(const char* names, std::optional<double>& value, const char* help) {
-  return Argument(app_.add_option(names, value, help));
-}
-Argument Arguments::flag(const char* names, bool& value, const char* help) {
-  return Argument(app_.add_flag(names, value, help));
-}
-Argument Arguments::add(const char* names, std::function<void(const std::string&)> take,
-                        const char* help) {
-  return Argument(app_.add_option_function<std::string>(names, std::move(take), help));
+Option& Arguments::declare(const char* names, const char* help, const char* value_words) {
+  Option& option = options_.emplace_back();
+  std::string_view rest(names);
+  while (!rest.empty()) {
+    const std::size_t comma = std::min(rest.find(','), rest.size());
+    option.names.emplace_back(rest.substr(0, comma));
+    rest.remove_prefix(std::min(comma + 1, rest.size()));
+  }
+  option.argument = names[0] != '-';
+  option.help = help;
+  option.value_words = value_words;
+  option.type = "TEXT";
+  return option;
 }
 
-Argument Arguments::find(const char* name) { return Argument(app_.get_option(name)); }
+Argument Arguments::add(const char* names, std::string& value, const char* help) {
+  Option& option = declare(names, help, "a text");
+  option.take = [&value](const std::string& text) { return value = text, true; };
+  return Argument(option);
+}
+Argument Arguments::add(const char* names, std::optional<std::string>& value, const char* help) {
+  Option& option = declare(names, help, "a text");
+  option.take = [&value](const std::string& text) { return value = text, true; };
+  return Argument(option);
+}
+Argument Arguments::add(const char* names, std::vector<std::string>& values, const char* help) {
+  Option& option = declare(names, help, "a text");
+  option.repeatable = true;
+  option.take = [&values](const std::string& text) { return values.push_back(text), true; };
+  return Argument(option);
+}
+Argument Arguments::add(const char* names, std::uint32_t& value, const char* help) {
+  Option& option = declare(names, help, "a whole number");
+  option.take = [&value](const std::string& text) { return take_integer(text, value); };
+  return Argument(option);
+}
+Argument Arguments::add(const char* names, std::uint64_t& value, const char* help) {
+  Option& option = declare(names, help, "a whole number");
+  option.take = [&value](const std::string& text) { return take_integer(text, value); };
+  return Argument(option);
+}
+Argument Arguments::add(const char* names, double& value, const char* help) {
+  Option& option = declare(names, help, "a number");
+  option.take = [&value](const std::string& text) {
+    const auto number = parse_double(text);
+    if (number) value = *number;
+    return number.has_value();
+  };
+  return Argument(option);
+}
+Argument Arguments::add(const char* names, std::optional<double>& value, const char* help) {
+  Option& option = declare(names, help, "a number");
+  option.take = [&value](const std::string& text) {
+    const auto number = parse_double(text);
+    if (number) value = *number;
+    return number.has_value();
+  };
+  return Argument(option);
+}
+Argument Arguments::flag(const char* names, bool& value, const char* help) {
+  Option& option = declare(names, help, "");
+  option.type.clear();
+  option.take = [&value](const std::string&) { return value = true; };
+  return Argument(option);
+}
+
+Argument Arguments::find(const char* name) {
+  const auto at = std::find_if(options_.begin(), options_.end(), [&](const Option& option) {
+    return std::find(option.names.begin(), option.names.end(), name) != option.names.end();
+  });
+  assert(at != options_.end());
+  return Argument(*at);
+}
 
 }  // namespace panwright::tools

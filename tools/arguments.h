@@ -1,53 +1,82 @@
-// Options and arguments of a command, declared beside its code. What parses them is known to one
-// file only, as it is slow to compile.
+// Options and arguments of a command, declared beside its code. The declarations are the table that
+// the parser, the help, the manual pages and the completion of shells read.
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
-
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
 
 namespace panwright::tools {
 
-// One option or argument. Checks run in the order in which they are added.
+// One option, flag or argument as it is declared.
+struct Option {
+  // Replaces nothing, or the text by another one of the same meaning. Returns what would be
+  // accepted; empty: the text is.
+  using Check = std::function<std::string(std::string& text)>;
+
+  std::vector<std::string> names;  // "-o", "--output"; of an argument: "input"
+  std::string help;
+  std::string type;   // "FILE"; empty: a flag
+  std::string group;  // the heading of the help; empty: "Options"
+  bool argument = false;
+  bool required = false;
+  bool repeatable = false;
+  bool may_be_empty = false;
+  std::string alias_of;              // another spelling of this option: left out of lists
+  std::vector<std::string> choices;  // all values there are; empty: others
+  std::vector<const Option*> excluded;
+  std::vector<Check> checks;                     // in the order in which they run
+  std::function<bool(const std::string&)> take;  // false: not a value of its type
+  std::string value_words;                       // what take() accepts: "a number"
+  unsigned given = 0;                            // times, on the command line
+
+  // "--output", or the only name there is.
+  const std::string& name() const { return names.back(); }
+  bool is_flag() const { return type.empty(); }
+};
+
+// Completes the declaration of one option.
 class Argument {
  public:
-  explicit Argument(CLI::Option* option) : option_(option) {}
+  explicit Argument(Option& option) : option_(option) {}
 
   Argument& type(const char* name);  // "METRES", in the help
   Argument& group(const char* name);
   Argument& required();
-  Argument& one_value();  // of a list: each occurrence brings one
+  Argument& may_be_empty();  // "" is a value
+  Argument& one_value();     // of a list: each occurrence brings one
   Argument& excludes(const Argument& other);
+  Argument& alias_of(const Argument& other);  // which the help lists in its place
 
   Argument& one_of(std::initializer_list<const char*> values);
-  Argument& range(int least, int most);
-  Argument& range(unsigned least, unsigned most);
   Argument& range(double least, double most);
-  Argument& finite();  // what is no finite number is refused: ranges let "nan" pass
+  Argument& finite();  // what is no finite number is refused
   Argument& positive();
   Argument& not_negative();
-  // note: CLI11 reads "-1" as the largest unsigned number
-  Argument& no_minus();
   Argument& bytes();  // "512MB"
   Argument& folder();
 
  private:
-  CLI::Option* option_;
+  Option& option_;
+};
+
+// What is wrong with a command line, in one sentence.
+struct UsageError {
+  std::string message;
 };
 
 // The options of one command. Values that are bound outlive the parsing, and stay as they are where
 // the user says nothing. Names: "-o,--output" for an option, "input" for an argument.
 class Arguments {
  public:
-  explicit Arguments(CLI::App& app) : app_(app) {}
+  Arguments() = default;
+  Arguments(const Arguments&) = delete;
+  Arguments& operator=(const Arguments&) = delete;
 
   Argument add(const char* names, std::string& value, const char* help);
   Argument add(const char* names, std::optional<std::string>& value, const char* help);
@@ -57,14 +86,21 @@ class Arguments {
   Argument add(const char* names, double& value, const char* help);
   Argument add(const char* names, std::optional<double>& value, const char* help);
   Argument flag(const char* names, bool& value, const char* help);
-  // Calls a function with the text.
-  Argument add(const char* names, std::function<void(const std::string&)> take, const char* help);
 
   // Expects: it is there.
   Argument find(const char* name);
 
+  // Sets the values that words of a command line give, the words after the command.
+  //
+  //   command  "panwright render", for messages
+  //   returns  the first thing that is wrong; none: all is well
+  std::optional<UsageError> parse(std::string_view command, const std::vector<std::string>& words);
+
+  const std::deque<Option>& options() const { return options_; }
+
  private:
-  CLI::App& app_;
+  Option& declare(const char* names, const char* help, const char* value_words);
+  std::deque<Option> options_;  // in the order of declaration, at places that stay
 };
 
 }  // namespace panwright::tools

@@ -4,7 +4,9 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/job.h"
 #include "tools/arguments.h"
@@ -18,9 +20,16 @@ struct Host {
   std::function<void()> watch_signals;
 };
 
+// A command line that shows what a command is for.
+struct Example {
+  std::string_view command;  // "render"
+  std::string_view words;    // what follows it
+  std::string_view what;     // what it does
+};
+
 struct Command {
   std::string name;
-  std::string help;
+  std::string help;  // one line
   std::function<void(Arguments&)> declare;
   std::function<int(const Host&)> run;  // the exit code
 };

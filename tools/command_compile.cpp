@@ -27,7 +27,9 @@ struct Options {
 
 void declare_all(Arguments& arguments, Options& options) {
   arguments.add("input", options.input, "The model, a .pxn file").required().type("FILE.pxn");
-  arguments.add("-o,--output", options.output, "The pan file (default: the input's name with .pan)")
+  arguments
+      .add("-o,--output", options.output,
+           "The pan file (default: the input's name with .pan, in the working directory)")
       .type("FILE.pan");
   arguments
       .add("-M,--depfile", options.depfile,
@@ -58,14 +60,14 @@ std::string make_escaped(const std::string& path) {
   return out;
 }
 
-void write_depfile(const Options& options, const std::string& output,
+bool write_depfile(const Options& options, const std::string& output,
                    const std::vector<scene::Input>& inputs, DiagnosticLog& log) {
   const auto folder = std::filesystem::path(options.input).parent_path();
   std::string text = make_escaped(output) + ":";
   for (const scene::Input& input : inputs)
     text += " \\\n  " + make_escaped((folder / input.path).lexically_normal().string());
   text += "\n";
-  write_file(options.depfile, as_bytes(text), log);
+  return write_file(options.depfile, as_bytes(text), log);
 }
 
 nlohmann::ordered_json as_json(const compiler::Report& report) {
@@ -88,7 +90,7 @@ int run(const Options& options, const Host& host) {
   }
   const std::string output =
       options.output.empty()
-          ? std::filesystem::path(options.input).replace_extension(".pan").string()
+          ? std::filesystem::path(options.input).filename().replace_extension(".pan").string()
           : options.output;
 
   if (workspace::extension_of(output) != ".pan" && output != "-") {
@@ -118,13 +120,13 @@ int run(const Options& options, const Host& host) {
                                            log, context.job(), &steps);
   context.add_timings(steps.steps);
   // what was cancelled has made nothing that could depend on the inputs
-  if (!options.depfile.empty() && !context.job().cancelled())
-    write_depfile(options, output, inputs, log);
+  if (!options.depfile.empty() && !context.job().cancelled() &&
+      write_depfile(options, output, inputs, log))
+    context.wrote(options.depfile);
   if (!report) return context.finish();
+  context.wrote(output, counted(report->triangles, "triangle"));
   context.result()["output"] = output;
   context.result().update(as_json(*report));
-  if (!options.common.json && log.has_errors())
-    print(stderr, "panwright: wrote {} without what could not be read or made\n", output);
   return context.finish();
 }
 

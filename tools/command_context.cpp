@@ -5,12 +5,13 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
 #include "base/text.h"
 #include "tools/print.h"
-#include "tools/progress_line.h"
+#include "tools/words.h"
 
 namespace panwright::tools {
 
@@ -33,9 +34,11 @@ CommandContext::CommandContext(std::string command, const CommonOptions& options
     : command_(std::move(command)),
       options_(options),
       watch_signals_(host.watch_signals),
-      job_(host.job.with({options.threads, ProgressLine()})),
+      progress_(command_),
+      job_(host.job.with({options.threads, [this](const Progress& p) { progress_.show(p); }})),
       result_(std::make_unique<Json>()) {
-  (*result_)["schema"] = 1;
+  (*result_)["schema"] = 1;  // the number that schema_id ends with
+  (*result_)["schema_id"] = fmt::format("panwright/{}/1", command_);
   (*result_)["command"] = command_;
   log_.set_files(std::make_shared<FileUses>());
   if (!options.sarif.empty())
@@ -68,13 +71,32 @@ void CommandContext::add_timings(const std::vector<workspace::Step>& steps) {
   for (const workspace::Step& step : steps) add_timing(step.name, step.seconds);
 }
 
+void CommandContext::wrote(const std::string& path, std::string detail) {
+  if (path.empty() || path == "-") return;
+  (*result_)["written"].push_back(path);
+  written_.emplace_back(path, std::move(detail));
+}
+
+void CommandContext::say_what_was_written() const {
+  for (const auto& [path, detail] : written_) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) continue;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+    if (error) continue;
+    print(stderr, "wrote {} ({}{}{}){}\n", path, bytes_words(bytes), detail.empty() ? "" : ", ",
+          detail, log_.has_errors() ? " without what could not be read or made" : "");
+  }
+}
+
 int CommandContext::finish(int clean) {
   end_step();
   step_.clear();
+  progress_.end();
   log_.sort_by_place();
   // which may be standard output: after what was printed there
   std::fflush(stdout);
-  if (!options_.sarif.empty()) write_file(options_.sarif, as_bytes(to_sarif(log_)), log_);
+  if (!options_.sarif.empty() && write_file(options_.sarif, as_bytes(to_sarif(log_)), log_))
+    wrote(options_.sarif, counted(log_.entries().size(), "diagnostic"));
   const int code = log_.has_errors() ? exit_code(log_) : clean;
   if (options_.json) {
     Json& out = *result_;
@@ -91,6 +113,7 @@ int CommandContext::finish(int clean) {
     if (log_.errors() > 1)
       print(stderr, "panwright: {}{}\n", counted(log_.errors(), "error"),
             log_.warnings() > 0 ? ", " + counted(log_.warnings(), "warning") : "");
+    if (!options_.quiet) say_what_was_written();
     if (options_.timings)
       for (const auto& [name, seconds] : timings_)
         print(stderr, "{:>10.3f} ms  {}\n", 1e3 * seconds, name);

@@ -13,6 +13,7 @@
 #include "base/file_uses.h"
 #include "base/job.h"
 #include "tools/command.h"
+#include "tools/progress_line.h"
 #include "tools/shared_options.h"
 
 namespace panwright::tools {
@@ -35,6 +36,10 @@ class CommandContext {
   // The object that --json prints; commands add their results to it.
   nlohmann::ordered_json& result() { return *result_; }
 
+  // Notes that a file was written, to be said at the end, with its size and what else there is to
+  // say of it ("11,880 triangles"). Streams and devices are not files.
+  void wrote(const std::string& path, std::string detail = {});
+
   // Ends the current step and starts one called `name`, for --timings.
   void step(std::string name);
   // Adds steps whose time was taken elsewhere.
@@ -48,13 +53,16 @@ class CommandContext {
 
  private:
   void end_step();
+  void say_what_was_written() const;
   std::string command_;
   CommonOptions options_;
   std::function<void()> watch_signals_;  // empty: done
+  ProgressLine progress_;
   Job job_;
   DiagnosticLog log_;
   std::unique_ptr<nlohmann::ordered_json> result_;
   std::vector<std::pair<std::string, double>> timings_;
+  std::vector<std::pair<std::string, std::string>> written_;  // path, detail
   std::string step_;
   std::chrono::steady_clock::time_point step_start_;
 };

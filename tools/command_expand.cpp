@@ -54,7 +54,6 @@ int run(const Options& options, const Host& host) {
   const bool pruned = scene && workspace::prune(*scene, *read, log, context.job(), &report);
   context.add_timings(report.steps);
   if (!scene || !pruned) return context.finish();
-  const std::size_t errors = log.errors();
   context.step("write");
   std::vector<std::string> images;
   if (!standard) {
@@ -66,12 +65,12 @@ int run(const Options& options, const Host& host) {
                                ? pxn::to_text(*scene)
                                : pxn::to_text(*scene, [&](std::size_t i) { return images[i]; });
   const bool done = write_file(options.output, as_bytes(text), log);
+  if (done) context.wrote(options.output, counted(scene->instances.size(), "shape"));
   context.result()["output"] = options.output;
   context.result()["nodes"] = scene->nodes.size();
   context.result()["shapes"] = scene->instances.size();
-  context.result()["pictures"] = images;
-  if (!options.common.json && done && errors > 0)
-    print(stderr, "panwright: wrote {} without what could not be read\n", options.output);
+  context.result()["images"] = images;
+  context.result()["pictures"] = images;  // as it was called
   return context.finish();
 }
 

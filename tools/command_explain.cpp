@@ -5,7 +5,9 @@
 #include "base/text.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/explain_examples.h"
 #include "tools/print.h"
+#include "tools/words.h"
 
 namespace panwright::tools {
 
@@ -26,10 +28,25 @@ const char* word(Severity severity) {
 }
 
 nlohmann::ordered_json as_json(const CodeInfo& info) {
-  return {{"code", info.name},
-          {"severity", word(info.severity)},
-          {"title", info.title},
-          {"explanation", info.explanation}};
+  nlohmann::ordered_json out{{"code", info.name},
+                             {"severity", word(info.severity)},
+                             {"title", info.title},
+                             {"explanation", info.explanation}};
+  if (const CodeExample* example = example_of(*code_from_name(info.name))) {
+    out["example"] = example->example;
+    out["cure"] = example->cure;
+  }
+  return out;
+}
+
+// Lines of a text, set in.
+std::string set_in(std::string_view text) {
+  std::string out = "    ";
+  for (const char c : text) {
+    out.push_back(c);
+    if (c == '\n') out += "    ";
+  }
+  return out;
 }
 
 int run(const Options& options, const Host& host) {
@@ -54,17 +71,23 @@ int run(const Options& options, const Host& host) {
     return context.finish();
   }
   const CodeInfo& info = code_info(*code);
-  if (options.common.json)
+  if (options.common.json) {
     context.result().update(as_json(info));
-  else
-    print("{} ({}): {}\n\n{}\n", info.name, word(info.severity), info.title, info.explanation);
+    return context.finish();
+  }
+  print("{} ({}): {}\n\n{}\n", info.name, word(info.severity), info.title,
+        wrapped(info.explanation, 100, 0));
+  if (const CodeExample* example = example_of(*code))
+    print("\nExample:\n{}\nCure:\n{}\n", set_in(example->example), set_in(example->cure));
   return context.finish();
 }
 
 }  // namespace
 
 Command explain_command() {
-  return command("explain", "Explain a diagnostic code, or list them all", declare_all, run);
+  return command("explain",
+                 "Explain a diagnostic code with an example and its cure, or list them all",
+                 declare_all, run);
 }
 
 }  // namespace panwright::tools

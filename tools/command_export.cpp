@@ -47,6 +47,7 @@ int run(const Options& options, const Host& host) {
   context.step("write");
   const auto bytes = exporters::glb_from(**model, log, context.job());
   if (!bytes || !write_file(options.output, *bytes, log)) return context.finish();
+  context.wrote(options.output);
   context.result()["output"] = options.output;
   context.result()["bytes"] = bytes->size();
   return context.finish();

@@ -64,7 +64,7 @@ class Formatting {
     const std::string output = options_.output.empty() ? input : options_.output;
     // a file that is as it should be keeps its time
     if (!changed && output == input && !standard) return;
-    write_file(output, as_bytes(*text), log);
+    if (write_file(output, as_bytes(*text), log) && !standard) context_.wrote(output);
   }
 
   bool any_changed() const { return any_changed_; }

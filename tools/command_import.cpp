@@ -63,12 +63,12 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("N");
   declare(arguments, cad);
   declare(arguments, options.cache);
-  // the camera has no say here, so that the short name is free
-  arguments.find("--up-axis").group("CAD files");
+  // the camera has no say here, so that the name that this option once had is free
   arguments.add("--up", cad.up, "The same as --up-axis")
       .one_of({"auto", "y", "z"})
       .type("AXIS")
-      .group("CAD files");
+      .excludes(arguments.find("--up-axis"))
+      .alias_of(arguments.find("--up-axis"));
   declare(arguments, options.common);
 }
 
@@ -166,7 +166,9 @@ bool write_report(const importers::MeshReport& mesh_report, const scene::Scene& 
   } else {
     text = importers::to_text(mesh_report);
   }
-  return write_file(options.report, as_bytes(text), context.log());
+  if (!write_file(options.report, as_bytes(text), context.log())) return false;
+  context.wrote(options.report);
+  return true;
 }
 
 // The pxn text that stands around the file; the file's path as seen from the text's folder.
@@ -188,9 +190,11 @@ void write_import_template(const importers::Imported& imported, const Options& o
     // the text says what was assumed, so that it stays what it was seen to be
     CadOptions cad = options.open.cad;
     if (!imported.assumed_unit.empty()) cad.units = imported.assumed_unit;
-    write_file(options.output,
-               as_bytes(pxn::import_template(imported, file.generic_string(), attributes_of(cad))),
-               context.log());
+    if (write_file(
+            options.output,
+            as_bytes(pxn::import_template(imported, file.generic_string(), attributes_of(cad))),
+            context.log()))
+      context.wrote(options.output, counted(imported.materials.size(), "material"));
   }
 }
 
@@ -213,7 +217,6 @@ int run(const Options& options, const Host& host) {
   auto imported = workspace::read_cad(options.input, open, log, context.job(), &found);
   context.add_timings(std::exchange(found.steps, {}));
   if (!imported) return context.finish();
-  std::size_t errors = log.errors();
   if (!options.report.empty() && !write_report(found.mesh_report.value_or(importers::MeshReport{}),
                                                imported->scene, options, context))
     return context.finish();
@@ -244,20 +247,19 @@ int run(const Options& options, const Host& host) {
     if (report->triangles == 0 && !log.contains(Code::E6011))
       log.report_file(Code::E6011, options.input,
                       "no surface is left of the model: the file holds none, or none that is seen");
-    errors = log.errors();
+    context.wrote(options.output, counted(report->triangles, "triangle"));
     context.result()["bytes"] = report->bytes;
     context.result()["triangles"] = report->triangles;
     context.result()["unique_triangles"] = report->unique_triangles;
   }
-  if (!options.common.json && errors > 0)
-    print(stderr, "panwright: wrote {} without what could not be read or made\n", options.output);
   return context.finish();
 }
 
 int run_importer(const Options& typed, const Host& host) {
   Options options = typed;
   if (options.output.empty())
-    options.output = std::filesystem::path(options.input).replace_extension(".pan").string();
+    options.output =
+        std::filesystem::path(options.input).filename().replace_extension(".pan").string();
   return run(options, host);
 }
 

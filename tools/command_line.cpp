@@ -2,15 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <new>
+#include <span>
 
+#include "base/text.h"
 #include "tools/command_context.h"
+#include "tools/command_table.h"
 #include "tools/commands.h"
-#include "tools/completion.h"
+#include "tools/help_text.h"
 #include "tools/print.h"
 #include "tools/run.h"
 
@@ -23,134 +24,97 @@ constexpr int kUnwritten = 3;
 constexpr int kInternal = 70;
 constexpr int kCancelled = 130;
 
-std::vector<Command> all_commands() {
-  return {compile_command(), import_command(),  export_command(),   check_command(),
-          info_command(),    render_command(),  material_command(), diff_command(),
-          fmt_command(),     upgrade_command(), expand_command(),   explain_command()};
-}
-
-// Lets values begin with a minus sign: "--sun -1,0,0" and "--sun '-1 0 0'" become one word.
-std::vector<std::string> joined_values(int argc, const char* const* argv) {
-  std::vector<std::string> words;
-  for (int i = 1; i < argc; ++i) {
-    std::string word = argv[i];
-    const bool negative = word.size() > 1 && word[0] == '-' &&
-                          (std::isdigit(static_cast<unsigned char>(word[1])) || word[1] == '.');
-    const bool after_option = !words.empty() && words.back().starts_with("--") &&
-                              words.back().find('=') == std::string::npos &&
-                              words.back().size() > 2;
-    if (negative && after_option)
-      words.back() += "=" + word;
-    else if (word == "-lic")
-      words.emplace_back("--lic");
-    else
-      words.push_back(std::move(word));
-  }
-  return words;
-}
-
 // --json promises one object on standard output, whatever happens.
-int usage_error(const CLI::App& app, const CLI::ParseError& error, bool json) {
-  if (!json) {
-    app.exit(error);
-    return kUsage;
-  }
-  const auto used = app.get_subcommands();
+int usage_error(const std::string& command, std::string message,
+                const std::vector<std::string>& words) {
   CommonOptions common;
-  common.json = true;
-  CommandContext context(used.empty() ? app.get_name() : used[0]->get_name(), common, {});
-  context.log().report(Code::E0201, {}, error.what());
+  common.json = std::find(words.begin(), words.end(), "--json") != words.end();
+  CommandContext context(command, common, {});
+  context.log().report(Code::E0201, {}, std::move(message));
   return context.finish();
 }
 
-int parse_and_run(CLI::App& app, std::vector<std::string> words, const std::function<int()>& go) {
-  const bool json = std::find(words.begin(), words.end(), "--json") != words.end();
-  std::reverse(words.begin(), words.end());  // as CLI11 takes them
-  try {
-    app.parse(std::move(words));
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help
-    return usage_error(app, error, json);
+bool asks_for_help(const std::vector<std::string>& words) {
+  const auto end = std::find(words.begin(), words.end(), "--");
+  return std::any_of(words.begin(), end,
+                     [](const std::string& word) { return word == "--help" || word == "-h"; });
+}
+
+// program: what was typed to call the command, "panwright render" or "pxntopan".
+int run_command(DescribedCommand& command, const std::string& program,
+                const std::vector<std::string>& words, const Host& host) {
+  if (asks_for_help(words)) {
+    print("{}", command_help(command, program));
+    return 0;
   }
-  return go();
+  if (auto error = command.arguments->parse(program, words))
+    return usage_error(command.command.name, std::move(error->message), words);
+  return command.command.run(host);
 }
 
 // A program that is one command.
-int run_single(const Command& command, std::vector<std::string> words, const Host& host) {
-  CLI::App app(command.help, command.name);
-  Arguments arguments(app);
-  command.declare(arguments);
-  return parse_and_run(app, std::move(words), [&] { return command.run(host); });
+int run_single(Command command, std::vector<std::string> words, const Host& host) {
+  // licences of the original tools have an option of one hyphen
+  std::replace(words.begin(), words.end(), std::string("-lic"), std::string("--lic"));
+  const std::string name = command.name;
+  DescribedCommand single = described(std::move(command));
+  return run_command(single, name, words, host);
 }
 
-// Every command with its options, for completion scripts.
-std::vector<CommandWords> command_words(const CLI::App& app) {
-  std::vector<CommandWords> commands;
-  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
-    CommandWords words{sub->get_name(), sub->get_description(), {}};
-    for (const CLI::Option* option : sub->get_options())
-      for (const std::string& name : option->get_lnames())
-        words.options.push_back({"--" + name, option->get_description()});
-    commands.push_back(std::move(words));
+// "panwright --version --json" and the like.
+int run_without_command(const std::vector<std::string>& words, std::span<DescribedCommand> table,
+                        const Host& host) {
+  if (asks_for_help(words)) {
+    print("{}", program_help(table));
+    return 0;
   }
-  return commands;
+  std::vector<std::string> rest;
+  for (const std::string& word : words)
+    if (word != "--version") rest.push_back(word);
+  if (rest.size() < words.size())
+    return run_command(*find_command(table, "version"), "panwright --version", rest, host);
+  for (const std::string& word : words)
+    if (find_command(table, word) != nullptr)
+      return usage_error("usage",
+                         fmt::format("{} precedes the command, expected `panwright {} {} …`",
+                                     in_quotes(words[0]), word, words[0]),
+                         words);
+  constexpr std::string_view kOptions[] = {"--help", "--version"};
+  const auto near = nearest_name(words[0], kOptions);
+  return usage_error("usage",
+                     fmt::format("{} is not an option of 'panwright'; {}", in_quotes(words[0]),
+                                 near ? fmt::format("did you mean '{}'?", *near)
+                                      : std::string("expected a command, --help or --version")),
+                     words);
 }
 
-int run_panwright(std::vector<std::string> words, const Host& host) {
-  CLI::App app(
-      "panwright: spacecraft models from pxn text and CAD files to checked pan files and "
-      "radiometric "
-      "pictures",
-      "panwright");
-  app.footer(
-      "Examples:\n"
-      "  panwright compile examples/paper/figure8.pxn -o f.pan\n"
-      "  panwright render f.pan -o f.png --camera \"0 -5 1\" --sun \"1 -1 1\"\n"
-      "  panwright import iss.glb -o iss.pxn\n"
-      "  panwright explain E1101\n"
-      "Exit codes: 0 ok, 1 errors in a model, 2 usage, 3 I/O, 4 damaged pan file, 70 internal, "
-      "130 stopped by Ctrl-C (143, 129 by SIGTERM, SIGHUP).\n"
-      "The language: docs/pxn-reference.md. Conventions of cameras, axes and units: "
-      "docs/conventions.md.");
-  app.require_subcommand(0, 1);
-  bool version = false;
-  bool json_version = false;
-  app.add_flag("--version", version, "Print the version; with --json, the features too");
-  app.add_flag("--json", json_version, "With --version: print JSON");
-  const std::vector<Command> commands = all_commands();
-  for (const Command& command : commands) {
-    Arguments arguments(*app.add_subcommand(command.name, command.help));
-    command.declare(arguments);
-  }
-  std::string shell = "bash";
-  CLI::App* completion = app.add_subcommand("completion", "Print a shell completion script");
-  Arguments(*completion)
-      .add("shell", shell, "bash, zsh or fish")
-      .one_of({"bash", "zsh", "fish"})
-      .type("SHELL");
-  return parse_and_run(app, std::move(words), [&]() -> int {
-    if (version) return print_version(json_version);
-    for (const Command& command : commands)
-      if (app.got_subcommand(command.name)) return command.run(host);
-    if (app.got_subcommand(completion)) {
-      print("{}", completion_script(shell, command_words(app)));
-      return 0;
-    }
-    print("{}", app.help());
+int run_panwright(const std::vector<std::string>& words, const Host& host) {
+  auto table = command_table();
+  if (words.empty()) {
+    print("{}", program_help(table));
     return kUsage;
-  });
+  }
+  if (words[0].starts_with('-')) return run_without_command(words, table, host);
+  const std::vector<std::string> rest(words.begin() + 1, words.end());
+  if (words[0] == "complete") {
+    DescribedCommand complete = described(complete_command());
+    return run_command(complete, "panwright complete", rest, host);
+  }
+  if (DescribedCommand* command = find_command(table, words[0]))
+    return run_command(*command, "panwright " + words[0], rest, host);
+  return usage_error("usage", unknown_command_words(words[0], table), words);
 }
 
 int run_unchecked(int argc, const char* const* argv, const Host& host) {
   try {
     const std::string name =
         argc > 0 ? std::filesystem::path(argv[0]).filename().string() : std::string("panwright");
-    std::vector<std::string> words = joined_values(argc, argv);
+    std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
     if (name == "pxntopan" || name == "pxn2pan")
       return run_single(converter_command(name), std::move(words), host);
     if (name == "vrmltopan" || name == "gltftopan")
       return run_single(importer_command(name), std::move(words), host);
-    return run_panwright(std::move(words), host);
+    return run_panwright(words, host);
   } catch (const std::bad_alloc&) {
     print(stderr, "panwright: out of memory\n");
   } catch (const std::exception& error) {

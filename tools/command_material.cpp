@@ -265,7 +265,10 @@ bool write_plots(const std::string& folder, const materials::Material& material,
   if (stem.starts_with('.')) stem.front() = '_';
   const std::filesystem::path base = std::filesystem::path(folder) / stem;
   const auto write = [&](const char* suffix, const std::string& text) {
-    return write_file(base.string() + suffix, std::as_bytes(std::span(text)), context.log());
+    const std::string path = base.string() + suffix;
+    if (!write_file(path, std::as_bytes(std::span(text)), context.log())) return false;
+    context.wrote(path);
+    return true;
   };
   return write("-albedo.svg", albedo_plot(material)) && write("-slices.svg", slices_plot(material));
 }
@@ -331,7 +334,9 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& optio
     }
   }
   context.step("write " + options.render);
-  return preview::write_image(options.render, sheet, 0, context.log());
+  if (!preview::write_image(options.render, sheet, 0, context.log())) return false;
+  context.wrote(options.render, fmt::format("{}x{}", sheet.width, sheet.height));
+  return true;
 }
 
 // BrdfModel fitted to a table, the best first, and the best as text.
@@ -374,7 +379,7 @@ void fit_table(const Options& options, CommandContext& context) {
   const std::string text = fit_plot(*readings, fits.front());
   const auto path = std::filesystem::path(options.svg) /
                     (std::filesystem::path(options.fit).stem().string() + "-fit.svg");
-  write_file(path, std::as_bytes(std::span(text)), context.log());
+  if (write_file(path, std::as_bytes(std::span(text)), context.log())) context.wrote(path);
 }
 
 void list(const CommandContext& context) {
@@ -424,7 +429,7 @@ int run(const Options& options, const Host& host) {
       report_cancelled(context.log());
       break;
     }
-    context.step("certify " + each.material.name);
+    context.step("report on " + each.material.name);
     const materials::MaterialReport report = materials::material_report(each.material, *mus);
     const Speed speed = speed_of(each.material);
     out["materials"].push_back(report_json(each, report, speed));
@@ -443,7 +448,7 @@ int run(const Options& options, const Host& host) {
 }  // namespace
 
 Command material_command() {
-  return command("material", "Certify materials: albedo, energy, reciprocity, precision",
+  return command("material", "Report on materials: albedo, energy, reciprocity, precision",
                  declare_all, run);
 }
 

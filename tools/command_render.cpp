@@ -45,41 +45,42 @@ struct Options {
 };
 
 void declare_reference(Arguments& arguments, Options& options) {
+  constexpr const char* kGroup = "Reference engine (--engine reference)";
   arguments
       .add("--engine", options.engine,
            "gl: OpenGL (default); reference: path tracing on the CPU, slow and with error bars")
       .one_of({"gl", "reference"})
       .type("NAME");
   arguments
-      .add("--until-error", options.until_error,
-           "Reference: go on until the flux is known this well, as 0.1%")
-      .type("SHARE");
+      .add("--until-error", options.until_error, "Go on until the flux is known this well, as 0.1%")
+      .type("SHARE")
+      .group(kGroup);
   arguments
       .add("--max-samples", options.max_samples,
-           "Reference: most samples of a pixel with --until-error (default 67108864)")
+           "Most samples of a pixel with --until-error (default 67108864)")
       .range(32u, 1u << 30)
-      .type("N");
-  arguments
-      .add("--bounces", options.bounces,
-           "Reference: interreflections that are followed (default 3)")
+      .type("N")
+      .group(kGroup);
+  arguments.add("--bounces", options.bounces, "Interreflections that are followed (default 3)")
       .range(0u, 1000u)
-      .type("N");
-  arguments.add("--seed", options.seed, "Reference: which random numbers (default 0)")
-      .no_minus()
-      .type("N");
+      .type("N")
+      .group(kGroup);
+  arguments.add("--seed", options.seed, "Which random numbers (default 0)").type("N").group(kGroup);
   arguments
       .add("--filter", options.filter,
-           "Reference: box, a pixel is the mean over its square (default), or gaussian:SIGMA, of "
+           "box, a pixel is the mean over its square (default), or gaussian:SIGMA, of "
            "the image blurred by that many pixels")
-      .type("FILTER");
+      .type("FILTER")
+      .group(kGroup);
   arguments
       .add("--limb-darkening", options.limb_darkening,
            "u of I = 1 - u (1 - cos) over the Sun's disc (default 0); the preview shows it in "
            "glints")
       .finite()
       .range(0.0, 1.0)
-      .type("U");
-  arguments.flag("--no-sun-disc", options.no_sun_disc, "Reference: the Sun is a point");
+      .type("U")
+      .group(kGroup);
+  arguments.flag("--no-sun-disc", options.no_sun_disc, "The Sun is a point").group(kGroup);
 }
 
 void declare_all(Arguments& arguments, Options& options) {
@@ -243,8 +244,7 @@ Result<std::vector<workspace::View>> views_of(const Options& options, const worl
   if (!typed) return failed;
   std::vector<workspace::ViewText> texts;
   if (options.views.empty()) {
-    if (!typed->output)
-      typed->output = std::filesystem::path(first_file).replace_extension(".png").string();
+    if (!typed->output) typed->output = first_file.filename().replace_extension(".png").string();
     texts.push_back(*std::move(typed));
   } else {
     if (typed->output)

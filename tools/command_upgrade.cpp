@@ -71,7 +71,8 @@ int run(const Options& options, const Host& host) {
       if (!options.common.json) print(stderr, "{}: is of level 1 already\n", file.path);
       continue;
     }
-    write_file(options.output.empty() ? file.path : options.output, as_bytes(file.text), log);
+    const std::string& output = options.output.empty() ? file.path : options.output;
+    if (write_file(output, as_bytes(file.text), log)) context.wrote(output);
   }
   return context.finish();
 }

@@ -19,11 +19,15 @@ Command fmt_command();
 Command upgrade_command();
 Command expand_command();
 Command explain_command();
+Command help_command();
+Command version_command();
+Command completion_command();
 
 // Programs of other names that do one thing: pxntopan and pxn2pan, vrmltopan and gltftopan.
 Command converter_command(const std::string& name);
 Command importer_command(const std::string& name);
 
-int print_version(bool json);
+// For completion scripts: not in the table.
+Command complete_command();
 
 }  // namespace panwright::tools

@@ -1,5 +1,6 @@
-// Text on standard output and standard error. A stream that takes none (closed, a full disk behind
-// it) does not end the work: run() looks at standard output at the end.
+// Text on standard output and standard error, in place of the line of progress. A stream that takes
+// none (closed, a full disk behind it) does not end the work: run() looks at standard output at the
+// end.
 #pragma once
 
 #include <fmt/format.h>
@@ -8,11 +9,14 @@
 #include <string>
 #include <utility>
 
+#include "tools/progress_line.h"
+
 namespace panwright::tools {
 
 template <class... Arguments>
 void print(std::FILE* stream, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
   const std::string text = fmt::format(format, std::forward<Arguments>(arguments)...);
+  wipe_progress();
   (void)std::fwrite(text.data(), 1, text.size(), stream);
 }
 

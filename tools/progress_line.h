@@ -1,30 +1,38 @@
 // Progress of a job on a terminal.
 #pragma once
 
-#include <chrono>
-#include <cstddef>
+#include <memory>
 #include <string>
 
 #include "base/job.h"
 
 namespace panwright::tools {
 
-// Shows the outermost phase that has parts as "rendering  42 % (3 s left)" on standard error, on a
-// terminal only, once a second has passed, and wipes it at the end. Silent otherwise.
+// Shows on standard error, on a terminal only, what is done once that has taken two seconds:
+// "tessellating  42 %, 1.2k of 2.9k, 350/s, 5 s left", or "compile: 4 s" where no phase says how
+// much there is. The line goes before anything is printed.
 class ProgressLine {
  public:
-  ProgressLine();
-  void operator()(const Progress& progress);
+  // what: the work as a whole, "compile"
+  explicit ProgressLine(std::string what);
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  void show(const Progress& progress);
+
+  // Shows no more from here on, and wipes what is there.
+  void end();
 
  private:
-  using Clock = std::chrono::steady_clock;
-  void wipe();
-  bool terminal_;
-  bool visible_ = false;
-  std::string phase_;  // that is shown; empty: none
-  std::size_t depth_ = 0;
-  Clock::time_point start_;
-  Clock::time_point shown_;
+  class Ticker;
+  std::unique_ptr<Ticker> ticker_;  // null: no terminal
 };
+
+// The line in words. seconds: since the phase began.
+std::string progress_words(const Progress& progress, double seconds);
+
+// Wipes the line that is shown, if there is one, so that other text may be printed.
+void wipe_progress();
 
 }  // namespace panwright::tools

@@ -9,17 +9,25 @@
 namespace panwright::tools {
 
 void declare(Arguments& arguments, CommonOptions& common) {
-  arguments.flag("--json", common.json, "Print the result and the diagnostics as one JSON object");
+  constexpr const char* kGroup = "Options of every command";
+  arguments.flag("--json", common.json, "Print the result and the diagnostics as one JSON object")
+      .group(kGroup);
   arguments.add("--sarif", common.sarif, "Also write the diagnostics to FILE as SARIF 2.1.0")
-      .type("FILE");
-  arguments.flag("-q,--quiet", common.quiet, "Leave out notes");
-  arguments.flag("--timings", common.timings, "Say how long each step took");
-  arguments.add("--color", common.color, "auto, always or never (auto respects NO_COLOR)")
+      .type("FILE")
+      .group(kGroup);
+  arguments.flag("-q,--quiet", common.quiet, "Leave out notes, and what was written").group(kGroup);
+  arguments.flag("--timings", common.timings, "Say how long each step took").group(kGroup);
+  arguments
+      .add("--color", common.color,
+           "When messages have colours: auto (default: on a terminal, unless NO_COLOR is set), "
+           "always or never")
       .one_of({"auto", "always", "never"})
-      .type("WHEN");
-  arguments.add("-j,--threads", common.threads, "Threads to use; 0: all cores")
+      .type("WHEN")
+      .group(kGroup);
+  arguments.add("-j,--threads", common.threads, "Threads to use (default 0: all cores)")
       .range(0, 1024)
-      .type("N");
+      .type("N")
+      .group(kGroup);
 }
 
 void declare(Arguments& arguments, CacheOption& cache) {

@@ -15,7 +15,10 @@ endfunction()
 file(REMOVE_RECURSE "${WORK_DIR}")
 run(${CMAKE_COMMAND} --install "${BUILD_DIR}" --prefix "${WORK_DIR}/prefix")
 foreach(file bin/panwright bin/pxntopan bin/pxn2pan share/panwright/pxn.xsd share/panwright/pxn-0.xsd
-        share/panwright/examples/paper/figure8.pxn include/panwright/pan/model.h)
+        share/panwright/examples/paper/figure8.pxn include/panwright/pan/model.h
+        share/man/man1/panwright.1 share/man/man1/panwright-render.1 share/bash-completion/completions/panwright
+        share/zsh/site-functions/_panwright share/fish/vendor_completions.d/panwright.fish
+        share/panwright/schemas/info.schema.json)
   if(NOT EXISTS "${WORK_DIR}/prefix/${file}")
     message(FATAL_ERROR "not installed: ${file}")
   endif()

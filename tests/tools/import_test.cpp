@@ -310,10 +310,19 @@ TEST(Import, a_model_over_the_limit_of_triangles_is_written_in_part_and_says_so)
 TEST(Import, converters_by_name) {
   const TemporaryFolder folder;
   fs::copy_file(kRelay, folder / "relay.wrl");
-  EXPECT_EQ(panwright({folder / "relay.wrl", "--keep-hidden"}, "vrmltopan").code, 0);
-  EXPECT_TRUE(fs::exists(folder / "relay.pan"));
-  EXPECT_EQ(panwright({"export", folder / "relay.pan", "-o", folder / "out.glb"}).code, 0);
-  EXPECT_EQ(panwright({folder / "out.glb", "--keep-hidden"}, "gltftopan").code, 0);
+  fs::create_directories(folder.path() / "work");
+  // into the working directory
+  const support::Outcome outcome =
+      support::run({"/bin/sh", "-c", "cd \"$0\" && exec \"$@\"", folder / "work",
+                    PANWRIGHT_BIN_DIR "/vrmltopan", folder / "relay.wrl", "--keep-hidden"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("wrote relay.pan ("));
+  EXPECT_TRUE(fs::exists(folder / "work/relay.pan"));
+  EXPECT_FALSE(fs::exists(folder / "relay.pan"));
+  EXPECT_EQ(panwright({"export", folder / "work/relay.pan", "-o", folder / "out.glb"}).code, 0);
+  EXPECT_EQ(
+      panwright({folder / "out.glb", "--keep-hidden", "-o", folder / "out.pan"}, "gltftopan").code,
+      0);
   EXPECT_TRUE(fs::exists(folder / "out.pan"));
 }
 

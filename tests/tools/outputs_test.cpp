@@ -56,7 +56,11 @@ class Outputs : public testing::Test {
   // Refused with E0206, and the folder is as it was.
   void refuses(const std::vector<std::string>& words, const std::string& says) {
     SCOPED_TRACE(testing::PrintToString(words));
-    const Outcome outcome = panwright(words);
+    // in the folder, where outputs go that are not named
+    std::vector<std::string> there{"/bin/sh", "-c", "cd \"$0\" && exec \"$@\"",
+                                   folder_.path().string(), kProgram};
+    there.insert(there.end(), words.begin(), words.end());
+    const Outcome outcome = support::run(there);
     EXPECT_EQ(outcome.code, 2) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("[E0206]"));
     EXPECT_THAT(outcome.err, HasSubstr(says));
@@ -124,7 +128,7 @@ TEST_F(Outputs, LeaveWhatIsNamedAndNotUsed) {
 
 // A pan knows what it was made of.
 TEST_F(Outputs, LeaveWhatAPanWasMadeOf) {
-  ASSERT_EQ(panwright({"compile", panel_}).code, 0);
+  ASSERT_EQ(panwright({"compile", panel_, "-o", folder_ / "panel.pan"}).code, 0);
   before_[folder_ / "panel.pan"] = contents(folder_ / "panel.pan");
   refuses({"render", folder_ / "panel.pan", "--size", "8x8"}, "panel.png");
 }

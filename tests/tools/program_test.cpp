@@ -39,11 +39,13 @@ TEST(Program, CompilesAndShowsFigure8) {
   const TemporaryFolder folder;
   const Outcome compile = panwright({"compile", kFigure8, "-o", folder / "f.pan"});
   EXPECT_EQ(compile.code, 0);
-  EXPECT_EQ(compile.err, "") << "figure 8 deserves no diagnostics";
+  EXPECT_THAT(compile.err,
+              testing::MatchesRegex("wrote .*f.pan \\([0-9.]+ kB, 11880 triangles\\)\n"))
+      << "figure 8 deserves no diagnostics";
   const Outcome info = panwright({"info", folder / "f.pan", "--json"});
   ASSERT_EQ(info.code, 0) << info.err;
   const json out = json::parse(info.out);
-  EXPECT_EQ(out["schema"], 1);
+  EXPECT_EQ(out["schema_id"], "panwright/info/1");
   EXPECT_EQ(out["triangles"], 11880);
   EXPECT_EQ(out["unique_triangles"], 11880);
   EXPECT_GE(out["vertices"].get<int>(), 99 * 60 + 2);
@@ -138,11 +140,12 @@ TEST(Program, JsonIsOneObjectOnStandardOutput) {
                                              {"explain", "E1101", "--json"},
                                              {"explain", "--json"},
                                              {"diff", bad, bad, "--json"},
-                                             {"render", bad, "--json"}}) {
+                                             {"render", bad, "-o", folder / "x.png", "--json"}}) {
     const Outcome outcome = panwright(words);
     const json out = json::parse(outcome.out, nullptr, false);
     ASSERT_FALSE(out.is_discarded()) << words[0] << ": " << outcome.out;
     EXPECT_EQ(out["schema"], 1);
+    EXPECT_EQ(out["schema_id"], "panwright/" + words[0] + "/1");
     EXPECT_EQ(out["command"], words[0]);
     EXPECT_EQ(out["exit_code"], outcome.code);
     if (words.size() > 2 && words[0] != "explain") {
@@ -268,11 +271,13 @@ TEST(Program, CompletionScriptsAreValid) {
   const Outcome outcome = support::run(
       {"bash", "-c",
        "source " + script +
-           "; COMP_WORDS=(panwright ren); COMP_CWORD=1; _panwright; echo ${COMPREPLY[0]};"
-           "COMP_WORDS=(panwright render --cam); COMP_CWORD=2; _panwright; echo ${COMPREPLY[@]}"});
-  EXPECT_EQ(outcome.out, "render\n--camera --camera-frame\n");
+           "; p=" PANWRIGHT_BIN_DIR "/panwright;"
+           "COMP_WORDS=($p ren); COMP_CWORD=1; _panwright; echo ${COMPREPLY[0]};"
+           "COMP_WORDS=($p render --cam); COMP_CWORD=2; _panwright; echo ${COMPREPLY[@]};"
+           "COMP_WORDS=($p render --engine = r); COMP_CWORD=4; _panwright; echo ${COMPREPLY[@]}"});
+  EXPECT_EQ(outcome.out, "render\n--camera --camera-frame\nreference\n");
   for (const char* shell : {"zsh", "fish"})
-    EXPECT_THAT(panwright({"completion", shell}).out, HasSubstr("sun-irradiance"));
+    EXPECT_THAT(panwright({"completion", shell}).out, HasSubstr("complete --"));
 }
 
 // A compile killed at any moment leaves the old output whole: it is either the old file or the

@@ -1,0 +1,155 @@
+"""What every command prints with --json: the one description, of which generate_json.py makes schemas and the page.
+
+A field is NAME: "TYPE: what it is", with NAME? where it may be missing even after success. Types: number, integer, string,
+boolean, object (of any members), vec3, any; T[] a list of T; T|null. A tuple (words, {fields}) is an object, (words, [{fields}])
+a list of objects. Other fields are there whenever the exit code is 0.
+"""
+
+DIAGNOSTIC = {
+    "code": "string: E1101; `panwright explain` says more",
+    "severity": "string: error, warning or note",
+    "message": "string: what is wrong, what was found, what would be accepted",
+    "file?": "string: the file that it is about",
+    "line?": "integer: from 1",
+    "column?": "integer: from 1, in characters",
+    "end_line?": "integer: of the end of what is marked",
+    "end_column?": "integer: of the end of what is marked",
+    "object?": "string: path in the model, as group[2]/mesh",
+    "hint?": "string: did you mean …",
+    "included_from?": ("the includes that lead to the file, innermost first", [{"file": "string: the file", "line": "integer: of the include"}]),
+}
+
+COMMON = {
+    "schema": "integer: the version of the schema: the number that schema_id ends with",
+    "schema_id": "string: panwright/COMMAND/VERSION, the name of the schema",
+    "command": "string: the command; `usage` where none was understood",
+    "exit_code": "integer: docs/conventions.md 18",
+    "errors": "integer: how many",
+    "warnings": "integer: how many",
+    "notes": "integer: how many",
+    "hidden": "integer: diagnostics over the limit, which are not listed",
+    "diagnostics": ("what was found, file by file, from top to bottom", [DIAGNOSTIC]),
+    "timings_ms?": "object: with --timings: milliseconds of each step by its name",
+    "written?": "string[]: the files that were written",
+}
+
+MATERIAL = {
+    "name": "string: as in its file",
+    "brdf": "string: its BRDF models in words",
+    "laws": "string: the same, as it was called",
+    "directional_albedo": ("by cosine", [{"mu": "number: cosine of the angle to the normal", "rgb": "vec3: mean over the azimuth, at 650, 550, 450 nm",
+                                        "least": "vec3: least over the azimuth", "largest": "vec3: largest over the azimuth"}]),
+    "hemispherical_albedo": "vec3: at 650, 550, 450 nm",
+    "largest_albedo": ("the largest directional albedo", {"albedo": "number: energy is kept up to 1", "mu": "number: its cosine"}),
+    "reciprocity_residual": "number: largest, relative",
+    "fit_error": "number: largest approximation error; 0 where nothing is approximated",
+    "f32_error": ("of single precision, relative", {"max": "number: largest", "rms": "number: RMS"}),
+    "ns_per_evaluation": ("nanoseconds, one core", {"f64": "number: in double precision", "f32": "number: in single precision"}),
+    "solar_absorptance": ("0.3 to 2.5 µm", {"computed": "number|null: from n and k", "published": "number|null: by the material's source"}),
+    "provenance": ("where its numbers come from", {"source": "string: who published them", "published": "string: what is as published",
+                                                   "fitted": "string: what was fitted", "indicative": "string: what is a guess"}),
+}
+
+OPTIONAL = lambda fields: {(name if name.endswith("?") else name + "?"): what for name, what in fields.items()}
+
+TOLERANCE = {"tolerance": "number|null: metres that were asked for", "ratio": "number|null: error by tolerance", "reason": "string: what decided it"}
+
+BUDGET = {
+    "tolerance": "number|null: metres", "nearest": "number|null: metres", "ifov": "number|null: radians", "pixels": "number|null: of silhouettes",
+    "flux": "number|null: relative", "centroid": "number|null: pixels", "smallest_tolerance": "number|null: metres, the finest in the model",
+    "gives": ("metres that terms amount to", {"pixels": "number|null: of silhouettes", "centroid": "number|null: of photocentres"}),
+    "meshes_decided_by": "object: number of meshes by what decided their tolerance",
+}
+
+CODE = {"code": "string: E1101", "severity": "string: error, warning or note", "title": "string: the problem as a noun phrase",
+        "explanation": "string: what it means and what to do", "example": "string: what brings it about", "cure": "string: what helps"}
+
+COMMANDS = {
+    "compile": {
+        "output": "string: the pan file", "bytes": "integer: its size", "triangles": "integer: as drawn, instances counted",
+        "unique_triangles": "integer: as stored", "unique_meshes": "integer: as stored", "instances": "integer: of meshes",
+        "worst_error": "number: metres, largest distance between mesh and shape",
+    },
+    "import": {
+        "format?": "string: without -o: the format of the file", "nodes?": "integer: without -o", "instances?": "integer: without -o",
+        "mesh_triangles?": "integer: without -o, as stored in the file", "textures?": "integer: without -o", "joints?": "integer: without -o",
+        "size?": "vec3: without -o: extent, metres",
+        "materials?": ("without -o: what each material would become", [{
+            "name": "string: in the file", "preset": "string: of the library", "reason": "string: of the guess", "lost": "string[]: properties that are ignored"}]),
+        "output?": "string: the file of -o", "bytes?": "integer: of a pan file", "triangles?": "integer: as drawn", "unique_triangles?": "integer: as stored",
+        "removed?": ("hidden parts", {
+            "triangles_before": "integer: before", "triangles_after": "integer: after", "instances_before": "integer: before", "instances_after": "integer: after",
+            "rays": "integer: cast", "open_share_95": "number: 95 % bound of what is visible through a removed triangle", "seconds": "number: it took",
+            "cached": "boolean: found by an earlier run"}),
+    },
+    "export": {"output": "string: the glTF file", "bytes": "integer: its size"},
+    "check": {
+        "files": ("in the order of the command line", [{
+            "file": "string: as typed", "ok": "boolean: no errors", "errors": "integer: how many", "warnings": "integer: how many",
+            "format?": "string: of a pan file, as 1.1", "compressed?": "boolean: of a pan file"}]),
+    },
+    "info": {
+        "file": "string: as typed", "bytes": "integer: of the pan file, or of what would be one", "format": "string: of the pan file", "compressed": "boolean: it is",
+        "build_id": "string: 32 hexadecimal digits; equal for equal models and inputs", "version": "string: of the program that made it",
+        "options": "string: that it was made with", "triangles": "integer: as drawn", "vertices": "integer: as drawn", "unique_triangles": "integer: as stored",
+        "unique_vertices": "integer: as stored", "error": "number: metres, largest distance between mesh and shape",
+        "bounds": ("metres, world axes", {"min": "vec3|null: lowest corner", "max": "vec3|null: highest corner"}),
+        "nodes": ("parents first", [{"name": "string: its own", "parent": "integer|null: index", "translation": "number[]: x y z, metres",
+                                     "rotation": "number[]: as stored", "scale": "number[]: x y z"}]),
+        "joints": "any[]: none yet",
+        "instances": ("of meshes", [{"node": "integer: index", "mesh": "integer: index", "material": "integer: index", "texture": "integer|null: index",
+                                     "source?": "string: file:line:column"}]),
+        "budget": "object|null: what the model asks for, as `gives` and by term", "need": "object|null: the same, as it was called",
+        "materials": "object[]: name, models, parameters as schemas/material.toml names them, maps",
+        "meshes": ("as stored", [{"name": "string: its own", "triangles": "integer: how many", "vertices": "integer: how many", "error": "number: metres, own frame",
+                                  "budget": "object|null: tolerance, ratio of error to it, reason", "need": "object|null: the same, as it was called",
+                                  "closed": "boolean: no boundary"}]),
+        "textures": ("as stored", [{"name": "string: its file", "width": "integer: pixels", "height": "integer: pixels"}]),
+        "frames": ("of the model", [{"name": "string: its own", "node": "integer: index", "origin": "vec3: metres, world axes", "right": "vec3: unit", "forward": "vec3: unit"}]),
+        "inputs": ("files that it was made from", [{"path": "string: from the model's folder", "bytes": "integer: size", "xxh3": "string: hash, 32 digits"}]),
+        "keypoints": ("of the model", [{"name": "string: its own", "node": "integer: index", "position": "vec3: metres, of the node", "world": "vec3: metres, world axes"}]),
+        "decals": "object[]: name, instance, texture, origin, rotation, width, height, depth",
+        "sections": ("of the pan file", [{"kind": "integer: number", "name": "string: of the kind", "read": "boolean: this program reads it", "count": "integer: elements",
+                                          "element_bytes": "integer: of one", "bytes": "integer: raw", "stored_bytes": "integer: in the file", "compressed": "boolean: it is"}]),
+    },
+    "render": {
+        "gl?": ("with --engine gl", {"renderer": "string: by the driver", "version": "string: by the driver", "hardware": "boolean: no software"}),
+        "images": ("that were written", [{
+            "output": "string: the file", "width": "integer: pixels", "height": "integer: pixels", "unit": "string: of radiance: W/(m^2 sr) or 1/sr",
+            "samples?": "number: mean of a pixel; with the reference engine in all", "pixel_error?": "number: estimated, RMS by RMS", 
+            "flux_error?": "any: estimated: a share; with the reference engine three standard errors", "flux?": "vec3: of the image",
+            "rays?": "integer: cast", "seconds?": "number: it took"}]),
+    },
+    "material": {
+        "materials?": ("reports", [MATERIAL]), "presets?": "string[]: with --list: the library",
+        "readings?": "integer: with --fit: lines of the table",
+        "fits?": ("with --fit: the best first", [{"brdf": "string: model in words", "law": "string: the same, as it was called", "rms_decades": "number: of log10(BRDF/reading)",
+                                                "max_decades": "number: largest", "rms": "number: 1/sr", "text": "string: pxn"}]),
+    } | OPTIONAL(MATERIAL),
+    "diff": {
+        "equal": "boolean: exit code 0; otherwise 1",
+        "model": ("differences of what is drawn", [{"where": "string: place", "what": "string: both values"}]),
+        "provenance": ("of what it was made from", [{"where": "string: place", "what": "string: both values"}]),
+        "storage": ("of how it is stored", [{"where": "string: place", "what": "string: both values"}]),
+    },
+    "fmt": {"files": ("in the order of the command line", [{"file": "string: as typed", "changed": "boolean: it is, or with --check would be"}])},
+    "upgrade": {"files": ("in the order of the command line", [{"file": "string: as typed", "upgraded": "boolean: false: was of level 1", "paths_changed": "integer: how many"}])},
+    "expand": {"output": "string: the text", "nodes": "integer: how many", "shapes": "integer: how many", "images": "string[]: textures of the text",
+               "pictures": "string[]: the same, as it was called"},
+    "explain": OPTIONAL(CODE) | {"codes?": ("without a code: all", [CODE])},
+    "help": {
+        "commands": ("all, or the one that was named", [{
+            "name": "string: render", "help": "string: one line",
+            "options": ("arguments too", [{
+                "names": "string[]: -o, --output", "help": "string: what it does", "value": "string|null: the name of its value; null: a flag",
+                "choices": "string[]: all values there are; empty: others", "argument": "boolean: without a name on the command line", "required": "boolean: it is",
+                "repeatable": "boolean: it is", "group": "string: heading of the help"}]),
+            "examples": ("from a copy of examples/", [{"words": "string: command line", "what": "string: what it does"}])}]),
+    },
+    "version": {
+        "name": "string: panwright", "version": "string: MAJOR.MINOR.PATCH", "commit": "string|null: of the checkout that was built, -dirty where it was changed",
+        "compiler": "string: name and version", "build_type": "string: of CMake", "libraries": "object: version by name", "pan_format": "string: newest that is read and written",
+        "pxn_levels": "integer[]: of the language", "features": "string[]: what this build can do", "reads": "string[]: extensions", "writes": "string[]: extensions",
+    },
+    "completion": {"shell": "string: bash, zsh or fish", "script": "string: its text"},
+}

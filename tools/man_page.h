@@ -1,0 +1,17 @@
+// Manual pages, made of the table of commands.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "tools/command_table.h"
+
+namespace panwright::tools {
+
+// panwright(1), in the macros of man(7).
+std::string program_man_page(std::span<const DescribedCommand> table);
+
+// panwright-COMMAND(1).
+std::string command_man_page(const DescribedCommand& command);
+
+}  // namespace panwright::tools
