@@ -117,6 +117,13 @@ struct FileUses::State {
 FileUses::FileUses() : state_(std::make_unique<State>()) {}
 FileUses::~FileUses() = default;
 
+std::shared_ptr<FileUses> FileUses::next_run() const {
+  auto next = std::make_shared<FileUses>();
+  const std::lock_guard lock(state_->mutex);
+  next->state_->inputs = state_->inputs;
+  return next;
+}
+
 bool FileUses::will_write(const fs::path& path, std::string_view what, DiagnosticLog& log,
                           Output kind) {
   auto output = declared(path);

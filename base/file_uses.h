@@ -24,6 +24,9 @@ class FileUses {
   FileUses();
   ~FileUses();
 
+  // A copy that knows the inputs and no outputs: for the next of several runs of one process.
+  std::shared_ptr<FileUses> next_run() const;
+
   // Declares an output before anything is read or written. what: the option it was given by, or
   // other words for it; "" for none. "-" is standard output, which nothing can destroy.
   // Fails: E0206, where it is an input or another output.

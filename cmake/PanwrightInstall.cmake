@@ -15,11 +15,11 @@ install(DIRECTORY base geometry mli materials scene pan world importers exporter
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright"
         FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE
         REGEX "/(importers/(vrml|gltf|meshes|step)|pxn/(text|expression|build)|preview/(gl|image|model|frame))$" EXCLUDE)
-install(FILES schemas/pxn-0.xsd schemas/pxn.xsd DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
+install(FILES schemas/pxn-0.xsd schemas/pxn.xsd schemas/views.schema.json DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
 install(DIRECTORY materials/presets DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright"
         FILES_MATCHING PATTERN "*.pxn")
 install(DIRECTORY examples DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
-install(FILES LICENSE docs/pxn-reference.md docs/pan-format.md docs/conventions.md docs/using-the-library.md
+install(FILES LICENSE docs/pxn-reference.md docs/pan-format.md docs/conventions.md docs/views.md docs/using-the-library.md
         DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 
 install(TARGETS panwright_tool RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")

@@ -10,9 +10,13 @@
 #include <vector>
 
 #include "base/diagnostic.h"
+#include "base/result.h"
 #include "base/srgb.h"
 
 namespace panwright::preview {
+
+// Of metadata: what made the image (workspace/record.h).
+inline constexpr const char* kRecordName = "panwright.record";
 
 // One rendered view. Row 0 is the top row; all layers run along rows. H = height, W = width.
 // Radiance and coverage are means over the pixel, radiance premultiplied by coverage; the truth
@@ -34,7 +38,9 @@ struct Image {
 
   std::vector<float> standard_error;  // 3*H*W of the radiance; empty where it is not known
 
-  std::vector<std::pair<std::string, std::string>> metadata;  // name, value; into EXR headers
+  // Name and value, into EXR headers; that of kRecordName into PNG (a text chunk of ASCII) and .npz
+  // (meta.json), too. A .npy has no place for it.
+  std::vector<std::pair<std::string, std::string>> metadata;
 
   bool has_ground_truth() const { return !depth.empty(); }
   std::size_t pixels() const { return std::size_t{width} * height; }
@@ -46,7 +52,7 @@ enum class ImageFormat {
         // id.target id.node id.material uint
   npy,  // (H, W, 3) float32 radiance
   npz,  // radiance, coverage; depth, range, normal, target_id, node_id, material_id;
-        // standard_error
+        // standard_error; meta.json first
 };
 
 // The format that a file name's extension asks for, in any letter case.
@@ -65,5 +71,10 @@ bool stores_ground_truth(ImageFormat format);
 // Fails: E0202 for another extension; E0103.
 bool write_image(const std::filesystem::path& path, const Image& image, double ev,
                  DiagnosticLog& log, double* sync_seconds = nullptr);
+
+// Reads the metadata of kRecordName from a file that write_image() wrote.
+//
+// Fails: E0101, E0102; E0202 for another extension; E0207 where there is none.
+Result<std::string> read_image_record(const std::filesystem::path& path, DiagnosticLog& log);
 
 }  // namespace panwright::preview

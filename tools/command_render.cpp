@@ -1,47 +1,43 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/text.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
-#include "tools/print.h"
-#include "workspace/run.h"
+#include "tools/render_report.h"
+#include "workspace/session.h"
 
 namespace panwright::tools {
 
 namespace {
-
-using workspace::Engine;
 
 struct Options {
   CommonOptions common;
   ReadOptions read;
   std::vector<std::string> targets;  // FILE or NAME=FILE
   ViewOptions view;
-  std::string views;  // JSON file of many views
+  std::string views;  // JSON file of many views; "-": JSON Lines on standard input
+  std::string again;  // image whose record is followed
   std::string gl = "auto";
   std::optional<std::string> samples;      // "auto" or N; none: the engine's own
   std::optional<std::string> pixel_error;  // "1%" or a fraction; none: the engine's own
   bool adaptive = false;
   bool flat = false;
   bool no_shadows = false;
-  unsigned shadow_side = 2048;  // texels
-  std::uint64_t max_image_bytes = 12ull << 30;
+  // as typed: what is not given is the engine's own, or that of a record
+  std::optional<std::string> shadow_side;  // texels
+  std::optional<std::string> max_image_bytes;
 
-  std::string engine = "gl";  // or reference, the path tracer; what follows is for it alone
+  std::optional<std::string> engine;       // gl, or reference, which alone takes what follows
   std::optional<std::string> until_error;  // "0.1%" or a fraction; none: no end by error
-  std::uint64_t seed = 0;
-  unsigned max_samples = 1u << 26;  // of a pixel, with until_error
-  unsigned bounces = 3;
-  std::string filter = "box";  // or "gaussian:σ" in pixels
-  double limb_darkening = 0;   // u, 0 to 1
+  std::optional<std::string> seed;
+  std::optional<std::string> max_samples;  // of a pixel, with until_error
+  std::optional<std::string> bounces;
+  std::optional<std::string> filter;          // "box" or "gaussian:σ" in pixels
+  std::optional<std::string> limb_darkening;  // u, 0 to 1
   bool no_sun_disc = false;
-
-  bool is_traced() const { return engine == "reference"; }
 };
 
 void declare_reference(Arguments& arguments, Options& options) {
@@ -88,7 +84,6 @@ void declare_all(Arguments& arguments, Options& options) {
       .add("input", options.targets,
            "The targets: .pan files, or .pxn or CAD files to compile on the way; NAME=FILE gives "
            "one another name than its file's")
-      .required()
       .type("[NAME=]FILE…");
   arguments
       .add("-o,--output", options.view.text.output,
@@ -97,8 +92,14 @@ void declare_all(Arguments& arguments, Options& options) {
   declare(arguments, options.view);
   arguments
       .add("--views", options.views,
-           "JSON list of views, each an object of camera and Sun options, poses and an output")
-      .type("FILE.json");
+           "JSON list of views (docs/views.md): any option of render, and the outputs of each; -: "
+           "one view a line on standard input, one reply a line on standard output")
+      .type("FILE.json|-");
+  arguments
+      .add("--again", options.again,
+           "Make an image again from the record in it (.png, .exr, .npz); other options replace "
+           "what is recorded")
+      .type("IMAGE");
   arguments
       .add("--samples", options.samples,
            "N x N samples in each pixel, 1 to 64 (with --engine reference default 8); or auto "
@@ -134,212 +135,141 @@ void declare_all(Arguments& arguments, Options& options) {
   declare(arguments, options.common);
 }
 
-// An option of the other engine; nullptr: none.
-const char* stray_option(const Options& options) {
-  const Options none;
-  if (options.is_traced()) {
-    if (options.no_shadows) return "--no-shadows";
-    if (options.adaptive) return "--adaptive";
-    if (options.pixel_error) return "--pixel-error";
-    return options.shadow_side != none.shadow_side ? "--shadow-side" : nullptr;
-  }
-  if (options.until_error) return "--until-error";
-  if (options.filter != none.filter) return "--filter";
-  if (options.bounces != none.bounces) return "--bounces";
-  if (options.seed != none.seed) return "--seed";
-  return options.no_sun_disc ? "--no-sun-disc" : nullptr;
-}
-
-Result<preview::ReferenceOptions> reference_options(const Options& options, DiagnosticLog& log) {
-  constexpr double kWidestPsf = 64;  // pixels
-  const std::size_t errors = log.errors();
-  preview::ReferenceOptions result;
-  result.max_samples = options.max_samples;
-  result.seed = options.seed;
-  result.bounces = options.bounces;
-  result.sun_disc = !options.no_sun_disc;
-  result.flat = options.flat;
-  result.max_bytes = options.max_image_bytes;
-  if (options.until_error) {
-    const auto share = workspace::parse_share(*options.until_error);
-    if (share && *share > 0 && *share < 1)
-      result.until_error = *share;
-    else
-      log.report(Code::E0201, {},
-                 fmt::format("--until-error is {}, expected a share between 0 and 1, as 0.1%",
-                             in_quotes(*options.until_error)));
-  }
-  if (options.filter != "box") {
-    const std::string prefix = "gaussian:";
-    const auto sigma = options.filter.starts_with(prefix)
-                           ? workspace::parse_numbers(options.filter.substr(prefix.size()), 1)
-                           : std::nullopt;
-    if (sigma && (*sigma)[0] > 0 && (*sigma)[0] <= kWidestPsf)
-      result.psf_sigma = (*sigma)[0];
-    else
-      log.report(Code::E0201, {},
-                 fmt::format("--filter is {}, expected box, or gaussian:SIGMA of up to {} pixels",
-                             in_quotes(options.filter), kWidestPsf));
-  }
-  if (log.errors() != errors) return failed;
-  return result;
-}
-
-// N, or 0 for auto.
-Result<unsigned> samples_of(const Options& options, DiagnosticLog& log) {
-  if (!options.samples) return options.is_traced() ? 8u : 0u;
-  if (*options.samples == "auto" && !options.is_traced()) return 0u;
-  const auto number = workspace::parse_numbers(*options.samples, 1);
-  if (number && (*number)[0] >= 1 && (*number)[0] <= 64 && (*number)[0] == std::floor((*number)[0]))
-    return static_cast<unsigned>((*number)[0]);
-  log.report(Code::E0201, {},
-             fmt::format("--samples is {}, expected a whole number from 1 to 64{}",
-                         in_quotes(*options.samples), options.is_traced() ? "" : ", or auto"));
-  return failed;
-}
-
-// What is to be drawn with, as typed.
-Result<workspace::DrawOptions> draw_options(const Options& options, DiagnosticLog& log) {
-  workspace::DrawOptions draw;
-  draw.context = *preview::context_kind_from_name(options.gl);
-  const auto samples = samples_of(options, log);
-  if (!samples) return failed;
-  draw.samples = *samples;
-  draw.gl.samples = *samples;
-  if (options.pixel_error) {
-    const auto share = workspace::parse_share(*options.pixel_error);
-    if (*samples > 0 || !share || !(*share > 0 && *share < 1)) {
-      log.report(Code::E0201, {},
-                 *samples > 0
-                     ? std::string("--pixel-error requires --samples auto")
-                     : fmt::format("--pixel-error is {}, expected a share between 0 and 1, "
-                                   "as 1%",
-                                   in_quotes(*options.pixel_error)));
-      return failed;
-    }
-    draw.gl.pixel_error = *share;
-  }
-  if (options.adaptive && *samples == 0) {
-    log.report(Code::E0201, {}, "--adaptive requires --samples N; auto is adaptive by itself");
-    return failed;
-  }
-  draw.gl.adaptive = options.adaptive;
-  draw.gl.flat = options.flat;
-  draw.gl.shadow_side = options.no_shadows ? 0 : options.shadow_side;
-  draw.gl.max_bytes = options.max_image_bytes;
-  if (!options.is_traced()) return draw;
-  draw.engine = Engine::reference;
-  const auto traced = reference_options(options, log);
-  if (!traced) return failed;
-  draw.reference = *traced;
-  return draw;
-}
-
-// The views that are asked for, on the command line or in a file. All that is wrong is reported.
-Result<std::vector<workspace::View>> views_of(const Options& options, const world::World& world,
-                                              const std::filesystem::path& first_file,
-                                              DiagnosticLog& log) {
-  const std::size_t errors = log.errors();
+// The view of the command line, which stands for what views and records leave out.
+Result<workspace::ViewText> typed_view(const Options& options, DiagnosticLog& log) {
   auto typed = options.view.typed(log);
   if (!typed) return failed;
-  std::vector<workspace::ViewText> texts;
-  if (options.views.empty()) {
-    if (!typed->output) typed->output = first_file.filename().replace_extension(".png").string();
-    texts.push_back(*std::move(typed));
-  } else {
-    if (typed->output)
-      log.report(Code::E0201, {},
-                 "-o cannot be combined with --views; each view has its own output");
-    auto read = workspace::read_views(options.views, *typed, log);
-    if (!read) return failed;
-    texts = *std::move(read);
-  }
-  workspace::ViewMaker maker(world);
-  std::vector<workspace::View> views;
-  for (const workspace::ViewText& text : texts)
-    if (auto view = maker.view(text, log)) {
-      view->sun->limb_darkening = options.limb_darkening;
-      views.push_back(*std::move(view));
-    }
-  if (log.errors() != errors) return failed;
-  return views;
+  const auto flag = [](bool given) {
+    return given ? std::optional<std::string>("true") : std::nullopt;
+  };
+  typed->targets = options.targets;
+  typed->limb_darkening = options.limb_darkening;
+  typed->engine = options.engine;
+  typed->samples = options.samples;
+  typed->pixel_error = options.pixel_error;
+  typed->adaptive = flag(options.adaptive);
+  typed->flat = flag(options.flat);
+  typed->no_shadows = flag(options.no_shadows);
+  typed->shadow_side = options.shadow_side;
+  typed->until_error = options.until_error;
+  typed->max_samples = options.max_samples;
+  typed->bounces = options.bounces;
+  typed->seed = options.seed;
+  typed->filter = options.filter;
+  typed->no_sun_disc = flag(options.no_sun_disc);
+  typed->max_image_memory = options.max_image_bytes;
+  return typed;
 }
 
-// One image that is written: what the reference measured, in words.
-void tell(const workspace::Written& image, bool orthographic, CommandContext& context) {
-  nlohmann::ordered_json& images = context.result()["images"];
-  images.push_back({{"output", image.output},
-                    {"width", image.width},
-                    {"height", image.height},
-                    {"unit", image.unit}});
-  if (image.sampling) images.back()["samples"] = image.sampling->samples;
-  if (image.sampling && image.sampling->rmse + image.sampling->flux > 0) {
-    images.back()["pixel_error"] = image.sampling->rmse;
-    images.back()["flux_error"] = image.sampling->flux;
-    if (!context.options().json && !context.options().quiet)
-      print(
-          "{}: {:.3g} samples a pixel, estimated RMS error {:.2g} % of the radiance, of the flux "
-          "at most {:.2g} %\n",
-          image.output, image.sampling->samples, 100 * image.sampling->rmse,
-          100 * image.sampling->flux);
+// What is to be rendered.
+struct Work {
+  std::vector<workspace::ViewText>
+      views;  // with --views -: one, which stands for what lines leave out
+  workspace::OpenOptions open;
+  preview::ContextKind context = preview::ContextKind::automatic;
+  std::optional<workspace::Record> record;  // of --again
+  std::vector<std::string> recorded_files;  // empty: those of the views
+};
+
+// The view of a record, with what the command line replaces.
+bool follow_record(const Options& options, workspace::ViewText typed, Work& work,
+                   DiagnosticLog& log) {
+  auto record = workspace::read_record(options.again, log);
+  if (!record) return false;
+  if (!typed.output) {
+    const std::filesystem::path image = options.again;
+    typed.output = image.stem().string() + ".again" + image.extension().string();
   }
-  if (!image.measured) return;
-  const workspace::Measured& measured = *image.measured;
-  const auto numbers = [](const Vec3& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
-  nlohmann::ordered_json& entry = images.back();
-  entry["flux"] = numbers(measured.flux);
-  entry["flux_error"] = numbers(measured.flux_error);
-  entry["samples"] = measured.samples;
-  entry["rays"] = measured.rays;
-  entry["seconds"] = measured.seconds;
-  if (context.options().json) return;
-  const bool unresolved = image.unit == "1/sr";
-  const Vec3& flux = measured.flux;
-  const Vec3& error = measured.flux_error;
-  print("{}: flux {:.6g} {:.6g} {:.6g} ± {:.1e} {:.1e} {:.1e} {}, {:.3g} M rays/s\n", image.output,
-        flux.x, flux.y, flux.z, error.x, error.y, error.z,
-        orthographic ? (unresolved ? "m^2/sr" : "W/sr") : (unresolved ? "of the Sun's" : "W/m^2"),
-        1e-6 * static_cast<double>(measured.rays) / std::max(measured.seconds, 1e-9));
+  if (typed.targets.empty())
+    for (const workspace::RecordedTarget& target : record->targets) {
+      if (target.file.empty()) {
+        log.report_file(Code::E0207, options.again,
+                        "the record does not name the file of " + in_quotes(target.name),
+                        "name it: render --again IMAGE " + target.name + "=FILE");
+        return false;
+      }
+      typed.targets.push_back(target.name + "=" +
+                              workspace::find_recorded(target.file, options.again).string());
+      work.recorded_files.push_back(target.file);
+    }
+  const workspace::OpenOptions given = work.open;
+  work.open = record->open;
+  work.open.max_input = given.max_input;
+  work.open.max_triangles = given.max_triangles;
+  work.open.cache = given.cache;
+  if (given.max_error) work.open.max_error = given.max_error;
+  if (options.gl == "auto") work.context = *preview::context_kind_from_name(record->context);
+  work.views = {workspace::with_defaults(std::move(typed), record->view)};
+  work.record = *std::move(record);
+  return true;
+}
+
+bool check_usage(const Options& options, DiagnosticLog& log) {
+  const auto refuse = [&](const char* message) { log.report(Code::E0201, {}, message); };
+  const std::size_t errors = log.errors();
+  if (!options.views.empty() && options.view.text.output)
+    refuse("-o cannot be combined with --views; each view has its own output");
+  if (!options.views.empty() && !options.again.empty())
+    refuse("--again cannot be combined with --views");
+  if (options.views == "-" && options.common.json)
+    refuse("--json cannot be combined with --views -, whose replies are JSON");
+  if (options.targets.empty() && options.views.empty() && options.again.empty())
+    refuse("no model is given, expected FILE, as in: panwright render model.pan -o image.png");
+  return log.errors() == errors;
+}
+
+Result<Work> work_of(const Options& options, DiagnosticLog& log) {
+  if (!check_usage(options, log)) return failed;
+  auto read = options.read.opening(log);
+  auto typed = typed_view(options, log);
+  if (!read || !typed) return failed;
+  Work work;
+  work.context = *preview::context_kind_from_name(options.gl);
+  typed->defines = std::exchange(read->parameters, {});
+  work.open = *std::move(read);
+  if (!options.again.empty()) {
+    if (!follow_record(options, *std::move(typed), work, log)) return failed;
+  } else if (options.views == "-") {
+    work.views = {*std::move(typed)};
+  } else if (!options.views.empty()) {
+    auto views = workspace::read_views(options.views, *typed, log);
+    if (!views) return failed;
+    work.views = *std::move(views);
+    for (const workspace::ViewText& view : work.views)
+      if (view.targets.empty()) {
+        log.report_file(Code::E0203, view.file, view.label + ": no targets, and none are given",
+                        "name a model on the command line, or as \"targets\"");
+        return failed;
+      }
+  } else {
+    if (!typed->output) {
+      const auto first = workspace::target_file(typed->targets[0]).file;
+      typed->output = std::filesystem::path(first).filename().replace_extension(".png").string();
+    }
+    work.views = {*std::move(typed)};
+  }
+  // what nobody outside sees costs an image less than its removal
+  work.open.prune = false;
+  return work;
 }
 
 int run(const Options& options, const Host& host) {
   CommandContext context("render", options.common, host);
   DiagnosticLog& log = context.log();
-  if (const char* stray = stray_option(options)) {
-    log.report(
-        Code::E0201, {},
-        fmt::format("{} requires --engine {}", stray, options.is_traced() ? "gl" : "reference"));
-    return context.finish();
+  const auto work = work_of(options, log);
+  if (!work) return context.finish();
+  workspace::ViewSession session(work->open, work->context);
+  session.set_recorded_files(work->recorded_files);
+  RenderReport report(context, !options.views.empty());
+  if (options.views == "-")
+    return context.finish(serve_views(session, work->views[0], report.listener(), context));
+  if (work->record) {
+    const world::World* world =
+        session.world(work->views[0], report.listener(), log, context.job());
+    if (world == nullptr) return context.finish();
+    workspace::compare_with_record(*work->record, *world, options.again, log);
   }
-  auto read = options.read.opening(log);
-  if (!read) return context.finish();
-  // what nobody outside sees costs an image less than its removal
-  read->prune = false;
-  std::vector<workspace::TargetFile> targets;
-  for (const std::string& text : options.targets) targets.push_back(workspace::target_file(text));
-  workspace::OpenReport report;
-  const auto world = workspace::open_world(targets, *read, log, context.job(), &report);
-  context.add_timings(report.steps);
-  if (!world) return context.finish();
-  const auto views = views_of(options, *world, targets[0].file, log);
-  if (!views) return context.finish();
-  const auto draw = draw_options(options, log);
-  if (!draw) return context.finish();
-
-  workspace::RunOptions run{*draw, {}};
-  run.listener.step = [&](const workspace::Step& step) {
-    context.add_timing(step.name, step.seconds);
-  };
-  run.listener.ready = [&](const workspace::EngineInfo& info) {
-    if (info.engine == Engine::gl)
-      context.result()["gl"] = {
-          {"renderer", info.renderer}, {"version", info.version}, {"hardware", info.hardware}};
-  };
-  run.listener.written = [&](const workspace::Written& image) {
-    const world::Camera& camera = (*views)[image.view].camera;
-    tell(image, camera.projection == world::Projection::orthographic, context);
-  };
-  (void)workspace::run_views(*world, *views, run, log, context.job());
+  if (session.run(work->views, report.listener(), log, context.job())) report.summary();
   return context.finish();
 }
 

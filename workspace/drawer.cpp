@@ -2,6 +2,7 @@
 #include "workspace/drawer.h"
 
 #include <algorithm>
+#include <cassert>
 #include <deque>
 #include <utility>
 #include <vector>
@@ -15,6 +16,13 @@ constexpr unsigned kLeastSamples = 8;  // of the reference
 }  // namespace
 
 struct Drawer::Impl {
+  void set(const DrawOptions& given) {
+    options = given;
+    if (given.samples == 0) return;
+    options.gl.samples = given.samples;
+    options.reference.samples = std::max(given.samples * given.samples, kLeastSamples);
+  }
+
   DrawOptions options;
   // of OpenGL; empty: the reference
   std::optional<preview::Renderer> renderer;
@@ -30,11 +38,7 @@ Drawer::~Drawer() = default;
 
 Result<Drawer> Drawer::create(const DrawOptions& options, DiagnosticLog& log) {
   auto impl = std::make_unique<Impl>();
-  impl->options = options;
-  if (options.samples > 0) {
-    impl->options.gl.samples = options.samples;
-    impl->options.reference.samples = std::max(options.samples * options.samples, kLeastSamples);
-  }
+  impl->set(options);
   if (options.engine == Engine::gl) {
     auto device = preview::Device::create(options.context, log);
     if (!device) return failed;
@@ -47,6 +51,11 @@ EngineInfo Drawer::info() const {
   if (!impl_->renderer) return {Engine::reference, {}, {}, false};
   const preview::Context& context = impl_->renderer->device()->context();
   return {Engine::gl, context.renderer(), context.version(), context.is_hardware()};
+}
+
+void Drawer::set_options(const DrawOptions& options) {
+  assert(options.engine == impl_->options.engine && options.context == impl_->options.context);
+  impl_->set(options);
 }
 
 bool Drawer::prepare(const world::World& world, DiagnosticLog& log, const Job& job) {

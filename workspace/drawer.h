@@ -70,6 +70,9 @@ class Drawer {
 
   EngineInfo info() const;
 
+  // For images that are begun from now on. Expects: the same engine and kind of context.
+  void set_options(const DrawOptions& options);
+
   // Uploads the models of a world, or builds their acceleration structures. draw() does it where
   // it is missing.
   //

@@ -13,6 +13,7 @@
 
 #include "base/file_uses.h"
 #include "base/text.h"
+#include "workspace/internal/forward.h"
 #include "workspace/internal/stopwatch.h"
 
 namespace panwright::workspace {
@@ -40,7 +41,7 @@ using Metadata = decltype(preview::Image::metadata);
 
 // Metadata of an image, for its header.
 void describe(const world::World& world, const world::Camera& camera, const DrawOptions& options,
-              Metadata& metadata) {
+              std::string record, Metadata& metadata) {
   const auto add = [&](std::string name, std::string value) {
     metadata.emplace_back(std::move(name), std::move(value));
   };
@@ -67,6 +68,18 @@ void describe(const world::World& world, const world::Camera& camera, const Draw
   add("panwright.samples", samples > 0 ? fmt::format("{}", samples) : "auto");
   if (samples == 0) add("panwright.pixel_error", fmt::format("{}", options.gl.pixel_error));
   if (!traced) add("panwright.shadow_side", fmt::format("{}", options.gl.shadow_side));
+  add(preview::kRecordName, std::move(record));
+}
+
+// All files of a view.
+std::vector<std::string> outputs_of(const View& view) {
+  std::vector<std::string> outputs{view.output};
+  outputs.insert(outputs.end(), view.more_outputs.begin(), view.more_outputs.end());
+  return outputs;
+}
+
+const DrawOptions& options_of(const View& view, const RunOptions& options) {
+  return view.draw ? *view.draw : options.draw;
 }
 
 // Checks of the views that need no drawing.
@@ -76,12 +89,16 @@ bool are_sound(const world::World& world, std::span<const View> views, Diagnosti
   FileUses& files = log.files() ? *log.files() : own;
   if (world.empty()) log.report(Code::E5030, {}, "the world has no targets, expected at least 1");
   for (const View& view : views) {
-    if (!preview::image_format(view.output))
-      log.report(Code::E0202, {},
-                 fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
-                             in_quotes(view.output)));
-    for (const TargetPose& pose : view.poses) (void)world.require(pose.target, log);
-    files.will_write(view.output, "the output", log);
+    DiagnosticLog apart = log.apart();
+    for (const std::string& output : outputs_of(view)) {
+      if (!preview::image_format(output))
+        apart.report(Code::E0202, {},
+                     fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
+                                 in_quotes(output)));
+      files.will_write(output, "the output", apart);
+    }
+    for (const TargetPose& pose : view.poses) (void)world.require(pose.target, apart);
+    forward(apart, view.label, {}, log);
   }
   return log.errors() == errors;
 }
@@ -89,6 +106,7 @@ bool are_sound(const world::World& world, std::span<const View> views, Diagnosti
 // A view that is being drawn.
 struct Drawing {
   std::size_t view = 0;  // its index
+  Drawer* drawer = nullptr;
   double ev = 0;
   double seconds = 0;  // so far
   Metadata metadata;
@@ -98,6 +116,7 @@ struct Drawing {
 struct Writing {
   Written what;
   preview::Image image;
+  Drawer* drawer = nullptr;
   double seconds = 0;
   double sync = 0;
   bool ok = false;
@@ -108,25 +127,47 @@ void write(double ev, Writing& writing) {
   const auto start = Clock::now();
   writing.ok =
       preview::write_image(writing.what.output, writing.image, ev, writing.log, &writing.sync);
+  for (const std::string& output : writing.what.more_outputs)
+    writing.ok =
+        writing.ok && preview::write_image(output, writing.image, ev, writing.log, &writing.sync);
   writing.seconds = seconds_since(start);
 }
+
+}  // namespace
+
+// At most one drawer of each engine.
+struct Runner::Drawers {
+  std::optional<Drawer> gl;
+  std::optional<Drawer> reference;
+  std::optional<Drawer>& of(const DrawOptions& options) {
+    return options.engine == Engine::gl ? gl : reference;
+  }
+};
+
+namespace {
 
 class Run {
  public:
   Run(const world::World& world, std::span<const View> views, const RunOptions& options,
-      DiagnosticLog& log, const Job& job)
-      : world_(world), views_(views), options_(options), log_(log), job_(job), current_(world) {}
+      Runner::Drawers& drawers, DiagnosticLog& log, const Job& job)
+      : world_(world),
+        views_(views),
+        options_(options),
+        drawers_(drawers),
+        log_(log),
+        job_(job),
+        current_(world) {}
 
   Result<std::size_t> run() {
     if (!are_sound(world_, views_, log_)) return failed;
-    if (!prepare()) return failed;
-    if (options_.listener.ready) options_.listener.ready(drawer_->info());
+    if (views_.empty()) return std::size_t{0};
+    if (!prepare(options_of(views_[0], options_))) return failed;
     Phase phase(job_, "rendering", views_.size());
     try {
       // while one view is drawn, the one before is copied and the one before that is written
       bool good = true;
       std::size_t begun = 0;
-      while (good && begun < views_.size() && begin(begun)) {
+      while (good && begun < views_.size() && begin(begun, phase)) {
         ++begun;
         job_.poll();
         if (drawing_.size() == depth()) good = end(phase);
@@ -147,44 +188,64 @@ class Run {
   }
 
  private:
-  bool prepare() {
+  // Makes the drawer of an engine the one in use.
+  bool prepare(const DrawOptions& draw) {
     OpenReport report;
-    const bool gl = options_.draw.engine == Engine::gl;
-    {
+    const bool gl = draw.engine == Engine::gl;
+    std::optional<Drawer>& drawer = drawers_.of(draw);
+    const bool fresh = !drawer;
+    if (fresh) {
       const Stopwatch watch(gl ? &report : nullptr, "open an OpenGL context");
-      auto drawer = Drawer::create(options_.draw, log_);
-      if (!drawer) return false;
-      drawer_.emplace(*std::move(drawer));
+      auto created = Drawer::create(draw, log_);
+      if (!created) return false;
+      drawer.emplace(*std::move(created));
     }
+    drawer_ = &*drawer;
     job_.poll();
     std::string models;
     for (const world::Instance& target : world_.instances())
       models += (models.empty() ? "" : ", ") + target.model()->name();
     {
       const Stopwatch watch(&report, (gl ? "upload " : "prepare ") + models);
-      if (!drawer_->prepare(world_, log_, job_)) return false;
+      if (!drawer->prepare(world_, log_, job_)) return false;
     }
     for (const Step& step : report.steps) tell(step);
+    if (fresh && options_.listener.ready) options_.listener.ready(drawer->info());
     return true;
   }
 
   // Maximum number of views in flight.
   std::size_t depth() const {
-    return options_.draw.engine == Engine::gl ? Drawer::kMostInFlight : 1;
+    return drawer_->info().engine == Engine::gl ? Drawer::kMostInFlight : 1;
   }
 
   // Begins to draw a view. False: stop.
-  bool begin(std::size_t index) {
+  bool begin(std::size_t index, Phase& phase) {
     job_.poll();
     const View& view = views_[index];
+    const DrawOptions& draw = options_of(view, options_);
+    if (auto& wanted = drawers_.of(draw); !wanted || &*wanted != drawer_) {
+      // images of two engines end in their order, too
+      while (!drawing_.empty())
+        if (!end(phase)) return false;
+      if (!prepare(draw)) return false;
+    }
+    drawer_->set_options(draw);
     pose(view);
-    const bool ground_truth = preview::stores_ground_truth(*preview::image_format(view.output));
+    bool ground_truth = false;
+    for (const std::string& output : outputs_of(view))
+      ground_truth = ground_truth || preview::stores_ground_truth(*preview::image_format(output));
     const auto start = Clock::now();
-    if (!drawer_->submit(current_, view.camera, ground_truth, log_, job_)) return false;
+    DiagnosticLog apart = log_.apart();
+    const bool good = drawer_->submit(current_, view.camera, ground_truth, apart, job_);
+    forward(apart, view.label, {}, log_);
+    if (!good) return false;
     Drawing drawing;
     drawing.view = index;
+    drawing.drawer = drawer_;
     drawing.ev = view.ev - stops_of_sun(current_.sun());
-    describe(current_, view.camera, options_.draw, drawing.metadata);
+    describe(current_, view.camera, draw,
+             record_text(current_, view.camera, view.ev, draw, options_.source), drawing.metadata);
     drawing.seconds = seconds_since(start);
     drawing_.push_back(std::move(drawing));
     return true;
@@ -196,18 +257,36 @@ class Run {
     drawing_.pop_front();
     const View& view = views_[drawing.view];
     const auto start = Clock::now();
-    auto drawn = drawer_->collect(log_, job_);
-    if (drawn) tell({"render " + view.output, drawing.seconds + seconds_since(start)});
+    DiagnosticLog apart = log_.apart();
+    auto drawn = drawing.drawer->collect(apart, job_);
+    forward(apart, view.label, {}, log_);
+    const double seconds = drawing.seconds + seconds_since(start);
+    if (drawn) tell({"render " + view.output, seconds});
     if (!retire() || !drawn) return false;
-    if (drawn->sampling) warn_of_error(view.output, *drawn->sampling);
+    if (drawn->sampling) warn_of_error(view, *drawn->sampling);
     phase.advance();
     preview::Image& image = drawn->image;
     image.metadata = drawing.metadata;
+    const DrawOptions& draw = options_of(view, options_);
     writing_ = std::make_unique<Writing>();
     writing_->log = log_.apart();
-    writing_->what = {drawing.view, view.output,     image.width,    image.height,
-                      image.unit,   drawn->measured, drawn->sampling};
+    Written& what = writing_->what;
+    what.view = drawing.view;
+    what.output = view.output;
+    what.more_outputs = view.more_outputs;
+    what.width = image.width;
+    what.height = image.height;
+    what.unit = image.unit;
+    what.engine = draw.engine;
+    what.samples = draw.samples;
+    what.ev = view.ev;
+    what.orthographic = view.camera.projection == world::Projection::orthographic;
+    what.seconds = seconds;
+    what.record = image.metadata.back().second;
+    what.measured = drawn->measured;
+    what.sampling = drawn->sampling;
     writing_->image = std::move(image);
+    writing_->drawer = drawing.drawer;
     if (drawing.view + 1 == views_.size() || job_.threads() == 1) {
       write(drawing.ev, *writing_);
       return retire();
@@ -233,13 +312,8 @@ class Run {
     if (pending_.valid()) pending_.get();
     const std::unique_ptr<Writing> writing = std::move(writing_);
     if (writing == nullptr) return true;
-    for (const Diagnostic& each : writing->log.entries())
-      log_.report_file(each.code,
-                       each.where.file == kNoFile
-                           ? std::string()
-                           : writing->log.sources().file(each.where.file).name,
-                       each.message, each.hint);
-    drawer_->recycle(std::move(writing->image));
+    forward(writing->log, views_[writing->what.view].label, {}, log_);
+    writing->drawer->recycle(std::move(writing->image));
     if (!writing->ok) return false;
     ++done_;
     tell({"write " + writing->what.output, writing->seconds});
@@ -248,14 +322,16 @@ class Run {
     return true;
   }
 
-  void warn_of_error(const std::string& output, const preview::SamplingReport& report) const {
-    const double asked = options_.draw.gl.pixel_error;
+  void warn_of_error(const View& view, const preview::SamplingReport& report) const {
+    const DrawOptions& draw = options_of(view, options_);
+    const double asked = draw.gl.pixel_error;
     const double reached = std::max(report.rmse, report.flux);
-    if (options_.draw.gl.samples > 0 || reached <= asked) return;
-    log_.report_file(Code::W5008, output,
-                     fmt::format("the estimated error is {:.2g} %, more than the {:.2g} % that "
-                                 "--pixel-error asks for",
-                                 100 * reached, 100 * asked));
+    if (draw.samples > 0 || draw.gl.samples > 0 || reached <= asked) return;
+    log_.report_file(
+        Code::W5008, view.output,
+        fmt::format("{}the estimated error is {:.2g} %, more than the {:.2g} % that "
+                    "--pixel-error asks for",
+                    view.label.empty() ? "" : view.label + ": ", 100 * reached, 100 * asked));
   }
 
   void tell(const Step& step) const {
@@ -265,10 +341,11 @@ class Run {
   const world::World& world_;
   const std::span<const View> views_;
   const RunOptions& options_;
+  Runner::Drawers& drawers_;
   DiagnosticLog& log_;
   const Job& job_;
   world::World current_;
-  std::optional<Drawer> drawer_;
+  Drawer* drawer_ = nullptr;  // in use
   std::size_t done_ = 0;
   std::deque<Drawing> drawing_;  // those begun and not ended
   std::unique_ptr<Writing> writing_;
@@ -279,7 +356,20 @@ class Run {
 
 Result<std::size_t> run_views(const world::World& world, std::span<const View> views,
                               const RunOptions& options, DiagnosticLog& log, const Job& job) {
-  return run_job(job, log, [&] { return Run(world, views, options, log, job).run(); });
+  return Runner().run(world, views, options, log, job);
+}
+
+Runner::Runner() : drawers_(std::make_unique<Drawers>()) {}
+Runner::~Runner() = default;
+
+Result<std::size_t> Runner::run(const world::World& world, std::span<const View> views,
+                                const RunOptions& options, DiagnosticLog& log, const Job& job) {
+  auto done =
+      run_job(job, log, [&] { return Run(world, views, options, *drawers_, log, job).run(); });
+  if (!done)
+    for (std::optional<Drawer>* drawer : {&drawers_->gl, &drawers_->reference})
+      if (*drawer && ((*drawer)->in_flight() > 0 || log.contains(Code::E5001))) drawer->reset();
+  return done;
 }
 
 }  // namespace panwright::workspace

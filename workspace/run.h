@@ -4,15 +4,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "base/result.h"
 #include "workspace/drawer.h"
 #include "workspace/open.h"
+#include "workspace/record.h"
 #include "workspace/views.h"
 #include "world/world.h"
 
@@ -24,7 +27,14 @@ struct Written {
   std::string output;
   std::uint32_t width = 0;  // pixels
   std::uint32_t height = 0;
-  std::string unit;  // of radiance: "1/sr" or "W/(m^2 sr)"
+  std::string unit;                       // of radiance: "1/sr" or "W/(m^2 sr)"
+  std::vector<std::string> more_outputs;  // further files of it
+  Engine engine = Engine::gl;
+  unsigned samples = 0;       // N×N that were asked for; 0: auto
+  double ev = 0;              // stops, of a PNG
+  bool orthographic = false;  // the camera
+  double seconds = 0;         // spent on drawing it
+  std::string record;         // JSON: see record_text()
 
   std::optional<Measured> measured;                 // by the reference alone
   std::optional<preview::SamplingReport> sampling;  // of OpenGL alone
@@ -38,8 +48,9 @@ struct RunListener {
 };
 
 struct RunOptions {
-  DrawOptions draw;
+  DrawOptions draw;  // of views that have none of their own
   RunListener listener;
+  RecordSource source;
 };
 
 // Renders views of a world and writes them, in order, each whole or not at all. Models are uploaded
@@ -54,5 +65,23 @@ struct RunOptions {
 // Reports: W5006, W5008, W5012, N5002.
 Result<std::size_t> run_views(const world::World& world, std::span<const View> views,
                               const RunOptions& options, DiagnosticLog& log, const Job& job = {});
+
+// Runs of views that share contexts and uploaded models, one run after the other.
+class Runner {
+ public:
+  Runner();
+  ~Runner();
+  Runner(const Runner&) = delete;
+  Runner& operator=(const Runner&) = delete;
+
+  // As run_views(); may be called again after a failure.
+  Result<std::size_t> run(const world::World& world, std::span<const View> views,
+                          const RunOptions& options, DiagnosticLog& log, const Job& job = {});
+
+  struct Drawers;
+
+ private:
+  std::unique_ptr<Drawers> drawers_;
+};
 
 }  // namespace panwright::workspace

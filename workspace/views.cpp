@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "preview/image.h"
+#include "workspace/internal/forward.h"
 #include "world/evaluation.h"
 
 namespace panwright::workspace {
@@ -62,7 +63,8 @@ class Reader {
       fail(name, text, "a unit quaternion w x y z");
       return std::nullopt;
     }
-    return q / length;
+    // what is unit to a few roundings stays: the record of an image is read back to the same bits
+    return std::abs(length - 1) <= 1e-15 ? q : q / length;
   }
 
   std::optional<double> positive(const char* name, const std::optional<std::string>& text,
@@ -225,10 +227,20 @@ void read_sun(const ViewText& text, Reader& reader, View& view) {
   const Quat& q = view.camera.world_from_camera;
   world::Sun sun;
   // behind the camera, over its left shoulder: camera axes are x right, y down
-  sun.direction = q * glm::normalize(Vec3(-0.6, -0.6, -1));
+  const Vec3 shoulder = q * glm::normalize(Vec3(-0.6, -0.6, -1));
+  // scaled as a direction that is typed
+  sun.direction =
+      shoulder / std::max({std::fabs(shoulder.x), std::fabs(shoulder.y), std::fabs(shoulder.z)});
   if (const auto direction = reader.vector("sun", text.sun, true)) sun.direction = *direction;
   if (const auto au = reader.positive("sun-distance", text.sun_distance, "AU above 0"))
     sun.distance = *au;
+  if (text.limb_darkening) {
+    const auto u = parse_double(*text.limb_darkening);
+    if (u && *u >= 0 && *u <= 1)
+      sun.limb_darkening = *u;
+    else
+      reader.fail("limb-darkening", *text.limb_darkening, "a number from 0 to 1");
+  }
   view.sun = sun;
   if (!text.sun_irradiance) return;
   const std::string& typed = *text.sun_irradiance;
@@ -252,10 +264,15 @@ void read_output(const ViewText& text, View& view, DiagnosticLog& log) {
     log.report(Code::E0201, {},
                fmt::format("--ev is {}, expected a number of stops", in_quotes(*text.ev)));
   view.output = text.output.value_or("");
-  if (text.output && !preview::image_format(view.output))
-    log.report(Code::E0202, {},
-               fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
-                           in_quotes(view.output)));
+  view.more_outputs = text.more_outputs;
+  const auto check = [&](const std::string& output) {
+    if (!preview::image_format(output))
+      log.report(Code::E0202, {},
+                 fmt::format("unknown image format of {}, expected .png, .exr, .npy or .npz",
+                             in_quotes(output)));
+  };
+  if (text.output) check(view.output);
+  for (const std::string& output : view.more_outputs) check(output);
 }
 
 }  // namespace
@@ -306,9 +323,17 @@ PoseText pose_text(std::string_view text) {
 }
 
 Result<View> ViewMaker::view(const ViewText& text, DiagnosticLog& log) {
+  DiagnosticLog apart = log.apart();
+  auto view = made(text, apart);
+  forward(apart, text.label, text.file, log);
+  return view;
+}
+
+Result<View> ViewMaker::made(const ViewText& text, DiagnosticLog& log) {
   Reader reader(log);
   const std::size_t errors = log.errors();
   View view;
+  view.label = text.label;
   world::World posed = world_;
   read_size(text, reader, view.camera);
   for (const PoseText& pose : text.poses) read_pose(pose, reader, posed, view, log);

@@ -6,11 +6,13 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/diagnostic.h"
 #include "base/math.h"
 #include "base/result.h"
+#include "workspace/drawer.h"
 #include "workspace/targets.h"
 #include "world/world.h"
 
@@ -25,12 +27,15 @@ struct TargetPose {
 
 // One image to render.
 struct View {
+  std::string label;  // what diagnostics call it, as "view 3 ('far')"; empty: nothing
   world::Camera camera;
   std::optional<world::Sun> sun;  // none: the world's
   std::vector<TargetPose> poses;  // of targets that differ from the world; later ones replace
                                   // earlier ones
   std::string output;             // .png, .exr, .npy or .npz
   double ev = 0;                  // stops, of a PNG
+  std::vector<std::string> more_outputs;  // further files of the same image
+  std::optional<DrawOptions> draw;        // none: those of the run
 };
 
 // ---- as text
@@ -43,7 +48,7 @@ struct PoseText {
 // "NAME=x y z w i j k", or "x y z w i j k".
 PoseText pose_text(std::string_view text);
 
-// One view as typed; what is absent is found by make_view().
+// One view as typed; what is absent is found by ViewMaker and draw_options().
 struct ViewText {
   std::optional<std::string> camera;          // "x y z" metres
   std::optional<std::string> look_at;         // "x y z"
@@ -61,17 +66,66 @@ struct ViewText {
   std::optional<std::string> size;            // "WxH"
   std::optional<std::string> ev;              // stops
   std::optional<std::string> output;
+  std::vector<std::string> more_outputs;
+
+  // what replaces the models of the run
+  std::vector<std::string> targets;  // "FILE" or "NAME=FILE"; empty: those of the run
+  std::vector<std::pair<std::string, std::string>> defines;  // parameters: name and value
+
+  // engine; flags are "true" or "false"
+  std::optional<std::string> limb_darkening;    // 0 to 1
+  std::optional<std::string> engine;            // "gl" or "reference"
+  std::optional<std::string> samples;           // "auto" or N
+  std::optional<std::string> pixel_error;       // share
+  std::optional<std::string> adaptive;          // flag
+  std::optional<std::string> flat;              // flag
+  std::optional<std::string> no_shadows;        // flag
+  std::optional<std::string> shadow_side;       // texels
+  std::optional<std::string> until_error;       // share
+  std::optional<std::string> max_samples;       // of a pixel
+  std::optional<std::string> bounces;           // number
+  std::optional<std::string> seed;              // number
+  std::optional<std::string> filter;            // "box" or "gaussian:SIGMA"
+  std::optional<std::string> no_sun_disc;       // flag
+  std::optional<std::string> max_image_memory;  // bytes, as "2GB"
+
+  std::string name;   // as its author calls it
+  std::string label;  // what diagnostics call it, as "view 3 ('far')"; empty: options of a command
+  std::string file;   // of views that it comes from; empty: none
 };
 
-// Reads a views file: a JSON list of objects whose members are those of ViewText, with '-' or '_'
-// between words; "pose" is a text, a list of 7 numbers, or an object of these by target. What a
-// view leaves out is taken from `defaults`; of alternative members, and of poses of one target, the
-// view's replace the default's.
+// Reads a views file (docs/views.md): a JSON list of objects whose members are those of
+// schemas/views.toml, with '-' or '_' between words. What a view leaves out is taken from
+// `defaults`, as by with_defaults().
 //
 //   returns  one view or more, each with an output
 // Fails: E0101…E0104, E0203.
 Result<std::vector<ViewText>> read_views(const std::filesystem::path& path,
                                          const ViewText& defaults, DiagnosticLog& log);
+
+// The same of a text in memory; `name` stands for it in diagnostics.
+Result<std::vector<ViewText>> parse_views(std::string_view text, const std::string& name,
+                                          const ViewText& defaults, DiagnosticLog& log);
+
+// One view, an object, as a line of a stream of them.
+//
+//   index  its number in the stream
+//   view   what could be read of it; name and label in any case
+// False: E0203.
+bool parse_view(std::string_view text, std::size_t index, const ViewText& defaults, ViewText& view,
+                DiagnosticLog& log);
+
+// Most bytes of one line of a stream of views.
+constexpr std::size_t kMaxViewLine = std::size_t{1} << 20;
+
+// A view with what it leaves out. Of alternative members, of poses of one target and of values of
+// one parameter, the view's replace the default's.
+ViewText with_defaults(ViewText view, const ViewText& defaults);
+
+// How a view is to be drawn. Fails: E0201 (of a views file: E0203); E0201 too for an option of the
+// other engine.
+Result<DrawOptions> draw_options(const ViewText& text, preview::ContextKind context,
+                                 DiagnosticLog& log);
 
 // Makes views of one world from texts. Without a lens, the visible targets fill the image; without
 // a camera, it stands in front of them; without a direction, it looks at the origin where a
@@ -82,10 +136,11 @@ class ViewMaker {
   // Expects: world outlives the maker.
   explicit ViewMaker(const world::World& world) : world_(world) {}
 
-  // Reports: N5004. Fails: E0201, E5005, E5011.
+  // Reports: N5004. Fails: E0201 (of a views file: E0203), E0202, E5005, E5011.
   Result<View> view(const ViewText& text, DiagnosticLog& log);
 
  private:
+  Result<View> made(const ViewText& text, DiagnosticLog& log);
   const world::World& world_;
   BoundingSpheres spheres_;
 };

@@ -1,226 +1,403 @@
+// Views as JSON: a list of them in a file, or one alone.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <set>
 
 #include "base/file.h"
 #include "base/text.h"
+#include "schemas/generated/views_schema.h"
+#include "workspace/internal/forward.h"
+#include "workspace/internal/json_text.h"
 #include "workspace/views.h"
 
 namespace panwright::workspace {
 
 namespace {
 
-using Json = nlohmann::json;
+using nlohmann::json;
+using schemas::ViewMember;
+using schemas::ViewOption;
 
 constexpr std::uint64_t kMaxBytes = 256ull << 20;
 constexpr std::size_t kMaxViews = 1'000'000;
+constexpr std::size_t kMostOutputs = 16;
 
-struct Field {
-  std::string_view name;
-  std::optional<std::string> ViewText::*member;
-};
+using Field = std::optional<std::string> ViewText::*;
 
-constexpr Field kFields[] = {
-    {"camera", &ViewText::camera},
-    {"look-at", &ViewText::look_at},
-    {"up", &ViewText::up},
-    {"quat", &ViewText::quat},
-    {"camera-frame", &ViewText::camera_frame},
-    {"sun", &ViewText::sun},
-    {"sun-distance", &ViewText::sun_distance},
-    {"sun-irradiance", &ViewText::sun_irradiance},
-    {"fov", &ViewText::fov},
-    {"ifov", &ViewText::ifov},
-    {"intrinsics", &ViewText::intrinsics},
-    {"ortho", &ViewText::ortho},
-    {"size", &ViewText::size},
-    {"ev", &ViewText::ev},
-    {"output", &ViewText::output},
-};
-
-// Options of one group are alternatives: a view that gives one of them drops the default's others.
-constexpr std::string_view kGroups[][4] = {
-    {"camera", "camera-frame", "", ""},
-    {"look-at", "quat", "camera-frame", ""},
-    {"fov", "ifov", "intrinsics", "ortho"},
-};
-
-constexpr std::string_view kPose = "pose";
-
-const Field* find_field(std::string_view name) {
-  for (const Field& field : kFields)
-    if (field.name == name) return &field;
+// Where the value of a member is kept; null for what is no single text.
+Field field_of(ViewOption option) {
+  switch (option) {
+    case ViewOption::size:
+      return &ViewText::size;
+    case ViewOption::ev:
+      return &ViewText::ev;
+    case ViewOption::camera:
+      return &ViewText::camera;
+    case ViewOption::look_at:
+      return &ViewText::look_at;
+    case ViewOption::up:
+      return &ViewText::up;
+    case ViewOption::quat:
+      return &ViewText::quat;
+    case ViewOption::camera_frame:
+      return &ViewText::camera_frame;
+    case ViewOption::fov:
+      return &ViewText::fov;
+    case ViewOption::ifov:
+      return &ViewText::ifov;
+    case ViewOption::intrinsics:
+      return &ViewText::intrinsics;
+    case ViewOption::ortho:
+      return &ViewText::ortho;
+    case ViewOption::sun:
+      return &ViewText::sun;
+    case ViewOption::sun_distance:
+      return &ViewText::sun_distance;
+    case ViewOption::sun_irradiance:
+      return &ViewText::sun_irradiance;
+    case ViewOption::limb_darkening:
+      return &ViewText::limb_darkening;
+    case ViewOption::engine:
+      return &ViewText::engine;
+    case ViewOption::samples:
+      return &ViewText::samples;
+    case ViewOption::pixel_error:
+      return &ViewText::pixel_error;
+    case ViewOption::adaptive:
+      return &ViewText::adaptive;
+    case ViewOption::flat:
+      return &ViewText::flat;
+    case ViewOption::no_shadows:
+      return &ViewText::no_shadows;
+    case ViewOption::shadow_side:
+      return &ViewText::shadow_side;
+    case ViewOption::until_error:
+      return &ViewText::until_error;
+    case ViewOption::max_samples:
+      return &ViewText::max_samples;
+    case ViewOption::bounces:
+      return &ViewText::bounces;
+    case ViewOption::seed:
+      return &ViewText::seed;
+    case ViewOption::filter:
+      return &ViewText::filter;
+    case ViewOption::no_sun_disc:
+      return &ViewText::no_sun_disc;
+    case ViewOption::max_image_memory:
+      return &ViewText::max_image_memory;
+    case ViewOption::name:
+    case ViewOption::output:
+    case ViewOption::outputs:
+    case ViewOption::pose:
+    case ViewOption::define:
+    case ViewOption::targets:
+      return nullptr;
+  }
   return nullptr;
 }
 
-// A JSON value as it would be typed: numbers and arrays of numbers become text.
-std::optional<std::string> as_typed(const Json& value) {
-  if (value.is_string()) return value.get<std::string>();
-  if (value.is_number()) return format_double(value.get<double>());
-  if (!value.is_array() || value.empty()) return std::nullopt;
+std::optional<ViewOption> find_member(std::string_view name) {
+  for (std::size_t i = 0; i < std::size(schemas::kViewMembers); ++i)
+    if (schemas::kViewMembers[i].name == name) return static_cast<ViewOption>(i);
+  return std::nullopt;
+}
+
+const ViewMember& member_of(ViewOption option) {
+  return schemas::kViewMembers[static_cast<std::size_t>(option)];
+}
+
+std::string number_text(const json& value) {
+  if (value.is_number_unsigned()) return fmt::format("{}", value.get<std::uint64_t>());
+  if (value.is_number_integer()) return fmt::format("{}", value.get<std::int64_t>());
+  return format_double(value.get<double>());
+}
+
+// A JSON value as it would be typed; nothing where it has none of the forms.
+std::optional<std::string> as_typed(const json& value, unsigned forms, const char* between = " ") {
+  if (value.is_string() && (forms & schemas::kViewText) != 0) return value.get<std::string>();
+  if (value.is_boolean() && (forms & schemas::kViewFlag) != 0)
+    return value.get<bool>() ? "true" : "false";
+  if (value.is_number() && (forms & schemas::kViewNumber) != 0) return number_text(value);
+  if (!value.is_array() || value.empty() || (forms & schemas::kViewNumbers) == 0)
+    return std::nullopt;
   std::string out;
-  for (const Json& item : value) {
+  for (const json& item : value) {
     if (!item.is_number()) return std::nullopt;
-    out += (out.empty() ? "" : " ") + format_double(item.get<double>());
+    out += (out.empty() ? "" : between) + number_text(item);
   }
   return out;
 }
 
-class ViewsReader {
- public:
-  ViewsReader(const std::filesystem::path& path, const ViewText& defaults, DiagnosticLog& log)
-      : path_(path), defaults_(defaults), log_(log) {}
+const char* type_of(const json& value) {
+  if (value.is_array()) return value.empty() ? "an empty list" : "a list";
+  if (value.is_object()) return "an object";
+  if (value.is_string()) return "text";
+  return value.is_null() ? "null" : value.is_boolean() ? "a truth value" : "a number";
+}
 
-  Result<std::vector<ViewText>> read() {
-    const auto text = read_file(path_, kMaxBytes, log_);
-    if (!text) return failed;
-    Json json;
-    try {
-      json = Json::parse(*text, [&](int, Json::parse_event_t event, Json& parsed) {
-        note_keys(event, parsed);
-        return true;
-      });
-    } catch (const Json::parse_error& error) {
-      return fail(not_json(*text, error.byte));
-    } catch (const Json::exception& error) {
-      return fail(fmt::format("the JSON text cannot be read: {}", error.what()));
+// Reads the members of one view.
+class ViewReader {
+ public:
+  ViewReader(std::size_t index, const std::string& file, DiagnosticLog& log)
+      : index_(index), log_(log) {
+    view_.file = file;
+    view_.label = view_label(index, {});
+  }
+  bool ok() const { return ok_; }
+  ViewText take() { return std::move(view_); }
+
+  void repeated(const std::string& member) {
+    fail(fmt::format("{} is given twice", in_quotes(member)));
+  }
+
+  // Before anything else: the name is part of the messages.
+  void name(const json& item) {
+    if (!item.is_object()) return;
+    const auto found = item.find("name");
+    if (found == item.end() || !found->is_string()) return;
+    view_.name = found->get<std::string>();
+    view_.label = view_label(index_, view_.name);
+  }
+
+  void read(const json& item) {
+    if (!item.is_object())
+      return fail(fmt::format("expected an object of options, found {}", type_of(item)));
+    for (const auto& [key, value] : item.items()) {
+      std::string member = key;
+      std::replace(member.begin(), member.end(), '_', '-');
+      const auto option = find_member(member);
+      if (!option)
+        unknown(key, member);
+      else if (!given_.insert({*option, key}).second)
+        fail(fmt::format("{} and {} are one option", in_quotes(given_[*option]), in_quotes(key)));
+      else
+        read_member(*option, key, value);
     }
-    if (!json.is_array() || json.empty())
-      return fail("expected a list of at least one view, each an object");
-    if (json.size() > kMaxViews)
-      return fail(fmt::format("{} views, expected at most {}", json.size(), kMaxViews));
-    std::vector<ViewText> views;
-    for (const Json& item : json) views.push_back(one(item, views.size()));
-    check_outputs(views);
-    if (!ok_) return failed;
-    return views;
+    if (given_.contains(ViewOption::output) && given_.contains(ViewOption::outputs))
+      fail("expected output or outputs, not both");
+  }
+
+  void require_output() {
+    if (!view_.output && !given_.contains(ViewOption::output) &&
+        !given_.contains(ViewOption::outputs))
+      fail("no output, expected a file name, as \"output\": \"a.png\"");
   }
 
  private:
-  // A repeated member of an object: JSON does not define which of them counts.
-  void note_keys(Json::parse_event_t event, const Json& parsed) {
-    if (event == Json::parse_event_t::object_start) {
-      open_.emplace_back();
-    } else if (event == Json::parse_event_t::object_end) {
-      open_.pop_back();
-      ended_ += open_.empty();
-    } else if (event == Json::parse_event_t::key && !open_.back().insert(parsed).second) {
-      fail(fmt::format("view {} gives {} twice", ended_, in_quotes(parsed.get<std::string>())));
-    }
-  }
-
-  // The second image of one file would replace the first.
-  void check_outputs(const std::vector<ViewText>& views) {
-    std::map<std::filesystem::path, std::size_t> known;
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      if (!views[i].output) continue;
-      const auto path = std::filesystem::path(*views[i].output).lexically_normal();
-      if (const auto [first, added] = known.emplace(path, i); !added)
-        fail(fmt::format("views {} and {} have the same output, {}", first->second, i,
-                         in_quotes(*views[i].output)));
-    }
-  }
-
-  static std::string not_json(const std::string& text, std::size_t byte) {
-    const std::size_t end = std::min(byte, text.size());
-    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(end), '\n');
-    return fmt::format("invalid JSON at line {}, byte {}", line, byte);
-  }
-
-  Failed fail(std::string message, std::string hint = {}) {
-    log_.report_file(Code::E0203, path_.string(), std::move(message), std::move(hint));
+  void fail(const std::string& message, std::string hint = {}) {
+    log_.report_file(Code::E0203, view_.file, view_.label + ": " + message, std::move(hint));
     ok_ = false;
-    return failed;
   }
 
-  ViewText one(const Json& item, std::size_t index) {
-    ViewText given;
-    if (!item.is_object()) {
-      fail(fmt::format("view {} is not an object of options", index));
-      return given;
-    }
-    for (const auto& [key, value] : item.items()) {
-      std::string name = key;
-      std::replace(name.begin(), name.end(), '_', '-');
-      if (name == kPose) {
-        read_poses(value, index, given);
-        continue;
-      }
-      const Field* field = find_field(name);
-      if (field == nullptr) {
-        unknown(index, key, name);
-        continue;
-      }
-      given.*field->member = as_typed(value);
-      if (!(given.*field->member))
-        fail(fmt::format(
-            "view {}: '{}' has the wrong type, expected text, a number or a list of numbers", index,
-            key));
-    }
-    if (!given.output) fail(fmt::format("view {} has no output, expected a file name", index));
-    inherit(given);
-    return given;
+  void wrong_type(ViewOption option, const std::string& what, const json& value) {
+    fail(fmt::format("{} has the wrong type, expected {}, found {}", what, member_of(option).expect,
+                     type_of(value)));
   }
 
-  // For the one target, or an object of targets.
-  void read_poses(const Json& value, std::size_t index, ViewText& given) {
-    if (value.is_object()) {
-      for (const auto& [target, pose] : value.items()) {
-        const auto text = as_typed(pose);
-        if (text)
-          given.poses.push_back({target, *text});
-        else
-          fail(fmt::format(
-              "view {}: the pose of {} has the wrong type, expected text or a list of numbers",
-              index, in_quotes(target)));
-      }
-    } else if (const auto text = as_typed(value)) {
-      given.poses.push_back({{}, *text});
-    } else {
-      fail(fmt::format(
-          "view {}: '{}' has the wrong type, expected text, a number or a list of numbers", index,
-          kPose));
-    }
-  }
-
-  void unknown(std::size_t index, const std::string& key, const std::string& name) {
-    std::vector<std::string_view> names{kPose};
-    for (const Field& field : kFields) names.push_back(field.name);
-    const auto near = nearest_name(name, names);
-    fail(fmt::format("view {} has the unknown option {}", index, in_quotes(key)),
+  void unknown(const std::string& key, const std::string& member) {
+    std::vector<std::string_view> names;
+    for (const ViewMember& each : schemas::kViewMembers) names.push_back(each.name);
+    const auto near = nearest_name(member, names);
+    fail(fmt::format("unknown option {}", in_quotes(key)),
          near ? fmt::format("did you mean '{}'?", *near) : std::string());
   }
 
-  void inherit(ViewText& given) const {
-    ViewText base = defaults_;
-    for (const auto& group : kGroups) {
-      bool any = false;
-      for (const std::string_view name : group)
-        any = any || (!name.empty() && (given.*find_field(name)->member).has_value());
-      for (const std::string_view name : group)
-        if (any && !name.empty()) (base.*find_field(name)->member).reset();
+  void read_member(ViewOption option, const std::string& key, const json& value) {
+    const ViewMember& member = member_of(option);
+    const std::string what = in_quotes(key);
+    if (const Field field = field_of(option)) {
+      view_.*field = as_typed(value, member.forms, option == ViewOption::size ? "x" : " ");
+      if (!(view_.*field)) wrong_type(option, what, value);
+      return;
     }
-    for (const Field& field : kFields)
-      if (!(given.*field.member)) given.*field.member = base.*field.member;
-    // the view's come later, so that they replace the default's
-    given.poses.insert(given.poses.begin(), base.poses.begin(), base.poses.end());
+    if (option == ViewOption::outputs || option == ViewOption::targets) {
+      read_list(option, what, value);
+    } else if (option == ViewOption::pose && !value.is_object()) {
+      if (const auto text = as_typed(value, member.forms))
+        view_.poses.push_back({{}, *text});
+      else
+        wrong_type(option, what, value);
+    } else if (option == ViewOption::pose || option == ViewOption::define) {
+      read_map(option, what, value);
+    } else if (!value.is_string()) {
+      wrong_type(option, what, value);
+    } else if (option == ViewOption::output) {
+      view_.output = value.get<std::string>();
+    }
   }
 
-  const std::filesystem::path& path_;
-  const ViewText& defaults_;
+  void read_list(ViewOption option, const std::string& what, const json& value) {
+    const bool targets = option == ViewOption::targets;
+    if (targets && value.is_object()) return read_map(option, what, value);
+    if (!value.is_array() || value.empty()) return wrong_type(option, what, value);
+    if (!targets && value.size() > kMostOutputs)
+      return fail(fmt::format("{} outputs, expected at most {}", value.size(), kMostOutputs));
+    for (const json& item : value) {
+      if (!item.is_string())
+        return wrong_type(option, what + " holds " + type_of(item) + " and", value);
+      if (targets)
+        view_.targets.push_back(item.get<std::string>());
+      else if (!view_.output)
+        view_.output = item.get<std::string>();
+      else
+        view_.more_outputs.push_back(item.get<std::string>());
+    }
+  }
+
+  // Of targets, or of parameters.
+  void read_map(ViewOption option, const std::string& what, const json& value) {
+    if (!value.is_object()) return wrong_type(option, what, value);
+    for (const auto& [name, item] : value.items()) {
+      const auto text = as_typed(item, member_of(option).of);
+      if (!text)
+        wrong_type(option, what + " of " + in_quotes(name), item);
+      else if (option == ViewOption::pose)
+        view_.poses.push_back({name, *text});
+      else if (option == ViewOption::define)
+        view_.defines.emplace_back(name, *text);
+      else
+        view_.targets.push_back(name + "=" + *text);
+    }
+  }
+
+  std::size_t index_;
   DiagnosticLog& log_;
-  std::vector<std::set<std::string>> open_;  // members of the objects that are being read
-  std::size_t ended_ = 0;                    // views that have been read
+  ViewText view_;
+  std::map<ViewOption, std::string> given_;  // and as it is written there
   bool ok_ = true;
 };
 
+// The second image of one file would replace the first.
+bool check_outputs(const std::vector<ViewText>& views, const std::string& file,
+                   DiagnosticLog& log) {
+  std::map<std::filesystem::path, std::size_t> known;
+  bool good = true;
+  const auto check = [&](const std::string& output, std::size_t index) {
+    const auto path = std::filesystem::path(output).lexically_normal();
+    const auto [first, added] = known.emplace(path, index);
+    if (added) return;
+    good = false;
+    log.report_file(
+        Code::E0203, file,
+        first->second == index
+            ? fmt::format("{} has the output {} twice", views[index].label, in_quotes(output))
+            : fmt::format("{} and {} have the same output, {}", views[first->second].label,
+                          views[index].label, in_quotes(output)));
+  };
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (views[i].output) check(*views[i].output, i);
+    for (const std::string& output : views[i].more_outputs) check(output, i);
+  }
+  return good;
+}
+
+// Options of one group are alternatives: a view that gives one of them drops the default's others.
+constexpr Field kGroups[][4] = {
+    {&ViewText::camera, &ViewText::camera_frame, nullptr, nullptr},
+    {&ViewText::look_at, &ViewText::quat, &ViewText::camera_frame, nullptr},
+    {&ViewText::fov, &ViewText::ifov, &ViewText::intrinsics, &ViewText::ortho},
+    {&ViewText::pixel_error, &ViewText::samples, nullptr, nullptr},
+    {&ViewText::no_shadows, &ViewText::shadow_side, nullptr, nullptr},
+};
+constexpr Field kOfGl[] = {&ViewText::pixel_error, &ViewText::adaptive, &ViewText::no_shadows,
+                           &ViewText::shadow_side};
+constexpr Field kOfReference[] = {&ViewText::until_error, &ViewText::max_samples,
+                                  &ViewText::bounces,     &ViewText::seed,
+                                  &ViewText::filter,      &ViewText::no_sun_disc};
+
 }  // namespace
+
+ViewText with_defaults(ViewText view, const ViewText& defaults) {
+  ViewText base = defaults;
+  for (const auto& group : kGroups) {
+    bool any = false;
+    for (const Field field : group) any = any || (field != nullptr && (view.*field).has_value());
+    for (const Field field : group)
+      if (any && field != nullptr) (base.*field).reset();
+  }
+  if (view.samples == "auto") base.adaptive.reset();
+  if (view.engine && *view.engine != base.engine.value_or("gl")) {
+    for (const Field field : kOfGl) (base.*field).reset();
+    for (const Field field : kOfReference) (base.*field).reset();
+    if (base.samples == "auto") base.samples.reset();
+  }
+  for (std::size_t i = 0; i < std::size(schemas::kViewMembers); ++i)
+    if (const Field field = field_of(static_cast<ViewOption>(i)); field && !(view.*field))
+      view.*field = base.*field;
+  if (!view.output) {
+    view.output = base.output;
+    view.more_outputs = base.more_outputs;
+  }
+  if (view.targets.empty()) view.targets = base.targets;
+  // the view's come later, so that they replace the default's
+  view.poses.insert(view.poses.begin(), base.poses.begin(), base.poses.end());
+  for (const auto& define : base.defines)
+    if (std::none_of(view.defines.begin(), view.defines.end(),
+                     [&](const auto& own) { return own.first == define.first; }))
+      view.defines.push_back(define);
+  return view;
+}
 
 Result<std::vector<ViewText>> read_views(const std::filesystem::path& path,
                                          const ViewText& defaults, DiagnosticLog& log) {
-  return ViewsReader(path, defaults, log).read();
+  const auto text = read_file(path, kMaxBytes, log);
+  if (!text) return failed;
+  return parse_views(*text, path.string(), defaults, log);
+}
+
+Result<std::vector<ViewText>> parse_views(std::string_view text, const std::string& name,
+                                          const ViewText& defaults, DiagnosticLog& log) {
+  const auto fail = [&](const std::string& message, const std::string& hint = {}) {
+    log.report_file(Code::E0203, name, message, hint);
+    return failed;
+  };
+  JsonProblem problem;
+  const auto parsed = parse_json(text, problem);
+  if (!parsed) return fail(problem.message, problem.hint);
+  const json& list = parsed->value;
+  if (!list.is_array() || list.empty())
+    return fail(fmt::format("expected a list of at least one view, each an object, found {}",
+                            type_of(list)),
+                list.is_object() ? "put the view into a list: [{…}]" : "");
+  if (list.size() > kMaxViews)
+    return fail(fmt::format("{} views, expected at most {}", list.size(), kMaxViews));
+  std::vector<ViewText> views;
+  bool good = true;
+  std::size_t repeated = 0;
+  for (const json& item : list) {
+    ViewReader reader(views.size(), name, log);
+    reader.name(item);
+    for (; repeated < parsed->repeated.size() && parsed->repeated[repeated].item == views.size();
+         ++repeated)
+      reader.repeated(parsed->repeated[repeated].member);
+    reader.read(item);
+    if (item.is_object()) reader.require_output();
+    good = good && reader.ok();
+    views.push_back(with_defaults(reader.take(), defaults));
+  }
+  good = check_outputs(views, name, log) && good;
+  if (!good) return failed;
+  return views;
+}
+
+bool parse_view(std::string_view text, std::size_t index, const ViewText& defaults, ViewText& view,
+                DiagnosticLog& log) {
+  view = {};
+  view.label = view_label(index, {});
+  JsonProblem problem;
+  const auto parsed = parse_json(text, problem);
+  if (!parsed) {
+    log.report_file(Code::E0203, {}, view.label + ": " + problem.message, problem.hint);
+    return false;
+  }
+  ViewReader reader(index, {}, log);
+  reader.name(parsed->value);
+  for (const JsonText::Repeated& each : parsed->repeated) reader.repeated(each.member);
+  reader.read(parsed->value);
+  view = with_defaults(reader.take(), defaults);
+  return reader.ok();
 }
 
 }  // namespace panwright::workspace

@@ -12,6 +12,8 @@
 
 #include "workspace/drawer.h"
 #include "workspace/open.h"
+#include "workspace/record.h"
 #include "workspace/run.h"
+#include "workspace/session.h"
 #include "workspace/targets.h"
 #include "workspace/views.h"

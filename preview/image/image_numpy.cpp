@@ -42,8 +42,11 @@ bool write_npz(AtomicFile& file, const Image& image, DiagnosticLog& log) {
     return zip.add(std::string(name) + ".npy", as_bytes(npy_header(type, image, channels)),
                    std::as_bytes(std::span(layer)), log);
   };
-  bool good =
-      add("radiance", "<f4", 3, image.radiance) && add("coverage", "<f4", 0, image.coverage);
+  bool good = true;
+  for (const auto& [name, value] : image.metadata)
+    if (good && name == kRecordName) good = zip.add("meta.json", as_bytes(value), {}, log);
+  good = good && add("radiance", "<f4", 3, image.radiance) &&
+         add("coverage", "<f4", 0, image.coverage);
   if (good && image.has_ground_truth())
     good = add("depth", "<f4", 0, image.depth) && add("range", "<f4", 0, image.range) &&
            add("normal", "<f4", 3, image.normal) && add("target_id", "<u4", 0, image.target_id) &&

@@ -1,4 +1,7 @@
+#include <zlib.h>
+
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "base/file.h"
@@ -9,6 +12,24 @@
 #include "preview/image/image_files.h"
 
 namespace panwright::preview {
+
+namespace {
+
+void big_endian(std::uint64_t value, std::string& out) {
+  for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>((value >> shift) & 0xff);
+}
+
+// A tEXt chunk (PNG specification, 11.3.3.3).
+std::string text_chunk(const std::string& name, const std::string& value) {
+  const std::string body = "tEXt" + name + std::string(1, '\0') + value;
+  std::string chunk;
+  big_endian(body.size() - 4, chunk);
+  chunk += body;
+  big_endian(crc32_z(0, reinterpret_cast<const Bytef*>(body.data()), body.size()), chunk);
+  return chunk;
+}
+
+}  // namespace
 
 bool write_png(AtomicFile& file, const Image& image, double ev, DiagnosticLog& log) {
   const double scale = kPi * std::exp2(ev);
@@ -21,7 +42,14 @@ bool write_png(AtomicFile& file, const Image& image, double ev, DiagnosticLog& l
   PngOptions options;
   options.channels = 3;
   options.says_srgb = true;
-  return file.write(as_bytes(png_file(image.width, image.height, codes, options)), log);
+  const std::string png = png_file(image.width, image.height, codes, options);
+  // the signature and the first chunk, of fixed sizes; then what has no order
+  constexpr std::size_t kHeader = 8 + 25;
+  std::string head = png.substr(0, kHeader);
+  for (const auto& [name, value] : image.metadata)
+    if (name == kRecordName) head += text_chunk(name, value);
+  return file.write(as_bytes(head), log) &&
+         file.write(as_bytes(std::string_view(png).substr(kHeader)), log);
 }
 
 }  // namespace panwright::preview

@@ -79,6 +79,11 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       folder.write("braces.pxn", model("<frame_s label=\"a{1}\">" + vec3("origin", "0 0 0") +
                                        vec3("forward", "0 0 1") + vec3("up", "0 -1 0") +
                                        vec3("right", "1 0 0") + "</frame_s>"));
+  const std::string changed =
+      folder.write("changed.pxn", "<pangu_model ver=\"1\"><sphere/></pangu_model>");
+  codes_of({"render", changed, "-o", folder / "changed.png", "--engine", "reference", "--size",
+            "8x8", "--samples", "1"});
+  folder.write("changed.pxn", "<pangu_model ver=\"1\"><box size=\"1\"/></pangu_model>");
   fs::create_directories(folder.path() / "parts");
   const std::string whole =
       folder.write("whole.pxn", model("<include type=\"pxn\" file=\"parts/part.pxn\"/>"));
@@ -109,6 +114,10 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"E0202", {"check", folder / "model.txt"}, {}},
       {"E0203", {"render", pan, "--views", view}, {}},
       {"E0204", {"explain", "E9999"}, {}},
+      {"E0207",
+       {"render", "--again", folder.write("bare.png", "\x89PNG\r\n\x1a\n"), "-o", png},
+       {}},
+      {"W0208", {"render", "--again", folder / "changed.png", "-o", folder / "same.png"}, {}},
       {"E0206", {"compile", kFigure8, "-o", folder / "same.pan", "-M", folder / "same.pan"}, {}},
       {"E1225", {"compile", kFigure8, "-o", pan, "-D", "span=1m"}, {}},
       {"E1317", {"upgrade", braces}, {}},

@@ -1,0 +1,162 @@
+// Views and images made again, as a user sees them. What OpenGL draws is compared where there is
+// some.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/paths.h"
+#include "tests/support/process.h"
+
+namespace panwright {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using support::contents;
+using support::Outcome;
+using support::TemporaryFolder;
+using testing::HasSubstr;
+using testing::Not;
+
+Outcome panwright(std::vector<std::string> words) {
+  words.insert(words.begin(), PANWRIGHT_BIN_DIR "/panwright");
+  return support::run(words);
+}
+
+class Views : public testing::Test {
+ protected:
+  const TemporaryFolder folder_;
+  const std::string ball_ = folder_.write(
+      "ball.pxn",
+      "<pangu_model ver=\"1\"><param name=\"r\" value=\"1m\"/><sphere radius=\"{r}\"/>"
+      "</pangu_model>");
+  const std::string box_ = folder_.write(
+      "box.pxn",
+      "<pangu_model ver=\"1\"><param name=\"r\" value=\"1m\"/><box size=\"{r}\"/></pangu_model>");
+  Outcome render(const std::string& views, std::vector<std::string> words = {}) const {
+    words.insert(words.begin(), {"render", ball_, "--size", "32x24", "--engine", "reference",
+                                 "--samples", "2", "--views", folder_.write("v.json", views)});
+    return panwright(words);
+  }
+  std::string quoted(const std::string& name) const { return "\"" + (folder_ / name) + "\""; }
+};
+
+TEST_F(Views, SeveralOutputsAreFilesOfOneImage) {
+  const Outcome both = render("[{\"camera\": [0, -5, 1], \"fov\": 40, \"outputs\": [" +
+                              quoted("a.png") + ", " + quoted("a.npz") + "]}]");
+  ASSERT_EQ(both.code, 0) << both.err;
+  for (const char* name : {"png", "npz"}) {
+    const Outcome one = panwright({"render", ball_, "--size", "32x24", "--engine", "reference",
+                                   "--samples", "2", "--camera", "0 -5 1", "--fov", "40", "-o",
+                                   folder_ / ("b." + std::string(name))});
+    ASSERT_EQ(one.code, 0) << one.err;
+    EXPECT_TRUE(contents(folder_ / ("a." + std::string(name))) ==
+                contents(folder_ / ("b." + std::string(name))))
+        << name;
+  }
+  // one line of both, and the summary
+  EXPECT_THAT(both.out, HasSubstr("a.npz: 32 x 24, reference, "));
+  EXPECT_THAT(both.out, HasSubstr("1 image in "));
+  const Outcome quiet = render("[{\"output\": " + quoted("a.png") + "}]", {"-q"});
+  EXPECT_EQ(quiet.out, "");
+}
+
+TEST_F(Views, HaveValuesOfParametersAndEnginesOfTheirOwn) {
+  const Outcome many =
+      render("[{\"ortho\": 6, \"output\": " + quoted("a.npy") +
+             "}, {\"ortho\": 6, \"define\": {\"r\": \"2m\"}, \"output\": " + quoted("b.npy") +
+             "}, {\"ortho\": 6, \"seed\": 1, \"output\": " + quoted("c.npy") + "}]");
+  ASSERT_EQ(many.code, 0) << many.err;
+  const Outcome one =
+      panwright({"render", ball_, "--size", "32x24", "--engine", "reference", "--samples", "2",
+                 "--ortho", "6", "-D", "r=2m", "-o", folder_ / "d.npy"});
+  ASSERT_EQ(one.code, 0) << one.err;
+  EXPECT_TRUE(contents(folder_ / "b.npy") == contents(folder_ / "d.npy"));
+  EXPECT_FALSE(contents(folder_ / "a.npy") == contents(folder_ / "b.npy"));
+  EXPECT_FALSE(contents(folder_ / "a.npy") == contents(folder_ / "c.npy"));
+}
+
+TEST_F(Views, AreNamedWhereNothingIsInView) {
+  const Outcome outcome = render("[{\"output\": " + quoted("a.npy") +
+                                 "}, {\"name\": \"astray\", \"camera\": [0, 0, 50],"
+                                 "\"look_at\": [0, 9, 90], \"fov\": 5, \"output\": " +
+                                 quoted("b.npy") + "}]");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("view 1 ('astray'): "));
+  EXPECT_THAT(outcome.err, HasSubstr("[W5006]"));
+  EXPECT_THAT(outcome.err, Not(HasSubstr("view 0")));
+}
+
+// Two targets, parameters, poses, irradiance: what is made again has the same bytes, record and
+// all.
+TEST_F(Views, AnImageIsMadeAgain) {
+  const std::vector<std::string> engines[] = {
+      {"--engine", "reference", "--samples", "2", "--seed", "9", "--filter", "gaussian:0.7",
+       "--limb-darkening", "0.6"},
+      {"--engine", "gl"},
+      {"--engine", "gl", "--samples", "2", "--adaptive", "--shadow-side", "256"}};
+  for (const auto& engine : engines)
+    for (const std::string format : {"png", "exr", "npz"})
+      for (const bool ortho : {false, true}) {
+        const std::string image = folder_ / ("a." + format);
+        std::vector<std::string> words = {"render",
+                                          "b=" + ball_,
+                                          box_,
+                                          "-o",
+                                          image,
+                                          "--size",
+                                          "40x30",
+                                          "-D",
+                                          "r=0.7m",
+                                          "--pose",
+                                          "b=1.3 0.2 0 0.6 0 0.8 0",
+                                          "--pose",
+                                          "box=-1 0 0.1 1 0.02 0 0",
+                                          "--sun-irradiance",
+                                          "180,190.5,170",
+                                          "--ev",
+                                          "0.3"};
+        if (ortho) words.insert(words.end(), {"--ortho", "7.3"});
+        words.insert(words.end(), engine.begin(), engine.end());
+        const Outcome made = panwright(words);
+        if (made.err.find("[E5007]") != std::string::npos) continue;  // without OpenGL
+        ASSERT_EQ(made.code, 0) << made.err;
+        const std::string again = folder_ / ("again." + format);
+        const Outcome outcome = panwright({"render", "--again", image, "-o", again});
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_THAT(outcome.err, Not(HasSubstr("W0208")));
+        EXPECT_TRUE(contents(image) == contents(again)) << engine[1] << " " << format << ortho;
+        // other options replace what is recorded
+        const Outcome other =
+            panwright({"render", "--again", image, "-o", again, "--ev", "2", "--sun", "1 0 0"});
+        ASSERT_EQ(other.code, 0) << other.err;
+        EXPECT_FALSE(contents(image) == contents(again));
+      }
+}
+
+TEST_F(Views, AModelThatChangedIsSaidAndAnImageWithoutARecordToo) {
+  const std::string image = folder_ / "a.png";
+  const auto render = [&](std::vector<std::string> words) {
+    words.insert(words.end(), {"--size", "16x12", "--engine", "reference", "--samples", "1"});
+    return panwright(words);
+  };
+  ASSERT_EQ(render({"render", ball_, "-o", image}).code, 0);
+  folder_.write("ball.pxn", "<pangu_model ver=\"1\"><sphere radius=\"0.5\"/></pangu_model>");
+  const Outcome changed = panwright({"render", "--again", image, "-o", folder_ / "b.png"});
+  EXPECT_EQ(changed.code, 0) << changed.err;
+  EXPECT_THAT(changed.err, HasSubstr("[W0208]"));
+  EXPECT_THAT(changed.err, HasSubstr("the model 'ball' has changed since"));
+  ASSERT_EQ(render({"render", ball_, "-o", folder_ / "c.npy"}).code, 0);
+  for (const std::string& bare : {folder_ / "c.npy", folder_.write("d.png", "\x89PNG\r\n\x1a\n"),
+                                  folder_.write("e.exr", "x"), folder_.write("f.npz", "PK")}) {
+    const Outcome outcome = panwright({"render", "--again", bare, "-o", folder_ / "g.png"});
+    EXPECT_EQ(outcome.code, 2) << bare;
+    EXPECT_THAT(outcome.err, HasSubstr("[E0207]")) << bare;
+  }
+}
+
+}  // namespace
+}  // namespace panwright

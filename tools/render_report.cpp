@@ -1,0 +1,136 @@
+#include "tools/render_report.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/text.h"
+#include "preview/image.h"
+#include "tools/print.h"
+
+namespace panwright::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using workspace::Engine;
+using workspace::Written;
+
+Json numbers(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+const char* unit_of_flux(const Written& image) {
+  const bool unresolved = image.unit == "1/sr";
+  if (image.orthographic) return unresolved ? "m^2/sr" : "W/sr";
+  return unresolved ? "of the Sun's" : "W/m^2";
+}
+
+std::string outputs_of(const Written& image) {
+  std::string text = image.output;
+  for (const std::string& output : image.more_outputs) text += ", " + output;
+  return text;
+}
+
+bool is_png(const std::string& output) {
+  return preview::image_format(output) == preview::ImageFormat::png;
+}
+
+std::string milliseconds(double seconds) {
+  const double ms = 1e3 * seconds;
+  return ms < 99.95 ? fmt::format("{:.3g} ms", ms) : fmt::format("{:.0f} ms", ms);
+}
+
+// "a.png: 640 x 480, gl, 9.4 samples a pixel (auto …), EV 0, 35 ms"
+std::string line_of(const Written& image) {
+  std::string line = fmt::format("{}: {} x {}, {}", outputs_of(image), image.width, image.height,
+                                 image.engine == Engine::gl ? "gl" : "reference");
+  if (image.sampling) {
+    const preview::SamplingReport& sampling = *image.sampling;
+    line += fmt::format(", {:.3g} samples a pixel", sampling.samples);
+    if (sampling.rmse + sampling.flux > 0)
+      line += fmt::format(
+          " (auto: estimated RMS error {:.2g} % of the radiance, of the flux at most {:.2g} %)",
+          100 * sampling.rmse, 100 * sampling.flux);
+    else if (image.samples == 0)
+      line += " (auto)";
+  }
+  if (image.measured) {
+    const workspace::Measured& measured = *image.measured;
+    const Vec3& flux = measured.flux;
+    const Vec3& error = measured.flux_error;
+    line += fmt::format(
+        ", {:.3g} samples a pixel, flux {:.6g} {:.6g} {:.6g} ± {:.1e} {:.1e} {:.1e} {}, {:.3g} M "
+        "rays/s",
+        static_cast<double>(measured.samples) / (double{1} * image.width * image.height), flux.x,
+        flux.y, flux.z, error.x, error.y, error.z, unit_of_flux(image),
+        1e-6 * static_cast<double>(measured.rays) / std::max(measured.seconds, 1e-9));
+  }
+  const bool png = is_png(image.output) ||
+                   std::any_of(image.more_outputs.begin(), image.more_outputs.end(), is_png);
+  if (png) line += fmt::format(", EV {}", image.ev);
+  return line + ", " + milliseconds(image.seconds);
+}
+
+}  // namespace
+
+void describe_image(const Written& image, Json& entry) {
+  entry["width"] = image.width;
+  entry["height"] = image.height;
+  entry["unit"] = image.unit;
+  entry["engine"] = image.engine == Engine::gl ? "gl" : "reference";
+  entry["ev"] = image.ev;
+  entry["ms"] = 1e3 * image.seconds;
+  if (image.sampling) entry["samples"] = image.sampling->samples;
+  if (image.sampling && image.sampling->rmse + image.sampling->flux > 0) {
+    entry["pixel_error"] = image.sampling->rmse;
+    entry["flux_error"] = image.sampling->flux;
+  }
+  if (!image.measured) return;
+  entry["flux"] = numbers(image.measured->flux);
+  entry["flux_error"] = numbers(image.measured->flux_error);
+  entry["samples"] = image.measured->samples;
+  entry["rays"] = image.measured->rays;
+  entry["seconds"] = image.measured->seconds;
+}
+
+workspace::RunListener RenderReport::listener() {
+  workspace::RunListener listener;
+  listener.step = [this](const workspace::Step& step) {
+    context_.add_timing(step.name, step.seconds);
+  };
+  listener.ready = [this](const workspace::EngineInfo& info) {
+    if (info.engine == Engine::gl)
+      context_.result()["gl"] = {
+          {"renderer", info.renderer}, {"version", info.version}, {"hardware", info.hardware}};
+  };
+  listener.written = [this](const Written& written) { image(written); };
+  return listener;
+}
+
+void RenderReport::image(const Written& image) {
+  ++images_;
+  if (context_.options().json) {
+    Json entry = {{"output", image.output}};
+    if (!image.more_outputs.empty()) entry["more_outputs"] = image.more_outputs;
+    describe_image(image, entry);
+    context_.result()["images"].push_back(std::move(entry));
+  } else if (!context_.options().quiet) {
+    // the progress line, which is drawn again
+    if (many_ && isatty(STDERR_FILENO) == 1 && isatty(STDOUT_FILENO) == 1)
+      print(stderr, "\r\x1b[K");
+    print("{}\n", line_of(image));
+    if (many_) std::fflush(stdout);
+  }
+}
+
+void RenderReport::summary() const {
+  if (!many_ || context_.options().json || context_.options().quiet) return;
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  print("{} in {:.3g} s, {} each\n", counted(images_, "image"), seconds,
+        milliseconds(seconds / static_cast<double>(std::max<std::size_t>(images_, 1))));
+}
+
+}  // namespace panwright::tools

@@ -1,0 +1,39 @@
+// What `render` says of its images, and the lines it answers.
+#pragma once
+
+#include <chrono>
+#include <nlohmann/json_fwd.hpp>
+
+#include "tools/command_context.h"
+#include "workspace/session.h"
+
+namespace panwright::tools {
+
+// One line per image, and the entries of --json.
+class RenderReport {
+ public:
+  // many: of --views, whose end is a summary
+  RenderReport(CommandContext& context, bool many) : context_(context), many_(many) {}
+  workspace::RunListener listener();
+  void summary() const;
+
+ private:
+  void image(const workspace::Written& image);
+  CommandContext& context_;
+  bool many_;
+  std::size_t images_ = 0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// What was measured and chosen, as members of an object.
+void describe_image(const workspace::Written& image, nlohmann::ordered_json& entry);
+
+// Reads views from standard input, one a line, and answers each with one line on standard output,
+// until the input ends. A line that is wrong has errors in its answer.
+//
+//   defaults  what a line leaves out
+//   returns   the exit code: 0, or that of the worst answer
+int serve_views(workspace::ViewSession& session, const workspace::ViewText& defaults,
+                const workspace::RunListener& listener, CommandContext& context);
+
+}  // namespace panwright::tools

@@ -1,0 +1,198 @@
+// Options of the engines, as typed.
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "base/text.h"
+#include "workspace/internal/forward.h"
+#include "workspace/views.h"
+
+namespace panwright::workspace {
+
+namespace {
+
+using Text = std::optional<std::string>;
+
+constexpr double kWidestPsf = 64;  // pixels
+
+// "2GB" as bytes; units are powers of 1024, as of other options.
+std::optional<std::uint64_t> parse_bytes(std::string_view text) {
+  constexpr std::string_view kUnits = "kmgtpe";
+  std::string lower(text);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  std::string_view rest = lower;
+  if (rest.ends_with("ib"))
+    rest.remove_suffix(2);
+  else if (rest.ends_with('b'))
+    rest.remove_suffix(1);
+  double unit = 1;
+  if (!rest.empty())
+    if (const std::size_t power = kUnits.find(rest.back()); power != kUnits.npos) {
+      unit = std::exp2(10.0 * static_cast<double>(power + 1));
+      rest.remove_suffix(1);
+    }
+  while (rest.ends_with(' ')) rest.remove_suffix(1);
+  const auto number = parse_double(rest);
+  const double bytes = number ? *number * unit : -1;
+  if (!(bytes >= 0 && bytes < 0x1p63)) return std::nullopt;
+  return static_cast<std::uint64_t>(bytes);
+}
+
+class Reader {
+ public:
+  explicit Reader(DiagnosticLog& log) : log_(log) {}
+  bool ok() const { return ok_; }
+
+  void fail(const std::string& message) {
+    log_.report(Code::E0201, {}, message);
+    ok_ = false;
+  }
+  void refuse(const char* name, const Text& text, std::string_view expected) {
+    fail(fmt::format("--{} is {}, expected {}", name, in_quotes(*text), expected));
+  }
+
+  template <class Integer>
+  void whole(const char* name, const Text& text, Integer least, Integer most, Integer& value) {
+    if (!text) return;
+    Integer read = 0;
+    const char* end = text->data() + text->size();
+    const auto [stop, error] = std::from_chars(text->data(), end, read);
+    if (error == std::errc() && stop == end && read >= least && read <= most)
+      value = read;
+    else
+      refuse(name, text, fmt::format("a whole number from {} to {}", least, most));
+  }
+
+  void share(const char* name, const Text& text, const char* example, double& value) {
+    if (!text) return;
+    const auto read = parse_share(*text);
+    if (read && *read > 0 && *read < 1)
+      value = *read;
+    else
+      refuse(name, text, fmt::format("a share between 0 and 1, as {}", example));
+  }
+
+  void flag(const char* name, const Text& text, bool& value) {
+    if (!text) return;
+    if (*text == "true" || *text == "false")
+      value = *text == "true";
+    else
+      refuse(name, text, "true or false");
+  }
+
+ private:
+  DiagnosticLog& log_;
+  bool ok_ = true;
+};
+
+// An option of the other engine that is given; nullptr: none.
+const char* stray_option(const ViewText& text, bool traced) {
+  const auto given = [](const Text& value) { return value && *value != "false"; };
+  if (traced) {
+    if (given(text.no_shadows)) return "no-shadows";
+    if (given(text.adaptive)) return "adaptive";
+    if (text.pixel_error) return "pixel-error";
+    return text.shadow_side ? "shadow-side" : nullptr;
+  }
+  if (text.until_error) return "until-error";
+  if (text.filter) return "filter";
+  if (text.bounces) return "bounces";
+  if (text.seed) return "seed";
+  if (text.max_samples) return "max-samples";
+  return given(text.no_sun_disc) ? "no-sun-disc" : nullptr;
+}
+
+// N, or 0 for auto.
+unsigned read_samples(const ViewText& text, bool traced, Reader& reader) {
+  if (!text.samples) return traced ? 8u : 0u;
+  if (*text.samples == "auto" && !traced) return 0u;
+  const auto number = parse_numbers(*text.samples, 1);
+  if (number && (*number)[0] >= 1 && (*number)[0] <= 64 && (*number)[0] == std::floor((*number)[0]))
+    return static_cast<unsigned>((*number)[0]);
+  reader.refuse("samples", text.samples,
+                traced ? "a whole number from 1 to 64" : "a whole number from 1 to 64, or auto");
+  return 1;
+}
+
+void read_gl(const ViewText& text, Reader& reader, DrawOptions& draw) {
+  preview::RenderOptions& gl = draw.gl;
+  gl.samples = draw.samples;
+  if (text.pixel_error && draw.samples > 0)
+    reader.fail("--pixel-error requires --samples auto");
+  else
+    reader.share("pixel-error", text.pixel_error, "1%", gl.pixel_error);
+  reader.flag("adaptive", text.adaptive, gl.adaptive);
+  if (gl.adaptive && draw.samples == 0)
+    reader.fail("--adaptive requires --samples N; auto is adaptive by itself");
+  bool no_shadows = false;
+  reader.flag("no-shadows", text.no_shadows, no_shadows);
+  reader.whole("shadow-side", text.shadow_side, 16u, 16384u, gl.shadow_side);
+  if (no_shadows && text.shadow_side)
+    reader.fail("--shadow-side cannot be combined with --no-shadows");
+  if (no_shadows) gl.shadow_side = 0;
+}
+
+void read_reference(const ViewText& text, Reader& reader, preview::ReferenceOptions& traced) {
+  reader.share("until-error", text.until_error, "0.1%", traced.until_error);
+  reader.whole("max-samples", text.max_samples, 32u, 1u << 30, traced.max_samples);
+  reader.whole("bounces", text.bounces, 0u, 1000u, traced.bounces);
+  reader.whole<std::uint64_t>("seed", text.seed, 0, ~std::uint64_t{0}, traced.seed);
+  bool no_disc = false;
+  reader.flag("no-sun-disc", text.no_sun_disc, no_disc);
+  traced.sun_disc = !no_disc;
+  if (!text.filter || *text.filter == "box") return;
+  const std::string_view prefix = "gaussian:";
+  const auto sigma = text.filter->starts_with(prefix)
+                         ? parse_numbers(std::string_view(*text.filter).substr(prefix.size()), 1)
+                         : std::nullopt;
+  if (sigma && (*sigma)[0] > 0 && (*sigma)[0] <= kWidestPsf)
+    traced.psf_sigma = (*sigma)[0];
+  else
+    reader.refuse("filter", text.filter,
+                  fmt::format("box, or gaussian:SIGMA of up to {} pixels", kWidestPsf));
+}
+
+Result<DrawOptions> read(const ViewText& text, preview::ContextKind context, DiagnosticLog& log) {
+  Reader reader(log);
+  DrawOptions draw;
+  draw.context = context;
+  const bool traced = text.engine == "reference";
+  if (text.engine && !traced && *text.engine != "gl") {
+    reader.refuse("engine", text.engine, "gl or reference");
+    return failed;
+  }
+  if (const char* stray = stray_option(text, traced)) {
+    reader.fail(fmt::format("--{} requires --engine {}", stray, traced ? "gl" : "reference"));
+    return failed;
+  }
+  draw.engine = traced ? Engine::reference : Engine::gl;
+  draw.samples = read_samples(text, traced, reader);
+  if (traced)
+    read_reference(text, reader, draw.reference);
+  else
+    read_gl(text, reader, draw);
+  reader.flag("flat", text.flat, draw.gl.flat);
+  draw.reference.flat = draw.gl.flat;
+  if (text.max_image_memory) {
+    if (const auto bytes = parse_bytes(*text.max_image_memory))
+      draw.gl.max_bytes = draw.reference.max_bytes = *bytes;
+    else
+      reader.refuse("max-image-memory", text.max_image_memory, "a number of bytes, as 2GB");
+  }
+  if (!reader.ok()) return failed;
+  return draw;
+}
+
+}  // namespace
+
+Result<DrawOptions> draw_options(const ViewText& text, preview::ContextKind context,
+                                 DiagnosticLog& log) {
+  DiagnosticLog apart = log.apart();
+  auto draw = read(text, context, apart);
+  forward(apart, text.label, text.file, log);
+  return draw;
+}
+
+}  // namespace panwright::workspace

@@ -1,0 +1,46 @@
+#include <fmt/format.h>
+
+#include "base/text.h"
+#include "workspace/internal/forward.h"
+
+namespace panwright::workspace {
+
+namespace {
+
+// "--fov is …" as an option of the command line, "fov is …" as a member of a view.
+std::string without_dashes(const std::string& message) {
+  std::string out;
+  for (std::size_t i = 0; i < message.size(); ++i) {
+    const bool begins = i == 0 || message[i - 1] == ' ';
+    if (begins && message.compare(i, 2, "--") == 0)
+      ++i;
+    else
+      out += message[i];
+  }
+  return out;
+}
+
+}  // namespace
+
+void forward(const DiagnosticLog& from, const std::string& label, std::string_view file,
+             DiagnosticLog& to) {
+  for (const Diagnostic& each : from.entries()) {
+    std::string name =
+        each.where.file == kNoFile ? std::string() : from.sources().file(each.where.file).name;
+    if (label.empty()) {
+      to.report_file(each.code, name, each.message, each.hint);
+      continue;
+    }
+    const bool usage = each.code == Code::E0201;
+    if (name.empty()) name = file;
+    to.report_file(usage ? Code::E0203 : each.code, name,
+                   label + ": " + (usage ? without_dashes(each.message) : each.message), each.hint);
+  }
+}
+
+std::string view_label(std::size_t index, const std::string& name) {
+  return name.empty() ? fmt::format("view {}", index)
+                      : fmt::format("view {} ({})", index, in_quotes(name));
+}
+
+}  // namespace panwright::workspace

@@ -1,0 +1,36 @@
+// JSON of unknown origin, with a place for what is wrong.
+#pragma once
+
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/result.h"
+
+namespace panwright::workspace {
+
+struct JsonText {
+  nlohmann::json value;
+  // Members that stand twice in an object: of which item of the outermost list (0 without one), and
+  // which. JSON does not define which of them counts; here the last one does.
+  struct Repeated {
+    std::size_t item = 0;
+    std::string member;
+  };
+  std::vector<Repeated> repeated;
+};
+
+struct JsonProblem {
+  std::string message;  // "invalid JSON at line 2, column 7: unexpected '}'"
+  std::string hint;     // may be empty
+};
+
+// Parses a text. Values may be nested 16 deep.
+//
+// Fails: nothing is reported; `problem` says what is wrong.
+Result<JsonText> parse_json(std::string_view text, JsonProblem& problem);
+
+}  // namespace panwright::workspace

@@ -1,0 +1,121 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/text.h"
+#include "workspace/internal/json_text.h"
+
+namespace panwright::workspace {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMostNested = 16;
+
+// Line, column (bytes) and what stands there. byte: from 1 on.
+JsonProblem problem_at(std::string_view text, std::size_t byte, bool out_of_range) {
+  const std::size_t at = std::min(byte > 0 ? byte - 1 : 0, text.size());
+  const std::string_view before = text.substr(0, at);
+  const std::size_t line_start = before.rfind('\n') == before.npos ? 0 : before.rfind('\n') + 1;
+  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+  std::string found;
+  if (out_of_range)
+    found = "a number that is too large";
+  else if (at == text.size())
+    found = "the text ends";
+  else if (static_cast<unsigned char>(text[at]) >= 0x80)
+    found = "unexpected or invalid UTF-8";
+  else
+    found = "unexpected " + in_quotes(text.substr(at, 1));
+  JsonProblem problem{
+      fmt::format("invalid JSON at line {}, column {}: {}", line, at - line_start + 1, found), {}};
+  const std::size_t last = before.find_last_not_of(" \t\r\n");
+  if (at < text.size() && (text[at] == '}' || text[at] == ']') && last != before.npos &&
+      before[last] == ',')
+    problem.hint = "no comma stands behind the last item";
+  else if (at < text.size() && text[at] == '\'')
+    problem.hint = "text stands in double quotes";
+  else if (at < text.size() && text[at] == '/')
+    problem.hint = "JSON has no comments";
+  return problem;
+}
+
+// Builds the value, and keeps the library's own words to itself.
+class Builder : public nlohmann::json_sax<Json> {
+ public:
+  Builder(std::string_view text, JsonText& out, JsonProblem& problem)
+      : text_(text), out_(out), problem_(problem) {}
+
+  bool null() override { return add(nullptr) != nullptr; }
+  bool boolean(bool value) override { return add(value) != nullptr; }
+  bool number_integer(number_integer_t value) override { return add(value) != nullptr; }
+  bool number_unsigned(number_unsigned_t value) override { return add(value) != nullptr; }
+  bool number_float(number_float_t value, const string_t&) override {
+    return add(value) != nullptr;
+  }
+  bool string(string_t& value) override { return add(std::move(value)) != nullptr; }
+  bool binary(binary_t&) override { return false; }
+  bool start_object(std::size_t) override { return open(Json::object()); }
+  bool start_array(std::size_t) override { return open(Json::array()); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+  bool key(string_t& name) override {
+    if (open_.back()->contains(name)) {
+      const Json& outer = *open_.front();
+      out_.repeated.push_back({outer.is_array() ? outer.size() - 1 : 0, name});
+    }
+    key_ = std::move(name);
+    return true;
+  }
+  bool parse_error(std::size_t byte, const std::string&,
+                   const nlohmann::detail::exception& error) override {
+    constexpr int kNumberOutOfRange = 406;
+    problem_ = problem_at(text_, byte, error.id == kNumberOutOfRange);
+    return false;
+  }
+
+ private:
+  Json* add(Json&& value) {
+    if (open_.empty()) {
+      out_.value = std::move(value);
+      return &out_.value;
+    }
+    Json& parent = *open_.back();
+    if (parent.is_array()) {
+      parent.push_back(std::move(value));
+      return &parent.back();
+    }
+    return &(parent[key_] = std::move(value));
+  }
+  bool open(Json&& value) {
+    if (open_.size() == kMostNested) {
+      problem_.message = fmt::format("values are nested more than {} deep", kMostNested);
+      return false;
+    }
+    open_.push_back(add(std::move(value)));
+    return true;
+  }
+  bool close() {
+    open_.pop_back();
+    return true;
+  }
+
+  std::string_view text_;
+  JsonText& out_;
+  JsonProblem& problem_;
+  std::vector<Json*> open_;
+  std::string key_;
+};
+
+}  // namespace
+
+Result<JsonText> parse_json(std::string_view text, JsonProblem& problem) {
+  JsonText out;
+  Builder builder(text, out, problem);
+  if (!Json::sax_parse(text, &builder)) return failed;
+  return out;
+}
+
+}  // namespace panwright::workspace

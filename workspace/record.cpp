@@ -1,0 +1,284 @@
+#include "workspace/record.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "base/text.h"
+#include "preview/image.h"
+#include "workspace/internal/json_text.h"
+
+namespace panwright::workspace {
+
+namespace {
+
+using nlohmann::json;
+using Json = nlohmann::ordered_json;
+
+constexpr int kSchema = 1;
+constexpr std::size_t kMaxBytes = 16u << 20;
+
+Json numbers(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+// Options of reading that are not as they are by default. `visit(name, member)` sees all of them.
+template <class Open, class Visit>
+void each_option(Open& open, Visit&& visit) {
+  visit("max-error", open.max_error);
+  visit("root", open.root);
+  auto& cad = open.cad;
+  visit("units", cad.units);
+  visit("up-axis", cad.up);
+  visit("scene", cad.scene);
+  visit("assume", cad.assume);
+  visit("no-weld", cad.no_weld);
+  visit("weld", cad.weld);
+  visit("crease", cad.crease_deg);
+  visit("primitives", cad.primitives);
+  visit("deflection", cad.deflection);
+  visit("crease-normals", cad.crease_normals);
+  visit("keep-hidden", cad.keep_hidden);
+  visit("recentre", cad.recentre);
+}
+
+Json reading(const OpenOptions& open) {
+  Json given = Json::object();
+  const auto write = [](Json& out) {
+    return [&out](const char* name, const auto& value) {
+      if constexpr (requires { value.has_value(); })
+        out[name] = value ? Json(*value) : Json();
+      else
+        out[name] = value;
+    };
+  };
+  Json all;
+  Json usual;
+  each_option(open, write(all));
+  const OpenOptions none;
+  each_option(none, write(usual));
+  for (const auto& [name, value] : all.items())
+    if (value != usual[name]) given[name] = value;
+  return given;
+}
+
+// Focal lengths as an option gives them, so that reading them makes the same doubles.
+void add_lens(const world::Camera& camera, Json& view) {
+  if (camera.projection == world::Projection::perspective) {
+    view["intrinsics"] = {camera.focal.x, camera.focal.y, camera.principal.x, camera.principal.y};
+    return;
+  }
+  // focal = pixels / width: one of the few doubles around the quotient gives it back
+  double width = camera.width / camera.focal.x;
+  double candidate = width;
+  for (int i = 0; i < 3; ++i) candidate = std::nextafter(candidate, 0.0);
+  for (int i = 0; i < 7; ++i) {
+    world::Camera other = camera;
+    world::set_orthographic(other, camera.width, camera.height, candidate);
+    if (other.focal.x == camera.focal.x) {
+      width = candidate;
+      break;
+    }
+    candidate = std::nextafter(candidate, std::numeric_limits<double>::infinity());
+  }
+  view["ortho"] = width;
+}
+
+void add_engine(const DrawOptions& draw, Json& view) {
+  const bool traced = draw.engine == Engine::reference;
+  view["engine"] = traced ? "reference" : "gl";
+  if (!traced) {
+    const unsigned samples = draw.samples > 0 ? draw.samples : draw.gl.samples;
+    if (samples > 0)
+      view["samples"] = samples;
+    else
+      view["samples"] = "auto";
+    if (samples == 0) view["pixel-error"] = draw.gl.pixel_error;
+    if (draw.gl.adaptive && samples > 0) view["adaptive"] = true;
+    if (draw.gl.flat) view["flat"] = true;
+    if (draw.gl.shadow_side == 0)
+      view["no-shadows"] = true;
+    else
+      view["shadow-side"] = draw.gl.shadow_side;
+    return;
+  }
+  const preview::ReferenceOptions& reference = draw.reference;
+  view["samples"] =
+      draw.samples > 0
+          ? draw.samples
+          : static_cast<unsigned>(std::lround(std::sqrt(static_cast<double>(reference.samples))));
+  if (reference.until_error > 0) {
+    view["until-error"] = reference.until_error;
+    view["max-samples"] = reference.max_samples;
+  }
+  view["bounces"] = reference.bounces;
+  view["seed"] = reference.seed;
+  if (reference.psf_sigma > 0) view["filter"] = "gaussian:" + format_double(reference.psf_sigma);
+  if (!reference.sun_disc) view["no-sun-disc"] = true;
+  if (reference.flat) view["flat"] = true;
+}
+
+Json view_of(const world::World& world, const world::Camera& camera, double ev,
+             const DrawOptions& draw, const RecordSource& source) {
+  Json view;
+  view["size"] = fmt::format("{}x{}", camera.width, camera.height);
+  view["ev"] = ev;
+  view["camera"] = numbers(camera.position);
+  const Quat& q = camera.world_from_camera;
+  view["quat"] = {q.w, q.x, q.y, q.z};
+  add_lens(camera, view);
+  for (const world::Instance& target : world.instances()) {
+    const Vec3& at = target.pose().translation;
+    const Quat& turn = target.pose().rotation;
+    view["pose"][target.name()] = {at.x, at.y, at.z, turn.w, turn.x, turn.y, turn.z};
+  }
+  for (const auto& [name, value] : source.open.parameters) view["define"][name] = value;
+  const world::Sun& sun = world.sun();
+  view["sun"] = numbers(sun.direction);
+  view["sun-distance"] = sun.distance;
+  if (sun.irradiance) view["sun-irradiance"] = numbers(*sun.irradiance);
+  if (sun.limb_darkening > 0) view["limb-darkening"] = sun.limb_darkening;
+  add_engine(draw, view);
+  return view;
+}
+
+bool read_option(const json& value, std::string& out) {
+  if (value.is_string()) out = value.get<std::string>();
+  return value.is_string();
+}
+bool read_option(const json& value, bool& out) {
+  if (value.is_boolean()) out = value.get<bool>();
+  return value.is_boolean();
+}
+bool read_option(const json& value, double& out) {
+  if (value.is_number()) out = value.get<double>();
+  return value.is_number();
+}
+bool read_option(const json& value, std::optional<double>& out) {
+  if (value.is_number()) out = value.get<double>();
+  return value.is_number();
+}
+bool read_option(const json& value, std::uint32_t& out) {
+  if (value.is_number_unsigned()) out = value.get<std::uint32_t>();
+  return value.is_number_unsigned();
+}
+
+std::string text_of(const json& object, const char* name) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+// Why a record cannot be read; empty: it can.
+std::string read_into(const json& value, Record& record, DiagnosticLog& log) {
+  if (!value.is_object()) return "it is no object";
+  const auto schema = value.find("schema");
+  if (schema == value.end() || *schema != kSchema) return "its schema is not 1";
+  record.program = text_of(value, "program");
+  record.context = text_of(value, "context");
+  if (record.context.empty()) record.context = "auto";
+  record.nodes_moved = value.contains("nodes_moved");
+  const auto targets = value.find("targets");
+  if (targets == value.end() || !targets->is_array() || targets->empty()) return "no targets";
+  for (const json& target : *targets) {
+    if (!target.is_object()) return "a target is no object";
+    record.targets.push_back(
+        {text_of(target, "name"), text_of(target, "file"), text_of(target, "build_id")});
+    if (record.targets.back().name.empty()) return "a target has no name";
+  }
+  if (const auto read = value.find("reading"); read != value.end() && read->is_object()) {
+    std::string wrong;
+    each_option(record.open, [&](const char* name, auto& member) {
+      const auto given = read->find(name);
+      if (given != read->end() && !read_option(*given, member)) wrong = name;
+    });
+    if (!wrong.empty()) return "its option " + wrong;
+  }
+  const auto view = value.find("view");
+  if (view == value.end() || !view->is_object()) return "no view";
+  if (!parse_view(view->dump(), 0, {}, record.view, log)) return "its view";
+  record.view.label.clear();
+  return {};
+}
+
+}  // namespace
+
+std::string recorded_program() { return "panwright " PANWRIGHT_VERSION; }
+
+std::string record_text(const world::World& world, const world::Camera& camera, double ev,
+                        const DrawOptions& draw, const RecordSource& source) {
+  Json record;
+  record["schema"] = kSchema;
+  record["program"] = recorded_program();
+  bool moved = false;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    Json target;
+    target["name"] = world[i].name();
+    if (i < source.files.size()) target["file"] = source.files[i];
+    target["build_id"] = world[i].model()->build_id().hex();
+    record["targets"].push_back(std::move(target));
+    moved = moved || !world[i].node_states().empty() || !world[i].visible();
+  }
+  if (moved) record["nodes_moved"] = true;
+  if (const Json options = reading(source.open); !options.empty()) record["reading"] = options;
+  if (draw.engine == Engine::gl && draw.context != preview::ContextKind::automatic)
+    record["context"] = draw.context == preview::ContextKind::egl ? "egl" : "osmesa";
+  record["view"] = view_of(world, camera, ev, draw, source);
+  return record.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+Result<Record> read_record(const std::filesystem::path& image, DiagnosticLog& log) {
+  const auto text = preview::read_image_record(image, log);
+  if (!text) return failed;
+  Record record;
+  JsonProblem problem;
+  DiagnosticLog inner = log.apart();
+  std::string wrong;
+  if (text->size() > kMaxBytes) {
+    wrong = "it is too long";
+  } else if (const auto parsed = parse_json(*text, problem)) {
+    wrong = read_into(parsed->value, record, inner);
+  } else {
+    wrong = problem.message;
+  }
+  if (wrong.empty()) return record;
+  if (!inner.entries().empty()) wrong += ": " + inner.entries()[0].message;
+  log.report_file(Code::E0207, image.string(),
+                  "the record of how the image was made cannot be read: " + wrong);
+  return failed;
+}
+
+std::filesystem::path find_recorded(const std::string& file, const std::filesystem::path& image) {
+  namespace fs = std::filesystem;
+  const fs::path path = file;
+  std::error_code ignored;
+  if (path.is_absolute() || fs::exists(path, ignored)) return path;
+  fs::path folder = fs::absolute(image, ignored).parent_path();
+  for (int i = 0; i < 8 && !folder.empty(); ++i) {
+    if (fs::exists(folder / path, ignored)) return folder / path;
+    if (folder == folder.parent_path()) break;
+    folder = folder.parent_path();
+  }
+  return path;
+}
+
+void compare_with_record(const Record& record, const world::World& world,
+                         const std::filesystem::path& image, DiagnosticLog& log) {
+  const auto warn = [&](const std::string& message) {
+    log.report_file(Code::W0208, image.string(), message);
+  };
+  if (record.program != recorded_program())
+    warn(fmt::format("made by {}, this is {}", in_quotes(record.program), recorded_program()));
+  for (const RecordedTarget& target : record.targets) {
+    const auto found = world.find(target.name);
+    if (!found) {
+      warn(fmt::format("the target {} is not there now", in_quotes(target.name)));
+      continue;
+    }
+    const std::string now = world[*found].model()->build_id().hex();
+    if (now != target.build_id)
+      warn(fmt::format("the model {} has changed since: its build identity was {}, and is {}",
+                       in_quotes(target.name), target.build_id, now));
+  }
+  if (record.nodes_moved) warn("a program had moved or hidden nodes, which no option can");
+}
+
+}  // namespace panwright::workspace

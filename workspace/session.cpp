@@ -1,0 +1,103 @@
+#include "workspace/session.h"
+
+#include <algorithm>
+
+#include "workspace/internal/forward.h"
+
+namespace panwright::workspace {
+
+namespace {
+
+constexpr std::size_t kMostWorlds = 4;
+
+// Equal for views of one world.
+std::string key_of(const ViewText& view) {
+  std::string key;
+  const auto add = [&](const std::string& text) {
+    key += std::to_string(text.size()) + ":" + text;
+  };
+  for (const std::string& target : view.targets) add(target);
+  key += ";";
+  auto defines = view.defines;
+  std::sort(defines.begin(), defines.end());
+  for (const auto& [name, value] : defines) {
+    add(name);
+    add(value);
+  }
+  return key;
+}
+
+}  // namespace
+
+ViewSession::Opened* ViewSession::opened(const ViewText& view, const RunListener& listener,
+                                         DiagnosticLog& log, const Job& job) {
+  const std::string key = key_of(view);
+  const auto known = std::find_if(worlds_.begin(), worlds_.end(),
+                                  [&](const Opened& each) { return each.key == key; });
+  if (known != worlds_.end()) {
+    worlds_.splice(worlds_.begin(), worlds_, known);
+    return &worlds_.front();
+  }
+  std::vector<TargetFile> targets;
+  RecordSource source;
+  source.open = open_;
+  source.open.parameters = view.defines;
+  for (const std::string& text : view.targets) {
+    targets.push_back(target_file(text));
+    source.files.push_back(targets.back().file.string());
+  }
+  if (!recorded_.empty()) source.files = recorded_;
+  OpenReport report;
+  auto world = open_world(targets, source.open, log, job, &report);
+  if (listener.step)
+    for (const Step& step : report.steps) listener.step(step);
+  if (!world) return nullptr;
+  while (worlds_.size() >= kMostWorlds) worlds_.pop_back();
+  worlds_.push_front({key, *std::move(world), std::move(source), nullptr});
+  worlds_.front().maker = std::make_unique<ViewMaker>(worlds_.front().world);
+  return &worlds_.front();
+}
+
+const world::World* ViewSession::world(const ViewText& view, const RunListener& listener,
+                                       DiagnosticLog& log, const Job& job) {
+  const Opened* found = opened(view, listener, log, job);
+  return found == nullptr ? nullptr : &found->world;
+}
+
+Result<std::size_t> ViewSession::run(std::span<const ViewText> views, const RunListener& listener,
+                                     DiagnosticLog& log, const Job& job) {
+  std::vector<DrawOptions> draw;
+  bool good = true;
+  for (const ViewText& view : views) {
+    const auto options = draw_options(view, context_, log);
+    good = good && options;
+    draw.push_back(options ? *options : DrawOptions{});
+  }
+  for (std::size_t first = 0; first < views.size();) {
+    std::size_t end = first + 1;
+    while (end < views.size() && key_of(views[end]) == key_of(views[first])) ++end;
+    Opened* const open = opened(views[first], listener, log, job);
+    if (open == nullptr) return failed;
+    std::vector<View> made;
+    for (std::size_t i = first; i < end; ++i) {
+      auto view = open->maker->view(views[i], log);
+      good = good && view;
+      if (!view) continue;
+      view->draw = draw[i];
+      made.push_back(*std::move(view));
+    }
+    if (!good) return failed;
+    RunOptions options;
+    options.source = open->source;
+    options.listener = listener;
+    options.listener.written = [&](Written written) {
+      written.view += first;
+      if (listener.written) listener.written(written);
+    };
+    if (!runner_.run(open->world, made, options, log, job)) return failed;
+    first = end;
+  }
+  return views.size();
+}
+
+}  // namespace panwright::workspace
