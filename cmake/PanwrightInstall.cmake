@@ -2,25 +2,28 @@
 # find_package(panwright).
 
 include(CMakePackageConfigHelpers)
+# components, for packages: dev, and program for all that says nothing
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 set(PANWRIGHT_CONFIG_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/panwright")
 
 get_property(libraries GLOBAL PROPERTY PANWRIGHT_LIBRARIES)
 set_target_properties(panwright_flags PROPERTIES EXPORT_NAME flags)
 install(TARGETS panwright_flags ${libraries} EXPORT panwright
-        ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+        ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT dev)
 install(EXPORT panwright NAMESPACE panwright:: DESTINATION "${PANWRIGHT_CONFIG_DIR}"
-        FILE panwright-targets.cmake)
+        FILE panwright-targets.cmake COMPONENT dev)
 # public headers only: sub-folders without any are named here
 install(DIRECTORY base geometry mli materials scene pan world importers exporters compiler pxn preview workspace schemas
-        DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright"
+        DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright" COMPONENT dev
         FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE
         REGEX "/(importers/(vrml|gltf|meshes|step)|pxn/(text|expression|build)|preview/(gl|image|model|frame))$" EXCLUDE)
 install(FILES schemas/pxn-0.xsd schemas/pxn.xsd schemas/views.schema.json DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
 install(DIRECTORY materials/presets DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright"
         FILES_MATCHING PATTERN "*.pxn")
 install(DIRECTORY examples DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
-install(FILES LICENSE docs/pxn-reference.md docs/pan-format.md docs/conventions.md docs/views.md docs/using-the-library.md
-        DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+# pages with their images, as they link to each other
+install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(DIRECTORY docs DESTINATION "${CMAKE_INSTALL_DOCDIR}" FILES_MATCHING PATTERN "*.md" PATTERN "*.png")
 
 install(TARGETS panwright_tool RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 if(PANWRIGHT_HAS_STEP)
@@ -38,4 +41,14 @@ write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/panwright-config-v
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/panwright-config.cmake"
               "${CMAKE_CURRENT_BINARY_DIR}/panwright-config-version.cmake"
               cmake/PanwrightDependencies.cmake
-        DESTINATION "${PANWRIGHT_CONFIG_DIR}")
+        DESTINATION "${PANWRIGHT_CONFIG_DIR}" COMPONENT dev)
+
+# pkg-config, for programs without CMake: libraries from the top down, as a linker wants them
+set(PANWRIGHT_PC_LIBS "")
+foreach(library ${libraries})
+  string(PREPEND PANWRIGHT_PC_LIBS "-l${library} ")
+endforeach()
+file(RELATIVE_PATH PANWRIGHT_PC_UP "/prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/prefix")
+configure_file(cmake/panwright.pc.in "${CMAKE_CURRENT_BINARY_DIR}/panwright.pc" @ONLY)
+install(FILES "${CMAKE_CURRENT_BINARY_DIR}/panwright.pc"
+        DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT dev)

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <initializer_list>
+#include <variant>
 
 #include "base/file.h"
 #include "base/text.h"
@@ -29,28 +32,88 @@ Vec3 direction(double zenith_deg, double azimuth_deg) {
 
 bool is_gap(char c) { return c == ' ' || c == '\t' || c == ',' || c == ';' || c == '\r'; }
 
-// Reads the five numbers of a line. Returns the problem, if any.
-std::string read_line(std::string_view line, std::array<double, 5>& out) {
-  std::size_t at = 0;
-  for (std::size_t i = 0; i < out.size(); ++i) {
+// One line of a table: what is wrong with it, or its numbers.
+struct Line {
+  enum class Problem { none, number, count, below_horizon, bright, negative };
+  Problem problem = Problem::none;
+  std::string words;
+  std::array<double, 7> numbers{};
+  std::size_t count = 0;
+};
+
+// Reads the five or seven numbers of a line.
+Line read_line(std::string_view line) {
+  Line out;
+  const auto wrong = [&](Line::Problem problem, std::string words) {
+    out.problem = problem;
+    out.words = std::move(words);
+    return out;
+  };
+  for (std::size_t at = 0;;) {
     while (at < line.size() && is_gap(line[at])) ++at;
-    const auto [end, error] = std::from_chars(line.data() + at, line.data() + line.size(), out[i]);
-    if (error != std::errc() || !std::isfinite(out[i]))
-      return fmt::format("number {} of 5 is missing or invalid", i + 1);
+    if (at == line.size()) break;
+    if (out.count == out.numbers.size())
+      return wrong(Line::Problem::count, "more than 7 numbers, expected 5, or 7 with three bands");
+    double& number = out.numbers[out.count];
+    const auto [end, error] = std::from_chars(line.data() + at, line.data() + line.size(), number);
+    if (error != std::errc() || !std::isfinite(number))
+      return wrong(Line::Problem::number, fmt::format("number {} is invalid", out.count + 1));
     at = static_cast<std::size_t>(end - line.data());
+    ++out.count;
   }
-  while (at < line.size() && is_gap(line[at])) ++at;
-  if (at != line.size()) return "more than 5 numbers, expected 5";
-  if (std::fabs(out[0]) > 90 || std::fabs(out[2]) > 90)
-    return fmt::format("a zenith angle of {} degrees is below the horizon, expected at most 90",
-                       format_double(std::fabs(out[0]) > 90 ? out[0] : out[2]));
-  if (out[4] > kBrightest)
-    return fmt::format("a reflectance of {} 1/sr, expected at most {}", format_double(out[4]),
-                       format_double(kBrightest));
-  if (out[4] < 0)
-    return fmt::format("a reflectance of {} 1/sr, expected at least 0", format_double(out[4]));
-  return {};
+  if (out.count != 5 && out.count != 7)
+    return wrong(Line::Problem::count, fmt::format("{}, expected 5, or 7 with three bands",
+                                                   counted(out.count, "number")));
+  const auto& n = out.numbers;
+  if (std::fabs(n[0]) > 90 || std::fabs(n[2]) > 90)
+    return wrong(
+        Line::Problem::below_horizon,
+        fmt::format("a zenith angle of {} degrees is below the horizon, expected at most 90",
+                    format_double(std::fabs(n[0]) > 90 ? n[0] : n[2])));
+  for (std::size_t i = 4; i < out.count; ++i) {
+    if (n[i] > kBrightest)
+      return wrong(Line::Problem::bright,
+                   fmt::format("a reflectance of {} 1/sr, expected at most {}", format_double(n[i]),
+                               format_double(kBrightest)));
+    if (n[i] < 0)
+      return wrong(
+          Line::Problem::negative,
+          fmt::format("a reflectance of {} 1/sr, expected at least 0", format_double(n[i])));
+  }
+  return out;
 }
+
+// The invalid lines of a table: the first of each kind, and how many there are.
+class Complaints {
+ public:
+  void add(const Line& line, SourceSpan where) {
+    for (Kind& kind : kinds_)
+      if (kind.problem == line.problem) {
+        ++kind.count;
+        return;
+      }
+    kinds_.push_back({line.problem, line.words, where, 1});
+  }
+  bool report(DiagnosticLog& log) const {
+    for (const Kind& kind : kinds_)
+      log.report(Code::E1409, kind.where,
+                 kind.words + (kind.count > 1 ? fmt::format(", and {} like it",
+                                                            counted(kind.count - 1, "line"))
+                                              : std::string()),
+                 "a reading is zenith and azimuth of the light, zenith and azimuth of the viewer, "
+                 "in degrees, and the reflectance in 1/sr, one number or red, green and blue");
+    return !kinds_.empty();
+  }
+
+ private:
+  struct Kind {
+    Line::Problem problem;
+    std::string words;
+    SourceSpan where;
+    std::size_t count;
+  };
+  std::vector<Kind> kinds_;
+};
 
 // ---- minimisation
 
@@ -79,6 +142,7 @@ Point minimised(const Cost& cost, const Point& start, double step) {
                      [](const Corner& a, const Corner& b) { return a.cost < b.cost; });
     Corner& worst = simplex.back();
     if (worst.cost - simplex.front().cost < 1e-12 * (1 + simplex.front().cost)) break;
+    if (simplex.front().cost < 1e-10) break;  // nothing is left to find
     Point middle(start.size(), 0.0);
     for (std::size_t c = 0; c + 1 < simplex.size(); ++c)
       for (std::size_t i = 0; i < middle.size(); ++i)
@@ -110,22 +174,17 @@ Point minimised(const Cost& cost, const Point& start, double step) {
 double bounded(double x) { return 1 / (1 + det::exp(-x)); }
 double unbounded(double p) { return det::log(p / (1 - p)); }
 
-// A BRDF as a function of parameters in (0, 1).
+// A BRDF as a function of parameters in (0, 1), the same in all channels.
 struct Model {
   const char* brdf;
   std::vector<Point> starts;
   std::function<Material(const Point&)> material;
-  std::function<std::string(const Point&)> text;
 };
 
 Material diffuse(double albedo) {
   Material m;
   m.diffuse = Vec3(albedo);
   return m;
-}
-
-std::string diffuse_text(double albedo) {
-  return fmt::format("<diffuse> {0:.4g} {0:.4g} {0:.4g} </diffuse>", albedo);
 }
 
 // Microfacets in place of part of a diffuse surface, without the Fresnel term.
@@ -139,36 +198,19 @@ Material microfacets(SpecularModel brdf, const Point& p) {
   return m;
 }
 
-std::string microfacets_text(const char* tag, const Point& p) {
-  return fmt::format(
-      "<diffuse> 1 1 1 </diffuse>\n<specular> 1 1 1 </specular>\n<reflect> {:.4g} {:.4g} 0 "
-      "</reflect>\n<{} energy=\"single\"> {:.4g} </{}>",
-      p[0] * (1 - p[1]), p[1], tag, p[2], tag);
-}
-
 std::vector<Model> models() {
   std::vector<Model> all;
-  all.push_back({"Lambert",
-                 {{0.3}},
-                 [](const Point& p) { return diffuse(p[0]); },
-                 [](const Point& p) { return diffuse_text(p[0]); }});
-  all.push_back({"EON",
-                 {{0.3, 0.5}},
-                 [](const Point& p) {
+  all.push_back({"Lambert", {{0.3}}, [](const Point& p) { return diffuse(p[0]); }});
+  all.push_back({"EON", {{0.3, 0.5}}, [](const Point& p) {
                    Material m = diffuse(p[0]);
                    m.diffuse_brdf = Eon{p[1]};
                    return m;
-                 },
-                 [](const Point& p) {
-                   return diffuse_text(p[0]) + fmt::format("\n<eon> {:.4g} </eon>", p[1]);
                  }});
   const std::vector<Point> starts{{0.3, 0.1, 0.1}, {0.3, 0.1, 0.3}, {0.05, 0.3, 0.03}};
   all.push_back({"GGX microfacets over Lambert", starts,
-                 [](const Point& p) { return microfacets(SpecularModel::ggx, p); },
-                 [](const Point& p) { return microfacets_text("ggx", p); }});
+                 [](const Point& p) { return microfacets(SpecularModel::ggx, p); }});
   all.push_back({"Beckmann microfacets over Lambert", starts,
-                 [](const Point& p) { return microfacets(SpecularModel::beckmann, p); },
-                 [](const Point& p) { return microfacets_text("beckmann", p); }});
+                 [](const Point& p) { return microfacets(SpecularModel::beckmann, p); }});
   // parameters: albedo, slope, and the index from 1 to 2.5
   all.push_back({"Lambert under a coat",
                  {{0.3, 0.2, 0.33}, {0.3, 0.05, 0.33}, {0.03, 0.05, 0.33}},
@@ -176,14 +218,38 @@ std::vector<Model> models() {
                    Material m = diffuse(p[0]);
                    m.coat = Coat{1 + 1.5 * p[2], p[1], Vec3(0)};
                    return m;
-                 },
-                 [](const Point& p) {
-                   return diffuse_text(p[0]) +
-                          fmt::format("\n<coat n=\"{:.4g}\" slope=\"{:.4g}\"/>", 1 + 1.5 * p[2],
-                                      p[1]);
                  }});
   return all;
 }
+
+bool has_microfacets(const Material& m) { return m.specular_model() != SpecularModel::none; }
+
+// The fields of a material of models() as pxn.
+std::string text_of(const Material& m) {
+  const auto rgb = [](const Vec3& v) { return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z); };
+  std::string text = fmt::format("<diffuse> {} </diffuse>", rgb(m.diffuse));
+  if (const auto* eon = std::get_if<Eon>(&m.diffuse_brdf))
+    text += fmt::format("\n<eon> {:.4g} </eon>", eon->roughness);
+  if (has_microfacets(m)) {
+    const char* const tag = m.specular_model() == SpecularModel::ggx ? "ggx" : "beckmann";
+    text += fmt::format(
+        "\n<specular> {} </specular>\n<reflect> {:.4g} {:.4g} 0 </reflect>\n"
+        "<{} energy=\"single\"> {:.4g} </{}>",
+        rgb(m.specular), m.weights.x, m.weights.y, tag, slopes_of(m).value_or(Vec2(0)).x, tag);
+  }
+  if (m.coat)
+    text += fmt::format("\n<coat n=\"{:.4g}\" slope=\"{:.4g}\"/>", m.coat->index, m.coat->alpha);
+  return text;
+}
+
+// ---- residuals
+
+// A channel of a reading and of a BRDF; kMean: the mean of a reading, and a BRDF without colour.
+constexpr int kMean = -1;
+double channel_of(const Reading& r, int channel) {
+  return channel == kMean ? r.reflectance : r.rgb[channel];
+}
+double channel_of(const Vec3& f, int channel) { return channel == kMean ? f.y : f[channel]; }
 
 struct Residuals {
   double rms_decades = 0;
@@ -191,18 +257,23 @@ struct Residuals {
   double rms = 0;
 };
 
-Residuals residuals(const Material& material, const std::vector<Reading>& readings, double floor) {
+Residuals residuals(const Material& material, const std::vector<Reading>& readings, double floor,
+                    std::initializer_list<int> channels) {
   Residuals out;
   double logs = 0, squares = 0;
   std::size_t count = 0;
   for (const Reading& r : readings) {
     if (r.to_light.z < kLowest || r.to_viewer.z < kLowest) continue;
-    const double f = f64::brdf(material, r.to_light, r.to_viewer, Vec3(0, 0, 1)).y;
-    const double decades = det::log10(std::max(f, floor) / std::max(r.reflectance, floor));
-    logs += decades * decades;
-    squares += (f - r.reflectance) * (f - r.reflectance);
-    out.max_decades = std::max(out.max_decades, std::fabs(decades));
-    ++count;
+    const Vec3 rgb = f64::brdf(material, r.to_light, r.to_viewer, Vec3(0, 0, 1));
+    for (const int channel : channels) {
+      const double f = channel_of(rgb, channel);
+      const double read = channel_of(r, channel);
+      const double decades = det::log10(std::max(f, floor) / std::max(read, floor));
+      logs += decades * decades;
+      squares += (f - read) * (f - read);
+      out.max_decades = std::max(out.max_decades, std::fabs(decades));
+      ++count;
+    }
   }
   out.rms_decades = std::sqrt(logs / static_cast<double>(count));
   out.rms = std::sqrt(squares / static_cast<double>(count));
@@ -216,6 +287,53 @@ Point all_bounded(const Point& x) {
   return p;
 }
 
+// The least cost from several starts.
+Point best_point(const Cost& cost, const std::vector<Point>& starts) {
+  Point best;
+  double least = 0;
+  for (const Point& start : starts) {
+    Point x(start.size());
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = unbounded(start[i]);
+    x = minimised(cost, minimised(cost, x, 1.0), 0.1);
+    const double found = cost(x);
+    if (!best.empty() && found >= least) continue;
+    best = x;
+    least = found;
+  }
+  return all_bounded(best);
+}
+
+// A material of models() with colours of its own in each channel: how much of it is diffuse, and of
+// microfacets; slopes, roughness and index stay. Their two weights add up to 1, so that no channel
+// returns more than came.
+Material tinted(const Material& grey, const std::vector<Reading>& readings, double floor) {
+  Material base = grey;
+  Point start{std::clamp(grey.diffuse.x, 1e-3, 0.999)};
+  if (has_microfacets(grey)) {
+    const double sum = grey.weights.x + grey.weights.y;
+    base.weights = {grey.weights.x / sum, grey.weights.y / sum, 0};
+    start = Point(2, std::clamp(sum, 1e-3, 0.999));
+  }
+  const auto with = [&](const Point& shares) {
+    Material m = base;
+    m.diffuse = Vec3(shares[0]);
+    if (shares.size() > 1) m.specular = Vec3(shares[1]);
+    fit(m);
+    return m;
+  };
+  for (const int channel : {0, 1, 2}) {
+    const Cost cost = [&](const Point& x) {
+      return residuals(with(all_bounded(x)), readings, floor, {channel}).rms_decades;
+    };
+    Point x(start.size());
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = unbounded(start[i]);
+    const Point shares = all_bounded(minimised(cost, x, 0.3));
+    base.diffuse[channel] = shares[0];
+    if (shares.size() > 1) base.specular[channel] = shares[1];
+  }
+  return base;
+}
+
 }  // namespace
 
 Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, DiagnosticLog& log) {
@@ -223,38 +341,41 @@ Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, Di
   if (!bytes) return failed;
   const auto text = std::make_shared<const std::string>(*std::move(bytes));
   const FileId file = log.sources().add({path.string(), text, Encoding::utf8, {}});
-  const std::size_t errors = log.errors();
+  Complaints complaints;
   std::vector<Reading> readings;
-  std::size_t usable = 0;
+  std::size_t usable = 0, numbers = 0;
   for (std::size_t begin = 0; begin < text->size();) {
     const std::size_t end = std::min(text->find('\n', begin), text->size());
+    const SourceSpan where{file, static_cast<std::uint32_t>(begin),
+                           static_cast<std::uint32_t>(end)};
     std::string_view line(text->data() + begin, end - begin);
     std::size_t skip = 0;
     // a byte-order mark
     if (begin == 0 && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
     while (skip < line.size() && is_gap(line[skip])) ++skip;
+    begin = end + 1;
     const char first = skip < line.size() ? line[skip] : '#';
     const bool number =
         (first >= '0' && first <= '9') || first == '-' || first == '+' || first == '.';
     const bool word = (first >= 'a' && first <= 'z') || (first >= 'A' && first <= 'Z');
-    std::array<double, 5> five{};
-    const bool read = number || (!word && first != '#');
-    if (read) {
-      const std::string problem = read_line(line, five);
-      if (!problem.empty()) {
-        log.report(Code::E1409,
-                   {file, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)},
-                   problem,
-                   "a reading is zenith and azimuth of the light, zenith and azimuth of the "
-                   "viewer, in degrees, and the reflectance in 1/sr");
-      } else {
-        readings.push_back({direction(five[0], five[1]), direction(five[2], five[3]), five[4]});
-        usable += readings.back().to_light.z >= kLowest && readings.back().to_viewer.z >= kLowest;
-      }
+    if (!number && (word || first == '#')) continue;
+    Line read = read_line(line);
+    if (read.problem == Line::Problem::none && numbers != 0 && read.count != numbers) {
+      read.problem = Line::Problem::count;
+      read.words = fmt::format("{} numbers, {} in the lines above", read.count, numbers);
     }
-    begin = end + 1;
+    if (read.problem != Line::Problem::none) {
+      complaints.add(read, where);
+      continue;
+    }
+    numbers = read.count;
+    const auto& n = read.numbers;
+    const Vec3 rgb = numbers == 7 ? Vec3(n[4], n[5], n[6]) : Vec3(n[4]);
+    const double mean = numbers == 7 ? (rgb.x + rgb.y + rgb.z) / 3 : n[4];
+    readings.push_back({direction(n[0], n[1]), direction(n[2], n[3]), mean, rgb});
+    usable += readings.back().to_light.z >= kLowest && readings.back().to_viewer.z >= kLowest;
   }
-  if (log.errors() != errors) return failed;
+  if (complaints.report(log)) return failed;
   if (readings.size() > kMostReadings) {
     log.report_file(
         Code::E1409, path.string(),
@@ -270,33 +391,29 @@ Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, Di
   return readings;
 }
 
+bool has_color(const std::vector<Reading>& readings) {
+  return std::any_of(readings.begin(), readings.end(),
+                     [](const Reading& r) { return r.rgb.x != r.rgb.y || r.rgb.y != r.rgb.z; });
+}
+
 std::vector<Fit> fitted_brdfs(const std::vector<Reading>& readings, double floor) {
+  const bool color = has_color(readings);
   std::vector<Fit> fits;
   for (const Model& model : models()) {
     const Cost cost = [&](const Point& x) {
       Material material = model.material(all_bounded(x));
       fit(material);
-      return residuals(material, readings, floor).rms_decades;
+      return residuals(material, readings, floor, {kMean}).rms_decades;
     };
-    Point best;
-    double least = 0;
-    for (const Point& start : model.starts) {
-      Point x(start.size());
-      for (std::size_t i = 0; i < x.size(); ++i) x[i] = unbounded(start[i]);
-      x = minimised(cost, minimised(cost, x, 1.0), 0.1);
-      const double found = cost(x);
-      if (!best.empty() && found >= least) continue;
-      best = x;
-      least = found;
-    }
-    const Point p = all_bounded(best);
     Fit one;
     one.brdf = model.brdf;
-    one.text = model.text(p);
-    one.material = model.material(p);
+    one.material = model.material(best_point(cost, model.starts));
+    if (color) one.material = tinted(one.material, readings, floor);
+    one.text = text_of(one.material);
     one.material.name = model.brdf;
     fit(one.material);
-    const Residuals r = residuals(one.material, readings, floor);
+    const Residuals r = color ? residuals(one.material, readings, floor, {0, 1, 2})
+                              : residuals(one.material, readings, floor, {kMean});
     one.rms_decades = r.rms_decades;
     one.max_decades = r.max_decades;
     one.rms = r.rms;

@@ -1,5 +1,7 @@
 #include "materials/report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -68,9 +70,31 @@ void compare_precisions(const Material& material, MaterialReport& out) {
   if (count > 0) out.f32_rms = std::sqrt(sum / static_cast<double>(count));
 }
 
-}  // namespace
+// The material with another slope of its microfacets and its coat, wherever it has one.
+Material with_slope(const Material& material, double slope) {
+  Material m = material;
+  if (slopes_of(m)) m.specular_brdf = with_slopes(m.specular_model(), Vec2(slope));
+  if (m.coat && m.coat->alpha > 0) m.coat->alpha = slope;
+  fit(m);
+  return m;
+}
 
-namespace {
+std::optional<double> safe_slope_of(const Material& material, const MaterialReport& report) {
+  double own = 0;
+  if (const auto slopes = slopes_of(material)) own = std::min(slopes->x, slopes->y);
+  if (material.coat && material.coat->alpha > 0)
+    own = own > 0 ? std::min(own, material.coat->alpha) : material.coat->alpha;
+  if (!(own > 0) || report.f32_error > kSafeInSingle) return std::nullopt;
+  double safe = own;
+  for (const double slope : {0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 3e-4, 1e-4}) {
+    if (slope >= own) continue;
+    MaterialReport one;
+    compare_precisions(with_slope(material, slope), one);
+    if (one.f32_error > kSafeInSingle) break;
+    safe = slope;
+  }
+  return safe;
+}
 
 MaterialReport::Albedo albedo_of(const Material& material, double mu) {
   MaterialReport::Albedo one{mu, directional_albedo(material, mu)};
@@ -97,7 +121,35 @@ MaterialReport material_report(const Material& material, std::span<const double>
   out.reciprocity = reciprocity_residual(material);
   out.fit_error = material.fits.error;
   compare_precisions(material, out);
+  out.safe_slope = safe_slope_of(material, out);
   return out;
+}
+
+std::string verdict(const MaterialReport& report) {
+  const double angle = det::acos(std::clamp(report.gain.mu, 0.0, 1.0)) / kDegree;
+  std::string words;
+  if (report.gain.albedo <= kConserved)
+    words = fmt::format("Energy: conserved (largest directional albedo {:.3f} at {:.3g}°).",
+                        report.gain.albedo, angle);
+  else
+    words = fmt::format(
+        "Energy: GAINED, up to {:.2g} % more light leaves than came (directional albedo {:.4g} at "
+        "{:.3g}°).",
+        100 * (report.gain.albedo - 1), report.gain.albedo, angle);
+  words +=
+      report.reciprocity <= kReciprocal
+          ? " Reciprocal."
+          : fmt::format(" NOT reciprocal: exchanging light and viewer changes it by up to {:.2g}.",
+                        report.reciprocity);
+  if (report.f32_error > kSafeInSingle)
+    words += fmt::format(" NOT safe in single precision: off by up to {:.2g}.", report.f32_error);
+  else if (report.safe_slope)
+    words += fmt::format(" Safe in single precision down to slope {:.4g}.", *report.safe_slope);
+  else
+    words += " Safe in single precision.";
+  if (report.fit_error > 0)
+    words += fmt::format(" Approximations: off by at most {:.1g}.", report.fit_error);
+  return words;
 }
 
 bool may_gain(const Material& m) {

@@ -74,6 +74,27 @@ Coat coat_of_film(const Conductor& film, double thickness) {
   return coat;
 }
 
+std::optional<Coat> coat_of_film(std::string_view name, double thickness) {
+  const auto bands = film(name);
+  const auto constants = optical_constants(name);
+  if (!bands || !constants) return std::nullopt;
+  Coat coat;
+  coat.index = bands->n.y;
+  // note: black paint's share; the front of the film reflects more
+  constexpr double kDarkest = 1e-4;
+  for (int channel = 0; channel < 3; ++channel) {
+    double passed = 0;
+    for (std::size_t i = 0; i < kWavelengths.size(); ++i)
+      passed += kSunlitColor[static_cast<std::size_t>(channel)][i] *
+                det::exp(-8 * kPi * constants->k[i] / (kWavelengths[i] * 1e-6) * thickness);
+    coat.depth[channel] = -0.5 * det::log(std::clamp(passed, kDarkest, 1.0));
+  }
+  const bool clear =
+      std::all_of(constants->k.begin(), constants->k.end(), [](double k) { return k == 0; });
+  if (clear) coat.depth = Vec3(0);
+  return coat;
+}
+
 std::optional<OpticalConstants> optical_constants(std::string_view name) {
   const OpticalTable* table = table_of(name);
   if (!table) return std::nullopt;

@@ -29,6 +29,7 @@ std::optional<Conductor> metal(std::string_view name);
 std::span<const std::string_view> metal_names();
 
 // The same for a clear film: "Kapton", "MgF2" or "SiO2", interpolated linearly between wavelengths.
+// What a coat of it absorbs is rather coat_of_film(name, thickness).
 std::optional<Conductor> film(std::string_view name);
 
 // The names that film() accepts, in alphabetical order.
@@ -38,6 +39,17 @@ std::span<const std::string_view> film_names();
 //
 //   thickness  metres
 Coat coat_of_film(const Conductor& film, double thickness);
+
+// A film of film_names() as a coat that has its colour: an absorption edge lies between the bands
+// (Kapton's at 500 nm), and samples at three wavelengths make amber lemon. The light that passes
+// the film twice at normal incidence, of the Sun's spectrum, is seen by the CIE 1931 observer and
+// given as linear sRGB, the Sun being white: that has the chromaticity and the luminance of the
+// spectrum, where sRGB has the colour; channels that are not in 0..1 are moved there. Absorption is
+// nothing where k is 0.
+//
+//   thickness  metres
+//   returns    none for a name that is not known
+std::optional<Coat> coat_of_film(std::string_view name, double thickness);
 
 // n and k, one for each of wavelengths_um().
 struct OpticalConstants {

@@ -44,8 +44,9 @@ struct Options {
   std::string svg;                    // folder for plots
   std::string fit;                    // table of measured reflectance
   std::string render;                 // image of samples
-  std::uint32_t width = 480;          // of one material in the image, pixels
-  std::string engine = "gl";
+  std::uint32_t width = 360;          // of one material in the image, pixels
+  std::string light = "studio";
+  std::string engine;  // empty: the one that the light needs
 };
 
 void declare_all(Arguments& arguments, Options& options) {
@@ -57,18 +58,26 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments.flag("--show", options.show, "Print the text of a library's material");
   arguments.add("--albedo", options.albedo, "Cosines of the directions whose albedo is printed")
       .type("MU,MU…");
-  arguments.add("--svg", options.svg, "Write plots of albedo and lobes into this folder")
+  arguments
+      .add("--svg", options.svg, "Write plots of albedo and lobes, or of the fit, into this folder")
       .folder()
       .type("FOLDER");
-  arguments.add("--fit", options.fit, "Fit our BRDFs to a table of measured reflectance")
+  arguments
+      .add("--fit", options.fit,
+           "Fit our BRDFs to a table of measured reflectance, of one band or of RGB")
       .type("TABLE");
   arguments
       .add("--render", options.render, "Draw a sphere, a tilted tile and a wrinkled tile of each")
       .type("FILE.png");
-  arguments.add("--width", options.width, "Pixels across one material's texture")
+  arguments
+      .add("--light", options.light,
+           "sun: the Sun alone; studio: lamps and grey walls too, for display")
+      .one_of({"studio", "sun"})
+      .type("LIGHT");
+  arguments.add("--width", options.width, "Pixels across one material's image")
       .range(60, 4096)
       .type("PIXELS");
-  arguments.add("--engine", options.engine, "gl or reference")
+  arguments.add("--engine", options.engine, "gl or reference; the studio needs reference")
       .one_of({"gl", "reference"})
       .type("ENGINE");
   declare(arguments, options.common);
@@ -194,6 +203,11 @@ Json report_json(const DescribedMaterial& described, const materials::MaterialRe
   out["name"] = described.material.name;
   out["brdf"] = materials::brdf_in_words(described.material);
   out["laws"] = out["brdf"];  // as it was called
+  out["verdict"] = {{"text", materials::verdict(c)},
+                    {"energy_conserved", c.gain.albedo <= materials::kConserved},
+                    {"reciprocal", c.reciprocity <= materials::kReciprocal},
+                    {"safe_in_single_precision", c.f32_error <= materials::kSafeInSingle},
+                    {"safe_slope", c.safe_slope ? Json(*c.safe_slope) : Json(nullptr)}};
   out["directional_albedo"] = Json::array();
   for (const auto& each : c.directional)
     out["directional_albedo"].push_back({{"mu", each.mu},
@@ -229,17 +243,17 @@ void print_provenance(const pxn::Provenance& from) {
 void print_report(const DescribedMaterial& described, const materials::MaterialReport& c,
                   const Speed& speed) {
   print("{}: {}\n", described.material.name, materials::brdf_in_words(described.material));
+  print("{}\n\n", materials::verdict(c));
   print_provenance(described.provenance);
   const bool anisotropic = materials::is_anisotropic(described.material);
-  print("cosine  angle   directional albedo at 650, 550, 450 nm{}\n",
+  print("cosine  angle   directional albedo in red, green, blue{}\n",
         anisotropic ? ", least and largest over the azimuth" : "");
   for (const auto& each : c.directional)
     print("{:<7.4g} {:>5.2f}°  {}{}\n", each.mu, det::acos(each.mu) / kDegree,
           rgb_words(anisotropic ? each.least : each.rgb),
           anisotropic ? "   " + rgb_words(each.largest) : std::string());
   print("hemispherical albedo  {}\n", rgb_words(c.hemispherical));
-  print("energy                {} (largest directional albedo {:.6f} at cosine {:.4g})\n",
-        c.gain.albedo <= 1 + 1e-4 ? "kept" : "GAINED", c.gain.albedo, c.gain.mu);
+  print("largest albedo        {:.6f} at cosine {:.4g}\n", c.gain.albedo, c.gain.mu);
   print("reciprocity           {:.1e} largest relative residual\n", c.reciprocity);
   print("single precision      {:.1e} largest, {:.1e} RMS relative error\n", c.f32_error,
         c.f32_rms);
@@ -257,13 +271,17 @@ void print_report(const DescribedMaterial& described, const materials::MaterialR
           published ? fmt::format(" (published {:.2f})", *published) : std::string());
 }
 
+// A name without what a file's name must not have.
+std::string plain_name(std::string name) {
+  for (char& c : name)
+    if (c == '/' || c == '\\' || c == '\0') c = '_';
+  if (name.starts_with('.')) name.front() = '_';
+  return name;
+}
+
 bool write_plots(const std::string& folder, const materials::Material& material,
                  CommandContext& context) {
-  std::string stem = material.name;
-  for (char& c : stem)
-    if (c == '/' || c == '\\' || c == '\0') c = '_';
-  if (stem.starts_with('.')) stem.front() = '_';
-  const std::filesystem::path base = std::filesystem::path(folder) / stem;
+  const std::filesystem::path base = std::filesystem::path(folder) / plain_name(material.name);
   const auto write = [&](const char* suffix, const std::string& text) {
     const std::string path = base.string() + suffix;
     if (!write_file(path, std::as_bytes(std::span(text)), context.log())) return false;
@@ -273,11 +291,39 @@ bool write_plots(const std::string& folder, const materials::Material& material,
   return write("-albedo.svg", albedo_plot(material)) && write("-slices.svg", slices_plot(material));
 }
 
+constexpr std::uint32_t kLabelHeight = 28;
+constexpr float kBackground = 0.0105f;  // 1/sr: a PNG shows 51 of 255
+constexpr const char* kStudioCaption = "Sunlight and lamps of a studio, for display only.";
+
+// A sheet of dark grey.
+preview::Image empty_sheet(std::uint32_t width, std::uint32_t height) {
+  preview::Image sheet;
+  sheet.width = width;
+  sheet.height = height;
+  sheet.unit = "1/sr";
+  sheet.radiance.assign(3 * sheet.pixels(), kBackground);
+  sheet.coverage.assign(sheet.pixels(), 1.0f);
+  return sheet;
+}
+
+// Lays an image on a sheet, whose grey shows where it is not covered.
+void lay(const preview::Image& image, std::uint32_t x, std::uint32_t y, preview::Image& sheet) {
+  for (std::uint32_t row = 0; row < image.height; ++row)
+    for (std::uint32_t column = 0; column < image.width; ++column) {
+      const std::size_t from = std::size_t{row} * image.width + column;
+      const std::size_t to = std::size_t{y + row} * sheet.width + x + column;
+      const float around = kBackground * (1 - std::clamp(image.coverage[from], 0.0f, 1.0f));
+      for (std::size_t k = 0; k < 3; ++k)
+        sheet.radiance[3 * to + k] = image.radiance[3 * from + k] + around;
+    }
+}
+
 // One image of a material's samples.
-Result<preview::Image> sample_texture(const DescribedMaterial& material, const Options& options,
-                                      workspace::Drawer& drawer, CommandContext& context) {
+Result<preview::Image> sample_image(const DescribedMaterial& material, const Options& options,
+                                    workspace::Drawer& drawer, CommandContext& context) {
   DiagnosticLog& log = context.log();
-  const auto bytes = compiler::compiled(sample_scene(material), {}, log, context.job());
+  const SampleLight light = options.light == "sun" ? SampleLight::sun : SampleLight::studio;
+  const auto bytes = compiler::compiled(sample_scene(material, light), {}, log, context.job());
   if (!bytes) return failed;
   auto model = pan::Model::from_bytes(*bytes, material.material.name, log);
   if (!model || !model->check(log)) return failed;
@@ -290,56 +336,96 @@ Result<preview::Image> sample_texture(const DescribedMaterial& material, const O
   return std::move(drawn->image);
 }
 
-// All images on one sheet, in columns, with their names.
+// The engine that the light needs, unless another is asked for that can do it too.
+std::optional<workspace::DrawOptions> draw_options(const Options& options,
+                                                   CommandContext& context) {
+  workspace::DrawOptions draw;
+  const bool studio = options.light == "studio";
+  if (studio && options.engine == "gl") {
+    context.log().report(Code::E0201, {}, "--light studio requires --engine reference",
+                         "OpenGL shows what the Sun lights: --light sun");
+    return std::nullopt;
+  }
+  if (studio || options.engine == "reference") draw.engine = workspace::Engine::reference;
+  draw.gl.samples = 4;
+  draw.reference.samples = studio ? 32 : 64;
+  draw.reference.bounces = 1;
+  return draw;
+}
+
+// All images on one sheet, in columns, with their names and what lights them.
 bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& options,
                  CommandContext& context) {
-  workspace::DrawOptions draw;
-  draw.gl.samples = 4;
-  if (options.engine == "reference") draw.engine = workspace::Engine::reference;
-  auto drawer = workspace::Drawer::create(draw, context.log());
+  const auto draw = draw_options(options, context);
+  if (!draw) return false;
+  auto drawer = workspace::Drawer::create(*draw, context.log());
   if (!drawer) return false;
-  constexpr std::uint32_t kLabelHeight = 26;
   const std::uint32_t columns = all.size() > 12 ? 3 : all.size() > 4 ? 2 : 1;
   const auto rows = static_cast<std::uint32_t>((all.size() + columns - 1) / columns);
   const std::uint32_t cell_height = options.width / 3 + kLabelHeight;
-  preview::Image sheet;
-  sheet.width = columns * options.width;
-  sheet.height = rows * cell_height;
-  sheet.unit = "1/sr";
+  const std::uint64_t width = std::uint64_t{columns} * options.width;
+  const std::uint64_t height = std::uint64_t{rows} * cell_height + kLabelHeight;
   constexpr std::size_t kMostPixels = 100'000'000;
-  if (sheet.pixels() > kMostPixels) {
+  if (width * height > kMostPixels) {
     context.log().report(
         Code::E5003, {},
         fmt::format("a sheet of {} by {} pixels is more than {} megapixels; take a "
                     "smaller --width or fewer materials",
-                    sheet.width, sheet.height, kMostPixels / 1'000'000));
+                    width, height, kMostPixels / 1'000'000));
     return false;
   }
-  sheet.radiance.assign(3 * sheet.pixels(), 0.0f);
-  sheet.coverage.assign(sheet.pixels(), 0.0f);
+  preview::Image sheet =
+      empty_sheet(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height));
   for (std::size_t i = 0; i < all.size(); ++i) {
     context.step("render " + all[i].material.name);
-    const auto image = sample_texture(all[i], options, *drawer, context);
+    const auto image = sample_image(all[i], options, *drawer, context);
     if (!image) return false;
     const auto x = static_cast<std::uint32_t>(i % columns) * options.width;
     const auto y = static_cast<std::uint32_t>(i / columns) * cell_height;
-    write_overlay_text(sheet, x + 10, y + 8, 2, all[i].material.name);
-    for (std::uint32_t row = 0; row < image->height; ++row) {
-      const std::size_t from = std::size_t{row} * image->width;
-      const std::size_t to = std::size_t{y + kLabelHeight + row} * sheet.width + x;
-      std::copy_n(image->radiance.begin() + static_cast<std::ptrdiff_t>(3 * from), 3 * image->width,
-                  sheet.radiance.begin() + static_cast<std::ptrdiff_t>(3 * to));
-      std::copy_n(image->coverage.begin() + static_cast<std::ptrdiff_t>(from), image->width,
-                  sheet.coverage.begin() + static_cast<std::ptrdiff_t>(to));
-    }
+    write_overlay_text(sheet, x + 10, y + 6, 2, all[i].material.name);
+    lay(*image, x, y + kLabelHeight, sheet);
   }
+  const char* const caption =
+      options.light == "sun" ? "Sunlight alone, as in space." : kStudioCaption;
+  const auto words = static_cast<std::uint32_t>(6 * std::string_view(caption).size());
+  write_overlay_text(sheet, 10, sheet.height - kLabelHeight + 4, 2 * words < width ? 2 : 1,
+                     caption);
   context.step("write " + options.render);
   if (!preview::write_image(options.render, sheet, 0, context.log())) return false;
   context.wrote(options.render, fmt::format("{}x{}", sheet.width, sheet.height));
   return true;
 }
 
-// BrdfModel fitted to a table, the best first, and the best as text.
+// The best first in words: how far it is off on the average, and where it is worst; then the table,
+// and the best as text.
+void print_fits(const Options& options, const std::vector<materials::Reading>& readings,
+                const std::vector<materials::Fit>& fits, double floor, const std::string& name) {
+  const materials::Fit& best = fits.front();
+  const auto factor = [](double decades) { return det::exp(decades * det::log(10.0)); };
+  print(
+      "{}: best described by {}, {} of {}\n"
+      "Off by a factor of {:.3g} on the average (RMS), of {:.3g} at worst; readings below "
+      "{:.2g}/sr count as that much.\n\n",
+      name, best.brdf, counted(readings.size(), "reading"), options.fit, factor(best.rms_decades),
+      factor(best.max_decades), floor);
+  print("{:<34} {:>12} {:>12} {:>12}\n", "", "RMS, decades", "max, decades", "RMS, 1/sr");
+  for (const materials::Fit& fit : fits)
+    print("{:<34} {:>12.3f} {:>12.3f} {:>12.4g}\n", fit.brdf, fit.rms_decades, fit.max_decades,
+          fit.rms);
+  std::string attribute;
+  for (const char c : name)
+    if (c == '"')
+      attribute += "&quot;";
+    else if (c == '&')
+      attribute += "&amp;";
+    else if (c == '<')
+      attribute += "&lt;";
+    else
+      attribute += c;
+  print("\n<material name=\"{}\">\n{}\n</material>\n", attribute, best.text);
+}
+
+// BRDFs fitted to a table.
 void fit_table(const Options& options, CommandContext& context) {
   context.step("read " + options.fit);
   const auto readings = materials::read_measured(options.fit, context.log());
@@ -355,31 +441,32 @@ void fit_table(const Options& options, CommandContext& context) {
     return;
   }
   const std::vector<materials::Fit> fits = materials::fitted_brdfs(*readings, floor);
+  const bool color = materials::has_color(*readings);
+  // what the user calls it
+  const std::string stem = std::filesystem::path(options.fit).stem().string();
+  const std::string name = options.name.empty() ? stem : options.name;
   Json& out = context.result();
   out["readings"] = readings->size();
+  out["bands"] = color ? 3 : 1;
+  out["name"] = name;
   out["fits"] = Json::array();
-  if (!context.options().json)
-    print(
-        "{} of {}, those below {:.2g}/sr taken as that\n"
-        "RMS of log10(BRDF/reading), largest, RMS of the difference in 1/sr\n",
-        counted(readings->size(), "reading"), options.fit, floor);
-  for (const materials::Fit& fit : fits) {
+  for (const materials::Fit& fit : fits)
     out["fits"].push_back({{"brdf", fit.brdf},
                            {"law", fit.brdf},  // as it was called
                            {"rms_decades", fit.rms_decades},
                            {"max_decades", fit.max_decades},
                            {"rms", fit.rms},
                            {"text", fit.text}});
-    if (!context.options().json)
-      print("{:<30} {:.3f}  {:.3f}  {:.4g}\n", fit.brdf, fit.rms_decades, fit.max_decades, fit.rms);
-  }
-  if (!context.options().json)
-    print("\n<material name=\"measured\">\n{}\n</material>\n", fits.front().text);
+  if (!context.options().json) print_fits(options, *readings, fits, floor, name);
   if (options.svg.empty()) return;
-  const std::string text = fit_plot(*readings, fits.front());
-  const auto path = std::filesystem::path(options.svg) /
-                    (std::filesystem::path(options.fit).stem().string() + "-fit.svg");
-  if (write_file(path, std::as_bytes(std::span(text)), context.log())) context.wrote(path);
+  constexpr const char* kBands[] = {"-red", "-green", "-blue"};
+  for (int band = 0; band < (color ? 3 : 1); ++band) {
+    const std::string text = fit_plot(*readings, fits.front(), name, color ? band : -1);
+    const auto path = std::filesystem::path(options.svg) /
+                      (plain_name(name) + "-fit" + (color ? kBands[band] : "") + ".svg");
+    if (!write_file(path, std::as_bytes(std::span(text)), context.log())) return;
+    context.wrote(path);
+  }
 }
 
 void list(const CommandContext& context) {

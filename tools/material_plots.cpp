@@ -158,7 +158,8 @@ std::string slices_plot(const materials::Material& material) {
   return plot.finish();
 }
 
-std::string fit_plot(const std::vector<materials::Reading>& readings, const materials::Fit& fit) {
+std::string fit_plot(const std::vector<materials::Reading>& readings, const materials::Fit& fit,
+                     const std::string& name, int band) {
   constexpr const char* kColors[] = {"#222222", "#2c6fbb", "#27ae60", "#c0392b"};
   // viewing angles are positive on the far side of the normal from the light
   struct Slice {
@@ -178,13 +179,16 @@ std::string fit_plot(const std::vector<materials::Reading>& readings, const mate
     }
     const double side = r.to_light.x * r.to_viewer.x + r.to_light.y * r.to_viewer.y;
     const double angle = det::acos(std::clamp(r.to_viewer.z, -1.0, 1.0)) / kDegree;
-    at->measured.emplace_back(side > 0 ? -angle : angle, det::log10(std::max(r.reflectance, 1e-4)));
-    least = std::min(least, std::max(r.reflectance, 1e-4));
-    most = std::max(most, r.reflectance);
+    const double reflectance = band < 0 ? r.reflectance : r.rgb[band];
+    at->measured.emplace_back(side > 0 ? -angle : angle, det::log10(std::max(reflectance, 1e-4)));
+    least = std::min(least, std::max(reflectance, 1e-4));
+    most = std::max(most, reflectance);
   }
   const double bottom = std::floor(det::log10(least));
   const double top = std::max(std::ceil(det::log10(most)), bottom + 1);
-  Plot plot(fmt::format("{}: {:.3f} decades RMS", fit.brdf, fit.rms_decades),
+  constexpr const char* kBands[] = {" in red", " in green", " in blue"};
+  Plot plot(fmt::format("{}{}: readings, and {} ({:.3f} decades RMS)", name,
+                        band < 0 ? "" : kBands[band], fit.brdf, fit.rms_decades),
             "viewing angle, degrees (light from the left)", "f, 1/sr", -90, 90, bottom, top);
   for (int x = -90; x <= 90; x += 30) plot.x_tick(x, std::to_string(x));
   for (double y = bottom; y <= top; y += 1) plot.y_tick(y, fmt::format("1e{:.0f}", y));
@@ -196,7 +200,8 @@ std::string fit_plot(const std::vector<materials::Reading>& readings, const mate
       const auto v = det::sincos(step * 0.5 * kDegree);
       const Vec3 f = materials::f64::brdf(fit.material, Vec3(l.sin, 0, l.cos),
                                           Vec3(v.sin, 0, v.cos), Vec3(0, 0, 1));
-      curve.emplace_back(step * 0.5, f.y > 0 ? det::log10(f.y) : bottom);
+      const double value = band < 0 ? f.y : f[band];
+      curve.emplace_back(step * 0.5, value > 0 ? det::log10(value) : bottom);
     }
     plot.curve(curve, kColors[i], fmt::format("light {}°", slices[i].light_deg));
   }

@@ -19,6 +19,10 @@ std::string slices_plot(const materials::Material& material);
 
 // Readings in the plane of incidence as dots, and a BRDF fitted to them as lines, over the viewing
 // angle; one colour for each of up to four angles of the light. Logarithmic.
-std::string fit_plot(const std::vector<materials::Reading>& readings, const materials::Fit& fit);
+//
+//   name  of what was measured
+//   band  0 red, 1 green, 2 blue; -1: readings without colour
+std::string fit_plot(const std::vector<materials::Reading>& readings, const materials::Fit& fit,
+                     const std::string& name, int band);
 
 }  // namespace panwright::tools

@@ -92,9 +92,69 @@ void take_textures(materials::Maps& maps, const pxn::DescribedMaterial& from, sc
   }
 }
 
+// Puts a shape into a scene, at a place and a rotation under its root.
+void add(scene::Scene& scene, const char* name, geometry::Shape shape, const Vec3& place,
+         const Quat& rotation, std::int32_t material) {
+  scene::Node node;
+  node.name = name;
+  node.parent = 0;
+  node.parent_from_node.translation = place;
+  node.parent_from_node.rotation = rotation;
+  scene::Instance instance;
+  instance.node = static_cast<std::int32_t>(scene.nodes.size());
+  instance.shape = static_cast<std::int32_t>(scene.shapes.size());
+  instance.material = material;
+  scene.nodes.push_back(std::move(node));
+  scene.shapes.push_back(std::move(shape));
+  scene.instances.push_back(std::move(instance));
+}
+
+// A wall or a lamp of the studio: a glowing sheet that faces the origin.
+struct Glow {
+  const char* name;
+  Vec3 place;
+  double width, height;
+  double brightness;  // of a white Lambert plate under the Sun at its normal: 1
+};
+
+// Nothing stands between the samples and the Sun or the camera. The window is where the tiles
+// mirror the viewer's direction.
+const Glow kStudio[] = {{"ceiling", {0, 1, 4.5}, 14, 9, 0.35},
+                            {"floor", {0, 1, -4.5}, 14, 12, 0.06},
+                            {"left", {-7.5, 0.5, 0}, 11, 7, 0.15},
+                            {"left lamp", {-7.4, 1, 0.5}, 2.4, 4, 1.6},
+                            {"right", {7.5, 0.5, 0}, 11, 7, 0.12},
+                            {"right lamp", {7.4, -1, 1.5}, 0.7, 4.5, 1.2},
+                            {"front", {0, -14, 0}, 20, 9, 0.10},
+                            {"window 1", {-4.45, -13.9, 2.45}, 0.95, 0.95, 1.1},
+                            {"window 2", {-3.3, -13.9, 2.45}, 0.95, 0.95, 1.1},
+                            {"window 3", {-4.45, -13.9, 3.6}, 0.95, 0.95, 1.1},
+                            {"window 4", {-3.3, -13.9, 3.6}, 0.95, 0.95, 1.1}};
+
+void add_studio(scene::Scene& scene) {
+  for (const Glow& glow : kStudio) {
+    materials::Material material;
+    material.name = glow.name;
+    material.diffuse = Vec3(0);
+    material.emissive = Vec3(1);
+    material.weights = {0, 0, glow.brightness};
+    const auto number = static_cast<std::int32_t>(scene.materials.size());
+    scene.materials.push_back(std::move(material));
+    // the normal along one axis, so that edges are level
+    const Vec3 to = -glow.place;
+    const Vec3 size = glm::abs(to);
+    Vec3 normal(0);
+    const int axis = size.y >= size.x && size.y >= size.z ? 1 : size.x >= size.z ? 0 : 2;
+    normal[axis] = to[axis] > 0 ? 1 : -1;
+    const Quat rotation =
+        axis == 2 ? (normal.z > 0 ? Quat(1, 0, 0, 0) : Quat(0, 1, 0, 0)) : facing(normal);
+    add(scene, glow.name, geometry::Plane{glow.width, glow.height}, glow.place, rotation, number);
+  }
+}
+
 }  // namespace
 
-scene::Scene sample_scene(const pxn::DescribedMaterial& material) {
+scene::Scene sample_scene(const pxn::DescribedMaterial& material, SampleLight light) {
   scene::Scene scene;
   scene.materials.push_back(material.material);
   take_textures(scene.materials[0].maps, material, scene);
@@ -102,27 +162,16 @@ scene::Scene sample_scene(const pxn::DescribedMaterial& material) {
   scene::Node root;
   root.name = "root";
   scene.nodes.push_back(root);
-  const auto add = [&](const char* name, geometry::Shape shape, double x, const Quat& rotation) {
-    scene::Node node;
-    node.name = name;
-    node.parent = 0;
-    node.parent_from_node.translation = {x, 0, 0};
-    node.parent_from_node.rotation = rotation;
-    scene::Instance instance;
-    instance.node = static_cast<std::int32_t>(scene.nodes.size());
-    instance.shape = static_cast<std::int32_t>(scene.shapes.size());
-    scene.nodes.push_back(std::move(node));
-    scene.shapes.push_back(std::move(shape));
-    scene.instances.push_back(std::move(instance));
-  };
-  add("sphere", geometry::Sphere{kSide / 2}, -kPitch, Quat(1, 0, 0, 0));
+  add(scene, "sphere", geometry::Sphere{kSide / 2}, {-kPitch, 0, 0}, Quat(1, 0, 0, 0), 0);
   // halfway between the Sun and the viewer, and 12 degrees back towards the viewer: a mirror's
   // glint misses the tile, a rough surface shows the flank of its highlight
   const Vec3 to_viewer(0, -1, 0);
   const Vec3 halfway = glm::normalize(glm::normalize(kToSun) + to_viewer);
   const Quat tilt = facing(halfway + 1.2 * to_viewer);
-  add("tile", geometry::Plane{kSide, kSide}, 0, tilt);
-  add("wrinkled", std::make_shared<const geometry::Mesh>(wrinkled_tile()), kPitch, tilt);
+  add(scene, "tile", geometry::Plane{kSide, kSide}, Vec3(0), tilt, 0);
+  add(scene, "wrinkled", std::make_shared<const geometry::Mesh>(wrinkled_tile()), {kPitch, 0, 0},
+      tilt, 0);
+  if (light == SampleLight::studio) add_studio(scene);
   return scene;
 }
 

@@ -10,11 +10,18 @@
 
 namespace panwright::tools {
 
+// What lights the samples.
+enum class SampleLight {
+  sun,     // the Sun alone, as in space
+  studio,  // and glowing walls and lamps around them, out of the camera's view: for display only
+};
+
 // One material's samples side by side, within 3.6 × 1.2 m about the origin, seen from −y.
-scene::Scene sample_scene(const pxn::DescribedMaterial& material);
+scene::Scene sample_scene(const pxn::DescribedMaterial& material, SampleLight light);
 
 // What sees them, `width` pixels across and a third of it high. The tiles are turned
-// so that a mirror's glint just misses the viewer.
+// so that a mirror's glint just misses the viewer; in the studio they mirror a lamp behind the
+// viewer.
 world::Camera sample_camera(std::uint32_t width);
 world::Sun sample_sun();
 

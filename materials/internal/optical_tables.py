@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes materials/internal/optical_tables.h from public tables: optical_tables.py DATA > optical_tables.h
+"""Writes materials/internal/optical_tables.h from public tables: optical_tables.py DATA | clang-format > optical_tables.h
 
 DATA holds refractiveindex/ (files of refractiveindex.info, CC0) and solar/astm_e490_00a.dat. One grid of wavelengths serves all
 materials: points are added where linear interpolation is worst, until reflectances (and transmittances of films) are within
@@ -121,13 +121,17 @@ def chosen_grid(sources):
     return grid
 
 
-def solar_weights(data, grid):
-    """Integrals of the irradiance times the hat of each grid point, as shares of all."""
+def solar_rows(data):
     rows = []
     for line in (data / "solar/astm_e490_00a.dat").read_text(encoding="utf-8").split("\n"):
         if re.fullmatch(r"[\d.]+\s+[-\d.eE+]+\s*", line):
             rows.append([float(x) for x in line.split()])
-    rows.sort()
+    return sorted(rows)
+
+
+def solar_weights(data, grid):
+    """Integrals of the irradiance times the hat of each grid point, as shares of all."""
+    rows = solar_rows(data)
     weights = [0.0] * len(grid)
     steps = 22000
     for i in range(steps):
@@ -139,6 +143,62 @@ def solar_weights(data, grid):
         weights[k] += t * e
     total = sum(weights)
     return [w / total for w in weights]
+
+
+# linear sRGB of X, Y, Z under D65 (IEC 61966-2-1), and the cone space of K. M. Lam's "Bradford" adaptation
+SRGB_FROM_XYZ = [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]
+BRADFORD = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
+D65 = (0.95047, 1.0, 1.08883)
+
+
+def observer(x):
+    """CIE 1931 colour matching functions at x um, as sums of lobes: C. Wyman, P.-P. Sloan, P. Shirley, "Simple analytic
+    approximations to the CIE XYZ color matching functions", J. Computer Graphics Techniques 2(2), 2013, table 1."""
+    def lobe(centre, below, above):
+        t = (1000 * x - centre) * (below if 1000 * x < centre else above)
+        return math.exp(-t * t / 2)
+    return (0.362 * lobe(442.0, 0.0624, 0.0374) + 1.056 * lobe(599.8, 0.0264, 0.0323) - 0.065 * lobe(501.1, 0.0490, 0.0382),
+            0.821 * lobe(568.8, 0.0213, 0.0247) + 0.286 * lobe(530.9, 0.0613, 0.0322),
+            1.217 * lobe(437.0, 0.0845, 0.0278) + 0.681 * lobe(459.0, 0.0385, 0.0725))
+
+
+def times(matrix, vector):
+    return [sum(m * v for m, v in zip(row, vector)) for row in matrix]
+
+
+def inverse(m):
+    cofactor = [[m[(i + 1) % 3][(j + 1) % 3] * m[(i + 2) % 3][(j + 2) % 3]
+                 - m[(i + 1) % 3][(j + 2) % 3] * m[(i + 2) % 3][(j + 1) % 3] for j in range(3)] for i in range(3)]
+    det = sum(m[0][j] * cofactor[0][j] for j in range(3))
+    return [[cofactor[j][i] / det for j in range(3)] for i in range(3)]
+
+
+def color_weights(data, grid):
+    """Linear sRGB of a transmittance in sunlight, the Sun being white: weights of each grid point's hat."""
+    rows = solar_rows(data)
+    sums = [[0.0] * 3 for _ in grid]
+    steps = 22000
+    for i in range(steps):
+        x = FIRST + (i + 0.5) * (LAST - FIRST) / steps
+        if not 0.36 <= x <= 0.83:
+            continue
+        k = min(bisect.bisect_right(grid, x), len(grid) - 1)
+        t = (x - grid[k - 1]) / (grid[k] - grid[k - 1])
+        for j, c in enumerate(observer(x)):
+            c *= interpolated(rows, x)
+            sums[k - 1][j] += (1 - t) * c
+            sums[k][j] += t * c
+    white = [sum(each[j] for each in sums) for j in range(3)]
+    sums = [[v / white[1] for v in each] for each in sums]
+    cones = times(BRADFORD, [v / white[1] for v in white])
+    scale = [a / b for a, b in zip(times(BRADFORD, D65), cones)]
+    weights = []
+    for each in sums:
+        adapted = times(inverse(BRADFORD), [s * v for s, v in zip(scale, times(BRADFORD, each))])
+        weights.append(times(SRGB_FROM_XYZ, adapted))
+    # white is white, to the last digit
+    totals = [sum(w[j] for w in weights) for j in range(3)]
+    return [[w[j] / totals[j] for w in weights] for j in range(3)]
 
 
 def numbers(values, digits):
@@ -164,6 +224,12 @@ def main():
            f"inline constexpr std::array<double, {len(grid)}> kWavelengths{{", numbers(grid, 4) + "};", "",
            "// of the solar irradiance from 0.3 to 2.5 um (95.6 % of all): share of each wavelength's hat",
            f"inline constexpr std::array<double, {len(grid)}> kSolarShares{{", numbers(solar_weights(data, grid), 6) + "};", "",
+           "// Linear sRGB of a transmittance in sunlight, of which the light itself is 1 1 1: weight of each",
+           "// wavelength's hat. CIE 1931 observer, adapted from ASTM E490 to D65.",
+           "// clang-format off",
+           f"inline constexpr std::array<std::array<double, {len(grid)}>, 3> kSunlitColor{{{{",
+           ",\n".join("{\n" + numbers(row, 6) + "}" for row in color_weights(data, grid)) + "}};",
+           "// clang-format on", "",
            f"inline constexpr std::array<OpticalTable, {len(MATERIALS)}> kOpticalTables{{{{"]
     for name, what, _, _, reference in MATERIALS:
         values = [sources[name](x) for x in grid]

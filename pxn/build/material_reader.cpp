@@ -185,10 +185,9 @@ class Reader {
     give(c, attribute::coat_thickness, thickness);
     if (give(c, attribute::coat_absorption, coat.depth)) coat.depth *= thickness;
     if (const auto name = values_.text(c, attribute::coat_film)) {
-      if (const auto film = materials::film(*name)) {
-        const materials::Coat of_film = materials::coat_of_film(*film, thickness);
-        coat.index = of_film.index;
-        coat.depth = of_film.depth;
+      if (const auto film = materials::coat_of_film(*name, thickness)) {
+        coat.index = film->index;
+        coat.depth = film->depth;
       } else {
         unknown(c, attribute::coat_film, *name, materials::film_names(), "give n and absorption");
       }

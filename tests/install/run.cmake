@@ -18,7 +18,9 @@ foreach(file bin/panwright bin/pxntopan bin/pxn2pan share/panwright/pxn.xsd shar
         share/panwright/examples/paper/figure8.pxn include/panwright/pan/model.h
         share/man/man1/panwright.1 share/man/man1/panwright-render.1 share/bash-completion/completions/panwright
         share/zsh/site-functions/_panwright share/fish/vendor_completions.d/panwright.fish
-        share/panwright/schemas/info.schema.json)
+        share/panwright/schemas/info.schema.json
+        share/doc/panwright/README.md share/doc/panwright/docs/language-tour.md
+        share/doc/panwright/docs/versions.md share/doc/panwright/docs/images/tour-servicer.png)
   if(NOT EXISTS "${WORK_DIR}/prefix/${file}")
     message(FATAL_ERROR "not installed: ${file}")
   endif()
@@ -63,6 +65,16 @@ set(model "${WORK_DIR}/prefix/share/panwright/examples/paper/figure8.pxn")
 run("${WORK_DIR}/outside/outside" "${model}" "${WORK_DIR}/outside.pan")
 run("${WORK_DIR}/prefix/bin/pxn2pan" -lic none.txt -o "${WORK_DIR}/tool.pan" "${model}")
 run(${CMAKE_COMMAND} -E compare_files "${WORK_DIR}/outside.pan" "${WORK_DIR}/tool.pan")
+
+# the same program without CMake, by the pkg-config file
+file(GLOB pc "${WORK_DIR}/prefix/lib*/pkgconfig/panwright.pc" "${WORK_DIR}/prefix/lib/*/pkgconfig/panwright.pc")
+if(NOT pc)
+  message(FATAL_ERROR "not installed: panwright.pc")
+endif()
+get_filename_component(pc "${pc}" DIRECTORY)
+run(sh -c "PKG_CONFIG_PATH='${pc}' sh -c 'c++ $(pkg-config --cflags panwright) \"${SOURCE_DIR}/tests/install/outside.cpp\" -o \"${WORK_DIR}/plain\" $(pkg-config --libs panwright)'")
+run("${WORK_DIR}/plain" "${model}" "${WORK_DIR}/plain.pan")
+run(${CMAKE_COMMAND} -E compare_files "${WORK_DIR}/plain.pan" "${WORK_DIR}/tool.pan")
 
 # the installed program finds the installed reader of STEP, and holds nothing of it itself
 if(STEP)

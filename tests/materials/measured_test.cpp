@@ -85,19 +85,41 @@ TEST_F(Table, BadInput) {
   EXPECT_EQ(codes("10 0 10 0 1 2\n" + many_lines("10 0 10 0 1", 9)), Codes{"E1409"});
   EXPECT_EQ(codes("10 0 10 0 nan\n" + many_lines("10 0 10 0 1", 9)), Codes{"E1409"});
   EXPECT_EQ(codes("10 0 10 0 -1\n" + many_lines("10 0 10 0 1", 9)), Codes{"E1409"});
-  EXPECT_EQ(codes("100 0 10 0 1\n-91 0 0 0 1\n" + many_lines("10 0 10 0 1", 9)),
+  EXPECT_EQ(codes("100 0 10 0 1\n10 0 0 0 -1\n" + many_lines("10 0 10 0 1", 9)),
             (Codes{"E1409", "E1409"}))
-      << "each line is named";
+      << "each kind is named";
+  EXPECT_EQ(codes("10 0 10 0 1 2\n" + many_lines("10 0 10 0 1 2 3", 9)), Codes{"E1409"});
+  EXPECT_EQ(codes(many_lines("10 0 10 0 1 2 3", 9) + "10 0 10 0 1\n"), Codes{"E1409"})
+      << "five numbers after seven";
 }
 
-std::vector<Reading> synthetic(const Material& material) {
+TEST_F(Table, AnErrorIsStatedOnce) {
+  DiagnosticLog log;
+  EXPECT_FALSE(read_measured(write("# one\n" + many_lines("10 0 10 0", 500)), log));
+  ASSERT_EQ(log.entries().size(), 1u);
+  EXPECT_EQ(log.entries()[0].message,
+            "4 numbers, expected 5, or 7 with three bands, and 499 lines like it");
+}
+
+TEST_F(Table, ThreeBands) {
+  DiagnosticLog log;
+  const auto readings =
+      read_measured(write("t_i p_i t_r p_r R G B\n" + many_lines("10,0,20,0,0.3,0.2,0.1", 8)), log);
+  ASSERT_TRUE(readings);
+  EXPECT_EQ((*readings)[0].rgb, Vec3(0.3, 0.2, 0.1));
+  EXPECT_NEAR((*readings)[0].reflectance, 0.2, 1e-15);
+  EXPECT_TRUE(has_color(*readings));
+}
+
+std::vector<Reading> synthetic(const Material& material, int step = 4) {
   std::vector<Reading> readings;
   for (const double light : {5.0, 30.0, 60.0})
-    for (int viewer = -80; viewer <= 80; viewer += 4) {
+    for (int viewer = -80; viewer <= 80; viewer += step) {
       Reading r;
       r.to_light = Vec3(-std::sin(light * kDegree), 0, std::cos(light * kDegree));
       r.to_viewer = Vec3(std::sin(viewer * kDegree), 0, std::cos(viewer * kDegree));
-      r.reflectance = f64::brdf(material, r.to_light, r.to_viewer, Vec3(0, 0, 1)).y;
+      r.rgb = f64::brdf(material, r.to_light, r.to_viewer, Vec3(0, 0, 1));
+      r.reflectance = (r.rgb.x + r.rgb.y + r.rgb.z) / 3;
       readings.push_back(r);
     }
   return readings;
@@ -120,6 +142,26 @@ TEST(Fits, FindWhatMadeTheReadings) {
   EXPECT_NEAR(fits.front().material.weights.y, 0.2, 1e-4);
   for (std::size_t i = 1; i < fits.size(); ++i)
     EXPECT_GE(fits[i].rms_decades, fits[i - 1].rms_decades) << "the best first";
+}
+
+// The same with colours: gold microfacets over a bluish base. The mean of the channels is no BRDF
+// of the family, so that the slope is near only.
+TEST(Fits, FindTheColorsThatMadeTheReadings) {
+  Material m;
+  m.diffuse = {0.2, 0.3, 0.5};
+  m.specular = {0.9, 0.7, 0.3};
+  m.specular_brdf = Ggx{0.17, 0.17};
+  m.compensation = Compensation::off;
+  m.weights = {0.5, 0.5, 0};
+  fit(m);
+  const Fit best = fitted_brdfs(synthetic(m, 10), 1e-6).front();
+  EXPECT_EQ(best.brdf, "GGX microfacets over Lambert");
+  EXPECT_LT(best.rms_decades, 1e-3);
+  for (const int k : {0, 1, 2}) {
+    EXPECT_NEAR(best.material.weights.x * best.material.diffuse[k], 0.5 * m.diffuse[k], 1e-3);
+    EXPECT_NEAR(best.material.weights.y * best.material.specular[k], 0.5 * m.specular[k], 1e-3);
+  }
+  EXPECT_LE(best.material.weights.x + best.material.weights.y, 1 + 1e-12);
 }
 
 TEST(Fits, FlatReadingsAreLambert) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 
 namespace panwright::materials {
 namespace {
@@ -110,6 +111,75 @@ TEST(Spectra, ReflectanceOfAStack) {
   const double t = std::exp(-4 * kPi * k1 * 10 / 0.55);
   EXPECT_NEAR(reflectance(stack, at, 1),
               r1 + (1 - r1) * (1 - r1) * t * t * r2 / (1 - r1 * r2 * t * t), 1e-15);
+}
+
+// x, y and Y of linear sRGB.
+Vec3 chromaticity(const Vec3& rgb) {
+  const double x = 0.4124 * rgb.x + 0.3576 * rgb.y + 0.1805 * rgb.z;
+  const double y = 0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z;
+  const double z = 0.0193 * rgb.x + 0.1192 * rgb.y + 0.9505 * rgb.z;
+  return {x / (x + y + z), y / (x + y + z), y};
+}
+
+// What a coat over aluminium shows at normal incidence.
+Vec3 shown_over_aluminium(const Coat& coat) {
+  const Conductor body = *metal("Al");
+  Vec3 rgb;
+  for (int band = 0; band < 3; ++band) {
+    const double n = body.n[band] / coat.index, k = body.k[band] / coat.index;
+    const double front = std::pow((coat.index - 1) / (coat.index + 1), 2);
+    const double back = ((n - 1) * (n - 1) + k * k) / ((n + 1) * (n + 1) + k * k);
+    const double t = std::exp(-2 * coat.depth[band]);
+    rgb[band] = front + (1 - front) * (1 - front) * t * back / (1 - front * back * t);
+  }
+  return rgb;
+}
+
+// Amber: the chromaticity of Kapton over aluminium in sunlight, from the published n and k (R. H.
+// French and others, 34th IEEE PVSC, 2009; E. T. Arakawa and others, J. Appl. Phys. 52, 1981), ASTM
+// E490-00a and the CIE 1931 observer in steps of 10 nm, scaled from the Sun's white to D65; the
+// test SpectraCorpus.AmberOfKapton finds it from the files. Its distance is what sRGB cannot show
+// above the white that the front of the film reflects: 0.0049 to 0.0174; samples at 650, 550 and
+// 450 nm, lemon, are 0.033 away.
+TEST(Spectra, KaptonIsAmber) {
+  const struct {
+    double thickness_um;
+    Vec3 published;  // x, y, Y
+  } rows[] = {{25, {0.4234, 0.4551, 0.6501}},
+              {51, {0.4483, 0.4443, 0.5230}},
+              {76, {0.4593, 0.4298, 0.4382}},
+              {127, {0.4655, 0.4036, 0.3253}}};
+  for (const auto& row : rows) {
+    const auto coat = coat_of_film("Kapton", row.thickness_um * 1e-6);
+    ASSERT_TRUE(coat);
+    const Vec3 shown = chromaticity(shown_over_aluminium(*coat));
+    const double off = std::hypot(shown.x - row.published.x, shown.y - row.published.y);
+    std::printf("Kapton %.0f um: x %.4f y %.4f Y %.4f, %.4f off\n", row.thickness_um, shown.x,
+                shown.y, shown.z, off);
+    EXPECT_LT(off, 0.018) << row.thickness_um;
+    EXPECT_NEAR(shown.z, row.published.z, 0.004) << row.thickness_um;
+  }
+  const Vec3 lemon = chromaticity(shown_over_aluminium(coat_of_film(*film("Kapton"), 51e-6)));
+  EXPECT_GT(std::hypot(lemon.x - 0.4483, lemon.y - 0.4443), 0.03) << "the test can tell";
+}
+
+TEST(Spectra, ClearFilmsAbsorbNothing) {
+  for (const char* const name : {"MgF2", "SiO2"}) {
+    const auto coat = coat_of_film(name, 1e-4);
+    ASSERT_TRUE(coat);
+    EXPECT_EQ(coat->depth, Vec3(0)) << name;
+    EXPECT_EQ(coat->index, film(name)->n.y) << name;
+  }
+  EXPECT_FALSE(coat_of_film("Al", 1e-4));
+  // a thin film takes little, and less than a thick one
+  const auto thin = coat_of_film("Kapton", 1e-7);
+  const auto thick = coat_of_film("Kapton", 1e-2);
+  ASSERT_TRUE(thin && thick);
+  for (int band = 0; band < 3; ++band) {
+    EXPECT_LT(thin->depth[band], 0.04);
+    EXPECT_GT(thick->depth[band], 2);
+    EXPECT_TRUE(std::isfinite(thick->depth[band]));
+  }
 }
 
 TEST(Spectra, HemisphericalIsTheMeanOverAngles) {

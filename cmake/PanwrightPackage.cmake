@@ -1,0 +1,28 @@
+# Debian packages: `cpack -G DEB` in a build folder. panwright holds the program, its reader of STEP
+# files, schemas, presets, examples and pages; libpanwright-dev the static libraries and headers.
+
+set(CPACK_PACKAGE_NAME panwright)
+set(CPACK_PACKAGE_VENDOR Panwright)
+set(CPACK_PACKAGE_CONTACT "Panwright <panwright@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGE_DESCRIPTION
+"Panwright turns spacecraft written as pxn text, or imported from CAD files, into
+compact pan files, and shows them as a rendezvous camera sees them.")
+set(CPACK_RESOURCE_FILE_LICENSE "${PROJECT_SOURCE_DIR}/LICENSE")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL program dev)
+
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME panwright)
+# what the program links is found by dpkg-shlibdeps; OpenGL is loaded when it draws
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri, libosmesa6")
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION}")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libpanwright-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers and static libraries of Panwright, with a CMake package and a pkg-config file.")
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "panwright (= ${PROJECT_VERSION}), libdraco-dev, libembree-dev, libfmt-dev, libglm-dev, libjpeg62-turbo-dev, libmeshoptimizer-dev, libopenexr-dev, libopenmesh-dev, libpng-dev, libsleef-dev, libtbb-dev, libwebp-dev, libxxhash-dev, libzstd-dev, nlohmann-json3-dev, zlib1g-dev")
+include(CPack)
