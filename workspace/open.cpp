@@ -113,6 +113,13 @@ compiler::Options compile_options(const OpenOptions& options) {
   return compile;
 }
 
+// The imports of which a log says that their unit is a guess.
+std::size_t guessed_units(const DiagnosticLog& log) {
+  return static_cast<std::size_t>(
+      std::count_if(log.entries().begin(), log.entries().end(),
+                    [](const Diagnostic& entry) { return entry.code == Code::W6006; }));
+}
+
 Result<world::ModelPtr> open_pan(const std::filesystem::path& path, const OpenOptions& options,
                                  DiagnosticLog& log, const Job& job, OpenReport* report) {
   note_cad_options(options.cad, path, log);
@@ -246,13 +253,14 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
     report_unknown_format(path, log);
     return failed;
   }
+  const std::size_t guesses = guessed_units(log);
   auto scene = read_scene(path, options, log, job, report);
   if (!scene) return failed;
   if (options.prune && !prune(*scene, options, log, job, report)) return failed;
   const Stopwatch watch(report, "compile " + path.string());
   compiler::Options compile = compile_options(options);
-  // CAD files have guesses and warnings of their own
-  compile.check_size = extension == ".pxn";
+  // CAD files have guesses and warnings of their own; one cause has one warning
+  compile.check_size = extension == ".pxn" && guessed_units(log) == guesses;
   const auto bytes = compiler::compiled(*scene, compile, log, job);
   if (!bytes) return failed;
   auto model = pan::Model::from_bytes(*bytes, path.string(), log);
@@ -268,7 +276,7 @@ Result<compiler::Report> write_pan(scene::Scene& scene, const OpenOptions& optio
   compile.strip_sources = write.strip_sources;
   compile.compress = write.compress;
   compile.origin = write.origin;
-  compile.check_size = write.check_size;
+  compile.check_size = write.check_size && guessed_units(log) == 0;
   const auto done = compiler::compile(scene, compile, write.output, log, job);
   if (done && report != nullptr) {
     report->steps.push_back({"tessellate", done->seconds_tessellate});

@@ -120,7 +120,7 @@ struct WriteOptions {
   std::string output;  // .pan; "-": standard output
   bool strip_sources = false;
   bool compress = false;    // pan::WriteOptions
-  bool check_size = false;  // of a pxn: W2022, W2023
+  bool check_size = false;  // of a pxn: W2022, W2023, unless the log has W6006
   std::string origin;       // import options that the inputs do not record
 };
 

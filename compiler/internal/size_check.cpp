@@ -111,8 +111,7 @@ void check_size(const scene::Scene& scene, const pan::Contents& contents, Diagno
     return;
   }
   const double size = whole.size();
-  if ((size > kLargest || size < kSmallest) && !log.contains(Code::W6006))
-    report_whole(file, size, log);
+  if (size > kLargest || size < kSmallest) report_whole(file, size, log);
 }
 
 }  // namespace panwright::compiler::internal

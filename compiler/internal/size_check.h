@@ -11,8 +11,7 @@ namespace panwright::compiler::internal {
 // which one is more than 1e5 times as large as another (W2023, in the place of W2022). Sizes are
 // the largest extents along the axes of the world.
 //
-// What is one sphere, ellipsoid or mesh alone may be a celestial body and is never wrong. Where the
-// log has W6006, the unit of an import has been spoken of, and W2022 is not reported.
+// What is one sphere, ellipsoid or mesh alone may be a celestial body and is never wrong.
 //
 //   contents  of `scene`: meshes and instances
 //

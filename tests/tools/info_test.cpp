@@ -54,14 +54,14 @@ TEST_F(Info, SaysHowLargeAModelIs) {
     EXPECT_NEAR(read["size"]["extents"][k].get<double>(), (std::array{0.1, 0.2263, 0.3405}[k]),
                 2e-8);
   EXPECT_EQ(read["size"]["largest"], read["size"]["extents"][2]);
-  EXPECT_EQ(read["size"]["words"], "100 x 226 x 341 mm (about a shoe box)");
+  EXPECT_EQ(read["size"]["words"], "100 x 226 x 340 mm (about a shoe box)");
   EXPECT_THAT(panwright({"info", meant}).out,
-              HasSubstr("size      100 x 226 x 341 mm (about a shoe box)\n"));
+              HasSubstr("size      100 x 226 x 340 mm (about a shoe box)\n"));
   const auto checked = panwright({"check", meant});
-  EXPECT_EQ(checked.out, meant + ": ok, 100 x 226 x 341 mm (about a shoe box)\n");
+  EXPECT_EQ(checked.out, meant + ": ok, 100 x 226 x 340 mm (about a shoe box)\n");
   EXPECT_EQ(checked.err, "");
   EXPECT_EQ(json::parse(panwright({"check", meant, "--json"}).out)["files"][0]["size"],
-            "100 x 226 x 341 mm (about a shoe box)");
+            "100 x 226 x 340 mm (about a shoe box)");
   // what everybody meets who takes the wrong unit
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"info", meters}, {"check", meters}, {"compile", meters}}) {
@@ -72,6 +72,14 @@ TEST_F(Info, SaysHowLargeAModelIs) {
         << words[0];
     EXPECT_THAT(outcome.err, HasSubstr("[W2022]"));
   }
+  // an import whose unit is assumed has a warning for the same cause, and another file none of it
+  folder.write("wall.obj", "v 0 0 0\nv 900 0 0\nv 0 900 0\nv 0 0 900\nf 1 2 3\nf 1 4 2\n");
+  const std::string imported = folder.write(
+      "imported.pxn", "<pangu_model ver=\"1\"><import file=\"wall.obj\"/><box/></pangu_model>");
+  const std::string both = panwright({"check", imported}).err;
+  EXPECT_THAT(both, HasSubstr("[W6006]"));
+  EXPECT_THAT(both, Not(HasSubstr("[W2022]")));
+  EXPECT_THAT(panwright({"check", imported, meters}).err, HasSubstr("[W2022]"));
   const std::string empty = folder.write("empty.pxn", "<pangu_model ver=\"1\"/>");
   EXPECT_EQ(json::parse(panwright({"info", empty, "--json"}).out)["size"], nullptr);
   EXPECT_EQ(panwright({"check", empty}).out, empty + ": ok\n");
