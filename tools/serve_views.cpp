@@ -127,6 +127,7 @@ int serve_views(workspace::ViewSession& session, const workspace::ViewText& defa
     return 0;
   Lines lines(job);
   std::string line;
+  std::shared_ptr<FileUses> files = context.log().files();
   int code = 0;
   for (std::size_t index = 0;;) {
     const Lines::Next next = lines.next(line);
@@ -139,7 +140,8 @@ int serve_views(workspace::ViewSession& session, const workspace::ViewText& defa
     Answer answer(index, Clock::now());
     DiagnosticLog log = context.log().apart();
     // an output may be that of an earlier line, but no input
-    log.set_files(context.files().next_run());
+    files = files->next_run();
+    log.set_files(files);
     workspace::ViewText view;
     bool good = false;
     if (next == Lines::Next::too_long) {
@@ -163,7 +165,7 @@ int serve_views(workspace::ViewSession& session, const workspace::ViewText& defa
     if (good) (void)session.run({&view, 1}, own, log, job);
     answer.print_line(view, log);
     if (log.has_errors()) code = worse(code, exit_code(log));
-    if (std::ferror(stdout) != 0 || job.cancelled()) return code;
+    if (std::ferror(stdout) != 0) return code;
     ++index;
   }
 }

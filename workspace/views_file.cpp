@@ -373,7 +373,7 @@ Result<std::vector<ViewText>> parse_views(std::string_view text, const std::stri
          ++repeated)
       reader.repeated(parsed->repeated[repeated].member);
     reader.read(item);
-    if (item.is_object()) reader.require_output();
+    if (item.is_object() && reader.ok()) reader.require_output();
     good = good && reader.ok();
     views.push_back(with_defaults(reader.take(), defaults));
   }
