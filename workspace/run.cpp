@@ -13,6 +13,7 @@
 
 #include "base/file_uses.h"
 #include "base/text.h"
+#include "workspace/exposure.h"
 #include "workspace/internal/stopwatch.h"
 
 namespace panwright::workspace {
@@ -90,6 +91,7 @@ bool are_sound(const world::World& world, std::span<const View> views, Diagnosti
 struct Drawing {
   std::size_t view = 0;  // its index
   double ev = 0;
+  double shown_ev = 0;  // as --ev has it
   double seconds = 0;  // so far
   Metadata metadata;
 };
@@ -192,7 +194,7 @@ class Run {
 
   // Ends the oldest view and begins to write it. False: stop.
   bool end(Phase& phase) {
-    const Drawing drawing = std::move(drawing_.front());
+    Drawing drawing = std::move(drawing_.front());
     drawing_.pop_front();
     const View& view = views_[drawing.view];
     const auto start = Clock::now();
@@ -202,6 +204,8 @@ class Run {
     if (drawn->sampling) warn_of_error(view.output, *drawn->sampling);
     phase.advance();
     preview::Image& image = drawn->image;
+    drawing.shown_ev = view.auto_ev ? auto_exposure(image, -drawing.ev) : view.ev;
+    if (view.auto_ev) drawing.ev += drawing.shown_ev;
     image.metadata = drawing.metadata;
     writing_ = std::make_unique<Writing>();
     writing_->log = log_.apart();
