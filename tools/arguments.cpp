@@ -6,7 +6,9 @@
 #include <cassert>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "base/text.h"
 #include "tools/words.h"
@@ -18,7 +20,16 @@ namespace {
 template <class Integer>
 bool take_integer(const std::string& text, Integer& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
+  if (error == std::errc() && end == text.data() + text.size()) return true;
+  // "3e8": exact in double precision
+  constexpr double kExact = 9007199254740992.0;
+  const auto number = parse_double(text);
+  constexpr double kMost = static_cast<double>(std::numeric_limits<Integer>::max());
+  if (!number || !(*number >= 0 && *number <= std::min(kExact, kMost)) ||
+      *number != std::floor(*number))
+    return false;
+  value = static_cast<Integer>(*number);
+  return true;
 }
 
 // "512MB" as a number of bytes; the prefixes are powers of 1024.

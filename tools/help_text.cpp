@@ -101,6 +101,7 @@ std::string command_help(const DescribedCommand& command, const std::string& pro
     for (const Option* option : group.options)
       append_row(option_words(*option), option->help, kColumn, out);
   }
+  append_row("-h, --help", "Show this", kColumn, out);
   if (!command.examples.empty()) out += "\nExamples, from a copy of the folder examples/:\n";
   for (const Example& example : command.examples)
     out += fmt::format("  {}{}{}\n      {}\n", program, example.words.empty() ? "" : " ",

@@ -72,7 +72,7 @@ std::string command_man_page(const DescribedCommand& command) {
   const std::string program = "panwright " + command.command.name;
   std::string out = head(name, command.command.help);
   out += fmt::format(".SH SYNOPSIS\n.B {}\n{}\n", program,
-                     plain(usage_line(command, program).substr(program.size())));
+                     plain(usage_line(command, program).substr(program.size() + 1)));
   bool arguments = false;
   for (const Option& option : command.arguments->options()) {
     if (!option.argument) continue;

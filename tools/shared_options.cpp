@@ -173,7 +173,9 @@ void declare(Arguments& arguments, ViewOptions& options) {
   add("--intrinsics", view.intrinsics, "FX,FY,CX,CY", "Pinhole intrinsics in pixels");
   add("--ortho", view.ortho, "METRES", "Orthographic image of this width");
   add("--size", view.size, "WxH", "Image size in pixels (default 1024x1024)");
-  add("--ev", view.ev, "STOPS", "Exposure of PNG output: 2^EV (default 0)");
+  add("--ev", view.ev, "STOPS|auto",
+      "Exposure of PNG output: 2^EV (default 0); auto: 99 of 100 lit pixels lie below 0.8 of "
+      "white");
 }
 
 Result<workspace::ViewText> ViewOptions::typed(DiagnosticLog& log) const {

@@ -117,11 +117,14 @@ void add_engine(const DrawOptions& draw, Json& view) {
   if (reference.flat) view["flat"] = true;
 }
 
-Json view_of(const world::World& world, const world::Camera& camera, double ev,
+Json view_of(const world::World& world, const world::Camera& camera, std::optional<double> ev,
              const DrawOptions& draw, const RecordSource& source) {
   Json view;
   view["size"] = fmt::format("{}x{}", camera.width, camera.height);
-  view["ev"] = ev;
+  if (ev)
+    view["ev"] = *ev;
+  else
+    view["ev"] = "auto";
   view["camera"] = numbers(camera.position);
   const Quat& q = camera.world_from_camera;
   view["quat"] = {q.w, q.x, q.y, q.z};
@@ -203,7 +206,7 @@ std::string read_into(const json& value, Record& record, DiagnosticLog& log) {
 
 std::string recorded_program() { return "panwright " PANWRIGHT_VERSION; }
 
-std::string record_text(const world::World& world, const world::Camera& camera, double ev,
+std::string record_text(const world::World& world, const world::Camera& camera, std::optional<double> ev,
                         const DrawOptions& draw, const RecordSource& source) {
   Json record;
   record["schema"] = kSchema;

@@ -13,6 +13,7 @@
 
 #include "base/file_uses.h"
 #include "base/text.h"
+#include "workspace/exposure.h"
 #include "workspace/internal/forward.h"
 #include "workspace/internal/stopwatch.h"
 
@@ -108,6 +109,7 @@ struct Drawing {
   std::size_t view = 0;  // its index
   Drawer* drawer = nullptr;
   double ev = 0;
+  double shown_ev = 0;  // as --ev has it
   double seconds = 0;  // so far
   Metadata metadata;
 };
@@ -245,7 +247,9 @@ class Run {
     drawing.drawer = drawer_;
     drawing.ev = view.ev - stops_of_sun(current_.sun());
     describe(current_, view.camera, draw,
-             record_text(current_, view.camera, view.ev, draw, options_.source), drawing.metadata);
+             record_text(current_, view.camera, view.auto_ev ? std::nullopt : std::optional(view.ev), draw,
+                         options_.source),
+             drawing.metadata);
     drawing.seconds = seconds_since(start);
     drawing_.push_back(std::move(drawing));
     return true;
@@ -253,7 +257,7 @@ class Run {
 
   // Ends the oldest view and begins to write it. False: stop.
   bool end(Phase& phase) {
-    const Drawing drawing = std::move(drawing_.front());
+    Drawing drawing = std::move(drawing_.front());
     drawing_.pop_front();
     const View& view = views_[drawing.view];
     const auto start = Clock::now();
@@ -266,6 +270,8 @@ class Run {
     if (drawn->sampling) warn_of_error(view, *drawn->sampling);
     phase.advance();
     preview::Image& image = drawn->image;
+    drawing.shown_ev = view.auto_ev ? auto_exposure(image, -drawing.ev) : view.ev;
+    if (view.auto_ev) drawing.ev += drawing.shown_ev;
     image.metadata = drawing.metadata;
     const DrawOptions& draw = options_of(view, options_);
     writing_ = std::make_unique<Writing>();
@@ -279,7 +285,7 @@ class Run {
     what.unit = image.unit;
     what.engine = draw.engine;
     what.samples = draw.samples;
-    what.ev = view.ev;
+    what.ev = drawing.shown_ev;
     what.orthographic = view.camera.projection == world::Projection::orthographic;
     what.seconds = seconds;
     what.record = image.metadata.back().second;

@@ -258,11 +258,13 @@ void read_sun(const ViewText& text, Reader& reader, View& view) {
 
 void read_output(const ViewText& text, View& view, DiagnosticLog& log) {
   const auto ev = parse_numbers(text.ev.value_or("0"), 1);
-  if (ev)
+  if (text.ev == "auto")
+    view.auto_ev = true;
+  else if (ev)
     view.ev = (*ev)[0];
   else
     log.report(Code::E0201, {},
-               fmt::format("--ev is {}, expected a number of stops", in_quotes(*text.ev)));
+               fmt::format("--ev is {}, expected a number of stops, or auto", in_quotes(*text.ev)));
   view.output = text.output.value_or("");
   view.more_outputs = text.more_outputs;
   const auto check = [&](const std::string& output) {

@@ -34,6 +34,7 @@ struct View {
                                   // earlier ones
   std::string output;             // .png, .exr, .npy or .npz
   double ev = 0;                  // stops, of a PNG
+  bool auto_ev = false;           // found from the image: workspace/exposure.h
   std::vector<std::string> more_outputs;  // further files of the same image
   std::optional<DrawOptions> draw;        // none: those of the run
 };
@@ -64,7 +65,7 @@ struct ViewText {
   std::optional<std::string> intrinsics;      // "fx,fy,cx,cy" pixels
   std::optional<std::string> ortho;           // metres
   std::optional<std::string> size;            // "WxH"
-  std::optional<std::string> ev;              // stops
+  std::optional<std::string> ev;              // stops, or "auto"
   std::optional<std::string> output;
   std::vector<std::string> more_outputs;
 

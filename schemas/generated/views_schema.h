@@ -63,7 +63,7 @@ inline constexpr ViewMember kViewMembers[] = {
     {"output", kViewText, 0, "a file name"},
     {"outputs", kViewTexts, 0, "a list of file names, as [\"a.png\", \"a.npz\"]"},
     {"size", kViewText | kViewNumber | kViewNumbers, 0, "\"WIDTHxHEIGHT\", a number of pixels, or two"},
-    {"ev", kViewNumber | kViewText, 0, "a number of stops"},
+    {"ev", kViewNumber | kViewText, 0, "a number of stops, or \"auto\""},
     {"camera", kViewNumbers | kViewText, 0, "three numbers, as [0, -5, 1]"},
     {"look-at", kViewNumbers | kViewText, 0, "three numbers, as [0, 0, 1]"},
     {"up", kViewNumbers | kViewText, 0, "three numbers, as [0, 0, 1]"},

@@ -104,7 +104,8 @@ TEST(CommandLine, ValuesMayBeginWithAHyphenAndShortOptionsStandTogether) {
   for (const Words& words :
        {Words{"render", "none.pan", "--camera", "-1 0 0", "--sun", "-.5,1,0"},
         Words{"info", "none.pan", "-qj2"}, Words{"compile", "none.pxn", "-Dspan=1m", "-D", "n=2"},
-        Words{"info", "--", "-none.pan"}, Words{"import", "none.wrl", "--up", "z"}})
+        Words{"info", "--", "-none.pan"}, Words{"info", "none.pan", "--max-triangles", "3e8"},
+        Words{"import", "none.wrl", "--up", "z"}})
     EXPECT_THAT(run_here(words).code, testing::AnyOf(3, 130)) << words[0];
 }
 
