@@ -55,37 +55,55 @@ mli::Crease creases() {
 std::vector<Job> jobs() {
   using namespace mli;
   return {
-      {"random 1, smooth 4", {Random{1}, Smooth{4}}, smoothed_error,
-       "exact variances of heights and slopes", 0.03, 20},
-      {"random 1, smooth 64", {Random{1}, Smooth{64}},
+      {"random 1, smooth 4",
+       {Random{1}, Smooth{4}},
+       smoothed_error,
+       "exact variances of heights and slopes",
+       0.03,
+       20},
+      {"random 1, smooth 64",
+       {Random{1}, Smooth{64}},
        [](const Sheet& s) {
          // a wide kernel is a Gaussian: passes·2/3 is its variance along an axis
          return variance_error(s, 1.0 / 3 / (4 * kPi * 64 * 2.0 / 3));
        },
-       "variance of heights, a Gaussian kernel", 0.03},
-      {"wrinkle", {Wrinkle{0.02, 0.002, 0.5, 3}},
-       [](const Sheet& s) { return variance_error(s, 2e-6); }, "variance of heights, one seed",
+       "variance of heights, a Gaussian kernel",
+       0.03},
+      {"wrinkle",
+       {Wrinkle{0.02, 0.002, 0.5, 3}},
+       [](const Sheet& s) { return variance_error(s, 2e-6); },
+       "variance of heights, one seed",
        0.1},
-      {"crease", {creases()},
+      {"crease",
+       {creases()},
        [](const Sheet& s) {
          const mli::Crease c = creases();
          return variance_error(s, c.density * 0.375 * std::pow(c.length * c.depth, 2) / 6 *
                                       std::exp(8 * c.spread * c.spread));
        },
-       "variance of heights, Campbell's theorem, one seed", 0.1},
-      {"fractal 0.7", {Fractal{0.7, 0.002, 0.05}},
-       [](const Sheet& s) { return variance_error(s, 4e-6); }, "variance of heights, one seed",
+       "variance of heights, Campbell's theorem, one seed",
        0.1},
-      {"crush", {Crush{0.02, 0.002}},
+      {"fractal 0.7",
+       {Fractal{0.7, 0.002, 0.05}},
+       [](const Sheet& s) { return variance_error(s, 4e-6); },
+       "variance of heights, one seed",
+       0.1},
+      {"crush",
+       {Crush{0.02, 0.002}},
        [](const Sheet& s) { return variance_error(s, 4e-6 * 1.3125); },
-       "variance of heights, one seed", 0.1},
-      {"emboss quilt", {Emboss{Pattern::quilt, 0.05, 0.002}},
+       "variance of heights, one seed",
+       0.1},
+      {"emboss quilt",
+       {Emboss{Pattern::quilt, 0.05, 0.002}},
        [](const Sheet& s) { return std::fabs(s.statistics.height_mean / (0.002 * 4 / 9) - 1); },
-       "mean height", 0.01},
+       "mean height",
+       0.01},
       {"seam, button, taper",
        {Seam{true, 0.5, 0.04, 0.002, 0.01, 0.001}, Button{0.25, 0.005, 0.05, 0.001},
         Taper{0.05, 0.1, 0.05, 0.1}},
-       [](const Sheet& s) { return std::fabs(s.at(0, 0)) / 0.002; }, "height of the edge", 1e-9},
+       [](const Sheet& s) { return std::fabs(s.at(0, 0)) / 0.002; },
+       "height of the edge",
+       1e-9},
   };
 }
 

@@ -28,7 +28,8 @@ std::vector<Window> windows(std::size_t fine, std::size_t coarse) {
   std::vector<Window> all(coarse + 1);
   for (std::size_t k = 0; k <= coarse; ++k) {
     const double low = (static_cast<double>(k) - 0.5) * cell, high = low + cell;
-    const auto from = static_cast<long long>(std::floor(low)), to = from + static_cast<long long>(cell) + 3;
+    const auto from = static_cast<long long>(std::floor(low)),
+               to = from + static_cast<long long>(cell) + 3;
     const auto mirrored = [&](long long i) { return i < 0 ? -i : i > last ? 2 * last - i : i; };
     Window& window = all[k];
     long long first = last, end = 0;
@@ -66,19 +67,22 @@ Sheet filtered(const Sheet& sheet, std::uint32_t cells, const Job& job) {
   out.spacing = {across * sheet.spacing.x / cells, up * sheet.spacing.y / coarse_up};
   const std::vector<Window> along = windows(across, cells), rows = windows(up, coarse_up);
   out.heights.resize(std::size_t{out.columns} * out.rows);
-  parallel_for(out.rows, [&](std::size_t j) {
-    std::vector<double> mean(sheet.columns);
-    for (std::size_t k = 0; k < rows[j].weights.size(); ++k) {
-      const double* h = sheet.heights.data() + (rows[j].first + k) * sheet.columns;
-      for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += rows[j].weights[k] * h[i];
-    }
-    for (std::size_t i = 0; i < out.columns; ++i) {
-      double sum = 0;
-      for (std::size_t k = 0; k < along[i].weights.size(); ++k)
-        sum += along[i].weights[k] * mean[along[i].first + k];
-      out.heights[j * out.columns + i] = sum;
-    }
-  }, job);
+  parallel_for(
+      out.rows,
+      [&](std::size_t j) {
+        std::vector<double> mean(sheet.columns);
+        for (std::size_t k = 0; k < rows[j].weights.size(); ++k) {
+          const double* h = sheet.heights.data() + (rows[j].first + k) * sheet.columns;
+          for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += rows[j].weights[k] * h[i];
+        }
+        for (std::size_t i = 0; i < out.columns; ++i) {
+          double sum = 0;
+          for (std::size_t k = 0; k < along[i].weights.size(); ++k)
+            sum += along[i].weights[k] * mean[along[i].first + k];
+          out.heights[j * out.columns + i] = sum;
+        }
+      },
+      job);
   out.statistics = measured(out.heights, out.columns, out.spacing, job);
   const Covariance lost =
       less(sheet.statistics.facet_slope_covariance, out.statistics.facet_slope_covariance);

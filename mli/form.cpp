@@ -69,10 +69,11 @@ bool FormProblems::vertices(double count) {
 
 void FormProblems::folded(std::size_t triangles, std::size_t all, double height, double room) {
   if (triangles == 0) return;
-  log.report(Code::W7002, where,
-             fmt::format("the sheet folds over in {} of {} triangles: it is {:.3g} m high where the "
-                         "form leaves room for less; {:.3g} m keeps it apart",
-                         triangles, all, height, room));
+  log.report(
+      Code::W7002, where,
+      fmt::format("the sheet folds over in {} of {} triangles: it is {:.3g} m high where the "
+                  "form leaves room for less; {:.3g} m keeps it apart",
+                  triangles, all, height, room));
 }
 
 namespace {
@@ -94,19 +95,17 @@ geometry::Mesh flat(const Sheet& sheet) {
 
 struct Face {
   Vec3 across, up;  // along its sides
-  Vec2 place;               // of the corner on the sheet
+  Vec2 place;       // of the corner on the sheet
 };
 
-// Where vertex i of n cells lies, from -1/2 to 1/2; counted from the other end the same to the bit, so
-// that faces meet.
+// Where vertex i of n cells lies, from -1/2 to 1/2; counted from the other end the same to the bit,
+// so that faces meet.
 double from_middle(std::size_t i, std::size_t n) {
   const auto cells = static_cast<double>(n);
   return 0.5 * ((2 * static_cast<double>(i) - cells) / cells);
 }
 
-double rise(double inside, double flange) {
-  return smooth_step(inside / flange - 1);
-}
+double rise(double inside, double flange) { return smooth_step(inside / flange - 1); }
 
 Result<geometry::Mesh> boxed(const Sheet& sheet, const Box& box, FormProblems& problems) {
   const Vec3 s = box.size;
@@ -123,12 +122,9 @@ Result<geometry::Mesh> boxed(const Sheet& sheet, const Box& box, FormProblems& p
   const Sampler sampler{sheet};
   if (!problems.fits({2 * (s.x + s.y), s.z + 2 * s.y}, sampler.size())) return failed;
   const Vec3 x(s.x, 0, 0), y(0, s.y, 0), z(0, 0, s.z);
-  const Face faces[] = {{x, z, {0, s.y}},
-                        {y, z, {s.x, s.y}},
-                        {-x, z, {s.x + s.y, s.y}},
-                        {-y, z, {2 * s.x + s.y, s.y}},
-                        {x, y, {0, s.y + s.z}},
-                        {x, -y, {0, 0}}};
+  const Face faces[] = {{x, z, {0, s.y}},          {y, z, {s.x, s.y}},
+                        {-x, z, {s.x + s.y, s.y}}, {-y, z, {2 * s.x + s.y, s.y}},
+                        {x, y, {0, s.y + s.z}},    {x, -y, {0, 0}}};
   // the same number of cells on every edge of a direction
   const auto cells = [&](double length) {
     return std::max(1.0, std::floor(length / sheet.spacing.x + 0.5));

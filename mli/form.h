@@ -32,8 +32,8 @@ struct Disc {
   double flange = 0;
 };
 
-// About the origin. Each face lies flat within `flange` of its edges and rises to the sheet's heights
-// over as much again.
+// About the origin. Each face lies flat within `flange` of its edges and rises to the sheet's
+// heights over as much again.
 struct Box {
   Vec3 size{0, 0, 0};  // above twice the flange each
   double flange = 0;   // above 0
@@ -41,14 +41,14 @@ struct Box {
 
 using Form = std::variant<Flat, Tube, Cone, Disc, Box>;
 
-// A sheet in a form, metres. Triangles are counter-clockwise from outside, where heights are positive;
-// texture coordinates are the place on the flat sheet, metres.
+// A sheet in a form, metres. Triangles are counter-clockwise from outside, where heights are
+// positive; texture coordinates are the place on the flat sheet, metres.
 //
 // Cells are as large as the sheet's. Tubes are rolled up, cones and discs are cut out of the flat
 // sheet, boxes are cut out as four sides in a row with both ends at the first of them, so that
-// wrinkles are not stretched (a flange is by its width over the radius). Where the two sides of a tube
-// or cone meet, half of the step between them is taken from each, fading out over a twentieth of the
-// circumference. Beside a flange's corner heights lean towards the bisector.
+// wrinkles are not stretched (a flange is by its width over the radius). Where the two sides of a
+// tube or cone meet, half of the step between them is taken from each, fading out over a twentieth
+// of the circumference. Beside a flange's corner heights lean towards the bisector.
 //
 // A box is closed; tubes and cones are but for their ends. The normals are left empty.
 // Fails: E7001: a size that is none, a sheet too small for the form, above kMaxVertices.

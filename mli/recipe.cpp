@@ -9,9 +9,9 @@
 namespace panwright::mli {
 namespace {
 
-constexpr std::string_view kNames[] = {"random", "smooth", "constant", "taper",
-                                       "wrinkle", "crease", "fractal", "emboss",
-                                       "seam",   "button", "crush",   "slope_rms"};
+constexpr std::string_view kNames[] = {"random",  "smooth", "constant", "taper",
+                                       "wrinkle", "crease", "fractal",  "emboss",
+                                       "seam",    "button", "crush",    "slope_rms"};
 static_assert(std::size(kNames) == std::variant_size_v<Operation>);
 
 // Says what is wrong with the numbers of one place.
@@ -38,6 +38,14 @@ class Checker {
   bool length(std::string_view what, double value) {
     return within(what, value, kMinLength, kMaxLength, " m");
   }
+  // A length that the grid can show.
+  void pitch(std::string_view what, double value) {
+    if (!length(what, value) || value >= 2 * recipe_.cell() * (1 - 1e-12)) return;
+    wrong(
+        fmt::format("{} {} m is less than two cells of the grid, {} m; a larger one, or an xgrid "
+                    "from {} on, is accepted",
+                    what, value, 2 * recipe_.cell(), std::ceil(2 * recipe_.width / value)));
+  }
   // 0 is a length too
   bool size(std::string_view what, double value) {
     return within(what, value, 0, kMaxLength, " m");
@@ -47,18 +55,17 @@ class Checker {
   }
 
   void operator()(const Random& op) { size("amplitude", op.amplitude); }
-  void operator()(const Smooth& op) { within("number of passes", op.passes, 0, kMaxPasses); }
+  void operator()(const Smooth& op) {
+    const double vertices = (recipe_.xgrid + 1.0) * (recipe_.ygrid() + 1);
+    within("number of passes", op.passes, 0, std::min(kMaxPasses, std::floor(kMaxWork / vertices)));
+  }
   void operator()(const Constant& op) { height("height", op.height); }
   void operator()(const Taper& op) {
     edges("x", "width", op.x0, op.x1, recipe_.width);
     edges("y", "height", op.y0, op.y1, recipe_.cell() * recipe_.ygrid());
   }
   void operator()(const Wrinkle& op) {
-    if (length("wavelength", op.wavelength) && op.wavelength < 2 * recipe_.cell())
-      wrong(fmt::format("wavelength {} m is less than two cells of the grid, {} m; a larger one, or "
-                        "an xgrid from {} on, is accepted",
-                        op.wavelength, 2 * recipe_.cell(),
-                        std::ceil(2 * recipe_.width / op.wavelength)));
+    pitch("wavelength", op.wavelength);
     height("amplitude", op.amplitude);
     within("direction", op.direction, -1e6, 1e6, " rad");
     within("anisotropy", op.anisotropy, 1, 100);
@@ -68,30 +75,31 @@ class Checker {
     if (!(op.hurst > 0)) wrong(fmt::format("H is {}; it is above 0 and at most 1", op.hurst));
     if (op.hurst > 0) within("H", op.hurst, 0, 1);
     size("rms", op.rms);
-    if (op.longest != 0) length("longest", op.longest);
+    pitch("longest", op.longest != 0 ? op.longest : recipe_.width / 4);
   }
   void operator()(const Emboss& op) {
-    length("pitch", op.pitch);
+    pitch("pitch", op.pitch);
     height("depth", op.depth);
   }
   void operator()(const Seam& op) {
     const double side = op.along_x ? recipe_.cell() * recipe_.ygrid() : recipe_.width;
     within("position", op.position, 0, side, " m, on the sheet");
-    length("width", op.width);
+    pitch("width", op.width);
     height("height", op.height);
-    if (op.stitch != 0) length("stitch", op.stitch);
+    if (op.stitch != 0) pitch("stitch", op.stitch);
     height("pucker", op.pucker);
   }
   void operator()(const Button& op) {
     if (!length("pitch", op.pitch) || !size("radius", op.radius)) return;
     if (!(op.reach > op.radius && op.reach <= op.pitch / 2))
-      wrong(fmt::format("reach is {} m; it is more than the radius, {} m, and at most half the "
-                        "pitch, {} m",
-                        op.reach, op.radius, op.pitch / 2));
+      wrong(
+          fmt::format("reach is {} m; it is more than the radius, {} m, and at most half the "
+                      "pitch, {} m",
+                      op.reach, op.radius, op.pitch / 2));
     height("pucker", op.pucker);
   }
   void operator()(const Crush& op) {
-    length("size", op.size);
+    pitch("size", op.size);
     height("depth", op.depth);
   }
   void operator()(const SlopeRms& op) { within("slope", op.slope, 0, 100); }
@@ -104,9 +112,10 @@ class Checker {
       wrong(fmt::format("{0}0 is {1} m and {0}1 {2} m; {0}1 is as large as {0}0 or larger", axis,
                         from, to));
     else if (to > side / 2 * (1 + 1e-12))
-      wrong(fmt::format("{0}1 is {1} m, more than half the sheet's {2}, {3} m; the sheet would be "
-                        "nowhere at its full height",
-                        axis, to, side_name, side / 2));
+      wrong(
+          fmt::format("{0}1 is {1} m, more than half the sheet's {2}, {3} m; the sheet would be "
+                      "nowhere at its full height",
+                      axis, to, side_name, side / 2));
   }
 
   const Recipe& recipe_;
@@ -125,22 +134,25 @@ void Checker::operator()(const Crease& op) {
   within("tail_share", op.tail_share, 0, 1);
   if (!good_) return;
   const double margin = 2 * crease_margin(op);
-  const double area =
-      (recipe_.width + margin) * (recipe_.cell() * recipe_.ygrid() + margin);
+  const double area = (recipe_.width + margin) * (recipe_.cell() * recipe_.ygrid() + margin);
   if (op.density * area > kMaxRidges)
-    wrong(fmt::format("density {} makes {:.0f} ridges; {:.0f} are accepted, a density of {:.6g} per "
-                      "square metre",
-                      op.density, op.density * area, kMaxRidges, kMaxRidges / area));
-  // no ridge is longer than 20 lengths; one covers half its length times both reaches, 0.75 lengths
+    wrong(
+        fmt::format("density {} makes {:.0f} ridges; {:.0f} are accepted, a density of {:.6g} per "
+                    "square metre",
+                    op.density, op.density * area, kMaxRidges, kMaxRidges / area));
   const double overlap = op.density * crease_overlap(op);
   if (overlap > kMaxOverlap)
-    wrong(fmt::format("{:.0f} ridges lie over each point of the sheet; {:.0f} are accepted, a density "
-                      "of {:.6g} per square metre",
-                      overlap, kMaxOverlap, op.density * kMaxOverlap / overlap));
+    wrong(fmt::format(
+        "{:.0f} ridges lie over each point of the sheet; {:.0f} are accepted, a density "
+        "of {:.6g} per square metre",
+        overlap, kMaxOverlap, op.density * kMaxOverlap / overlap));
+  pitch("length", op.length);
 }
 
 bool check_size(const Recipe& recipe, Checker& checker, const RecipePlaces& places) {
-  const auto place = [&](const SourceSpan& own) { return own.file == kNoFile ? places.recipe : own; };
+  const auto place = [&](const SourceSpan& own) {
+    return own.file == kNoFile ? places.recipe : own;
+  };
   checker.at(place(places.width), "");
   checker.length("width", recipe.width);
   checker.at(place(places.height), "");
@@ -153,14 +165,15 @@ bool check_size(const Recipe& recipe, Checker& checker, const RecipePlaces& plac
   const double up = recipe.ygrid();
   if (up < 1 || up > kMaxCells) {
     checker.at(place(places.height), "");
-    checker.wrong(fmt::format("{} m by {} m with xgrid {} is {} cells high; a sheet is 1 to {} cells "
-                              "high, as many as its height divided by width/xgrid",
-                              recipe.width, recipe.height, recipe.xgrid, up, kMaxCells));
+    checker.wrong(
+        fmt::format("{} m by {} m with xgrid {} is {} cells high; a sheet is 1 to {} cells "
+                    "high, as many as its height divided by width/xgrid",
+                    recipe.width, recipe.height, recipe.xgrid, up, kMaxCells));
   } else if ((recipe.xgrid + 1) * (up + 1) > kMaxVertices) {
-    checker.wrong(fmt::format("xgrid {} makes {:.0f} vertices; {:.0f} are accepted, an xgrid of {}",
-                              recipe.xgrid, (recipe.xgrid + 1) * (up + 1), kMaxVertices,
-                              std::floor(std::sqrt(kMaxVertices * recipe.width / recipe.height)) -
-                                  1));
+    checker.wrong(
+        fmt::format("xgrid {} makes {:.0f} vertices; {:.0f} are accepted, an xgrid of {}",
+                    recipe.xgrid, (recipe.xgrid + 1) * (up + 1), kMaxVertices,
+                    std::floor(std::sqrt(kMaxVertices * recipe.width / recipe.height)) - 1));
   }
   return checker.good();
 }
@@ -177,8 +190,8 @@ bool check(const Recipe& recipe, DiagnosticLog& log, const RecipePlaces& places)
   bool good = true;
   if (recipe.operations.size() > kMaxOperations) {
     checker.at(places.recipe, "");
-    checker.wrong(fmt::format("{} operations; {} are accepted", recipe.operations.size(),
-                              kMaxOperations));
+    checker.wrong(
+        fmt::format("{} operations; {} are accepted", recipe.operations.size(), kMaxOperations));
     return false;
   }
   for (std::size_t i = 0; i < recipe.operations.size(); ++i) {

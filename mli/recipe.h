@@ -11,7 +11,8 @@
 namespace panwright::mli {
 
 // Every operation works on heights in metres over a flat sheet, x from its left edge, y from its
-// lower edge. Unless it says otherwise, it adds to the heights that are there.
+// lower edge. Unless it says otherwise, it adds to the heights that are there. Wavelengths, pitches
+// and other sizes along the sheet are two cells of its grid at least.
 
 // An independent uniform height in [-amplitude, amplitude] at every vertex of the recipe's grid.
 struct Random {
@@ -50,11 +51,12 @@ struct Wrinkle {
 // A network of ridges and valleys: pyramids of four flat facets over the ridge, each at a place,
 // in a direction and with a sign of its own.
 //
-// Lengths: a share of 1 − tail_share is log-normal (median `length`, `spread` the standard deviation
-// of ln L); the rest has a density ∝ L^-tail from `length` on. All end at 20 lengths. A ridge is
-// depth·L/length high and reaches 0.15 to 0.6 L to either side, so that facets of all sizes are
-// equally steep. A. Andresen, A. Hansen, J. Schmittbuhl, "Ridge network in crumpled paper", 2007, find
-// such lengths in paper; that foil's are the same, and the default numbers, are guesses.
+// Lengths: a share of 1 − tail_share is log-normal (median `length`, `spread` the standard
+// deviation of ln L); the rest has a density ∝ L^-tail from `length` on. All end at 20 lengths. A
+// ridge is depth·L/length high and reaches 0.15 to 0.6 L to either side, so that facets of all
+// sizes are equally steep. A. Andresen, A. Hansen, J. Schmittbuhl, "Ridge network in crumpled
+// paper", 2007, find such lengths in paper; that foil's are the same, and the default numbers, are
+// guesses.
 struct Crease {
   double density = 0;  // ridges per square metre
   double depth = 0;    // height of a ridge of median length, metres
@@ -65,8 +67,8 @@ struct Crease {
 };
 
 // A self-affine surface: octaves of cubic splines through independent heights on square grids, of
-// spacings longest/2^k, variances ∝ 2^-2Hk. The sum over all octaves has the given rms height; those
-// finer than two cells of the recipe's grid are left out.
+// spacings longest/2^k, variances ∝ 2^-2Hk. The sum over all octaves has the given rms height;
+// those finer than two cells of the recipe's grid are left out.
 struct Fractal {
   double hurst = 0.7;  // H, in (0, 1]; the spectrum falls with q^(-2 - 2H)
   double rms = 0;      // metres, of an infinitely large sheet
@@ -84,8 +86,8 @@ struct Emboss {
 };
 
 // A lap or tape across the whole sheet: a step of the given height, flat on top, whose flanks take
-// a fifth of its width each. Beside it folds, up and down in turn, half a stitch apart, each of its own
-// height, fade away within two and a half widths.
+// a fifth of its width each. Beside it folds, up and down in turn, half a stitch apart, each of its
+// own height, fade away within two and a half widths.
 struct Seam {
   bool along_x = true;
   double position = 0;  // of its middle line: y where along_x, else x
@@ -104,11 +106,12 @@ struct Button {
   double pucker = 0;
 };
 
-// Dents that meet in sharp straight crests, three sizes of them, each half as large and half as
-// deep as the one before: the depth below the nearest of irregular points, squared.
+// Dents that meet in sharp straight crests: heights go with the squared distance to the nearest of
+// irregular points. Three sizes, each half as large and half as deep as the one before; those
+// smaller than two cells of the recipe's grid are left out.
 struct Crush {
-  double size = 0;  // mean distance of the largest dents, metres
-  double depth = 0; // rms height of the largest
+  double size = 0;   // mean distance of the largest dents, metres
+  double depth = 0;  // rms height of the largest
 };
 
 // Scales all heights so that the root of the mean squared slope, both axes together, is this. It is
@@ -142,10 +145,10 @@ struct RecipePlaces {
   std::vector<SourceSpan> operations;  // none where it is shorter
 };
 
-inline constexpr std::uint32_t kMaxCells = 100'000;  // across, and up
-inline constexpr double kMaxVertices = 70e6;         // 0.5 GB of heights
+inline constexpr std::uint32_t kMaxCells = 100'000;           // across, and up
+inline constexpr double kMaxVertices = 70e6;                  // 0.5 GB of heights
 inline constexpr double kMinLength = 1e-9, kMaxLength = 1e9;  // metres
-inline constexpr std::uint32_t kMaxPasses = 10'000;
+inline constexpr double kMaxPasses = 10'000, kMaxWork = 1e11;  // of smooth; passes · vertices
 inline constexpr double kMaxRidges = 2e6;   // of a crease, those beyond the edges too
 inline constexpr double kMaxOverlap = 100;  // ridges of a crease over a point, on average
 inline constexpr std::size_t kMaxOperations = 1000;

@@ -145,16 +145,19 @@ class Correlation {
   // Over pairs of heights a lag apart.
   double at(std::size_t lag, const Job& job) const {
     std::vector<std::array<double, 3>> sums(lines_.size());
-    parallel_for(lines_.size(), [&](std::size_t k) {
-      std::array<double, 3> sum{};
-      for (std::size_t i = 0; i + lag < length_; ++i) {
-        const double a = height(lines_[k], i), b = height(lines_[k], i + lag);
-        sum[0] += a * b;
-        sum[1] += a * a;
-        sum[2] += b * b;
-      }
-      sums[k] = sum;
-    }, job);
+    parallel_for(
+        lines_.size(),
+        [&](std::size_t k) {
+          std::array<double, 3> sum{};
+          for (std::size_t i = 0; i + lag < length_; ++i) {
+            const double a = height(lines_[k], i), b = height(lines_[k], i + lag);
+            sum[0] += a * b;
+            sum[1] += a * a;
+            sum[2] += b * b;
+          }
+          sums[k] = sum;
+        },
+        job);
     std::array<double, 3> total{};
     for (const auto& sum : sums)
       for (std::size_t n = 0; n < 3; ++n) total[n] += sum[n];
@@ -166,7 +169,8 @@ class Correlation {
     const double wanted = det::exp(-1);
     const std::size_t half = (length_ - 1) / 2;
     double before = 1;
-    for (std::size_t last = 0, lag = 1; lag <= half; last = lag, lag += std::max<std::size_t>(1, lag / 8)) {
+    for (std::size_t last = 0, lag = 1; lag <= half;
+         last = lag, lag += std::max<std::size_t>(1, lag / 8)) {
       const double here = at(lag, job);
       if (here <= wanted)
         return static_cast<double>(last) +
@@ -198,11 +202,14 @@ double slope_rms(std::span<const double> heights, std::size_t columns, const Vec
                  const Job& job) {
   const View view = view_of(heights, columns, spacing);
   std::vector<double> rows(view.rows);
-  parallel_for(view.rows, [&](std::size_t j) {
-    RowSums sums;
-    add_heights_and_slopes(view, j, 0, sums);
-    rows[j] = sums.slopes.xx + sums.slopes.yy;
-  }, job);
+  parallel_for(
+      view.rows,
+      [&](std::size_t j) {
+        RowSums sums;
+        add_heights_and_slopes(view, j, 0, sums);
+        rows[j] = sums.slopes.xx + sums.slopes.yy;
+      },
+      job);
   double sum = 0;
   for (const double row : rows) sum += row;
   return std::sqrt(sum / static_cast<double>(heights.size()));
@@ -215,11 +222,14 @@ Statistics measured(std::span<const double> heights, std::size_t columns, const 
   const double about = heights[0];
   constexpr std::size_t kRows = 64;
   std::vector<RowSums> bands((view.rows + kRows - 1) / kRows);
-  parallel_for(bands.size(), [&](std::size_t band) {
-    bands[band] = sums_of_row(view, band * kRows, about, bins);
-    for (std::size_t j = band * kRows + 1; j < std::min(view.rows, (band + 1) * kRows); ++j)
-      bands[band].add(sums_of_row(view, j, about, bins));
-  }, job);
+  parallel_for(
+      bands.size(),
+      [&](std::size_t band) {
+        bands[band] = sums_of_row(view, band * kRows, about, bins);
+        for (std::size_t j = band * kRows + 1; j < std::min(view.rows, (band + 1) * kRows); ++j)
+          bands[band].add(sums_of_row(view, j, about, bins));
+      },
+      job);
   RowSums all = bands[0];
   for (std::size_t band = 1; band < bands.size(); ++band) all.add(bands[band]);
   const auto count = static_cast<double>(heights.size());
@@ -238,9 +248,8 @@ Statistics measured(std::span<const double> heights, std::size_t columns, const 
   out.mean_normal = all.normal / glm::length(all.normal);
   out.tilt_histogram = all.tilts;
   if (out.height_rms > 0)
-    out.correlation_length = {
-        Correlation(view, true, out.height_mean).length(job) * spacing.x,
-        Correlation(view, false, out.height_mean).length(job) * spacing.y};
+    out.correlation_length = {Correlation(view, true, out.height_mean).length(job) * spacing.x,
+                              Correlation(view, false, out.height_mean).length(job) * spacing.y};
   return out;
 }
 

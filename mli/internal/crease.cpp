@@ -31,8 +31,7 @@ double crease_margin(const Crease& crease) { return kLongest / 2 * crease.length
 double crease_overlap(const Crease& crease) {
   // ∫ x^-p over [1, kLongest]
   const auto integral = [](double p) {
-    return std::fabs(p - 1) < 1e-9 ? det::log(kLongest)
-                                   : (det::pow(kLongest, 1 - p) - 1) / (1 - p);
+    return std::fabs(p - 1) < 1e-9 ? det::log(kLongest) : (det::pow(kLongest, 1 - p) - 1) / (1 - p);
   };
   const double tail = integral(crease.tail - 2) / integral(crease.tail);
   const double bulk = std::min(kLongest * kLongest, det::exp(2 * crease.spread * crease.spread));

@@ -15,7 +15,8 @@ double ridge_length(const Crease& crease, const std::array<std::uint32_t, 4>& wo
 double crease_margin(const Crease& crease);
 
 // How many ridges lie over a point, on average, for each ridge per square metre: the mean area of
-// their outlines, square metres. (What the limit of 20 lengths takes from the log-normal ones counts.)
+// their outlines, square metres. (What the limit of 20 lengths takes from the log-normal ones
+// counts.)
 double crease_overlap(const Crease& crease);
 
 }  // namespace panwright::mli

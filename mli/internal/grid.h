@@ -35,9 +35,9 @@ inline constexpr std::size_t kBand = 64;  // rows that one thread takes at a tim
 // Calls body(first, end) for bands of rows.
 template <class Body>
 void for_bands(const Grid& grid, const Job& job, const Body& body) {
-  parallel_for((grid.rows + kBand - 1) / kBand, [&](std::size_t band) {
-    body(band * kBand, std::min(grid.rows, (band + 1) * kBand));
-  }, job);
+  parallel_for(
+      (grid.rows + kBand - 1) / kBand,
+      [&](std::size_t band) { body(band * kBand, std::min(grid.rows, (band + 1) * kBand)); }, job);
 }
 
 // 3t² − 2t³, t held to [0, 1].

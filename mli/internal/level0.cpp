@@ -76,8 +76,7 @@ class Band {
     constexpr double kThird = 1.0 / 3.0;
     smooth_row(rows_.data(), means(0), columns_);
     for (std::size_t j = 0; j < count; ++j) {
-      if (j + 1 < count)
-        smooth_row(rows_.data() + (j + 1) * columns_, means(j + 1), columns_);
+      if (j + 1 < count) smooth_row(rows_.data() + (j + 1) * columns_, means(j + 1), columns_);
       const double* here = means(j);
       const double* below = j > 0 ? means(j - 1) : here;
       const double* above = j + 1 < count ? means(j + 1) : here;

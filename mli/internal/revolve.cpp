@@ -22,8 +22,8 @@ struct Profile {
 };
 
 bool profile_of(const Tube& tube, const Vec2& sheet, FormProblems& problems, Profile& out) {
-  const bool good = problems.length("radius", tube.radius, true) &&
-                    problems.length("flange", tube.flange, true);
+  const bool good =
+      problems.length("radius", tube.radius, true) && problems.length("flange", tube.flange, true);
   const double length = tube.length == 0 ? sheet.y - 2 * tube.flange : tube.length;
   if (!good || !problems.length("length", length, false)) return false;
   const double r = tube.radius > 0 ? tube.radius : sheet.x / (2 * kPi);
@@ -43,10 +43,11 @@ bool profile_of(const Cone& cone, const Vec2&, FormProblems& problems, Profile& 
     return false;
   const double slope = cone.length / std::fabs(cone.radius - cone.top_radius);
   if (cone.flange > 0 && slope < 0.01) {
-    problems.log.report(Code::E7001, problems.where,
-                        fmt::format("the cone is {} m long between radii of {} and {} m; with flanges, "
-                                    "a hundredth of their difference at least",
-                                    cone.length, cone.radius, cone.top_radius));
+    problems.log.report(
+        Code::E7001, problems.where,
+        fmt::format("the cone is {} m long between radii of {} and {} m; with flanges, "
+                    "a hundredth of their difference at least",
+                    cone.length, cone.radius, cone.top_radius));
     return false;
   }
   if (cone.flange > 0) out.corners.push_back({cone.radius + cone.flange, 0});
@@ -54,8 +55,8 @@ bool profile_of(const Cone& cone, const Vec2&, FormProblems& problems, Profile& 
   out.corners.push_back({cone.top_radius, cone.length});
   if (cone.flange > 0 && cone.top_radius > 0)
     out.corners.push_back({cone.top_radius + cone.flange, cone.length});
-  const double slant = std::sqrt(std::pow(cone.radius - cone.top_radius, 2) +
-                                 cone.length * cone.length);
+  const double slant =
+      std::sqrt(std::pow(cone.radius - cone.top_radius, 2) + cone.length * cone.length);
   out.sine = (cone.radius - cone.top_radius) / slant;
   out.radius = (cone.radius + cone.top_radius) / 2;
   // nearly a tube: the sector's middle is too far away to count from
@@ -81,10 +82,10 @@ Vec2 right_of(const Vec2& along) { return {along.y, -along.x}; }
 
 // A ring of vertices: all of one place on the profile.
 struct Ring {
-  double distance;     // along the profile from its first corner
-  Vec2 place;          // (r, z)
-  Vec2 lift;           // what a height of 1 moves it by
-  double room[2];      // below, above: heights that stay on their side of the bisectors
+  double distance;  // along the profile from its first corner
+  Vec2 place;       // (r, z)
+  Vec2 lift;        // what a height of 1 moves it by
+  double room[2];   // below, above: heights that stay on their side of the bisectors
 };
 
 // Rings about a cell apart, each corner one of them. Lifts lean linearly from the normal to the
@@ -115,7 +116,9 @@ std::vector<Ring> rings_of(const Profile& profile, double cell) {
     const double count = std::max(2.0, std::floor(length[k] / cell + 0.5));
     for (double n = k == 0 ? 0 : 1; n <= count; ++n) {
       const double here = n / count * length[k], left = length[k] - here;
-      Ring ring{start + here, n == count ? p[k + 1] : p[k] + here * along[k], normal[k],
+      Ring ring{start + here,
+                n == count ? p[k + 1] : p[k] + here * along[k],
+                normal[k],
                 {kMaxLength, kMaxLength}};
       for (const std::size_t corner : {k, k + 1}) {
         const double far = corner == k ? here : left;
@@ -137,8 +140,7 @@ std::vector<Ring> rings_of(const Profile& profile, double cell) {
 Vec2 cut_place(const Profile& profile, const Ring& ring, double angle) {
   if (profile.cut == Cut::rolled) return {angle * profile.radius, ring.distance};
   const double far = profile.distance - ring.distance;
-  const auto turned =
-      det::sincos(profile.cut == Cut::disc ? angle : (angle - kPi) * profile.sine);
+  const auto turned = det::sincos(profile.cut == Cut::disc ? angle : (angle - kPi) * profile.sine);
   return {far * turned.sin, profile.cut == Cut::disc ? far * turned.cos : -far * turned.cos};
 }
 
@@ -227,8 +229,7 @@ class Revolver {
   // Counts what crosses a bisector or the axis.
   void examine(const Ring& ring, double h, bool apex) {
     double room = ring.room[h > 0];
-    if (!apex && ring.lift.x * h < 0)
-      room = std::min(room, ring.place.x / std::fabs(ring.lift.x));
+    if (!apex && ring.lift.x * h < 0) room = std::min(room, ring.place.x / std::fabs(ring.lift.x));
     if (std::fabs(h) < room) return;
     ++folded_;
     height_ = std::max(height_, std::fabs(h));

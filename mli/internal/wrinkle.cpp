@@ -33,8 +33,7 @@ std::array<Wave, kWaves> waves_of(const Wrinkle& wrinkle, const Grid& grid) {
     const auto words = grid.words(static_cast<std::uint32_t>(n), 0);
     const double turn = 2 * (static_cast<double>(n) + in_unit(words[0])) / kWaves - 1;
     const auto direction = det::sincos(wrinkle.direction + half * turn);
-    const double k =
-        2 * kPi / wrinkle.wavelength * (1 + kSpread * (2 * in_unit(words[1]) - 1));
+    const double k = 2 * kPi / wrinkle.wavelength * (1 + kSpread * (2 * in_unit(words[1]) - 1));
     waves[n] = {k * direction.cos, k * direction.sin, 2 * kPi * in_unit(words[2])};
   }
   return waves;
@@ -75,8 +74,7 @@ void apply(const Wrinkle& wrinkle, const Grid& grid, const Job& job) {
       std::fill(re.begin(), re.end(), 0.0);
       std::fill(im.begin(), im.end(), 0.0);
       for (const Wave& wave : waves)
-        add_wave(wave, grid.cell, static_cast<double>(j) * grid.cell, padded, re.data(),
-                 im.data());
+        add_wave(wave, grid.cell, static_cast<double>(j) * grid.cell, padded, re.data(), im.data());
       double* h = grid.row(j);
       for (std::size_t i = 0; i < grid.columns; ++i) {
         const double size = std::sqrt(re[i] * re[i] + im[i] * im[i]);

@@ -27,8 +27,8 @@ double mean_of(const Sheet& sheet) {
   double sum = 0, weights = 0;
   for (std::uint32_t j = 0; j < sheet.rows; ++j)
     for (std::uint32_t i = 0; i < sheet.columns; ++i) {
-      const double w = (i == 0 || i + 1 == sheet.columns ? 0.5 : 1) *
-                       (j == 0 || j + 1 == sheet.rows ? 0.5 : 1);
+      const double w =
+          (i == 0 || i + 1 == sheet.columns ? 0.5 : 1) * (j == 0 || j + 1 == sheet.rows ? 0.5 : 1);
       sum += w * sheet.at(i, j);
       weights += w;
     }
@@ -94,8 +94,8 @@ TEST(Filter, SlopesThatAreLostAreKept) {
 TEST(Filter, AFinerGridOfTheRecipeShowsTheSameFoil) {
   Recipe coarse = everything();
   coarse.operations.erase(coarse.operations.begin(), coarse.operations.begin() + 2);  // in cells
-  coarse.operations.erase(coarse.operations.begin() + 7);                 // measures the grid
-  coarse.operations.erase(coarse.operations.begin() + 3);                 // has more octaves
+  coarse.operations.erase(coarse.operations.begin() + 7);  // measures the grid
+  coarse.operations.erase(coarse.operations.begin() + 3);  // has more octaves
   coarse.xgrid = 150;
   Recipe fine = coarse;
   fine.xgrid = 450;

@@ -68,8 +68,10 @@ std::size_t intersections(const Mesh& mesh) {
       const std::uint32_t s = items[i].t, t = items[j].t;
       bool apart = false, share = false;
       for (int axis = 1; axis < 3; ++axis) {
-        const auto [s0, s1] = std::minmax({corner(s, 0)[axis], corner(s, 1)[axis], corner(s, 2)[axis]});
-        const auto [t0, t1] = std::minmax({corner(t, 0)[axis], corner(t, 1)[axis], corner(t, 2)[axis]});
+        const auto [s0, s1] =
+            std::minmax({corner(s, 0)[axis], corner(s, 1)[axis], corner(s, 2)[axis]});
+        const auto [t0, t1] =
+            std::minmax({corner(t, 0)[axis], corner(t, 1)[axis], corner(t, 2)[axis]});
         apart = apart || s1 < t0 || t1 < s0;
       }
       for (std::size_t a = 0; a < 3; ++a)
@@ -78,9 +80,11 @@ std::size_t intersections(const Mesh& mesh) {
       if (apart || share) continue;
       bool hit = false;
       for (std::size_t k = 0; k < 3; ++k)
-        hit = hit ||
-              pierces(corner(s, k), corner(s, (k + 1) % 3), corner(t, 0), corner(t, 1), corner(t, 2)) ||
-              pierces(corner(t, k), corner(t, (k + 1) % 3), corner(s, 0), corner(s, 1), corner(s, 2));
+        hit =
+            hit ||
+            pierces(corner(s, k), corner(s, (k + 1) % 3), corner(t, 0), corner(t, 1),
+                    corner(t, 2)) ||
+            pierces(corner(t, k), corner(t, (k + 1) % 3), corner(s, 0), corner(s, 1), corner(s, 2));
       count += hit;
     }
   return count;
@@ -120,7 +124,8 @@ TEST(Form, LevelSheetsHaveTheAreaOfTheirForm) {
   double n = around(0.35);
   const Mesh tubular = mesh_of(sheet, tube);
   expect_sound(tubular, static_cast<std::size_t>(2 * n));
-  EXPECT_NEAR(geometry::check(tubular).area, ring(n, 0.3, 0.3, 0.8) + 2 * ring(n, 0.35, 0.3, 0), 1e-9);
+  EXPECT_NEAR(geometry::check(tubular).area, ring(n, 0.3, 0.3, 0.8) + 2 * ring(n, 0.35, 0.3, 0),
+              1e-9);
 
   const Cone cone{0.3, 0.1, 0.5, 0.04};
   n = around(0.34);
@@ -150,8 +155,8 @@ TEST(Form, LiesOutsideItsBody) {
   for (const Vec3& p : mesh_of(sheet, Tube{0.3, 0.8, 0.05}).positions) {
     const double r = std::hypot(p.x, p.y);
     // on the wall or on a flange, both lifted, the mitre between
-    const double off = std::min({std::fabs(r - 0.31), std::fabs(p.z - lift),
-                                 std::fabs(p.z - 0.8 + lift)});
+    const double off =
+        std::min({std::fabs(r - 0.31), std::fabs(p.z - lift), std::fabs(p.z - 0.8 + lift)});
     EXPECT_LT(off, 1e-12);
     EXPECT_GE(r, 0.31 - 1e-12);
   }
@@ -212,7 +217,8 @@ TEST(Form, SaysWhatMeetsItself) {
   EXPECT_THAT(log.entries()[0].message, HasSubstr("it is 0.06 m high"));
   EXPECT_THAT(log.entries()[0].message, HasSubstr("; 0.05 m keeps it apart"));
   DiagnosticLog none;
-  ASSERT_TRUE(formed(sheet_of(recipe(2, 1, 100, {Constant{0.0499}})), Tube{0.3, 0.8, 0.1}, none).ok());
+  ASSERT_TRUE(
+      formed(sheet_of(recipe(2, 1, 100, {Constant{0.0499}})), Tube{0.3, 0.8, 0.1}, none).ok());
   EXPECT_EQ(none.warnings(), 0u);
 }
 
@@ -232,9 +238,9 @@ TEST(Form, TubesTakeTheirSizesFromTheSheet) {
 // Cut out of the flat sheet: lengths on the wall are lengths of texture coordinates.
 TEST(Form, DoesNotStretchTheSheet) {
   const Sheet sheet = level(2.4, 1.6, 240);
-  for (const Form& form : {Form(Tube{0.3, 0.8, 0}), Form(Cone{0.3, 0.1, 0.5, 0}),
-                           Form(Cone{0.1, 0.3, 0.5, 0}), Form(Disc{0.3, 0}),
-                           Form(Box{{0.5, 0.4, 0.5}, 0.02})}) {
+  for (const Form& form :
+       {Form(Tube{0.3, 0.8, 0}), Form(Cone{0.3, 0.1, 0.5, 0}), Form(Cone{0.1, 0.3, 0.5, 0}),
+        Form(Disc{0.3, 0}), Form(Box{{0.5, 0.4, 0.5}, 0.02})}) {
     const Mesh mesh = mesh_of(sheet, form);
     double worst = 0;
     for (const Triangle& t : mesh.triangles)

@@ -9,8 +9,8 @@ using testing::sheet_of;
 
 // tests/mli/level0.py printed these
 TEST(Level0, IsWhatNumpyMakes) {
-  const Sheet figure9 = sheet_of(recipe(
-      120, 60, 240, {Random{1.0}, Smooth{4}, Constant{4.0}, Taper{5.0, 7.0, 2.5, 3.5}}));
+  const Sheet figure9 = sheet_of(
+      recipe(120, 60, 240, {Random{1.0}, Smooth{4}, Constant{4.0}, Taper{5.0, 7.0, 2.5, 3.5}}));
   EXPECT_EQ(checksum(figure9.heights), 0x4ba663184bb12d36u);
   EXPECT_EQ(checksum(sheet_of(recipe(1.0, 0.7, 37, {Random{0.003}}, 4294967295u)).heights),
             0x5a2d723ed2f59270u);

@@ -44,8 +44,8 @@ Mean over_seeds(const Recipe& of, std::uint32_t seeds, bool facets = false) {
     const auto count = static_cast<double>(sheet.heights.size()) * seeds;
     mean.height2 += h2 / count;
     mean.height4 += h4 / count;
-    const Covariance& c = facets ? sheet.statistics.facet_slope_covariance
-                                 : sheet.statistics.slope_covariance;
+    const Covariance& c =
+        facets ? sheet.statistics.facet_slope_covariance : sheet.statistics.slope_covariance;
     mean.xx += c.xx / seeds;
     mean.xy += c.xy / seeds;
     mean.yy += c.yy / seeds;
@@ -74,8 +74,9 @@ TEST(Wrinkle, SlopesHeightsAndCrossingsAreThoseOfItsSpectrum) {
     const Recipe one = recipe(0.8, 0.8, 640, {Wrinkle{wavelength, a, 0, anisotropy}});
     const Mean mean = over_seeds(one, 16, true);
     EXPECT_NEAR(mean.height2, a * a / 2, 0.05 * a * a / 2) << anisotropy;
-    // h = |z|·tri(arg z) of a Gaussian z: half of the variance of wave vectors about their mean goes
-    // to the envelope, whose slopes count 1/3, the rest to the phase, whose slopes count (2/π)²
+    // h = |z|·tri(arg z) of a Gaussian z: half of the variance of wave vectors about their mean
+    // goes to the envelope, whose slopes count 1/3, the rest to the phase, whose slopes count
+    // (2/π)²
     const Spectrum s = spectrum_of(anisotropy);
     const double envelope = 1.0 / 3, phase = 4 / (kPi * kPi);
     const double spread = s.xx - s.mean_x * s.mean_x;
@@ -130,23 +131,21 @@ TEST(Crease, LengthsFollowTheirLaw) {
   const auto expected = [&](double x) {
     const double normal = 0.5 * std::erfc(-std::log(x) / crease.spread / std::sqrt(2.0));
     const double power = std::pow(20, 1 - crease.tail);
-    const double tail =
-        x < 1 ? 0 : (1 - std::pow(x, 1 - crease.tail)) / (1 - power);
+    const double tail = x < 1 ? 0 : (1 - std::pow(x, 1 - crease.tail)) / (1 - power);
     return 0.8 * normal + 0.2 * tail;
   };
   double worst = 0;
   for (std::uint32_t n = 0; n < kCount; ++n) {
     const double here = expected(lengths[n]);
-    worst = std::max({worst, std::fabs(here - (n + 0.0) / kCount),
-                      std::fabs(here - (n + 1.0) / kCount)});
+    worst = std::max(
+        {worst, std::fabs(here - (n + 0.0) / kCount), std::fabs(here - (n + 1.0) / kCount)});
   }
   // Kolmogorov and Smirnov: above by chance once in 10,000
   EXPECT_LT(worst, 2.23 / std::sqrt(kCount));
   EXPECT_LE(lengths.back(), 20 * (1 + 1e-12));
   // the long ones: the slope of their distribution's logarithm
   const auto above = [&](double x) {
-    return static_cast<double>(lengths.end() -
-                               std::lower_bound(lengths.begin(), lengths.end(), x));
+    return static_cast<double>(lengths.end() - std::lower_bound(lengths.begin(), lengths.end(), x));
   };
   const double slope = std::log(above(8) / above(4)) / std::log(2.0);
   const double exact = std::log((1 - expected(8)) / (1 - expected(4))) / std::log(2.0);
@@ -165,8 +164,7 @@ TEST(Crease, VariancesAreThoseOfItsPyramids) {
   const double moment = std::exp(2 * 0.09), fourth = std::exp(8 * 0.09);  // of L²/l², L⁴/l⁴
   // a pyramid of base A and height H: A·H²/6
   const double l2 = crease.length * crease.length;
-  const double height =
-      crease.density * 0.375 * l2 * fourth * crease.depth * crease.depth / 6;
+  const double height = crease.density * 0.375 * l2 * fourth * crease.depth * crease.depth / 6;
   EXPECT_NEAR(mean.height2, height, 0.06 * height);
   // facets over (s, b): area s·b/2, slopes H/s and H/b; b uniform in 0.15 to 0.6, s in 0.15 to 0.85
   const double slopes = 2 * (0.375 * std::log(0.85 / 0.15) / 0.7 + 0.5 * std::log(4.0) / 0.45);
@@ -299,8 +297,8 @@ TEST(Seam, IsFlatOnTopAndGoneBeside) {
     least = std::min(least, size);
     most = std::max(most, size);
     for (std::uint32_t k = 1; k < 4; ++k)
-      EXPECT_NEAR(folded.at(i + k, 70),
-                  (folded.at(i, 70) * (4 - k) + folded.at(i + 4, 70) * k) / 4, 1e-15);
+      EXPECT_NEAR(folded.at(i + k, 70), (folded.at(i, 70) * (4 - k) + folded.at(i + 4, 70) * k) / 4,
+                  1e-15);
     EXPECT_EQ(folded.at(i, 60), 0);
     EXPECT_EQ(folded.at(i, 111), 0);  // 2.55 widths away
   }

@@ -8,8 +8,8 @@
 namespace panwright::mli {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::everything;
+using ::testing::HasSubstr;
 using testing::recipe;
 using testing::sheet_of;
 
@@ -39,6 +39,8 @@ TEST(Recipe, SizesThatCannotBe) {
             "xgrid 50000 makes 2500100001 vertices; 70000000 are accepted, an xgrid of 8365\n");
   EXPECT_THAT(said_of(recipe(1, 0.001, 100, {})), HasSubstr("is 0 cells high"));
   EXPECT_THAT(said_of(recipe(0.001, 1e9, 100, {})), HasSubstr("cells high; a sheet is 1 to"));
+  EXPECT_EQ(said_of(recipe(1, 1, 8000, {Smooth{2000}})),
+            "operation 1, smooth: number of passes is 2000; it is a number from 0 to 1562\n");
   // what is proposed is accepted
   DiagnosticLog log;
   EXPECT_TRUE(check(recipe(1, 1, 8365, {}), log));
@@ -59,6 +61,8 @@ TEST(Recipe, OperationsThatCannotBe) {
   Crease long_tailed;
   long_tailed.tail = 1;
   long_tailed.length = 0.1;
+  Crease short_ridges;
+  short_ridges.length = 0.01;
   const Case cases[] = {
       {Random{-1}, "operation 2, random: amplitude is -1; it is a number from 0 to"},
       {Random{kNan}, "amplitude is nan"},
@@ -71,8 +75,15 @@ TEST(Recipe, OperationsThatCannotBe) {
       {Taper{-1, 0, 0, 0}, "x0 is -1"},
       {Wrinkle{0, 1, 0, 3}, "wavelength is 0"},
       {Wrinkle{0.01, 1, 0, 3},
-       "wavelength 0.01 m is less than two cells of the grid, 0.02 m; a larger one, or an xgrid from "
+       "wavelength 0.01 m is less than two cells of the grid, 0.02 m; a larger one, or an xgrid "
+       "from "
        "200 on, is accepted"},
+      {Fractal{0.7, 1, 0.01}, "longest 0.01 m is less than two cells"},
+      {Emboss{Pattern::quilt, 0.01, 1}, "pitch 0.01 m is less than two cells"},
+      {Seam{true, 0.2, 0.01, 1, 0, 0}, "width 0.01 m is less than two cells"},
+      {Seam{true, 0.2, 0.1, 1, 0.01, 0}, "stitch 0.01 m is less than two cells"},
+      {Crush{0.01, 1}, "size 0.01 m is less than two cells"},
+      {short_ridges, "length 0.01 m is less than two cells"},
       {Wrinkle{0.1, kNan, 0, 3}, "amplitude is nan"},
       {Wrinkle{0.1, 1, kInfinite, 3}, "direction is inf"},
       {Wrinkle{0.1, 1, 0, 0.5}, "anisotropy is 0.5; it is a number from 1 to 100"},
@@ -86,7 +97,8 @@ TEST(Recipe, OperationsThatCannotBe) {
       {Fractal{0.5, 1, -1}, "longest is -1"},
       {Emboss{Pattern::quilt, 0, 1}, "pitch is 0"},
       {Emboss{Pattern::diamond, 1, kNan}, "depth is nan"},
-      {Seam{true, 0.6, 0.1, 0, 0, 0}, "position is 0.6; it is a number from 0 to 0.5 m, on the sheet"},
+      {Seam{true, 0.6, 0.1, 0, 0, 0},
+       "position is 0.6; it is a number from 0 to 0.5 m, on the sheet"},
       {Seam{false, 0.6, 0, 0, 0, 0}, "width is 0"},
       {Seam{false, 0.6, 0.1, 0, -1, 0}, "stitch is -1"},
       {Button{0, 0, 0, 0}, "pitch is 0"},
@@ -125,33 +137,35 @@ TEST(Recipe, SaysAllThatIsWrongWithItsPlace) {
 
 // Numbers at the ends of what is accepted make heights that are numbers.
 TEST(Recipe, ExtremesStayFinite) {
+  const double far = kMaxLength;
   Crease crease;
-  crease.depth = kMaxLength;
-  crease.length = kMaxLength;
+  crease.depth = far;
+  crease.length = far;
   crease.density = 1e-19;
   crease.spread = 3;
-  const std::vector<Operation> big = {Random{kMaxLength},
-                                      Constant{-kMaxLength},
-                                      Wrinkle{kMaxLength, kMaxLength, 1e6, 100},
-                                      crease,
-                                      Fractal{1e-6, kMaxLength, kMaxLength},
-                                      Emboss{Pattern::quilt, kMinLength, kMaxLength},
-                                      Emboss{Pattern::diamond, kMinLength, kMaxLength},
-                                      Seam{true, 0, kMinLength, kMaxLength, kMinLength, kMaxLength},
-                                      Button{kMaxLength, 0, kMinLength, kMaxLength},
-                                      Crush{kMaxLength, kMaxLength},
-                                      Smooth{20}};
-  for (const double width : {1e-9, 1.0, 1e9}) {
-    for (const std::uint32_t xgrid : {1u, 2u, 33u}) {
-      Recipe one = recipe(width, width, xgrid, big);
-      std::get<Wrinkle>(one.operations[2]).wavelength = std::max(2 * one.cell(), kMinLength);
-      if (2 * one.cell() > kMaxLength) one.operations.erase(one.operations.begin() + 2);
+  for (const double width : {1e-9, 1.0, 1e9})
+    for (const std::uint32_t xgrid : {2u, 33u}) {
+      Recipe one = recipe(width, width, xgrid, {});
+      const double fine = std::max(2 * one.cell(), kMinLength);
+      one.operations = {Random{far},
+                        Constant{-far},
+                        Wrinkle{fine, far, 1e6, 100},
+                        Wrinkle{far, far, -1e6, 1},
+                        crease,
+                        Fractal{1e-6, far, far},
+                        Fractal{1, far, fine},
+                        Emboss{Pattern::quilt, fine, far},
+                        Emboss{Pattern::diamond, fine, far},
+                        Seam{true, 0, fine, far, fine, far},
+                        Button{far, 0, kMinLength, far},
+                        Crush{far, far},
+                        Crush{fine, far},
+                        Smooth{20}};
       const Sheet sheet = sheet_of(one);
       for (const double h : sheet.heights) ASSERT_TRUE(std::isfinite(h)) << width << " " << xgrid;
       ASSERT_TRUE(std::isfinite(sheet.statistics.slope_rms));
       ASSERT_TRUE(is_finite(sheet.statistics.mean_normal));
     }
-  }
 }
 
 TEST(Recipe, NumbersInsideTheirLimitsAreMade) {

@@ -1,7 +1,8 @@
 // The sheets and forms of docs/mli.md: their checksums, or files of numpy.
 //
-//   mli_sheets THREADS          a line each: its name, checksums of heights and statistics, or of positions
-//   mli_sheets --write FOLDER   FOLDER/NAME.npy: heights (rows, columns), row 0 at the lower edge, or
+//   mli_sheets THREADS          a line each: its name, checksums of heights and statistics, or of
+//   positions mli_sheets --write FOLDER   FOLDER/NAME.npy: heights (rows, columns), row 0 at the
+//   lower edge, or
 //                               corners (triangles, 3, 3); metres
 //   mli_sheets --side N         makes random 1, smooth 4 of N x N vertices, for bench/case_mli.cpp
 #include <bit>
@@ -66,10 +67,9 @@ std::vector<Named> sheets() {
       {"crush", square({Crush{0.05, 0.002}, slopes})},
       {"quilt", square({Emboss{Pattern::quilt, 0.06, 0.005}, creases(8000, 0.0003, 0.02)})},
       {"diamond", square({Emboss{Pattern::diamond, 0.02, 0.002}})},
-      {"seam", square({creases(8000, 0.0004, 0.02),
-                       Seam{true, 0.25, 0.04, 0.002, 0.015, 0.0006}})},
-      {"button", square({creases(8000, 0.0004, 0.02), Constant{0.006},
-                         Button{0.2, 0.004, 0.06, 0.0015}})},
+      {"seam", square({creases(8000, 0.0004, 0.02), Seam{true, 0.25, 0.04, 0.002, 0.015, 0.0006}})},
+      {"button",
+       square({creases(8000, 0.0004, 0.02), Constant{0.006}, Button{0.2, 0.004, 0.06, 0.0015}})},
       {"slope_05", square({creases(8000, 0.002, 0.02), SlopeRms{0.05}})},
       {"slope_10", square({creases(8000, 0.002, 0.02), SlopeRms{0.1}})},
       {"slope_40", square({creases(8000, 0.002, 0.02), SlopeRms{0.4}})},
@@ -108,7 +108,8 @@ bool write_npy(const std::string& path, const std::string& shape, std::span<cons
   const unsigned char start[] = {0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0, 128 - 10, 0};
   bool good = std::fwrite(start, sizeof start, 1, file) == 1;
   good = std::fwrite(header.data(), header.size(), 1, file) == 1 && good;
-  good = std::fwrite(numbers.data(), sizeof(double), numbers.size(), file) == numbers.size() && good;
+  good =
+      std::fwrite(numbers.data(), sizeof(double), numbers.size(), file) == numbers.size() && good;
   return std::fclose(file) == 0 && good;
 }
 
@@ -164,7 +165,8 @@ int main(int argc, char** argv) {
   const Job job({.threads = write ? 0 : std::strtoul(argv[1], nullptr, 10), .progress = {}});
   DiagnosticLog log;
   bool good = true;
-  for (const Named& each : sheets()) good = good && show_sheet(each, write ? argv[2] : nullptr, job, log);
+  for (const Named& each : sheets())
+    good = good && show_sheet(each, write ? argv[2] : nullptr, job, log);
   good = good && show_forms(write ? argv[2] : nullptr, job, log);
   std::fputs(to_text(log).c_str(), stderr);
   return good ? 0 : 1;

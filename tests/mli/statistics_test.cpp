@@ -15,7 +15,8 @@ Statistics of(std::size_t columns, std::size_t rows, const Vec2& spacing, Functi
   std::vector<double> heights;
   for (std::size_t j = 0; j < rows; ++j)
     for (std::size_t i = 0; i < columns; ++i)
-      heights.push_back(height(spacing.x * static_cast<double>(i), spacing.y * static_cast<double>(j)));
+      heights.push_back(
+          height(spacing.x * static_cast<double>(i), spacing.y * static_cast<double>(j)));
   return measured(heights, columns, spacing);
 }
 
@@ -96,10 +97,12 @@ TEST(Statistics, MeanNormalIsThatOfTheEdges) {
   double x = 0, y = 0;  // trapezoid rule along the edges
   for (std::uint32_t j = 0; j + 1 < free.rows; ++j)
     x += (free.at(free.columns - 1, j) + free.at(free.columns - 1, j + 1) - free.at(0, j) -
-          free.at(0, j + 1)) / 2;
+          free.at(0, j + 1)) /
+         2;
   for (std::uint32_t i = 0; i + 1 < free.columns; ++i)
     y += (free.at(i, free.rows - 1) + free.at(i + 1, free.rows - 1) - free.at(i, 0) -
-          free.at(i + 1, 0)) / 2;
+          free.at(i + 1, 0)) /
+         2;
   const double cells = (free.rows - 1.0) * (free.columns - 1.0);
   const Vec3 exact =
       glm::normalize(Vec3(-x / free.spacing.x / cells, -y / free.spacing.y / cells, 1));
