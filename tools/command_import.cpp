@@ -8,6 +8,8 @@
 #include "base/text.h"
 #include "importers/clean.h"
 #include "pxn/import_template.h"
+#include "pxn/material_guess.h"
+#include "pxn/text/reference.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/mesh_report_page.h"
@@ -82,7 +84,7 @@ std::string attributes_of(const CadOptions& cad) {
   if (cad.crease_deg != 30) out += fmt::format(" crease=\"{}deg\"", format_double(cad.crease_deg));
   if (cad.crease_normals) out += " normals=\"crease\"";
   if (cad.keep_hidden) out += " hidden=\"keep\"";
-  if (!cad.scene.empty()) out += fmt::format(" scene=\"{}\"", cad.scene);
+  if (!cad.scene.empty()) out += fmt::format(" scene=\"{}\"", pxn::xml::escaped(cad.scene));
   if (cad.primitives > 0) out += fmt::format(" primitives=\"{}\"", cad.primitives);
   if (cad.deflection > 0) out += fmt::format(" deflection=\"{}m\"", format_double(cad.deflection));
   return out;
@@ -130,12 +132,19 @@ void describe(const importers::Imported& imported, CommandContext& context) {
   out["joints"] = scene.joints.size();
   out["size"] = {size.x, size.y, size.z};
   const std::vector<std::string> names = pxn::numbered_names(imported.materials);
+  std::vector<pxn::Guess> guesses;
   Json materials = Json::array();
   for (std::size_t i = 0; i < names.size(); ++i) {
     const importers::CadMaterial& material = imported.materials[i];
-    const pxn::Guess guess = pxn::guessed_preset(material);
+    const pxn::GuessInput input = pxn::guess_input(imported, i);
+    const pxn::Guess guess = pxn::guessed_preset(input);
+    const Json color =
+        input.color_known ? Json{input.color.x, input.color.y, input.color.z} : Json();
+    guesses.push_back(guess);
     materials.push_back({{"name", to_utf8(names[i], Encoding::utf8)},
-                         {"preset", guess.preset},
+                         {"color", color},
+                         {"metallic", input.metallic},
+                         {"preset", guess.preset.empty() ? Json() : Json(guess.preset)},
                          {"reason", guess.reason},
                          {"lost", material.lost}});
   }
@@ -146,8 +155,12 @@ void describe(const importers::Imported& imported, CommandContext& context) {
         counted(triangles_of(scene), "mesh triangle"), counted(scene.joints.size(), "joint"));
   print("size: {:.6g} x {:.6g} x {:.6g} m\n", size.x, size.y, size.z);
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const pxn::Guess guess = pxn::guessed_preset(imported.materials[i]);
-    print("material {}: {} ({})\n", in_quotes(names[i]), guess.preset, guess.reason);
+    const Json& color = out["materials"][i]["color"];
+    print("material {}: {} ({}; {})\n", in_quotes(names[i]),
+          guesses[i].preset.empty() ? "as imported" : guesses[i].preset, guesses[i].reason,
+          color.is_null() ? "colour not known"
+                          : fmt::format("colour {:.3g} {:.3g} {:.3g}", color[0].get<double>(),
+                                        color[1].get<double>(), color[2].get<double>()));
   }
 }
 
@@ -171,31 +184,49 @@ bool write_report(const importers::MeshReport& mesh_report, const scene::Scene& 
   return true;
 }
 
-// The pxn text that stands around the file; the file's path as seen from the text's folder.
+// Both with links resolved and in normal form, so that one is seen from the other as a reader does.
+bool lies_in(const std::filesystem::path& path, const std::filesystem::path& folder) {
+  const std::filesystem::path relative = path.lexically_relative(folder);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+// The pxn text that stands around the file; the file's path as seen from the text's folder. A file
+// that does not lie there or below must lie with the text in --root or in the working directory.
 void write_import_template(const importers::Imported& imported, const Options& options,
                            CommandContext& context) {
   namespace fs = std::filesystem;
   std::error_code error;
-  const fs::path folder = fs::absolute(options.output, error).parent_path();
-  fs::path file = fs::absolute(options.input, error)
-                      .lexically_normal()
-                      .lexically_relative(folder.lexically_normal());
-  if (file.empty()) file = options.input;
-  if (*file.begin() == "..")
-    context.log().report(
-        Code::E0201, {},
-        fmt::format("{} does not lie in the folder of {} or below it, where imports are found",
-                    in_quotes(options.input), in_quotes(options.output)));
-  else {
-    // the text says what was assumed, so that it stays what it was seen to be
-    CadOptions cad = options.open.cad;
-    if (!imported.assumed_unit.empty()) cad.units = imported.assumed_unit;
-    if (write_file(
-            options.output,
-            as_bytes(pxn::import_template(imported, file.generic_string(), attributes_of(cad))),
-            context.log()))
-      context.wrote(options.output, counted(imported.materials.size(), "material"));
+  const auto resolved = [&](const fs::path& path) {
+    const fs::path out = fs::weakly_canonical(fs::absolute(path, error), error);
+    return out.has_filename() ? out : out.parent_path();
+  };
+  const fs::path folder = resolved(options.output).parent_path();
+  const fs::path input = resolved(options.input);
+  const fs::path file = input.lexically_relative(folder);
+  const std::string& root = options.open.cad.root;
+  if (file.empty() || *file.begin() == "..") {
+    const fs::path both = resolved(root.empty() ? fs::path(".") : fs::path(root));
+    if (file.empty() || !lies_in(input, both) || !lies_in(folder, both)) {
+      context.log().report(
+          Code::E0201, {},
+          fmt::format("{} does not lie in the folder of {} or below it, where imports are found, "
+                      "nor do both lie in {}",
+                      in_quotes(options.input), in_quotes(options.output),
+                      root.empty() ? "the working directory" : in_quotes(root)),
+          "give --root with a folder that holds both, or write the text beside the file");
+      return;
+    }
+    if (!options.common.json && !options.common.quiet)
+      print("{} names a file outside of its folder: read it with --root {}\n", options.output,
+            root.empty() ? "." : root);
   }
+  // the text says what was assumed, so that it stays what it was seen to be
+  CadOptions cad = options.open.cad;
+  if (!imported.assumed_unit.empty()) cad.units = imported.assumed_unit;
+  if (write_file(options.output,
+                 as_bytes(pxn::import_template(imported, file.generic_string(), attributes_of(cad))),
+                 context.log()))
+    context.wrote(options.output, counted(imported.materials.size(), "material"));
 }
 
 int run(const Options& options, const Host& host) {

@@ -10,7 +10,7 @@ namespace panwright::workspace {
 // is not black.
 //
 //   stops_of_sun  by which write_image is given less than --ev says: log2 of the irradiance
-//   irradiance returns       stops; 0: nothing is lit
+//   returns       stops; 0: nothing is lit
 // Cost: a copy of a number for each lit pixel.
 double auto_exposure(const preview::Image& image, double stops_of_sun);
 

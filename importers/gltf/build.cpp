@@ -41,8 +41,8 @@ struct Loaded {
 
 class SceneBuilder {
  public:
-  SceneBuilder(Document& document, const tinygltf::Model& model)
-      : d_(document), model_(model), texture_cache_(document, model, out_.scene) {}
+  SceneBuilder(Document& document, const tinygltf::Model& model, std::size_t posing)
+      : d_(document), model_(model), posing_(posing), texture_cache_(document, model, out_.scene) {}
 
   Result<Imported> build() {
     out_.format = Format::gltf;
@@ -379,7 +379,7 @@ class SceneBuilder {
     const auto count = [&](std::size_t number, std::string_view noun) {
       if (number > 0) skipped.push_back(counted(number, noun));
     };
-    count(d_.root.list("animations").size(), "animation");
+    count(d_.root.list("animations").size() - posing_, "animation");
     count(d_.root.list("cameras").size(), "camera");
     if (const Json* all = d_.root.find("extensions"))
       if (const Json* lights = all->find("KHR_lights_punctual"))
@@ -403,11 +403,13 @@ class SceneBuilder {
       lost.push_back(times > 1 ? fmt::format("{} ({} materials)", text, times) : text);
     }
     if (!lost.empty())
-      d_.report(Code::W6008, nullptr, "/materials", fmt::format("lost: {}", fmt::join(lost, ", ")));
+      d_.report(Code::W6008, nullptr, "/materials",
+                fmt::format("unsupported material properties ignored: {}", fmt::join(lost, ", ")));
   }
 
   Document& d_;
   const tinygltf::Model& model_;
+  std::size_t posing_;  // animations that nodes stand by
   Imported out_;
   TextureReader texture_cache_;
   std::vector<Visit> todo_;
@@ -430,8 +432,8 @@ class SceneBuilder {
 
 }  // namespace
 
-Result<Imported> scene_of(Document& document, const tinygltf::Model& model) {
-  return SceneBuilder(document, model).build();
+Result<Imported> scene_of(Document& document, const tinygltf::Model& model, std::size_t posing) {
+  return SceneBuilder(document, model, posing).build();
 }
 
 }  // namespace panwright::importers::gltf

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/text.h"
+#include "importers/gltf/animation.h"
 #include "importers/gltf/base64.h"
 #include "importers/gltf/build.h"
 #include "importers/gltf/container.h"
@@ -69,7 +70,9 @@ class Reader {
       d_.report(Code::E6204, nullptr, "", fmt::format("it cannot be read: {}", problem));
       return failed;
     }
-    auto imported = scene_of(d_, model);
+    const auto posing = pose_nodes(d_, model, {});
+    if (!posing) return failed;
+    auto imported = scene_of(d_, model, *posing);
     assert(!imported || scene::check(imported->scene).empty());
     return imported;
   }

@@ -130,7 +130,7 @@ class Checker {
         continue;
       report(Code::E1103, doc_.name_span(element), element, [&] {
         return Reporter::Text(
-            fmt::format("<{}> needs the attribute '{}'", schema.name, attribute.name));
+            fmt::format("the attribute '{}' of <{}> is missing", attribute.name, schema.name));
       });
     }
   }

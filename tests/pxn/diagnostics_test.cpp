@@ -86,7 +86,7 @@ TEST(Diagnostics, PlacesAndWords) {
       {"E1102",
        "3:11 E1102 unknown attribute 'ring' of <sphere>; it has rings and quads (did you mean "
        "'rings'?)\n"},
-      {"E1103", "3:4 E1103 <sphere> needs the attribute 'rings'\n"},
+      {"E1103", "3:4 E1103 the attribute 'rings' of <sphere> is missing\n"},
       {"E1103-child", "3:4 E1103 <transform> needs <child>\n"},
       {"E1104",
        "6:8 E1104 <child> takes at most one node; this one is left out (put the nodes into "

@@ -103,7 +103,7 @@ TEST(Grammar, LevelsAndWhatIsNotSupportedYet) {
             "1:47 E1106 'soon' of <box> is not supported yet; it is left out\n");
   // at level 1 the element is there, and the attribute is asked for
   const Reading one = check(RuleKind::exclusive, kAB, "<root v='one'><new/><box/></root>");
-  EXPECT_EQ(one.summary(), "1:22 E1103 <box> needs the attribute 'later'\n");
+  EXPECT_EQ(one.summary(), "1:22 E1103 the attribute 'later' of <box> is missing\n");
   const Reading two = check(RuleKind::exclusive, kAB, "<root v='two'><new/></root>", &understood);
   EXPECT_FALSE(understood);
   EXPECT_EQ(two.summary(),

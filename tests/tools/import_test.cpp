@@ -147,6 +147,29 @@ TEST(Import, a_text_around_a_file_compiles) {
 }
 
 // The text says the unit that was assumed, and is not asked again.
+// It was refused whatever --root was.
+TEST(Import, a_text_beside_the_folder_of_its_file_lies_with_it_in_root) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "x");
+  fs::create_directories(folder / "y");
+  fs::copy_file(kRelay, folder / "x/relay.wrl");
+  const std::string text = folder / "y/here.pxn";
+  const support::Outcome refused = panwright({"import", folder / "x/relay.wrl", "-o", text});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("give --root with a folder that holds both"));
+  EXPECT_FALSE(fs::exists(text));
+  const std::string root = folder / ".";
+  const support::Outcome made =
+      panwright({"import", folder / "x/relay.wrl", "--units", "mm", "--root", root, "-o", text});
+  EXPECT_EQ(made.code, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("read it with --root " + root));
+  EXPECT_THAT(support::contents(text), HasSubstr("file=\"../x/relay.wrl\""));
+  EXPECT_EQ(panwright({"compile", text, "--root", root, "-o", folder / "y/a.pan"}).code, 0);
+  // and straight: the same triangles
+  const json straight = result_of({"info", folder / "y/a.pan"});
+  EXPECT_EQ(straight["errors"], 0);
+}
+
 TEST(Import, a_text_around_a_file_without_a_unit_says_it) {
   const TemporaryFolder folder;
   const auto triangle = [](const std::string& size) {

@@ -40,7 +40,7 @@ TEST(Ply, VerticesHaveNormalsColorsAndTexcoords) {
   EXPECT_EQ(mesh.colors[0].x, 1);
   EXPECT_NEAR(mesh.colors[0].z, std::pow((128 / 255.0 + 0.055) / 1.055, 2.4), 1e-16);
   EXPECT_EQ(out->material(0).diffuse, Vec3(1));
-  EXPECT_THAT(out->text(), HasSubstr("lost: vertex property 'alpha'"));
+  EXPECT_THAT(out->text(), HasSubstr("unsupported properties ignored: vertex property 'alpha'"));
 }
 
 TEST(Ply, FloatColorsAreLinear) {

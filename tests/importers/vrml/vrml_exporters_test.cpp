@@ -19,7 +19,7 @@ const std::string kShape10 =
     "Separator { Coordinate3 { point [ 0 0 0, 1 0 0, 0 1 0 ] } IndexedFaceSet { coordIndex "
     "[ 0, 1, 2, -1 ] } }\n";
 
-// "lost: …" or "skipped: …" of the one note with the code; else empty.
+// "unsupported properties ignored: …" or "skipped: …" of the one note with the code; else empty.
 std::string note(const Reading& reading, Code code) {
   std::string out;
   for (const Diagnostic& entry : reading.log.entries())
@@ -206,7 +206,7 @@ std::string textured(const std::string& texture, const std::string& s) {
 
 TEST(VrmlLost, TexturesThatDoNotRepeat) {
   const std::string once = "PixelTexture { image 1 1 3 0xff0000 repeatS FALSE }";
-  EXPECT_EQ(note(*read97(textured(once, "2")), Code::W6008), "lost: textures that do not repeat");
+  EXPECT_EQ(note(*read97(textured(once, "2")), Code::W6008), "unsupported properties ignored: textures that do not repeat");
   EXPECT_EQ(note(*read97(textured(once, "1")), Code::W6008), "");
   const std::string other = "PixelTexture { image 1 1 3 0xff0000 repeatT FALSE }";
   EXPECT_EQ(note(*read97(textured(other, "2")), Code::W6008), "");
@@ -214,14 +214,14 @@ TEST(VrmlLost, TexturesThatDoNotRepeat) {
     return read_text("#VRML V1.0 ascii\nTexture2 { image 1 1 3 0xff0000 wrapS " + wrap +
                      " } TextureCoordinate2 { point [ 0 0, 2 0, 0 1 ] } " + kShape10);
   };
-  EXPECT_EQ(note(*in_10("CLAMP"), Code::W6008), "lost: textures that do not repeat");
+  EXPECT_EQ(note(*in_10("CLAMP"), Code::W6008), "unsupported properties ignored: textures that do not repeat");
   EXPECT_EQ(note(*in_10("REPEAT"), Code::W6008), "");
 }
 
 TEST(VrmlLost, TransparencyOfTextures) {
   for (const std::string image : {"1 1 4 0xff000080", "1 1 2 0x8040"})
     EXPECT_EQ(note(*read97(textured("PixelTexture { image " + image + " }", "1")), Code::W6008),
-              "lost: transparency of textures");
+              "unsupported properties ignored: transparency of textures");
   for (const std::string image : {"1 1 4 0xff0000ff", "1 1 2 0x80ff", "1 1 1 0x80"})
     EXPECT_EQ(note(*read97(textured("PixelTexture { image " + image + " }", "1")), Code::W6008),
               "");
@@ -231,7 +231,7 @@ TEST(VrmlLost, ColoursThatAreNone) {
   const auto material = read97(
       "Shape { appearance Appearance { material Material { diffuseColor 255 128 0 } } geometry Box "
       "{ } }");
-  EXPECT_EQ(note(*material, Code::W6008), "lost: colours outside of 0 to 1");
+  EXPECT_EQ(note(*material, Code::W6008), "unsupported properties ignored: colours outside of 0 to 1");
   EXPECT_EQ(material->scene().materials[0].diffuse, Vec3(1, 1, 0));
   const auto corners = read97(
       "Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] }\n"
@@ -241,11 +241,11 @@ TEST(VrmlLost, ColoursThatAreNone) {
 
 TEST(VrmlLost, BillboardsAndTransformsOfTexturesOnPrimitives) {
   EXPECT_EQ(note(*read97("Billboard { children " + kShape + " }"), Code::W6008),
-            "lost: the turning of billboards");
+            "unsupported properties ignored: the turning of billboards");
   const std::string texture = "Texture2 { image 1 1 3 0xff0000 } Texture2Transform { rotation 1 } ";
   for (const std::string shape : {"Cube { }", "Sphere { }", "Cylinder { }", "Cone { }"})
     EXPECT_EQ(note(*read_text("#VRML V1.0 ascii\n" + texture + shape), Code::W6008),
-              "lost: texture transforms on primitives");
+              "unsupported properties ignored: texture transforms on primitives");
 }
 
 TEST(VrmlLost, NotesNameTheFile) {

@@ -1,0 +1,128 @@
+// Nodes posed by animations: hand-made files against closed forms.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/importers/gltf/sample.h"
+
+namespace panwright::importers {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+// A sampler over node 0 of a triangle that stands 10 m along x at rest.
+struct Animated {
+  Sample sample = triangle();
+  Animated() {
+    sample.json["nodes"][0]["translation"] = {10, 0, 0};
+    sample.json["animations"] = json::array();
+  }
+  json& add(const char* name) {
+    sample.json["animations"].push_back(
+        {{"name", name}, {"samplers", json::array()}, {"channels", json::array()}});
+    return sample.json["animations"].back();
+  }
+  void channel(json& animation, const char* path, const char* interpolation, int input,
+               int output) {
+    animation["channels"].push_back(
+        {{"sampler", animation["samplers"].size()}, {"target", {{"node", 0}, {"path", path}}}});
+    animation["samplers"].push_back(
+        {{"input", input}, {"output", output}, {"interpolation", interpolation}});
+  }
+  int times(const std::vector<float>& list) {
+    const int accessor = sample.numbers(list, kFloat, "SCALAR", 1);
+    sample.json["accessors"].back()["min"] = {list.front()};
+    sample.json["accessors"].back()["max"] = {list.back()};
+    return accessor;
+  }
+  int vectors(const std::vector<float>& list, int width = 3) {
+    return sample.numbers(list, kFloat, width == 3 ? "VEC3" : "VEC4", width);
+  }
+};
+
+Vec3 first_corner(const Loaded& out) { return corners_of(*out.imported)[0]; }
+
+TEST(GltfAnimation, nodes_stand_at_the_first_frame_where_rest_is_elsewhere) {
+  Animated file;
+  json& animation = file.add("deploy");
+  const int times = file.times({1, 2});
+  file.channel(animation, "translation", "LINEAR", times, file.vectors({1, 2, 3, 5, 6, 7}));
+  const Loaded out = load(file.sample.glb());
+  ASSERT_TRUE(out.imported) << out.text();
+  EXPECT_EQ(out.log.errors(), 0u) << out.text();
+  EXPECT_LE(glm::length(first_corner(out) - Vec3(1, 2, 3)), 0.0);  // binary fractions
+  EXPECT_TRUE(out.log.contains(Code::N6216));
+  EXPECT_THAT(out.text(), Not(HasSubstr("animation left out")));
+}
+
+TEST(GltfAnimation, of_several_on_one_property_the_first_counts) {
+  Animated file;
+  const int times = file.times({0, 2});
+  file.channel(file.add("a"), "translation", "STEP", times, file.vectors({1, 0, 0, 2, 0, 0}));
+  file.channel(file.add("b"), "translation", "STEP", times, file.vectors({3, 0, 0, 4, 0, 0}));
+  const Loaded out = load(file.sample.glb());
+  ASSERT_TRUE(out.imported) << out.text();
+  EXPECT_EQ(first_corner(out), Vec3(1, 0, 0));
+}
+
+TEST(GltfAnimation, a_cubic_spline_starts_at_its_value_not_at_its_tangent) {
+  Animated file;
+  const int times = file.times({0, 2});
+  file.channel(file.add("a"), "translation", "CUBICSPLINE", times,
+               file.vectors({9, 9, 9, 1, 2, 3, 8, 8, 8, 7, 7, 7, 4, 5, 6, 6, 6, 6}));
+  const Loaded out = load(file.sample.glb());
+  ASSERT_TRUE(out.imported) << out.text();
+  EXPECT_EQ(first_corner(out), Vec3(1, 2, 3));
+}
+
+TEST(GltfAnimation, normalised_integers_turn) {
+  Animated file;
+  const int times = file.times({0});
+  // a quarter turn about z, in bytes: sin 45° as 90/127, made a unit quaternion
+  const int view = file.sample.view(std::vector<std::int8_t>{0, 0, 90, 90});
+  const int turns = file.sample.accessor(view, kByte, 1, "VEC4", true);
+  file.channel(file.add("a"), "rotation", "LINEAR", times, turns);
+  const Loaded out = load(file.sample.glb());
+  ASSERT_TRUE(out.imported) << out.text();
+  // the corner (1, 0, 0) goes to (0, 1, 0); measured 2.3e-16
+  EXPECT_LE(glm::length(corners_of(*out.imported)[1] - Vec3(10, 1, 0)), 1e-15);
+}
+
+TEST(GltfAnimation, a_file_at_its_first_frame_is_left_and_said_as_before) {
+  Animated file;
+  const int times = file.times({0, 1});
+  file.channel(file.add("a"), "translation", "LINEAR", times, file.vectors({10, 0, 0, 5, 6, 7}));
+  const Loaded out = load(file.sample.glb());
+  ASSERT_TRUE(out.imported) << out.text();
+  EXPECT_EQ(first_corner(out), Vec3(10, 0, 0));
+  EXPECT_FALSE(out.log.contains(Code::N6216));
+  EXPECT_THAT(out.text(), HasSubstr("1 animation left out"));
+}
+
+TEST(GltfAnimation, samplers_that_do_not_fit_are_said_and_left_out) {
+  Animated file;
+  json& animation = file.add("a");
+  const int times = file.times({0, 1});
+  file.channel(animation, "translation", "LINEAR", times, file.vectors({1, 2, 3}));
+  Loaded out = load(file.sample.glb());
+  ASSERT_TRUE(out.imported) << out.text();
+  EXPECT_TRUE(out.log.contains(Code::E6206)) << out.text();
+  EXPECT_EQ(first_corner(out), Vec3(10, 0, 0));
+
+  Animated back;
+  const int backwards = back.sample.numbers(std::vector<float>{1, 0}, kFloat, "SCALAR", 1);
+  back.sample.json["accessors"].back()["min"] = {0};
+  back.sample.json["accessors"].back()["max"] = {1};
+  back.channel(back.add("a"), "translation", "LINEAR", backwards, back.vectors({1, 2, 3, 4, 5, 6}));
+  out = load(back.sample.glb());
+  ASSERT_TRUE(out.imported) << out.text();
+  EXPECT_TRUE(out.log.contains(Code::E6206)) << out.text();
+  EXPECT_EQ(first_corner(out), Vec3(10, 0, 0));
+}
+
+}  // namespace
+}  // namespace panwright::importers
