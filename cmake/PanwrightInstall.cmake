@@ -46,7 +46,10 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/panwright-config.cmake"
 # pkg-config, for programs without CMake: libraries from the top down, as a linker wants them
 set(PANWRIGHT_PC_LIBS "")
 foreach(library ${libraries})
-  string(PREPEND PANWRIGHT_PC_LIBS "-l${library} ")
+  get_target_property(type ${library} TYPE)
+  if(type STREQUAL "STATIC_LIBRARY")
+    string(PREPEND PANWRIGHT_PC_LIBS "-l${library} ")
+  endif()
 endforeach()
 file(RELATIVE_PATH PANWRIGHT_PC_UP "/prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/prefix")
 configure_file(cmake/panwright.pc.in "${CMAKE_CURRENT_BINARY_DIR}/panwright.pc" @ONLY)

@@ -382,7 +382,8 @@ bool write_sheet(const std::vector<DescribedMaterial>& all, const Options& optio
     if (!image) return false;
     const auto x = static_cast<std::uint32_t>(i % columns) * options.width;
     const auto y = static_cast<std::uint32_t>(i / columns) * cell_height;
-    write_overlay_text(sheet, x + 10, y + 6, 2, all[i].material.name);
+    const std::string& name = all[i].material.name;
+    write_overlay_text(sheet, x + 10, y + 6, 12 * name.size() + 10 < options.width ? 2 : 1, name);
     lay(*image, x, y + kLabelHeight, sheet);
   }
   const char* const caption =
