@@ -47,6 +47,11 @@ struct Options {
   std::filesystem::path
       root;  // files named by the model lie in this folder; empty: the model's own
   std::optional<std::string> scene;  // glTF: a scene's name or number; none: the default one
+  // glTF: the animation that nodes stand by, name or number, "none": the nodes as the file places
+  // them; and when, in seconds. Without an animation all of them; without both the first frame of
+  // all, where nodes are elsewhere at rest (N6216).
+  std::optional<std::string> animation;
+  std::optional<double> time;
   std::uint32_t primitives = 0;  // VRML: segments around surfaces of revolution; 0: exact shapes
   double crease_angle =
       30 * kDegree;       // radians, for meshes whose file gives neither normals nor one
@@ -83,7 +88,7 @@ struct Imported {
 //
 //   returns  what could be read, sound by scene::check; the log says whether that is all of it.
 //
-// Fails: E0001, E01…, E6001, E6002, E6003, E6101, E6201 to E6205, E6209, E6501, E6601. Reports E6…,
+// Fails: E0001, E01…, E6001, E6002, E6003, E6101, E6201 to E6205, E6209, E6217, E6501, E6601. Reports E6…,
 // W6…, N6…. Cost: O(bytes); memory about 3 times the scene's arrays.
 [[nodiscard]] Result<Imported> import_file(const std::filesystem::path& path,
                                            const Options& options, DiagnosticLog& log,

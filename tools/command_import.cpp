@@ -85,6 +85,9 @@ std::string attributes_of(const CadOptions& cad) {
   if (cad.crease_normals) out += " normals=\"crease\"";
   if (cad.keep_hidden) out += " hidden=\"keep\"";
   if (!cad.scene.empty()) out += fmt::format(" scene=\"{}\"", pxn::xml::escaped(cad.scene));
+  if (!cad.animation.empty())
+    out += fmt::format(" animation=\"{}\"", pxn::xml::escaped(cad.animation));
+  if (cad.time) out += fmt::format(" time=\"{}\"", format_double(*cad.time));
   if (cad.primitives > 0) out += fmt::format(" primitives=\"{}\"", cad.primitives);
   if (cad.deflection > 0) out += fmt::format(" deflection=\"{}m\"", format_double(cad.deflection));
   return out;

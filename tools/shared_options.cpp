@@ -118,6 +118,12 @@ void declare(Arguments& arguments, workspace::CadOptions& cad) {
       .excludes(no_weld)
       .group(kGroup);
   option("--scene", cad.scene, "NAME|N", "glTF: the scene (default: the file's own)");
+  option(
+      "--animation", cad.animation, "NAME|N|none",
+      "glTF: the animation that poses the nodes (default: all, at the first frame where nodes are "
+      "displaced without it)");
+  option("--time", cad.time, "SECONDS", "glTF: the time of the pose (default: the first frame)")
+      .finite();
   option("--primitives", cad.primitives, "N",
          "VRML: segments around spheres, cylinders and cones (default 0: exact shapes)")
       .range(0u, 100000u);

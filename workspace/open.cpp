@@ -37,6 +37,8 @@ void note_other_formats(const CadOptions& cad, importers::Format format, const s
   using importers::Format;
   std::vector<std::string_view> unused;
   if (!cad.scene.empty() && format != Format::gltf) unused.push_back("--scene");
+  if (!cad.animation.empty() && format != Format::gltf) unused.push_back("--animation");
+  if (cad.time && format != Format::gltf) unused.push_back("--time");
   if (cad.primitives > 0 && format != Format::vrml97 && format != Format::vrml1)
     unused.push_back("--primitives");
   if (cad.deflection > 0 && format != Format::step) unused.push_back("--deflection");
@@ -57,6 +59,8 @@ void note_cad_options(const CadOptions& cad, const std::filesystem::path& path,
   look(cad.units != usual.units, "--units");
   look(cad.up != usual.up, "--up-axis");
   look(!cad.scene.empty(), "--scene");
+  look(!cad.animation.empty(), "--animation");
+  look(cad.time.has_value(), "--time");
   look(!cad.assume.empty(), "--assume");
   look(cad.no_weld, "--no-weld");
   look(cad.weld != usual.weld, "--weld");
@@ -101,6 +105,8 @@ importers::Options import_options(const OpenOptions& options) {
   read.deflection = cad.deflection;
   read.limits.seconds = cad.max_seconds;
   if (!cad.scene.empty()) read.scene = cad.scene;
+  if (!cad.animation.empty()) read.animation = cad.animation;
+  read.time = cad.time;
   for (const auto& [name, format] : kFormats)
     if (cad.assume == name) read.assume = format;
   return read;

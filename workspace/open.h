@@ -27,6 +27,8 @@ struct CadOptions {
   std::string up = "auto";     // or y, z
   std::string root;            // folder of referenced files; empty: the file's
   std::string scene;           // glTF: name or number; empty: the default one
+  std::string animation;       // glTF: name, number or none; empty: importers::Options
+  std::optional<double> time;  // glTF: seconds
   std::string assume;          // fallback format: vrml97, vrml1, gltf, obj, stl, ply, step
   bool no_weld = false;        // meshes stay as they are
   double weld = 0;             // metres in the world

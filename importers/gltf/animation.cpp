@@ -144,7 +144,9 @@ class Poser {
           fmt::format("the model stands at the first frame of {4}: at rest {0} of {1} animated "
                       "{2} elsewhere, by up to {3:.3g} of the file's units",
                       moved.size(), count_nodes(), moved.size() == 1 ? "node is" : "nodes are",
-                      furthest, counted(chosen.size(), "animation")));
+                      furthest, counted(chosen.size(), "animation")),
+          "--animation none keeps the nodes as the file places them, --time SECONDS and "
+          "--animation NAME choose another pose; <import> has attributes of these names");
     return chosen.size();
   }
 

@@ -70,7 +70,7 @@ class Reader {
       d_.report(Code::E6204, nullptr, "", fmt::format("it cannot be read: {}", problem));
       return failed;
     }
-    const auto posing = pose_nodes(d_, model, {});
+    const auto posing = pose_nodes(d_, model, {d_.options.animation, d_.options.time});
     if (!posing) return failed;
     auto imported = scene_of(d_, model, *posing);
     assert(!imported || scene::check(imported->scene).empty());

@@ -94,6 +94,10 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
   options.crease_angle = values.real_or_default(element, attribute::import_crease);
   clean.crease_angle = options.crease_angle;
   if (!scene.empty()) options.scene = scene;
+  const std::string animation = word(attribute::import_animation);
+  if (!animation.empty()) options.animation = animation;
+  if (values.has(element, attribute::import_time))
+    options.time = values.real_or_default(element, attribute::import_time);
   options.primitives =
       static_cast<std::uint32_t>(values.integer_or_default(element, attribute::import_primitives));
   options.deflection = values.real_or_default(element, attribute::import_deflection);
@@ -101,8 +105,9 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
   options.limits.texture_bytes = options_.limits.texture_bytes - texture_bytes_;
 
   const std::string key = fmt::format(
-      "{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", found.key, units, up, cleaned, clean.keep_normals,
-      clean.tolerance, options.crease_angle, scene, options.primitives, options.deflection);
+      "{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", found.key, units, up, cleaned,
+      clean.keep_normals, clean.tolerance, options.crease_angle, scene, options.primitives,
+      options.deflection, animation, options.time ? format_double(*options.time) : std::string());
   const auto known = known_models_.find(key);
   if (known != known_models_.end()) return known->second;
   auto& index = known_models_[key];
@@ -149,6 +154,9 @@ void Loader::note_unused(Work& work, std::uint32_t element, importers::Format fo
     note(attribute::import_normals, "'normals' has no effect with clean=\"no\"");
   }
   if (format != Format::gltf) note(attribute::import_scene, "'scene' is for glTF files only");
+  if (format != Format::gltf)
+    note(attribute::import_animation, "'animation' is for glTF files only");
+  if (format != Format::gltf) note(attribute::import_time, "'time' is for glTF files only");
   if (format != Format::vrml97 && format != Format::vrml1)
     note(attribute::import_primitives, "'primitives' is for VRML files only");
   if (format != Format::step)

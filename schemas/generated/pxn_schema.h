@@ -310,13 +310,15 @@ inline constexpr std::size_t import_crease = 5;
 inline constexpr std::size_t import_normals = 6;
 inline constexpr std::size_t import_hidden = 7;
 inline constexpr std::size_t import_scene = 8;
-inline constexpr std::size_t import_primitives = 9;
-inline constexpr std::size_t import_deflection = 10;
-inline constexpr std::size_t import_name = 11;
-inline constexpr std::size_t import_translate = 12;
-inline constexpr std::size_t import_rotate = 13;
-inline constexpr std::size_t import_quat = 14;
-inline constexpr std::size_t import_scale = 15;
+inline constexpr std::size_t import_animation = 9;
+inline constexpr std::size_t import_time = 10;
+inline constexpr std::size_t import_primitives = 11;
+inline constexpr std::size_t import_deflection = 12;
+inline constexpr std::size_t import_name = 13;
+inline constexpr std::size_t import_translate = 14;
+inline constexpr std::size_t import_rotate = 15;
+inline constexpr std::size_t import_quat = 16;
+inline constexpr std::size_t import_scale = 17;
 inline constexpr std::size_t assign_nodes = 0;
 inline constexpr std::size_t assign_materials = 1;
 inline constexpr std::size_t assign_material = 2;
@@ -1384,6 +1386,9 @@ inline constexpr std::string_view kWords_import_hidden[] = {
     "remove",
     "keep",
 };
+inline constexpr Number kNumbers_import_time[] = {
+    {"time", -1000000000.0, 1000000000.0, false, false},
+};
 inline constexpr Number kNumbers_import_primitives[] = {
     {"primitives", 0, 100000, false, false},
 };
@@ -1404,6 +1409,8 @@ inline constexpr Attribute kAttributes_import[] = {
     {"normals", 1, true, false, {ValueKind::word, 1, {}, kWords_import_normals, Dimension::none, false, false, 1, 0}, {}, "file", false},
     {"hidden", 1, true, false, {ValueKind::word, 1, {}, kWords_import_hidden, Dimension::none, false, false, 1, 0}, {}, "remove", false},
     {"scene", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"animation", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"time", 1, true, false, {ValueKind::real, 1, kNumbers_import_time, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"primitives", 1, true, false, {ValueKind::integer, 1, kNumbers_import_primitives, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"deflection", 1, true, false, {ValueKind::real, 1, kNumbers_import_deflection, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},

@@ -125,6 +125,7 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"W1408", {"compile", chalk, "-o", folder / "chalk.pan"}, {}},
       {"W2020", {"compile", inwards, "-o", folder / "inwards.pan"}, {}},
       {"E6002", {"import", folder.write("deep.wrl", nested)}, {}},
+      {"E6217", {"import", (kBadCad / "N6216.gltf").string(), "--animation", "fold"}, {}},
       {"E6003", {"import", folder.write("cut.wrl", std::string("\x1f\x8b\x08\0\0\0", 6))}, {}},
       {"N2021",
        {"compile", PANWRIGHT_SOURCE_DIR "/examples/cad/relay.pxn", "-o", folder / "dressed.pan"},

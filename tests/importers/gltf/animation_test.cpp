@@ -103,6 +103,68 @@ TEST(GltfAnimation, a_file_at_its_first_frame_is_left_and_said_as_before) {
   EXPECT_THAT(out.text(), HasSubstr("1 animation left out"));
 }
 
+Options at(double time, std::optional<std::string> name = {}) {
+  Options options;
+  options.time = time;
+  options.animation = std::move(name);
+  return options;
+}
+
+TEST(GltfAnimation, three_interpolations_in_closed_form) {
+  for (const char* kind : {"LINEAR", "STEP"}) {
+    Animated file;
+    const int times = file.times({1, 3});
+    file.channel(file.add("a"), "translation", kind, times, file.vectors({0, 0, 0, 4, 8, 12}));
+    const Loaded out = load(file.sample.glb(), at(1.5));
+    ASSERT_TRUE(out.imported) << out.text();
+    EXPECT_EQ(first_corner(out), std::string(kind) == "STEP" ? Vec3(0) : Vec3(1, 2, 3));
+    EXPECT_FALSE(out.log.contains(Code::N6216));
+  }
+  Animated file;
+  const int times = file.times({0, 2});
+  // t³ on 0 to 2: values 0 and 8, slopes 0 and 12
+  file.channel(file.add("a"), "translation", "CUBICSPLINE", times,
+               file.vectors({0, 0, 0, 0, 0, 0, 0, 0, 0, 12, 0, 0, 8, 0, 0, 0, 0, 0}));
+  for (const double t : {0.25, 0.5, 1.25}) {
+    const Loaded out = load(file.sample.glb(), at(t));
+    ASSERT_TRUE(out.imported) << out.text();
+    // a few roundings of 8: 8 ulps of 1
+    EXPECT_NEAR(first_corner(out).x, t * t * t, 2e-15);
+  }
+}
+
+TEST(GltfAnimation, rotations_take_the_shorter_arc_at_even_speed) {
+  Animated file;
+  const int times = file.times({0, 3});
+  const auto half = static_cast<float>(std::sqrt(0.5));
+  // no turn to a quarter turn about z, written with the other sign
+  file.channel(file.add("a"), "rotation", "LINEAR", times,
+               file.vectors({0, 0, 0, 1, 0, 0, -half, -half}, 4));
+  const Loaded out = load(file.sample.glb(), at(1));
+  ASSERT_TRUE(out.imported) << out.text();
+  const double angle = kPi / 6;  // a third of it; single precision of the keys
+  EXPECT_LE(
+      glm::length(corners_of(*out.imported)[1] - Vec3(10 + std::cos(angle), std::sin(angle), 0)),
+      1e-7);
+}
+
+TEST(GltfAnimation, by_name_by_number_none_and_unknown) {
+  Animated file;
+  const int times = file.times({0, 1});
+  file.channel(file.add("stow"), "translation", "LINEAR", times, file.vectors({1, 0, 0, 2, 0, 0}));
+  file.channel(file.add("deploy"), "translation", "LINEAR", times,
+               file.vectors({3, 0, 0, 4, 0, 0}));
+  const std::string glb = file.sample.glb();
+  EXPECT_EQ(first_corner(load(glb, at(1, "deploy"))), Vec3(4, 0, 0));
+  EXPECT_EQ(first_corner(load(glb, at(7, "0"))), Vec3(2, 0, 0));
+  EXPECT_EQ(first_corner(load(glb, at(1))), Vec3(2, 0, 0));
+  EXPECT_EQ(first_corner(load(glb, at(1, "none"))), Vec3(10, 0, 0));
+  const Loaded unknown = load(glb, at(1, "fold"));
+  EXPECT_FALSE(unknown.imported);
+  EXPECT_TRUE(unknown.log.contains(Code::E6217));
+  EXPECT_THAT(unknown.text(), HasSubstr("the file has 2 animations: 'stow', 'deploy'"));
+}
+
 TEST(GltfAnimation, samplers_that_do_not_fit_are_said_and_left_out) {
   Animated file;
   json& animation = file.add("a");
