@@ -30,6 +30,8 @@ void each_option(Open& open, Visit&& visit) {
   visit("units", cad.units);
   visit("up-axis", cad.up);
   visit("scene", cad.scene);
+  visit("animation", cad.animation);
+  visit("time", cad.time);
   visit("assume", cad.assume);
   visit("no-weld", cad.no_weld);
   visit("weld", cad.weld);
