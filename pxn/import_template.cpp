@@ -145,4 +145,6 @@ std::string import_template(const importers::Imported& imported, std::string_vie
   return out + "</pangu_model>\n";
 }
 
+std::string attribute_value(std::string_view text) { return xml::escaped(text); }
+
 }  // namespace panwright::pxn

@@ -22,4 +22,7 @@ std::vector<std::string> numbered_names(std::span<const importers::CadMaterial> 
 std::string import_template(const importers::Imported& imported, std::string_view file,
                             std::string_view attributes);
 
+// A text as the value of an attribute in double quotes.
+std::string attribute_value(std::string_view text);
+
 }  // namespace panwright::pxn

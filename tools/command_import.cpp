@@ -9,7 +9,6 @@
 #include "importers/clean.h"
 #include "pxn/import_template.h"
 #include "pxn/material_guess.h"
-#include "pxn/text/reference.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/mesh_report_page.h"
@@ -84,9 +83,9 @@ std::string attributes_of(const CadOptions& cad) {
   if (cad.crease_deg != 30) out += fmt::format(" crease=\"{}deg\"", format_double(cad.crease_deg));
   if (cad.crease_normals) out += " normals=\"crease\"";
   if (cad.keep_hidden) out += " hidden=\"keep\"";
-  if (!cad.scene.empty()) out += fmt::format(" scene=\"{}\"", pxn::xml::escaped(cad.scene));
+  if (!cad.scene.empty()) out += fmt::format(" scene=\"{}\"", pxn::attribute_value(cad.scene));
   if (!cad.animation.empty())
-    out += fmt::format(" animation=\"{}\"", pxn::xml::escaped(cad.animation));
+    out += fmt::format(" animation=\"{}\"", pxn::attribute_value(cad.animation));
   if (cad.time) out += fmt::format(" time=\"{}\"", format_double(*cad.time));
   if (cad.primitives > 0) out += fmt::format(" primitives=\"{}\"", cad.primitives);
   if (cad.deflection > 0) out += fmt::format(" deflection=\"{}m\"", format_double(cad.deflection));
