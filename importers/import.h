@@ -88,8 +88,8 @@ struct Imported {
 //
 //   returns  what could be read, sound by scene::check; the log says whether that is all of it.
 //
-// Fails: E0001, E01…, E6001, E6002, E6003, E6101, E6201 to E6205, E6209, E6217, E6501, E6601. Reports E6…,
-// W6…, N6…. Cost: O(bytes); memory about 3 times the scene's arrays.
+// Fails: E0001, E01…, E6001, E6002, E6003, E6101, E6201 to E6205, E6209, E6217, E6501, E6601.
+// Reports E6…, W6…, N6…. Cost: O(bytes); memory about 3 times the scene's arrays.
 [[nodiscard]] Result<Imported> import_file(const std::filesystem::path& path,
                                            const Options& options, DiagnosticLog& log,
                                            const Job& job = {});

@@ -145,9 +145,9 @@ struct RecipePlaces {
   std::vector<SourceSpan> operations;  // none where it is shorter
 };
 
-inline constexpr std::uint32_t kMaxCells = 100'000;           // across, and up
-inline constexpr double kMaxVertices = 70e6;                  // 0.5 GB of heights
-inline constexpr double kMinLength = 1e-9, kMaxLength = 1e9;  // metres
+inline constexpr std::uint32_t kMaxCells = 100'000;            // across, and up
+inline constexpr double kMaxVertices = 70e6;                   // 0.5 GB of heights
+inline constexpr double kMinLength = 1e-9, kMaxLength = 1e9;   // metres
 inline constexpr double kMaxPasses = 10'000, kMaxWork = 1e11;  // of smooth; passes · vertices
 inline constexpr double kMaxRidges = 2e6;   // of a crease, those beyond the edges too
 inline constexpr double kMaxOverlap = 100;  // ridges of a crease over a point, on average

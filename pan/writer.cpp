@@ -205,8 +205,7 @@ void Writer::require(std::uint64_t features) {
   state_->features |= features;
 }
 
-bool Writer::finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds,
-                    const Job* check) {
+bool Writer::finish(Hash128 build_id, DiagnosticLog& log, double* sync_seconds, const Job* check) {
   State& s = *state_;
   assert(!s.open && !s.finished);
   s.finished = true;

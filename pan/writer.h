@@ -148,8 +148,8 @@ struct WriteOptions {
 // Expects: contents as the comments above say, as scene::check makes sure of; fewer than 2^32
 // vertices and 4 GiB of names in all.
 // Fails: E0001, E0103; where the contents are not as expected, what Model::check() fails with: no
-// file is written that readers refuse, and an old one stays. Cost: O(bytes); memory for one block besides the contents, and when it
-// compresses, for one section and what it comes to.
+// file is written that readers refuse, and an old one stays. Cost: O(bytes); memory for one block
+// besides the contents, and when it compresses, for one section and what it comes to.
 Result<WriteReport> write(const Contents& contents, const std::filesystem::path& path,
                           DiagnosticLog& log, const WriteOptions& options = {},
                           const Job& job = {});

@@ -225,9 +225,10 @@ void write_import_template(const importers::Imported& imported, const Options& o
   // the text says what was assumed, so that it stays what it was seen to be
   CadOptions cad = options.open.cad;
   if (!imported.assumed_unit.empty()) cad.units = imported.assumed_unit;
-  if (write_file(options.output,
-                 as_bytes(pxn::import_template(imported, file.generic_string(), attributes_of(cad))),
-                 context.log()))
+  if (write_file(
+          options.output,
+          as_bytes(pxn::import_template(imported, file.generic_string(), attributes_of(cad))),
+          context.log()))
     context.wrote(options.output, counted(imported.materials.size(), "material"));
 }
 

@@ -208,8 +208,9 @@ std::string read_into(const json& value, Record& record, DiagnosticLog& log) {
 
 std::string recorded_program() { return "panwright " PANWRIGHT_VERSION; }
 
-std::string record_text(const world::World& world, const world::Camera& camera, std::optional<double> ev,
-                        const DrawOptions& draw, const RecordSource& source) {
+std::string record_text(const world::World& world, const world::Camera& camera,
+                        std::optional<double> ev, const DrawOptions& draw,
+                        const RecordSource& source) {
   Json record;
   record["schema"] = kSchema;
   record["program"] = recorded_program();

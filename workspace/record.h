@@ -24,8 +24,9 @@ struct RecordSource {
 // One JSON object in ASCII: schema, program (with its version), targets (name, file, build
 // identity), options of reading them, and the view with all that was chosen for it, as a views file
 // writes it. No output, time or place of the machine: files stand as in `source`.
-std::string record_text(const world::World& world, const world::Camera& camera, std::optional<double> ev,
-                        const DrawOptions& draw, const RecordSource& source);
+std::string record_text(const world::World& world, const world::Camera& camera,
+                        std::optional<double> ev, const DrawOptions& draw,
+                        const RecordSource& source);
 
 struct RecordedTarget {
   std::string name;

@@ -110,7 +110,7 @@ struct Drawing {
   Drawer* drawer = nullptr;
   double ev = 0;
   double shown_ev = 0;  // as --ev has it
-  double seconds = 0;  // so far
+  double seconds = 0;   // so far
   Metadata metadata;
 };
 
@@ -246,10 +246,11 @@ class Run {
     drawing.view = index;
     drawing.drawer = drawer_;
     drawing.ev = view.ev - stops_of_sun(current_.sun());
-    describe(current_, view.camera, draw,
-             record_text(current_, view.camera, view.auto_ev ? std::nullopt : std::optional(view.ev), draw,
-                         options_.source),
-             drawing.metadata);
+    describe(
+        current_, view.camera, draw,
+        record_text(current_, view.camera, view.auto_ev ? std::nullopt : std::optional(view.ev),
+                    draw, options_.source),
+        drawing.metadata);
     drawing.seconds = seconds_since(start);
     drawing_.push_back(std::move(drawing));
     return true;

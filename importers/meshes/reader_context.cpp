@@ -136,7 +136,8 @@ void ReaderContext::tell() {
   if (!skipped_.empty())
     log.report(Code::N6007, {source_, 0, 0}, fmt::format("skipped: {}", listed(skipped_)));
   if (!lost_.empty())
-    log.report(Code::W6008, {source_, 0, 0}, fmt::format("unsupported properties ignored: {}", listed(lost_)));
+    log.report(Code::W6008, {source_, 0, 0},
+               fmt::format("unsupported properties ignored: {}", listed(lost_)));
 }
 
 // ---- meshes

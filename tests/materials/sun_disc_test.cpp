@@ -50,12 +50,30 @@ struct Residuals {
 };
 
 // Views in the plane of incidence, across it and between.
-constexpr double kPlaces_deg[][2] = {{0, 0},   {0.1, 0},   {-0.1, 0},  {0.25, 0}, {-0.25, 0},
-                                     {0.6, 0}, {-0.6, 0},  {1, 0},     {-1, 0},   {0, 0.03},
-                                     {0, 0.1}, {0, 0.2},   {0, 0.27},  {0, 0.4},  {0, 0.7},
-                                     {0, 1},   {0.2, 0.2}, {-0.4, 0.3}, {0, 0.265},
+constexpr double kPlaces_deg[][2] = {{0, 0},
+                                     {0.1, 0},
+                                     {-0.1, 0},
+                                     {0.25, 0},
+                                     {-0.25, 0},
+                                     {0.6, 0},
+                                     {-0.6, 0},
+                                     {1, 0},
+                                     {-1, 0},
+                                     {0, 0.03},
+                                     {0, 0.1},
+                                     {0, 0.2},
+                                     {0, 0.27},
+                                     {0, 0.4},
+                                     {0, 0.7},
+                                     {0, 1},
+                                     {0.2, 0.2},
+                                     {-0.4, 0.3},
+                                     {0, 0.265},
                                      // where the disc ends at 0.3 AU
-                                     {0, 0.885}, {0, 0.87}, {0.8, 0},   {-0.8, 0.3}};
+                                     {0, 0.885},
+                                     {0, 0.87},
+                                     {0.8, 0},
+                                     {-0.8, 0.3}};
 
 // phi: azimuth of the plane of incidence against the tangent
 Residuals residuals(const Lobe& lobe, Long theta, Long phi, Long au, Long limb) {
@@ -125,8 +143,8 @@ TEST(SunDisc, FlatPlate) {
         }
     std::printf("%s: peak %.1e, profile %.1e, between %.1e, single precision %.1e\n", each.name,
                 worst.peak, worst.profile, worst.between, worst.single);
-    // measured 1.3e-3 to 4.0e-3, 3.8e-3 to 6.4e-3, 1.3e-2 to 2.4e-2 (slope 0.001 at 85 degrees, where
-    // the disc ends) and 1.5e-4; the profile was 4e-2 where the disc ends at 0.3 AU
+    // measured 1.3e-3 to 4.0e-3, 3.8e-3 to 6.4e-3, 1.3e-2 to 2.4e-2 (slope 0.001 at 85 degrees,
+    // where the disc ends) and 1.5e-4; the profile was 4e-2 where the disc ends at 0.3 AU
     EXPECT_LE(worst.peak, 5e-3) << each.name;
     EXPECT_LE(worst.profile, 0.01) << each.name;
     EXPECT_LE(worst.between, 0.026) << each.name;
@@ -153,7 +171,7 @@ TEST(SunDisc, Anisotropic) {
         }
     std::printf("%s: peak %.1e, profile %.1e, between %.1e, single precision %.1e\n", each.name,
                 worst.peak, worst.profile, worst.between, worst.single);
-    EXPECT_LE(worst.peak, 7e-3) << each.name;      // measured 5.2e-3
+    EXPECT_LE(worst.peak, 7e-3) << each.name;  // measured 5.2e-3
     // measured 1.4e-2
     EXPECT_LE(std::max(worst.profile, worst.between), 0.017) << each.name;
   }

@@ -33,7 +33,7 @@ View small_view(const std::string& output) {
   view.camera.position = {0, -5, 0};
   DiagnosticLog log;
   view.camera.world_from_camera = *world::looking_at({0, -5, 0}, {0, 0, 0}, std::nullopt, log);
-  view.sun = world::Sun{.direction = {-1, -2, 1}};
+  view.sun.emplace().direction = {-1, -2, 1};
   view.output = output;
   return view;
 }

@@ -379,7 +379,8 @@ class Reading {
         list += fmt::format("{}{}", list.empty() ? "" : ", ", counted(count, what));
       log_.report_file(Code::N6007, name_, fmt::format("skipped: {}", list));
     }
-    if (transparent_) log_.report_file(Code::W6008, name_, "unsupported material properties ignored: transparency");
+    if (transparent_)
+      log_.report_file(Code::W6008, name_, "unsupported material properties ignored: transparency");
     return std::move(out_);
   }
 

@@ -291,7 +291,8 @@ Imported Builder::finished(Format format, std::string_view file_name) {
   if (!skipped_.empty())
     context.log.report_file(Code::N6007, file_name, fmt::format("skipped: {}", listed(skipped_)));
   if (!lost_.empty())
-    context.log.report_file(Code::W6008, file_name, fmt::format("unsupported properties ignored: {}", listed(lost_)));
+    context.log.report_file(Code::W6008, file_name,
+                            fmt::format("unsupported properties ignored: {}", listed(lost_)));
   return std::move(out_);
 }
 

@@ -206,7 +206,8 @@ std::string textured(const std::string& texture, const std::string& s) {
 
 TEST(VrmlLost, TexturesThatDoNotRepeat) {
   const std::string once = "PixelTexture { image 1 1 3 0xff0000 repeatS FALSE }";
-  EXPECT_EQ(note(*read97(textured(once, "2")), Code::W6008), "unsupported properties ignored: textures that do not repeat");
+  EXPECT_EQ(note(*read97(textured(once, "2")), Code::W6008),
+            "unsupported properties ignored: textures that do not repeat");
   EXPECT_EQ(note(*read97(textured(once, "1")), Code::W6008), "");
   const std::string other = "PixelTexture { image 1 1 3 0xff0000 repeatT FALSE }";
   EXPECT_EQ(note(*read97(textured(other, "2")), Code::W6008), "");
@@ -214,7 +215,8 @@ TEST(VrmlLost, TexturesThatDoNotRepeat) {
     return read_text("#VRML V1.0 ascii\nTexture2 { image 1 1 3 0xff0000 wrapS " + wrap +
                      " } TextureCoordinate2 { point [ 0 0, 2 0, 0 1 ] } " + kShape10);
   };
-  EXPECT_EQ(note(*in_10("CLAMP"), Code::W6008), "unsupported properties ignored: textures that do not repeat");
+  EXPECT_EQ(note(*in_10("CLAMP"), Code::W6008),
+            "unsupported properties ignored: textures that do not repeat");
   EXPECT_EQ(note(*in_10("REPEAT"), Code::W6008), "");
 }
 
@@ -231,7 +233,8 @@ TEST(VrmlLost, ColoursThatAreNone) {
   const auto material = read97(
       "Shape { appearance Appearance { material Material { diffuseColor 255 128 0 } } geometry Box "
       "{ } }");
-  EXPECT_EQ(note(*material, Code::W6008), "unsupported properties ignored: colours outside of 0 to 1");
+  EXPECT_EQ(note(*material, Code::W6008),
+            "unsupported properties ignored: colours outside of 0 to 1");
   EXPECT_EQ(material->scene().materials[0].diffuse, Vec3(1, 1, 0));
   const auto corners = read97(
       "Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] }\n"
