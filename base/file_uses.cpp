@@ -126,6 +126,16 @@ std::shared_ptr<FileUses> FileUses::next_run() const {
 
 bool FileUses::will_write(const fs::path& path, std::string_view what, DiagnosticLog& log,
                           Output kind) {
+  // what can be known to fail after minutes of work
+  std::error_code error;
+  const fs::path folder = path.parent_path();
+  if (kind != Output::diagnostics && !folder.empty() &&
+      fs::status(folder, error).type() == fs::file_type::not_found) {
+    log.report_file(Code::E0103, path.string(),
+                    "cannot write " + in_quotes(path.string()) + ": there is no folder " +
+                        in_quotes(folder.string()));
+    return false;
+  }
   auto output = declared(path);
   if (!output) return true;
   output->what = what;

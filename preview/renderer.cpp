@@ -388,9 +388,10 @@ bool Renderer::Impl::fits(const world::World& world, const world::Camera& camera
   if (bytes <= options.max_bytes) return true;
   log.report_file(
       Code::E5003, {},
-      fmt::format("an image of {} by {} pixels takes {:.4g} MiB; the limit is {:.4g} MiB",
-                  camera.width, camera.height, static_cast<double>(bytes) / 0x1p20,
-                  static_cast<double>(options.max_bytes) / 0x1p20));
+      fmt::format("an image of {} by {} pixels takes {:.4g} GB of memory; the limit is {:.4g} GB",
+                  camera.width, camera.height, static_cast<double>(bytes) / 1e9,
+                  static_cast<double>(options.max_bytes) / 1e9),
+      "--max-image-memory allows more");
   return false;
 }
 

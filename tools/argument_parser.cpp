@@ -69,6 +69,11 @@ class Parser {
     // "-output" is meant as "--output"
     const bool single = name.size() > 2 && name[1] != '-';
     const auto near = nearest_name(single ? "-" + name : name, names);
+    if (std::isdigit(static_cast<unsigned char>(name[1])) || name[1] == '.')
+      return fail(
+          fmt::format("{} belongs to no option; several numbers of one option stand in "
+                      "quotes, as in --sun \"1 -1 0.5\"",
+                      in_quotes(name)));
     fail(fmt::format("{} is not an option of '{}'; {}", in_quotes(name), command_,
                      near ? fmt::format("did you mean '{}'?", *near)
                           : fmt::format("`{} --help` lists them", command_)));
@@ -139,17 +144,22 @@ class Parser {
   void take_argument(const std::string& word) {
     for (Option& option : options_)
       if (option.argument && (option.repeatable || option.given == 0)) return set(option, word);
-    std::string takes;
+    fail(fmt::format("{} is one argument too many: {}{}", in_quotes(word), command_, arguments()));
+  }
+
+  // " FILE FILE"
+  std::string arguments() const {
+    std::string all;
     for (const Option& option : options_)
-      if (option.argument) takes += " " + option.type;
-    fail(fmt::format("{} is one argument too many: {}{}", in_quotes(word), command_, takes));
+      if (option.argument) all += " " + option.type;
+    return all;
   }
 
   void check_whole() {
     for (const Option& option : options_) {
       if (option.required && option.given == 0)
         return fail(option.argument
-                        ? fmt::format("{} is missing: {} {}", option.type, command_, option.type)
+                        ? fmt::format("{} is missing: {}{}", option.type, command_, arguments())
                         : fmt::format("{} {} is missing: `{} --help` lists the options",
                                       option.names.front(), option.type, command_));
       if (option.given == 0) continue;

@@ -107,6 +107,7 @@ int run(const Options& options, const Host& host) {
   auto scene = workspace::read_scene(options.input, *read, log, context.job(), &steps);
   // what could be read is written only where the user said where to
   if (!scene || (log.has_errors() && options.output.empty())) {
+    if (scene) context.left_out();
     context.add_timings(steps.steps);
     return context.finish();
   }

@@ -78,6 +78,8 @@ void CommandContext::wrote(const std::string& path, std::string detail) {
 }
 
 void CommandContext::say_what_was_written() const {
+  if (left_out_)
+    print(stderr, "nothing is written; -o FILE writes what could be read in spite of errors\n");
   for (const auto& [path, detail] : written_) {
     std::error_code error;
     if (!std::filesystem::is_regular_file(path, error)) continue;

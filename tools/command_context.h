@@ -39,6 +39,8 @@ class CommandContext {
   // Notes that a file was written, to be said at the end, with its size and what else there is to
   // say of it ("11,880 triangles"). Streams and devices are not files.
   void wrote(const std::string& path, std::string detail = {});
+  // Notes that what could be read was not written, as no output was named; to be said at the end.
+  void left_out() { left_out_ = true; }
 
   // Ends the current step and starts one called `name`, for --timings.
   void step(std::string name);
@@ -63,6 +65,7 @@ class CommandContext {
   std::unique_ptr<nlohmann::ordered_json> result_;
   std::vector<std::pair<std::string, double>> timings_;
   std::vector<std::pair<std::string, std::string>> written_;  // path, detail
+  bool left_out_ = false;
   std::string step_;
   std::chrono::steady_clock::time_point step_start_;
 };

@@ -263,6 +263,16 @@ int run(const Options& options, const Host& host) {
   RenderReport report(context, !options.views.empty());
   if (options.views == "-")
     return context.finish(serve_views(session, work->views[0], report.listener(), context));
+  if (work->views.size() == 1 && !options.view.text.output && options.views.empty() &&
+      !work->record) {
+    const world::World* world =
+        session.world(work->views[0], report.listener(), log, context.job());
+    // what could be read is drawn only where the user said where to
+    if (world == nullptr || log.has_errors()) {
+      if (world != nullptr) context.left_out();
+      return context.finish();
+    }
+  }
   if (work->record) {
     const world::World* world =
         session.world(work->views[0], report.listener(), log, context.job());

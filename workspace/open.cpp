@@ -112,10 +112,21 @@ importers::Options import_options(const OpenOptions& options) {
   return read;
 }
 
+// What replaced values of parameters, for the build identity; in any order the same.
+std::string parameters_words(const OpenOptions& options) {
+  auto sorted = options.parameters;
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::string out;
+  for (const auto& [name, value] : sorted) out += fmt::format(" {}={}", name, in_quotes(value));
+  return out;
+}
+
 compiler::Options compile_options(const OpenOptions& options) {
   compiler::Options compile;
   compile.max_error = options.max_error;
   compile.max_triangles = options.max_triangles;
+  compile.origin = parameters_words(options);
   return compile;
 }
 
@@ -129,6 +140,9 @@ std::size_t guessed_units(const DiagnosticLog& log) {
 Result<world::ModelPtr> open_pan(const std::filesystem::path& path, const OpenOptions& options,
                                  DiagnosticLog& log, const Job& job, OpenReport* report) {
   note_cad_options(options.cad, path, log);
+  if (!options.parameters.empty())
+    log.report_file(Code::N1405, path.string(),
+                    "-D has no effect on a .pan file: it was compiled with its parameters");
   auto model = [&] {
     const Stopwatch watch(report, "open " + path.string());
     return pan::Model::open(path, log);
@@ -281,7 +295,7 @@ Result<compiler::Report> write_pan(scene::Scene& scene, const OpenOptions& optio
   compiler::Options compile = compile_options(options);
   compile.strip_sources = write.strip_sources;
   compile.compress = write.compress;
-  compile.origin = write.origin;
+  compile.origin += write.origin;
   compile.check_size = write.check_size && guessed_units(log) == 0;
   const auto done = compiler::compile(scene, compile, write.output, log, job);
   if (done && report != nullptr) {

@@ -213,5 +213,76 @@ TEST_F(Outputs, AboveTheLimitOfTheShellAreAnError) {
   EXPECT_EQ(after, before_);
 }
 
+class Parameters : public testing::Test {
+ protected:
+  void SetUp() override {
+    model_ = folder_.write("model.pxn", R"(<pangu_model ver="1">
+  <param name="r" value="1m"/>
+  <param name="h" value="1m"/>
+  <cylinder radius="{r}" height="{h}"/>
+</pangu_model>
+)");
+  }
+  // What is printed after "build id".
+  std::string identity(const std::vector<std::string>& defines) {
+    std::vector<std::string> words{"compile", model_, "-o", folder_ / "m.pan", "-q"};
+    for (const std::string& define : defines) words.insert(words.end(), {"-D", define});
+    EXPECT_EQ(panwright(words).code, 0);
+    const std::string text = panwright({"info", folder_ / "m.pan"}).out;
+    const std::size_t at = text.find("build id");
+    EXPECT_NE(at, std::string::npos) << text;
+    return text.substr(at, text.find('\n', at) - at);
+  }
+  TemporaryFolder folder_;
+  std::string model_;
+};
+
+// Equal identities mean equal models: values from the command line are part of them.
+TEST_F(Parameters, ArePartOfTheIdentity) {
+  const std::string plain = identity({});
+  const std::string two = identity({"r=2m", "h=3m"});
+  EXPECT_NE(identity({"r=2m"}), plain);
+  EXPECT_NE(identity({"r=2m"}), identity({"r=3m"}));
+  EXPECT_NE(two, identity({"r=3m", "h=2m"}));
+  EXPECT_EQ(two, identity({"h=3m", "r=2m"}));
+  EXPECT_THAT(panwright({"info", folder_ / "m.pan"}).out, HasSubstr(R"(h='3m' r='2m')"));
+}
+
+TEST_F(Parameters, HaveNoEffectOnAPanAndThatIsSaid) {
+  identity({});
+  const Outcome outcome = panwright({"info", folder_ / "m.pan"});
+  EXPECT_EQ(outcome.code, 0);
+  const Outcome told = panwright({"diff", folder_ / "m.pan", folder_ / "m.pan", "-D", "r=2m"});
+  EXPECT_THAT(told.err, HasSubstr("-D has no effect on a .pan file")) << told.out;
+  EXPECT_THAT(told.err, HasSubstr("N1405"));
+}
+
+// What could be read of a model with errors is written where the user said where to, and that is said.
+TEST_F(Parameters, OfNoModelAreErrorsAfterWhichNothingIsDrawnUnasked) {
+  const auto in_folder = [&](std::vector<std::string> words) {
+    std::vector<std::string> there{"/bin/sh", "-c", "cd \"$0\" && exec \"$@\"",
+                                   folder_.path().string(), kProgram};
+    there.insert(there.end(), words.begin(), words.end());
+    return support::run(there);
+  };
+  for (const char* command : {"render", "compile"}) {
+    const Outcome outcome = in_folder({command, "model.pxn", "-D", "q=3"});
+    EXPECT_EQ(outcome.code, 1) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("E1225"));
+    EXPECT_THAT(outcome.err, HasSubstr("nothing is written"));
+    EXPECT_FALSE(fs::exists(folder_ / "model.png"));
+    EXPECT_FALSE(fs::exists(folder_ / "model.pan"));
+  }
+}
+
+// The folder of an output that is not there is said before the work, not after it.
+TEST_F(Parameters, FoldersThatAreMissing) {
+  const Outcome outcome =
+      panwright({"compile", model_, "-D", "q=3", "-o", folder_ / "none/m.pan"});
+  EXPECT_EQ(outcome.code, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("there is no folder"));
+  EXPECT_THAT(outcome.err, testing::Not(HasSubstr("E1225")));
+}
+
 }  // namespace
 }  // namespace panwright
