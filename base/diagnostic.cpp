@@ -113,6 +113,8 @@ std::optional<std::string_view> nearest_name(std::string_view name,
     if (candidate.size() > name.size() + allowed || name.size() > candidate.size() + allowed)
       continue;
     const std::size_t distance = edit_distance(name, candidate);
+    // nothing in common: one letter for another is no typing error
+    if (distance >= std::min(name.size(), candidate.size())) continue;
     if (distance < best_distance) {
       best = candidate;
       best_distance = distance;

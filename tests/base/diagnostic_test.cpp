@@ -153,6 +153,9 @@ TEST(NearestName, AllowsOneErrorInThreeLetters) {
   EXPECT_EQ(nearest_name("refrcat", kNames), "refract");
   EXPECT_FALSE(nearest_name("sphere", kNames));
   EXPECT_FALSE(nearest_name("", kNames));
+  const std::string_view letters[] = {"D", "W"};
+  EXPECT_FALSE(nearest_name("Q", letters));
+  EXPECT_EQ(nearest_name("d", letters), "D");
   EXPECT_FALSE(nearest_name(std::string(100000, 'd'), kNames));
 }
 
