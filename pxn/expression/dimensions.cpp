@@ -27,7 +27,7 @@ struct Part {
   std::uint32_t first = 0;  // its steps
   std::uint32_t last = 0;   // past them
   std::optional<double> literal;
-  std::uint32_t name = kNoName;  // the operand where it is nothing but a name
+  std::vector<std::uint32_t> terms;  // operands that are names: those of a bare sum, or the only one
   int pi = 0;
   bool ratio = false;
   bool angular = false;  // of unknown: angles are in it
@@ -212,7 +212,7 @@ class KindReader {
     if (operand.name.empty())
       part.literal = operand.value;
     else
-      part.name = next_;
+      part.terms = {next_};
     if (part.is_plain()) {
       part.pi = known.pi;
       part.ratio = known.ratio;
@@ -305,6 +305,10 @@ class KindReader {
         out.angular = is_angular(a) || is_angular(b);
         if (!is_measured(kind)) merge(a, b, out);
         if (out.is_plain()) out.places = places_of_sum(a, b);
+        if (out.is_plain()) {
+          out.terms = a.terms;
+          out.terms.insert(out.terms.end(), b.terms.begin(), b.terms.end());
+        }
         return out;
       }
       case '*':
@@ -366,7 +370,7 @@ class KindReader {
   }
 
   void use(const Part& part, Quantity::Use as) {
-    if (part.name != kNoName) out_.uses.push_back({part.name, as});
+    for (const std::uint32_t name : part.terms) out_.uses.push_back({name, as});
   }
 
   // A bare number where a length is needed, or one to a power.
