@@ -30,7 +30,7 @@ constexpr double kDiscord = 3;
 constexpr double kAgreement = 0.3;
 // and how much more with few samples (share of kFewSamples' root beyond this) where what is around
 // varies by much more than the pixel's mean: glints that most samples miss
-constexpr double kGlints = 2;
+constexpr double kGlints = 0.9;
 constexpr double kGlintScarcity = 0.75;
 constexpr double kGlintMean = 5;
 constexpr double kRounding = 0x1p-24;
