@@ -111,8 +111,16 @@ TEST_F(Uses, WhatIsNoFileIsNotWatched) {
   EXPECT_TRUE(files().will_write("", "-o", log));
   EXPECT_TRUE(files().will_write("/dev/null", "-o", log));
   EXPECT_TRUE(files().will_write("/dev/null", "--sarif", log));
-  EXPECT_TRUE(files().will_write(folder / "no" / "folder", "-o", log));
   EXPECT_FALSE(log.has_errors());
+}
+
+// It would fail after the work; diagnostics are written in any case.
+TEST_F(Uses, FoldersThatAreMissingAreErrorsBeforeTheWork) {
+  EXPECT_TRUE(
+      files().will_write(folder / "no" / "x", "--sarif", log, FileUses::Output::diagnostics));
+  EXPECT_FALSE(log.has_errors());
+  EXPECT_FALSE(files().will_write(folder / "no" / "x", "-o", log));
+  EXPECT_TRUE(log.contains(Code::E0103));
 }
 
 TEST_F(Uses, ALogApartKnowsTheRun) {

@@ -106,13 +106,24 @@ TEST(RunViews, SaysWhatIsWrongBeforeAnythingIsDrawn) {
 TEST(RunViews, StopsAtAnImageThatCannotBeWrittenAndKeepsTheOthers) {
   const TemporaryFolder folder;
   const world::World world = small_world(folder);
-  const std::vector<View> views = {small_view(folder / "a.png"), small_view(folder / "no/b.png"),
+  fs::create_directory(folder / "b.png");
+  const std::vector<View> views = {small_view(folder / "a.png"), small_view(folder / "b.png"),
                                    small_view(folder / "c.png"), small_view(folder / "d.png")};
   DiagnosticLog log;
   EXPECT_FALSE(run_views(world, views, traced(), log));
   EXPECT_TRUE(log.contains(Code::E0103));
   EXPECT_TRUE(fs::exists(folder / "a.png"));
   EXPECT_FALSE(fs::exists(folder / "d.png"));
+}
+
+TEST(RunViews, BeginsNothingWhereAFolderIsMissing) {
+  const TemporaryFolder folder;
+  const world::World world = small_world(folder);
+  const std::vector<View> views = {small_view(folder / "a.png"), small_view(folder / "no/b.png")};
+  DiagnosticLog log;
+  EXPECT_FALSE(run_views(world, views, traced(), log));
+  EXPECT_TRUE(log.contains(Code::E0103));
+  EXPECT_FALSE(fs::exists(folder / "a.png"));
 }
 
 TEST(RunViews, NamesTheTargetsInTheHeader) {
