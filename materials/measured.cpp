@@ -141,8 +141,8 @@ Point minimised(const Cost& cost, const Point& start, double step) {
     std::stable_sort(simplex.begin(), simplex.end(),
                      [](const Corner& a, const Corner& b) { return a.cost < b.cost; });
     Corner& worst = simplex.back();
-    if (worst.cost - simplex.front().cost < 1e-12 * (1 + simplex.front().cost)) break;
-    if (simplex.front().cost < 1e-10) break;  // nothing is left to find
+    if (worst.cost - simplex.front().cost < 1e-7 * (1e-3 + simplex.front().cost)) break;
+    if (simplex.front().cost < 1e-6) break;  // decades: nothing is left to find
     Point middle(start.size(), 0.0);
     for (std::size_t c = 0; c + 1 < simplex.size(); ++c)
       for (std::size_t i = 0; i < middle.size(); ++i)
