@@ -6,7 +6,9 @@ namespace panwright::preview {
 struct ModelResources::Impl {
   world::ModelPtr model;
 };
-struct Device::Impl {};
+struct Device::Impl {
+  std::unique_ptr<Context> context;  // another library's: Context::create fails
+};
 struct Renderer::Impl {
   std::shared_ptr<Device> device;
 };
@@ -23,6 +25,10 @@ Result<std::shared_ptr<Device>> Device::create(ContextKind kind, DiagnosticLog& 
   static_cast<void>(Context::create(kind, log));  // says why
   return failed;
 }
+std::shared_ptr<Device> Device::create(std::unique_ptr<Context> context) {
+  return std::shared_ptr<Device>(new Device(std::make_unique<Impl>(Impl{std::move(context)})));
+}
+Context& Device::context() const { return *impl_->context; }
 Result<std::shared_ptr<const ModelResources>> Device::resources(const world::ModelPtr&,
                                                                 DiagnosticLog& log, const Job&) {
   log.report_file(Code::E5007, {}, "this program was built without OpenGL");
