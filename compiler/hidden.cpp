@@ -296,6 +296,8 @@ class Pruner {
       kept.push_back(std::move(scene_.shapes[s]));
     }
     scene_.shapes = std::move(kept);
+    for (scene::Foil& foil : scene_.foils) foil.shape = moved[static_cast<std::size_t>(foil.shape)];
+    std::erase_if(scene_.foils, [](const scene::Foil& f) { return f.shape == scene::kNone; });
     for (scene::Instance& instance : scene_.instances)
       instance.shape = moved[static_cast<std::size_t>(instance.shape)];
   }

@@ -73,7 +73,7 @@ void FormProblems::folded(std::size_t triangles, std::size_t all, double height,
       Code::W7002, where,
       fmt::format("the sheet folds over in {} of {} triangles: it is {:.3g} m high where the "
                   "form leaves room for less; {:.3g} m keeps it apart",
-                  triangles, all, height, room));
+                  std::min(triangles, all), all, height, room));
 }
 
 namespace {

@@ -79,6 +79,15 @@ std::string check_shapes(const Scene& scene) {
                          problem->message);
     }
   }
+  for (std::size_t i = 0; i < scene.foils.size(); ++i) {
+    const std::int32_t shape = scene.foils[i].shape;
+    if (!in_range(shape, scene.shapes.size()) ||
+        !std::holds_alternative<geometry::MeshShape>(
+            scene.shapes[static_cast<std::size_t>(shape)]) ||
+        (i > 0 && shape <= scene.foils[i - 1].shape))
+      return fmt::format("foil {} has the shape {}, expected a mesh after those before it", i,
+                         shape);
+  }
   return {};
 }
 

@@ -11,6 +11,7 @@
 #include "base/math.h"
 #include "geometry/tessellate/shape.h"
 #include "materials/material.h"
+#include "mli/form.h"
 
 namespace panwright::scene {
 
@@ -80,6 +81,15 @@ struct Instance {
   Source source;
 };
 
+// What a shape was made from that is a sheet of foil: a mesh at the recipe's own detail.
+struct Foil {
+  std::int32_t shape = 0;
+  mli::Recipe recipe;
+  mli::Form form;
+  mli::Statistics statistics;  // of the flat sheet
+  Source source;
+};
+
 // A texture laid on a shape: over the diffuse colour where its alpha is 1, nothing where it is 0.
 // Seen from outside it is upright along `up`; it reaches half its larger side deep to both sides of
 // the point, and faces away from the normal do not take it.
@@ -145,6 +155,7 @@ struct Scene {
   std::vector<geometry::Shape> shapes;
   std::vector<materials::Material> materials;
   std::vector<Texture> textures;
+  std::vector<Foil> foils;  // in order of shapes, each at most once
   std::vector<Instance> instances;
   std::vector<Frame> frames;        // names are unique
   std::vector<Keypoint> keypoints;  // names are unique

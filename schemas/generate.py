@@ -61,7 +61,7 @@ class Tables:
 
 
 def is_shape(element):
-    return element["section"] == "Shapes" and "node" in element["in"]
+    return element["section"] in ("Shapes", "Multi-layer insulation") and "node" in element["in"]
 
 
 def element_line(element, tables):

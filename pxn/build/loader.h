@@ -116,6 +116,7 @@ class Loader {
   void read_frame(Work& work, std::uint32_t element);
   void read_keypoint(Work& work, std::uint32_t element);
   void read_shape(Work& work, std::uint32_t element);
+  std::optional<std::uint32_t> foil_shape(Work& work, std::uint32_t element);
   std::uint32_t known_shape(geometry::Shape shape);
 
   // ---- import_reader.cpp: CAD files
@@ -160,6 +161,8 @@ class Loader {
   std::map<std::pair<std::string, TextureKind>, std::optional<std::uint32_t>> known_textures_;
   std::map<std::string, std::optional<materials::Conductor>> known_spectra_;
   std::map<Hash128, std::uint32_t> known_shapes_;
+  std::map<std::vector<double>, std::optional<std::uint32_t>> known_foils_;  // by FoilSheet::key()
+  double foil_vertices_ = 0;                                                 // so far
   std::map<std::pair<const File*, std::uint32_t>, std::uint32_t> known_meshes_;  // in repeats
   std::set<std::string> parameters_;                                             // of all files
   std::set<std::string> inputs_;     // keys of files that count as inputs

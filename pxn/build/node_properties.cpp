@@ -209,12 +209,40 @@ void Loader::read_shape(Work& work, std::uint32_t element) {
       index = known_shape(std::move(mesh));
       if (constant) known_meshes_[key] = *index;
     }
+  } else if (document.elements[element].id == ElementId::mli) {
+    index = foil_shape(work, element);
   } else if (auto shape = read_exact_shape(document, element, work.file.units, *work.file.values,
                                            reporter_)) {
     index = known_shape(std::move(*shape));
   }
   const std::uint32_t properties = read_properties(work, element);
   if (index) add_item(work, ItemKind::shape, element, *index, properties);
+}
+
+std::optional<std::uint32_t> Loader::foil_shape(Work& work, std::uint32_t element) {
+  const xml::Document& document = work.file.document;
+  const auto foil = read_foil(document, element, *work.file.values, reporter_);
+  if (!foil) return std::nullopt;
+  // the same sheet again is not made again
+  const auto [known, added] = known_foils_.try_emplace(foil->key());
+  if (!added) return known->second;
+  mli::Statistics statistics;
+  geometry::MeshShape mesh =
+      make_foil(document, element, *foil, options_.crease_angle, kMaxFoilVertices - foil_vertices_,
+                statistics, reporter_, job_);
+  if (!mesh) return std::nullopt;
+  foil_vertices_ += static_cast<double>(mesh->positions.size());
+  const std::size_t before = scene_.shapes.size();
+  known->second = known_shape(std::move(mesh));
+  const auto [line, column] = work.file.positions[element];
+  // note: other numbers may make the same mesh
+  if (scene_.shapes.size() > before)
+    scene_.foils.push_back({static_cast<std::int32_t>(*known->second),
+                            foil->recipe,
+                            foil->form,
+                            statistics,
+                            {work.file.found.path, line, column}});
+  return known->second;
 }
 
 std::uint32_t Loader::known_shape(geometry::Shape shape) {

@@ -2,8 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <vector>
 
+#include "base/job.h"
 #include "geometry/tessellate/shape.h"
+#include "mli/form.h"
 #include "pxn/build/part.h"
 #include "pxn/expression/values.h"
 #include "pxn/text/reporter.h"
@@ -43,5 +47,36 @@ std::optional<geometry::Shape> read_exact_shape(const xml::Document& document,
 std::shared_ptr<const geometry::Mesh> read_mesh_shape(const xml::Document& document,
                                                       std::uint32_t element, double crease_angle,
                                                       Values& values, Reporter& reporter);
+
+// A sheet of foil as it is written.
+struct FoilSheet {
+  mli::Recipe recipe;
+  mli::Form form;
+  mli::RecipePlaces places;
+
+  // Equal for sheets that are equal.
+  std::vector<double> key() const;
+};
+
+// Reads an <mli>.
+//
+// Reports: E1201 to E1203, E1212 to E1224, E7001.
+std::optional<FoilSheet> read_foil(const xml::Document& document, std::uint32_t element,
+                                   Values& values, Reporter& reporter);
+
+// Vertices of all sheets of a model, about 90 bytes each.
+inline constexpr double kMaxFoilVertices = 20e6;
+
+// The mesh of a sheet, at the recipe's own detail, with normals; null where it cannot be made.
+//
+//   room        vertices that may still be made
+//   statistics  of the flat sheet, where there is a mesh
+//
+// Reports: E7001, W7002. Throws Cancelled. Cost: O(vertices · operations).
+std::shared_ptr<const geometry::Mesh> make_foil(const xml::Document& document,
+                                                std::uint32_t element, const FoilSheet& foil,
+                                                double crease_angle, double room,
+                                                mli::Statistics& statistics, Reporter& reporter,
+                                                const Job& job);
 
 }  // namespace panwright::pxn

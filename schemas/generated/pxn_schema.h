@@ -114,6 +114,14 @@ enum class ElementId : std::uint16_t {
   smooth,
   constant,
   taper,
+  wrinkle,
+  crease,
+  fractal,
+  emboss,
+  seam,
+  button,
+  crush,
+  slope_rms,
 };
 // not an element: unknown, refused, or left out
 inline constexpr ElementId kNoElement = static_cast<ElementId>(0xffff);
@@ -490,6 +498,47 @@ inline constexpr std::size_t polygons_rotate = 5;
 inline constexpr std::size_t polygons_quat = 6;
 inline constexpr std::size_t polygons_scale = 7;
 inline constexpr std::size_t mli_type = 0;
+inline constexpr std::size_t mli_seed = 1;
+inline constexpr std::size_t mli_radius = 2;
+inline constexpr std::size_t mli_top_radius = 3;
+inline constexpr std::size_t mli_length = 4;
+inline constexpr std::size_t mli_flange = 5;
+inline constexpr std::size_t mli_size = 6;
+inline constexpr std::size_t mli_name = 7;
+inline constexpr std::size_t mli_material = 8;
+inline constexpr std::size_t mli_tolerance = 9;
+inline constexpr std::size_t mli_translate = 10;
+inline constexpr std::size_t mli_rotate = 11;
+inline constexpr std::size_t mli_quat = 12;
+inline constexpr std::size_t mli_scale = 13;
+inline constexpr std::size_t wrinkle_wavelength = 0;
+inline constexpr std::size_t wrinkle_amplitude = 1;
+inline constexpr std::size_t wrinkle_direction = 2;
+inline constexpr std::size_t wrinkle_anisotropy = 3;
+inline constexpr std::size_t crease_density = 0;
+inline constexpr std::size_t crease_depth = 1;
+inline constexpr std::size_t crease_length = 2;
+inline constexpr std::size_t crease_spread = 3;
+inline constexpr std::size_t crease_tail = 4;
+inline constexpr std::size_t crease_tail_share = 5;
+inline constexpr std::size_t fractal_hurst = 0;
+inline constexpr std::size_t fractal_rms = 1;
+inline constexpr std::size_t fractal_longest = 2;
+inline constexpr std::size_t emboss_pattern = 0;
+inline constexpr std::size_t emboss_pitch = 1;
+inline constexpr std::size_t emboss_depth = 2;
+inline constexpr std::size_t seam_along = 0;
+inline constexpr std::size_t seam_position = 1;
+inline constexpr std::size_t seam_width = 2;
+inline constexpr std::size_t seam_height = 3;
+inline constexpr std::size_t seam_stitch = 4;
+inline constexpr std::size_t seam_pucker = 5;
+inline constexpr std::size_t button_pitch = 0;
+inline constexpr std::size_t button_radius = 1;
+inline constexpr std::size_t button_reach = 2;
+inline constexpr std::size_t button_pucker = 3;
+inline constexpr std::size_t crush_size = 0;
+inline constexpr std::size_t crush_depth = 1;
 }  // namespace attribute
 
 namespace tables {
@@ -1828,6 +1877,17 @@ inline constexpr std::string_view kWords_mli_type[] = {
     "conical",
     "tube",
     "tubular",
+    "disc",
+    "box",
+};
+inline constexpr Number kNumbers_mli_seed[] = {
+    {"seed", 0, 4294967295, false, false},
+};
+inline constexpr Number kNumbers_mli_length[] = {
+    {"length", 0, 1e+30, true, false},
+};
+inline constexpr Number kNumbers_mli_flange[] = {
+    {"flange", 0, 1e+30, false, false},
 };
 inline constexpr ElementId kChoice_mli_0[] = {
     ElementId::mli_settings,
@@ -1837,6 +1897,19 @@ inline constexpr ElementId kChoice_mli_1[] = {
 };
 inline constexpr Attribute kAttributes_mli[] = {
     {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_mli_type, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"seed", 1, true, false, {ValueKind::integer, 1, kNumbers_mli_seed, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"top_radius", 1, true, false, {ValueKind::real, 1, kNumbers_cone_top_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"length", 1, true, false, {ValueKind::real, 1, kNumbers_mli_length, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"flange", 1, true, false, {ValueKind::real, 1, kNumbers_mli_flange, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"size", 1, true, false, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Slot kSlots_mli[] = {
     {kChoice_mli_0, "", 1, 1, ""},
@@ -1867,6 +1940,14 @@ inline constexpr ElementId kChoice_mli_operations_0[] = {
     ElementId::smooth,
     ElementId::constant,
     ElementId::taper,
+    ElementId::wrinkle,
+    ElementId::crease,
+    ElementId::fractal,
+    ElementId::emboss,
+    ElementId::seam,
+    ElementId::button,
+    ElementId::crush,
+    ElementId::slope_rms,
 };
 inline constexpr Slot kSlots_mli_operations[] = {
     {kChoice_mli_operations_0, "", 0, 0, ""},
@@ -1885,6 +1966,125 @@ inline constexpr Number kNumbers_taper[] = {
     {"x1", 0, 1e+30, false, false},
     {"y0", 0, 1e+30, false, false},
     {"y1", 0, 1e+30, false, false},
+};
+inline constexpr Number kNumbers_wrinkle_wavelength[] = {
+    {"wavelength", 0, 1e+30, true, false},
+};
+inline constexpr Number kNumbers_wrinkle_amplitude[] = {
+    {"amplitude", -1e+30, 1e+30, false, false},
+};
+inline constexpr Number kNumbers_wrinkle_direction[] = {
+    {"direction", -1000000.0, 1000000.0, false, false},
+};
+inline constexpr Number kNumbers_wrinkle_anisotropy[] = {
+    {"anisotropy", 1, 100, false, false},
+};
+inline constexpr double kInitial_wrinkle_anisotropy[] = {
+    3,
+};
+inline constexpr Attribute kAttributes_wrinkle[] = {
+    {"wavelength", 1, true, true, {ValueKind::real, 1, kNumbers_wrinkle_wavelength, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"amplitude", 1, true, true, {ValueKind::real, 1, kNumbers_wrinkle_amplitude, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"direction", 1, true, false, {ValueKind::real, 1, kNumbers_wrinkle_direction, {}, Dimension::angle, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"anisotropy", 1, true, false, {ValueKind::real, 1, kNumbers_wrinkle_anisotropy, {}, Dimension::none, false, false, 1, 0}, kInitial_wrinkle_anisotropy, "", false},
+};
+inline constexpr Number kNumbers_crease_density[] = {
+    {"density", 0, 1e+18, false, false},
+};
+inline constexpr Number kNumbers_crease_depth[] = {
+    {"depth", -1e+30, 1e+30, false, false},
+};
+inline constexpr Number kNumbers_crease_spread[] = {
+    {"spread", 0, 3, false, false},
+};
+inline constexpr Number kNumbers_crease_tail[] = {
+    {"tail", 1.01, 10, false, false},
+};
+inline constexpr double kInitial_crease_tail[] = {
+    2.5,
+};
+inline constexpr Number kNumbers_crease_tail_share[] = {
+    {"tail_share", 0, 1, false, false},
+};
+inline constexpr double kInitial_crease_tail_share[] = {
+    0.1,
+};
+inline constexpr Attribute kAttributes_crease[] = {
+    {"density", 1, true, true, {ValueKind::real, 1, kNumbers_crease_density, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"depth", 1, true, true, {ValueKind::real, 1, kNumbers_crease_depth, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"length", 1, true, true, {ValueKind::real, 1, kNumbers_mli_length, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"spread", 1, true, false, {ValueKind::real, 1, kNumbers_crease_spread, {}, Dimension::none, false, false, 1, 0}, kInitial_cutout_threshold, "", false},
+    {"tail", 1, true, false, {ValueKind::real, 1, kNumbers_crease_tail, {}, Dimension::none, false, false, 1, 0}, kInitial_crease_tail, "", false},
+    {"tail_share", 1, true, false, {ValueKind::real, 1, kNumbers_crease_tail_share, {}, Dimension::none, false, false, 1, 0}, kInitial_crease_tail_share, "", false},
+};
+inline constexpr Number kNumbers_fractal_hurst[] = {
+    {"hurst", 0, 1, true, false},
+};
+inline constexpr double kInitial_fractal_hurst[] = {
+    0.7,
+};
+inline constexpr Number kNumbers_fractal_rms[] = {
+    {"rms", 0, 1e+30, false, false},
+};
+inline constexpr Number kNumbers_fractal_longest[] = {
+    {"longest", 0, 1e+30, true, false},
+};
+inline constexpr Attribute kAttributes_fractal[] = {
+    {"hurst", 1, true, false, {ValueKind::real, 1, kNumbers_fractal_hurst, {}, Dimension::none, false, false, 1, 0}, kInitial_fractal_hurst, "", false},
+    {"rms", 1, true, true, {ValueKind::real, 1, kNumbers_fractal_rms, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"longest", 1, true, false, {ValueKind::real, 1, kNumbers_fractal_longest, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+};
+inline constexpr std::string_view kWords_emboss_pattern[] = {
+    "quilt",
+    "diamond",
+};
+inline constexpr Number kNumbers_emboss_pitch[] = {
+    {"pitch", 0, 1e+30, true, false},
+};
+inline constexpr Attribute kAttributes_emboss[] = {
+    {"pattern", 1, true, true, {ValueKind::word, 1, {}, kWords_emboss_pattern, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"pitch", 1, true, true, {ValueKind::real, 1, kNumbers_emboss_pitch, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"depth", 1, true, true, {ValueKind::real, 1, kNumbers_crease_depth, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+};
+inline constexpr std::string_view kWords_seam_along[] = {
+    "x",
+    "y",
+};
+inline constexpr Number kNumbers_seam_position[] = {
+    {"position", 0, 1e+30, false, false},
+};
+inline constexpr Number kNumbers_seam_stitch[] = {
+    {"stitch", 0, 1e+30, false, false},
+};
+inline constexpr Number kNumbers_seam_pucker[] = {
+    {"pucker", -1e+30, 1e+30, false, false},
+};
+inline constexpr Attribute kAttributes_seam[] = {
+    {"along", 1, true, false, {ValueKind::word, 1, {}, kWords_seam_along, Dimension::none, false, false, 1, 0}, {}, "x", false},
+    {"position", 1, true, true, {ValueKind::real, 1, kNumbers_seam_position, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"width", 1, true, true, {ValueKind::real, 1, kNumbers_width, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"height", 1, true, true, {ValueKind::real, 1, kNumbers_constant, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"stitch", 1, true, false, {ValueKind::real, 1, kNumbers_seam_stitch, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"pucker", 1, true, false, {ValueKind::real, 1, kNumbers_seam_pucker, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+};
+inline constexpr Number kNumbers_button_reach[] = {
+    {"reach", 0, 1e+30, true, false},
+};
+inline constexpr Attribute kAttributes_button[] = {
+    {"pitch", 1, true, true, {ValueKind::real, 1, kNumbers_emboss_pitch, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_cone_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+    {"reach", 1, true, true, {ValueKind::real, 1, kNumbers_button_reach, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"pucker", 1, true, false, {ValueKind::real, 1, kNumbers_seam_pucker, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
+};
+inline constexpr Number kNumbers_crush_size[] = {
+    {"size", 0, 1e+30, true, false},
+};
+inline constexpr Attribute kAttributes_crush[] = {
+    {"size", 1, true, true, {ValueKind::real, 1, kNumbers_crush_size, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"depth", 1, true, true, {ValueKind::real, 1, kNumbers_crease_depth, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+};
+inline constexpr Number kNumbers_slope_rms[] = {
+    {"slope", 0, 100, false, false},
 };
 inline constexpr Element kElements[] = {
     {"pangu_model", 0, true,
@@ -2160,35 +2360,59 @@ inline constexpr Element kElements[] = {
     {"joint", 1, false,
      {},
      {}, {}, {}, false},
-    {"mli", 0, false,
+    {"mli", 0, true,
      {},
-     kAttributes_mli, kSlots_mli, {}, false},
-    {"mli_settings", 0, false,
+     kAttributes_mli, kSlots_mli, kRules_mesh, true},
+    {"mli_settings", 0, true,
      {},
      {}, kSlots_mli_settings, {}, false},
-    {"width", 0, false,
+    {"width", 0, true,
      {ValueKind::real, 1, kNumbers_width, {}, Dimension::length, false, false, 1, 0},
      {}, {}, {}, false},
-    {"height", 0, false,
+    {"height", 0, true,
      {ValueKind::real, 1, kNumbers_cylinder_height, {}, Dimension::length, false, false, 1, 0},
      {}, {}, {}, false},
-    {"xgrid", 0, false,
+    {"xgrid", 0, true,
      {ValueKind::integer, 1, kNumbers_xgrid, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}, false},
-    {"mli_operations", 0, false,
+    {"mli_operations", 0, true,
      {},
      {}, kSlots_mli_operations, {}, false},
-    {"random", 0, false,
+    {"random", 0, true,
      {ValueKind::real, 1, kNumbers_random, {}, Dimension::length, false, false, 1, 0},
      {}, {}, {}, false},
-    {"smooth", 0, false,
+    {"smooth", 0, true,
      {ValueKind::integer, 1, kNumbers_smooth, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}, false},
-    {"constant", 0, false,
+    {"constant", 0, true,
      {ValueKind::real, 1, kNumbers_constant, {}, Dimension::length, false, false, 1, 0},
      {}, {}, {}, false},
-    {"taper", 0, false,
+    {"taper", 0, true,
      {ValueKind::real, 4, kNumbers_taper, {}, Dimension::length, false, false, 1, 0},
+     {}, {}, {}, false},
+    {"wrinkle", 1, true,
+     {},
+     kAttributes_wrinkle, {}, {}, false},
+    {"crease", 1, true,
+     {},
+     kAttributes_crease, {}, {}, false},
+    {"fractal", 1, true,
+     {},
+     kAttributes_fractal, {}, {}, false},
+    {"emboss", 1, true,
+     {},
+     kAttributes_emboss, {}, {}, false},
+    {"seam", 1, true,
+     {},
+     kAttributes_seam, {}, {}, false},
+    {"button", 1, true,
+     {},
+     kAttributes_button, {}, {}, false},
+    {"crush", 1, true,
+     {},
+     kAttributes_crush, {}, {}, false},
+    {"slope_rms", 1, true,
+     {ValueKind::real, 1, kNumbers_slope_rms, {}, Dimension::none, false, false, 1, 0},
      {}, {}, {}, false},
 };
 inline constexpr std::string_view kVersions[] = {"0", "1"};

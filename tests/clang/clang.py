@@ -23,7 +23,7 @@ ROOT = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
 # of gcc alone
 REFUSED = ("-fno-fat-lto-objects",)
 # what makes pan files
-LINKED = ("base", "geometry", "materials", "scene", "pan", "world", "importers", "compiler", "pxn")
+LINKED = ("base", "geometry", "materials", "mli", "scene", "pan", "world", "importers", "compiler", "pxn")
 # but for the program that holds OpenCASCADE
 STEP_READER = tuple(f"importers/step/{name}.cpp" for name in (
     "main", "internal/bodies", "internal/document", "internal/exact", "internal/read",

@@ -22,6 +22,13 @@ std::string brdf(const std::string& element) {
   return "<material name='m'>" + element + "</material><box size='1' material='m'/>";
 }
 
+std::string foil(const std::string& operation, const std::string& attributes = "") {
+  return "<mli type='cone' " + attributes +
+         "><mli_settings><width>1</width><height>0.5</height><xgrid>50</xgrid></mli_settings>"
+         "<mli_operations><random>0.01</random>" +
+         operation + "</mli_operations></mli>";
+}
+
 // A model with the element, whose attributes are to be put where @ stands.
 const std::map<ElementId, std::string>& models() {
   static const std::map<ElementId, std::string> kModels = {
@@ -44,6 +51,12 @@ const std::map<ElementId, std::string>& models() {
       {ElementId::polygons,
        "<polygons @><vertices>0 0 0 1 0 0 0 1 0</vertices><face><outline>0 1 2</outline></face>"
        "</polygons>"},
+      {ElementId::mli, foil("", "@")},
+      {ElementId::wrinkle, foil("<wrinkle wavelength='0.1' amplitude='0.01' @/>")},
+      {ElementId::crease, foil("<crease density='100' depth='0.01' length='0.1' @/>")},
+      {ElementId::fractal, foil("<fractal rms='0.01' @/>")},
+      {ElementId::seam, foil("<seam position='0.2' width='0.05' height='0.01' @/>")},
+      {ElementId::button, foil("<button pitch='0.3' reach='0.1' @/>")},
       {ElementId::node, "<node @><box size='1'/></node>"},
       {ElementId::use, "<part name='p'><box size='1'/></part><use part='p' @/>"},
       {ElementId::repeat, "<repeat count='3' name='r' @><box size='{i+1}'/></repeat>"},

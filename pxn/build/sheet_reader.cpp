@@ -1,0 +1,322 @@
+// <mli>: a recipe and its form, and the mesh that they make.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/mesh/strip.h"
+#include "mli/sheet.h"
+#include "pxn/build/loader.h"
+#include "pxn/build/shapes.h"
+
+namespace panwright::pxn {
+
+using schemas::ElementId;
+namespace attribute = schemas::attribute;
+
+namespace {
+
+class SheetReader {
+ public:
+  SheetReader(const xml::Document& document, std::uint32_t element, Values& values,
+              Reporter& reporter)
+      : doc_(document), element_(element), values_(values), reporter_(reporter) {}
+
+  std::optional<FoilSheet> run() {
+    FoilSheet sheet;
+    read_recipe(sheet);
+    read_form(sheet);
+    if (!ok_) return std::nullopt;
+    return sheet;
+  }
+
+ private:
+  void read_recipe(FoilSheet& sheet) {
+    const std::uint32_t settings = child_of(doc_, element_, ElementId::mli_settings);
+    const std::uint32_t operations = child_of(doc_, element_, ElementId::mli_operations);
+    // what is not there has been reported
+    if (settings == 0 || operations == 0) {
+      ok_ = false;
+      return;
+    }
+    mli::Recipe& recipe = sheet.recipe;
+    sheet.places.recipe = doc_.name_span(element_);
+    const auto setting = [&](ElementId id, double& value, SourceSpan& place) {
+      const std::uint32_t child = child_of(doc_, settings, id);
+      ok_ = child != 0 && values_.numbers(child, std::span(&value, 1)) && ok_;
+      if (child != 0) place = doc_.name_span(child);
+    };
+    double cells = 0;
+    setting(ElementId::width, recipe.width, sheet.places.width);
+    setting(ElementId::height, recipe.height, sheet.places.height);
+    setting(ElementId::xgrid, cells, sheet.places.xgrid);
+    recipe.xgrid = static_cast<std::uint32_t>(cells);
+    if (values_.has(element_, attribute::mli_seed)) {
+      const auto seed = values_.integer(element_, attribute::mli_seed);
+      ok_ = ok_ && seed.has_value();
+      recipe.seed = static_cast<std::uint32_t>(seed.value_or(0));
+    }
+    const std::uint32_t end = doc_.elements[operations].next;
+    for (std::uint32_t c = operations + 1; c < end; c = doc_.elements[c].next) {
+      if (doc_.elements[c].id == schemas::kNoElement) continue;
+      if (auto operation = read_operation(c)) {
+        recipe.operations.push_back(*std::move(operation));
+        sheet.places.operations.push_back(doc_.name_span(c));
+      } else {
+        ok_ = false;
+      }
+    }
+  }
+
+  std::optional<mli::Operation> read_operation(std::uint32_t child) {
+    at_ = child;
+    read_ok_ = true;
+    mli::Operation operation = operation_at(doc_.elements[child].id);
+    if (!read_ok_) return std::nullopt;
+    return operation;
+  }
+
+  mli::Operation operation_at(ElementId id) {
+    switch (id) {
+      case ElementId::random:
+        return mli::Random{text()};
+      case ElementId::smooth:
+        return mli::Smooth{static_cast<std::uint32_t>(text())};
+      case ElementId::constant:
+        return mli::Constant{text()};
+      case ElementId::taper: {
+        double n[4] = {};
+        read_ok_ = values_.numbers(at_, n);
+        return mli::Taper{n[0], n[1], n[2], n[3]};
+      }
+      case ElementId::wrinkle:
+        return mli::Wrinkle{real(attribute::wrinkle_wavelength), real(attribute::wrinkle_amplitude),
+                            real(attribute::wrinkle_direction),
+                            real(attribute::wrinkle_anisotropy)};
+      case ElementId::crease:
+        return mli::Crease{real(attribute::crease_density), real(attribute::crease_depth),
+                           real(attribute::crease_length),  real(attribute::crease_spread),
+                           real(attribute::crease_tail),    real(attribute::crease_tail_share)};
+      case ElementId::fractal:
+        return mli::Fractal{real(attribute::fractal_hurst), real(attribute::fractal_rms),
+                            real(attribute::fractal_longest)};
+      case ElementId::emboss:
+        return mli::Emboss{word(attribute::emboss_pattern) == "diamond" ? mli::Pattern::diamond
+                                                                        : mli::Pattern::quilt,
+                           real(attribute::emboss_pitch), real(attribute::emboss_depth)};
+      case ElementId::seam:
+        return mli::Seam{word(attribute::seam_along) == "x", real(attribute::seam_position),
+                         real(attribute::seam_width),        real(attribute::seam_height),
+                         real(attribute::seam_stitch),       real(attribute::seam_pucker)};
+      case ElementId::button:
+        return mli::Button{real(attribute::button_pitch), real(attribute::button_radius),
+                           real(attribute::button_reach), real(attribute::button_pucker)};
+      case ElementId::crush:
+        return mli::Crush{real(attribute::crush_size), real(attribute::crush_depth)};
+      default:
+        return mli::SlopeRms{text()};
+    }
+  }
+
+  // ---- of the operation at_
+
+  double text() {
+    double value = 0;
+    read_ok_ = values_.numbers(at_, std::span(&value, 1)) && read_ok_;
+    return value;
+  }
+
+  // The default of the tables, or 0, where it is absent.
+  double real(std::size_t which) {
+    const auto& entry =
+        schemas::kPxn.elements[static_cast<std::size_t>(doc_.elements[at_].id)].attributes[which];
+    if (!values_.has(at_, which)) {
+      // one that must be there has been reported
+      if (entry.required) read_ok_ = false;
+      return entry.initial.empty() ? 0 : entry.initial[0];
+    }
+    const auto value = values_.real(at_, which);
+    read_ok_ = read_ok_ && value.has_value();
+    return value.value_or(0);
+  }
+
+  std::string word(std::size_t which) {
+    if (!values_.has(at_, which)) {
+      const std::string_view initial = values_.default_text(at_, which);
+      if (initial.empty()) read_ok_ = false;
+      return std::string(initial);
+    }
+    auto value = values_.text(at_, which);
+    read_ok_ = read_ok_ && value.has_value();
+    return value.value_or("");
+  }
+
+  // ---- the form
+
+  void read_form(FoilSheet& sheet) {
+    at_ = element_;
+    read_ok_ = true;
+    const std::string type = word(attribute::mli_type);
+    const double radius = real(attribute::mli_radius), length = real(attribute::mli_length);
+    const double top = real(attribute::mli_top_radius), flange = real(attribute::mli_flange);
+    Vec3 size(0);
+    if (values_.has(element_, attribute::mli_size))
+      read_ok_ = values_.numbers(element_, attribute::mli_size, std::span(&size.x, 3)) && read_ok_;
+    ok_ = ok_ && read_ok_;
+    if (!ok_) return;
+    const double width = sheet.recipe.width;
+    const double height = sheet.recipe.cell() * sheet.recipe.ygrid();
+    if (type == "flat") {
+      sheet.form = mli::Flat{};
+      refuse_others(type, {});
+    } else if (type == "tube" || type == "tubular") {
+      sheet.form = mli::Tube{radius, length, flange};
+      refuse_others("tube", {attribute::mli_radius, attribute::mli_length, attribute::mli_flange});
+    } else if (type == "disc") {
+      sheet.form = mli::Disc{radius > 0 ? radius : std::min(width, height) / 2 - flange, flange};
+      refuse_others(type, {attribute::mli_radius, attribute::mli_flange});
+    } else if (type == "box") {
+      sheet.form = mli::Box{size, flange};
+      refuse_others(type, {attribute::mli_size, attribute::mli_flange});
+    } else {
+      sheet.form = cone(width, height, radius, top, length, flange);
+      refuse_others("cone", {attribute::mli_radius, attribute::mli_top_radius,
+                             attribute::mli_length, attribute::mli_flange});
+    }
+  }
+
+  // Without sizes: the half disc over the sheet's lower edge, rolled up; as wide as it is long
+  // along its side.
+  mli::Cone cone(double width, double height, double radius, double top, double length,
+                 double flange) {
+    const double slant = std::min(width / 2, height);
+    if (radius == 0 && length == 0)
+      return {(slant - flange) / 2, top, (slant - flange) * (std::sqrt(3.0) / 2), flange};
+    const auto missing = radius == 0 ? "radius" : length == 0 ? "length" : nullptr;
+    if (missing != nullptr)
+      wrong(doc_.name_span(element_),
+            fmt::format("the cone has no {}; a radius and a length are given together, or neither",
+                        missing));
+    return {radius, top, length, flange};
+  }
+
+  // What a form has no use for is no part of it.
+  void refuse_others(std::string_view type, std::initializer_list<std::size_t> used) {
+    for (const std::size_t which :
+         {attribute::mli_radius, attribute::mli_top_radius, attribute::mli_length,
+          attribute::mli_flange, attribute::mli_size}) {
+      if (!values_.has(element_, which) || std::ranges::find(used, which) != used.end()) continue;
+      const auto name =
+          schemas::kPxn.elements[static_cast<std::size_t>(ElementId::mli)].attributes[which].name;
+      wrong(values_.value_place(element_, which),
+            fmt::format("a sheet of type '{}' has no {}", type, name));
+    }
+  }
+
+  void wrong(SourceSpan where, const std::string& message) {
+    ok_ = false;
+    reporter_.report(Code::E7001, where, doc_, element_, [&] { return Reporter::Text(message); });
+  }
+
+  const xml::Document& doc_;
+  std::uint32_t element_;
+  std::uint32_t at_ = 0;  // of what is being read
+  Values& values_;
+  Reporter& reporter_;
+  bool read_ok_ = true;  // of what is being read
+  bool ok_ = true;
+};
+
+// Numbers of operations and forms, one after another.
+struct KeyWriter {
+  std::vector<double>& key;
+  template <class... N>
+  void all(N... numbers) {
+    (key.push_back(static_cast<double>(numbers)), ...);
+  }
+  void operator()(const mli::Random& o) { all(o.amplitude); }
+  void operator()(const mli::Smooth& o) { all(o.passes); }
+  void operator()(const mli::Constant& o) { all(o.height); }
+  void operator()(const mli::Taper& o) { all(o.x0, o.x1, o.y0, o.y1); }
+  void operator()(const mli::Wrinkle& o) {
+    all(o.wavelength, o.amplitude, o.direction, o.anisotropy);
+  }
+  void operator()(const mli::Crease& o) {
+    all(o.density, o.depth, o.length, o.spread, o.tail, o.tail_share);
+  }
+  void operator()(const mli::Fractal& o) { all(o.hurst, o.rms, o.longest); }
+  void operator()(const mli::Emboss& o) { all(static_cast<int>(o.pattern), o.pitch, o.depth); }
+  void operator()(const mli::Seam& o) {
+    all(o.along_x, o.position, o.width, o.height, o.stitch, o.pucker);
+  }
+  void operator()(const mli::Button& o) { all(o.pitch, o.radius, o.reach, o.pucker); }
+  void operator()(const mli::Crush& o) { all(o.size, o.depth); }
+  void operator()(const mli::SlopeRms& o) { all(o.slope); }
+  void operator()(const mli::Flat&) {}
+  void operator()(const mli::Tube& f) { all(f.radius, f.length, f.flange); }
+  void operator()(const mli::Cone& f) { all(f.radius, f.top_radius, f.length, f.flange); }
+  void operator()(const mli::Disc& f) { all(f.radius, f.flange); }
+  void operator()(const mli::Box& f) { all(f.size.x, f.size.y, f.size.z, f.flange); }
+};
+
+}  // namespace
+
+std::vector<double> FoilSheet::key() const {
+  std::vector<double> key{recipe.width, recipe.height, static_cast<double>(recipe.xgrid),
+                          static_cast<double>(recipe.seed)};
+  KeyWriter writer{key};
+  for (const mli::Operation& operation : recipe.operations) {
+    key.push_back(static_cast<double>(operation.index()));
+    std::visit(writer, operation);
+  }
+  key.push_back(-1 - static_cast<double>(form.index()));
+  std::visit(writer, form);
+  return key;
+}
+
+std::optional<FoilSheet> read_foil(const xml::Document& document, std::uint32_t element,
+                                   Values& values, Reporter& reporter) {
+  return SheetReader(document, element, values, reporter).run();
+}
+
+std::shared_ptr<const geometry::Mesh> make_foil(const xml::Document& document,
+                                                std::uint32_t element, const FoilSheet& foil,
+                                                double crease_angle, double room,
+                                                mli::Statistics& statistics, Reporter& reporter,
+                                                const Job& job) {
+  // note: a log of its own, so that what is wrong in a repeat is said once
+  DiagnosticLog log;
+  const auto pass_on = [&] {
+    for (const Diagnostic& entry : log.entries())
+      reporter.report(entry.code, entry.where, document, element,
+                      [&] { return Reporter::Text(entry.message, entry.hint); });
+  };
+  if (!mli::check(foil.recipe, log, foil.places)) {
+    pass_on();
+    return nullptr;
+  }
+  const double vertices = (foil.recipe.xgrid + 1.0) * (foil.recipe.ygrid() + 1);
+  if (vertices > room) {
+    reporter.report(Code::E7001, foil.places.xgrid, document, element, [&] {
+      return Reporter::Text(
+          fmt::format("the sheet has {:.0f} vertices; all sheets of a model may have {:.0f}, and "
+                      "{:.0f} are left; a smaller xgrid has fewer",
+                      vertices, kMaxFoilVertices, room));
+    });
+    return nullptr;
+  }
+  std::shared_ptr<geometry::Mesh> made;
+  if (const auto sheet = mli::made(foil.recipe, {}, log, foil.places, job)) {
+    statistics = sheet->statistics;
+    if (auto mesh = mli::formed(*sheet, foil.form, log, foil.places.recipe))
+      made = std::make_shared<geometry::Mesh>(*std::move(mesh));
+  }
+  pass_on();
+  if (!made) return nullptr;
+  geometry::compute_normals(*made, crease_angle);
+  return made;
+}
+
+}  // namespace panwright::pxn
