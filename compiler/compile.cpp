@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -266,6 +267,50 @@ void place_instances(const scene::Scene& scene, const Plan& plan, const Options&
   }
 }
 
+// What sheets have become, beside each mesh that was made of one.
+void describe_sheets(const scene::Scene& scene, const Plan& plan,
+                     const std::vector<std::uint32_t>& mesh_of_job, pan::Contents& out) {
+  std::map<const geometry::Shape*, const scene::Foil*> foils;
+  for (const scene::Foil& foil : scene.foils)
+    foils[&scene.shapes[static_cast<std::size_t>(foil.shape)]] = &foil;
+  for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
+    const auto found = foils.find(plan.jobs[i].shape);
+    if (found == foils.end() || mesh_of_job[i] == kLeftOut) continue;
+    const mli::Recipe& recipe = found->second->recipe;
+    const mli::Statistics& s = found->second->statistics;
+    pan::layout::Sheet record{};
+    record.width = recipe.width;
+    record.height = recipe.height;
+    record.lowest = s.lowest;
+    record.highest = s.highest;
+    record.height_mean = s.height_mean;
+    record.height_rms = s.height_rms;
+    const mli::Covariance *v = &s.slope_covariance, *f = &s.facet_slope_covariance;
+    const double rest[] = {s.slope_mean.x,
+                           s.slope_mean.y,
+                           v->xx,
+                           v->xy,
+                           v->yy,
+                           f->xx,
+                           f->xy,
+                           f->yy,
+                           s.slope_rms,
+                           s.correlation_length.x,
+                           s.correlation_length.y};
+    std::copy_n(rest, 2, record.slope_mean);
+    std::copy_n(rest + 2, 3, record.slope_covariance);
+    std::copy_n(rest + 5, 3, record.facet_slope_covariance);
+    record.slope_rms = rest[8];
+    std::copy_n(rest + 9, 2, record.correlation_length);
+    record.mesh = mesh_of_job[i];
+    record.seed = recipe.seed;
+    record.columns = recipe.xgrid;
+    record.rows = static_cast<std::uint32_t>(recipe.ygrid());
+    record.form = static_cast<std::uint32_t>(found->second->form.index());
+    out.sheets.push_back(record);
+  }
+}
+
 pan::Contents contents_of(const scene::Scene& scene, const Options& options, Report& report,
                           DiagnosticLog& log, const Job& job) {
   const auto start = Clock::now();
@@ -285,6 +330,7 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
   }
   if (plan.asked) out.budget = budget_record(scene.budget, options, plan.smallest);
   copy_tables(scene, out);
+  describe_sheets(scene, plan, mesh_of_job, out);
   certify(scene, log, job);
   place_instances(scene, plan, options, mesh_of_job, product, out);
   if (options.check_size) internal::check_size(scene, out, log);

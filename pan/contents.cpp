@@ -258,7 +258,9 @@ bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log
       writer.section(SectionKind::budget, bytes_of(tables.budget), log) &&
       writer.section(SectionKind::mesh_tolerances, bytes_of(contents.mesh_tolerances), log) &&
       writer.section(SectionKind::keypoints, bytes_of(tables.keypoints), log) &&
-      writer.section(SectionKind::decals, bytes_of(tables.decals), log);
+      writer.section(SectionKind::decals, bytes_of(tables.decals), log) &&
+      (contents.sheets.empty() ||
+       writer.section(SectionKind::sheets, bytes_of(contents.sheets), log));
   job.poll();
   return sections &&
          writer.finish(build_identity(contents.inputs, contents.version, contents.options), log,

@@ -68,7 +68,7 @@ struct Side {
   const Model& model;
   const char* letter;
   Ids strings;
-  Keys nodes, meshes, materials, textures, frames, instances, keypoints, decals;
+  Keys nodes, meshes, materials, textures, frames, instances, keypoints, decals, sheets;
 
   Side(const Model& m, const char* name)
       : model(m),
@@ -81,7 +81,9 @@ struct Side {
         frames(named_keys(m.frames(), strings)),
         instances(instance_keys(m)),
         keypoints(named_keys(m.keypoints(), strings)),
-        decals(named_keys(m.decals(), strings)) {}
+        decals(named_keys(m.decals(), strings)) {
+    for (const layout::Sheet& sheet : m.sheets()) sheets.push_back(meshes[sheet.mesh]);
+  }
 
  private:
   Keys instance_keys(const Model& m) const {
@@ -130,6 +132,7 @@ class Comparison {
   void frames();
   void keypoints();
   void decals();
+  void sheets();
   void budget();
   void inputs();
   void build();
@@ -246,6 +249,9 @@ std::string keypoint_words(const Model& model, std::size_t i) {
 }
 std::string decal_words(const Model& model, std::size_t i) {
   return "decal " + in_quotes(model.decal_name(i));
+}
+std::string sheet_words(const Model& model, std::size_t i) {
+  return fmt::format("sheet of {}", mesh_words(model, model.sheets()[i].mesh));
 }
 std::string instance_words(const Model& model, std::size_t i) {
   const layout::Instance& instance = model.instances()[i];
@@ -438,6 +444,13 @@ void Comparison::keypoints() {
   });
 }
 
+void Comparison::sheets() {
+  match(out_.model, a_.sheets, b_.sheets, sheet_words, [&](std::size_t i, std::size_t j) {
+    fields(SectionKind::sheets, sheet_words(a_.model, i), a_.model.sheets()[i],
+           b_.model.sheets()[j], {"mesh", "reserved"});
+  });
+}
+
 void Comparison::decals() {
   match(out_.model, a_.decals, b_.decals, decal_words, [&](std::size_t i, std::size_t j) {
     const std::string where = decal_words(a_.model, i);
@@ -576,6 +589,7 @@ Differences Comparison::run() {
   textures();
   frames();
   keypoints();
+  sheets();
   decals();
   budget();
   unknown_sections();

@@ -77,6 +77,9 @@ std::span<const layout::Keypoint> Model::keypoints() const {
 std::span<const layout::Decal> Model::decals() const {
   return array<layout::Decal>(SectionKind::decals);
 }
+std::span<const layout::Sheet> Model::sheets() const {
+  return array<layout::Sheet>(SectionKind::sheets);
+}
 std::span<const layout::Input> Model::inputs() const {
   return array<layout::Input>(SectionKind::inputs);
 }

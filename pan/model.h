@@ -132,6 +132,7 @@ class Model {
   std::span<const layout::MeshTolerance> mesh_tolerances() const;  // one per mesh, or empty
   std::span<const layout::Keypoint> keypoints() const;
   std::span<const layout::Decal> decals() const;  // later ones lie over earlier ones
+  std::span<const layout::Sheet> sheets() const;  // meshes that are sheets of foil
   std::span<const layout::Input> inputs() const;
   std::span<const layout::Build> builds() const;  // 1 after check()
 

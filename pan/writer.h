@@ -118,6 +118,7 @@ struct Contents {
   std::vector<layout::MeshTolerance> mesh_tolerances;  // one per mesh, or empty
   std::vector<KeypointContent> keypoints;              //
   std::vector<DecalContent> decals;                    // from the lowest to the topmost
+  std::vector<layout::Sheet> sheets;                   // meshes that are sheets of foil
 };
 
 // Rounds a mesh to float about the centre of its bounds. The error of the result holds the

@@ -175,6 +175,11 @@ Json mesh_budget_json(const pan::Model& model, std::size_t mesh) {
           {"reason", pan::reason_name(ToleranceReason{budget.reason})}};
 }
 
+std::string_view form_word(const pan::layout::Sheet& sheet) {
+  constexpr std::string_view kForms[] = {"flat", "tube", "cone", "disc", "box"};
+  return sheet.form < std::size(kForms) ? kForms[sheet.form] : "unknown";
+}
+
 Json ground_truth_json(const pan::Model& model) {
   Json out;
   out["keypoints"] = Json::array();
@@ -187,6 +192,22 @@ Json ground_truth_json(const pan::Model& model) {
                                 {"position", as_json(position)},
                                 {"world", as_json(Vec3(world[point.node] * Vec4(position, 1.0)))}});
   }
+  out["sheets"] = Json::array();
+  for (const pan::layout::Sheet& sheet : model.sheets())
+    out["sheets"].push_back({{"mesh", sheet.mesh},
+                             {"form", form_word(sheet)},
+                             {"seed", sheet.seed},
+                             {"width", sheet.width},
+                             {"height", sheet.height},
+                             {"cells", {sheet.columns, sheet.rows}},
+                             {"heights", {sheet.lowest, sheet.highest}},
+                             {"height_mean", sheet.height_mean},
+                             {"height_rms", sheet.height_rms},
+                             {"slope_mean", sheet.slope_mean},
+                             {"slope_covariance", sheet.slope_covariance},
+                             {"facet_slope_covariance", sheet.facet_slope_covariance},
+                             {"slope_rms", sheet.slope_rms},
+                             {"correlation_length", sheet.correlation_length}});
   out["decals"] = Json::array();
   for (std::size_t i = 0; i < model.decals().size(); ++i) {
     const auto& decal = model.decals()[i];
@@ -443,6 +464,10 @@ void print_ground_truth(const pan::Model& model) {
     const Vec4 p(point.position[0], point.position[1], point.position[2], 1.0);
     print("keypoint  {} at {}\n", model.keypoint_name(i), place_words(Vec3(world[point.node] * p)));
   }
+  for (const pan::layout::Sheet& sheet : model.sheets())
+    print("foil      {}, {}: {:.4g} x {:.4g} m, seed {}, height {:.3g} m RMS, slope {:.3g} RMS\n",
+          model.mesh_name(sheet.mesh), form_word(sheet), sheet.width, sheet.height, sheet.seed,
+          sheet.height_rms, sheet.slope_rms);
   for (std::size_t i = 0; i < model.decals().size(); ++i) {
     const auto& decal = model.decals()[i];
     print("decal     {}{}: {:.4g} x {:.4g} m on {}\n",

@@ -493,6 +493,47 @@ static_assert(offsetof(Input, bytes) == 16);
 static_assert(offsetof(Input, path) == 24);
 static_assert(offsetof(Input, reserved) == 28);
 
+// A mesh that is a sheet of foil, and what the sheet has become before it was bent: heights over
+// a plane, measured. Slopes are dh/dx, dh/dy.
+struct Sheet {
+  double width;  // m: along x
+  double height;  // m: along y, as written
+  double lowest;  // m: height
+  double highest;  // m: height
+  double height_mean;  // m: of all vertices
+  double height_rms;  // m: about the mean
+  double slope_mean[2];  // x, y
+  double slope_covariance[3];  // xx, xy, yy; central differences at vertices, about the mean
+  double facet_slope_covariance[3];  // the same of triangles, by their area in the plane
+  double slope_rms;  // of vertices, both axes together, the mean included
+  // m: along x, y: where the autocorrelation of heights first falls to 1/e; 0: level
+  double correlation_length[2];
+  std::uint32_t mesh;
+  std::uint32_t seed;  // of its random numbers
+  std::uint32_t columns;  // cells along x
+  std::uint32_t rows;  // cells along y
+  std::uint32_t form;  // 0 flat, 1 tube, 2 cone, 3 disc, 4 box
+  std::uint32_t reserved;  // 0
+};
+static_assert(sizeof(Sheet) == 160);
+static_assert(offsetof(Sheet, width) == 0);
+static_assert(offsetof(Sheet, height) == 8);
+static_assert(offsetof(Sheet, lowest) == 16);
+static_assert(offsetof(Sheet, highest) == 24);
+static_assert(offsetof(Sheet, height_mean) == 32);
+static_assert(offsetof(Sheet, height_rms) == 40);
+static_assert(offsetof(Sheet, slope_mean) == 48);
+static_assert(offsetof(Sheet, slope_covariance) == 64);
+static_assert(offsetof(Sheet, facet_slope_covariance) == 88);
+static_assert(offsetof(Sheet, slope_rms) == 112);
+static_assert(offsetof(Sheet, correlation_length) == 120);
+static_assert(offsetof(Sheet, mesh) == 136);
+static_assert(offsetof(Sheet, seed) == 140);
+static_assert(offsetof(Sheet, columns) == 144);
+static_assert(offsetof(Sheet, rows) == 148);
+static_assert(offsetof(Sheet, form) == 152);
+static_assert(offsetof(Sheet, reserved) == 156);
+
 // What made the file.
 struct Build {
   std::uint32_t version;  // name and version of the program
@@ -527,8 +568,9 @@ enum class SectionKind : std::uint32_t {
   mesh_tolerances = 19,
   keypoints = 20,
   decals = 21,
+  sheets = 22,
 };
-inline constexpr std::size_t kSectionKinds = 21;
+inline constexpr std::size_t kSectionKinds = 22;
 
 struct SectionInfo {
   SectionKind kind;
@@ -563,6 +605,7 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
     {SectionKind::mesh_tolerances, "mesh_tolerances", 16, 16, 8, true, false},
     {SectionKind::keypoints, "keypoints", 32, 32, 8, true, false},
     {SectionKind::decals, "decals", 96, 96, 8, true, false},
+    {SectionKind::sheets, "sheets", 160, 160, 8, true, true},
 };
 
 // A kind that a later format will define: a file may hold it as one that readers may ignore.
@@ -572,9 +615,9 @@ struct ReservedKind {
 };
 
 inline constexpr std::array<ReservedKind, 3> kReservedKinds{{
-    {22, "joints"},
-    {23, "levels"},
-    {24, "lights"},
+    {23, "joints"},
+    {24, "levels"},
+    {25, "lights"},
 }};
 
 enum class FieldType { u8, u16, u32, i32, u64, f32, f64 };
@@ -843,6 +886,40 @@ inline constexpr FieldRule kFieldRules[] = {
     {SectionKind::decals, "name", 88, FieldType::u32, 1,
      FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
     {SectionKind::decals, "reserved", 92, FieldType::u32, 1,
+     FieldRuleKind::zero, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "width", 0, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "height", 8, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "lowest", 16, FieldType::f64, 1,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "highest", 24, FieldType::f64, 1,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "height_mean", 32, FieldType::f64, 1,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "height_rms", 40, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "slope_mean", 48, FieldType::f64, 2,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "slope_covariance", 64, FieldType::f64, 3,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "facet_slope_covariance", 88, FieldType::f64, 3,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "slope_rms", 112, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "correlation_length", 120, FieldType::f64, 2,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "mesh", 136, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::meshes, 0, 0},
+    {SectionKind::sheets, "seed", 140, FieldType::u32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "columns", 144, FieldType::u32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "rows", 148, FieldType::u32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "form", 152, FieldType::u32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::sheets, "reserved", 156, FieldType::u32, 1,
      FieldRuleKind::zero, SectionKind::build, 0, 0},
 };
 

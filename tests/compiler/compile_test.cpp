@@ -64,6 +64,65 @@ TEST(Compile, EqualShapesAreStoredOnce) {
   EXPECT_EQ(model.meshes()[0].triangle_count, 2u * 30 * 19);
 }
 
+// Statistics stand beside the mesh that came from the sheet, wherever that is among them; one that
+// no instance shows has none.
+TEST(Compile, SheetsStandBesideTheirMeshes) {
+  scene::Scene scene = scene_with_nodes(3);
+  scene.shapes = {geometry::Sphere{1, {{20, 30}}}, plate(0), plate(1), plate(2)};
+  for (const std::int32_t shape : {0, 3, 1}) scene.instances.push_back(at(shape % 3 + 1, shape));
+  for (const std::int32_t shape : {1, 2, 3}) {
+    scene::Foil foil;
+    foil.shape = shape;
+    foil.recipe.width = 2;
+    foil.recipe.height = 1;
+    foil.recipe.xgrid = 10;
+    foil.recipe.seed = static_cast<std::uint32_t>(100 + shape);
+    foil.form = mli::Cone{};
+    foil.statistics.slope_covariance = {1, 2, 3};
+    foil.statistics.facet_slope_covariance = {4, 5, 6};
+    foil.statistics.slope_mean = {7, 8};
+    foil.statistics.correlation_length = {9, 10};
+    foil.statistics.slope_rms = 11;
+    foil.statistics.height_rms = 12;
+    foil.statistics.height_mean = 13;
+    foil.statistics.lowest = -14;
+    foil.statistics.highest = 15;
+    scene.foils.push_back(foil);
+  }
+  const pan::Model model = load(scene);
+  ASSERT_EQ(model.sheets().size(), 2u);
+  for (const pan::layout::Sheet& sheet : model.sheets()) {
+    const std::uint32_t shape = sheet.seed - 100;
+    // plates begin at 0, 1, 2 and are 1 wide
+    EXPECT_EQ(model.meshes()[sheet.mesh].origin[0], shape - 1 + 0.5);
+    EXPECT_EQ(sheet.columns, 10u);
+    EXPECT_EQ(sheet.rows, 5u);
+    EXPECT_EQ(sheet.form, 2u);
+    const double numbers[] = {sheet.slope_covariance[0],
+                              sheet.slope_covariance[1],
+                              sheet.slope_covariance[2],
+                              sheet.facet_slope_covariance[0],
+                              sheet.facet_slope_covariance[1],
+                              sheet.facet_slope_covariance[2],
+                              sheet.slope_mean[0],
+                              sheet.slope_mean[1],
+                              sheet.correlation_length[0],
+                              sheet.correlation_length[1],
+                              sheet.slope_rms,
+                              sheet.height_rms,
+                              sheet.height_mean,
+                              -sheet.lowest,
+                              sheet.highest};
+    for (std::size_t i = 0; i < std::size(numbers); ++i)
+      EXPECT_EQ(numbers[i], static_cast<double>(i + 1));
+  }
+  // a model without has no such section: its bytes are as ever
+  scene.foils.clear();
+  const pan::Model bare = load(scene);
+  EXPECT_TRUE(bare.sheets().empty());
+  EXPECT_EQ(bare.directory().size() + 1, model.directory().size());
+}
+
 TEST(Compile, BytesDoNotDependOnThreads) {
   scene::Scene scene = scene_with_nodes(40);
   for (std::int32_t i = 0; i < 40; ++i) {

@@ -196,6 +196,17 @@ TEST(Diff, Keypoints) {
   expect_model({"keypoint 'tip': only in a"}, [](Contents& c) { c.keypoints.pop_back(); });
 }
 
+TEST(Diff, Sheets) {
+  expect_model({"sheet of mesh 'pl\u00e4t\u00e9': slope_rms: 0.2 in a, 0.25 in b",
+                "sheet of mesh 'pl\u00e4t\u00e9': seed: 5 in a, 6 in b"},
+               [](Contents& c) {
+                 c.sheets[0].seed = 6;
+                 c.sheets[0].slope_rms = 0.25;
+               });
+  expect_model({"sheet of mesh 'pl\u00e4t\u00e9': only in a"},
+               [](Contents& c) { c.sheets.clear(); });
+}
+
 TEST(Diff, Decals) {
   expect_model({"decal 'flag': width: 0.5 in a, 1 in b", "decal 'flag': depth: 1.5 in a, 2 in b"},
                [](Contents& c) {

@@ -93,6 +93,10 @@ TEST(Read, NeedsKeypointsAndDecalsComeBack) {
   EXPECT_EQ(model.keypoints()[1].node, 2u);
   EXPECT_THAT(listed(model.keypoints()[1].position, 3), testing::ElementsAre(0, 0, 0.1));
 
+  ASSERT_EQ(model.sheets().size(), 1u);
+  EXPECT_EQ(model.sheets()[0].mesh, 1u);
+  EXPECT_EQ(model.sheets()[0].width, 2);
+
   ASSERT_EQ(model.decals().size(), 2u);
   EXPECT_EQ(model.decal_name(0), "flag");
   EXPECT_EQ(model.decals()[0].instance, 1u);

@@ -138,9 +138,12 @@ TEST(Mli, ASheetIsMadeOnceForEachSeed) {
   EXPECT_EQ(r.scene->shapes.size(), 3u);
   ASSERT_EQ(r.scene->foils.size(), 3u);
   EXPECT_EQ(r.scene->foils[2].recipe.seed, 2u);
-  EXPECT_EQ(r.scene->foils[2].source.line, 6u);
-  // one pixel's slopes of white noise: central differences, a² / 6 d² each (physics.md 6)
-  EXPECT_NEAR(r.scene->foils[0].statistics.slope_rms / std::sqrt(2 * 1e-6 / 6 / 1e-4), 1, 0.05);
+  EXPECT_EQ(r.scene->foils[2].source.line, 5u);
+  // white noise (physics.md 6): central differences have a² / 6 d², those at the 2 of 61 columns
+  // and 2 of 31 rows, from one side, four times as much
+  EXPECT_NEAR(r.scene->foils[0].statistics.slope_rms /
+                  std::sqrt(1e-6 / 6 / 1e-4 * (2 + 3 * (2.0 / 61 + 2.0 / 31))),
+              1, 0.03);  // measured 0.986: 1891 heights
 }
 
 TEST(Mli, LengthsAreInTheUnitsOfTheFile) {

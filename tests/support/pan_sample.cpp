@@ -79,6 +79,12 @@ pan::Contents small_contents() {
   contents.keypoints = {{"corner", 1, {1, 1, 1}}, {"tip", 2, {0, 0, 0.1}}};
   contents.decals = {{"flag", 1, 0, {100.5, 0.5, 7}, {0.6, 0, 0, 0.8}, 0.5, 0.25, 0.25},
                      {"flag", 0, 0, {1, 1, 1}, {1, 0, 0, 0}, 2, 3, 1.5}};
+  pan::layout::Sheet sheet{};
+  sheet.width = 2;
+  sheet.slope_rms = 0.2;
+  sheet.seed = 5;
+  sheet.mesh = 1;
+  contents.sheets = {sheet};
   return contents;
 }
 
