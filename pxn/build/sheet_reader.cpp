@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/mesh/strip.h"
+#include "mli/preset.h"
 #include "mli/sheet.h"
 #include "pxn/build/loader.h"
 #include "pxn/build/shapes.h"
@@ -58,6 +59,7 @@ class SheetReader {
       ok_ = ok_ && seed.has_value();
       recipe.seed = static_cast<std::uint32_t>(seed.value_or(0));
     }
+    read_preset(sheet, operations);
     const std::uint32_t end = doc_.elements[operations].next;
     for (std::uint32_t c = operations + 1; c < end; c = doc_.elements[c].next) {
       if (doc_.elements[c].id == schemas::kNoElement) continue;
@@ -68,6 +70,20 @@ class SheetReader {
         ok_ = false;
       }
     }
+  }
+
+  void read_preset(FoilSheet& sheet, std::uint32_t operations) {
+    if (!values_.has(operations, attribute::mli_operations_preset)) return;
+    const auto name = values_.text(operations, attribute::mli_operations_preset);
+    auto preset = mli::preset_operations(name.value_or(""), sheet.recipe.height);
+    if (!preset) {
+      ok_ = false;  // no word of the tables: reported
+      return;
+    }
+    sheet.recipe.operations = *std::move(preset);
+    sheet.places.operations.assign(
+        sheet.recipe.operations.size(),
+        values_.value_place(operations, attribute::mli_operations_preset));
   }
 
   std::optional<mli::Operation> read_operation(std::uint32_t child) {

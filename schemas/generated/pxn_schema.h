@@ -511,6 +511,7 @@ inline constexpr std::size_t mli_translate = 10;
 inline constexpr std::size_t mli_rotate = 11;
 inline constexpr std::size_t mli_quat = 12;
 inline constexpr std::size_t mli_scale = 13;
+inline constexpr std::size_t mli_operations_preset = 0;
 inline constexpr std::size_t wrinkle_wavelength = 0;
 inline constexpr std::size_t wrinkle_amplitude = 1;
 inline constexpr std::size_t wrinkle_direction = 2;
@@ -1935,6 +1936,13 @@ inline constexpr Number kNumbers_width[] = {
 inline constexpr Number kNumbers_xgrid[] = {
     {"cells", 1, 100000, false, false},
 };
+inline constexpr std::string_view kWords_mli_operations_preset[] = {
+    "crinkled",
+    "smooth",
+    "quilted",
+    "embossed",
+    "taped",
+};
 inline constexpr ElementId kChoice_mli_operations_0[] = {
     ElementId::random,
     ElementId::smooth,
@@ -1948,6 +1956,9 @@ inline constexpr ElementId kChoice_mli_operations_0[] = {
     ElementId::button,
     ElementId::crush,
     ElementId::slope_rms,
+};
+inline constexpr Attribute kAttributes_mli_operations[] = {
+    {"preset", 1, true, false, {ValueKind::word, 1, {}, kWords_mli_operations_preset, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Slot kSlots_mli_operations[] = {
     {kChoice_mli_operations_0, "", 0, 0, ""},
@@ -2377,7 +2388,7 @@ inline constexpr Element kElements[] = {
      {}, {}, {}, false},
     {"mli_operations", 0, true,
      {},
-     {}, kSlots_mli_operations, {}, false},
+     kAttributes_mli_operations, kSlots_mli_operations, {}, false},
     {"random", 0, true,
      {ValueKind::real, 1, kNumbers_random, {}, Dimension::length, false, false, 1, 0},
      {}, {}, {}, false},

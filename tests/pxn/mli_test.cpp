@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "mli/form.h"
+#include "mli/preset.h"
+#include "schemas/generated/pxn_schema.h"
 #include "tests/pxn/reading.h"
 
 namespace panwright::pxn {
@@ -199,6 +201,36 @@ TEST(Mli, WhatCannotBeMadeIsSaidWhereItStands) {
                    sheet("type=\"flat\" radius=\"1\" seed=\"{k}\"", level) + "</repeat>")
                 .summary(),
             "3:26 E7001 a sheet of type 'flat' has no radius, with k = 0\n");
+}
+
+// The words of the tables are those of the library, each with its material; what follows a preset
+// comes after it.
+TEST(Mli, Presets) {
+  const schemas::Element& element =
+      schemas::kPxn.elements[static_cast<std::size_t>(schemas::ElementId::mli_operations)];
+  const auto words = element.attributes[schemas::attribute::mli_operations_preset].value.words;
+  ASSERT_EQ(words.size(), mli::presets().size());
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const mli::Preset& preset = mli::presets()[i];
+    EXPECT_EQ(words[i], preset.name);
+    std::string text = sheet("type='flat' material='m'", "<constant> 1mm </constant>",
+                             "<width> 0.2 </width> <height> 0.1 </height> <xgrid> 100 </xgrid>");
+    text.replace(text.find("<mli_operations>"), 16,
+                 "<mli_operations preset='" + std::string(preset.name) + "'>");
+    const Reading r =
+        read_1("<material name='m' preset='" + std::string(preset.material) + "'/>" + text);
+    EXPECT_EQ(r.summary(), "") << preset.name;
+    ASSERT_EQ(r.scene->foils.size(), 1u);
+    EXPECT_NEAR(r.scene->foils[0].statistics.height_mean, 1e-3, 5e-3);
+    EXPECT_EQ(mli::name_of(r.scene->foils[0].recipe.operations.back()), "constant");
+    EXPECT_EQ(r.scene->foils[0].recipe.operations.size(),
+              mli::preset_operations(preset.name, 0.1)->size() + 1);
+  }
+  // the place is the preset's
+  std::string coarse = sheet("type='flat'", "");
+  coarse.replace(coarse.find("<mli_operations>"), 16, "<mli_operations preset='embossed'>");
+  EXPECT_THAT(read_1(coarse).summary(),
+              HasSubstr("4:25 E7001 operation 3, emboss: pitch 0.008 m is less than two cells"));
 }
 
 TEST(Mli, NewOperationsBelongToLevel1) {
