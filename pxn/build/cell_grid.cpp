@@ -45,6 +45,27 @@ Mat3 metres_of(const std::array<double, 6>& g) {
   return {Vec3(xx, 0, 0), Vec3(xy, yy, 0), Vec3(xz, yz, zz)};
 }
 
+// A shape as triangles, with texture coordinates: exact where it is flat, else to a thousandth of
+// its size, as its area is all that is asked for. Null where it cannot be made.
+geometry::MeshShape mesh_of(const geometry::Shape& shape) {
+  double size = 1e300;
+  geometry::MeshShape out;
+  for (const double part : {1.0, 1e-3}) {
+    DiagnosticLog ignored;
+    auto made =
+        geometry::tessellated(shape, {.max_error = part * size, .texcoords = true}, {}, ignored);
+    if (!made) return nullptr;
+    Vec3 low(HUGE_VAL), high(-HUGE_VAL);
+    for (const Vec3& p : made->positions) {
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+    size = glm::length(high - low);
+    out = std::make_shared<const geometry::Mesh>(std::move(*made));
+  }
+  return out;
+}
+
 // The chosen triangles of a mesh. Vertices are copied for each face that uses them, with
 // coordinates in metres where the face has some and they are wanted.
 geometry::Mesh part_of(const geometry::Mesh& mesh, const std::vector<Vec3>& metres,
@@ -147,10 +168,7 @@ CellGrids::Laid CellGrids::lay_out(std::int32_t shape, bool textured,
   if (const auto* authored = std::get_if<geometry::MeshShape>(&given)) {
     mesh = *authored;
   } else {
-    // shapes with flat faces are exact as meshes; of others the area is all that is asked for
-    DiagnosticLog ignored;
-    auto made = geometry::tessellated(given, {.max_error = 1e300, .texcoords = true}, {}, ignored);
-    if (made) mesh = std::make_shared<const geometry::Mesh>(std::move(*made));
+    mesh = mesh_of(given);
   }
   Laid out;
   const bool flat =
