@@ -22,7 +22,8 @@ struct Panels {
   bool warns;
 };
 
-// Areas as measured, lengths good to 4.9e-7 of the size; Juno's panels have holders, a boom and edges that are no rectangles.
+// Areas as measured, lengths good to 4.9e-7 of the size; Juno's panels have holders, a boom and
+// edges that are no rectangles.
 constexpr Panels kPanels[] = {
     {"sentinel6-draco-webp.glb", "materials=\"solarArray\"", 16.8, false},
     {"landsat8-blender.glb", "materials=\"*solarpanel-face\"", 26.1, false},
