@@ -70,7 +70,11 @@ bool fits(const Mat4& world) {
 class Assembler {
  public:
   Assembler(const Loader& loader, const Options& options, Reporter& reporter, scene::Scene& scene)
-      : loader_(loader), options_(options), reporter_(reporter), scene_(scene) {}
+      : loader_(loader),
+        options_(options),
+        reporter_(reporter),
+        scene_(scene),
+        attached_{{}, CellGrids(scene)} {}
 
   bool run(std::uint32_t top) {
     const Part& part = loader_.part(top);
@@ -83,6 +87,7 @@ class Assembler {
     context.world_from_node = scene_.nodes[0].parent_from_node.matrix();
     Use use{&part, part.source, true, nullptr, {}, false, true, {}, {}};
     items_of(use, context);
+    attached_.cells.report(first_import_, reporter_.log());
     return !stopped_;
   }
 
@@ -409,7 +414,11 @@ class Assembler {
                          ? cad_material(place.model, model, from.instances[i].material)
                          : named_material(place.materials[i]);
     }
-    attach(model, place, materials, context.node, plain_shapes_, scene_);
+    if (first_import_.file == kNoFile) {
+      first_import_ = Assembler::place(use, item);
+      first_import_.file = file_of(use);
+    }
+    attach(model, place, materials, context.node, context.world_from_node, attached_, scene_);
   }
 
   std::int32_t named_material(std::int32_t index) {
@@ -502,7 +511,8 @@ class Assembler {
   std::map<const Part*, std::set<std::string>> written_;     // by written_in()
   std::set<std::uint32_t> used_;
   std::map<std::pair<std::uint32_t, std::int32_t>, std::int32_t> cad_materials_;
-  PlainShapes plain_shapes_;
+  AttachedShapes attached_;
+  SourceSpan first_import_;
   std::uint64_t includes_ = 0;
   bool stopped_ = false;
 };

@@ -39,15 +39,19 @@ std::int32_t plain_shape(std::int32_t shape, PlainShapes& plain, scene::Scene& s
 }  // namespace
 
 void attach(const ImportedModel& model, const PartImport& place,
-            std::span<const std::int32_t> materials, std::int32_t below, PlainShapes& plain,
-            scene::Scene& scene) {
+            std::span<const std::int32_t> materials, std::int32_t below,
+            const Mat4& world_from_below, AttachedShapes& shapes, scene::Scene& scene) {
   const scene::Scene& from = model.imported.scene;
   const std::vector<char> kept = kept_nodes(from, place);
   std::vector<std::int32_t> node_of(from.nodes.size(), scene::kNone);
   const bool plain_root = from.nodes[0].parent_from_node == scene::Transform{};
   if (plain_root) node_of[0] = below;
+  std::vector<Mat4> world_from(from.nodes.size(), world_from_below);
   for (std::size_t i = plain_root ? 1 : 0; i < from.nodes.size(); ++i) {
     if (!kept[i]) continue;
+    const Mat4& outer =
+        i == 0 ? world_from_below : world_from[static_cast<std::size_t>(from.nodes[i].parent)];
+    world_from[i] = outer * from.nodes[i].parent_from_node.matrix();
     scene::Node node = from.nodes[i];
     node.parent = i == 0 ? below : node_of[static_cast<std::size_t>(node.parent)];
     node_of[i] = static_cast<std::int32_t>(scene.nodes.size());
@@ -60,7 +64,7 @@ void attach(const ImportedModel& model, const PartImport& place,
     instance.shape = model.shapes[static_cast<std::size_t>(instance.shape)];
     instance.material = materials[i];
     if (place.materials[i] >= 0 && !place.keeps_texture[i])
-      instance.shape = plain_shape(instance.shape, plain, scene);
+      instance.shape = plain_shape(instance.shape, shapes.plain, scene);
     // a texture may stand in the material that goes: the colour of paint, or that of a metal
     const materials::Maps& maps =
         model.imported.scene.materials[static_cast<std::size_t>(from.instances[i].material)].maps;
@@ -74,7 +78,8 @@ void attach(const ImportedModel& model, const PartImport& place,
                              ? model.textures[static_cast<std::size_t>(instance.texture)]
                              : scene::kNone;
     instance.prunable = !place.keep_hidden;
-    scene.instances.push_back(std::move(instance));
+    shapes.cells.append(std::move(instance),
+                        world_from[static_cast<std::size_t>(from.instances[i].node)]);
   }
   for (scene::Joint joint : from.joints) {
     joint.node = node_of[static_cast<std::size_t>(joint.node)];

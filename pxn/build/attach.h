@@ -4,6 +4,7 @@
 #include <map>
 #include <span>
 
+#include "pxn/build/cell_grid.h"
 #include "pxn/build/imported_model.h"
 #include "scene/scene.h"
 
@@ -12,13 +13,22 @@ namespace panwright::pxn {
 // Shapes of the scene without their vertex colours, by those that have them.
 using PlainShapes = std::map<std::int32_t, std::int32_t>;
 
+// What attaching makes of shapes, for all places of a scene.
+struct AttachedShapes {
+  PlainShapes plain;
+  CellGrids cells;
+};
+
 // Appends what a CAD file holds below a node, without what is removed: nodes that hold nothing any
 // more stay out. What is assigned a material loses the colours of its vertices with its texture.
 //
-//   materials  of each instance, in the scene
-//   plain      of all places of the scene; grows
+// Cells are laid out over faces as CellGrids does.
+//
+//   materials         of each instance, in the scene
+//   world_from_below  of the node
+//   shapes            grows
 void attach(const ImportedModel& model, const PartImport& place,
-            std::span<const std::int32_t> materials, std::int32_t below, PlainShapes& plain,
-            scene::Scene& scene);
+            std::span<const std::int32_t> materials, std::int32_t below,
+            const Mat4& world_from_below, AttachedShapes& shapes, scene::Scene& scene);
 
 }  // namespace panwright::pxn
