@@ -1,0 +1,84 @@
+// Blankets: sheets of foil draped over chosen faces of a mesh.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/job.h"
+#include "base/result.h"
+#include "geometry/mesh.h"
+#include "mli/recipe.h"
+
+namespace panwright::mli {
+
+// The recipe of a sheet at least so wide and high (metres). seed_offset: 0, 1, … by group, so that
+// no two groups wear the same sheet.
+using RecipeFor = std::function<Recipe(double width, double height, std::uint32_t seed_offset)>;
+
+// The recipe on sheets of other sizes: its cells, and with them its wrinkles, keep their size in
+// metres. Sheets have 32 cells across at least.
+RecipeFor fitted(Recipe recipe);
+
+struct WrapOptions {
+  double stand_off = 0;  // metres from the faces to the blanket's mean height, above 0
+  double border = 0;     // metres over which heights fade out; 0: three times the stand-off, at
+                         // most a quarter of the root of the group's area
+  double margin = 0;     // metres that lie below the lowest place; 0: a tenth of the stand-off
+  double tolerance = 0;  // metres from a plane; 0: 1e-3 of a group's diagonal
+  double weld = 0;       // metres between vertices that are one; 0: 1e-6 of the mesh's diagonal
+  double crease_angle = 35 * kDegree;  // groups end where facets meet at more
+  double max_triangles = 4e6;          // of all blankets together
+};
+
+enum class GroupKind : std::uint8_t { planar, curved, non_manifold, no_sheet };
+std::string_view name_of(GroupKind kind);  // "planar", "curved"…
+
+// Connected faces that wear one blanket, or none.
+struct WrapGroup {
+  GroupKind kind = GroupKind::curved;
+  bool accepted = false;
+  double area = 0;                   // m², of the faces
+  Vec3 middle{0};                    // of them, metres
+  std::vector<std::uint32_t> faces;  // indices of the mesh's triangles, ascending
+  std::size_t first = 0, count = 0;  // triangles of the blanket, its seams included
+  double scale = 1;                  // of the heights, below 1 where they met the base
+  std::string reason;                // of a refusal
+};
+
+struct Wrap {
+  // Counter-clockwise from outside; texture coordinates are the place on the flat group, metres.
+  // The normals are left empty. Open where the seams meet the faces.
+  geometry::Mesh blanket;
+  std::vector<WrapGroup> groups;               // in order of search
+  double area_accepted = 0, area_refused = 0;  // m²
+  std::size_t without_area = 0;                // faces that were left out
+};
+
+// Drapes blankets over chosen faces, which stay as they are.
+//
+// Vertices are welded. Faces across whose common edge the normal turns by no more than the crease
+// angle are a group. A group whose vertices lie on a plane is accepted, whatever its outline and
+// holes; cylinders and cones are refused so far. From a curved group, planar parts of 5 % of its
+// area and more are taken as groups of their own. Faces at an edge that three share, or two that
+// are wound differently, refuse their group. Each face of an accepted group is cut in halves until
+// no edge is longer than 1.5 cells of the sheet; so the blanket ends on the group's border and is
+// conforming. A vertex is lifted along the normal by stand-off + height; heights fade out at the
+// border, and a seam goes from there straight down to the base. Their mean by area is made 0, then
+// they are scaled where one would lie below `margin`. Equal input gives equal bits.
+//
+//   faces    indices of the mesh's triangles; repeated ones count once
+//   returns  a blanket for one group at least
+//
+// Fails: E7001: a number that cannot be, no face, a face or corner that does not exist, a position
+// that is not finite, no group accepted, more than max_triangles; E0001. Reports: W7002 with
+// number, area and reasons of what is refused, and where heights were scaled. Cost: O(faces +
+// triangles of the blankets), and the sheets, one at a time.
+Result<Wrap> wrapped(const geometry::Mesh& mesh, std::span<const std::uint32_t> faces,
+                     const RecipeFor& recipe, const WrapOptions& options, DiagnosticLog& log,
+                     const SourceSpan& where = {}, const Job& job = {});
+
+}  // namespace panwright::mli

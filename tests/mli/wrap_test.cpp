@@ -1,0 +1,146 @@
+// Blankets over planar groups.
+#include <gmock/gmock.h>
+
+#include <numeric>
+
+#include "geometry/mesh/check.h"
+#include "mli/wrap.h"
+#include "tests/mli/sheet_support.h"
+
+namespace panwright::mli {
+namespace {
+
+using geometry::Mesh;
+
+std::vector<std::uint32_t> all_of(const Mesh& mesh) {
+  std::vector<std::uint32_t> out(mesh.triangles.size());
+  std::iota(out.begin(), out.end(), 0u);
+  return out;
+}
+
+// A box about the origin, the same vertices for all sides.
+Mesh box(const Vec3& size) {
+  Mesh mesh;
+  for (int k = 0; k < 8; ++k)
+    mesh.positions.push_back(size * (Vec3(k & 1, k >> 1 & 1, k >> 2) - 0.5));
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return mesh;
+}
+
+Recipe foil(double size) {
+  Crease crease;
+  crease.density = 300 / (size * size);
+  crease.depth = 0.01 * size;
+  crease.length = 0.1 * size;
+  return testing::recipe(size, size, 60, {crease, SlopeRms{0.15}}, 5);
+}
+
+// Six blankets over the sides, of their areas, nowhere lower than the margin, at the stand-off on
+// average: integrals over the blanket's triangles of the height over the known plane.
+void expect_over_box(const Vec3& size, double stand_off, const Mat3& turn) {
+  Mesh base = box(size);
+  for (Vec3& p : base.positions) p = turn * p;
+  DiagnosticLog log;
+  const auto wrap =
+      wrapped(base, all_of(base), fitted(foil(size.x)), {.stand_off = stand_off}, log);
+  ASSERT_TRUE(wrap.ok()) << to_text(log);
+  ASSERT_EQ(wrap->groups.size(), 6u);
+  const Vec3 half = 0.5 * size;
+  for (const WrapGroup& g : wrap->groups) {
+    EXPECT_TRUE(g.accepted);
+    EXPECT_EQ(g.kind, GroupKind::planar);
+    const Vec3 out = glm::normalize(glm::transpose(turn) * g.middle);
+    const double face = glm::dot(half, glm::abs(out));
+    double volume = 0, area = 0, lowest = 1e30;
+    for (std::size_t t = g.first; t < g.first + g.count; ++t) {
+      Vec3 p[3];
+      double mean = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        p[k] = glm::transpose(turn) * wrap->blanket.positions[wrap->blanket.triangles[t][k]];
+        mean += (glm::dot(p[k], out) - face) / 3;
+      }
+      const double seen = glm::dot(glm::cross(p[1] - p[0], p[2] - p[0]), out) / 2;
+      EXPECT_GT(seen, -1e-12 * size.x * size.x);    // no triangle is turned over
+      if (seen < 1e-9 * size.x * size.x) continue;  // the seam
+      for (const Vec3& q : p) lowest = std::min(lowest, glm::dot(q, out) - face);
+      volume += seen * mean;
+      area += seen;
+    }
+    EXPECT_NEAR(area / g.area, 1, 1e-9);
+    EXPECT_NEAR(volume / area / stand_off, 1, 1e-6);
+    EXPECT_GE(lowest, 0.0999 * stand_off);
+  }
+  const auto report = geometry::check(wrap->blanket);
+  EXPECT_EQ(report.non_manifold_edges, 0u);
+  EXPECT_EQ(report.non_finite, 0u);
+}
+
+TEST(Wrap, BoxesWearSixBlanketsWhateverSizeAndTurn) {
+  const Mat3 none(1);
+  const Mat3 turned = glm::mat3_cast(quat_from_fixed_xyz({0.3, 1.1, -2.0}));
+  expect_over_box({1, 0.7, 0.5}, 0.02, none);
+  expect_over_box({1, 0.7, 0.5}, 0.02, turned);
+  expect_over_box({1e-3, 7e-4, 5e-4}, 2e-5, turned);
+  expect_over_box({1e3, 7e2, 5e2}, 20, turned);
+}
+
+TEST(Wrap, CutOutsStayOpenAndSeamsReachTheBase) {
+  // a square with a square hole: eight triangles
+  Mesh base;
+  for (const double s : {1.0, 0.3})
+    for (const Vec2& c : {Vec2(-1, -1), Vec2(1, -1), Vec2(1, 1), Vec2(-1, 1)})
+      base.positions.push_back(Vec3(s * c, 0));
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    const std::uint32_t n = (k + 1) % 4;
+    base.triangles.push_back({k, n, 4 + n});
+    base.triangles.push_back({k, 4 + n, 4 + k});
+  }
+  DiagnosticLog log;
+  const auto wrap = wrapped(base, all_of(base), fitted(foil(1)), {.stand_off = 0.02}, log);
+  ASSERT_TRUE(wrap.ok()) << to_text(log);
+  ASSERT_EQ(wrap->groups.size(), 1u);
+  EXPECT_NEAR(wrap->area_accepted, 4 - 0.36, 1e-12);
+  for (const Vec3& p : wrap->blanket.positions)
+    EXPECT_GE(std::max(std::fabs(p.x), std::fabs(p.y)), 0.3 - 1e-12);
+  // what the seams leave open lies on the base: with the base turned over it would be closed, so
+  // its boundary encloses as much as the outline, at z = 0
+  double around = 0;
+  for (const auto& t : wrap->blanket.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 a = wrap->blanket.positions[t[k]], b = wrap->blanket.positions[t[(k + 1) % 3]];
+      if (a.z == 0 && b.z == 0) around += glm::length(a - b);
+    }
+  EXPECT_NEAR(around, 8 + 2.4, 1e-9);
+}
+
+TEST(Wrap, WhatCannotBeIsRefused) {
+  const auto code = [](const Mesh& mesh, const WrapOptions& options) {
+    DiagnosticLog log;
+    EXPECT_FALSE(wrapped(mesh, all_of(mesh), fitted(foil(1)), options, log).ok());
+    EXPECT_TRUE(log.contains(Code::E7001));
+  };
+  code(box({1, 1, 1}), {.stand_off = 0});
+  code(Mesh{}, {.stand_off = 0.02});
+  code(box({1, 1, 1}), {.stand_off = 0.02, .max_triangles = 1000});
+  Mesh ball;  // 24 by 12, no flat part of 5 %
+  for (int j = 0; j <= 12; ++j)
+    for (int i = 0; i < 24; ++i) {
+      const double u = i * kPi / 12, v = j * kPi / 12;
+      ball.positions.push_back({std::sin(v) * std::cos(u), std::sin(v) * std::sin(u), std::cos(v)});
+    }
+  for (std::uint32_t j = 0; j < 12; ++j)
+    for (std::uint32_t i = 0; i < 24; ++i) {
+      const std::uint32_t a = 24 * j + i, b = 24 * j + (i + 1) % 24;
+      ball.triangles.push_back({a, a + 24, b + 24});
+      ball.triangles.push_back({a, b + 24, b});
+    }
+  code(ball, {.stand_off = 0.02});
+  Mesh fins;
+  fins.positions = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
+  fins.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
+  code(fins, {.stand_off = 0.02});
+}
+
+}  // namespace
+}  // namespace panwright::mli
