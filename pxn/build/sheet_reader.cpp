@@ -49,11 +49,16 @@ class SheetReader {
       ok_ = child != 0 && values_.numbers(child, std::span(&value, 1)) && ok_;
       if (child != 0) place = doc_.name_span(child);
     };
-    double cells = 0;
     setting(ElementId::width, recipe.width, sheet.places.width);
     setting(ElementId::height, recipe.height, sheet.places.height);
-    setting(ElementId::xgrid, cells, sheet.places.xgrid);
-    recipe.xgrid = static_cast<std::uint32_t>(cells);
+    if (const std::uint32_t cells = child_of(doc_, settings, ElementId::xgrid); cells != 0) {
+      const auto count = values_.integer(cells);
+      ok_ = ok_ && count.has_value();
+      recipe.xgrid = static_cast<std::uint32_t>(count.value_or(1));
+      sheet.places.xgrid = doc_.name_span(cells);
+    } else {
+      ok_ = false;
+    }
     if (values_.has(element_, attribute::mli_seed)) {
       const auto seed = values_.integer(element_, attribute::mli_seed);
       ok_ = ok_ && seed.has_value();
@@ -99,7 +104,7 @@ class SheetReader {
       case ElementId::random:
         return mli::Random{text()};
       case ElementId::smooth:
-        return mli::Smooth{static_cast<std::uint32_t>(text())};
+        return mli::Smooth{count()};
       case ElementId::constant:
         return mli::Constant{text()};
       case ElementId::taper: {
@@ -142,6 +147,12 @@ class SheetReader {
     double value = 0;
     read_ok_ = values_.numbers(at_, std::span(&value, 1)) && read_ok_;
     return value;
+  }
+
+  std::uint32_t count() {
+    const auto value = values_.integer(at_);
+    read_ok_ = read_ok_ && value.has_value();
+    return static_cast<std::uint32_t>(value.value_or(0));
   }
 
   // The default of the tables, or 0, where it is absent.

@@ -51,6 +51,8 @@ class Values {
   // A list of numbers between the tags; replaces `out`. E1203 also where they make no whole tuples,
   // or too few.
   bool list(std::uint32_t element, std::vector<double>& out);
+  // The one whole number between the tags.
+  std::optional<std::uint64_t> integer(std::uint32_t element);
   // A list of whole numbers, each below 2^32.
   bool integers(std::uint32_t element, std::vector<std::uint32_t>& out);
   // The place of one of a list again, for later complaints.

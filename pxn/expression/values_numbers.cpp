@@ -239,6 +239,21 @@ bool Values::integers(std::uint32_t element, std::vector<std::uint32_t>& out) {
   return ok;
 }
 
+std::optional<std::uint64_t> Values::integer(std::uint32_t element) {
+  const schemas::Value& value = schema(element).text;
+  assert(value.kind == schemas::ValueKind::integer && value.count == 1);
+  const Text text = text_of(element);
+  std::size_t at = 0, count = 0;
+  std::uint64_t out = 0;
+  Token token;
+  bool ok = true;
+  for (; next_token(text, at, token); ++count)
+    if (count == 0) ok = read_integer(element, text, token, value, 0, out);
+  if (ok && count == 1) return out;
+  if (ok) bad_count(element, value, fmt::format("<{}>", schema(element).name), count);
+  return std::nullopt;
+}
+
 SourceSpan Values::place_of(std::uint32_t element, std::size_t number) {
   const Text text = text_of(element);
   std::size_t at = 0;

@@ -188,6 +188,16 @@ TEST(Mli, WhatCannotBeMadeIsSaidWhereItStands) {
              "<width> 1 </width> <height> 1 </height> <xgrid> 5000 </xgrid>"),
        "3:57 E7001 the sheet has 25010001 vertices; all sheets of a model may have 20000000, and "
        "20000000 are left"},
+      {sheet("type=\"flat\"", level,
+             "<width> 1 </width> <height> 1 </height> <xgrid> 2.5 </xgrid>"),
+       "3:64 E1201 '2.5' is not a whole number, expected 1 to 100000 for <xgrid>"},
+      {sheet("type=\"flat\"", level,
+             "<width> 1 </width> <height> 1 </height> <xgrid> 20 30 </xgrid>"),
+       "3:50 E1203 <xgrid>: expected 1 whole number, found 2"},
+      {sheet("type=\"flat\"", "<smooth> 1.9 </smooth>"),
+       "4:27 E1201 '1.9' is not a whole number, expected 0 to 10000 for <smooth>"},
+      {sheet("type=\"flat\"", "<smooth> 1mm </smooth>"),
+       "4:27 E1212 a plain number is needed here, got a length (1mm)"},
       {sheet("type=\"sphere\"", level),
        "E1204 type of <mli> is 'sphere', expected flat or cone or conical or tube or tubular or "
        "disc or box"}};
