@@ -193,7 +193,7 @@ TEST(Mli, WhatCannotBeMadeIsSaidWhereItStands) {
        "3:64 E1201 '2.5' is not a whole number, expected 1 to 100000 for <xgrid>"},
       {sheet("type=\"flat\"", level,
              "<width> 1 </width> <height> 1 </height> <xgrid> 20 30 </xgrid>"),
-       "3:50 E1203 <xgrid>: expected 1 whole number, found 2"},
+       "3:57 E1203 <xgrid>: expected 1 whole number, found 2"},
       {sheet("type=\"flat\"", "<smooth> 1.9 </smooth>"),
        "4:27 E1201 '1.9' is not a whole number, expected 0 to 10000 for <smooth>"},
       {sheet("type=\"flat\"", "<smooth> 1mm </smooth>"),
