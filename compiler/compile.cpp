@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "compiler/internal/decals.h"
+#include "compiler/internal/foil_levels.h"
 #include "compiler/internal/jobs.h"
 #include "compiler/internal/size_check.h"
 #include "geometry/tessellate/mapping.h"
@@ -242,10 +243,12 @@ pan::layout::MeshTolerance mesh_tolerance(const MeshJob& job) {
 
 constexpr std::uint32_t kLeftOut = 0xffffffffu;
 
-// Instances with their sources and decals. Those without a mesh are left out.
-void place_instances(const scene::Scene& scene, const Plan& plan, const Options& options,
-                     const std::vector<std::uint32_t>& mesh_of_job, Product& product,
-                     pan::Contents& out) {
+// Instances with their sources and decals. Those without a mesh are left out: kLeftOut in what is
+// returned.
+std::vector<std::uint32_t> place_instances(const scene::Scene& scene, const Plan& plan,
+                                           const Options& options,
+                                           const std::vector<std::uint32_t>& mesh_of_job,
+                                           Product& product, pan::Contents& out) {
   std::vector<std::uint32_t> place(scene.instances.size(), kLeftOut);
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const scene::Instance& instance = scene.instances[i];
@@ -265,6 +268,7 @@ void place_instances(const scene::Scene& scene, const Plan& plan, const Options&
     decal.instance = place[static_cast<std::size_t>(scene.decals[i].instance)];
     out.decals.push_back(std::move(decal));
   }
+  return place;
 }
 
 // What sheets have become, beside each mesh that was made of one.
@@ -332,7 +336,8 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
   copy_tables(scene, out);
   describe_sheets(scene, plan, mesh_of_job, out);
   certify(scene, log, job);
-  place_instances(scene, plan, options, mesh_of_job, product, out);
+  const auto place = place_instances(scene, plan, options, mesh_of_job, product, out);
+  internal::add_foil_levels(scene, plan, mesh_of_job, place, out, log, job);
   if (options.check_size) internal::check_size(scene, out, log);
   for (const pan::InstanceContent& instance : out.instances)
     report.triangles += out.meshes[instance.mesh].triangle_count();

@@ -260,7 +260,9 @@ bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log
       writer.section(SectionKind::keypoints, bytes_of(tables.keypoints), log) &&
       writer.section(SectionKind::decals, bytes_of(tables.decals), log) &&
       (contents.sheets.empty() ||
-       writer.section(SectionKind::sheets, bytes_of(contents.sheets), log));
+       writer.section(SectionKind::sheets, bytes_of(contents.sheets), log)) &&
+      (contents.levels.empty() ||
+       writer.section(SectionKind::levels, bytes_of(contents.levels), log));
   job.poll();
   return sections &&
          writer.finish(build_identity(contents.inputs, contents.version, contents.options), log,

@@ -68,7 +68,7 @@ struct Side {
   const Model& model;
   const char* letter;
   Ids strings;
-  Keys nodes, meshes, materials, textures, frames, instances, keypoints, decals, sheets;
+  Keys nodes, meshes, materials, textures, frames, instances, keypoints, decals, sheets, levels;
 
   Side(const Model& m, const char* name)
       : model(m),
@@ -83,6 +83,9 @@ struct Side {
         keypoints(named_keys(m.keypoints(), strings)),
         decals(named_keys(m.decals(), strings)) {
     for (const layout::Sheet& sheet : m.sheets()) sheets.push_back(meshes[sheet.mesh]);
+    Numbering number;
+    for (const layout::Level& level : m.levels())
+      levels.push_back(number(joined({instances[level.instance], meshes[level.mesh]})));
   }
 
  private:
@@ -133,6 +136,7 @@ class Comparison {
   void keypoints();
   void decals();
   void sheets();
+  void levels();
   void budget();
   void inputs();
   void build();
@@ -257,6 +261,11 @@ std::string instance_words(const Model& model, std::size_t i) {
   const layout::Instance& instance = model.instances()[i];
   return fmt::format("{} at {}", mesh_words(model, instance.mesh),
                      node_words(model, instance.node));
+}
+std::string level_words(const Model& model, std::size_t i) {
+  const layout::Level& level = model.levels()[i];
+  return fmt::format("level {} of {}", mesh_words(model, level.mesh),
+                     instance_words(model, level.instance));
 }
 // A reference to a texture, which may be -1.
 std::string image_words(const Model& model, std::int32_t texture) {
@@ -451,6 +460,17 @@ void Comparison::sheets() {
   });
 }
 
+void Comparison::levels() {
+  match(out_.model, a_.levels, b_.levels, level_words, [&](std::size_t i, std::size_t j) {
+    const std::string where = level_words(a_.model, i);
+    const layout::Level &a = a_.model.levels()[i], &b = b_.model.levels()[j];
+    fields(SectionKind::levels, where, a, b, {"instance", "mesh", "material", "reserved"});
+    if (a_.materials[a.material] != b_.materials[b.material])
+      add(where, fmt::format("{} in a, {} in b", material_words(a_.model, a.material),
+                             material_words(b_.model, b.material)));
+  });
+}
+
 void Comparison::decals() {
   match(out_.model, a_.decals, b_.decals, decal_words, [&](std::size_t i, std::size_t j) {
     const std::string where = decal_words(a_.model, i);
@@ -590,6 +610,7 @@ Differences Comparison::run() {
   frames();
   keypoints();
   sheets();
+  levels();
   decals();
   budget();
   unknown_sections();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -79,6 +80,14 @@ std::span<const layout::Decal> Model::decals() const {
 }
 std::span<const layout::Sheet> Model::sheets() const {
   return array<layout::Sheet>(SectionKind::sheets);
+}
+std::span<const layout::Level> Model::levels() const {
+  return array<layout::Level>(SectionKind::levels);
+}
+std::span<const layout::Level> Model::levels(std::uint32_t instance) const {
+  const auto [first, last] =
+      std::ranges::equal_range(levels(), instance, {}, &layout::Level::instance);
+  return {first, last};
 }
 std::span<const layout::Input> Model::inputs() const {
   return array<layout::Input>(SectionKind::inputs);

@@ -133,6 +133,7 @@ class Model {
   std::span<const layout::Keypoint> keypoints() const;
   std::span<const layout::Decal> decals() const;  // later ones lie over earlier ones
   std::span<const layout::Sheet> sheets() const;  // meshes that are sheets of foil
+  std::span<const layout::Level> levels() const;  // by instance, then by detail
   std::span<const layout::Input> inputs() const;
   std::span<const layout::Build> builds() const;  // 1 after check()
 
@@ -147,6 +148,7 @@ class Model {
 
   // Expects, all of these: checked(), and indices below their count.
   std::string_view string(std::uint32_t id) const;
+  std::span<const layout::Level> levels(std::uint32_t instance) const;  // from the finest
   MeshView mesh(std::size_t index) const;
   std::span<const std::uint8_t> texels(std::size_t texture) const;  // 4*W*H, row 0 the top row
   std::string_view node_name(std::size_t index) const { return string(nodes()[index].name); }

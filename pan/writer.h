@@ -119,6 +119,7 @@ struct Contents {
   std::vector<KeypointContent> keypoints;              //
   std::vector<DecalContent> decals;                    // from the lowest to the topmost
   std::vector<layout::Sheet> sheets;                   // meshes that are sheets of foil
+  std::vector<layout::Level> levels;                   // by instance, then by detail
 };
 
 // Rounds a mesh to float about the centre of its bounds. The error of the result holds the

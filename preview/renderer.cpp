@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "preview/frame/ground_truth.h"
+#include "preview/frame/level_states.h"
 #include "preview/frame/passes.h"
 #include "preview/frame/read_back.h"
 #include "preview/frame/samples.h"
@@ -68,6 +69,13 @@ void reset(Image& image, const world::Camera& camera, bool ground_truth) {
   image.material_id.assign(pixels, 0);
 }
 
+void add_weighted(std::span<const float> values, float weight, std::span<float> sum) {
+  for (std::size_t i = 0; i < values.size(); ++i) sum[i] += weight * values[i];
+}
+void mix_in(std::span<const float> sum, float weight, std::span<float> values) {
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = weight * values[i] + sum[i];
+}
+
 }  // namespace
 
 struct Renderer::Impl {
@@ -86,6 +94,9 @@ struct Renderer::Impl {
     std::size_t tiles = 0;  // that were submitted and not taken
     SamplingReport report;
     const char* why_empty = nullptr;  // of W5006
+    // Where levels of detail fade: the weight of `image`, and the sum of the others, weighted.
+    double weight = 1;
+    std::vector<float> other_radiance, other_coverage;
   };
   // A part of an image on its way.
   struct TileUnderWay {
@@ -107,10 +118,15 @@ struct Renderer::Impl {
   bool fits(const world::World& world, const world::Camera& camera, const RenderOptions& options,
             DiagnosticLog& log) const;
   void make_passes();
+  bool update(const world::World& world, const world::Camera& camera, const RenderOptions& options,
+              DiagnosticLog& log);
   const VisibleSet* look(const world::World& world, const world::Camera& camera,
-                         DiagnosticLog& log);
+                         const LevelState& levels, DiagnosticLog& log);
   bool submit(const world::World& world, const world::Camera& camera, const RenderOptions& options,
               DiagnosticLog& log);
+  bool submit_state(const world::World& world, const world::Camera& camera,
+                    const RenderOptions& options, const LevelState& levels, DiagnosticLog& log);
+  bool take_all(std::size_t frame, DiagnosticLog& log);
   bool submit_radiance(FrameScene scene, const RenderOptions& options, std::size_t frame,
                        DiagnosticLog& log);
   bool sampled(const FrameScene& scene, const RenderOptions& options,
@@ -139,7 +155,9 @@ struct Renderer::Impl {
   RenderTarget g_buffer;               // what Layer names
   RenderTarget color_target;           // radiance of samples, where pixels have several
   RenderTarget bare_target;            // of seconds_of_bare_draw
-  std::array<Frame, kMostInFlight> frames;
+  // one more than are under way, for images that are parts of one
+  static constexpr std::size_t kFrames = kMostInFlight + 1;
+  std::array<Frame, kFrames> frames;
   std::size_t first_frame = 0;
   std::size_t used_frames = 0;
   std::vector<Image> spare;  // at most as many as there are frames
@@ -147,6 +165,8 @@ struct Renderer::Impl {
   Job job;                   // of the call under way
   // of one frame, kept for the next one
   std::vector<TargetShape> shapes;
+  std::vector<LeveledTarget> leveled;
+  std::vector<LevelState> level_choices;
   VisibleSetFinder visible_sets;
   TileScene on_tile;
 };
@@ -201,14 +221,28 @@ void Renderer::Impl::make_passes() {
   ids.emplace(gl, kIds, shared.read_through_buffers);
 }
 
+// The targets, and the levels of detail that they are shown at.
+bool Renderer::Impl::update(const world::World& world, const world::Camera& camera,
+                            const RenderOptions& options, DiagnosticLog& log) {
+  if (!states.update(world, *device, log, job)) return false;
+  leveled.clear();
+  for (std::size_t i = 0; i < world.size(); ++i)
+    leveled.push_back({&world[i].pose(), states[i].bounds ? &*states[i].bounds : nullptr,
+                       states[i].steps.get()});
+  level_choices = level_states(camera, leveled,
+                               options.levels ? options.level_pixel : std::optional<double>(0));
+  return true;
+}
+
 const VisibleSet* Renderer::Impl::look(const world::World& world, const world::Camera& camera,
-                                       DiagnosticLog& log) {
-  if (!states.update(world, *device, log, job)) return nullptr;
+                                       const LevelState& levels, DiagnosticLog& log) {
   shapes.clear();
   std::uint64_t items = 0;
   for (std::size_t i = 0; i < world.size(); ++i) {
+    states.set_pixel(i, levels.pixels[i]);
     const TargetState& state = states[i];
-    const auto count = static_cast<std::uint32_t>(world[i].model()->instances().size());
+    const auto count = static_cast<std::uint32_t>(
+        world[i].model()->instances().size() + world[i].model()->levels().size());
     shapes.push_back(
         {&world[i].pose(), state.bounds ? &*state.bounds : nullptr, state.items(), count});
     items += count;
@@ -429,10 +463,57 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
   if (!fits(world, camera, options, log) || !shared.ready(log)) return false;
   make_passes();
   set_state();
-  const VisibleSet* visible = look(world, camera, log);
+  if (!update(world, camera, options, log)) return false;
+  Frame sum;
+  SamplingReport& report = sum.report;
+  for (std::size_t i = 0; i + 1 < level_choices.size(); ++i) {
+    RenderOptions part = options;
+    part.ground_truth = false;
+    if (!submit_state(world, camera, part, level_choices[i], log)) return false;
+    const std::size_t index = (first_frame + used_frames - 1) % kFrames;
+    if (!take_all(index, log)) return false;
+    Frame& frame = frames[index];
+    --used_frames;
+    const auto weight = static_cast<float>(level_choices[i].weight);
+    sum.other_radiance.resize(frame.image.radiance.size());
+    sum.other_coverage.resize(frame.image.coverage.size());
+    add_weighted(frame.image.radiance, weight, sum.other_radiance);
+    add_weighted(frame.image.coverage, weight, sum.other_coverage);
+    report = {report.samples + frame.report.samples, std::max(report.rmse, frame.report.rmse),
+              std::max(report.flux, frame.report.flux)};
+  }
+  if (!submit_state(world, camera, options, level_choices.back(), log)) return false;
+  Frame& frame = frames[(first_frame + used_frames - 1) % kFrames];
+  frame.weight = level_choices.back().weight;
+  frame.other_radiance = std::move(sum.other_radiance);
+  frame.other_coverage = std::move(sum.other_coverage);
+  frame.report = {report.samples + frame.report.samples, std::max(report.rmse, frame.report.rmse),
+                  std::max(report.flux, frame.report.flux)};
+  return true;
+}
+
+// All tiles of a frame that are under way, and those before them.
+bool Renderer::Impl::take_all(std::size_t index, DiagnosticLog& log) {
+  // both kinds in the order in which they were submitted
+  while (frames[index].tiles > 0) {
+    const auto has = [&](const Ring& ring) {
+      return !ring.pixels.empty() && ring.tiles[ring.pixels.oldest()].frame == index;
+    };
+    if (!take_tile(has(*radiance) || ids->pixels.empty() ? *radiance : *ids, log)) return false;
+  }
+  return true;
+}
+
+bool Renderer::Impl::submit_state(const world::World& world, const world::Camera& camera,
+                                  const RenderOptions& options, const LevelState& levels,
+                                  DiagnosticLog& log) {
+  const VisibleSet* visible = look(world, camera, levels, log);
   if (!visible) return false;
-  const std::size_t index = (first_frame + used_frames) % kMostInFlight;
+  const std::size_t index = (first_frame + used_frames) % kFrames;
   Frame& frame = frames[index];
+  frame.weight = 1;
+  frame.other_radiance.clear();
+  frame.other_coverage.clear();
   if (!spare.empty() && frame.image.radiance.empty()) {
     frame.image = std::move(spare.back());
     spare.pop_back();
@@ -472,23 +553,20 @@ Result<Image> Renderer::collect(DiagnosticLog& log, const Job& job) {
     if (impl.shared.lost) impl.drop();
     return failed;
   }
-  bool good = true;
-  // both kinds in the order in which they were submitted
-  while (good && frame.tiles > 0) {
-    const auto has = [&](const Impl::Ring& ring) {
-      return !ring.pixels.empty() && ring.tiles[ring.pixels.oldest()].frame == impl.first_frame;
-    };
-    good = impl.take_tile(has(*impl.radiance) ? *impl.radiance : *impl.ids, log);
-  }
-  if (!good || !impl.shared.went_well(log)) {
+  if (!impl.take_all(impl.first_frame, log) || !impl.shared.went_well(log)) {
     impl.drop();
     return failed;
   }
-  impl.first_frame = (impl.first_frame + 1) % kMostInFlight;
+  impl.first_frame = (impl.first_frame + 1) % Impl::kFrames;
   --impl.used_frames;
   impl.report = frame.report;
   Image image = std::move(frame.image);
   frame.image = {};
+  if (!frame.other_radiance.empty()) {
+    const auto weight = static_cast<float>(frame.weight);
+    mix_in(frame.other_radiance, weight, image.radiance);
+    mix_in(frame.other_coverage, weight, image.coverage);
+  }
   if (std::all_of(image.coverage.begin(), image.coverage.end(), [](float a) { return a == 0; }))
     log.report_file(Code::W5006, {}, frame.why_empty);
   return image;
@@ -516,7 +594,8 @@ double Renderer::seconds_of_bare_draw(const world::World& world, const world::Ca
   impl.job = {};
   impl.make_passes();
   impl.set_state();
-  const VisibleSet* visible = impl.look(world, camera, log);
+  if (!impl.update(world, camera, {}, log)) return 0;
+  const VisibleSet* visible = impl.look(world, camera, impl.level_choices.back(), log);
   const Tile whole{0, 0, camera.width, camera.height};
   constexpr GLenum kFormats[] = {GL_RGBA32F};
   if (!visible ||

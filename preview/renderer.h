@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "base/diagnostic.h"
 #include "base/job.h"
@@ -31,6 +32,11 @@ struct RenderOptions {
   double pixel_error = 0.05;
   // Of N > 1: one sample where it is predicted to do (docs/sampling.md), N×N elsewhere.
   bool adaptive = false;
+  // Of models with levels of detail (docs/mli.md): the finest, or those that a pixel of the image
+  // asks for, which fade into each other as it grows.
+  bool levels = true;
+  // In place of what a pixel of the image sees: metres, ≥ 0.
+  std::optional<double> level_pixel;
   bool flat = false;               // shade by the triangles' own normals
   unsigned shadow_side = 2048;     // texels a side of the maps of what the Sun sees, 16 to 16384 (or
                                    // what the context takes); 0: nothing casts shadows

@@ -81,6 +81,14 @@ struct Instance {
   Source source;
 };
 
+// A coarser mesh of a sheet of foil.
+struct FoilLevel {
+  geometry::MeshShape mesh;
+  double detail = 0;        // metres: for pixels that see this or more of it
+  double error = 0;         // metres
+  mli::Covariance removed;  // of its slopes
+};
+
 // What a shape was made from that is a sheet of foil: a mesh at the recipe's own detail.
 struct Foil {
   std::int32_t shape = 0;
@@ -88,6 +96,7 @@ struct Foil {
   mli::Form form;
   mli::Statistics statistics;  // of the flat sheet
   Source source;
+  std::vector<FoilLevel> levels;  // from the finest, less detail each
 };
 
 // A texture laid on a shape: over the diffuse colour where its alpha is 1, nothing where it is 0.

@@ -113,6 +113,8 @@ COMMANDS = {
                                 "cells": "number[]: along width and height", "heights": "number[]: lowest and highest, metres", "height_mean": "number: metres", "height_rms": "number: metres",
                                 "slope_mean": "number[]: along x and y", "slope_covariance": "number[]: xx, xy, yy", "facet_slope_covariance": "number[]: the same of triangles",
                                 "slope_rms": "number: both axes together", "correlation_length": "number[]: along x and y, metres"}]),
+        "levels": ("of detail, by instance", [{"instance": "integer: index", "mesh": "integer: index", "material": "integer: index", "detail": "number: metres that a pixel sees, from which it is drawn",
+                                "error": "number: metres", "triangles": "integer: of the mesh"}]),
         "sections": ("of the pan file", [{"kind": "integer: number", "name": "string: of the kind", "read": "boolean: this program reads it", "count": "integer: elements",
                                           "element_bytes": "integer: of one", "bytes": "integer: raw", "stored_bytes": "integer: in the file", "compressed": "boolean: it is"}]),
     },

@@ -28,6 +28,7 @@ struct Options {
   bool no_shadows = false;
   // as typed: what is not given is the engine's own, or that of a record
   std::optional<std::string> shadow_side;  // texels
+  std::optional<std::string> levels;
   std::optional<std::string> max_image_bytes;
 
   std::optional<std::string> engine;       // gl, or reference, which alone takes what follows
@@ -123,6 +124,11 @@ void declare_all(Arguments& arguments, Options& options) {
       .excludes(no_shadows)
       .type("N");
   arguments
+      .add("--levels", options.levels,
+           "Levels of detail: auto (default): what a pixel asks for; off: the finest; or as if a "
+           "pixel saw so many metres")
+      .type("auto|off|METRES");
+  arguments
       .add("--max-image-memory", options.max_image_bytes,
            "Most memory of one image, e.g. 2GB (default 12GB)")
       .bytes()
@@ -151,6 +157,7 @@ Result<workspace::ViewText> typed_view(const Options& options, DiagnosticLog& lo
   typed->flat = flag(options.flat);
   typed->no_shadows = flag(options.no_shadows);
   typed->shadow_side = options.shadow_side;
+  typed->levels = options.levels;
   typed->until_error = options.until_error;
   typed->max_samples = options.max_samples;
   typed->bounces = options.bounces;

@@ -94,6 +94,7 @@ const char* stray_option(const ViewText& text, bool traced) {
     if (given(text.no_shadows)) return "no-shadows";
     if (given(text.adaptive)) return "adaptive";
     if (text.pixel_error) return "pixel-error";
+    if (text.levels) return "levels";
     return text.shadow_side ? "shadow-side" : nullptr;
   }
   if (text.until_error) return "until-error";
@@ -132,6 +133,14 @@ void read_gl(const ViewText& text, Reader& reader, DrawOptions& draw) {
   if (no_shadows && text.shadow_side)
     reader.fail("--shadow-side cannot be combined with --no-shadows");
   if (no_shadows) gl.shadow_side = 0;
+  if (!text.levels || *text.levels == "auto") return;
+  gl.levels = *text.levels != "off";
+  if (!gl.levels) return;
+  const auto metres = parse_numbers(*text.levels, 1);
+  if (metres && (*metres)[0] >= 0)
+    gl.level_pixel = (*metres)[0];
+  else
+    reader.refuse("levels", text.levels, "auto, off, or the metres that a pixel sees");
 }
 
 void read_reference(const ViewText& text, Reader& reader, preview::ReferenceOptions& traced) {

@@ -101,6 +101,10 @@ void add_engine(const DrawOptions& draw, Json& view) {
       view["no-shadows"] = true;
     else
       view["shadow-side"] = draw.gl.shadow_side;
+    if (!draw.gl.levels)
+      view["levels"] = "off";
+    else if (draw.gl.level_pixel)
+      view["levels"] = *draw.gl.level_pixel;
     return;
   }
   const preview::ReferenceOptions& reference = draw.reference;

@@ -73,6 +73,8 @@ Field field_of(ViewOption option) {
       return &ViewText::no_shadows;
     case ViewOption::shadow_side:
       return &ViewText::shadow_side;
+    case ViewOption::levels:
+      return &ViewText::levels;
     case ViewOption::until_error:
       return &ViewText::until_error;
     case ViewOption::max_samples:
@@ -302,7 +304,7 @@ constexpr Field kGroups[][4] = {
     {&ViewText::no_shadows, &ViewText::shadow_side, nullptr, nullptr},
 };
 constexpr Field kOfGl[] = {&ViewText::pixel_error, &ViewText::adaptive, &ViewText::no_shadows,
-                           &ViewText::shadow_side};
+                           &ViewText::shadow_side, &ViewText::levels};
 constexpr Field kOfReference[] = {&ViewText::until_error, &ViewText::max_samples,
                                   &ViewText::bounces,     &ViewText::seed,
                                   &ViewText::filter,      &ViewText::no_sun_disc};

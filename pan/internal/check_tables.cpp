@@ -1,6 +1,7 @@
 // The records of the tables: the field rules of the layout, then the checks across fields.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -210,19 +211,24 @@ std::optional<Problem> world_problem(const Model& model) {
       return Problem{Code::E4012,
                      fmt::format("nodes[{}] has world coordinates that are not finite", i)};
   const auto instances = model.instances();
-  for (std::size_t i = 0; i < instances.size(); ++i) {
-    const layout::Mesh& mesh = model.meshes()[instances[i].mesh];
+  const auto is_reachable = [&](const layout::Mesh& mesh, const Mat4& m) {
     Vec3 furthest;
     for (int k = 0; k < 3; ++k)
       furthest[k] = std::fabs(mesh.origin[k]) +
                     std::fmax(std::fabs(mesh.bounds_min[k]), std::fabs(mesh.bounds_max[k]));
-    const Mat4& m = world[instances[i].node];
     Vec3 reach = glm::abs(Vec3(m[3]));
     for (int k = 0; k < 3; ++k) reach += glm::abs(Vec3(m[k])) * furthest[k];
-    if (!panwright::is_finite(reach))
+    return panwright::is_finite(reach);
+  };
+  for (std::size_t i = 0; i < instances.size(); ++i)
+    if (!is_reachable(model.meshes()[instances[i].mesh], world[instances[i].node]))
       return Problem{Code::E4012,
                      fmt::format("instances[{}] has world coordinates that are not finite", i)};
-  }
+  const auto levels = model.levels();
+  for (std::size_t i = 0; i < levels.size(); ++i)
+    if (!is_reachable(model.meshes()[levels[i].mesh], world[instances[levels[i].instance].node]))
+      return Problem{Code::E4012,
+                     fmt::format("levels[{}] has world coordinates that are not finite", i)};
   const auto keypoints = model.keypoints();
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     const double* p = keypoints[i].position;
@@ -326,18 +332,28 @@ bool has_maps(const layout::Material& material) {
 
 std::optional<Problem> instance_problem(const Model& model) {
   const auto instances = model.instances();
-  for (std::size_t i = 0; i < instances.size(); ++i) {
-    if (model.meshes()[instances[i].mesh].flags & layout::kMeshTexcoords) continue;
-    const layout::Material& material = model.materials()[instances[i].material];
-    const char* reason = instances[i].texture >= 0    ? "texture"
+  const auto lacks_texcoords = [&](std::string_view what, std::size_t i, std::uint32_t mesh,
+                                   std::uint32_t material_index,
+                                   std::int32_t texture) -> std::optional<Problem> {
+    if (model.meshes()[mesh].flags & layout::kMeshTexcoords) return {};
+    const layout::Material& material = model.materials()[material_index];
+    const char* reason = texture >= 0                 ? "texture"
                          : has_maps(material)         ? "material with maps"
                          : material.cell_count[0] > 0 ? "material with cells"
                                                       : nullptr;
-    if (reason)
-      return Problem{Code::E4010,
-                     fmt::format("instances[{}] has a {}, but meshes[{}] has no texcoords", i,
-                                 reason, instances[i].mesh)};
-  }
+    if (!reason) return {};
+    return Problem{Code::E4010, fmt::format("{}[{}] has a {}, but meshes[{}] has no texcoords",
+                                            what, i, reason, mesh)};
+  };
+  for (std::size_t i = 0; i < instances.size(); ++i)
+    if (auto problem = lacks_texcoords("instances", i, instances[i].mesh, instances[i].material,
+                                       instances[i].texture))
+      return problem;
+  const auto levels = model.levels();
+  for (std::size_t i = 0; i < levels.size(); ++i)
+    if (auto problem = lacks_texcoords("levels", i, levels[i].mesh, levels[i].material,
+                                       instances[levels[i].instance].texture))
+      return problem;
   const std::uint64_t sources = model.sources().size();
   if (model.entry(SectionKind::sources) && sources != instances.size())
     return Problem{Code::E4010,
@@ -394,6 +410,28 @@ std::optional<Problem> decal_problem(const Model& model) {
   return {};
 }
 
+std::optional<Problem> level_problem(const Model& model) {
+  const auto levels = model.levels();
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const layout::Level& level = levels[i];
+    if (!(level.detail > 0))
+      return Problem{Code::E4012, fmt::format("levels[{}].detail is {}, expected more than 0", i,
+                                              level.detail)};
+    if (i > 0 && (level.instance < levels[i - 1].instance ||
+                  (level.instance == levels[i - 1].instance &&
+                   !(level.detail > levels[i - 1].detail))))
+      return Problem{Code::E4012,
+                     fmt::format("levels[{}] is out of order, expected them ascending by instance, "
+                                 "then by detail",
+                                 i)};
+  }
+  for (std::size_t i = 0; i < model.decals().size(); ++i)
+    if (std::ranges::binary_search(levels, model.decals()[i].instance, {},
+                                   &layout::Level::instance))
+      return Problem{Code::E4012, fmt::format("decals[{}] is on an instance with levels", i)};
+  return {};
+}
+
 std::optional<Problem> build_problem(const Model& model) {
   if (model.builds().size() != 1)
     return Problem{Code::E4012, fmt::format("section 'build' has {} records, expected 1",
@@ -437,6 +475,7 @@ Problems table_problems(const Model& model) {
   add(frame_problem(model));
   add(need_problem(model));
   add(decal_problem(model));
+  add(level_problem(model));
   if (!problems.empty()) return problems;
   // these follow references, so they come when all of them hold
   add(instance_problem(model));

@@ -28,6 +28,51 @@ void place(DrawItem& item, const pan::Model& model, const Mat4& model_from_node)
   item.model_from_mesh[3] = model_from_node * Vec4(origin, 1);
   item.mirrored = glm::determinant(Mat3(model_from_node)) < 0;
   item.model_normal_from_mesh = outward_normals(Mat3(model_from_node));
+  if (item.detail > 0 || item.next_detail < HUGE_VAL) {
+    const double stretch = stretch_of(model_from_node).largest;
+    item.from = item.detail * stretch;
+    item.to = item.next_detail * stretch;
+  }
+  item.set_pixel(0);
+}
+
+// What is drawn of an instance: its own mesh and material, or those of a level.
+DrawItem item_of(const pan::Model& model, std::uint32_t index, std::uint32_t mesh_index,
+                 std::uint32_t material_index) {
+  namespace layout = pan::layout;
+  const layout::Instance& instance = model.instances()[index];
+  const layout::Mesh& mesh = model.meshes()[mesh_index];
+  const layout::Material& material = model.materials()[material_index];
+  DrawItem item;
+  item.variant.shading = material.variant;
+  item.variant.textured = instance.texture >= 0;
+  item.variant.colored = (mesh.flags & layout::kMeshColors) != 0;
+  item.variant.albedo_map = material.albedo_map >= 0;
+  item.variant.normal_map = material.normal_map >= 0;
+  item.variant.roughness_map = material.roughness_map >= 0;
+  item.variant.reflectance_map =
+      material.reflectance_map >= 0 &&
+      materials::brdf_model_of(pan::material_from(material, {})).mapped;
+  item.variant.cutout = material.cutout_map >= 0;
+  item.variant.cells = material.cell_count[0] > 0;
+  item.variant.brushed = is_brushed(material);
+  item.variant.tangents = item.variant.normal_map ||
+                          (item.variant.brushed && !model.mesh(mesh_index).texcoords.empty());
+  item.closed = (mesh.flags & layout::kMeshClosed) != 0 && !item.variant.cutout;
+  item.texture = instance.texture;
+  item.material = material_index;
+  item.mesh = mesh_index;
+  item.instance = index;
+  item.repeat = Vec2(material.map_repeat[0], material.map_repeat[1]);
+  item.diffuse = Vec3(material.diffuse[0], material.diffuse[1], material.diffuse[2]);
+  if (item.variant.cells) {
+    // gaps and fingers have colours of their own, whatever the weight of the cells'
+    item.diffuse *= static_cast<double>(material.weight_d);
+    item.cells = *pan::material_from(material, {}).cells;
+  }
+  item.low = Vec3(mesh.bounds_min[0], mesh.bounds_min[1], mesh.bounds_min[2]);
+  item.high = Vec3(mesh.bounds_max[0], mesh.bounds_max[1], mesh.bounds_max[2]);
+  return item;
 }
 
 auto order(const DrawItem& item) {
@@ -91,45 +136,20 @@ bool is_drawn_alike(const DrawItem& a, const DrawItem& b) {
 }
 
 std::vector<DrawItem> draw_list(const pan::Model& model) {
-  namespace layout = pan::layout;
   const std::vector<Mat4> world_from_nodes = model.world_from_nodes();
   std::vector<DrawItem> list;
-  list.reserve(model.instances().size());
+  list.reserve(model.instances().size() + model.levels().size());
   for (std::uint32_t i = 0; i < model.instances().size(); ++i) {
-    const layout::Instance& instance = model.instances()[i];
-    const layout::Mesh& mesh = model.meshes()[instance.mesh];
-    const layout::Material& material = model.materials()[instance.material];
-    DrawItem item;
-    item.variant.shading = material.variant;
-    item.variant.textured = instance.texture >= 0;
-    item.variant.colored = (mesh.flags & layout::kMeshColors) != 0;
-    item.variant.albedo_map = material.albedo_map >= 0;
-    item.variant.normal_map = material.normal_map >= 0;
-    item.variant.roughness_map = material.roughness_map >= 0;
-    item.variant.reflectance_map =
-        material.reflectance_map >= 0 &&
-        materials::brdf_model_of(pan::material_from(material, {})).mapped;
-    item.variant.cutout = material.cutout_map >= 0;
-    item.variant.cells = material.cell_count[0] > 0;
-    item.variant.brushed = is_brushed(material);
-    item.variant.tangents = item.variant.normal_map ||
-                            (item.variant.brushed && !model.mesh(instance.mesh).texcoords.empty());
-    item.closed = (mesh.flags & layout::kMeshClosed) != 0 && !item.variant.cutout;
-    item.texture = instance.texture;
-    item.material = instance.material;
-    item.mesh = instance.mesh;
-    item.instance = i;
-    place(item, model, world_from_nodes[instance.node]);
-    item.repeat = Vec2(material.map_repeat[0], material.map_repeat[1]);
-    item.diffuse = Vec3(material.diffuse[0], material.diffuse[1], material.diffuse[2]);
-    if (item.variant.cells) {
-      // gaps and fingers have colours of their own, whatever the weight of the cells'
-      item.diffuse *= static_cast<double>(material.weight_d);
-      item.cells = *pan::material_from(material, {}).cells;
+    const pan::layout::Instance& instance = model.instances()[i];
+    const std::size_t first = list.size();
+    list.push_back(item_of(model, i, instance.mesh, instance.material));
+    for (const pan::layout::Level& level : model.levels(i)) {
+      list.back().next_detail = level.detail;
+      list.push_back(item_of(model, i, level.mesh, level.material));
+      list.back().detail = level.detail;
     }
-    item.low = Vec3(mesh.bounds_min[0], mesh.bounds_min[1], mesh.bounds_min[2]);
-    item.high = Vec3(mesh.bounds_max[0], mesh.bounds_max[1], mesh.bounds_max[2]);
-    list.push_back(item);
+    for (std::size_t k = first; k < list.size(); ++k)
+      place(list[k], model, world_from_nodes[instance.node]);
   }
   std::sort(list.begin(), list.end(),
             [](const DrawItem& a, const DrawItem& b) { return order(a) < order(b); });
@@ -141,7 +161,7 @@ std::vector<DrawItem> placed(std::span<const DrawItem> list, const pan::Model& m
   std::vector<DrawItem> items(list.begin(), list.end());
   for (DrawItem& item : items) {
     const std::uint32_t node = model.instances()[item.instance].node;
-    item.visible = at.node_visible[node] != 0;
+    item.shown = at.node_visible[node] != 0;
     place(item, model, at.model_from_nodes[node]);
   }
   return items;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <compare>
 #include <cstdint>
 #include <span>
@@ -66,7 +67,16 @@ struct DrawItem {
   materials::Cells cells;  // where the variant has them
   Vec3 low{0};             // bounds in the mesh's frame
   Vec3 high{0};
-  bool visible = true;
+  bool shown = true;  // its node is
+  // Levels of detail (pan::layout::Level): it is drawn where a pixel sees so much of it, metres in
+  // the model's frame: from this, to less than that.
+  double detail = 0;  // in the mesh's own coordinates, of the level and of the one after it
+  double next_detail = HUGE_VAL;
+  double from = 0;
+  double to = HUGE_VAL;
+  bool visible = true;  // shown, and of the level that is asked for
+
+  void set_pixel(double metres) { visible = shown && from <= metres && metres < to; }
 };
 
 // What one draw takes: as many blocks as every context can bind.
@@ -88,11 +98,12 @@ std::size_t drawn_at_once(std::size_t first, std::size_t end, const Item& item) 
   return last - first < kLeast ? 1 : last - first;
 }
 
-// All instances, sorted so that neighbours share as much state as possible: by variant, sides,
+// All instances at all levels of detail, the finest visible, sorted so that neighbours share as much state as possible: by variant, sides,
 // texture, material, mesh, then as they stand in the model.
 std::vector<DrawItem> draw_list(const pan::Model& model);
 
-// The list as a target of a world stands: same order, other places and visibilities.
+// The list as a target of a world stands: same order, other places and visibilities; visible are
+// the finest levels.
 std::vector<DrawItem> placed(std::span<const DrawItem> list, const pan::Model& model,
                              const world::EvaluatedInstance& at);
 

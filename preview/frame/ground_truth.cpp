@@ -148,8 +148,10 @@ void fill_ground_truth(const world::Camera& camera, bool flat,
       for (int k = 0; k < 3; ++k)
         image.normal[3 * pixel + static_cast<std::size_t>(k)] = static_cast<float>(normal[k]);
       image.target_id[pixel] = target->target + 1;
-      image.node_id[pixel] = target->model->instances()[item->instance].node + 1;
-      image.material_id[pixel] = item->material + 1;
+      // at any level of detail
+      const pan::layout::Instance& instance = target->model->instances()[item->instance];
+      image.node_id[pixel] = instance.node + 1;
+      image.material_id[pixel] = instance.material + 1;
     }
   };
   parallel_for(tile.height, std::ref(fill_row));

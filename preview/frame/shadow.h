@@ -78,6 +78,7 @@ class ShadowMaps {
   // A target in a map: which state, and where.
   struct Member {
     world::Stamp shape_stamp = 0;
+    std::size_t level = 0;  // TargetState::level
     world::Pose anchor_from_model;
     bool operator==(const Member&) const = default;
   };

@@ -4,6 +4,33 @@
 #include <unordered_map>
 
 namespace panwright::preview {
+namespace {
+
+// null: no levels
+std::shared_ptr<const std::vector<double>> steps_of(std::span<const DrawItem> items) {
+  std::vector<double> steps;
+  for (const DrawItem& item : items)
+    if (item.from > 0) steps.push_back(item.from);
+  if (steps.empty()) return nullptr;
+  std::sort(steps.begin(), steps.end());
+  steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
+  return std::make_shared<const std::vector<double>>(std::move(steps));
+}
+
+}  // namespace
+
+void TargetStates::set_pixel(std::size_t index, double metres) {
+  TargetState& state = states_[index];
+  if (!state.steps) return;
+  const auto level = static_cast<std::size_t>(
+      std::upper_bound(state.steps->begin(), state.steps->end(), metres) - state.steps->begin());
+  state.pixel = metres;
+  if (level == state.level) return;
+  state.level = level;
+  std::vector<DrawItem> items(state.placed->begin(), state.placed->end());
+  for (DrawItem& item : items) item.set_pixel(metres);
+  state.placed = std::make_shared<const std::vector<DrawItem>>(std::move(items));
+}
 
 bool TargetStates::update(const world::World& world, Device& device, DiagnosticLog& log,
                           const Job& job) {
@@ -46,6 +73,7 @@ bool TargetStates::update(const world::World& world, Device& device, DiagnosticL
       state.placed = std::make_shared<const std::vector<DrawItem>>(
           preview::placed(state.model().list, *world[i].model(), at));
       state.bounds = at.bounds;
+      state.steps = steps_of(*state.placed);
       ++placed_;
     }
     state.shape_stamp = at.shape_stamp;

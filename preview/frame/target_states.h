@@ -21,6 +21,11 @@ struct TargetState {
   // as the draw list of its model, placed; never changed, so that frames under way share it
   std::shared_ptr<const std::vector<DrawItem>> placed;
   std::optional<world::Bounds> bounds;  // none: nothing of it is visible
+  // Where its model has levels of detail: the widths of a pixel on it at which others are visible,
+  // ascending, metres; and the width for which `placed` is set.
+  std::shared_ptr<const std::vector<double>> steps;
+  double pixel = 0;
+  std::size_t level = 0;  // of the steps, how many it passed
 
   const ModelResources::Impl& model() const { return resources->impl(); }
   std::span<const DrawItem> items() const {
@@ -36,6 +41,10 @@ class TargetStates {
   //
   // Fails: E5001, E5003, E0001; the next update tries again.
   bool update(const world::World& world, Device& device, DiagnosticLog& log, const Job& job);
+
+  // Chooses the levels of detail of a target that a pixel sees so much of, metres. Expects: up to
+  // date. Cost: nothing where they stay; else O(items).
+  void set_pixel(std::size_t index, double metres);
 
   const TargetState& operator[](std::size_t index) const { return states_[index]; }
   std::size_t size() const { return states_.size(); }

@@ -226,22 +226,21 @@ std::optional<std::uint32_t> Loader::foil_shape(Work& work, std::uint32_t elemen
   // the same sheet again is not made again
   const auto [known, added] = known_foils_.try_emplace(foil->key());
   if (!added) return known->second;
-  mli::Statistics statistics;
-  geometry::MeshShape mesh =
-      make_foil(document, element, *foil, options_.crease_angle, kMaxFoilVertices - foil_vertices_,
-                statistics, reporter_, job_);
-  if (!mesh) return std::nullopt;
-  foil_vertices_ += static_cast<double>(mesh->positions.size());
+  auto made = make_foil(document, element, *foil, options_.crease_angle,
+                        kMaxFoilVertices - foil_vertices_, reporter_, job_);
+  if (!made) return std::nullopt;
+  foil_vertices_ += made->vertices;
   const std::size_t before = scene_.shapes.size();
-  known->second = known_shape(std::move(mesh));
+  known->second = known_shape(geometry::MeshShape(std::move(made->finest)));
   const auto [line, column] = work.file.positions[element];
   // note: other numbers may make the same mesh
   if (scene_.shapes.size() > before)
     scene_.foils.push_back({static_cast<std::int32_t>(*known->second),
                             foil->recipe,
                             foil->form,
-                            statistics,
-                            {work.file.found.path, line, column}});
+                            made->statistics,
+                            {work.file.found.path, line, column},
+                            std::move(made->levels)});
   return known->second;
 }
 

@@ -11,6 +11,7 @@
 #include "pxn/build/part.h"
 #include "pxn/expression/values.h"
 #include "pxn/text/reporter.h"
+#include "scene/scene.h"
 
 namespace panwright::pxn {
 
@@ -67,16 +68,21 @@ std::optional<FoilSheet> read_foil(const xml::Document& document, std::uint32_t 
 // Vertices of all sheets of a model, about 90 bytes each.
 inline constexpr double kMaxFoilVertices = 20e6;
 
-// The mesh of a sheet, at the recipe's own detail, with normals; null where it cannot be made.
+// The meshes of a sheet, with normals.
+struct FoilMeshes {
+  std::shared_ptr<const geometry::Mesh> finest;  // at the recipe's own detail
+  mli::Statistics statistics;                    // of the flat sheet
+  std::vector<scene::FoilLevel> levels;
+  double vertices = 0;  // of all
+};
+
+// Nothing where they cannot be made.
 //
-//   room        vertices that may still be made
-//   statistics  of the flat sheet, where there is a mesh
+//   room  vertices that may still be made
 //
 // Reports: E7001, W7002. Throws Cancelled. Cost: O(vertices · operations).
-std::shared_ptr<const geometry::Mesh> make_foil(const xml::Document& document,
-                                                std::uint32_t element, const FoilSheet& foil,
-                                                double crease_angle, double room,
-                                                mli::Statistics& statistics, Reporter& reporter,
-                                                const Job& job);
+std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t element,
+                                    const FoilSheet& foil, double crease_angle, double room,
+                                    Reporter& reporter, const Job& job);
 
 }  // namespace panwright::pxn

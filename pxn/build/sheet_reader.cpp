@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/mesh/strip.h"
+#include "mli/levels.h"
 #include "mli/preset.h"
 #include "mli/sheet.h"
 #include "pxn/build/loader.h"
@@ -308,11 +309,9 @@ std::optional<FoilSheet> read_foil(const xml::Document& document, std::uint32_t 
   return SheetReader(document, element, values, reporter).run();
 }
 
-std::shared_ptr<const geometry::Mesh> make_foil(const xml::Document& document,
-                                                std::uint32_t element, const FoilSheet& foil,
-                                                double crease_angle, double room,
-                                                mli::Statistics& statistics, Reporter& reporter,
-                                                const Job& job) {
+std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t element,
+                                    const FoilSheet& foil, double crease_angle, double room,
+                                    Reporter& reporter, const Job& job) {
   // note: a log of its own, so that what is wrong in a repeat is said once
   DiagnosticLog log;
   const auto pass_on = [&] {
@@ -322,7 +321,7 @@ std::shared_ptr<const geometry::Mesh> make_foil(const xml::Document& document,
   };
   if (!mli::check(foil.recipe, log, foil.places)) {
     pass_on();
-    return nullptr;
+    return std::nullopt;
   }
   const double vertices = (foil.recipe.xgrid + 1.0) * (foil.recipe.ygrid() + 1);
   if (vertices > room) {
@@ -332,18 +331,26 @@ std::shared_ptr<const geometry::Mesh> make_foil(const xml::Document& document,
                       "{:.0f} are left; a smaller xgrid has fewer",
                       vertices, kMaxFoilVertices, room));
     });
-    return nullptr;
+    return std::nullopt;
   }
-  std::shared_ptr<geometry::Mesh> made;
+  FoilMeshes out;
   if (const auto sheet = mli::made(foil.recipe, {}, log, foil.places, job)) {
-    statistics = sheet->statistics;
-    if (auto mesh = mli::formed(*sheet, foil.form, log, foil.places.recipe))
-      made = std::make_shared<geometry::Mesh>(*std::move(mesh));
+    out.statistics = sheet->statistics;
+    if (auto mesh = mli::formed(*sheet, foil.form, log, foil.places.recipe)) {
+      geometry::compute_normals(*mesh, crease_angle);
+      out.vertices = static_cast<double>(mesh->positions.size());
+      out.finest = std::make_shared<const geometry::Mesh>(*std::move(mesh));
+      for (mli::Level& level :
+           mli::levels_of(*sheet, foil.form, crease_angle, room - out.vertices, job)) {
+        out.vertices += static_cast<double>(level.mesh.positions.size());
+        out.levels.push_back({std::make_shared<const geometry::Mesh>(std::move(level.mesh)),
+                              level.detail, level.error, level.removed});
+      }
+    }
   }
   pass_on();
-  if (!made) return nullptr;
-  geometry::compute_normals(*made, crease_angle);
-  return made;
+  if (!out.finest) return std::nullopt;
+  return out;
 }
 
 }  // namespace panwright::pxn

@@ -534,6 +534,26 @@ static_assert(offsetof(Sheet, rows) == 148);
 static_assert(offsetof(Sheet, form) == 152);
 static_assert(offsetof(Sheet, reserved) == 156);
 
+// A level of detail: what stands for an instance where a pixel sees more than `detail`.
+struct Level {
+  // m: the smallest width that a pixel has on the instance, in the mesh's own coordinates; the
+  // level with the largest that it reaches is drawn
+  double detail;
+  double error;  // m: from the instance's own mesh, in its coordinates
+  std::uint32_t instance;
+  std::uint32_t mesh;  // in the place of the instance's
+  // in the place of the instance's: what the mesh lost of its slopes is in its roughness
+  std::uint32_t material;
+  std::uint32_t reserved;  // 0
+};
+static_assert(sizeof(Level) == 32);
+static_assert(offsetof(Level, detail) == 0);
+static_assert(offsetof(Level, error) == 8);
+static_assert(offsetof(Level, instance) == 16);
+static_assert(offsetof(Level, mesh) == 20);
+static_assert(offsetof(Level, material) == 24);
+static_assert(offsetof(Level, reserved) == 28);
+
 // What made the file.
 struct Build {
   std::uint32_t version;  // name and version of the program
@@ -569,8 +589,9 @@ enum class SectionKind : std::uint32_t {
   keypoints = 20,
   decals = 21,
   sheets = 22,
+  levels = 23,
 };
-inline constexpr std::size_t kSectionKinds = 22;
+inline constexpr std::size_t kSectionKinds = 23;
 
 struct SectionInfo {
   SectionKind kind;
@@ -606,6 +627,7 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
     {SectionKind::keypoints, "keypoints", 32, 32, 8, true, false},
     {SectionKind::decals, "decals", 96, 96, 8, true, false},
     {SectionKind::sheets, "sheets", 160, 160, 8, true, true},
+    {SectionKind::levels, "levels", 32, 32, 8, true, true},
 };
 
 // A kind that a later format will define: a file may hold it as one that readers may ignore.
@@ -614,9 +636,8 @@ struct ReservedKind {
   const char* name;
 };
 
-inline constexpr std::array<ReservedKind, 3> kReservedKinds{{
-    {23, "joints"},
-    {24, "levels"},
+inline constexpr std::array<ReservedKind, 2> kReservedKinds{{
+    {24, "joints"},
     {25, "lights"},
 }};
 
@@ -920,6 +941,18 @@ inline constexpr FieldRule kFieldRules[] = {
     {SectionKind::sheets, "form", 152, FieldType::u32, 1,
      FieldRuleKind::any, SectionKind::build, 0, 0},
     {SectionKind::sheets, "reserved", 156, FieldType::u32, 1,
+     FieldRuleKind::zero, SectionKind::build, 0, 0},
+    {SectionKind::levels, "detail", 0, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::levels, "error", 8, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::levels, "instance", 16, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::instances, 0, 0},
+    {SectionKind::levels, "mesh", 20, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::meshes, 0, 0},
+    {SectionKind::levels, "material", 24, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::materials, 0, 0},
+    {SectionKind::levels, "reserved", 28, FieldType::u32, 1,
      FieldRuleKind::zero, SectionKind::build, 0, 0},
 };
 

@@ -130,6 +130,15 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"N2021",
        {"compile", PANWRIGHT_SOURCE_DIR "/examples/cad/relay.pxn", "-o", folder / "dressed.pan"},
        {}},
+      {"N2024",
+       {"compile",
+        folder.write("foil.pxn",
+                     "<pangu_model ver=\"1\"><budget nearest=\"10m\" ifov=\"1mrad\"/><mli "
+                     "type=\"flat\"><mli_settings><width>1</width><height>1</height><xgrid>400"
+                     "</xgrid></mli_settings><mli_operations><random>1mm</random>"
+                     "</mli_operations></mli></pangu_model>"),
+        "-o", folder / "foil.pan"},
+       {}},
       {"N6304",
        {"import", PANWRIGHT_SOURCE_DIR "/examples/cad/relay.wrl", "-o", folder / "relay.pan"},
        {}},

@@ -1,0 +1,31 @@
+// Levels of detail of sheets of foil.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/job.h"
+#include "compiler/internal/jobs.h"
+#include "pan/writer.h"
+#include "scene/scene.h"
+
+namespace panwright::compiler::internal {
+
+// Adds the levels of sheets: their meshes, materials that hold the slopes that those lost, and
+// which instance they stand for. Where the budget says what a pixel sees at the nearest, levels
+// that are finer than it are left out of the file, and the instance starts with what is left.
+// Instances with decals, or that are stretched differently along their axes, keep the finest mesh
+// alone.
+//
+//   mesh_of_job  index in out.meshes; beyond them: none
+//   place        of the scene's instances in out.instances; beyond them: none
+//   out          with meshes, instances, materials and decals, as written by now
+//
+// Reports: N2024. Cost: O(vertices of the levels).
+void add_foil_levels(const scene::Scene& scene, const Plan& plan,
+                     std::span<const std::uint32_t> mesh_of_job,
+                     std::span<const std::uint32_t> place, pan::Contents& out, DiagnosticLog& log,
+                     const Job& job);
+
+}  // namespace panwright::compiler::internal
