@@ -1,7 +1,11 @@
 #include "mli/levels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -10,7 +14,7 @@
 namespace panwright::mli {
 namespace {
 
-constexpr std::uint32_t kLeastFlat = 2, kLeastRound = 48;
+constexpr std::uint32_t kLeastFlat = 32, kLeastRound = 48;
 
 // The smallest radius of a form, metres; 0: it is made of planes.
 double radius_of(const Form& form, const Sheet& sheet) {
@@ -21,28 +25,245 @@ double radius_of(const Form& form, const Sheet& sheet) {
   return 0;
 }
 
+// The height of a sheet at a place, in its own cells, linear in its triangles.
+double height_at(const Sheet& sheet, const Vec2& at) {
+  const Vec2 low = glm::clamp(glm::floor(at), Vec2(0), Vec2(sheet.columns - 2, sheet.rows - 2));
+  const Vec2 in = at - low;
+  const auto column = static_cast<std::uint32_t>(low.x), row = static_cast<std::uint32_t>(low.y);
+  const double a = sheet.at(column, row), d = sheet.at(column + 1, row + 1);
+  // cut from (i, j) to (i + 1, j + 1)
+  const double beside = in.x >= in.y ? sheet.at(column + 1, row) : sheet.at(column, row + 1);
+  return in.x >= in.y ? a + in.x * (beside - a) + in.y * (d - beside)
+                      : a + in.y * (beside - a) + in.x * (d - beside);
+}
+
+// Of the place of a fine vertex.
+Vec2 coarse_per_fine(const Sheet& fine, const Sheet& coarse) {
+  return Vec2(coarse.columns - 1, coarse.rows - 1) / Vec2(fine.columns - 1, fine.rows - 1);
+}
+
+// What a sheet is shaded with where it lies flat.
+geometry::Mesh flat_mesh(const Sheet& sheet, double crease_angle) {
+  DiagnosticLog log;
+  auto mesh = formed(sheet, Flat{}, log);
+  if (!mesh) return {};
+  geometry::compute_normals(*mesh, crease_angle);
+  return *std::move(mesh);
+}
+
+double trace(const Covariance& c) { return c.xx + c.yy; }
+
+// How slopes are distributed: the share of triangles, by the slope of the mean of their normals, up
+// to multiples of a step along both axes together, and of each sign.
+class SlopeShares {
+ public:
+  static constexpr std::size_t kBins = 32;
+  SlopeShares(const geometry::Mesh& mesh, double step) {
+    double all = 0;
+    for (const geometry::Triangle& t : mesh.triangles) {
+      const Vec3 n = mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]];
+      const Vec2 slope(n.x / n.z, n.y / n.z);
+      const double steps = std::min(glm::length(slope) / step, kBins - 1.0);
+      shares_[static_cast<std::size_t>(steps)] += 1;
+      mean_ += slope;
+      all += 1;
+    }
+    for (double& share : shares_) share /= all;
+    mean_ /= all * step;
+  }
+  // Of the distributions of the slope, and of the means.
+  double distance(const SlopeShares& other) const {
+    double sum = 0, a = 0, b = 0;
+    for (std::size_t i = 0; i < kBins; ++i) {
+      a += shares_[i];
+      b += other.shares_[i];
+      sum += std::fabs(a - b);
+    }
+    return sum + glm::length(mean_ - other.mean_);
+  }
+
+ private:
+  std::array<double, kBins> shares_{};
+  Vec2 mean_{0};
+};
+
+// Makes similar().
+class Similar {
+ public:
+  Similar(const Sheet& fine, std::uint32_t cells, double crease_angle, const Job& job)
+      : fine_(fine), out_(filtered(fine, cells, job)), crease_angle_(crease_angle), job_(job) {}
+
+  Sheet run() {
+    base_ = out_.heights;
+    lose();
+    fade();
+    const geometry::Mesh mesh = flat_mesh(fine_, crease_angle_);
+    wanted_ = trace(shaded_slopes(mesh));
+    if (wanted_ > 0) choose(SlopeShares(mesh, std::sqrt(wanted_) / 8));
+    out_.statistics = measured(out_.heights, out_.columns, out_.spacing, job_);
+    return std::move(out_);
+  }
+
+ private:
+  static constexpr std::uint32_t kPieces = 4;  // a side
+
+  // What filtering took away, at the fine vertices.
+  void lose() {
+    const Vec2 scale = coarse_per_fine(fine_, out_);
+    lost_.resize(fine_.heights.size());
+    for (std::uint32_t j = 0; j < fine_.rows; ++j)
+      for (std::uint32_t i = 0; i < fine_.columns; ++i)
+        lost_[std::size_t{j} * fine_.columns + i] =
+            fine_.at(i, j) - height_at(out_, Vec2(i, j) * scale);
+  }
+
+  // How much of its relief the sheet has in each coarse column and row: 1 but towards edges.
+  void fade() {
+    const Vec2 scale = coarse_per_fine(fine_, out_);
+    across_.assign(out_.columns, 0);
+    up_.assign(out_.rows, 0);
+    std::vector<double> in_column(out_.columns), in_row(out_.rows);
+    for (std::uint32_t j = 0; j < fine_.rows; ++j)
+      for (std::uint32_t i = 0; i < fine_.columns; ++i) {
+        const double square =
+            lost_[std::size_t{j} * fine_.columns + i] * lost_[std::size_t{j} * fine_.columns + i];
+        const auto column = static_cast<std::size_t>(i * scale.x + 0.5);
+        const auto row = static_cast<std::size_t>(j * scale.y + 0.5);
+        across_[column] += square;
+        up_[row] += square;
+        in_column[column] += 1;
+        in_row[row] += 1;
+      }
+    level(across_, in_column);
+    level(up_, in_row);
+  }
+
+  // Root mean squares over their median, at most 1.
+  static void level(std::vector<double>& sums, const std::vector<double>& counts) {
+    for (std::size_t i = 0; i < sums.size(); ++i)
+      sums[i] = counts[i] > 0 ? std::sqrt(sums[i] / counts[i]) : 0;
+    std::vector<double> sorted = sums;
+    std::nth_element(sorted.begin(),
+                     sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+    const double median = sorted[sorted.size() / 2];
+    for (double& value : sums) value = median > 0 ? std::min(value / median, 1.0) : 1;
+  }
+
+  void choose(const SlopeShares& wanted) {
+    const std::uint32_t right = fine_.columns - out_.columns, above = fine_.rows - out_.rows;
+    std::vector<double> best;
+    std::optional<double> least;
+    double square = 1;  // of the factor of heights
+    for (std::uint32_t k = 0; k < kPieces * kPieces; ++k) {
+      job_.poll();
+      take((right * (k % kPieces)) / (kPieces - 1), (above * (k / kPieces)) / (kPieces - 1));
+      if (k == 0) square = calibrated(square);
+      add_piece(std::sqrt(square));
+      const double distance =
+          wanted.distance(SlopeShares(flat_mesh(out_, crease_angle_), std::sqrt(wanted_) / 8));
+      if (least && distance >= *least) continue;
+      least = distance;
+      best = piece_;
+    }
+    piece_ = std::move(best);
+    add_piece(std::sqrt(calibrated(square)));
+  }
+
+  // The piece from a fine vertex on, enlarged.
+  void take(std::uint32_t column, std::uint32_t row) {
+    piece_.resize(base_.size());
+    double mean = 0;
+    for (std::uint32_t j = 0; j < out_.rows; ++j)
+      for (std::uint32_t i = 0; i < out_.columns; ++i)
+        mean += piece_[std::size_t{j} * out_.columns + i] =
+            lost_[std::size_t{row + j} * fine_.columns + column + i];
+    mean /= static_cast<double>(piece_.size());
+    const double enlarged = out_.spacing.x / fine_.spacing.x;
+    for (std::uint32_t j = 0; j < out_.rows; ++j)
+      for (std::uint32_t i = 0; i < out_.columns; ++i) {
+        double& height = piece_[std::size_t{j} * out_.columns + i];
+        height = (height - mean) * enlarged * std::min(across_[i], up_[j]);
+      }
+  }
+
+  void add_piece(double factor) {
+    for (std::size_t i = 0; i < base_.size(); ++i) out_.heights[i] = base_[i] + factor * piece_[i];
+  }
+
+  // The square of the factor with which the slopes have the variance that is wanted, from a first
+  // guess; 0: they have it without the piece, or the piece has none. The variance is about linear
+  // in it.
+  double calibrated(double square) {
+    const auto variance = [&](double factor) {
+      add_piece(factor);
+      return trace(shaded_slopes(flat_mesh(out_, crease_angle_)));
+    };
+    const double none = variance(0);
+    if (none >= wanted_) return 0;
+    for (int step = 0; step < 4; ++step) {
+      const double at = variance(std::sqrt(square));
+      if (!(at > none)) return 0;
+      if (std::fabs(at - wanted_) < 1e-3 * wanted_) break;
+      square = std::min(square * (wanted_ - none) / (at - none), 64.0);
+    }
+    return square;
+  }
+
+  const Sheet& fine_;
+  Sheet out_;
+  double crease_angle_;
+  const Job& job_;
+  std::vector<double> base_, lost_, piece_, across_, up_;
+  double wanted_ = 0;  // variance of the slopes, both axes together
+};
+
 }  // namespace
 
 double height_error(const Sheet& fine, const Sheet& coarse) {
-  const Vec2 size = fine.spacing * Vec2(fine.columns - 1, fine.rows - 1);
-  const Vec2 cells(coarse.columns - 1, coarse.rows - 1);
+  const Vec2 scale = coarse_per_fine(fine, coarse);
   double most = 0;
   for (std::uint32_t j = 0; j < fine.rows; ++j)
-    for (std::uint32_t i = 0; i < fine.columns; ++i) {
-      const Vec2 at = Vec2(i, j) * fine.spacing / size * cells;
-      const Vec2 low = glm::min(glm::floor(at), cells - 1.0);
-      const Vec2 in = at - low;
-      const auto column = static_cast<std::uint32_t>(low.x), row = static_cast<std::uint32_t>(low.y);
-      const double a = coarse.at(column, row), d = coarse.at(column + 1, row + 1);
-      // cut from (i, j) to (i + 1, j + 1)
-      const double height = in.x >= in.y
-                                ? a + in.x * (coarse.at(column + 1, row) - a) +
-                                      in.y * (d - coarse.at(column + 1, row))
-                                : a + in.y * (coarse.at(column, row + 1) - a) +
-                                      in.x * (d - coarse.at(column, row + 1));
-      most = std::max(most, std::fabs(fine.at(i, j) - height));
-    }
+    for (std::uint32_t i = 0; i < fine.columns; ++i)
+      most = std::max(most, std::fabs(fine.at(i, j) - height_at(coarse, Vec2(i, j) * scale)));
   return most;
+}
+
+Covariance shaded_slopes(const geometry::Mesh& mesh) {
+  const auto slope = [&](std::uint32_t vertex) {
+    const Vec3& n = mesh.normals[vertex];
+    return Vec2(-n.x / n.z, -n.y / n.z);
+  };
+  double area = 0;
+  Vec2 mean(0);
+  Covariance sum;
+  for (const geometry::Triangle& triangle : mesh.triangles) {
+    const Vec2 a(mesh.positions[triangle[0]]), b(mesh.positions[triangle[1]]),
+        c(mesh.positions[triangle[2]]);
+    const double weight = std::fabs((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y));
+    area += weight;
+    Vec2 all(0);
+    const auto add = [&](const Vec2& s, double factor) {
+      sum.xx += factor * s.x * s.x;
+      sum.xy += factor * s.x * s.y;
+      sum.yy += factor * s.y * s.y;
+    };
+    // the mean of the square of what is linear over a triangle
+    for (const std::uint32_t vertex : triangle) {
+      const Vec2 s = slope(vertex);
+      all += s;
+      add(s, weight / 12);
+    }
+    add(all, weight / 12);
+    mean += all * (weight / 3);
+  }
+  if (!(area > 0)) return {};
+  mean /= area;
+  return {sum.xx / area - mean.x * mean.x, sum.xy / area - mean.x * mean.y,
+          sum.yy / area - mean.y * mean.y};
+}
+
+Sheet similar(const Sheet& sheet, std::uint32_t cells, double crease_angle, const Job& job) {
+  return Similar(sheet, cells, crease_angle, job).run();
 }
 
 std::vector<Level> levels_of(const Sheet& sheet, const Form& form, double crease_angle,
@@ -53,12 +274,10 @@ std::vector<Level> levels_of(const Sheet& sheet, const Form& form, double crease
   double vertices = 0;
   for (std::uint32_t cells = (sheet.columns - 1) / 2; cells >= least; cells /= 2) {
     job.poll();
-    const Sheet coarse = filtered(sheet, cells, job);
-    vertices += static_cast<double>(coarse.heights.size());
-    if (vertices > max_vertices) {
-      vertices -= static_cast<double>(coarse.heights.size());
-      continue;
-    }
+    const Sheet coarse = similar(sheet, cells, crease_angle, job);
+    const auto more = static_cast<double>(coarse.heights.size());
+    if (vertices + more > max_vertices) continue;
+    vertices += more;
     DiagnosticLog log;  // what the finest sheet has to say has been said
     auto mesh = formed(coarse, form, log);
     if (!mesh) break;
@@ -66,9 +285,9 @@ std::vector<Level> levels_of(const Sheet& sheet, const Form& form, double crease
     Level& level = levels.emplace_back();
     level.mesh = *std::move(mesh);
     level.detail = coarse.spacing.x;
-    level.error = height_error(sheet, coarse) +
-                  (radius > 0 ? level.detail * level.detail / (8 * radius) : 0);
-    level.removed = coarse.removed_slope_covariance;
+    level.error =
+        height_error(sheet, coarse) + (radius > 0 ? level.detail * level.detail / (8 * radius) : 0);
+    level.slopes = shaded_slopes(flat_mesh(coarse, crease_angle));
   }
   return levels;
 }

@@ -1,4 +1,4 @@
-// Levels of detail of a sheet: coarser sheets, and what they lost.
+// Levels of detail of a sheet: coarser sheets that glint alike.
 #pragma once
 
 #include <vector>
@@ -16,19 +16,37 @@ struct Level {
   // Metres, of the form's surface: the largest difference of heights at the finest sheet's
   // vertices, and the depth of a chord on the form.
   double error = 0;
-  Covariance removed;  // of the facets' slopes along the texture coordinates
+  Covariance slopes;  // that it is shaded with, lying flat: shaded_slopes()
 };
 
-// Each level has half the cells across of the one before, filtered() from the finest sheet; levels
-// end where cells are as few as the form allows: 2 for a flat sheet, 48 for others, so that outlines
-// stay round (a polygon of 48 sides covers 0.9971 of its circle). A level that the form refuses
-// ends them, too.
+// A coarser sheet that reflects light as the finest does, in the mean: what relief sends where
+// follows from its slopes alone, so it may be enlarged. Its heights are those of filtered(), and
+// added to them a piece of what filtering took away, enlarged with the cells: a pixel that sees a
+// cell or more can't tell, but for the wrinkles that it could not see. Of 16 pieces the one is
+// taken whose slopes are distributed most like those of the finest sheet, then its heights are
+// scaled until the variance of the slopes is the same. Where relief fades out towards an edge, it
+// does so here.
+//
+//   cells    across the width; below those of the sheet
+//   returns  as made() does; removed_slope_covariance is what filtering took away
+// Cost: O(vertices of the sheet).
+Sheet similar(const Sheet& sheet, std::uint32_t cells, double crease_angle, const Job& job = {});
+
+// Each level has half the cells across of the one before; all are made from the finest sheet. They
+// end where cells are as few as outlines (48: a polygon of 48 sides covers 0.9971 of its circle) or
+// slopes (32) allow, and where the form refuses one.
 //
 //   crease_angle  radians, of compute_normals()
 //   max_vertices  of all levels together; those beyond are left out, the finest first
 // Cost: O(vertices of the sheet) for each level.
 std::vector<Level> levels_of(const Sheet& sheet, const Form& form, double crease_angle,
                              double max_vertices, const Job& job = {});
+
+// Covariance of the slopes of a mesh's normals over the plane, about their mean; each triangle by
+// its area in the plane, slopes linear between its vertices.
+//
+// Expects: normals whose z is above 0.
+Covariance shaded_slopes(const geometry::Mesh& mesh);
 
 // The largest distance between the heights of two sheets over the same rectangle, at the vertices
 // of the finer one, metres. The coarser one is linear in its triangles.

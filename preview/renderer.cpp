@@ -227,8 +227,8 @@ bool Renderer::Impl::update(const world::World& world, const world::Camera& came
   if (!states.update(world, *device, log, job)) return false;
   leveled.clear();
   for (std::size_t i = 0; i < world.size(); ++i)
-    leveled.push_back({&world[i].pose(), states[i].bounds ? &*states[i].bounds : nullptr,
-                       states[i].steps.get()});
+    leveled.push_back(
+        {&world[i].pose(), states[i].bounds ? &*states[i].bounds : nullptr, states[i].steps.get()});
   level_choices = level_states(camera, leveled,
                                options.levels ? options.level_pixel : std::optional<double>(0));
   return true;
@@ -241,8 +241,8 @@ const VisibleSet* Renderer::Impl::look(const world::World& world, const world::C
   for (std::size_t i = 0; i < world.size(); ++i) {
     states.set_pixel(i, levels.pixels[i]);
     const TargetState& state = states[i];
-    const auto count = static_cast<std::uint32_t>(
-        world[i].model()->instances().size() + world[i].model()->levels().size());
+    const auto count = static_cast<std::uint32_t>(world[i].model()->instances().size() +
+                                                  world[i].model()->levels().size());
     shapes.push_back(
         {&world[i].pose(), state.bounds ? &*state.bounds : nullptr, state.items(), count});
     items += count;

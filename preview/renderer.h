@@ -37,12 +37,12 @@ struct RenderOptions {
   bool levels = true;
   // In place of what a pixel of the image sees: metres, ≥ 0.
   std::optional<double> level_pixel;
-  bool flat = false;               // shade by the triangles' own normals
-  unsigned shadow_side = 2048;     // texels a side of the maps of what the Sun sees, 16 to 16384 (or
-                                   // what the context takes); 0: nothing casts shadows
-  bool ground_truth = false;       // also depth, range, normal (without bumps) and ids, at the
-                                   // pixels' centres
-  std::uint32_t tile_side = 2048;  // samples that are drawn at once, a side; ≥ samples
+  bool flat = false;            // shade by the triangles' own normals
+  unsigned shadow_side = 2048;  // texels a side of the maps of what the Sun sees, 16 to 16384 (or
+                                // what the context takes); 0: nothing casts shadows
+  bool ground_truth = false;    // also depth, range, normal (without bumps) and ids, at the
+                                // pixels' centres
+  std::uint32_t tile_side = 2048;         // samples that are drawn at once, a side; ≥ samples
   std::uint64_t max_bytes = 12ull << 30;  // of the image in memory
   // of shadow maps, 8 a texel: 16 maps of 2048, which targets that are wide beside what is seen of
   // them have several of; targets that are seen share maps beyond, and one map there is always

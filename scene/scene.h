@@ -84,9 +84,8 @@ struct Instance {
 // A coarser mesh of a sheet of foil.
 struct FoilLevel {
   geometry::MeshShape mesh;
-  double detail = 0;        // metres: for pixels that see this or more of it
-  double error = 0;         // metres
-  mli::Covariance removed;  // of its slopes
+  double detail = 0;  // metres: for pixels that see this or more of it
+  double error = 0;   // metres
 };
 
 // What a shape was made from that is a sheet of foil: a mesh at the recipe's own detail.

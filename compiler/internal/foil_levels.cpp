@@ -3,14 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 #include <string>
-#include <tuple>
 #include <utility>
-
-#include "materials/roughened.h"
 
 namespace panwright::compiler::internal {
 namespace {
@@ -45,8 +41,7 @@ class FoilLevels {
           plan_.jobs[plan_.job_of[i]].projected())
         continue;
       job_.poll();
-      const Stretch stretch =
-          stretch_of(world[static_cast<std::size_t>(scene_.instances[i].node)]);
+      const Stretch stretch = stretch_of(world[static_cast<std::size_t>(scene_.instances[i].node)]);
       if (stretch.smallest < stretch.largest * (1 - kSameStretch)) continue;
       add(*found->second, plan_.job_of[i], place_[i], stretch.largest);
     }
@@ -65,15 +60,13 @@ class FoilLevels {
     std::size_t first = 0;  // of the levels that are not the instance's own mesh
     while (first < foil.levels.size() && foil.levels[first].detail <= pixel) ++first;
     pan::InstanceContent& instance = out_.instances[place];
-    const std::uint32_t material = instance.material;
     if (first > 0) {
       instance.mesh = mesh_of(foil, mesh_job, first - 1);
-      instance.material = material_of(foil, material, first - 1);
       report(foil, first - 1, pixel * stretch);
     }
     for (std::size_t k = first; k < foil.levels.size(); ++k)
       out_.levels.push_back({foil.levels[k].detail, foil.levels[k].error, place,
-                             mesh_of(foil, mesh_job, k), material_of(foil, material, k), 0});
+                             mesh_of(foil, mesh_job, k), instance.material, 0});
   }
 
   std::uint32_t mesh_of(const scene::Foil& foil, std::uint32_t mesh_job, std::size_t level) {
@@ -90,19 +83,6 @@ class FoilLevels {
             {0, static_cast<std::uint32_t>(pan::layout::ToleranceReason::explicit_counts), 0});
     }
     return known->second;
-  }
-
-  std::uint32_t material_of(const scene::Foil& foil, std::uint32_t material, std::size_t level) {
-    const mli::Covariance& removed = foil.levels[level].removed;
-    const Vec2 variance(std::max(removed.xx, 0.0), std::max(removed.yy, 0.0));
-    const auto [known, added] =
-        materials_.try_emplace({material, variance.x, variance.y}, out_.materials.size());
-    if (added) {
-      materials::Material rough = materials::roughened(out_.materials[material], variance);
-      rough.name += fmt::format(" + slopes {:.3g}", std::sqrt(variance.x + variance.y));
-      out_.materials.push_back(std::move(rough));
-    }
-    return static_cast<std::uint32_t>(known->second);
   }
 
   // once for each sheet
@@ -147,9 +127,8 @@ class FoilLevels {
   }
 
   bool is_of_foil(std::uint32_t mesh) const {
-    return std::ranges::any_of(out_.sheets, [&](const pan::layout::Sheet& sheet) {
-      return sheet.mesh == mesh;
-    });
+    return std::ranges::any_of(out_.sheets,
+                               [&](const pan::layout::Sheet& sheet) { return sheet.mesh == mesh; });
   }
 
   const scene::Scene& scene_;
@@ -160,8 +139,6 @@ class FoilLevels {
   DiagnosticLog& log_;
   const Job& job_;
   std::map<std::pair<std::uint32_t, std::size_t>, std::uint32_t> meshes_;  // by job and level
-  // by the material without levels and the slopes
-  std::map<std::tuple<std::uint32_t, double, double>, std::size_t> materials_;
   std::set<std::pair<std::int32_t, std::size_t>> reported_;
 };
 

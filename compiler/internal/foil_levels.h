@@ -12,11 +12,10 @@
 
 namespace panwright::compiler::internal {
 
-// Adds the levels of sheets: their meshes, materials that hold the slopes that those lost, and
-// which instance they stand for. Where the budget says what a pixel sees at the nearest, levels
-// that are finer than it are left out of the file, and the instance starts with what is left.
-// Instances with decals, or that are stretched differently along their axes, keep the finest mesh
-// alone.
+// Adds the levels of sheets: their meshes, and which instance they stand for. Where the budget says
+// what a pixel sees at the nearest, levels that are finer than it are left out of the file, and the
+// instance starts with what is left. Instances with decals, or that are stretched differently along
+// their axes, keep the finest mesh alone.
 //
 //   mesh_of_job  index in out.meshes; beyond them: none
 //   place        of the scene's instances in out.instances; beyond them: none

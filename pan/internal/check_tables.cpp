@@ -415,11 +415,11 @@ std::optional<Problem> level_problem(const Model& model) {
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const layout::Level& level = levels[i];
     if (!(level.detail > 0))
-      return Problem{Code::E4012, fmt::format("levels[{}].detail is {}, expected more than 0", i,
-                                              level.detail)};
-    if (i > 0 && (level.instance < levels[i - 1].instance ||
-                  (level.instance == levels[i - 1].instance &&
-                   !(level.detail > levels[i - 1].detail))))
+      return Problem{Code::E4012,
+                     fmt::format("levels[{}].detail is {}, expected more than 0", i, level.detail)};
+    if (i > 0 &&
+        (level.instance < levels[i - 1].instance ||
+         (level.instance == levels[i - 1].instance && !(level.detail > levels[i - 1].detail))))
       return Problem{Code::E4012,
                      fmt::format("levels[{}] is out of order, expected them ascending by instance, "
                                  "then by detail",

@@ -50,9 +50,8 @@ DrawItem item_of(const pan::Model& model, std::uint32_t index, std::uint32_t mes
   item.variant.albedo_map = material.albedo_map >= 0;
   item.variant.normal_map = material.normal_map >= 0;
   item.variant.roughness_map = material.roughness_map >= 0;
-  item.variant.reflectance_map =
-      material.reflectance_map >= 0 &&
-      materials::brdf_model_of(pan::material_from(material, {})).mapped;
+  item.variant.reflectance_map = material.reflectance_map >= 0 &&
+                                 materials::brdf_model_of(pan::material_from(material, {})).mapped;
   item.variant.cutout = material.cutout_map >= 0;
   item.variant.cells = material.cell_count[0] > 0;
   item.variant.brushed = is_brushed(material);

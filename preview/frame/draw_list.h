@@ -98,8 +98,9 @@ std::size_t drawn_at_once(std::size_t first, std::size_t end, const Item& item) 
   return last - first < kLeast ? 1 : last - first;
 }
 
-// All instances at all levels of detail, the finest visible, sorted so that neighbours share as much state as possible: by variant, sides,
-// texture, material, mesh, then as they stand in the model.
+// All instances at all levels of detail, the finest visible, sorted so that neighbours share as
+// much state as possible: by variant, sides, texture, material, mesh, then as they stand in the
+// model.
 std::vector<DrawItem> draw_list(const pan::Model& model);
 
 // The list as a target of a world stands: same order, other places and visibilities; visible are

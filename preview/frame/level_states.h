@@ -13,7 +13,7 @@ namespace panwright::preview {
 // A target with levels of detail as a camera sees it.
 struct LeveledTarget {
   const world::Pose* pose = nullptr;
-  const world::Bounds* bounds = nullptr;    // model frame; null: nothing of it is visible
+  const world::Bounds* bounds = nullptr;       // model frame; null: nothing of it is visible
   const std::vector<double>* steps = nullptr;  // TargetState::steps; null: it has no levels
 };
 

@@ -344,7 +344,7 @@ std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t
            mli::levels_of(*sheet, foil.form, crease_angle, room - out.vertices, job)) {
         out.vertices += static_cast<double>(level.mesh.positions.size());
         out.levels.push_back({std::make_shared<const geometry::Mesh>(std::move(level.mesh)),
-                              level.detail, level.error, level.removed});
+                              level.detail, level.error});
       }
     }
   }

@@ -542,8 +542,7 @@ struct Level {
   double error;  // m: from the instance's own mesh, in its coordinates
   std::uint32_t instance;
   std::uint32_t mesh;  // in the place of the instance's
-  // in the place of the instance's: what the mesh lost of its slopes is in its roughness
-  std::uint32_t material;
+  std::uint32_t material;  // in the place of the instance's
   std::uint32_t reserved;  // 0
 };
 static_assert(sizeof(Level) == 32);

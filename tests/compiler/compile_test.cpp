@@ -123,6 +123,86 @@ TEST(Compile, SheetsStandBesideTheirMeshes) {
   EXPECT_EQ(bare.directory().size() + 1, model.directory().size());
 }
 
+// A sheet of cells of 10 mm with levels of 20 and 40 mm, as plates that begin at their numbers.
+scene::Scene leveled_scene(int instances) {
+  scene::Scene scene = scene_with_nodes(instances + 1);
+  scene.shapes = {plate(0)};
+  scene::Foil foil;
+  foil.shape = 0;
+  foil.recipe.width = foil.recipe.height = 1;
+  foil.recipe.xgrid = 100;
+  foil.source.file = "foil.pxn";
+  for (int k = 1; k < 3; ++k) foil.levels.push_back({plate(k), 0.01 * (1 << k), 1e-3 * k});
+  scene.foils.push_back(foil);
+  for (std::int32_t i = 1; i <= instances; ++i) scene.instances.push_back(at(i, 0));
+  return scene;
+}
+
+// Every instance has the levels, which share their meshes.
+TEST(Compile, LevelsOfFoil) {
+  const pan::Model model = load(leveled_scene(3));
+  ASSERT_EQ(model.meshes().size(), 3u);
+  ASSERT_EQ(model.levels().size(), 6u);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    const auto levels = model.levels(i);
+    ASSERT_EQ(levels.size(), 2u);
+    for (std::uint32_t k = 0; k < 2; ++k) {
+      EXPECT_EQ(levels[k].instance, i);
+      EXPECT_EQ(levels[k].detail, 0.02 * (k + 1));
+      EXPECT_EQ(levels[k].error, 1e-3 * (k + 1));
+      EXPECT_EQ(levels[k].material, model.instances()[i].material);
+      EXPECT_EQ(model.meshes()[levels[k].mesh].origin[0], k + 1 + 0.5);
+    }
+  }
+  EXPECT_EQ(model.sheets()[0].mesh, model.instances()[0].mesh);
+}
+
+// Instances that are stretched, or that have decals, show the finest mesh alone.
+TEST(Compile, SomeInstancesHaveNoLevels) {
+  scene::Scene scene = leveled_scene(4);
+  scene.nodes[1].parent_from_node.scale = Vec3(2, 1, 1);
+  scene.nodes[2].parent_from_node.scale = Vec3(-3, 3, 3);
+  scene.textures.push_back({"t", 1, 1, std::vector<std::uint8_t>(4, 255), false});
+  scene::Decal decal;
+  decal.instance = 2;
+  decal.texture = 0;
+  decal.at = Vec3(0.5, 0.5, 0);
+  decal.normal = Vec3(0, 0, 1);
+  scene.decals.push_back(decal);
+  const pan::Model model = load(scene);
+  EXPECT_EQ(model.levels(0).size(), 0u);
+  EXPECT_EQ(model.levels(1).size(), 2u);
+  EXPECT_EQ(model.levels(2).size(), 0u);
+  EXPECT_EQ(model.levels(3).size(), 2u);
+}
+
+// What the nearest pixel does not see is not stored; said once.
+TEST(Compile, ABudgetLeavesFineFoilOut) {
+  scene::Scene scene = leveled_scene(2);
+  scene.budget.nearest = 100;
+  scene.budget.ifov = 2.5e-4;  // 25 mm
+  const pan::Model model = load(scene);
+  EXPECT_EQ(model.meshes().size(), 2u);
+  ASSERT_EQ(model.levels().size(), 2u);
+  EXPECT_EQ(model.levels()[0].detail, 0.04);
+  EXPECT_EQ(model.meshes()[model.instances()[0].mesh].origin[0], 1.5);
+  EXPECT_EQ(model.sheets()[0].mesh, model.instances()[0].mesh);
+  EXPECT_EQ(model.mesh_tolerances().size(), 2u);
+  DiagnosticLog log;
+  ASSERT_TRUE(compiled(scene, {}, log));
+  ASSERT_EQ(log.entries().size(), 1u) << to_text(log);
+  EXPECT_EQ(log.entries()[0].code, Code::N2024);
+  // on a node of twice the size a pixel sees half as much of the sheet
+  scene.nodes[1].parent_from_node.scale = Vec3(2);
+  const pan::Model other = load(scene);
+  EXPECT_EQ(other.meshes().size(), 3u);
+  EXPECT_EQ(other.meshes()[other.instances()[0].mesh].origin[0], 0.5);
+  EXPECT_EQ(other.meshes()[other.instances()[1].mesh].origin[0], 1.5);
+  // nearer, all of it
+  scene.budget.nearest = 20;
+  EXPECT_EQ(load(scene).levels().size(), 4u);
+}
+
 TEST(Compile, BytesDoNotDependOnThreads) {
   scene::Scene scene = scene_with_nodes(40);
   for (std::int32_t i = 0; i < 40; ++i) {

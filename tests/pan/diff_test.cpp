@@ -182,7 +182,7 @@ TEST(Diff, MapsAreComparedByTheTexturesTheyName) {
   a.materials[1].maps.cutout = 0;
   b.materials[1].maps.cutout = 1;
   b.textures.insert(b.textures.begin(), {"first.png", 1, 1, false, kTexel});
-  b.instances[1].texture = 1;
+  b.instances[1].texture = b.instances[2].texture = 1;
   for (DecalContent& decal : b.decals) decal.texture = 1;
   EXPECT_EQ(lines(diff(load(write_to_memory(a)), load(write_to_memory(b))).model),
             Lines{"texture 'first.png': only in b"});
@@ -241,7 +241,7 @@ TEST(Diff, ProvenanceStandsApart) {
   expect_provenance({"input 'craft.pxn': contents differ: 300 bytes in a, 300 in b"},
                     [](Contents& c) { c.inputs[0].hash.low = 9; });
   expect_provenance({"input 'skin.png': only in a"}, [](Contents& c) { c.inputs.pop_back(); });
-  expect_provenance({"source locations: 1 of 2 differ"},
+  expect_provenance({"source locations: 1 of 3 differ"},
                     [](Contents& c) { c.sources[1].line = 10; });
   expect_provenance({"source locations: only in a"}, [](Contents& c) { c.sources.clear(); });
 }
@@ -261,6 +261,7 @@ TEST(Diff, UnknownSectionsAndOrder) {
                [](Contents& c) {
                  std::swap(c.materials[0], c.materials[1]);
                  for (InstanceContent& instance : c.instances) instance.material ^= 1;
+                 c.levels[0].material ^= 1;
                });
 }
 

@@ -39,7 +39,7 @@ TEST(Read, TablesComeBack) {
   EXPECT_THAT(listed(body.scale, 3), testing::ElementsAre(2, 2, -2));
   EXPECT_EQ(model.node_path(2), "craft/body/[2]");
 
-  ASSERT_EQ(model.instances().size(), 2u);
+  ASSERT_EQ(model.instances().size(), 3u);
   EXPECT_EQ(model.instances()[1].node, 2u);
   EXPECT_EQ(model.instances()[1].mesh, 1u);
   EXPECT_EQ(model.instances()[1].material, 1u);
@@ -212,9 +212,10 @@ TEST(Read, WorldMatricesMultiplyDownTheTree) {
 
 TEST(Read, WorldBoundsHoldTheFurthestVertices) {
   Contents contents = support::small_contents();
-  contents.instances.pop_back();
-  contents.sources.pop_back();
+  contents.instances.resize(1);
+  contents.sources.resize(1);
   contents.decals.clear();
+  contents.levels.clear();
   contents.nodes[1].rotation = {1, 0, 0, 0};
   const Model model = load(write_to_memory(contents));
   const auto bounds = model.world_bounds();

@@ -381,7 +381,7 @@ void ground_truth(Collection& add) {
   const auto decal = [&](Code code, const char* what, const std::function<void(Decal&)>& change) {
     add.changed(code, what, [&](OpenPan& f) { change(f.at<Decal>(SectionKind::decals, 1)); });
   };
-  decal(Code::E4010, "a decal on no instance", [](Decal& d) { d.instance = 2; });
+  decal(Code::E4010, "a decal on no instance", [](Decal& d) { d.instance = 3; });
   decal(Code::E4010, "a decal without a texture", [](Decal& d) { d.texture = 1; });
   decal(Code::E4010, "a decal's name", [](Decal& d) { d.name = 0x7fffffffu; });
   decal(Code::E4012, "a decal that is not turned by a unit quaternion",

@@ -61,7 +61,7 @@ pan::Contents small_contents() {
                     {"body", 0, {1, 2, 3}, {0.6, 0, 0.8, 0}, {2, 2, -2}},
                     {"", 1, {0, 0, 1e5}, {0, 1, 0, 0}, {1, 1, 1}}};
   contents.meshes = {pan::packed(tetrahedron(), "hull"), pan::packed(square(), "pl\u00e4t\u00e9")};
-  contents.instances = {{1, 0, 0, -1}, {2, 1, 1, 0}};
+  contents.instances = {{1, 0, 0, -1}, {2, 1, 1, 0}, {0, 1, 1, 0}};
   materials::Material plastic;
   plastic.name = "plastic";
   plastic.specular_brdf = materials::CookTorrance{};
@@ -73,7 +73,7 @@ pan::Contents small_contents() {
   contents.materials = {plastic, paint};
   contents.textures = {{"skin.png", 2, 3, true, kImage}};
   contents.frames = {{"camera", 1, {0, 0, 0.5}, {0.8, 0, 0, 0.6}}};
-  contents.sources = {{"craft.pxn", 4, 7}, {"craft.pxn", 9, 3}};
+  contents.sources = {{"craft.pxn", 4, 7}, {"craft.pxn", 9, 3}, {"craft.pxn", 12, 3}};
   contents.budget = pan::layout::Budget{0.5, 100, 1e-4, 0.25, 0.125, 0.0625, 0.5, {}};
   contents.mesh_tolerances = {{0.25, static_cast<std::uint32_t>(ToleranceReason::flux), 0}, {}};
   contents.keypoints = {{"corner", 1, {1, 1, 1}}, {"tip", 2, {0, 0, 0.1}}};
@@ -85,6 +85,7 @@ pan::Contents small_contents() {
   sheet.seed = 5;
   sheet.mesh = 1;
   contents.sheets = {sheet};
+  contents.levels = {{0.5, 0.25, 2, 1, 0, 0}};
   return contents;
 }
 

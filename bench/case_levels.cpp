@@ -1,0 +1,348 @@
+// Levels of detail of foil: what they send, in the mean over sheets and of one sheet as a camera
+// comes closer, against the finest sheet.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "bench/bench.h"
+#include "geometry/mesh/strip.h"
+#include "mli/levels.h"
+#include "mli/preset.h"
+#include "pan/model.h"
+#include "pan/writer.h"
+#include "preview/reference/reference.h"
+#include "preview/renderer.h"
+#include "pxn/materials.h"
+#include "tests/support/view.h"
+
+namespace panwright::bench {
+namespace {
+
+constexpr double kWidth = 1.28;  // metres
+constexpr double kCrease = 30 * kDegree;
+
+struct Wear {
+  std::string name;
+  materials::Material material;
+};
+
+std::optional<Wear> library(const char* name, DiagnosticLog& log) {
+  auto described = pxn::preset(name, log);
+  if (!described) return std::nullopt;
+  return Wear{name, described->material};
+}
+
+Wear lambert() {
+  Wear wear{"Lambert 0.5", {}};
+  wear.material.diffuse = Vec3(0.5);
+  return wear;
+}
+
+std::optional<mli::Sheet> sheet_of(std::vector<mli::Operation> operations, std::uint32_t cells,
+                                   std::uint32_t seed, DiagnosticLog& log) {
+  mli::Recipe recipe;
+  recipe.width = recipe.height = kWidth;
+  recipe.xgrid = cells;
+  recipe.seed = seed;
+  recipe.operations = std::move(operations);
+  auto sheet = mli::made(recipe, {}, log);
+  if (!sheet) return std::nullopt;
+  return *std::move(sheet);
+}
+
+// A sheet with its levels, at the root.
+world::ModelPtr model_of(const mli::Sheet& sheet, const Wear& wear, DiagnosticLog& log) {
+  auto fine = mli::formed(sheet, mli::Flat{}, log);
+  if (!fine) return nullptr;
+  geometry::compute_normals(*fine, kCrease);
+  pan::Contents contents;
+  contents.nodes.push_back({"root", -1, Vec3(0), Quat(1, 0, 0, 0), Vec3(1)});
+  contents.meshes.push_back(pan::packed(*fine, "sheet"));
+  contents.materials = {wear.material};
+  contents.instances.push_back({0, 0, 0, -1});
+  for (const mli::Level& level : mli::levels_of(sheet, mli::Flat{}, kCrease, 1e9)) {
+    const auto mesh = static_cast<std::uint32_t>(contents.meshes.size());
+    contents.levels.push_back({level.detail, level.error, 0, mesh, 0, 0});
+    contents.meshes.push_back(pan::packed(level.mesh, fmt::format("level {}", mesh)));
+  }
+  auto model = pan::Model::from_bytes(pan::write_to_memory(contents), "sheet", log);
+  if (!model || !model->check(log)) return nullptr;
+  return std::make_shared<const pan::Model>(*std::move(model));
+}
+
+Vec3 direction(double degrees) {
+  const auto t = det::sincos(degrees * kDegree);
+  return {t.sin, 0, t.cos};
+}
+
+preview::View view_from(double viewer, double sun, double width, std::uint32_t side) {
+  DiagnosticLog log;
+  preview::View view;
+  world::set_orthographic(view.camera, side, side, width);
+  view.camera.position = 10.0 * direction(viewer);
+  if (const auto turn = world::looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log))
+    view.camera.world_from_camera = *turn;
+  view.to_sun = direction(sun);
+  return view;
+}
+
+// Once, for long series.
+template <class Work>
+Timing clocked(const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return {seconds, seconds, seconds, 1};
+}
+
+double sum_of(const preview::Image& image) {
+  double sum = 0;
+  for (std::size_t i = 1; i < image.radiance.size(); i += 3)
+    sum += static_cast<double>(image.radiance[i]);
+  return sum;
+}
+
+// ---- the mean over sheets
+
+struct Way {
+  const char* name;
+  double sun, viewer;  // degrees from the normal
+};
+constexpr Way kWays[] = {{"phase 0", 0, 0},
+                         {"phase 60, mirrored", 30, -30},
+                         {"phase 60, 10 degrees off", 40, -20},
+                         {"phase 90, mirrored", 45, -45},
+                         {"phase 90, back", 60, -30},
+                         {"phase 120, mirrored", 60, -60}};
+
+void run_far(Context& context, preview::Renderer& renderer, const Wear& wear, double slope) {
+  constexpr std::size_t kLevels = 3;
+  const std::uint32_t seeds = context.quick() ? 2 : 64;
+  struct Sums {
+    double all = 0, explicit_all = 0, squares = 0;
+    Timing timing;
+  };
+  std::array<std::array<Sums, kLevels + 1>, std::size(kWays)> sums;
+  DiagnosticLog log;
+  preview::Reference reference;
+  double bounced = 0, direct = 0;
+  for (std::uint32_t seed = 0; seed < seeds; ++seed) {
+    const auto sheet = sheet_of(
+        {mli::Random{1e-3}, mli::Smooth{8}, mli::SlopeRms{slope * std::sqrt(2.0)}}, 256, seed, log);
+    const auto model = sheet ? model_of(*sheet, wear, log) : nullptr;
+    if (!model) return context.note("a sheet was refused");
+    for (std::size_t w = 0; w < std::size(kWays); ++w) {
+      const preview::View view = view_from(kWays[w].viewer, kWays[w].sun, 1.5, 64);
+      const world::World world = preview::world_of(model, view);
+      preview::ReferenceOptions traced;
+      traced.samples = 16;
+      traced.bounces = 0;
+      traced.seed = seed;
+      const auto truth = reference.render(world, view.camera, traced, log);
+      if (!truth) return context.note("a sheet could not be traced");
+      const double want = sum_of(truth->image);
+      if (seed == 0) {
+        traced.bounces = 3;
+        const auto more = reference.render(world, view.camera, traced, log);
+        bounced += more ? sum_of(more->image) : 0;
+        direct += want;
+      }
+      for (std::size_t k = 0; k <= kLevels; ++k) {
+        preview::RenderOptions options;
+        options.samples = 4;
+        options.level_pixel = k == 0 ? 0 : model->levels()[k - 1].detail;
+        double got = 0;
+        const Timing timing = clocked([&] {
+          auto image = renderer.render(world, view.camera, options, log);
+          if (image) got = sum_of(*image);
+        });
+        Sums& s = sums[w][k];
+        s.timing = timing;
+        s.all += got;
+        s.explicit_all += want;
+        s.squares += std::pow(got - want, 2);
+      }
+    }
+  }
+  for (std::size_t w = 0; w < std::size(kWays); ++w)
+    for (std::size_t k = 0; k <= kLevels; ++k) {
+      const Sums& s = sums[w][k];
+      const double mean = (s.all - s.explicit_all) / seeds;
+      const double deviation = std::sqrt(std::max(s.squares / seeds - mean * mean, 0.0));
+      const bool promised = slope <= 0.2 && kWays[w].sun - kWays[w].viewer <= 90 && k > 0;
+      Row row{.case_name = "levels",
+              .setting = fmt::format("far; {}; slope {:g}; {}; level {}", wear.name, slope,
+                                     kWays[w].name, k),
+              .speed_unit = "ms/frame",
+              .error = std::fabs(s.all / s.explicit_all - 1),
+              .error_unit = "flux, mean of sheets",
+              .reference = fmt::format("finest sheets, path traced; {} seeds; one sheet {:.2g}",
+                                       seeds, deviation * seeds / s.explicit_all),
+              .reference_error = deviation / std::sqrt(seeds) * seeds / s.explicit_all,
+              .must_error = promised && !context.quick() ? 0.03 : 0};
+      set_time(row, s.timing, 1e3);
+      context.add(row);
+    }
+  context.note(
+      fmt::format("{}, slope {:g}: light between facets, which OpenGL leaves out, adds "
+                  "{:.2g} to the flux of the finest sheet",
+                  wear.name, slope, bounced / direct - 1));
+}
+
+// ---- one sheet, as a camera comes closer
+
+void run_approach(Context& context, preview::Renderer& renderer, const Wear& wear) {
+  const int frames = context.quick() ? 12 : 200;
+  DiagnosticLog log;
+  const auto operations = mli::preset_operations("crinkled", kWidth);
+  const auto sheet = operations ? sheet_of(*operations, 512, 3, log) : std::nullopt;
+  const auto model = sheet ? model_of(*sheet, wear, log) : nullptr;
+  if (!model) return context.note("the crinkled sheet was refused");
+  for (const bool levels : {false, true}) {
+    std::vector<double> flux;
+    std::vector<double> seconds;
+    for (int i = 0; i < frames; ++i) {
+      const double range = 26 * std::pow(400.0 / 26, static_cast<double>(i) / (frames - 1));
+      preview::View view = view_from(0, 0, 1, 128);
+      world::set_pixel_angle(view.camera, 128, 128, 0.5e-3);
+      view.camera.position = range * glm::normalize(Vec3(0.1, -0.2, 0.97));
+      if (const auto turn = world::looking_at(view.camera.position, Vec3(0), Vec3(0, 1, 0), log))
+        view.camera.world_from_camera = *turn;
+      view.to_sun = glm::normalize(Vec3(0.5, 0.3, 1));
+      const world::World world = preview::world_of(model, view);
+      preview::RenderOptions options;
+      options.samples = 16;
+      options.levels = levels;
+      const Timing timing = clocked([&] {
+        auto image = renderer.render(world, view.camera, options, log);
+        if (image) flux.push_back(sum_of(*image) * range * range);
+      });
+      seconds.push_back(timing.median);
+    }
+    if (flux.size() != static_cast<std::size_t>(frames)) return context.note("no image");
+    // beyond the trend: half the second difference of the logarithm
+    double step = 0;
+    for (std::size_t i = 1; i + 1 < flux.size(); ++i)
+      step =
+          std::max(step, std::fabs(std::log(flux[i - 1] * flux[i + 1] / (flux[i] * flux[i]))) / 2);
+    std::nth_element(seconds.begin(), seconds.begin() + frames / 2, seconds.end());
+    Row row{.case_name = "levels",
+            .setting = fmt::format("approach of {} frames, 400 to 26 m; {}; {}", frames, wear.name,
+                                   levels ? "levels" : "524288 triangles"),
+            .speed = seconds[static_cast<std::size_t>(frames) / 2] * 1e3,
+            .speed_unit = "ms/frame",
+            .error = step,
+            .error_unit = "flux step beyond the trend",
+            .reference = "the frames before and after",
+            .reference_error = 0,
+            .runs = frames,
+            .must_error = levels && !context.quick() ? 0.005 : 0};
+    context.add(row);
+  }
+}
+
+// ---- glints
+
+struct Glints {
+  double peaks = 0;   // of a pixel over the sweep: local maxima above five times its mean
+  double bright = 0;  // the radiance that one pixel in a hundred exceeds
+  double mean = 0;
+};
+
+Glints glints(preview::Renderer& renderer, const world::ModelPtr& model, double pixel,
+              int degrees) {
+  std::vector<std::vector<float>> frames;
+  DiagnosticLog log;
+  for (int i = 0; i < degrees; ++i) {
+    // pixels of 20 mm
+    const preview::View view = view_from(-15, 15 + i - degrees / 2.0, kWidth, 64);
+    preview::RenderOptions options;
+    options.samples = 8;
+    options.level_pixel = pixel;
+    auto image = renderer.render(preview::world_of(model, view), view.camera, options, log);
+    if (!image) return {};
+    std::vector<float>& frame = frames.emplace_back();
+    for (std::size_t p = 1; p < image->radiance.size(); p += 3) frame.push_back(image->radiance[p]);
+  }
+  Glints out;
+  std::vector<float> all;
+  for (std::size_t p = 0; p < frames.front().size(); ++p) {
+    double mean = 0;
+    for (const auto& frame : frames) mean += static_cast<double>(frame[p]);
+    mean /= degrees;
+    for (std::size_t i = 1; i + 1 < frames.size(); ++i)
+      if (frames[i][p] > frames[i - 1][p] && frames[i][p] >= frames[i + 1][p] &&
+          static_cast<double>(frames[i][p]) > 5 * mean)
+        ++out.peaks;
+    out.mean += mean;
+  }
+  for (const auto& frame : frames) all.insert(all.end(), frame.begin(), frame.end());
+  const auto at = all.begin() + static_cast<std::ptrdiff_t>(all.size() * 99 / 100);
+  std::nth_element(all.begin(), at, all.end());
+  out.bright = static_cast<double>(*at);
+  return out;
+}
+
+void run_glints(Context& context, preview::Renderer& renderer, const Wear& wear) {
+  DiagnosticLog log;
+  const auto operations = mli::preset_operations("crinkled", kWidth);
+  const auto sheet = operations ? sheet_of(*operations, 256, 3, log) : std::nullopt;
+  const auto model = sheet ? model_of(*sheet, wear, log) : nullptr;
+  if (!model) return context.note("the crinkled sheet was refused");
+  const int degrees = context.quick() ? 5 : 40;
+  Glints fine;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double pixel = k == 0 ? 0 : model->levels()[k - 1].detail;
+    Glints got;
+    const Timing timing = clocked([&] { got = glints(renderer, model, pixel, degrees); });
+    if (k == 0) fine = got;
+    const auto add = [&](const char* unit, double value, double want) {
+      Row row{.case_name = "levels",
+              .setting = fmt::format("glints, Sun through {} degrees; {}; cells of {:g} m under "
+                                     "pixels of 0.02 m",
+                                     degrees, wear.name, k == 0 ? 0.005 : pixel),
+              .speed_unit = "ms/frame",
+              .error = std::fabs(value / want - 1),
+              .error_unit = unit,
+              .reference = "the finest sheet",
+              .reference_error = 0,
+              .must_error = k == 1 && !context.quick() ? 0.1 : 0};
+      set_time(row, timing, 1e3 / degrees);
+      context.add(row);
+    };
+    add("number of peaks", got.peaks, fine.peaks);
+    add("radiance of the brightest hundredth", got.bright, fine.bright);
+    add("flux of the sweep", got.mean, fine.mean);
+  }
+}
+
+void run(Context& context) {
+  DiagnosticLog log;
+  auto gl = preview::Device::create(preview::ContextKind::automatic, log);
+  if (!gl) return context.note("no OpenGL context");
+  context.set_renderer((*gl)->context().renderer());
+  preview::Renderer renderer(*gl);
+  const auto gold = library("mli_gold_kapton", log);
+  if (!gold) return context.note("the library has no mli_gold_kapton");
+  for (const double slope : {0.05, 0.1, 0.2, 0.3}) {
+    if (context.quick() && slope != 0.2) continue;
+    run_far(context, renderer, lambert(), slope);
+    run_far(context, renderer, *gold, slope);
+  }
+  run_approach(context, renderer, *gold);
+  run_glints(context, renderer, *gold);
+}
+
+const bool kAdded = add_case(
+    {"levels", "levels of detail of foil against the finest sheet: far, coming closer, glints",
+     run});
+
+}  // namespace
+}  // namespace panwright::bench

@@ -1,0 +1,164 @@
+// Levels of detail against what light does on their facets.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/mesh/strip.h"
+#include "mli/levels.h"
+#include "mli/preset.h"
+#include "tests/mli/sheet_support.h"
+
+namespace panwright::mli {
+namespace {
+
+using testing::recipe;
+using testing::sheet_of;
+
+constexpr double kCrease = 30 * kDegree;
+
+Sheet noise(double slope, std::uint32_t seed = 0, std::uint32_t cells = 256) {
+  return sheet_of(recipe(1.28, 1.28, cells, {Random{1e-3}, Smooth{8}, SlopeRms{slope}}, seed));
+}
+
+// What a sheet sends from a far light to a far viewer, over what a plane does, with the normals
+// that stand between its vertices: of Lambert's kind; and the share that the viewer sees of normals
+// within 0.1 of the half vector.
+struct FarLight {
+  double lambert = 0, mirrored = 0;
+};
+FarLight far_light(const geometry::Mesh& mesh, const Vec3& l, const Vec3& v) {
+  const Vec3 h = glm::normalize(l + v);
+  FarLight sum;
+  double plane = 0;
+  for (const geometry::Triangle& t : mesh.triangles) {
+    const Vec3 a = mesh.positions[t[0]];
+    const Vec3 area = glm::cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a) / 2.0;
+    plane += area.z;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 n = glm::normalize(mesh.normals[t[static_cast<std::size_t>(k)]] +
+                                    mesh.normals[t[static_cast<std::size_t>((k + 1) % 3)]]);
+      const double seen = std::max(glm::dot(area, v), 0.0) / 3;
+      sum.lambert += std::max(glm::dot(n, l), 0.0) * seen;
+      if (glm::length(n - h) < 0.1) sum.mirrored += seen;
+    }
+  }
+  return {sum.lambert / (plane * l.z * v.z), sum.mirrored / (plane * v.z)};
+}
+
+Vec3 direction(double angle) { return {std::sin(angle), 0, std::cos(angle)}; }
+
+TEST(Levels, SlopesAreThoseOfTheFinest) {
+  for (const auto& [slope, seed] : {std::pair{0.07, 1u}, {0.2, 2u}, {0.42, 3u}}) {
+    const Sheet sheet = noise(slope, seed);
+    DiagnosticLog log;
+    auto flat = formed(sheet, Flat{}, log);
+    ASSERT_TRUE(flat);
+    geometry::compute_normals(*flat, kCrease);
+    const Covariance fine = shaded_slopes(*flat);
+    const auto levels = levels_of(sheet, Flat{}, kCrease, 1e9);
+    ASSERT_EQ(levels.size(), 3u);
+    for (const Level& level : levels)
+      // measured 4e-4 at most: the fourth secant
+      EXPECT_NEAR((level.slopes.xx + level.slopes.yy) / (fine.xx + fine.yy), 1, 2e-3)
+          << slope << " " << level.detail;
+    EXPECT_DOUBLE_EQ(levels[0].detail, 0.01);
+    EXPECT_DOUBLE_EQ(levels[2].detail, 0.04);
+    EXPECT_EQ(levels[2].mesh.triangles.size(), 2u * 32 * 32);
+  }
+}
+
+// Against the finest sheet's own, over seeds.
+TEST(Levels, FarLightIsTheSameInTheMean) {
+  constexpr std::uint32_t kSeeds = 24;
+  const std::pair<Vec3, Vec3> ways[] = {{direction(0), direction(0)},
+                                        {direction(0.78), direction(-0.78)},
+                                        {direction(0.78), direction(0.78)},
+                                        {direction(0.5), direction(-0.2)}};
+  FarLight sums[3][4];  // finest, levels
+  for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
+    const Sheet sheet = noise(0.2, seed, 128);
+    DiagnosticLog log;
+    auto fine = formed(sheet, Flat{}, log);
+    ASSERT_TRUE(fine);
+    geometry::compute_normals(*fine, kCrease);
+    const auto levels = levels_of(sheet, Flat{}, kCrease, 1e9);
+    ASSERT_EQ(levels.size(), 2u);
+    const geometry::Mesh* meshes[] = {&*fine, &levels[0].mesh, &levels[1].mesh};
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t way = 0; way < 4; ++way) {
+        const FarLight light = far_light(*meshes[k], ways[way].first, ways[way].second);
+        sums[k][way].lambert += light.lambert;
+        sums[k][way].mirrored += light.mirrored;
+      }
+  }
+  for (std::size_t k = 1; k < 3; ++k)
+    for (std::size_t way = 0; way < 4; ++way) {
+      EXPECT_NEAR(sums[k][way].lambert / sums[0][way].lambert, 1, 0.01) << k << " " << way;
+      // the third way mirrors nothing
+      if (way == 2) continue;
+      EXPECT_NEAR(sums[k][way].mirrored / sums[0][way].mirrored, 1, 0.05) << k << " " << way;
+    }
+}
+
+// Where the finest is level, and in the mean: heights of a plane stay, whatever is enlarged.
+TEST(Levels, EdgesStayWhereTheyAre) {
+  const Sheet sheet = sheet_of(recipe(
+      1.28, 0.64, 256, {Random{1e-3}, Smooth{4}, SlopeRms{0.2}, Taper{0.1, 0.2, 0.05, 0.1}}));
+  const Sheet coarse = similar(sheet, 64, kCrease);
+  for (std::uint32_t i = 0; i < coarse.columns; ++i) {
+    EXPECT_EQ(coarse.at(i, 0), 0) << i;
+    EXPECT_EQ(coarse.at(i, coarse.rows - 1), 0) << i;
+  }
+  for (std::uint32_t j = 0; j < coarse.rows; ++j) EXPECT_EQ(coarse.at(0, j), 0) << j;
+  // and relief stands within
+  EXPECT_GT(coarse.statistics.height_rms, sheet.statistics.height_rms);
+}
+
+TEST(Levels, ALevelSheetStaysLevel) {
+  const auto levels =
+      levels_of(sheet_of(recipe(1, 1, 128, {Constant{0.01}})), Flat{}, kCrease, 1e9);
+  ASSERT_EQ(levels.size(), 2u);
+  EXPECT_EQ(levels[1].error, 0);
+  for (const Vec3& p : levels[1].mesh.positions) EXPECT_EQ(p.z, 0.01);
+}
+
+TEST(Levels, HeightErrorIsTheLargestDifference) {
+  Sheet fine = sheet_of(recipe(1, 1, 4, {Constant{0}}));
+  Sheet coarse = sheet_of(recipe(1, 1, 2, {Constant{0}}));
+  coarse.heights[4] = 1;  // the middle of 3 x 3
+  // where the coarse triangles are 1 or 1/2, and the fine sheet is 0.25 elsewhere
+  EXPECT_DOUBLE_EQ(height_error(fine, coarse), 1);
+  fine.heights[2 * 5 + 2] = 1;
+  EXPECT_DOUBLE_EQ(height_error(fine, coarse), 0.5);
+  fine.heights[1 * 5 + 1] = -0.25;
+  EXPECT_DOUBLE_EQ(height_error(fine, coarse), 0.75);
+}
+
+// Every form, as many levels as its outline allows, closed where it is.
+TEST(Levels, OfForms) {
+  const Sheet sheet = noise(0.1, 5);
+  const Form forms[] = {Tube{0.15, 0.8, 0.05}, Cone{0.15, 0.05, 0.4, 0.02}, Disc{0.4, 0.03},
+                        Box{{0.25, 0.2, 0.3}, 0.03}};
+  for (const Form& form : forms) {
+    const auto levels = levels_of(sheet, form, kCrease, 1e9);
+    EXPECT_EQ(levels.size(), 2u) << form.index();
+    DiagnosticLog log;
+    const auto fine = formed(sheet, form, log);
+    ASSERT_TRUE(fine);
+    for (const Level& level : levels) {
+      EXPECT_EQ(level.mesh.closed, fine->closed);
+      EXPECT_EQ(level.mesh.normals.size(), level.mesh.positions.size());
+      EXPECT_EQ(level.mesh.texcoords.size(), level.mesh.positions.size());
+      EXPECT_GT(level.error, 0);
+      EXPECT_LT(level.error, 0.03);
+    }
+  }
+  // within a bound on vertices the finest is left out
+  EXPECT_EQ(levels_of(sheet, Flat{}, kCrease, 6000).size(), 2u);
+}
+
+}  // namespace
+}  // namespace panwright::mli
