@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Sheets have the same bits whatever compiler, optimisation and number of threads: what decides them,
-mli/ and base/math.cpp, is compiled by g++ and clang++ without optimisation and with all of it.
+mli/, base/math.cpp and the normals of meshes, is compiled by g++ and clang++ without optimisation and with all of it.
 
     compilers.py SHEETS BASE FOLDER    mli_sheets and libpanwright_base.a of the build, a folder to work in
 
@@ -30,7 +30,8 @@ def built(compiler, level, base, folder):
     here = os.path.join(folder, f"{compiler}{level}")
     os.makedirs(here, exist_ok=True)
     sources = sorted(glob.glob(f"{ROOT}/mli/*.cpp") + glob.glob(f"{ROOT}/mli/internal/*.cpp"))
-    sources += [f"{ROOT}/base/math.cpp", f"{ROOT}/tests/mli/sheets.cpp"]
+    sources += [f"{ROOT}/{name}" for name in ("base/math.cpp", "geometry/mesh/normals.cpp", "geometry/internal/compressed_rows.cpp", "geometry/internal/triangle.cpp", "geometry/internal/weld.cpp",
+                                             "tests/mli/sheets.cpp")]
     cache = ["ccache"] if shutil.which("ccache") else []
     objects = []
     for source in sources:

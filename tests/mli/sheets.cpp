@@ -13,6 +13,7 @@
 #include <string>
 
 #include "mli/form.h"
+#include "mli/levels.h"
 #include "mli/sheet.h"
 
 using namespace panwright;
@@ -126,8 +127,10 @@ bool show_sheet(const Named& each, const char* folder, const Job& job, Diagnosti
   const double numbers[] = {s.height_rms,           s.slope_covariance.xy, s.slope_rms,
                             s.facet_slope_rms,      s.mean_normal.x,       s.mean_normal.y,
                             s.correlation_length.x, s.height_mean};
-  std::printf("%s %016" PRIx64 " %016" PRIx64 " %016" PRIx64 "\n", each.name,
-              checksum(sheet->heights), checksum(coarse.heights), checksum(numbers));
+  const Sheet alike = similar(*sheet, 48, 30 * kDegree, job);
+  std::printf("%s %016" PRIx64 " %016" PRIx64 " %016" PRIx64 " %016" PRIx64 "\n", each.name,
+              checksum(sheet->heights), checksum(coarse.heights), checksum(alike.heights),
+              checksum(numbers));
   return true;
 }
 

@@ -51,7 +51,7 @@ TEST(Read, TablesComeBack) {
   EXPECT_EQ(model.find_frame("Camera"), std::nullopt);
   EXPECT_EQ(model.frames()[0].node, 1u);
 
-  ASSERT_EQ(model.sources().size(), 2u);
+  ASSERT_EQ(model.sources().size(), 3u);
   EXPECT_EQ(model.string(model.sources()[1].file), "craft.pxn");
   EXPECT_EQ(model.sources()[1].line, 9u);
   EXPECT_EQ(model.sources()[1].column, 3u);
