@@ -60,19 +60,26 @@ class ImportFiles : public importers::Files {
   const DiagnosticLog log_;  // an empty one of the run
 };
 
+// A whole name, to be copied.
+std::string quoted_whole(std::string_view name) { return "'" + pattern_of(name) + "'"; }
+
 template <class Names>
 std::string near_names(std::string_view pattern, const Names& names) {
   std::string plain;
   for (const char c : pattern)
     if (c != '*' && c != '?') plain += c;
   const std::vector<std::string_view> all(names.begin(), names.end());
-  if (const auto near = nearest_name(plain, all)) return fmt::format("did you mean '{}'?", *near);
+  if (const auto near = nearest_name(plain, all))
+    return fmt::format("did you mean {}?", quoted_whole(*near));
   std::string out;
   std::size_t count = 0;
   for (const std::string_view name : all) {
     if (name.empty()) continue;
-    if (count++ == kMostNames) return "there are " + out + "…";
-    out += (out.empty() ? "" : ", ") + in_quotes(name);
+    if (count++ == kMostNames)
+      return "there are " + out +
+             "…; 'panwright info --nodes' lists the nodes of a file, with "
+             "their materials";
+    out += (out.empty() ? "" : ", ") + quoted_whole(name);
   }
   return out.empty() ? "none has a name" : "there are " + out;
 }
