@@ -235,12 +235,12 @@ Result<Work> work_of(const Options& options, DiagnosticLog& log) {
     auto views = workspace::read_views(options.views, *typed, log);
     if (!views) return failed;
     work.views = *std::move(views);
+    const std::size_t errors = log.errors();
     for (const workspace::ViewText& view : work.views)
-      if (view.targets.empty()) {
+      if (view.targets.empty())
         log.report_file(Code::E0203, view.file, view.label + ": no targets, and none are given",
                         "name a model on the command line, or as \"targets\"");
-        return failed;
-      }
+    if (log.errors() != errors) return failed;
   } else {
     if (!typed->output) {
       const auto first = workspace::target_file(typed->targets[0]).file;
