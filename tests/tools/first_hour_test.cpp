@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/png.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
 
@@ -205,6 +206,45 @@ TEST_F(FirstHour, NamesOfNodesAreWholeAndListed) {
   EXPECT_THAT(list.out, HasSubstr("\n" + name + "\t"));
   EXPECT_THAT(list.out, HasSubstr("\t2\tSteel\n"));
   EXPECT_THAT(list.out, Not(HasSubstr("build id")));
+}
+
+TEST_F(FirstHour, ATableSaysWhichWordIsNoNumber) {
+  std::string table;
+  for (int i = 0; i < 10; ++i) table += "30 0 " + std::to_string(5 * i) + " 180 0.14\n";
+  const std::string file = folder_.write("t.txt", table + "30 0 60 180 14%\n");
+  const Outcome outcome = panwright({"material", "--fit", file});
+  EXPECT_THAT(outcome.err, HasSubstr("t.txt:11:13: error: number 5 is '14%', expected a finite "
+                                     "number: a reflectance is in 1/sr, not in percent"));
+}
+
+// Textures of the file that an assigned material hides or replaces.
+TEST_F(FirstHour, TexturesThatAreNotSeenAreSaid) {
+  const auto image = [&](const std::string& name, std::uint32_t side) {
+    const std::vector<std::uint8_t> rgba(std::size_t{4} * side * side, 90);
+    folder_.write(name, png_file(side, side, rgba));
+  };
+  image("small.png", 64);
+  image("large.png", 65);
+  folder_.write("sat.mtl",
+                "newmtl a\nKd 1 1 1\nmap_Kd small.png\nnewmtl b\nKd 1 1 1\nmap_Kd large.png\n");
+  folder_.write("sat.obj",
+                "mtllib sat.mtl\no a\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nvt 0.1 0.1\nvt 0.2 0.2\n"
+                "vt 0.3 0.4\nusemtl a\nf 1/1 2/2 3/3\no b\nv 0 2 0\nv 1 2 0\nv 0 3 0\nusemtl b\n"
+                "f 5/1 6/2 7/3\n");
+  const auto said = [&](const std::string& preset, const std::string& pictures) {
+    return panwright({"check", model("m.pxn", "<material name=\"m\" preset=\"" + preset +
+                                                  "\"/>\n<import file=\"sat.obj\" units=\"m\">"
+                                                  "<assign material=\"m\" pictures=\"" +
+                                                  pictures + "\"/></import>")})
+        .err;
+  };
+  EXPECT_THAT(said("aluminium_bare", "keep"),
+              HasSubstr("the textures of 2 parts are kept and not seen: they multiply the diffuse "
+                        "colour, and 'm' has none [W6008]"));
+  EXPECT_EQ(said("white_silicone", "keep"), "");
+  EXPECT_THAT(said("white_silicone", "drop"),
+              HasSubstr("1 part has its colour from an image of at most 4096 texels, as from a "
+                        "palette, which 'm' replaces by one colour [W6008]"));
 }
 
 TEST_F(FirstHour, InfoSaysTheCoatOfAMaterial) {
