@@ -560,6 +560,7 @@ int run(const Options& options, const Host& host) {
   CommandContext context("info", options.common, host);
   const auto read = options.read.opening(context.log());
   if (!read) return context.finish();
+  if (workspace::extension_of(options.input) == ".pxn") context.summarise_imports();
   workspace::OpenReport report;
   const auto opened = workspace::open(options.input, *read, context.log(), context.job(), &report);
   context.add_timings(report.steps);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -258,6 +259,11 @@ int run(const Options& options, const Host& host) {
   DiagnosticLog& log = context.log();
   const auto work = work_of(options, log);
   if (!work) return context.finish();
+  const auto is_text = [](const std::string& target) {
+    return workspace::extension_of(workspace::target_file(target).file) == ".pxn";
+  };
+  const auto& targets = work->views[0].targets;
+  if (std::all_of(targets.begin(), targets.end(), is_text)) context.summarise_imports();
   workspace::ViewSession session(work->open, work->context);
   session.set_recorded_files(work->recorded_files);
   RenderReport report(context, !options.views.empty());

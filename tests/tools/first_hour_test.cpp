@@ -247,6 +247,23 @@ TEST_F(FirstHour, TexturesThatAreNotSeenAreSaid) {
                         "palette, which 'm' replaces by one colour [W6008]"));
 }
 
+TEST_F(FirstHour, WhatImportersFoundIsOneLineWhereATextIsShown) {
+  // four open plates at one edge: holes, and an edge of more than two triangles
+  folder_.write("fan.obj",
+                "v 0 0 0\nv 0 0 1\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\n"
+                "f 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\n");
+  const std::string text = model("m.pxn", "<import file=\"fan.obj\" units=\"m\"/>");
+  const Outcome checked = panwright({"check", text});
+  EXPECT_THAT(checked.err, HasSubstr("[W6302]"));
+  const Outcome shown = panwright({"info", text});
+  EXPECT_THAT(shown.err, Not(HasSubstr("[W6302]")));
+  EXPECT_THAT(shown.err, HasSubstr("of imported files not shown (W6302"));
+  EXPECT_THAT(shown.err, HasSubstr("'panwright check' of the same file shows them"));
+  // all of it for programs, and where the file itself is shown
+  EXPECT_THAT(panwright({"info", text, "--json"}).out, HasSubstr("\"W6302\""));
+  EXPECT_THAT(panwright({"info", folder_ / "fan.obj", "--units", "m"}).err, HasSubstr("[W6302]"));
+}
+
 TEST_F(FirstHour, InfoSaysTheCoatOfAMaterial) {
   const std::string text =
       model("m.pxn",
