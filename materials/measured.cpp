@@ -39,6 +39,7 @@ struct Line {
   std::string words;
   std::array<double, 7> numbers{};
   std::size_t count = 0;
+  std::size_t at = 0, length = 0;  // of an invalid number, in the line
 };
 
 // Reads the five or seven numbers of a line.
@@ -56,9 +57,21 @@ Line read_line(std::string_view line) {
       return wrong(Line::Problem::count, "more than 7 numbers, expected 5, or 7 with three bands");
     double& number = out.numbers[out.count];
     const auto [end, error] = std::from_chars(line.data() + at, line.data() + line.size(), number);
-    if (error != std::errc() || !std::isfinite(number))
-      return wrong(Line::Problem::number, fmt::format("number {} is invalid", out.count + 1));
-    at = static_cast<std::size_t>(end - line.data());
+    const std::size_t past = static_cast<std::size_t>(end - line.data());
+    const bool whole = past == line.size() || is_gap(line[past]);
+    if (error != std::errc() || !std::isfinite(number) || !whole) {
+      std::size_t last = at;
+      while (last < line.size() && !is_gap(line[last])) ++last;
+      out.at = at;
+      out.length = last - at;
+      const std::string_view token = line.substr(at, last - at);
+      const bool percent = error == std::errc() && token.substr(past - at) == "%";
+      return wrong(Line::Problem::number,
+                   fmt::format("number {} is {}, expected a finite number{}", out.count + 1,
+                               in_quotes(token),
+                               percent ? ": a reflectance is in 1/sr, not in percent" : ""));
+    }
+    at = past;
     ++out.count;
   }
   if (out.count != 5 && out.count != 7)
@@ -365,7 +378,12 @@ Result<std::vector<Reading>> read_measured(const std::filesystem::path& path, Di
       read.words = fmt::format("{} numbers, {} in the lines above", read.count, numbers);
     }
     if (read.problem != Line::Problem::none) {
-      complaints.add(read, where);
+      SourceSpan place = where;
+      if (read.length > 0) {
+        place.begin = static_cast<std::uint32_t>(line.data() - text->data() + read.at);
+        place.end = place.begin + static_cast<std::uint32_t>(read.length);
+      }
+      complaints.add(read, place);
       continue;
     }
     numbers = read.count;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -34,6 +35,9 @@ struct Options {
   double crease_angle = 30 * kDegree;
   // values that replace those of <param>: name, and text as in its attribute
   std::vector<std::pair<std::string, std::string>> parameters;
+  // where given, the names of all <param> are added, and a name in `parameters` that none has is no
+  // error: another model may have it
+  std::set<std::string>* declared = nullptr;
 };
 
 // Reads a pxn file and all that it includes.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -26,6 +27,40 @@ bool wants_color(const std::string& when) {
   if (no_color != nullptr && no_color[0] != '\0') return false;
   const char* term = std::getenv("TERM");
   return isatty(STDERR_FILENO) == 1 && term != nullptr && std::string_view(term) != "dumb";
+}
+
+// What importers find in a file whichever command reads it. note: not what was assumed or is
+// missing, which the result shows
+constexpr Code kOfImports[] = {Code::N6007, Code::W6008, Code::W6215, Code::N6301,
+                               Code::W6302, Code::W6303, Code::N6304, Code::W6305};
+
+// A log for people with one line in the place of what importers found.
+DiagnosticLog summarised(const DiagnosticLog& log) {
+  DiagnosticLog out;
+  out.sources() = log.sources();
+  std::size_t warnings = 0;
+  std::string codes;
+  for (const Diagnostic& entry : log.entries()) {
+    // of the text itself, as of cells that are off: shown
+    const bool of_text =
+        entry.where.file != kNoFile && log.sources().file(entry.where.file).name.ends_with(".pxn");
+    const bool of_import =
+        std::find(std::begin(kOfImports), std::end(kOfImports), entry.code) != std::end(kOfImports);
+    if (of_text || !of_import) {
+      out.report(entry.code, entry.where, entry.message, entry.hint, entry.object);
+      continue;
+    }
+    if (entry.severity() != Severity::warning) continue;
+    ++warnings;
+    const std::string name(code_info(entry.code).name);
+    if (codes.find(name) == codes.npos) codes += (codes.empty() ? "" : ", ") + name;
+  }
+  if (warnings > 0)
+    out.report_file(
+        Code::N6301, {},
+        fmt::format("{} of imported files not shown ({})", counted(warnings, "warning"), codes),
+        "'panwright check' of the same file shows them");
+  return out;
 }
 
 }  // namespace
@@ -110,8 +145,11 @@ int CommandContext::finish(int clean) {
       out[key] = std::move(diagnostics[key]);
     print("{}\n", out.dump(2, ' ', false, Json::error_handler_t::replace));
   } else {
+    // a log that is full has left out what nobody can count here
+    const bool summarise = summarises_imports_ && log_.hidden() == 0;
     print(stderr, "{}",
-          to_text(log_, {.color = wants_color(options_.color), .notes = !options_.quiet}));
+          to_text(summarise ? summarised(log_) : log_,
+                  {.color = wants_color(options_.color), .notes = !options_.quiet}));
     if (log_.errors() > 1)
       print(stderr, "panwright: {}{}\n", counted(log_.errors(), "error"),
             log_.warnings() > 0 ? ", " + counted(log_.warnings(), "warning") : "");

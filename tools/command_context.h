@@ -42,6 +42,10 @@ class CommandContext {
   // Notes that what could be read was not written, as no output was named; to be said at the end.
   void left_out() { left_out_ = true; }
 
+  // The command shows a pxn text, and `check` and `compile` speak of it: what the importers found
+  // in its CAD files and that leaves the result as it is becomes one line (--json has it all).
+  void summarise_imports() { summarises_imports_ = true; }
+
   // Ends the current step and starts one called `name`, for --timings.
   void step(std::string name);
   // Adds steps whose time was taken elsewhere.
@@ -66,6 +70,7 @@ class CommandContext {
   std::vector<std::pair<std::string, double>> timings_;
   std::vector<std::pair<std::string, std::string>> written_;  // path, detail
   bool left_out_ = false;
+  bool summarises_imports_ = false;
   std::string step_;
   std::chrono::steady_clock::time_point step_start_;
 };

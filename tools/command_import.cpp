@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/text.h"
 #include "importers/clean.h"
 #include "pxn/import_template.h"
@@ -30,6 +31,7 @@ struct Options {
   std::string report;  // .txt, .json or .html; empty: none
   CacheOption cache;
   bool compress = false;
+  bool force = false;  // replaces a text that somebody has edited
 };
 
 void declare_all(Arguments& arguments, Options& options) {
@@ -49,6 +51,8 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("FILE");
   arguments.flag("--compress", options.compress,
                  "A smaller .pan, slower to load, that programs of format 1.0 refuse");
+  arguments.flag("--force", options.force,
+                 "Replace a .pxn that was edited, or that 'import' did not write");
   arguments
       .add("--root", cad.root,
            "Folder that files named by the model must lie in (default: the model's)")
@@ -192,6 +196,35 @@ bool lies_in(const std::filesystem::path& path, const std::filesystem::path& fol
   return !relative.empty() && *relative.begin() != "..";
 }
 
+// Ends a text that nobody has edited: the mark, the hash of all before it, "-->" and a line feed.
+constexpr std::string_view kMark = "<!-- panwright import: unedited ";
+
+std::string mark_of(std::string_view text) {
+  return fmt::format("{}{:016x} -->\n", kMark, hash64(as_bytes(text)));
+}
+
+// Whether a text is as `import` wrote it.
+bool is_unedited(std::string_view text) {
+  const std::size_t mark = text.rfind(kMark);
+  return mark != text.npos && text.substr(mark) == mark_of(text.substr(0, mark));
+}
+
+// Refuses to replace what somebody wrote: a text that is there is kept unless it is as `import`
+// wrote it, or as it would be written now.
+bool may_replace(const Options& options, std::string_view fresh, DiagnosticLog& log) {
+  std::error_code error;
+  if (options.force || !std::filesystem::is_regular_file(options.output, error)) return true;
+  constexpr std::uint64_t kMaxBytes = 64u << 20;
+  DiagnosticLog apart;  // one that watches no files: an output is no input
+  const auto old = read_file(options.output, kMaxBytes, apart);
+  if (old && (*old == fresh || is_unedited(*old))) return true;
+  log.report_file(Code::E0103, options.output,
+                  "the file was edited since 'import' wrote it, or written by something else; it "
+                  "is kept",
+                  "write to another file, or replace it with --force");
+  return false;
+}
+
 // The pxn text that stands around the file; the file's path as seen from the text's folder. A file
 // that does not lie there or below must lie with the text in --root or in the working directory.
 void write_import_template(const importers::Imported& imported, const Options& options,
@@ -225,10 +258,10 @@ void write_import_template(const importers::Imported& imported, const Options& o
   // the text says what was assumed, so that it stays what it was seen to be
   CadOptions cad = options.open.cad;
   if (!imported.assumed_unit.empty()) cad.units = imported.assumed_unit;
-  if (write_file(
-          options.output,
-          as_bytes(pxn::import_template(imported, file.generic_string(), attributes_of(cad))),
-          context.log()))
+  std::string text = pxn::import_template(imported, file.generic_string(), attributes_of(cad));
+  text += mark_of(text);
+  if (may_replace(options, text, context.log()) &&
+      write_file(options.output, as_bytes(text), context.log()))
     context.wrote(options.output, counted(imported.materials.size(), "material"));
 }
 
@@ -273,6 +306,7 @@ int run(const Options& options, const Host& host) {
                                              {.output = options.output,
                                               .strip_sources = false,
                                               .compress = options.compress,
+                                              .check_size = true,
                                               .origin = origin_of(options.open.cad)},
                                              log, context.job(), &found);
     context.add_timings(found.steps);

@@ -12,6 +12,7 @@
 #include "compiler/tolerance.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/node_list.h"
 #include "tools/print.h"
 #include "workspace/open.h"
 
@@ -26,11 +27,14 @@ struct Options {
   ReadOptions read;
   std::string input;
   bool meshes = false;  // all of them
+  bool nodes = false;   // those alone
 };
 
 void declare_all(Arguments& arguments, Options& options) {
   arguments.add("input", options.input, "A .pan, .pxn or CAD file").required().type("FILE");
   arguments.flag("--meshes", options.meshes, "List all meshes, not the heaviest only");
+  arguments.flag("--nodes", options.nodes,
+                 "List the nodes alone, a line each: name, triangles, materials, between tabs");
   declare(arguments, options.read);
   declare(arguments, options.read.cache);
   declare(arguments, options.read.open.cad);
@@ -446,6 +450,14 @@ void print_meshes(const pan::Model& model, const Totals& totals, bool all) {
           plural(meshes.size() - order.size(), "mesh", "meshes"));
 }
 
+// ", under a coat of index 1.41, slope 0.05"
+std::string coat_words(const pan::layout::Material& material) {
+  const auto coat = pan::material_from(material, {}).coat;
+  if (!coat) return {};
+  return fmt::format(", under a coat of index {:.4g}, {}", static_cast<float>(coat->index),
+                     coat->alpha > 0 ? fmt::format("slope {:.3g}", coat->alpha) : "smooth");
+}
+
 void print_materials(const pan::Model& model) {
   for (std::size_t i = 0; i < model.materials().size(); ++i) {
     const auto& material = model.materials()[i];
@@ -458,8 +470,9 @@ void print_materials(const pan::Model& model) {
     add(material.roughness_map, "roughness");
     add(material.reflectance_map, "reflectance");
     add(material.cutout_map, "cutout");
-    print("material  {}: {} + {}{}\n", model.material_name(i), diffuse_word(material.diffuse_brdf),
-          specular_word(material.specular_brdf), maps);
+    print("material  {}: {} + {}{}{}\n", model.material_name(i),
+          diffuse_word(material.diffuse_brdf), specular_word(material.specular_brdf),
+          coat_words(material), maps);
   }
 }
 
@@ -573,6 +586,7 @@ int run(const Options& options, const Host& host) {
   CommandContext context("info", options.common, host);
   const auto read = options.read.opening(context.log());
   if (!read) return context.finish();
+  if (workspace::extension_of(options.input) == ".pxn") context.summarise_imports();
   workspace::OpenReport report;
   const auto opened = workspace::open(options.input, *read, context.log(), context.job(), &report);
   context.add_timings(report.steps);
@@ -604,7 +618,10 @@ int run(const Options& options, const Host& host) {
   out.update(tables_json(*model));
   out.update(ground_truth_json(*model));
   out["sections"] = sections_json(*model);
-  if (!options.common.json) print_text(options.input, *model, totals, options.meshes);
+  if (options.nodes && !options.common.json)
+    print("{}", node_list(*model));
+  else if (!options.common.json)
+    print_text(options.input, *model, totals, options.meshes);
   return context.finish();
 }
 

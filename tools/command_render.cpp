@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -242,12 +243,12 @@ Result<Work> work_of(const Options& options, DiagnosticLog& log) {
     auto views = workspace::read_views(options.views, *typed, log);
     if (!views) return failed;
     work.views = *std::move(views);
+    const std::size_t errors = log.errors();
     for (const workspace::ViewText& view : work.views)
-      if (view.targets.empty()) {
+      if (view.targets.empty())
         log.report_file(Code::E0203, view.file, view.label + ": no targets, and none are given",
                         "name a model on the command line, or as \"targets\"");
-        return failed;
-      }
+    if (log.errors() != errors) return failed;
   } else {
     if (!typed->output) {
       const auto first = workspace::target_file(typed->targets[0]).file;
@@ -265,6 +266,11 @@ int run(const Options& options, const Host& host) {
   DiagnosticLog& log = context.log();
   const auto work = work_of(options, log);
   if (!work) return context.finish();
+  const auto is_text = [](const std::string& target) {
+    return workspace::extension_of(workspace::target_file(target).file) == ".pxn";
+  };
+  const auto& targets = work->views[0].targets;
+  if (std::all_of(targets.begin(), targets.end(), is_text)) context.summarise_imports();
   workspace::ViewSession session(work->open, work->context);
   session.set_recorded_files(work->recorded_files);
   RenderReport report(context, !options.views.empty());

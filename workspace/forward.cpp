@@ -23,8 +23,9 @@ std::string without_dashes(const std::string& message) {
 }  // namespace
 
 void forward(const DiagnosticLog& from, const std::string& label, std::string_view file,
-             DiagnosticLog& to) {
+             DiagnosticLog& to, std::optional<Code> except) {
   for (const Diagnostic& each : from.entries()) {
+    if (each.code == except) continue;
     std::string name =
         each.where.file == kNoFile ? std::string() : from.sources().file(each.where.file).name;
     if (label.empty()) {

@@ -262,25 +262,35 @@ Result<scene::Scene> read_scene(const std::filesystem::path& path, const OpenOpt
   read.root = options.root;
   read.limits.bytes = options.max_input;
   read.parameters = options.parameters;
+  read.declared = options.declared;
   return pxn::read(path, read, log, job);
 }
 
-Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOptions& options,
+Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOptions& given,
                              DiagnosticLog& log, const Job& job, OpenReport* report) {
   const std::string extension = extension_of(path);
-  if (extension == ".pan") return open_pan(path, options, log, job, report);
+  if (extension == ".pan") return open_pan(path, given, log, job, report);
   if (extension != ".pxn" && !is_cad(path)) {
     report_unknown_format(path, log);
     return failed;
   }
-  const std::size_t guesses = guessed_units(log);
+  const std::size_t guesses = guessed_units(log), errors = log.errors();
+  OpenOptions options = given;
+  std::set<std::string> declared;
+  if (given.declared != nullptr) options.declared = &declared;
   auto scene = read_scene(path, options, log, job, report);
   if (!scene) return failed;
+  if (given.declared != nullptr) {
+    std::erase_if(options.parameters,
+                  [&](const auto& parameter) { return !declared.contains(parameter.first); });
+    given.declared->merge(declared);
+  }
   if (options.prune && !prune(*scene, options, log, job, report)) return failed;
   const Stopwatch watch(report, "compile " + path.string());
   compiler::Options compile = compile_options(options);
-  // CAD files have guesses and warnings of their own; one cause has one warning
-  compile.check_size = extension == ".pxn" && guessed_units(log) == guesses;
+  // a guessed unit has been said with the sizes by it; one cause has one warning
+  // and what an error has left out, or a unit that was not read, leaves no size to judge
+  compile.check_size = guessed_units(log) == guesses && log.errors() == errors;
   const auto bytes = compiler::compiled(*scene, compile, log, job);
   if (!bytes) return failed;
   auto model = pan::Model::from_bytes(*bytes, path.string(), log);
@@ -296,7 +306,7 @@ Result<compiler::Report> write_pan(scene::Scene& scene, const OpenOptions& optio
   compile.strip_sources = write.strip_sources;
   compile.compress = write.compress;
   compile.origin += write.origin;
-  compile.check_size = write.check_size && guessed_units(log) == 0;
+  compile.check_size = write.check_size && guessed_units(log) == 0 && !log.has_errors();
   const auto done = compiler::compile(scene, compile, write.output, log, job);
   if (done && report != nullptr) {
     report->steps.push_back({"tessellate", done->seconds_tessellate});

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,6 +47,8 @@ struct OpenOptions {
   std::uint64_t max_input = 128ull << 20;  // bytes of pxn files in all
   // Values that replace those of <param>: name, and text as in its attribute.
   std::vector<std::pair<std::string, std::string>> parameters;
+  // pxn::Options::declared, and parameters that the model has not are no part of its identity
+  std::set<std::string>* declared = nullptr;
   std::optional<double> max_error;  // metres in the world; none: from the model's budget
   std::uint64_t max_triangles = 1ull << 27;
   CadOptions cad;  // for models that are CAD files
@@ -122,7 +125,7 @@ struct WriteOptions {
   std::string output;  // .pan; "-": standard output
   bool strip_sources = false;
   bool compress = false;    // pan::WriteOptions
-  bool check_size = false;  // of a pxn: W2022, W2023, unless the log has W6006
+  bool check_size = false;  // W2022, W2023, unless the log has W6006 or errors
   std::string origin;       // import options that the inputs do not record
 };
 

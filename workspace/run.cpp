@@ -7,6 +7,7 @@
 #include <cmath>
 #include <deque>
 #include <future>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -181,10 +182,12 @@ class Run {
       }
     } catch (const Cancelled&) {
       (void)retire();
+      warn_of_empty_views();
       throw;
     }
     // note: first, so that the last image is reported in any case
     const bool last = retire();
+    warn_of_empty_views();
     if (!last || done_ < views_.size()) return failed;
     return done_;
   }
@@ -240,7 +243,7 @@ class Run {
     const auto start = Clock::now();
     DiagnosticLog apart = log_.apart();
     const bool good = drawer_->submit(current_, view.camera, ground_truth, apart, job_);
-    forward(apart, view.label, {}, log_);
+    tell(apart, view.label);
     if (!good) return false;
     Drawing drawing;
     drawing.view = index;
@@ -264,7 +267,7 @@ class Run {
     const auto start = Clock::now();
     DiagnosticLog apart = log_.apart();
     auto drawn = drawing.drawer->collect(apart, job_);
-    forward(apart, view.label, {}, log_);
+    tell(apart, view.label);
     const double seconds = drawing.seconds + seconds_since(start);
     if (drawn) tell({"render " + view.output, seconds});
     if (!retire() || !drawn) return false;
@@ -329,6 +332,30 @@ class Run {
     return true;
   }
 
+  // Diagnostics of a view; that nothing is in it is said of all such views at the end.
+  void tell(const DiagnosticLog& said, const std::string& label) {
+    forward(said, label, {}, log_, Code::W5006);
+    for (const Diagnostic& each : said.entries())
+      if (each.code == Code::W5006) empty_[each.message].push_back(label);
+  }
+
+  // One warning for all views in which nothing is seen, for each reason.
+  void warn_of_empty_views() {
+    constexpr std::size_t kMostNamed = 8;
+    for (auto& [reason, labels] : empty_) {
+      const std::size_t count = labels.size();
+      if (count == 1) {
+        log_.report_file(Code::W5006, {}, labels[0].empty() ? reason : labels[0] + ": " + reason);
+        continue;
+      }
+      labels.resize(std::min(count, kMostNamed));
+      log_.report_file(Code::W5006, {},
+                       fmt::format("{} views: {} ({}{})", count, reason, fmt::join(labels, ", "),
+                                   count > kMostNamed ? ", …" : ""));
+    }
+    empty_.clear();
+  }
+
   void warn_of_error(const View& view, const preview::SamplingReport& report) const {
     const DrawOptions& draw = options_of(view, options_);
     const double asked = draw.gl.pixel_error;
@@ -354,7 +381,8 @@ class Run {
   world::World current_;
   Drawer* drawer_ = nullptr;  // in use
   std::size_t done_ = 0;
-  std::deque<Drawing> drawing_;  // those begun and not ended
+  std::map<std::string, std::vector<std::string>> empty_;  // labels of views, by W5006's reasons
+  std::deque<Drawing> drawing_;                            // those begun and not ended
   std::unique_ptr<Writing> writing_;
   std::future<void> pending_;  // after writing_: it is waited for first
 };

@@ -68,6 +68,9 @@ Result<std::size_t> ViewSession::run(std::span<const ViewText> views, const RunL
                                      DiagnosticLog& log, const Job& job) {
   std::vector<DrawOptions> draw;
   bool good = true;
+  const std::size_t errors = log.errors();
+  for (const ViewText& view : views) check_values(view, log);
+  if (log.errors() != errors) return failed;
   for (const ViewText& view : views) {
     const auto options = draw_options(view, context_, log);
     good = good && options;

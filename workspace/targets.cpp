@@ -1,7 +1,10 @@
 #include "workspace/targets.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "base/text.h"
 #include "world/evaluation.h"
@@ -20,6 +23,22 @@ std::string stem_of(const fs::path& path) {
   if (extension_of(name) == ".gz") name = name.stem();
   const std::string stem = name.stem().string();
   return stem.empty() ? path.string() : stem;
+}
+
+// Parameters that no target has.
+void check_parameters(const OpenOptions& options, const std::set<std::string>& declared,
+                      DiagnosticLog& log) {
+  const std::vector<std::string_view> all(declared.begin(), declared.end());
+  for (const auto& [name, value] : options.parameters) {
+    if (declared.contains(name)) continue;
+    const auto near = nearest_name(name, all);
+    log.report(Code::E1225, {},
+               all.empty() ? fmt::format("-D {}={}: no target has parameters", name, value)
+                           : fmt::format("-D {}={}: no target has a parameter {}; there {} {}",
+                                         name, value, in_quotes(name),
+                                         all.size() == 1 ? "is" : "are", fmt::join(all, ", ")),
+               near ? fmt::format("did you mean '{}'?", *near) : "");
+  }
 }
 
 }  // namespace
@@ -52,18 +71,27 @@ Result<world::World> open_world(std::span<const TargetFile> targets, const OpenO
   }
   world::World world;
   std::map<fs::path, world::ModelPtr> models;
+  // a parameter of one of several models is none of the others
+  std::set<std::string> declared;
+  OpenOptions open_options = options;
+  const bool several = targets.size() > 1 && !options.parameters.empty();
+  if (several) open_options.declared = &declared;
   for (const TargetFile& target : targets) {
     std::error_code error;
     fs::path key = fs::canonical(target.file, error);
     if (error) key = target.file;
     world::ModelPtr& model = models[key];
     if (model == nullptr) {
-      const auto opened = open(target.file, options, log, job, report);
+      const auto opened = open(target.file, open_options, log, job, report);
       if (!opened) return failed;
       model = *opened;
     }
     if (!world.add(target.name, model, log)) return failed;
   }
+  const bool texts = std::any_of(targets.begin(), targets.end(), [](const TargetFile& target) {
+    return extension_of(target.file) == ".pxn";
+  });
+  if (several && texts) check_parameters(options, declared, log);
   return world;
 }
 

@@ -55,6 +55,14 @@ class Reader {
     return std::nullopt;
   }
 
+  // "w x y z"
+  std::optional<Quat> attitude(const std::optional<std::string>& text) {
+    if (!text) return std::nullopt;
+    if (const auto numbers = parse_numbers(*text, 4)) return quaternion("quat", *text, *numbers, 0);
+    fail("quat", *text, "four numbers w x y z");
+    return std::nullopt;
+  }
+
   std::optional<Quat> quaternion(const std::string& name, const std::string& text,
                                  const std::vector<double>& numbers, std::size_t first) {
     const Quat q(numbers[first], numbers[first + 1], numbers[first + 2], numbers[first + 3]);
@@ -109,13 +117,14 @@ bool read_lens(const ViewText& text, Reader& reader, world::Camera& camera) {
   if (text.fov) {
     const auto angle = parse_angle(*text.fov);
     if (!angle || !(*angle > 0 && *angle < kPi))
-      reader.fail("fov", *text.fov, "an angle above 0 and below 180 degrees");
+      reader.fail("fov", *text.fov,
+                  "an angle above 0 and below 180 degrees, as 20deg, 0.35rad or 20 (degrees)");
     else
       world::set_field_of_view(camera, camera.width, camera.height, *angle);
   } else if (text.ifov) {
     const auto angle = parse_angle(*text.ifov);
     if (!angle || !(*angle > 0))
-      reader.fail("ifov", *text.ifov, "an angle above 0, as 0.2mrad (a bare number is degrees)");
+      reader.fail("ifov", *text.ifov, "an angle above 0, as 0.2mrad, 40arcsec or 0.01 (degrees)");
     else
       world::set_pixel_angle(camera, camera.width, camera.height, *angle);
   } else if (text.intrinsics) {
@@ -146,6 +155,18 @@ void fit_lens(const BoundingSphere& sphere, world::Camera& camera) {
   world::set_field_of_view(camera, camera.width, camera.height, fov);
 }
 
+std::optional<world::Pose> pose_of(const PoseText& text, Reader& reader) {
+  const std::string option = text.target.empty() ? "pose" : "pose " + text.target;
+  const auto numbers = parse_numbers(text.value, 7);
+  if (!numbers) {
+    reader.fail(option, text.value, "seven numbers: a position and a quaternion w x y z");
+    return std::nullopt;
+  }
+  const auto q = reader.quaternion(option, text.value, *numbers, 3);
+  if (!q) return std::nullopt;
+  return world::Pose{Vec3((*numbers)[0], (*numbers)[1], (*numbers)[2]), *q};
+}
+
 // A pose of the world's targets, into the view and into the world as it is seen.
 void read_pose(const PoseText& text, Reader& reader, world::World& world, View& view,
                DiagnosticLog& log) {
@@ -158,14 +179,9 @@ void read_pose(const PoseText& text, Reader& reader, world::World& world, View& 
     return reader.fail("pose", text.value,
                        "the name of one of several targets, as NAME=\"X Y Z W I J K\"");
   }
-  const std::string option = text.target.empty() ? "pose" : "pose " + text.target;
-  const auto numbers = parse_numbers(text.value, 7);
-  if (!numbers)
-    return reader.fail(option, text.value, "seven numbers: a position and a quaternion w x y z");
-  if (const auto q = reader.quaternion(option, text.value, *numbers, 3)) {
-    const world::Pose pose{Vec3((*numbers)[0], (*numbers)[1], (*numbers)[2]), *q};
-    world.set_pose(target, pose);
-    view.poses.push_back({world[target].name(), pose});
+  if (const auto pose = pose_of(text, reader)) {
+    world.set_pose(target, *pose);
+    view.poses.push_back({world[target].name(), *pose});
   }
 }
 
@@ -185,12 +201,7 @@ void read_attitude(const ViewText& text, const Sphere& sphere, Reader& reader,
     camera.position = around.centre + distance * glm::normalize(Vec3(-0.5, -1, 0.4));
   }
   if (text.quat) {
-    const auto numbers = parse_numbers(*text.quat, 4);
-    if (!numbers) {
-      reader.fail("quat", *text.quat, "four numbers w x y z");
-    } else if (const auto q = reader.quaternion("quat", *text.quat, *numbers, 0)) {
-      camera.world_from_camera = *q;
-    }
+    if (const auto q = reader.attitude(text.quat)) camera.world_from_camera = *q;
     if (text.look_at) reader.conflict("--quat cannot be combined with --look-at");
     return;
   }
@@ -322,6 +333,27 @@ PoseText pose_text(std::string_view text) {
   const std::size_t sign = text.find('=');
   if (sign == text.npos) return {{}, std::string(text)};
   return {std::string(text.substr(0, sign)), std::string(text.substr(sign + 1))};
+}
+
+void check_values(const ViewText& text, DiagnosticLog& log) {
+  DiagnosticLog apart = log.apart();
+  Reader reader(apart);
+  View view;
+  read_size(text, reader, view.camera);
+  for (const PoseText& pose : text.poses) (void)pose_of(pose, reader);
+  world::set_field_of_view(view.camera, view.camera.width, view.camera.height, kDefaultFieldOfView);
+  (void)read_lens(text, reader, view.camera);
+  (void)reader.vector("camera", text.camera, false);
+  (void)reader.vector("look-at", text.look_at, false);
+  (void)reader.vector("up", text.up, true);
+  (void)reader.attitude(text.quat);
+  if (text.quat && text.look_at) reader.conflict("--quat cannot be combined with --look-at");
+  if (text.camera_frame && (text.camera || text.quat || text.look_at))
+    reader.conflict("--camera-frame cannot be combined with --camera, --quat or --look-at");
+  read_sun(text, reader, view);
+  read_output(text, view, apart);
+  forward(apart, text.label, text.file, log);
+  (void)draw_options(text, preview::ContextKind::automatic, log);
 }
 
 Result<View> ViewMaker::view(const ViewText& text, DiagnosticLog& log) {

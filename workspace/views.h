@@ -117,6 +117,10 @@ Result<std::vector<ViewText>> parse_views(std::string_view text, const std::stri
 bool parse_view(std::string_view text, std::size_t index, const ViewText& defaults, ViewText& view,
                 DiagnosticLog& log);
 
+// Reports what is wrong with the values of a view, as far as that can be told without its targets:
+// E0201 (of a views file: E0203), E0202.
+void check_values(const ViewText& text, DiagnosticLog& log);
+
 // Most bytes of one line of a stream of views.
 constexpr std::size_t kMaxViewLine = std::size_t{1} << 20;
 

@@ -366,22 +366,29 @@ Result<std::vector<ViewText>> parse_views(std::string_view text, const std::stri
   if (list.size() > kMaxViews)
     return fail(fmt::format("{} views, expected at most {}", list.size(), kMaxViews));
   std::vector<ViewText> views;
-  bool good = true;
-  std::size_t repeated = 0;
-  for (const json& item : list) {
-    ViewReader reader(views.size(), name, log);
-    reader.name(item);
-    for (; repeated < parsed->repeated.size() && parsed->repeated[repeated].item == views.size();
-         ++repeated)
-      reader.repeated(parsed->repeated[repeated].member);
-    reader.read(item);
-    if (item.is_object() && reader.ok()) reader.require_output();
-    good = good && reader.ok();
-    views.push_back(with_defaults(reader.take(), defaults));
-  }
-  good = check_outputs(views, name, log) && good;
-  if (!good) return failed;
-  return views;
+  const auto read = [&](bool with_values, DiagnosticLog& to) {
+    views.clear();
+    bool good = true;
+    std::size_t repeated = 0;
+    for (const json& item : list) {
+      ViewReader reader(views.size(), name, to);
+      reader.name(item);
+      for (; repeated < parsed->repeated.size() && parsed->repeated[repeated].item == views.size();
+           ++repeated)
+        reader.repeated(parsed->repeated[repeated].member);
+      reader.read(item);
+      if (item.is_object() && reader.ok()) reader.require_output();
+      good = good && reader.ok();
+      views.push_back(with_defaults(reader.take(), defaults));
+      if (with_values) check_values(views.back(), to);
+    }
+    return check_outputs(views, name, to) && good;
+  };
+  DiagnosticLog apart = log.apart();
+  if (read(false, apart)) return views;
+  // values too, so that one run reports every problem, view by view
+  (void)read(true, log);
+  return failed;
 }
 
 bool parse_view(std::string_view text, std::size_t index, const ViewText& defaults, ViewText& view,

@@ -65,14 +65,14 @@ void report_whole(const std::string& file, double size, DiagnosticLog& log) {
                     "read as metres is millimetres, {} if it is inches",
                     words, length_in_words(size * 1e-3), length_in_words(size * 0.0254)),
         "units=\"mm\" at the root says what bare lengths are, a unit behind a number "
-        "what it is: 6mm");
+        "what it is: 6mm; --units mm does for CAD files");
   else
     log.report_file(Code::W2022, file,
                     fmt::format("the model is {} large, less than any spacecraft: {} if what was "
                                 "read as millimetres is metres, {} if it is inches",
                                 words, length_in_words(size * 1e3), length_in_words(size * 25.4)),
                     "units=\"m\" at the root says what bare lengths are, a unit behind a number "
-                    "what it is: 6m");
+                    "what it is: 6m; --units m does for CAD files");
 }
 
 }  // namespace

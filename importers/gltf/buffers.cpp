@@ -293,7 +293,12 @@ class AccessorCheck {
     if (const Json* normalised = json.find("normalized")) {
       a.normalised = normalised->number != 0;
       if (a.normalised && (a.component == 5126 || a.component == 5125))
-        bad(*normalised, "only bytes and shorts can be normalised", Code::E6204);
+        bad(*normalised,
+            fmt::format(
+                "'normalized' is true of componentType {}, expected bytes or shorts: 5120 to "
+                "5123",
+                a.component),
+            Code::E6204);
     }
     for (const char* key : {"min", "max"})
       if (const Json* bound = json.find(key)) check_bound(a, *bound, key);

@@ -52,13 +52,25 @@ double relative_error(const Batches& batches) {
   return result;
 }
 
+constexpr std::uint32_t kSlices = 16;  // of what is added at once, for a terminal to show
+
+void add_in_slices(Batches& batches, std::uint32_t count) {
+  Phase phase(batches.job, "tracing", count);
+  const std::uint32_t slice = std::max(1u, count / kSlices);
+  for (std::uint32_t left = count; left > 0;) {
+    const std::uint32_t some = std::min(left, slice);
+    batches.add(some);
+    left -= some;
+    phase.advance(some);
+  }
+}
+
 // Adds batches until the total is as good as it is wanted. Whether to go on is asked a few times
 // only, after 32 batches and more, so that it hardly favours batches that agree by chance.
 void refine(Batches& batches, const ViewSamples& view, const ReferenceOptions& options,
             DiagnosticLog& log) {
   const std::uint64_t most =
       std::max<std::uint64_t>(batches.batches(), options.max_samples / view.batch_samples());
-  constexpr std::uint32_t kSlices = 16;  // of what is added at once, for a terminal to show
   constexpr double kParts = 1000;
   Phase phase(batches.job, "tracing", static_cast<std::uint64_t>(kParts));
   double shown = 0;
@@ -224,7 +236,7 @@ Result<ReferenceImage> Reference::rendered(const world::World& world, const worl
     const std::uint32_t wanted =
         (options.samples + view.batch_samples() - 1) / view.batch_samples();
     const bool until = options.until_error > 0;
-    batches->add(until ? std::max(wanted, kLeastBatches) : std::max(wanted, kFewestBatches));
+    add_in_slices(*batches, std::max(wanted, until ? kLeastBatches : kFewestBatches));
     if (until) refine(*batches, view, options, log);
     batches->write(result);
     result.batches = batches->batches();

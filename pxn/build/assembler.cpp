@@ -305,6 +305,7 @@ class Assembler {
         report_missing_shape(use, item, known.on);
       return;
     }
+    if (known.decal.texture == scene::kNone) return;  // wrong, which has been said
     const auto& all = on->second;
     auto first = all.begin();
     auto last = all.end();

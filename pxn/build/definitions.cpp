@@ -38,6 +38,7 @@ double metres_of(std::string_view unit) {
 void Loader::read_root(File& file) {
   const xml::Document& document = file.document;
   Values& values = *file.values;
+  file.units.level = schemas::kPxn.versions.size() - 1;  // where none is given, which was reported
   for (const schemas::Attribute& known : schemas::kPxn.elements[0].attributes)
     if (known.value.kind == schemas::ValueKind::version)
       if (const xml::Attribute* given = find_attribute(document, 0, known.name)) {
@@ -143,6 +144,10 @@ std::optional<Quantity> Loader::overriding_value(const std::string& name, const 
 }
 
 void Loader::check_overrides() {
+  if (options_.declared != nullptr) {
+    options_.declared->insert(parameters_.begin(), parameters_.end());
+    return;
+  }
   for (const auto& [name, value] : options_.parameters) {
     if (parameters_.contains(name)) continue;
     const std::vector<std::string_view> all(parameters_.begin(), parameters_.end());

@@ -60,19 +60,42 @@ class ImportFiles : public importers::Files {
   const DiagnosticLog log_;  // an empty one of the run
 };
 
+// Images of at most this many texels are looked up for colours, not seen as images.
+constexpr std::uint64_t kPaletteTexels = 64 * 64;
+
+// The file's texture of an instance's base colour, as attach() has it; −1: none.
+std::int32_t base_texture(const scene::Scene& scene, const scene::Instance& instance) {
+  if (instance.texture != scene::kNone) return instance.texture;
+  const materials::Maps& maps = scene.materials[static_cast<std::size_t>(instance.material)].maps;
+  return maps.albedo >= 0 ? maps.albedo : maps.reflectance;
+}
+
+bool has_diffuse(const materials::Fields& fields) {
+  DiagnosticLog said;  // where the material stands
+  const materials::Material material = materials::resolved(fields, {}, said);
+  return material.weights.x > 0 && material.diffuse != Vec3(0);
+}
+
+// A whole name, to be copied.
+std::string quoted_whole(std::string_view name) { return "'" + pattern_of(name) + "'"; }
+
 template <class Names>
 std::string near_names(std::string_view pattern, const Names& names) {
   std::string plain;
   for (const char c : pattern)
     if (c != '*' && c != '?') plain += c;
   const std::vector<std::string_view> all(names.begin(), names.end());
-  if (const auto near = nearest_name(plain, all)) return fmt::format("did you mean '{}'?", *near);
+  if (const auto near = nearest_name(plain, all))
+    return fmt::format("did you mean {}?", quoted_whole(*near));
   std::string out;
   std::size_t count = 0;
   for (const std::string_view name : all) {
     if (name.empty()) continue;
-    if (count++ == kMostNames) return "there are " + out + "…";
-    out += (out.empty() ? "" : ", ") + in_quotes(name);
+    if (count++ == kMostNames)
+      return "there are " + out +
+             "…; 'panwright info --nodes' lists the nodes of a file, with "
+             "their materials";
+    out += (out.empty() ? "" : ", ") + quoted_whole(name);
   }
   return out.empty() ? "none has a name" : "there are " + out;
 }
@@ -284,6 +307,34 @@ void Loader::read_import_rule(Work& work, std::uint32_t rule, PartImport& import
   const auto index = material == nullptr ? std::nullopt : material_of(*material);
   if (!index) return;
   const bool keep = values.text_or_default(rule, attribute::assign_pictures) == "keep";
+  std::size_t unseen = 0, palettes = 0;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const std::int32_t texture =
+        chosen[i] ? base_texture(model.imported.scene, model.imported.scene.instances[i]) : -1;
+    if (texture < 0) continue;
+    ++(keep ? unseen : palettes);
+    const scene::Texture& image =
+        scene_
+            .textures[static_cast<std::size_t>(model.textures[static_cast<std::size_t>(texture)])];
+    if (!keep && std::uint64_t{image.width} * image.height > kPaletteTexels) --palettes;
+  }
+  if (has_diffuse(materials_[*index].fields)) unseen = 0;
+  if (unseen + palettes > 0)
+    reporter_.report(
+        Code::W6008, values.value_place(rule, attribute::assign_material), document, rule, [&] {
+          if (unseen > 0)
+            return Reporter::Text(
+                fmt::format("the textures of {} are kept and not seen: they multiply the diffuse "
+                            "colour, and {} has none",
+                            counted(unseen, "part"), in_quotes(material->name)),
+                "assign a material with a diffuse colour");
+          return Reporter::Text(
+              fmt::format("{} {} colour from an image of at most {} texels, as from a palette, "
+                          "which {} replaces by one colour",
+                          counted(palettes, "part"), palettes == 1 ? "has its" : "have their",
+                          kPaletteTexels, in_quotes(material->name)),
+              "pictures=\"keep\" lets it multiply the diffuse colour");
+        });
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (!chosen[i]) continue;
     import.materials[i] = static_cast<std::int32_t>(*index);

@@ -119,10 +119,12 @@ void Loader::read_decal(Work& work, std::uint32_t element) {
   direction(attribute::decal_up, decal.up);
   if (values.has(element, attribute::decal_name))
     decal.name = values.text(element, attribute::decal_name).value_or("");
-  if (!on || !texture || !placed || !sized) return;
+  if (!on) return;
   part_decal.on = *on;
   part_decal.run = work.run;
-  decal.texture = static_cast<std::int32_t>(*texture);
+  // one that is wrong stays, so that what it names is looked for
+  const bool sound = texture && placed && sized;
+  decal.texture = sound ? static_cast<std::int32_t>(*texture) : scene::kNone;
   decal.width = size[0];
   decal.height = size[1];
   work.part.decals.push_back(std::move(part_decal));

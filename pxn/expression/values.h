@@ -156,6 +156,7 @@ class Values {
   std::string number_hint(const Token& token) const;
   void bad_kind(std::uint32_t element, const Text& text, const Token& token,
                 schemas::Dimension needed, std::string_view got);
+  std::string kinds_of_operands(const Token& token) const;
   void bad_unit(std::uint32_t element, const Text& text, const Token& token, std::size_t number);
   void bad_count(std::uint32_t element, const schemas::Value& value, std::string_view subject,
                  std::size_t count);

@@ -554,6 +554,26 @@ void Values::bad_number(Code code, std::uint32_t element, const Text& text, cons
   });
 }
 
+// "w is a length, d is an angle": of an expression of more than one.
+std::string Values::kinds_of_operands(const Token& token) const {
+  const std::string_view inside = token.text.substr(1, token.text.size() - 2);
+  const Formula formula = read_formula(inside, expressions_.units().length);
+  if (formula.operands.size() < 2) return {};
+  std::vector<std::string> said;
+  constexpr std::size_t kMost = 6;
+  for (const Formula::Operand& operand : formula.operands) {
+    const Quantity* const known =
+        scope_ == nullptr || operand.name.empty() ? nullptr : scope_->find(operand.name);
+    const Dimension dimension = known != nullptr ? known->dimension : operand.dimension;
+    std::string each = fmt::format(
+        "{} is {}", inside.substr(operand.begin, operand.end - operand.begin), name_of(dimension));
+    if (std::find(said.begin(), said.end(), each) != said.end()) continue;
+    if (said.size() == kMost) break;
+    said.push_back(std::move(each));
+  }
+  return fmt::format("{}", fmt::join(said, ", "));
+}
+
 void Values::bad_kind(std::uint32_t element, const Text& text, const Token& token, Dimension needed,
                       std::string_view got) {
   reporter_.report(Code::E1212, place(text, token), doc_, element, [&]() -> Reporter::Text {
@@ -565,6 +585,9 @@ void Values::bad_kind(std::uint32_t element, const Text& text, const Token& toke
       hint = fmt::format("divide it by a length: (…)/1{}", expressions_.units().length->name);
     if (needed == Dimension::none && computed && got == name_of(Dimension::angle))
       hint = fmt::format("divide it by an angle: (…)/1{}", expressions_.units().angle->name);
+    if (computed)
+      if (const std::string kinds = kinds_of_operands(token); !kinds.empty())
+        hint += (hint.empty() ? "" : "; ") + kinds;
     return {
         fmt::format("{} is needed here, got {} ({})", name_of(needed), got, written(text, token)),
         hint};

@@ -87,7 +87,11 @@ class Checker {
 
   bool check_version(const schemas::Attribute& attribute) {
     const xml::Attribute* given = find_attribute(doc_, 0, attribute.name);
-    if (given == nullptr) return true;
+    if (given == nullptr) {
+      // reported as missing; read as the newest, so that this is the one error it brings
+      level_ = language_.versions.size() - 1;
+      return true;
+    }
     const std::string value = xml::decoded(doc_, given->value_begin, given->value_end);
     for (std::size_t level = 0; level < language_.versions.size(); ++level) {
       if (language_.versions[level] != value) continue;
@@ -130,7 +134,11 @@ class Checker {
         continue;
       report(Code::E1103, doc_.name_span(element), element, [&] {
         return Reporter::Text(
-            fmt::format("the attribute '{}' of <{}> is missing", attribute.name, schema.name));
+            fmt::format("the attribute '{}' of <{}> is missing", attribute.name, schema.name),
+            attribute.value.kind == schemas::ValueKind::version
+                ? fmt::format("write {}=\"{}\"", attribute.name,
+                              fmt::join(language_.versions, "\" or \""))
+                : std::string());
       });
     }
   }

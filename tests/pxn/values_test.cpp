@@ -263,7 +263,7 @@ TEST(Values, UnitsOfTheWrongKind) {
             "length: (…)/1m)\n");
   EXPECT_EQ(complaint(kN, "{gap*2}"),
             "1:7 E1212 a plain number is needed here, got a length ({gap*2}) (divide it by "
-            "a length: (…)/1m)\n");
+            "a length: (…)/1m; gap is a length, 2 is a plain number)\n");
   EXPECT_EQ(complaint(kL, "{1px}").substr(0, 66),
             "1:7 E1212 a length is needed here, got a number of pixels ({1px}) ");
   EXPECT_EQ(complaint(kL, "{2*50%}").substr(0, 59),

@@ -1,0 +1,47 @@
+#include "tools/node_list.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace panwright::tools {
+
+namespace {
+
+std::string on_one_line(std::string_view name) {
+  std::string out;
+  for (const char c : name)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    else
+      out += c;
+  return out;
+}
+
+}  // namespace
+
+std::string node_list(const pan::Model& model) {
+  struct Surface {
+    std::uint64_t triangles = 0;
+    std::vector<std::uint32_t> materials;  // in the order of the instances, each once
+  };
+  std::vector<Surface> surfaces(model.nodes().size());
+  for (const auto& instance : model.instances()) {
+    Surface& surface = surfaces[instance.node];
+    surface.triangles += model.meshes()[instance.mesh].triangle_count;
+    auto& known = surface.materials;
+    if (std::find(known.begin(), known.end(), instance.material) == known.end())
+      known.push_back(instance.material);
+  }
+  std::string out;
+  for (std::size_t i = 1; i < surfaces.size(); ++i) {
+    out += fmt::format("{}\t{}\t", on_one_line(model.node_name(i)), surfaces[i].triangles);
+    for (std::size_t k = 0; k < surfaces[i].materials.size(); ++k)
+      out += (k > 0 ? ", " : "") + on_one_line(model.material_name(surfaces[i].materials[k]));
+    out += "\n";
+  }
+  return out;
+}
+
+}  // namespace panwright::tools
