@@ -4,17 +4,12 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
 #include "base/parallel.h"
+#include "preview/model/slope_levels.h"
 
 namespace panwright::preview {
 namespace {
-
-// a mean this short or shorter says nothing about a direction any more: slopes of 10
-constexpr double kShortestNormal = 0.25;
-// what rounding takes off the length of a mean of equal normals, with room
-constexpr double kLengthRounding = 0x1p-21;
 
 void for_texels(TextureLevel& level, auto&& change) {
   parallel_for(level.height, [&](std::size_t row) {
@@ -37,11 +32,34 @@ void make_unit(float* texel) {
   texel[3] = 0;
 }
 
-void find_slopes(float* texel) {
-  double square = 0;
-  for (int k = 0; k < 3; ++k) square += static_cast<double>(texel[k]) * texel[k];
-  const double length = std::clamp(std::sqrt(square) + kLengthRounding, kShortestNormal, 1.0);
-  texel[3] = static_cast<float>(2 * (1 - length) / (length * length * length));
+// Sets channels of all levels but the first: channel(k) of twice the covariance
+void set_slopes(std::vector<TextureLevel>& levels, TextureRole role, const Job& job) {
+  const std::vector<SlopeLevel> slopes = slope_levels(levels[0], job);
+  for (std::size_t level = 1; level < levels.size(); ++level)
+    for (std::size_t i = 0; i < slopes[level - 1].texels.size(); ++i) {
+      const SlopeMoments& moments = slopes[level - 1].texels[i];
+      float* texel = levels[level].rgba.data() + 4 * i;
+      if (role == TextureRole::normal) {
+        texel[3] = static_cast<float>(2 * moments.xy);
+      } else {
+        texel[0] = static_cast<float>(2 * moments.xx);
+        texel[1] = static_cast<float>(2 * moments.yy);
+      }
+    }
+}
+
+// The first level of slopes, and the others before set_slopes().
+std::vector<TextureLevel> slopes_below(TextureLevel normals, const Job& job) {
+  std::vector<TextureLevel> levels;
+  levels.push_back(std::move(normals));
+  for (std::uint32_t w = levels[0].width, h = levels[0].height; w > 1 || h > 1;) {
+    w = std::max(1u, w / 2);
+    h = std::max(1u, h / 2);
+    levels.push_back({w, h, std::vector<float>(std::size_t{4} * w * h)});
+  }
+  set_slopes(levels, TextureRole::slopes, job);
+  std::fill(levels[0].rgba.begin(), levels[0].rgba.end(), 0.0f);
+  return levels;
 }
 
 // The share of a triangle where a linear function with these values at its corners is at least 0.
@@ -111,6 +129,7 @@ unsigned channels(TextureRole role) {
     case TextureRole::roughness:
       return 1;
     case TextureRole::cutout:
+    case TextureRole::slopes:
       return 2;
     default:
       return 4;
@@ -120,7 +139,8 @@ unsigned channels(TextureRole role) {
 std::vector<TextureLevel> map_levels(std::span<const std::uint8_t> rgba, std::uint32_t width,
                                      std::uint32_t height, bool linear, TextureRole role,
                                      float threshold, const Job& job) {
-  const bool numbers = role == TextureRole::normal || role == TextureRole::roughness;
+  const bool numbers = role == TextureRole::normal || role == TextureRole::slopes ||
+                       role == TextureRole::roughness;
   TextureLevel first = decoded_level(rgba, width, height, linear || numbers, job);
   switch (role) {
     case TextureRole::color:
@@ -132,6 +152,7 @@ std::vector<TextureLevel> map_levels(std::span<const std::uint8_t> rgba, std::ui
       });
       break;
     case TextureRole::normal:
+    case TextureRole::slopes:
       for_texels(first, make_unit);
       break;
     case TextureRole::roughness:
@@ -142,9 +163,9 @@ std::vector<TextureLevel> map_levels(std::span<const std::uint8_t> rgba, std::ui
       break;
   }
   job.poll();
+  if (role == TextureRole::slopes) return slopes_below(std::move(first), job);
   std::vector<TextureLevel> levels = with_levels_below(std::move(first), job);
-  if (role == TextureRole::normal)
-    for (std::size_t i = 1; i < levels.size(); ++i) for_texels(levels[i], find_slopes);
+  if (role == TextureRole::normal) set_slopes(levels, role, job);
   return levels;
 }
 
