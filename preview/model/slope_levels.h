@@ -28,10 +28,10 @@ struct SlopeLevel {
   std::vector<SlopeMoments> texels;  // H*W, row 0 at the bottom
 };
 
-// The moments at every level below the first, over the same areas as with_levels_below(): each is
-// the mean of the covariances of the texels above and the covariance of their means, so that it is
-// the covariance of the first level's texels, whatever the sides (M. Olano, D. Baker, "LEAN
-// mapping", 2010, without the cancellation of raw moments).
+// The moments at every level below the first, with the shares of with_levels_below(): each is the
+// mean of the covariances of the texels above and the covariance of their means, so that it is the
+// covariance of the first level's texels, whatever the sides (M. Olano, D. Baker, "LEAN mapping",
+// 2010, without the cancellation of raw moments).
 //
 //   normals  the first level; RGB: normals of any length, never inwards
 // Throws Cancelled.
