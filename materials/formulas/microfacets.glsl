@@ -163,6 +163,29 @@ FORMULA Real ggx_bumped(Vec3 own, Vec3 bump, Vec3 square) {
          ggx_bumped_part(Real(11.0231764), Real(0.00238616688), own, bump, square);
 }
 
+// cosine Lambda(direction) of GGX microfacets; see beckmann_masking.
+FORMULA Real ggx_masking(Real cosine, Real sine) {
+  return Real(0.5) * (sine * sine / (cosine + sqrt(cosine * cosine + sine * sine)));
+}
+
+// Microfacets hide each other as they do, bumps as a Gaussian surface does.
+FORMULA Real ggx_bumped_masked(Real d, Surface s, Real inside, Vec3 to_light, Vec3 to_viewer, Vec3 normal) {
+  Real cos_nl = dot3(normal, to_light);
+  Real cos_nv = dot3(normal, to_viewer);
+  if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Real(0);
+  cos_nl = max(cos_nl, Real(1e-10));
+  cos_nv = max(cos_nv, Real(1e-10));
+  Real own_x = microfacet_slope(s.alpha_x);
+  Real own_y = microfacet_slope(s.alpha_y);
+  Real bump_x = microfacet_slope(sqrt(inside * s.bump_x));
+  Real bump_y = microfacet_slope(sqrt(inside * s.bump_y));
+  Real hidden_l = ggx_masking(cos_nl, sloped_sine(own_x, own_y, s.tangent, to_light, normal)) +
+                  beckmann_masking(cos_nl, sloped_sine(bump_x, bump_y, s.tangent, to_light, normal));
+  Real hidden_v = ggx_masking(cos_nv, sloped_sine(own_x, own_y, s.tangent, to_viewer, normal)) +
+                  beckmann_masking(cos_nv, sloped_sine(bump_x, bump_y, s.tangent, to_viewer, normal));
+  return Real(0.25) * d / (cos_nl * cos_nv + cos_nl * hidden_v + cos_nv * hidden_l);
+}
+
 // Whether bumps are not much smaller than the microfacets, and both larger than what the Sun's disc blurs.
 FORMULA Real ggx_is_bumped(Surface s, Real inside) {
   if (!(s.bump_x > Real(0))) return Real(0);
@@ -201,8 +224,8 @@ FORMULA Real ggx_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 
     Real density = ggx_bumped(Vec3(own_x * own_x, own_y * own_y, Real(0)), inside * Vec3(s.bump_x, s.bump_y, Real(0)),
                               Vec3(along * along, across * across, Real(0)));
     Real tan2 = dot3(turned, turned) / (sum * sum);
-    return ggx_masked(density * (Real(1) + tan2) * (Real(1) + tan2) * Real(0.31830988618379067), slope_x, slope_y,
-                      s.tangent, l, v, tilted);
+    return ggx_bumped_masked(density * (Real(1) + tan2) * (Real(1) + tan2) * Real(0.31830988618379067), s, inside, l, v,
+                             tilted);
   }
   if (point_sun(s.sun_alpha2, min(slope_x, slope_y), to_light, to_viewer, tilted) > Real(0))
     return ggx_smith(slope_x, slope_y, s.tangent, l, v, tilted);
