@@ -95,7 +95,7 @@ MOMENTS_NOTES = """
 - Bumps as a Gaussian has them are right within a few per cent where a pixel spans several of them. Where it spans about one (8 texels a pixel above), each
   pixel takes the covariance of a sample for that of the bumps, and the peak is too bright.
 - Where isotropic bumps are smaller than a Blinn-Phong lobe its far flank is up to 10 % too dark (worst 3 % before), and Cook-Torrance over isotropic slopes of 0.2 and more is 0.5 to 1.2 % less right
-  than before, rms: the only rows that became worse by more than rounding.
+  than before, rms: beside grooves at 120° under a brushed GGX the only rows that became worse by more than 0.3 %.
 - Grooves and ridges of few slopes are no Gaussian: across them the peak is too bright and the flanks too dark as soon as slopes exceed the material's own, and no covariance can say it.
 - Diffuse light takes the length of the mean normal, as the reference renderer's flat plates do: what facets show more of than the plate is missing (σ²·tan·tan: 13 % at a phase
   of 120° and slopes of 0.2).
