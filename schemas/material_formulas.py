@@ -110,7 +110,7 @@ def surface_of_text(schema):
         out += [f"  if (const auto& b = material.{struct['field']}) {{"]
         out += ["  " + line.replace("b.", "b->") for line in load_lines(struct["parameter"], "b")] + ["  }"]
     for context in schema["context"]:
-        value = {"0": "tangent", "argument": context["name"], "coat": "Real(material.coat ? 1 : 0)"}.get(
+        value = {"0": "tangent", "none": "Real(0)", "argument": context["name"], "coat": "Real(material.coat ? 1 : 0)"}.get(
             context["value"], f"s.{context['value']}")
         out.append(f"  s.{context['name']} = {value};")
     return "\n".join(out + ["  return s;", "}", ""])
@@ -142,7 +142,7 @@ def loader_text(schema):
                 lines.append(f"  s.{gpu} = vec3({', '.join(f'row{row}.{at}' for row, at in places)});")
     lines = list(dict.fromkeys(lines))
     for context in schema["context"]:
-        value = {"0": "vec3(0.0)", "argument": context["name"], "coat": "1.0"}.get(context["value"],
+        value = {"0": "vec3(0.0)", "none": "0.0", "argument": context["name"], "coat": "1.0"}.get(context["value"],
                                                                                 f"s.{context['value']}")
         lines.append(f"  s.{context['name']} = {value};")
     accessors = []
@@ -163,7 +163,7 @@ def loader_text(schema):
 
 def formula_files(schema):
     """Files in an order in which they may stand: what is called stands before who calls it."""
-    files = ["common", "fresnel", "sun_disc"]
+    files = ["common", "fresnel", "sun_disc", "slopes"]
     for brdf in schema["brdf"]:
         if brdf["formula"] not in files:
             files.append(brdf["formula"])

@@ -42,21 +42,55 @@ FORMULA Real cook_torrance_as_printed(Real slope, Vec3 to_light, Vec3 to_viewer,
   return Real(4) * cook_torrance(slope, to_light, to_viewer, normal);
 }
 
-// Under the Sun's disc: see sunlit_from() and density_over_disc().
-FORMULA Vec3 cook_torrance_from(Surface s, Real slope, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
-                                Real index) {
-  Real m = cook_torrance_slope(slope);
-  if (point_sun(s.sun_alpha2, m, to_light, to_viewer, tilted) > Real(0)) return to_light;
-  return sunlit_from(Real(0), s.sun_limb, disc_radius(s.sun_alpha2), m, disc_x(tilted) / m, disc_y(tilted) / m,
-                     to_light, to_viewer, normal, tilted, index);
+// The same with slopes that differ along two axes.
+FORMULA Real cook_torrance_along(Real slope_x, Real slope_y, Vec3 tangent, Vec3 to_light, Vec3 to_viewer,
+                                 Vec3 normal) {
+  if (isotropic(slope_x, slope_y, tangent) > Real(0))
+    return cook_torrance(sqrt(slope_x * slope_y), to_light, to_viewer, normal);
+  Real cos_nl = dot3(normal, to_light);
+  Real cos_nv = dot3(normal, to_viewer);
+  if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Real(0);
+  cos_nl = max(cos_nl, Real(1e-10));
+  cos_nv = max(cos_nv, Real(1e-10));
+  Vec3 both = to_light + to_viewer;
+  Real both2 = dot3(both, both);
+  if (both2 < Real(1e-12)) return Real(0);
+  Vec3 turned = cross3(normal, both);
+  Real scale = Real(1) / ((cos_nl + cos_nv) * (cos_nl + cos_nv));
+  Real density = exp_negative(over_slopes(slope_x, slope_y, tangent, turned, normal) * scale);
+  Real secant2 = Real(1) + dot3(turned, turned) * scale;
+  return density * secant2 * secant2 * Real(0.31830988618379067) / (slope_x * slope_y) *
+         v_cavity(cos_nl, cos_nv, both2);
 }
 
-FORMULA Real cook_torrance_sunlit(Surface s, Real slope, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal,
-                                  Vec3 tilted, Real index) {
+// Under the Sun's disc: see sunlit_from() and density_over_disc(). Slopes: along s.tangent and across.
+FORMULA Vec3 cook_torrance_from(Surface s, Real slope_x, Real slope_y, Vec3 to_light, Vec3 to_viewer, Vec3 normal,
+                                Vec3 tilted, Real index) {
+  Real mx = cook_torrance_slope(slope_x);
+  Real my = cook_torrance_slope(slope_y);
+  Real m = min(mx, my);
+  if (point_sun(s.sun_alpha2, m, to_light, to_viewer, tilted) > Real(0)) return to_light;
+  Vec3 over_x = disc_x(tilted) / m;
+  Vec3 over_y = disc_y(tilted) / m;
+  if (mx != my) {
+    over_x = over_slope_x(mx, my, s.tangent, tilted);
+    over_y = over_slope_y(mx, my, s.tangent, tilted);
+  }
+  return sunlit_from(Real(0), s.sun_limb, disc_radius(s.sun_alpha2), m, over_x, over_y, to_light, to_viewer, normal,
+                     tilted, index);
+}
+
+FORMULA Real cook_torrance_sunlit(Surface s, Real slope_x, Real slope_y, Vec3 from, Vec3 to_light, Vec3 to_viewer,
+                                  Vec3 normal, Vec3 tilted, Real index) {
   Vec3 l = below_index(from, normal, index);
   Vec3 v = below_index(to_viewer, normal, index);
-  Real m = cook_torrance_slope(slope);
-  if (point_sun(s.sun_alpha2, m, to_light, to_viewer, tilted) > Real(0)) return cook_torrance(slope, l, v, tilted);
+  Real mx = cook_torrance_slope(slope_x);
+  Real my = cook_torrance_slope(slope_y);
+  Real m = min(mx, my);
+  if (point_sun(s.sun_alpha2, m, to_light, to_viewer, tilted) > Real(0)) {
+    if (mx != my) return cook_torrance_along(mx, my, s.tangent, l, v, tilted);
+    return cook_torrance(slope_x, l, v, tilted);
+  }
   Real cos_nl = dot3(tilted, l);
   Real cos_nv = dot3(tilted, v);
   if (!(cos_nl > Real(0) && cos_nv > Real(0))) return Real(0);
@@ -65,19 +99,29 @@ FORMULA Real cook_torrance_sunlit(Surface s, Real slope, Vec3 from, Vec3 to_ligh
   Vec3 both = l + v;
   Real both2 = dot3(both, both);
   if (both2 < Real(1e-12)) return Real(0);
-  Real density = density_over_disc(Real(0), Real(0), s.sun_limb, disc_radius(s.sun_alpha2), m, disc_x(tilted) / m,
-                                   disc_y(tilted) / m, from, to_light, to_viewer, normal, tilted, index);
+  Vec3 over_x = disc_x(tilted) / m;
+  Vec3 over_y = disc_y(tilted) / m;
+  if (mx != my) {
+    over_x = over_slope_x(mx, my, s.tangent, tilted);
+    over_y = over_slope_y(mx, my, s.tangent, tilted);
+  }
+  Real density = density_over_disc(Real(0), Real(0), s.sun_limb, disc_radius(s.sun_alpha2), m, over_x, over_y, from,
+                                   to_light, to_viewer, normal, tilted, index);
   Real secant2 = Real(1) + half_tan2(l, v, tilted, cos_nl + cos_nv);
-  return density * secant2 * secant2 * Real(0.31830988618379067) / (m * m) * v_cavity(cos_nl, cos_nv, both2);
+  return density * secant2 * secant2 * Real(0.31830988618379067) / (mx * my) * v_cavity(cos_nl, cos_nv, both2);
 }
 
 FORMULA Vec3 cook_torrance_lobe_from(Surface s, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
                                      Real index) {
-  return cook_torrance_from(s, s.alpha_x, to_light, to_viewer, normal, tilted, index);
+  Real inside = bump_inside(s, to_light, to_viewer, index);
+  return cook_torrance_from(s, bumped(s.alpha_x, inside * s.bump_x), bumped(s.alpha_x, inside * s.bump_y), to_light,
+                            to_viewer, normal, tilted, index);
 }
 
 FORMULA Real cook_torrance_lobe(Surface s, Vec3 from, Vec3 to_light, Vec3 to_viewer, Vec3 normal, Vec3 tilted,
                                 Real index) {
+  Real inside = bump_inside(s, to_light, to_viewer, index);
   return s.d_scale * s.f_scale * s.g_scale *
-         cook_torrance_sunlit(s, s.alpha_x, from, to_light, to_viewer, normal, tilted, index);
+         cook_torrance_sunlit(s, bumped(s.alpha_x, inside * s.bump_x), bumped(s.alpha_x, inside * s.bump_y), from,
+                              to_light, to_viewer, normal, tilted, index);
 }

@@ -71,6 +71,8 @@ GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers
   if (!program) {
     std::string head = kVersion;
     head += sample_place_glsl + layer_names(layers) + defined("REFLECTING", brdf_model.mapped) +
+            defined("TWO_SLOPES", brdf_model.specular == materials::SpecularModel::beckmann ||
+                                      brdf_model.specular == materials::SpecularModel::ggx) +
             defined("ONE_MATERIAL", one_material) + defined("POINT_SUN", point_sun);
     head += materials::glsl_formulas(brdf_model) + materials::glsl_material_loader();
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;

@@ -38,6 +38,7 @@ inline constexpr GLuint kReflectanceMapUnit = 16;
 inline constexpr GLuint kReflectanceUnit = 17;
 inline constexpr GLuint kSamplesUnit = 18;  // of resolve.frag
 inline constexpr GLuint kBlocksUnit = 19;
+inline constexpr GLuint kSlopeMapUnit = 20;
 inline constexpr GLint kRangeLocation = 0;  // uniforms
 inline constexpr GLint kDepthLocation = 1;
 inline constexpr GLint kBlocksLocation = 2;

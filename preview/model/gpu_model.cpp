@@ -129,6 +129,7 @@ bool GpuModel::upload_textures(const pan::Model& model, std::span<const DrawItem
     bind(kDiffuseMapUnit, item.texture, color(item.texture), 0);
     bind(kAlbedoMapUnit, material.albedo_map, color(material.albedo_map), 0);
     bind(kNormalMapUnit, material.normal_map, TextureRole::normal, 0);
+    bind(kSlopeMapUnit, material.normal_map, TextureRole::slopes, 0);
     bind(kRoughnessMapUnit, material.roughness_map, TextureRole::roughness, 0);
     if (item.variant.reflectance_map)
       bind(kReflectanceMapUnit, material.reflectance_map, color(material.reflectance_map), 0);

@@ -15,7 +15,9 @@ namespace layout = pan::layout;
 // float texels up to this many bytes in all, half floats beyond
 constexpr std::uint64_t kFloatTextureBytes = 1ull << 30;
 
+// Slopes are half floats: within 5e-4 of themselves, and 3e-8 where they are smaller than 6e-5.
 GLenum format_of(TextureRole role, bool whole) {
+  if (role == TextureRole::slopes) whole = false;
   switch (channels(role)) {
     case 1:
       return whole ? GL_R32F : GL_R16F;

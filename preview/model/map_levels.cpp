@@ -4,17 +4,15 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
 #include "base/parallel.h"
+#include "preview/model/slope_levels.h"
 
 namespace panwright::preview {
 namespace {
 
-// a mean this short or shorter says nothing about a direction any more: slopes of 10
-constexpr double kShortestNormal = 0.25;
-// what rounding takes off the length of a mean of equal normals, with room
-constexpr double kLengthRounding = 0x1p-21;
+// what rounding leaves of the difference of equal slopes, with room
+constexpr double kSlopeRounding = 1e-12;
 
 void for_texels(TextureLevel& level, auto&& change) {
   parallel_for(level.height, [&](std::size_t row) {
@@ -37,11 +35,66 @@ void make_unit(float* texel) {
   texel[3] = 0;
 }
 
-void find_slopes(float* texel) {
-  double square = 0;
-  for (int k = 0; k < 3; ++k) square += static_cast<double>(texel[k]) * texel[k];
-  const double length = std::clamp(std::sqrt(square) + kLengthRounding, kShortestNormal, 1.0);
-  texel[3] = static_cast<float>(2 * (1 - length) / (length * length * length));
+// What interpolation between the texels of a repeating level takes from the covariance of their
+// means, in the mean over all places: each texel's share, so that nothing is lost on the whole. Two
+// neighbours in a row or column lose 1/9 of the square of their difference, those across a corner
+// 1/36; half of it at each.
+SlopeMoments interpolated_away(const SlopeLevel& level, std::size_t x, std::size_t y) {
+  const std::size_t w = level.width;
+  const std::size_t h = level.height;
+  const SlopeMoments& here = level.texels[y * w + x];
+  SlopeMoments sum;
+  for (const std::size_t down : {0, 1, 2})
+    for (const std::size_t left : {0, 1, 2}) {
+      const SlopeMoments& there =
+          level.texels[(y + h - 1 + down) % h * w + (x + w - 1 + left) % w];
+      const double share = left != 1 && down != 1 ? 1.0 / 72 : 1.0 / 18;
+      const double a = there.x - here.x;
+      const double b = there.y - here.y;
+      if (a * a + b * b < kSlopeRounding * kSlopeRounding) continue;
+      sum.xx += share * a * a;
+      sum.xy += share * a * b;
+      sum.yy += share * b * b;
+    }
+  return sum;
+}
+
+// Sets the channels of the role in all levels but the first.
+void set_slopes(std::vector<TextureLevel>& levels, TextureRole role, const Job& job) {
+  const std::vector<SlopeLevel> slopes = slope_levels(levels[0], job);
+  for (std::size_t level = 1; level < levels.size(); ++level) {
+    const SlopeLevel& from = slopes[level - 1];
+    parallel_for(
+        from.height,
+        [&](std::size_t y) {
+          for (std::size_t x = 0; x < from.width; ++x) {
+            const SlopeMoments& own = from.texels[y * from.width + x];
+            const SlopeMoments more = interpolated_away(from, x, y);
+            float* texel = levels[level].rgba.data() + 4 * (y * from.width + x);
+            if (role == TextureRole::normal) {
+              texel[3] = static_cast<float>(2 * (own.xy + more.xy));
+            } else {
+              texel[0] = static_cast<float>(2 * (own.xx + more.xx));
+              texel[1] = static_cast<float>(2 * (own.yy + more.yy));
+            }
+          }
+        },
+        job);
+  }
+}
+
+// The first level of slopes, and the others before set_slopes().
+std::vector<TextureLevel> slopes_below(TextureLevel normals, const Job& job) {
+  std::vector<TextureLevel> levels;
+  levels.push_back(std::move(normals));
+  for (std::uint32_t w = levels[0].width, h = levels[0].height; w > 1 || h > 1;) {
+    w = std::max(1u, w / 2);
+    h = std::max(1u, h / 2);
+    levels.push_back({w, h, std::vector<float>(std::size_t{4} * w * h)});
+  }
+  set_slopes(levels, TextureRole::slopes, job);
+  std::fill(levels[0].rgba.begin(), levels[0].rgba.end(), 0.0f);
+  return levels;
 }
 
 // The share of a triangle where a linear function with these values at its corners is at least 0.
@@ -111,6 +164,7 @@ unsigned channels(TextureRole role) {
     case TextureRole::roughness:
       return 1;
     case TextureRole::cutout:
+    case TextureRole::slopes:
       return 2;
     default:
       return 4;
@@ -120,7 +174,8 @@ unsigned channels(TextureRole role) {
 std::vector<TextureLevel> map_levels(std::span<const std::uint8_t> rgba, std::uint32_t width,
                                      std::uint32_t height, bool linear, TextureRole role,
                                      float threshold, const Job& job) {
-  const bool numbers = role == TextureRole::normal || role == TextureRole::roughness;
+  const bool numbers = role == TextureRole::normal || role == TextureRole::slopes ||
+                       role == TextureRole::roughness;
   TextureLevel first = decoded_level(rgba, width, height, linear || numbers, job);
   switch (role) {
     case TextureRole::color:
@@ -132,6 +187,7 @@ std::vector<TextureLevel> map_levels(std::span<const std::uint8_t> rgba, std::ui
       });
       break;
     case TextureRole::normal:
+    case TextureRole::slopes:
       for_texels(first, make_unit);
       break;
     case TextureRole::roughness:
@@ -142,9 +198,9 @@ std::vector<TextureLevel> map_levels(std::span<const std::uint8_t> rgba, std::ui
       break;
   }
   job.poll();
+  if (role == TextureRole::slopes) return slopes_below(std::move(first), job);
   std::vector<TextureLevel> levels = with_levels_below(std::move(first), job);
-  if (role == TextureRole::normal)
-    for (std::size_t i = 1; i < levels.size(); ++i) for_texels(levels[i], find_slopes);
+  if (role == TextureRole::normal) set_slopes(levels, role, job);
   return levels;
 }
 

@@ -13,7 +13,8 @@ namespace panwright::preview {
 enum class TextureRole : std::uint8_t {
   color,          // RGB linear; A 1
   premultiplied,  // RGB linear times A, A: the colour of a transparent texel counts nowhere
-  normal,         // RGB: mean of the unit normals, shorter than 1 where they differ; A: see below
+  normal,         // RGB: mean of the unit normals, shorter than 1 where they differ; A: slopes xy
+  slopes,         // of the same image, R: slopes xx, G: yy; see below
   roughness,      // R: the red code as it is
   cutout,         // R: alpha − threshold of level 0 only; G: share of the surface that is there
 };
@@ -25,11 +26,11 @@ unsigned channels(TextureRole role);
 // file says, cutouts read alpha, which always is.
 //
 // Normal maps: level 0 holds unit vectors, never inwards. A mean of normals is exact for what is
-// linear in the normal: Lambert's law, until a texel faces away from the Sun. Its lost length gives
-// A, the mean squared slope (Beckmann's m²) of the texels around their mean direction: Toksvig,
-// "Mipmapping normal maps", 2005, but 2(1−|N|)/|N|³, which follows Gaussian slopes (|N| =
-// √(π/A)·exp(1/A)·erfc(1/√A)) to the second order and within 17 % up to A = 1.5. One number for all
-// azimuths.
+// linear in the normal: Lambert's law, until a texel faces away from the Sun. Slopes are twice the
+// covariance of the slopes under a texel about their mean, −n_x/n_z along u and −n_y/n_z along v
+// (slope_levels.h): what Beckmann's m² becomes larger by, in each azimuth; and of what interpolation
+// between the means of texels hides, so that a level shows as much as the map on the whole. 0 in
+// level 0.
 //
 // Cutouts: G of level 0 is the share of each texel's square where alpha, interpolated between the
 // centres of texels that repeat, reaches the threshold, within 2e-3; the levels above hold its

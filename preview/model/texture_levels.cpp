@@ -9,28 +9,6 @@
 namespace panwright::preview {
 namespace {
 
-// the source texels that one texel of the next level covers, and their shares
-struct Footprint {
-  std::uint32_t first = 0;
-  std::uint32_t count = 0;
-  std::array<double, 4> share{};  // halving rounded down covers at most 3 + rounding
-};
-
-Footprint footprint(std::uint32_t index, std::uint32_t from, std::uint32_t to) {
-  // in units of 1/to of a source texel everything is an integer
-  const std::uint64_t begin = std::uint64_t{index} * from;
-  const std::uint64_t end = begin + from;
-  Footprint result;
-  result.first = static_cast<std::uint32_t>(begin / to);
-  for (std::uint64_t i = result.first; i * to < end; ++i) {
-    const std::uint64_t low = std::max(begin, i * to);
-    const std::uint64_t high = std::min(end, (i + 1) * to);
-    assert(result.count < result.share.size());
-    result.share[result.count++] = static_cast<double>(high - low) / from;
-  }
-  return result;
-}
-
 TextureLevel halved(const TextureLevel& above, const Job& job) {
   TextureLevel level;
   level.width = std::max(1u, above.width / 2);
@@ -60,6 +38,21 @@ TextureLevel halved(const TextureLevel& above, const Job& job) {
 }
 
 }  // namespace
+
+Footprint footprint(std::uint32_t index, std::uint32_t from, std::uint32_t to) {
+  // in units of 1/to of a source texel everything is an integer
+  const std::uint64_t begin = std::uint64_t{index} * from;
+  const std::uint64_t end = begin + from;
+  Footprint result;
+  result.first = static_cast<std::uint32_t>(begin / to);
+  for (std::uint64_t i = result.first; i * to < end; ++i) {
+    const std::uint64_t low = std::max(begin, i * to);
+    const std::uint64_t high = std::min(end, (i + 1) * to);
+    assert(result.count < result.share.size());
+    result.share[result.count++] = static_cast<double>(high - low) / from;
+  }
+  return result;
+}
 
 TextureLevel decoded_level(std::span<const std::uint8_t> rgba, std::uint32_t width,
                            std::uint32_t height, bool linear, const Job& job) {

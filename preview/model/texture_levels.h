@@ -1,6 +1,7 @@
 // Texels made linear, and their mip chain. Private to preview; nothing here needs OpenGL.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -21,6 +22,16 @@ struct TextureLevel {
 //   linear  RGB is not sRGB encoded; A never is
 TextureLevel decoded_level(std::span<const std::uint8_t> rgba, std::uint32_t width,
                            std::uint32_t height, bool linear, const Job& job = {});
+
+// The texels of a row or column that one of the next level covers, and their shares of it.
+struct Footprint {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+  std::array<double, 4> share{};  // halving rounded down covers at most 3 + rounding
+};
+
+// Expects: to = max(1, from / 2), index < to.
+Footprint footprint(std::uint32_t index, std::uint32_t from, std::uint32_t to);
 
 // The level and all below, each of half the sides, rounded down, never below 1, down to 1×1. Every
 // texel is the mean of the area of the level above that it covers, partial texels weighted by their

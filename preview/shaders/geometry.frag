@@ -1,7 +1,8 @@
 // What is seen at a sample: its normal, its instance, its colour. Light comes later, once for each
 // sample and not once for each of the many fragments that small triangles throw away. Defined in
 // front: version, draw.glsl, any of PAINTED ROUGH BRUSHED (the layers there are), TEXTURED COLOURED
-// FLAT, ALBEDO_MAP BUMPED ROUGHNESS_MAP REFLECTANCE_MAP (MAPPED with each of these), TANGENTS (BUMPED has them), CELLS
+// FLAT, ALBEDO_MAP BUMPED ROUGHNESS_MAP REFLECTANCE_MAP (MAPPED with each of these), TANGENTS (BUMPED has them, and
+// BRUSHED), CELLS
 // with its formulas, CUTOUT with cutout.glsl, and SHADOWED with light_space.glsl.
 
 #ifdef FLAT
@@ -24,6 +25,7 @@ layout(binding = 7) uniform sampler2D albedo_map;
 #endif
 #ifdef BUMPED
 layout(binding = 8) uniform sampler2D normal_map;
+layout(binding = 20) uniform sampler2D slope_map;
 #endif
 #ifdef TANGENTS
 layout(location = 4) in vec4 mesh_tangent;
@@ -44,12 +46,14 @@ layout(location = 0) out vec4 normal_sample;
 layout(location = 1) out vec4 albedo;  // diffuse colour; a: length of the mean normal
 #endif
 #ifdef ROUGH
-// factor of the roughness; squared slope of unseen bumps; share of cells with their fingers, and in
-// these of cells without
+// factor of the roughness; squared slope of unseen bumps along the brush, 0: there are none; share of
+// cells with their fingers, and in these of cells without
 layout(location = 2) out vec4 roughness_sample;
 #endif
 #ifdef BRUSHED
-layout(location = 3) out vec4 brush;  // world direction along the tangent, of any length
+// world direction along the tangent, of any length; where there are unseen bumps its length is their
+// squared slope across the brush, and w what their slopes along and across have in common
+layout(location = 3) out vec4 brush;
 #endif
 #ifdef REFLECTANCE_MAP
 layout(location = 4) out vec4 reflectance;  // RGB; what has no map is not asked
@@ -68,12 +72,30 @@ vec3 unit_or_zero(vec3 v) {
   return square > 0.0 ? v * inversesqrt(square) : vec3(0.0);
 }
 
-// The bumps are the mesh's: an instance mirrors and stretches them with it.
-vec3 bumped(vec3 normal, vec3 bump) {
+// The bumps are the mesh's: an instance mirrors and stretches them with it. Columns: along u, along v,
+// outwards.
+mat3 bump_frame(vec3 normal) {
   vec3 outwards = unit_or_zero(normal);
   vec3 along = unit_or_zero(mesh_tangent.xyz - outwards * dot(outwards, mesh_tangent.xyz));
   vec3 across = cross(outwards, along) * (mesh_tangent.w < 0.0 ? -1.0 : 1.0);
-  return bump.x * along + bump.y * across + bump.z * outwards;
+  return mat3(along, across, outwards);
+}
+
+// What squared slopes xx, xy, yy of the map are along a world direction in the surface, and across it.
+// normal: world, what becomes of a mean normal of that height
+vec3 world_slopes(vec3 slopes, mat3 frame, vec3 normal, float height, vec3 along, vec3 across) {
+  // a slope moves a normal of height 1 by as much
+  float scale = height * inversesqrt(max(dot(normal, normal), 1e-30));
+  vec3 of_u = scale * (draw.world_normal_from_mesh * frame[0]);
+  vec3 of_v = scale * (draw.world_normal_from_mesh * frame[1]);
+  vec2 u = vec2(dot(of_u, along), dot(of_u, across));
+  vec2 v = vec2(dot(of_v, along), dot(of_v, across));
+  // never below 0, whatever rounding does
+  float both = sqrt(slopes.x * slopes.z);
+  float xy = clamp(slopes.y, -both, both);
+  return vec3(slopes.x * u.x * u.x + 2.0 * xy * u.x * v.x + slopes.z * v.x * v.x,
+              slopes.x * u.x * u.y + xy * (u.x * v.y + u.y * v.x) + slopes.z * v.x * v.y,
+              slopes.x * u.y * u.y + 2.0 * xy * u.y * v.y + slopes.z * v.y * v.y);
 }
 #endif
 
@@ -93,9 +115,9 @@ void main() {
 #ifdef BUMPED
   vec4 bump = texture(normal_map, map_texcoord);
   bump.xy *= draw.repeat.zw;
-  normal = bumped(normal, bump.xyz);
+  mat3 frame = bump_frame(normal);
+  normal = frame * bump.xyz;
   length_of_mean = min(length(bump.xyz), 1.0);
-  roughness.y = bump.a;
 #endif
 #ifdef ROUGHNESS_MAP
   roughness.x = texture(roughness_map, map_texcoord).r;
@@ -114,6 +136,17 @@ void main() {
   normal = draw.world_normal_from_mesh * normal;
   // the back of an open mesh is as good as its front
   normal_sample = vec4(gl_FrontFacing ? normal : -normal, float(draw.id.x));
+#ifdef BUMPED
+  vec2 squares = texture(slope_map, map_texcoord).rg;
+  if (squares.x + squares.y > 0.0) {
+    vec3 facing = unit_or_zero(normal_sample.xyz);
+    vec3 direction = unit_or_zero(brush.xyz - facing * (dot(facing, brush.xyz) / max(dot(facing, facing), 1e-30)));
+    vec3 slopes = world_slopes(vec3(squares.x, bump.a * draw.repeat.z * draw.repeat.w, squares.y), frame, normal,
+                               bump.z, direction, cross(facing, direction));
+    roughness.y = max(slopes.x, 1e-12);
+    brush = vec4(direction * max(slopes.z, 1e-12), slopes.y);
+  }
+#endif
 #ifdef PAINTED
   vec3 color = vec3(1.0);
 #ifdef TEXTURED

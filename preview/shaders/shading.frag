@@ -1,5 +1,5 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, any of PAINTED
-// ROUGH BRUSHED REFLECTING ONE_MATERIAL POINT_SUN, sample_place.glsl, SHADOWED (with shadow.glsl), and the
+// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL POINT_SUN, sample_place.glsl, SHADOWED (with shadow.glsl), and the
 // formulas of its BRDF model (materials/formulas), with what reads a material (materials/formula_text.h).
 
 layout(std140, binding = 0) uniform View {
@@ -62,19 +62,45 @@ vec3 shaded_radiance(Surface surface) {
 #endif
 
 #ifdef ROUGH
-// What a roughness map says, and the bumps that a sample is too large to show. Lambert's law is
-// linear in the normal, so the length of the mean normal gives their mean; microfacets on bumps
-// have the squared slopes of both. A Blinn-Phong lobe is as wide as one of slopes 2 / (shine + 2).
-void roughen(inout Surface surface, float length_of_mean, vec2 roughness_sample) {
+// What a roughness map says. Lambert's law is linear in the normal, so the length of the mean normal
+// gives the mean over bumps that a sample is too large to show.
+void roughen(inout Surface surface, float length_of_mean, float roughness) {
   surface.diffuse *= length_of_mean;
-  surface.oren *= roughness_sample.x;
+  surface.oren *= roughness;
   // floor: what the Sun's disc blurs is 50 times as much
-  float slope = max(surface.alpha_x * roughness_sample.x, min(surface.alpha_x, 1e-4));
-  surface.alpha_x = roughness_sample.y > 0.0 ? sqrt(slope * slope + roughness_sample.y) : slope;
-  slope = max(surface.alpha_y * roughness_sample.x, min(surface.alpha_y, 1e-4));
-  surface.alpha_y = roughness_sample.y > 0.0 ? sqrt(slope * slope + roughness_sample.y) : slope;
-  if (roughness_sample.y > 0.0)
-    surface.shine = max(2.0 / (2.0 / (surface.shine + 2.0) + roughness_sample.y) - 2.0, 0.0);
+  surface.alpha_x = max(surface.alpha_x * roughness, min(surface.alpha_x, 1e-4));
+  surface.alpha_y = max(surface.alpha_y * roughness, min(surface.alpha_y, 1e-4));
+}
+#endif
+
+#ifdef BRUSHED
+// Bumps that a sample is too large to show, along and across the principal axes of their squared
+// slopes (xx, xy, yy in the frame of the surface's tangent), those of the microfacets included where
+// these have two.
+void add_bumps(inout Surface surface, vec3 bumps, vec3 normal) {
+  vec3 own = vec3(0.0);
+#ifdef TWO_SLOPES
+  own = vec3(surface.alpha_x * surface.alpha_x, 0.0, surface.alpha_y * surface.alpha_y);
+  if (own.x == own.z) own = vec3(0.0);
+  float inside = surface.coat_index > 1.0 ? 1.0 / (surface.coat_index * surface.coat_index) : 1.0;
+#else
+  const float inside = 1.0;
+#endif
+  vec2 axis = narrow_axis(own + inside * bumps).xy;
+  vec2 square = axis * axis;
+  float twice = 2.0 * axis.x * axis.y;
+  surface.bump_x = max(square.x * bumps.x + twice * bumps.y + square.y * bumps.z, 1e-12);
+  surface.bump_y = max(square.y * bumps.x - twice * bumps.y + square.x * bumps.z, 0.0);
+  surface.tangent = axis.x * surface.tangent + axis.y * cross(normal, surface.tangent);
+  vec2 tilt = vec2(surface.tilt_x, surface.tilt_y);
+  surface.tilt_x = axis.x * tilt.x + axis.y * tilt.y;
+  surface.tilt_y = axis.x * tilt.y - axis.y * tilt.x;
+#ifdef TWO_SLOPES
+  if (own.x > 0.0) {
+    surface.alpha_x = sqrt(square.x * own.x + square.y * own.z);
+    surface.alpha_y = sqrt(square.y * own.x + square.x * own.z);
+  }
+#endif
 }
 #endif
 
@@ -121,7 +147,7 @@ void main() {
 #endif
 #ifdef ROUGH
   vec4 roughness_sample = texelFetch(roughness_samples, place, 0);
-  roughen(surface, albedo.a, roughness_sample.xy);
+  roughen(surface, albedo.a, roughness_sample.x);
   // of solar cells the paint has the colour of cells and fingers, weights included
   bool has_cells = material_cell_count(first_row).x > 0.0;
 #endif
@@ -130,9 +156,12 @@ void main() {
   surface.reflectance = texelFetch(reflectances, place, 0).rgb;
 #endif
 #ifdef BRUSHED
-  vec3 brush = unit_or_zero(texelFetch(brushes, place, 0).xyz);
+  vec4 brush_sample = texelFetch(brushes, place, 0);
+  vec3 brush = unit_or_zero(brush_sample.xyz);
   vec3 facing = unit_or_zero(normal_sample.xyz);
   surface.tangent = unit_or_zero(brush - facing * dot(facing, brush));
+  if (roughness_sample.y > 0.0)
+    add_bumps(surface, vec3(roughness_sample.y, brush_sample.w, length(brush_sample.xyz)), facing);
 #endif
 
   // where the normal faces away from the viewer, at the limb of a smooth mesh, surface_brdf takes

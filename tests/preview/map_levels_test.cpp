@@ -44,9 +44,11 @@ TEST(MapLevels, EqualNormalsHaveNoSlopes) {
   for (int i = 0; i < 97 * 41; ++i) codes.insert(codes.end(), {150, 90, 240, 7});
   for (const auto& level : map_levels(codes, 97, 41, false, TextureRole::normal, 0))
     for (std::size_t i = 3; i < level.rgba.size(); i += 4) EXPECT_EQ(level.rgba[i], 0);
+  for (const auto& level : map_levels(codes, 97, 41, false, TextureRole::slopes, 0))
+    for (const float value : level.rgba) EXPECT_EQ(value, 0);
 }
 
-// Gaussian slopes of a known variance. Their mean squared slope is twice that.
+// Gaussian slopes of a known variance. What each axis' squared slope becomes larger by is twice that.
 TEST(MapLevels, SlopesOfGaussianBumps) {
   for (const double sigma : {0.02, 0.1, 0.3, 0.6}) {
     constexpr int kSide = 256;
@@ -72,11 +74,11 @@ TEST(MapLevels, SlopesOfGaussianBumps) {
       codes.push_back(0);
       square += (kept.x * kept.x + kept.y * kept.y) / (kept.z * kept.z) / (kSide * kSide);
     }
-    const auto levels = map_levels(codes, kSide, kSide, false, TextureRole::normal, 0);
-    const double ratio = levels.back().rgba[3] / square;
-    printf("sigma %g: mean squared slope %.5f, found %.4f of it\n", sigma, square, ratio);
-    // measured 0.999, 1.001, 1.018, 1.09
-    EXPECT_NEAR(ratio, 1, 0.002 + 0.4 * sigma * sigma);
+    const auto levels = map_levels(codes, kSide, kSide, false, TextureRole::slopes, 0);
+    const double ratio = 0.5 * (levels.back().rgba[0] + levels.back().rgba[1]) / square;
+    printf("sigma %g: mean squared slope %.5f, found %.6f of it\n", sigma, square, ratio);
+    EXPECT_NEAR(ratio, 1, 1e-4);  // the mean slope's square is missing; measured 3e-5
+    EXPECT_NEAR(levels.back().rgba[0] / levels.back().rgba[1], 1, 0.02);  // measured 0.008
   }
 }
 

@@ -4,6 +4,7 @@ extern const char* const parameters_text;
 extern const char* const common_text;
 extern const char* const fresnel_text;
 extern const char* const sun_disc_text;
+extern const char* const slopes_text;
 extern const char* const lambert_text;
 extern const char* const oren_nayar_text;
 extern const char* const hapke_text;

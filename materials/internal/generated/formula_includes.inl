@@ -6,6 +6,8 @@
 //
 #include "materials/formulas/sun_disc.glsl"
 //
+#include "materials/formulas/slopes.glsl"
+//
 #include "materials/formulas/lambert.glsl"
 //
 #include "materials/formulas/oren_nayar.glsl"

@@ -19,6 +19,7 @@ const FormulaFile kFormulaFiles[] = {
     {&common_text, true, -1, -1},
     {&fresnel_text, true, -1, -1},
     {&sun_disc_text, true, -1, -1},
+    {&slopes_text, true, -1, -1},
     {&lambert_text, true, -1, -1},
     {&oren_nayar_text, false, 1, -1},
     {&hapke_text, false, 2, -1},

@@ -107,6 +107,8 @@ Surface surface_of(int row, float sun_alpha2, float sun_limb) {
   s.coat_return = row10.xyz;
   s.f0 = row23.xyz;
   s.tangent = vec3(0.0);
+  s.bump_x = 0.0;
+  s.bump_y = 0.0;
   s.sun_alpha2 = sun_alpha2;
   s.sun_limb = sun_limb;
   s.reflectance = s.f0;

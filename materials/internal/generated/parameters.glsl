@@ -96,6 +96,11 @@ struct Surface {
   Vec3 f0;
   // unit, perpendicular to the normal; of isotropic surfaces any
   Vec3 tangent;
+  // squared slopes that bumps too small to see add along the tangent, to lobes as seen from
+  // outside; 0: none
+  Real bump_x;
+  // and across
+  Real bump_y;
   // an eighth of the square of the Sun's angular radius, what an even disc adds to the squares
   // of alpha at normal incidence; 0: a point Sun
   Real sun_alpha2;
