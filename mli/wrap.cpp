@@ -48,8 +48,8 @@ bool Wrapper::cut(Draped& draped, const Group& members, double cell, double area
   const double longest = 1.5 * cell;
   const double left = options.max_triangles - static_cast<double>(out.blanket.triangles.size());
   draped.piece = piece_of(faces, members);
-  const bool fits = 2 * area / (longest * longest) <= left &&
-                    refine(draped.piece, longest, left, job);
+  const bool fits =
+      2 * area / (longest * longest) <= left && refine(draped.piece, longest, left, job);
   draped.border = border_of(draped.piece);
   if (fits && static_cast<double>(draped.piece.triangles.size() + 2 * draped.border.size()) <= left)
     return true;
@@ -193,8 +193,8 @@ void Wrapper::take(const Group& members, bool split) {
                  : surface->kind == Surface::Kind::cylinder ? GroupKind::cylinder
                                                             : GroupKind::cone;
     if (surface->outwards < 0 && surface->narrowest < 2 * options.stand_off)
-      group.reason = fmt::format("it is hollow and too narrow for the stand-off, {:.3g} m",
-                                 options.stand_off);
+      group.reason =
+          fmt::format("it is hollow and too narrow for the stand-off, {:.3g} m", options.stand_off);
     else
       drape(members, *surface, group);
   } else if (split) {

@@ -15,15 +15,15 @@ struct Surface {
   // Right-handed. plane: z its normal, the origin on it. Else z is the axis and x the direction of
   // angle 0; cylinder: the origin on the axis; cone: its apex, which lies at z < 0 of all faces.
   Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, origin{0};
-  double outwards = 1;   // −1: the faces look at the axis
-  double radius = 0;     // of a cylinder, metres
+  double outwards = 1;          // −1: the faces look at the axis
+  double radius = 0;            // of a cylinder, metres
   double sine = 0, cosine = 1;  // of a cone's half angle
   double begin = 0;      // radians where the unrolled surface starts: angles count from there
   double narrowest = 0;  // metres from the axis to the nearest vertex; 0 for planes
   bool around = false;   // the faces go all around the axis
   Vec2 low{0}, high{0};  // what the faces take when unrolled, metres
 
-  double angle(const Vec3& p) const;  // from `begin`, in [0, 2π); 0 for planes
+  double angle(const Vec3& p) const;   // from `begin`, in [0, 2π); 0 for planes
   double across(const Vec3& p) const;  // metres to the axis; 0 for planes
   // Metres per metre, on surface or facets. turns: to be added to the angle.
   Vec2 flat(const Vec3& p, double turns = 0) const;

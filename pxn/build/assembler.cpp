@@ -295,8 +295,8 @@ class Assembler {
   // A blanket of a preset over all of an instance.
   void cover(std::int32_t instance, std::string_view preset, std::int32_t named,
              const scene::Source& source, WornFoil& worn) {
-    const auto node = static_cast<std::size_t>(
-        scene_.instances[static_cast<std::size_t>(instance)].node);
+    const auto node =
+        static_cast<std::size_t>(scene_.instances[static_cast<std::size_t>(instance)].node);
     if (!has_room(worn)) return;
     Blanket how;
     how.preset = preset;
@@ -310,8 +310,8 @@ class Assembler {
   bool has_room(WornFoil& worn) const {
     if (scene_.nodes.size() < options_.limits.nodes) return true;
     if (worn.problem.empty())
-      worn.problem = fmt::format("the model has more than {} nodes with its blankets",
-                                 options_.limits.nodes);
+      worn.problem =
+          fmt::format("the model has more than {} nodes with its blankets", options_.limits.nodes);
     return false;
   }
 
@@ -334,11 +334,10 @@ class Assembler {
     const NodeProperties* properties = properties_of(use, item);
     scene::Instance blanket;
     const bool bare = around.material_name.empty() && around.appearance.file == kNoFile;
-    blanket.material = properties && properties->material >= 0
-                           ? named_material(properties->material)
-                       : bare && !known.blanket.preset.empty()
-                           ? usual_material(known.blanket.preset)
-                           : material(around);
+    blanket.material =
+        properties && properties->material >= 0 ? named_material(properties->material)
+        : bare && !known.blanket.preset.empty() ? usual_material(known.blanket.preset)
+                                                : material(around);
     blanket.source = source_of(use, item);
     const std::string name = properties && !properties->name.empty() ? properties->name : "foil";
     const Mat4 axes_from_world = glm::inverse(around.world_from_node);
@@ -361,8 +360,7 @@ class Assembler {
   std::vector<std::int32_t> wrapped_instances(const Use& use, const PartWrap& wrap,
                                               std::int32_t top, std::uint32_t first) const {
     std::vector<char> named(scene_.nodes.size(), 1);
-    if (wrap.on)
-      named = matching_nodes(scene_, static_cast<std::uint32_t>(top), Pattern(*wrap.on));
+    if (wrap.on) named = matching_nodes(scene_, static_cast<std::uint32_t>(top), Pattern(*wrap.on));
     const Pattern material(wrap.materials.value_or("*"));
     const auto fit = [&](std::uint32_t begin, std::uint32_t end) {
       std::vector<std::int32_t> out;
@@ -390,15 +388,13 @@ class Assembler {
       for (std::size_t i = first; i < scene_.nodes.size() && wrap.on; ++i)
         names.insert(scene_.nodes[i].name);
       for (std::size_t i = 0; i < scene_.instances.size() && !wrap.on; ++i)
-        names.insert(
-            scene_.materials[static_cast<std::size_t>(scene_.instances[i].material)].name);
+        names.insert(scene_.materials[static_cast<std::size_t>(scene_.instances[i].material)].name);
       const std::string& pattern = wrap.on ? *wrap.on : *wrap.materials;
       return {fmt::format("no shape is covered: none at or below a {} that fits {}{}",
                           wrap.on ? "node" : "material", in_quotes(pattern),
-                          wrap.on && wrap.materials
-                              ? fmt::format(" has a material that fits {}",
-                                            in_quotes(*wrap.materials))
-                              : ""),
+                          wrap.on && wrap.materials ? fmt::format(" has a material that fits {}",
+                                                                  in_quotes(*wrap.materials))
+                                                    : ""),
               near_names(pattern, names)};
     });
   }
@@ -413,9 +409,10 @@ class Assembler {
     say(Code::W7002, worn.tally.scalings());
     if (worn.coarsened > 0)
       say(Code::W7002,
-          fmt::format("cells of {} are up to {:.2g} m, larger than all wrinkles need, for a million "
-                      "triangles each at most; <mli_settings> sets others",
-                      counted(worn.coarsened, "blanket"), worn.largest_cell));
+          fmt::format(
+              "cells of {} are up to {:.2g} m, larger than all wrinkles need, for a million "
+              "triangles each at most; <mli_settings> sets others",
+              counted(worn.coarsened, "blanket"), worn.largest_cell));
   }
 
   template <class Compose>

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/mesh/check.h"
 #include "geometry/mesh/strip.h"
 #include "geometry/tessellate/tessellate.h"
 #include "mli/preset.h"
@@ -20,11 +21,11 @@ constexpr double kStandOff = 0.025, kShare = 1.0 / 40;
 // what heights are scaled by under a stand-off that nobody asked for, without a word
 constexpr double kQuietScale = 0.5;
 // of the stand-off: how far facets of a curved shape may lie from it
-constexpr double kFacetShare = 0.005;
-constexpr double kCell = 0.005;      // metres, without a preset
+constexpr double kFacetShare = 0.02;
+constexpr double kCell = 0.005;     // metres, without a preset
 constexpr double kTriangles = 1e6;  // of a blanket whose cells are not given
 // triangles of a blanket are about so many times the area over a cell's
-constexpr double kPerCell = 2.4;     // measured on boxes and imported parts: 1.9 to 2.6
+constexpr double kPerCell = 2.4;  // measured on boxes and imported parts: 1.9 to 2.6
 
 double diagonal_of(const geometry::Mesh& mesh) {
   Vec3 low(HUGE_VAL), high(-HUGE_VAL);
@@ -64,9 +65,9 @@ std::vector<std::uint32_t> chosen_faces(const geometry::Mesh& mesh, std::uint32_
                                             mesh.positions[c] - mesh.positions[a]);
       const double length = glm::length(normal);
       for (int k = 0; k < 6; ++k)
-        chosen = chosen || ((directions >> k & 1) != 0 && length > 0 &&
-                            (k % 2 == 0 ? 1 : -1) * normal[k / 2] >=
-                                (std::sqrt(0.5) - 1e-9) * length);
+        chosen =
+            chosen || ((directions >> k & 1) != 0 && length > 0 &&
+                       (k % 2 == 0 ? 1 : -1) * normal[k / 2] >= (std::sqrt(0.5) - 1e-9) * length);
     }
     if (chosen) out.push_back(t);
   }
@@ -77,8 +78,8 @@ double area_of(const geometry::Mesh& mesh, const std::vector<std::uint32_t>& fac
   double twice = 0;
   for (const std::uint32_t t : faces) {
     const auto& [a, b, c] = mesh.triangles[t];
-    twice += glm::length(glm::cross(mesh.positions[b] - mesh.positions[a],
-                                    mesh.positions[c] - mesh.positions[a]));
+    twice += glm::length(
+        glm::cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
   }
   return twice / 2;
 }
@@ -92,8 +93,7 @@ mli::RecipeFor recipe_for(const Blanket& how, double cell, std::uint32_t seed) {
     recipe = mli::fitted(recipe)(width, height, seed_offset);
     if (auto preset = mli::preset_operations(how.preset, recipe.height))
       recipe.operations = *std::move(preset);
-    recipe.operations.insert(recipe.operations.end(), how.operations.begin(),
-                             how.operations.end());
+    recipe.operations.insert(recipe.operations.end(), how.operations.begin(), how.operations.end());
     return recipe;
   };
 }
@@ -210,16 +210,15 @@ void Blankets::make(std::int32_t shape, const geometry::Mesh& metres, const Mat3
   }
   const double cell = cell_of(how, diagonal_of(metres), area_of(metres, faces), out.cell);
   // other shapes wear other sheets, and the same one after each change of the model
-  const auto seed = how.seed + static_cast<std::uint32_t>(
-                                   geometry::hash_of(scene_.shapes[static_cast<std::size_t>(shape)])
-                                       .low);
+  const auto seed =
+      how.seed + static_cast<std::uint32_t>(
+                     geometry::hash_of(scene_.shapes[static_cast<std::size_t>(shape)]).low);
   mli::WrapOptions options;
   options.stand_off = out.stand_off;
   options.max_triangles = room;
   options.tell = false;
   DiagnosticLog log;
-  auto wrap =
-      mli::wrapped(metres, faces, recipe_for(how, cell, seed), options, log, {}, job_);
+  auto wrap = mli::wrapped(metres, faces, recipe_for(how, cell, seed), options, log, {}, job_);
   job_.poll();
   if (!wrap) {
     out.problem = log.entries().empty() ? "no blanket" : log.entries()[0].message;
@@ -231,14 +230,19 @@ void Blankets::make(std::int32_t shape, const geometry::Mesh& metres, const Mat3
   const mli::WrapGroup* largest = nullptr;
   for (const mli::WrapGroup& g : wrap->groups)
     if (g.accepted && (largest == nullptr || g.area > largest->area)) largest = &g;
-  scene::Foil foil{static_cast<std::int32_t>(scene_.shapes.size()), largest->recipe, mli::Flat{},
-                   largest->statistics, true, source};
+  scene::Foil foil{static_cast<std::int32_t>(scene_.shapes.size()),
+                   largest->recipe,
+                   mli::Flat{},
+                   largest->statistics,
+                   true,
+                   source};
   auto mesh = std::make_shared<geometry::Mesh>(std::move(wrap->blanket));
   geometry::compute_normals(*mesh, crease_angle_);
   const Mat3 back = glm::inverse(in_metres);
   for (Vec3& p : mesh->positions) p = back * p;
   // normals are covectors
   for (Vec3& n : mesh->normals) n = glm::normalize(glm::transpose(in_metres) * n);
+  geometry::set_closed(*mesh);
   vertices_ += static_cast<double>(mesh->positions.size());
   out.shape = foil.shape;
   scene_.shapes.emplace_back(geometry::MeshShape(std::move(mesh)));

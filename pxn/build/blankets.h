@@ -24,9 +24,10 @@ struct WornFoil {
   std::string problem;        // the first one; empty: none
 };
 
-// Makes blankets and hangs them beside what they cover, or below where that has joints, with nodes and instances of their own.
-// Wrinkles have their sizes in the world: shapes are wrapped as they are stretched there, and the
-// blanket is brought back, so that instances of the same shape and stretch share one.
+// Makes blankets and hangs them beside what they cover, or below where that has joints, with nodes
+// and instances of their own. Wrinkles have their sizes in the world: shapes are wrapped as they
+// are stretched there, and the blanket is brought back, so that instances of the same shape and
+// stretch share one.
 class Blankets {
  public:
   // vertices: of all sheets so far

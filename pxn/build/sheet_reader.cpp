@@ -277,9 +277,9 @@ class SheetReader {
   void read_choice(PartWrap& wrap) {
     refuse_others("wrap", {attribute::mli_on, attribute::mli_materials, attribute::mli_faces,
                            attribute::mli_standoff});
-    for (const std::size_t which : {attribute::mli_translate, attribute::mli_rotate,
-                                    attribute::mli_quat, attribute::mli_scale,
-                                    attribute::mli_tolerance})
+    for (const std::size_t which :
+         {attribute::mli_translate, attribute::mli_rotate, attribute::mli_quat,
+          attribute::mli_scale, attribute::mli_tolerance})
       if (values_.has(element_, which))
         wrong(values_.value_place(element_, which),
               "a wrap has no placement and no tolerance of its own: it lies on what it covers");
