@@ -325,8 +325,8 @@ RecipeFor fitted(Recipe recipe) {
   return [recipe = std::move(recipe)](double width, double height, std::uint32_t seed_offset) {
     Recipe out = recipe;
     const double cell = recipe.cell();
-    const double across = std::max(32.0, std::ceil(width / cell)),
-                 up = std::max(32.0, std::ceil(height / cell));
+    const double across = std::max(32.0, std::ceil(width / cell - 1e-6)),
+                 up = std::max(32.0, std::ceil(height / cell - 1e-6));
     out.xgrid = across <= kMaxCells ? static_cast<std::uint32_t>(across) : kMaxCells + 1;
     out.width = out.xgrid * cell;
     out.height = up * cell;

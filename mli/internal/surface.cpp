@@ -181,7 +181,8 @@ bool open_up(Surface& s, const Faces& faces, const Group& group,
   double widest = angles.front() + 2 * kPi - angles.back();
   s.begin = angles.front();
   for (std::size_t i = 1; i < angles.size(); ++i)
-    if (angles[i] - angles[i - 1] > widest) {
+    // note: of equal gaps the first, whatever rounding says
+    if (angles[i] - angles[i - 1] > widest * (1 + 1e-6)) {
       widest = angles[i] - angles[i - 1];
       s.begin = angles[i];
     }
@@ -251,7 +252,9 @@ void bound(Surface& s, const Faces& faces, const std::vector<std::uint32_t>& ver
 double Surface::angle(const Vec3& p) const {
   if (kind == Kind::plane) return 0;
   const double a = det::atan2(glm::dot(p - origin, y), glm::dot(p - origin, x)) - begin;
-  return a < 0 ? a + 2 * kPi : a;
+  const double around_once = a < 0 ? a + 2 * kPi : a;
+  // vertices at the begin stand there, whatever rounding says
+  return around_once < 2 * kPi - 1e-9 ? around_once : 0;
 }
 
 double Surface::across(const Vec3& p) const {
