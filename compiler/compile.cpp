@@ -310,7 +310,9 @@ void describe_sheets(const scene::Scene& scene, const Plan& plan,
     record.seed = recipe.seed;
     record.columns = recipe.xgrid;
     record.rows = static_cast<std::uint32_t>(recipe.ygrid());
-    record.form = static_cast<std::uint32_t>(found->second->form.index());
+    record.form = found->second->wrapped
+                      ? static_cast<std::uint32_t>(std::variant_size_v<mli::Form>)
+                      : static_cast<std::uint32_t>(found->second->form.index());
     out.sheets.push_back(record);
   }
 }

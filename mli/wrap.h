@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 #include "base/result.h"
 #include "geometry/mesh.h"
 #include "mli/recipe.h"
+#include "mli/statistics.h"
 
 namespace panwright::mli {
 
@@ -32,9 +34,12 @@ struct WrapOptions {
   double weld = 0;       // metres between vertices that are one; 0: 1e-6 of the mesh's diagonal
   double crease_angle = 35 * kDegree;  // groups end where facets meet at more
   double max_triangles = 4e6;          // of all blankets together
+  // false: what is refused or scaled is for the caller to say (WrapTally), and no blanket at all is
+  // no failure
+  bool tell = true;
 };
 
-enum class GroupKind : std::uint8_t { planar, curved, non_manifold, no_sheet };
+enum class GroupKind : std::uint8_t { planar, cylinder, cone, curved, non_manifold, no_sheet };
 std::string_view name_of(GroupKind kind);  // "planar", "curved"…
 
 // Connected faces that wear one blanket, or none.
@@ -47,6 +52,9 @@ struct WrapGroup {
   std::size_t first = 0, count = 0;  // triangles of the blanket, its seams included
   double scale = 1;                  // of the heights, below 1 where they met the base
   std::string reason;                // of a refusal
+  // of the sheet, where it is accepted
+  Recipe recipe;
+  Statistics statistics;
 };
 
 struct Wrap {
@@ -56,6 +64,19 @@ struct Wrap {
   std::vector<WrapGroup> groups;               // in order of search
   double area_accepted = 0, area_refused = 0;  // m²
   std::size_t without_area = 0;                // faces that were left out
+};
+
+// What several wraps together left out or changed.
+struct WrapTally {
+  std::size_t groups = 0, refused = 0, scaled = 0;
+  double area = 0, area_refused = 0;           // m²
+  double least = 1;                            // of the scales
+  std::map<std::string, std::size_t> reasons;  // of refusals
+
+  void add(const Wrap& wrap);
+  void add(const WrapTally& other);
+  std::string refusals() const;  // a sentence; empty: nothing refused
+  std::string scalings() const;
 };
 
 // Drapes blankets over chosen faces, which stay as they are.

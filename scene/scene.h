@@ -94,6 +94,9 @@ struct Foil {
   mli::Recipe recipe;
   mli::Form form;
   mli::Statistics statistics;  // of the flat sheet
+  // A blanket of several sheets over faces: recipe and statistics are of the largest one, and the
+  // form says nothing.
+  bool wrapped = false;
   Source source;
   std::vector<FoilLevel> levels;  // from the finest, less detail each
 };

@@ -109,7 +109,7 @@ COMMANDS = {
         "inputs": ("files that it was made from", [{"path": "string: from the model's folder", "bytes": "integer: size", "xxh3": "string: hash, 32 digits"}]),
         "keypoints": ("of the model", [{"name": "string: its own", "node": "integer: index", "position": "vec3: metres, of the node", "world": "vec3: metres, world axes"}]),
         "decals": "object[]: name, instance, texture, origin, rotation, width, height, depth",
-        "sheets": ("of foil", [{"mesh": "integer: index", "form": "string: flat, tube, cone, disc or box", "seed": "integer: of its recipe", "width": "number: metres", "height": "number: metres",
+        "sheets": ("of foil", [{"mesh": "integer: index", "form": "string: flat, tube, cone, disc, box or wrap", "seed": "integer: of its recipe", "width": "number: metres", "height": "number: metres",
                                 "cells": "number[]: along width and height", "heights": "number[]: lowest and highest, metres", "height_mean": "number: metres", "height_rms": "number: metres",
                                 "slope_mean": "number[]: along x and y", "slope_covariance": "number[]: xx, xy, yy", "facet_slope_covariance": "number[]: the same of triangles",
                                 "slope_rms": "number: both axes together", "correlation_length": "number[]: along x and y, metres"}]),

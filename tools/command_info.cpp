@@ -181,7 +181,7 @@ Json mesh_budget_json(const pan::Model& model, std::size_t mesh) {
 }
 
 std::string_view form_word(const pan::layout::Sheet& sheet) {
-  constexpr std::string_view kForms[] = {"flat", "tube", "cone", "disc", "box"};
+  constexpr std::string_view kForms[] = {"flat", "tube", "cone", "disc", "box", "wrap"};
   return sheet.form < std::size(kForms) ? kForms[sheet.form] : "unknown";
 }
 

@@ -13,7 +13,11 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "geometry/tessellate/tessellate.h"
+#include "mli/preset.h"
 #include "pxn/build/attach.h"
+#include "pxn/build/blankets.h"
+#include "pxn/build/pattern.h"
+#include "pxn/build/presets.h"
 #include "pxn/text/grammar.h"
 
 namespace panwright::pxn {
@@ -46,6 +50,9 @@ struct Use {
   // items of those decals
   std::map<std::string, std::vector<std::pair<std::uint32_t, std::int32_t>>, std::less<>> shapes;
   std::vector<std::uint32_t> decals;
+  // for wraps: how many nodes there were before each item, and what was around each wrap
+  std::vector<std::uint32_t> nodes_before;
+  std::vector<std::pair<std::uint32_t, Context>> wraps;
 };
 
 // y up to z up: (x, y, z) goes to (x, −z, y)
@@ -74,7 +81,8 @@ class Assembler {
         options_(options),
         reporter_(reporter),
         scene_(scene),
-        attached_{{}, CellGrids(scene)} {}
+        attached_{{}, CellGrids(scene), {}},
+        blankets_(scene, options.crease_angle, loader.foil_vertices(), loader.job()) {}
 
   bool run(std::uint32_t top) {
     const Part& part = loader_.part(top);
@@ -85,7 +93,7 @@ class Assembler {
     scene_.nodes.push_back(std::move(root));
     Context context;
     context.world_from_node = scene_.nodes[0].parent_from_node.matrix();
-    Use use{&part, part.source, true, nullptr, {}, false, true, {}, {}};
+    Use use{&part, part.source, true, nullptr, {}, false, true, {}, {}, {}, {}};
     items_of(use, context);
     attached_.cells.report(first_import_, reporter_.log());
     return !stopped_;
@@ -93,8 +101,12 @@ class Assembler {
 
  private:
   void items_of(Use& use, const Context& context) {
+    use.nodes_before.resize(use.part->items.size() + 1);
+    const auto first = static_cast<std::uint32_t>(scene_.nodes.size());
     items(use, 0, static_cast<std::uint32_t>(use.part->items.size()), context);
+    use.nodes_before.back() = static_cast<std::uint32_t>(scene_.nodes.size());
     for (const std::uint32_t index : use.decals) decal(use, use.part->items[index]);
+    for (const auto& [index, around] : use.wraps) wrap(use, index, around, context.node, first);
   }
 
   void items(Use& use, std::uint32_t begin, std::uint32_t end, const Context& context) {
@@ -105,6 +117,7 @@ class Assembler {
   void item(Use& use, std::uint32_t index, const Context& context) {
     loader_.job().poll();
     const Item& item = use.part->items[index];
+    use.nodes_before[index] = static_cast<std::uint32_t>(scene_.nodes.size());
     Context inner = context;
     switch (item.kind) {
       case ItemKind::appearance:
@@ -133,6 +146,9 @@ class Assembler {
         return;
       case ItemKind::import:
         import(use, item, inner);
+        return;
+      case ItemKind::wrap:
+        use.wraps.emplace_back(index, context);
         return;
       case ItemKind::include:
       case ItemKind::use:
@@ -265,6 +281,146 @@ class Assembler {
             index, static_cast<std::int32_t>(scene_.instances.size()));
     }
     scene_.instances.push_back(std::move(instance));
+    if (const NodeProperties* properties = properties_of(use, item);
+        properties && !properties->foil.empty()) {
+      WornFoil worn;
+      cover(static_cast<std::int32_t>(scene_.instances.size() - 1), properties->foil,
+            properties->material, source_of(use, item), worn);
+      tell(use, item.element, worn);
+    }
+  }
+
+  // ---- blankets
+
+  // A blanket of a preset over all of an instance.
+  void cover(std::int32_t instance, std::string_view preset, std::int32_t named,
+             const scene::Source& source, WornFoil& worn) {
+    const auto node =
+        static_cast<std::size_t>(scene_.instances[static_cast<std::size_t>(instance)].node);
+    if (!has_room(worn)) return;
+    Blanket how;
+    how.preset = preset;
+    scene::Instance blanket;
+    blanket.material = named >= 0 ? named_material(named) : usual_material(preset);
+    blanket.source = source;
+    blankets_.cover(instance, how, Mat4(1), scene_.nodes[node].name + "_foil", std::move(blanket),
+                    worn);
+  }
+
+  bool has_room(WornFoil& worn) const {
+    if (scene_.nodes.size() < options_.limits.nodes) return true;
+    if (worn.problem.empty())
+      worn.problem =
+          fmt::format("the model has more than {} nodes with its blankets", options_.limits.nodes);
+    return false;
+  }
+
+  // The library's material that a preset of foil is usual with.
+  std::int32_t usual_material(std::string_view preset) {
+    Context context;
+    for (const mli::Preset& known : mli::presets())
+      if (known.name == preset) context.material_name = known.material;
+    if (const Preset* found = find_preset(context.material_name)) context.fields = found->fields;
+    return material(context);
+  }
+
+  // Once all nodes of the part are there. first: of its nodes.
+  void wrap(Use& use, std::uint32_t index, const Context& around, std::int32_t top,
+            std::uint32_t first) {
+    const Item& item = use.part->items[index];
+    const PartWrap& known = use.part->wraps[item.data];
+    std::vector<std::int32_t> on = wrapped_instances(use, known, top, first);
+    if (on.empty()) return report_no_match(use, item, known, first);
+    const NodeProperties* properties = properties_of(use, item);
+    scene::Instance blanket;
+    const bool bare = around.material_name.empty() && around.appearance.file == kNoFile;
+    blanket.material =
+        properties && properties->material >= 0 ? named_material(properties->material)
+        : bare && !known.blanket.preset.empty() ? usual_material(known.blanket.preset)
+                                                : material(around);
+    blanket.source = source_of(use, item);
+    const std::string name = properties && !properties->name.empty() ? properties->name : "foil";
+    const Mat4 axes_from_world = glm::inverse(around.world_from_node);
+    WornFoil worn;
+    for (const std::int32_t instance : on)
+      if (has_room(worn))
+        blankets_.cover(instance, known.blanket, axes_from_world,
+                        on.size() == 1 ? name : numbered(name), blanket, worn);
+    if (worn.instances == 0 && worn.problem.empty()) {
+      report_at(Code::W1501, use, item.element, [&] {
+        return Reporter::Text(fmt::format("no face of {} looks along {}",
+                                          counted(on.size(), "shape"), in_quotes(known.faces)));
+      });
+      return;
+    }
+    tell(use, item.element, worn);
+  }
+
+  // Of those in the innermost repeat's run that holds some, or else of the whole part.
+  std::vector<std::int32_t> wrapped_instances(const Use& use, const PartWrap& wrap,
+                                              std::int32_t top, std::uint32_t first) const {
+    std::vector<char> named(scene_.nodes.size(), 1);
+    if (wrap.on) named = matching_nodes(scene_, static_cast<std::uint32_t>(top), Pattern(*wrap.on));
+    const Pattern material(wrap.materials.value_or("*"));
+    const auto fit = [&](std::uint32_t begin, std::uint32_t end) {
+      std::vector<std::int32_t> out;
+      for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+        const scene::Instance& instance = scene_.instances[i];
+        const auto node = static_cast<std::uint32_t>(instance.node);
+        if (node >= begin && node < end && named[node] &&
+            !blankets_.is_blanket(static_cast<std::int32_t>(i)) &&
+            material.fits(scene_.materials[static_cast<std::size_t>(instance.material)].name))
+          out.push_back(static_cast<std::int32_t>(i));
+      }
+      return out;
+    };
+    for (std::uint32_t run = wrap.run; run != kNoRun; run = use.part->runs[run].outer) {
+      const Run& r = use.part->runs[run];
+      if (auto out = fit(use.nodes_before[r.begin], use.nodes_before[r.end]); !out.empty())
+        return out;
+    }
+    return fit(first, use.nodes_before.back());
+  }
+
+  void report_no_match(Use& use, const Item& item, const PartWrap& wrap, std::uint32_t first) {
+    report_at(Code::W1501, use, item.element, [&]() -> Reporter::Text {
+      std::set<std::string> names;
+      for (std::size_t i = first; i < scene_.nodes.size() && wrap.on; ++i)
+        names.insert(scene_.nodes[i].name);
+      for (std::size_t i = 0; i < scene_.instances.size() && !wrap.on; ++i)
+        names.insert(scene_.materials[static_cast<std::size_t>(scene_.instances[i].material)].name);
+      const std::string& pattern = wrap.on ? *wrap.on : *wrap.materials;
+      return {fmt::format("no shape is covered: none at or below a {} that fits {}{}",
+                          wrap.on ? "node" : "material", in_quotes(pattern),
+                          wrap.on && wrap.materials ? fmt::format(" has a material that fits {}",
+                                                                  in_quotes(*wrap.materials))
+                                                    : ""),
+              near_names(pattern, names)};
+    });
+  }
+
+  // What became of a blanket.
+  void tell(Use& use, std::uint32_t element, const WornFoil& worn) {
+    const auto say = [&](Code code, const std::string& text) {
+      if (!text.empty()) report_at(code, use, element, [&] { return Reporter::Text(text); });
+    };
+    say(Code::E7001, worn.problem);
+    say(Code::W7002, worn.tally.refusals());
+    say(Code::W7002, worn.tally.scalings());
+    if (worn.coarsened > 0)
+      say(Code::W7002,
+          fmt::format(
+              "cells of {} are up to {:.2g} m, larger than all wrinkles need, for a million "
+              "triangles each at most; <mli_settings> sets others",
+              counted(worn.coarsened, "blanket"), worn.largest_cell));
+  }
+
+  template <class Compose>
+  void report_at(Code code, Use& use, std::uint32_t element, const Compose& compose) {
+    const xml::Document& document = use.part->file->document;
+    SourceSpan where = document.tag_span(element);
+    where.file = file_of(use);
+    reporter_.report(code, where, document, element, compose);
   }
 
   void frame(Use& use, const Item& item, const Context& context) {
@@ -388,7 +544,7 @@ class Assembler {
     if (used || has_name) context.prefix += name + "/";
     const bool first = used_.insert(item.data).second;
     SourceSpan at = use.part->file->document.tag_span(item.element);
-    Use inner{&part, part.source, first, &use, at, used, used || has_name, {}, {}};
+    Use inner{&part, part.source, first, &use, at, used, used || has_name, {}, {}, {}, {}};
     items_of(inner, context);
   }
 
@@ -420,6 +576,11 @@ class Assembler {
       first_import_.file = file_of(use);
     }
     attach(model, place, materials, context.node, context.world_from_node, attached_, scene_);
+    std::map<std::uint32_t, WornFoil> worn;  // by rule
+    for (const auto& [instance, of] : attached_.foiled)
+      cover(instance, place.foils[of].preset, place.materials[of], source_of(use, item),
+            worn[place.foils[of].rule]);
+    for (const auto& [rule, what] : worn) tell(use, rule, what);
   }
 
   std::int32_t named_material(std::int32_t index) {
@@ -513,6 +674,7 @@ class Assembler {
   std::set<std::uint32_t> used_;
   std::map<std::pair<std::uint32_t, std::int32_t>, std::int32_t> cad_materials_;
   AttachedShapes attached_;
+  Blankets blankets_;
   SourceSpan first_import_;
   std::uint64_t includes_ = 0;
   bool stopped_ = false;

@@ -57,8 +57,10 @@ void attach(const ImportedModel& model, const PartImport& place,
     node_of[i] = static_cast<std::int32_t>(scene.nodes.size());
     scene.nodes.push_back(std::move(node));
   }
+  shapes.foiled.clear();
   for (std::size_t i = 0; i < from.instances.size(); ++i) {
     if (place.removed[i]) continue;
+    const std::size_t first = scene.instances.size();
     scene::Instance instance = from.instances[i];
     instance.node = node_of[static_cast<std::size_t>(instance.node)];
     instance.shape = model.shapes[static_cast<std::size_t>(instance.shape)];
@@ -80,6 +82,9 @@ void attach(const ImportedModel& model, const PartImport& place,
     instance.prunable = !place.keep_hidden;
     shapes.cells.append(std::move(instance),
                         world_from[static_cast<std::size_t>(from.instances[i].node)]);
+    if (!place.foils[i].preset.empty())
+      for (std::size_t k = first; k < scene.instances.size(); ++k)
+        shapes.foiled.emplace_back(static_cast<std::int32_t>(k), static_cast<std::uint32_t>(i));
   }
   for (scene::Joint joint : from.joints) {
     joint.node = node_of[static_cast<std::size_t>(joint.node)];

@@ -3,6 +3,8 @@
 
 #include <map>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "pxn/build/cell_grid.h"
 #include "pxn/build/imported_model.h"
@@ -17,6 +19,8 @@ using PlainShapes = std::map<std::int32_t, std::int32_t>;
 struct AttachedShapes {
   PlainShapes plain;
   CellGrids cells;
+  // instances of the scene that are to wear foil, with those of the file: of the last attach()
+  std::vector<std::pair<std::int32_t, std::uint32_t>> foiled;
 };
 
 // Appends what a CAD file holds below a node, without what is removed: nodes that hold nothing any

@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "geometry/mesh/flat_faces.h"
 #include "geometry/tessellate/tessellate.h"
+#include "pxn/build/metric.h"
 
 namespace panwright::pxn {
 
@@ -17,33 +18,6 @@ namespace {
 constexpr std::size_t kMostNames = 6;
 // of all meshes made for cells: instances of one mesh may each have a scale of their own
 constexpr std::size_t kMostTriangles = std::size_t{1} << 24;
-
-// MᵀM of a matrix's linear part M: xx, yy, zz, xy, xz, yz. Rounded to 2^-36 of the largest, so that
-// turned instances of a shape share one.
-std::array<double, 6> metric_of(const Mat4& m) {
-  const Vec3 x(m[0]), y(m[1]), z(m[2]);
-  std::array<double, 6> g = {glm::dot(x, x), glm::dot(y, y), glm::dot(z, z),
-                             glm::dot(x, y), glm::dot(x, z), glm::dot(y, z)};
-  int exponent = 0;
-  std::frexp(std::max({g[0], g[1], g[2]}), &exponent);
-  // + 0.0: no negative zero in keys
-  for (double& part : g)
-    part = std::ldexp(std::floor(std::ldexp(part, 36 - exponent) + 0.5), exponent - 36) + 0.0;
-  return g;
-}
-
-// The upper triangular matrix with that metric: positions in metres, but for a turn (Cholesky).
-// Zero columns where the metric is flat.
-Mat3 metres_of(const std::array<double, 6>& g) {
-  const auto root = [](double a) { return a > 0 ? std::sqrt(a) : 0.0; };
-  const auto over = [](double a, double b) { return b > 0 ? a / b : 0.0; };
-  const double xx = root(g[0]);
-  const double xy = over(g[3], xx), xz = over(g[4], xx);
-  const double yy = root(g[1] - xy * xy);
-  const double yz = over(g[5] - xy * xz, yy);
-  const double zz = root(g[2] - xz * xz - yz * yz);
-  return {Vec3(xx, 0, 0), Vec3(xy, yy, 0), Vec3(xz, yz, zz)};
-}
 
 // A shape as triangles, with texture coordinates: exact where it is flat, else to a thousandth of
 // its size, as its area is all that is asked for. Null where it cannot be made.

@@ -11,6 +11,7 @@
 #include "importers/clean.h"
 #include "pxn/build/loader.h"
 #include "pxn/build/pattern.h"
+#include "pxn/build/shapes.h"
 #include "pxn/import_template.h"
 
 namespace panwright::pxn {
@@ -19,9 +20,6 @@ namespace attribute = schemas::attribute;
 using schemas::ElementId;
 
 namespace {
-
-// most characters of near names in a message
-constexpr std::size_t kMostNames = 6;
 
 // What an imported file names, from its own folder and below, through the model's files.
 class ImportFiles : public importers::Files {
@@ -74,30 +72,6 @@ bool has_diffuse(const materials::Fields& fields) {
   DiagnosticLog said;  // where the material stands
   const materials::Material material = materials::resolved(fields, {}, said);
   return material.weights.x > 0 && material.diffuse != Vec3(0);
-}
-
-// A whole name, to be copied.
-std::string quoted_whole(std::string_view name) { return "'" + pattern_of(name) + "'"; }
-
-template <class Names>
-std::string near_names(std::string_view pattern, const Names& names) {
-  std::string plain;
-  for (const char c : pattern)
-    if (c != '*' && c != '?') plain += c;
-  const std::vector<std::string_view> all(names.begin(), names.end());
-  if (const auto near = nearest_name(plain, all))
-    return fmt::format("did you mean {}?", quoted_whole(*near));
-  std::string out;
-  std::size_t count = 0;
-  for (const std::string_view name : all) {
-    if (name.empty()) continue;
-    if (count++ == kMostNames)
-      return "there are " + out +
-             "…; 'panwright info --nodes' lists the nodes of a file, with "
-             "their materials";
-    out += (out.empty() ? "" : ", ") + quoted_whole(name);
-  }
-  return out.empty() ? "none has a name" : "there are " + out;
 }
 
 }  // namespace
@@ -222,6 +196,7 @@ void Loader::read_import(Work& work, std::uint32_t element) {
   import.removed.resize(instances);
   import.materials.assign(instances, -1);
   import.keeps_texture.assign(instances, 1);
+  import.foils.resize(instances);
   import.keep_hidden = values.text_or_default(element, attribute::import_hidden) == "keep";
   const xml::Document& document = work.file.document;
   const std::uint32_t end = document.elements[element].next;
@@ -302,6 +277,10 @@ void Loader::read_import_rule(Work& work, std::uint32_t rule, PartImport& import
   if (document.elements[rule].id != ElementId::assign) return;
   const auto chosen =
       chosen_instances(work, rule, attribute::assign_nodes, attribute::assign_materials, model);
+  if (const std::string foil = values.text_or_default(rule, attribute::assign_foil); !foil.empty())
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      if (chosen[i]) import.foils[i] = {foil_named(foil), rule};
+  if (!values.has(rule, attribute::assign_material)) return;
   Definition* const material =
       look_up(work.file, rule, attribute::assign_material, work.file.materials, "material");
   const auto index = material == nullptr ? std::nullopt : material_of(*material);

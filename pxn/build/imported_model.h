@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "importers/import.h"
@@ -27,6 +28,13 @@ struct PartImport {
   std::vector<std::int32_t>
       materials;                    // of each instance, index into Loader::materials; −1: its own
   std::vector<char> keeps_texture;  // of each instance
+  // Of each instance: the preset of its blanket (mli::presets()), empty for none, and the rule that
+  // gives it.
+  struct Foil {
+    std::string_view preset;
+    std::uint32_t rule = 0;
+  };
+  std::vector<Foil> foils;
   bool keep_hidden = false;
 };
 

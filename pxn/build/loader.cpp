@@ -408,7 +408,7 @@ void Loader::read_repeat(Work& work, std::uint32_t element, std::uint32_t depth)
     }
     const Reporter::Repetition repetition(reporter_, variable, i);
     const auto first = static_cast<std::uint32_t>(work.part.items.size());
-    const std::size_t decals = work.part.decals.size();
+    const std::size_t seekers = work.part.decals.size() + work.part.wraps.size();
     work.run = static_cast<std::uint32_t>(work.part.runs.size());
     work.part.runs.push_back({first, first, outer_run});
     const std::uint32_t properties = read_properties(work, element);
@@ -416,8 +416,8 @@ void Loader::read_repeat(Work& work, std::uint32_t element, std::uint32_t depth)
       read_node(work, element, depth, properties);
     else
       walk_children(work, element, depth + 1);
-    // those without decals are of no interest
-    if (work.part.decals.size() == decals)
+    // those without decals and wraps are of no interest
+    if (work.part.decals.size() + work.part.wraps.size() == seekers)
       work.part.runs.resize(work.run);
     else
       work.part.runs[work.run].end = static_cast<std::uint32_t>(work.part.items.size());

@@ -44,6 +44,7 @@ class Loader {
   }
   const std::vector<NamedMaterial>& materials() const { return materials_; }
   const ImportedModel& model(std::uint32_t index) const { return models_[index]; }
+  double foil_vertices() const { return foil_vertices_; }
 
  private:
   // One part at work.
@@ -116,6 +117,7 @@ class Loader {
   void read_frame(Work& work, std::uint32_t element);
   void read_keypoint(Work& work, std::uint32_t element);
   void read_shape(Work& work, std::uint32_t element);
+  void read_blanket(Work& work, std::uint32_t element);
   std::optional<std::uint32_t> foil_shape(Work& work, std::uint32_t element);
   std::uint32_t known_shape(geometry::Shape shape);
 

@@ -46,6 +46,8 @@ std::uint32_t Loader::read_properties(Work& work, std::uint32_t element) {
         if (const auto index = material_of(*material))
           properties.material = static_cast<std::int32_t>(*index);
     if (const auto which = given("tolerance")) properties.tolerance = values.real(element, *which);
+    if (const auto which = given("foil"))
+      properties.foil = foil_named(values.text(element, *which).value_or(""));
     const auto translate = given("translate");
     const auto scale = given("scale");
     const bool turned = given("rotate").has_value() | given("quat").has_value();
@@ -194,6 +196,9 @@ void Loader::read_keypoint(Work& work, std::uint32_t element) {
 
 void Loader::read_shape(Work& work, std::uint32_t element) {
   const xml::Document& document = work.file.document;
+  if (document.elements[element].id == ElementId::mli &&
+      work.file.values->text_or_default(element, attribute::mli_type) == "wrap")
+    return read_blanket(work, element);
   std::optional<std::uint32_t> index;
   if (document.elements[element].id == ElementId::mesh) {
     // in a repeat, one without expressions is the same each time
@@ -219,6 +224,16 @@ void Loader::read_shape(Work& work, std::uint32_t element) {
   if (index) add_item(work, ItemKind::shape, element, *index, properties);
 }
 
+void Loader::read_blanket(Work& work, std::uint32_t element) {
+  auto wrap = read_wrap(work.file.document, element, *work.file.values, reporter_);
+  const std::uint32_t properties = read_properties(work, element);
+  if (!wrap) return;
+  wrap->run = work.run;
+  work.part.wraps.push_back(*std::move(wrap));
+  add_item(work, ItemKind::wrap, element, static_cast<std::uint32_t>(work.part.wraps.size() - 1),
+           properties);
+}
+
 std::optional<std::uint32_t> Loader::foil_shape(Work& work, std::uint32_t element) {
   const xml::Document& document = work.file.document;
   const auto foil = read_foil(document, element, *work.file.values, reporter_);
@@ -239,6 +254,7 @@ std::optional<std::uint32_t> Loader::foil_shape(Work& work, std::uint32_t elemen
                             foil->recipe,
                             foil->form,
                             made->statistics,
+                            false,
                             {work.file.found.path, line, column},
                             std::move(made->levels)});
   return known->second;

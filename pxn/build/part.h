@@ -8,11 +8,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "materials/material.h"
+#include "mli/recipe.h"
 #include "pxn/build/files.h"
 #include "pxn/build/imported_model.h"
 #include "pxn/expression/scope.h"
@@ -34,6 +36,7 @@ enum class ItemKind : std::uint8_t {
   include,     // data: index of the included file's part
   use,         // data: index of the used part
   import,      // data: index into imports
+  wrap,        // data: index into wraps
 };
 
 inline constexpr std::uint32_t kNoProperties = 0xffffffffu;
@@ -54,6 +57,7 @@ struct NodeProperties {
   std::optional<scene::Transform> transform;
   std::int32_t material = -1;       // index into Loader::materials
   std::optional<double> tolerance;  // metres
+  std::string_view foil;            // of mli::presets(), over all faces; empty: none
 };
 
 struct PartFrame {
@@ -80,6 +84,26 @@ struct PartDecal {
   std::string on;
   std::uint32_t run = kNoRun;
   scene::Decal decal;
+};
+
+// A blanket as it is written, for faces of any shape.
+struct Blanket {
+  std::string_view preset;                 // of mli::presets(); empty: none
+  std::vector<mli::Operation> operations;  // after those of the preset
+  std::uint32_t seed = 0;
+  double cell = 0;          // metres; 0: what the preset needs
+  double stand_off = 0;     // metres; 0: by the shape's size
+  std::uint32_t faces = 0;  // bits of kFaceWords; 0: all
+};
+inline constexpr std::string_view kFaceWords[] = {"+x", "-x", "+y", "-y", "+z", "-z"};
+
+// What wears it: instances that both patterns fit, of those below the nodes of the same run, or
+// else of what is around it.
+struct PartWrap {
+  std::optional<std::string> on, materials;
+  std::uint32_t run = kNoRun;
+  Blanket blanket;
+  std::string faces;  // as written
 };
 
 struct File;
@@ -134,7 +158,8 @@ struct Part {
   std::vector<PartKeypoint> keypoints;
   std::vector<PartDecal> decals;
   std::vector<PartImport> imports;
-  std::vector<Run> runs;             // of those repeats that hold decals
+  std::vector<PartWrap> wraps;
+  std::vector<Run> runs;             // of those repeats that hold decals or wraps
   std::uint32_t height = 0;          // elements on the longest path, through includes and uses
   std::uint32_t include_height = 0;  // files on the longest path of includes below this one
   bool too_deep = false;             // what it holds was left out for that, and it was reported

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
+
 namespace panwright::pxn {
 
 namespace {
+
+constexpr std::size_t kMostNames = 6;  // in a message
 
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
@@ -94,6 +98,28 @@ std::string pattern_of(std::string_view name) {
     }
   }
   return out;
+}
+
+std::string near_names(std::string_view pattern, const std::set<std::string>& names) {
+  std::string plain;
+  for (const char c : pattern)
+    if (c != '*' && c != '?') plain += c;
+  // whole, to be copied
+  const auto quoted = [](std::string_view name) { return "'" + pattern_of(name) + "'"; };
+  const std::vector<std::string_view> all(names.begin(), names.end());
+  if (const auto near = nearest_name(plain, all))
+    return fmt::format("did you mean {}?", quoted(*near));
+  std::string out;
+  std::size_t count = 0;
+  for (const std::string_view name : all) {
+    if (name.empty()) continue;
+    if (count++ == kMostNames)
+      return "there are " + out +
+             "…; 'panwright info --nodes' lists the nodes of a file, with "
+             "their materials";
+    out += (out.empty() ? "" : ", ") + quoted(name);
+  }
+  return out.empty() ? "none has a name" : "there are " + out;
 }
 
 std::vector<char> matching_nodes(const scene::Scene& scene, std::uint32_t top,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,6 +31,9 @@ class Pattern {
 // The pattern that fits this name alone and that an attribute of a pxn text can hold, unescaped as
 // XML.
 std::string pattern_of(std::string_view name);
+
+// What to say of a pattern that fits none of some names: the nearest, or the first six.
+std::string near_names(std::string_view pattern, const std::set<std::string>& names);
 
 // For each node of a scene whether a pattern, or one above it, names it. A pattern with '/' is held
 // against the path below the node `top`, one without against the node's own name.

@@ -65,6 +65,18 @@ struct FoilSheet {
 std::optional<FoilSheet> read_foil(const xml::Document& document, std::uint32_t element,
                                    Values& values, Reporter& reporter);
 
+// Reads an <mli> of type wrap.
+//
+// Reports: as read_foil().
+std::optional<PartWrap> read_wrap(const xml::Document& document, std::uint32_t element,
+                                  Values& values, Reporter& reporter);
+
+// Equal for blankets that are equal.
+std::vector<double> key_of(const Blanket& blanket);
+
+// The preset of that name, empty for another ("none").
+std::string_view foil_named(std::string_view name);
+
 // Vertices of all sheets of a model, about 90 bytes each.
 inline constexpr double kMaxFoilVertices = 20e6;
 

@@ -34,32 +34,36 @@ class SheetReader {
     return sheet;
   }
 
+  std::optional<PartWrap> run_wrap() {
+    wrap_ = true;
+    FoilSheet sheet;
+    PartWrap wrap;
+    read_recipe(sheet);
+    read_choice(wrap);
+    if (!ok_) return std::nullopt;
+    const bool sized = sheet.recipe.xgrid > 0;
+    wrap.blanket.preset = preset_;
+    wrap.blanket.operations = std::move(sheet.recipe.operations);
+    wrap.blanket.seed = sheet.recipe.seed;
+    wrap.blanket.cell = sized ? sheet.recipe.cell() : 0;
+    return wrap;
+  }
+
  private:
   void read_recipe(FoilSheet& sheet) {
     const std::uint32_t settings = child_of(doc_, element_, ElementId::mli_settings);
     const std::uint32_t operations = child_of(doc_, element_, ElementId::mli_operations);
-    // what is not there has been reported
-    if (settings == 0 || operations == 0) {
+    // other children that are not there have been reported
+    if (settings == 0 && !wrap_)
+      reporter_.report(Code::E1103, doc_.name_span(element_), doc_, element_,
+                       [] { return Reporter::Text("<mli> needs <mli_settings>"); });
+    if ((settings == 0 && !wrap_) || operations == 0) {
       ok_ = false;
       return;
     }
-    mli::Recipe& recipe = sheet.recipe;
     sheet.places.recipe = doc_.name_span(element_);
-    const auto setting = [&](ElementId id, double& value, SourceSpan& place) {
-      const std::uint32_t child = child_of(doc_, settings, id);
-      ok_ = child != 0 && values_.numbers(child, std::span(&value, 1)) && ok_;
-      if (child != 0) place = doc_.name_span(child);
-    };
-    setting(ElementId::width, recipe.width, sheet.places.width);
-    setting(ElementId::height, recipe.height, sheet.places.height);
-    if (const std::uint32_t cells = child_of(doc_, settings, ElementId::xgrid); cells != 0) {
-      const auto count = values_.integer(cells);
-      ok_ = ok_ && count.has_value();
-      recipe.xgrid = static_cast<std::uint32_t>(count.value_or(1));
-      sheet.places.xgrid = doc_.name_span(cells);
-    } else {
-      ok_ = false;
-    }
+    if (settings != 0) read_settings(sheet, settings);
+    mli::Recipe& recipe = sheet.recipe;
     if (values_.has(element_, attribute::mli_seed)) {
       const auto seed = values_.integer(element_, attribute::mli_seed);
       ok_ = ok_ && seed.has_value();
@@ -78,9 +82,34 @@ class SheetReader {
     }
   }
 
+  void read_settings(FoilSheet& sheet, std::uint32_t settings) {
+    mli::Recipe& recipe = sheet.recipe;
+    const auto setting = [&](ElementId id, double& value, SourceSpan& place) {
+      const std::uint32_t child = child_of(doc_, settings, id);
+      ok_ = child != 0 && values_.numbers(child, std::span(&value, 1)) && ok_;
+      if (child != 0) place = doc_.name_span(child);
+    };
+    setting(ElementId::width, recipe.width, sheet.places.width);
+    setting(ElementId::height, recipe.height, sheet.places.height);
+    if (const std::uint32_t cells = child_of(doc_, settings, ElementId::xgrid); cells != 0) {
+      const auto count = values_.integer(cells);
+      ok_ = ok_ && count.has_value();
+      recipe.xgrid = static_cast<std::uint32_t>(count.value_or(1));
+      sheet.places.xgrid = doc_.name_span(cells);
+    } else {
+      ok_ = false;
+    }
+  }
+
   void read_preset(FoilSheet& sheet, std::uint32_t operations) {
     if (!values_.has(operations, attribute::mli_operations_preset)) return;
     const auto name = values_.text(operations, attribute::mli_operations_preset);
+    if (wrap_) {
+      // its operations depend on the size of each sheet
+      preset_ = foil_named(name.value_or(""));
+      ok_ = ok_ && !preset_.empty();
+      return;
+    }
     auto preset = mli::preset_operations(name.value_or(""), sheet.recipe.height);
     if (!preset) {
       ok_ = false;  // no word of the tables: reported
@@ -234,12 +263,60 @@ class SheetReader {
   void refuse_others(std::string_view type, std::initializer_list<std::size_t> used) {
     for (const std::size_t which :
          {attribute::mli_radius, attribute::mli_top_radius, attribute::mli_length,
-          attribute::mli_flange, attribute::mli_size}) {
+          attribute::mli_flange, attribute::mli_size, attribute::mli_on, attribute::mli_materials,
+          attribute::mli_faces, attribute::mli_standoff}) {
       if (!values_.has(element_, which) || std::ranges::find(used, which) != used.end()) continue;
       const auto name =
           schemas::kPxn.elements[static_cast<std::size_t>(ElementId::mli)].attributes[which].name;
       wrong(values_.value_place(element_, which),
             fmt::format("a sheet of type '{}' has no {}", type, name));
+    }
+  }
+
+  // ---- what a wrap covers
+
+  void read_choice(PartWrap& wrap) {
+    refuse_others("wrap", {attribute::mli_on, attribute::mli_materials, attribute::mli_faces,
+                           attribute::mli_standoff});
+    for (const std::size_t which :
+         {attribute::mli_translate, attribute::mli_rotate, attribute::mli_quat,
+          attribute::mli_scale, attribute::mli_tolerance})
+      if (values_.has(element_, which))
+        wrong(values_.value_place(element_, which),
+              "a wrap has no placement and no tolerance of its own: it lies on what it covers");
+    const auto pattern = [&](std::size_t which, std::optional<std::string>& out) {
+      if (!values_.has(element_, which)) return;
+      out = values_.text(element_, which);
+      ok_ = ok_ && out.has_value();
+    };
+    pattern(attribute::mli_on, wrap.on);
+    pattern(attribute::mli_materials, wrap.materials);
+    if (!wrap.on && !wrap.materials && ok_)
+      reporter_.report(Code::E1103, doc_.name_span(element_), doc_, element_, [&] {
+        ok_ = false;
+        return Reporter::Text(
+            "a wrap covers nothing: 'on' names nodes or shapes, 'materials' materials");
+      });
+    ok_ = ok_ && (wrap.on || wrap.materials);
+    if (values_.has(element_, attribute::mli_standoff)) {
+      const auto stand_off = values_.real(element_, attribute::mli_standoff);
+      ok_ = ok_ && stand_off.has_value();
+      wrap.blanket.stand_off = stand_off.value_or(0);
+    }
+    if (!values_.has(element_, attribute::mli_faces)) return;
+    const auto faces = values_.text(element_, attribute::mli_faces);
+    ok_ = ok_ && faces.has_value();
+    wrap.faces = faces.value_or("");
+    for (std::size_t begin = 0; begin < wrap.faces.size();) {
+      const std::size_t end = std::min(wrap.faces.find(' ', begin), wrap.faces.size());
+      const std::string word = wrap.faces.substr(begin, end - begin);
+      begin = end + 1;
+      const auto known = std::ranges::find(kFaceWords, word);
+      if (known != std::end(kFaceWords))
+        wrap.blanket.faces |= 1u << (known - std::begin(kFaceWords));
+      else if (!word.empty() && wrap.faces != "all")
+        wrong(values_.value_place(element_, attribute::mli_faces),
+              fmt::format("faces is '{}'; it is all, or some of +x -x +y -y +z -z", wrap.faces));
     }
   }
 
@@ -255,6 +332,8 @@ class SheetReader {
   Reporter& reporter_;
   bool read_ok_ = true;  // of what is being read
   bool ok_ = true;
+  bool wrap_ = false;
+  std::string_view preset_;  // of a wrap
 };
 
 // Numbers of operations and forms, one after another.
@@ -307,6 +386,31 @@ std::vector<double> FoilSheet::key() const {
 std::optional<FoilSheet> read_foil(const xml::Document& document, std::uint32_t element,
                                    Values& values, Reporter& reporter) {
   return SheetReader(document, element, values, reporter).run();
+}
+
+std::optional<PartWrap> read_wrap(const xml::Document& document, std::uint32_t element,
+                                  Values& values, Reporter& reporter) {
+  return SheetReader(document, element, values, reporter).run_wrap();
+}
+
+std::vector<double> key_of(const Blanket& blanket) {
+  double preset = -1;
+  for (const mli::Preset& known : mli::presets())
+    if (known.name == blanket.preset) preset = static_cast<double>(&known - mli::presets().data());
+  std::vector<double> key{preset, static_cast<double>(blanket.seed), blanket.cell,
+                          blanket.stand_off, static_cast<double>(blanket.faces)};
+  KeyWriter writer{key};
+  for (const mli::Operation& operation : blanket.operations) {
+    key.push_back(static_cast<double>(operation.index()));
+    std::visit(writer, operation);
+  }
+  return key;
+}
+
+std::string_view foil_named(std::string_view name) {
+  for (const mli::Preset& preset : mli::presets())
+    if (preset.name == name) return preset.name;
+  return {};
 }
 
 std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t element,

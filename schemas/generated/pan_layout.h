@@ -512,7 +512,8 @@ struct Sheet {
   std::uint32_t seed;  // of its random numbers
   std::uint32_t columns;  // cells along x
   std::uint32_t rows;  // cells along y
-  std::uint32_t form;  // 0 flat, 1 tube, 2 cone, 3 disc, 4 box
+  // 0 flat, 1 tube, 2 cone, 3 disc, 4 box, 5 wrap: of the blanket's largest sheet
+  std::uint32_t form;
   std::uint32_t reserved;  // 0
 };
 static_assert(sizeof(Sheet) == 160);

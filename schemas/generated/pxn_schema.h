@@ -223,10 +223,11 @@ inline constexpr std::size_t sphere_quads = 1;
 inline constexpr std::size_t mesh_name = 0;
 inline constexpr std::size_t mesh_material = 1;
 inline constexpr std::size_t mesh_tolerance = 2;
-inline constexpr std::size_t mesh_translate = 3;
-inline constexpr std::size_t mesh_rotate = 4;
-inline constexpr std::size_t mesh_quat = 5;
-inline constexpr std::size_t mesh_scale = 6;
+inline constexpr std::size_t mesh_foil = 3;
+inline constexpr std::size_t mesh_translate = 4;
+inline constexpr std::size_t mesh_rotate = 5;
+inline constexpr std::size_t mesh_quat = 6;
+inline constexpr std::size_t mesh_scale = 7;
 inline constexpr std::size_t tristrip_count = 0;
 inline constexpr std::size_t param_name = 0;
 inline constexpr std::size_t param_value = 1;
@@ -330,7 +331,8 @@ inline constexpr std::size_t import_scale = 17;
 inline constexpr std::size_t assign_nodes = 0;
 inline constexpr std::size_t assign_materials = 1;
 inline constexpr std::size_t assign_material = 2;
-inline constexpr std::size_t assign_pictures = 3;
+inline constexpr std::size_t assign_foil = 3;
+inline constexpr std::size_t assign_pictures = 4;
 inline constexpr std::size_t remove_nodes = 0;
 inline constexpr std::size_t remove_materials = 1;
 inline constexpr std::size_t transform_1_name = 0;
@@ -362,30 +364,33 @@ inline constexpr std::size_t sphere_1_sector = 4;
 inline constexpr std::size_t sphere_1_name = 5;
 inline constexpr std::size_t sphere_1_material = 6;
 inline constexpr std::size_t sphere_1_tolerance = 7;
-inline constexpr std::size_t sphere_1_translate = 8;
-inline constexpr std::size_t sphere_1_rotate = 9;
-inline constexpr std::size_t sphere_1_quat = 10;
-inline constexpr std::size_t sphere_1_scale = 11;
+inline constexpr std::size_t sphere_1_foil = 8;
+inline constexpr std::size_t sphere_1_translate = 9;
+inline constexpr std::size_t sphere_1_rotate = 10;
+inline constexpr std::size_t sphere_1_quat = 11;
+inline constexpr std::size_t sphere_1_scale = 12;
 inline constexpr std::size_t ellipsoid_radii = 0;
 inline constexpr std::size_t ellipsoid_segments = 1;
 inline constexpr std::size_t ellipsoid_rings = 2;
 inline constexpr std::size_t ellipsoid_name = 3;
 inline constexpr std::size_t ellipsoid_material = 4;
 inline constexpr std::size_t ellipsoid_tolerance = 5;
-inline constexpr std::size_t ellipsoid_translate = 6;
-inline constexpr std::size_t ellipsoid_rotate = 7;
-inline constexpr std::size_t ellipsoid_quat = 8;
-inline constexpr std::size_t ellipsoid_scale = 9;
+inline constexpr std::size_t ellipsoid_foil = 6;
+inline constexpr std::size_t ellipsoid_translate = 7;
+inline constexpr std::size_t ellipsoid_rotate = 8;
+inline constexpr std::size_t ellipsoid_quat = 9;
+inline constexpr std::size_t ellipsoid_scale = 10;
 inline constexpr std::size_t box_size = 0;
 inline constexpr std::size_t box_bevel = 1;
 inline constexpr std::size_t box_edges = 2;
 inline constexpr std::size_t box_name = 3;
 inline constexpr std::size_t box_material = 4;
 inline constexpr std::size_t box_tolerance = 5;
-inline constexpr std::size_t box_translate = 6;
-inline constexpr std::size_t box_rotate = 7;
-inline constexpr std::size_t box_quat = 8;
-inline constexpr std::size_t box_scale = 9;
+inline constexpr std::size_t box_foil = 6;
+inline constexpr std::size_t box_translate = 7;
+inline constexpr std::size_t box_rotate = 8;
+inline constexpr std::size_t box_quat = 9;
+inline constexpr std::size_t box_scale = 10;
 inline constexpr std::size_t cylinder_radius = 0;
 inline constexpr std::size_t cylinder_height = 1;
 inline constexpr std::size_t cylinder_caps = 2;
@@ -394,10 +399,11 @@ inline constexpr std::size_t cylinder_segments = 4;
 inline constexpr std::size_t cylinder_name = 5;
 inline constexpr std::size_t cylinder_material = 6;
 inline constexpr std::size_t cylinder_tolerance = 7;
-inline constexpr std::size_t cylinder_translate = 8;
-inline constexpr std::size_t cylinder_rotate = 9;
-inline constexpr std::size_t cylinder_quat = 10;
-inline constexpr std::size_t cylinder_scale = 11;
+inline constexpr std::size_t cylinder_foil = 8;
+inline constexpr std::size_t cylinder_translate = 9;
+inline constexpr std::size_t cylinder_rotate = 10;
+inline constexpr std::size_t cylinder_quat = 11;
+inline constexpr std::size_t cylinder_scale = 12;
 inline constexpr std::size_t cone_radius = 0;
 inline constexpr std::size_t cone_top_radius = 1;
 inline constexpr std::size_t cone_height = 2;
@@ -407,10 +413,11 @@ inline constexpr std::size_t cone_segments = 5;
 inline constexpr std::size_t cone_name = 6;
 inline constexpr std::size_t cone_material = 7;
 inline constexpr std::size_t cone_tolerance = 8;
-inline constexpr std::size_t cone_translate = 9;
-inline constexpr std::size_t cone_rotate = 10;
-inline constexpr std::size_t cone_quat = 11;
-inline constexpr std::size_t cone_scale = 12;
+inline constexpr std::size_t cone_foil = 9;
+inline constexpr std::size_t cone_translate = 10;
+inline constexpr std::size_t cone_rotate = 11;
+inline constexpr std::size_t cone_quat = 12;
+inline constexpr std::size_t cone_scale = 13;
 inline constexpr std::size_t disc_radius = 0;
 inline constexpr std::size_t disc_inner_radius = 1;
 inline constexpr std::size_t disc_sector = 2;
@@ -418,10 +425,11 @@ inline constexpr std::size_t disc_segments = 3;
 inline constexpr std::size_t disc_name = 4;
 inline constexpr std::size_t disc_material = 5;
 inline constexpr std::size_t disc_tolerance = 6;
-inline constexpr std::size_t disc_translate = 7;
-inline constexpr std::size_t disc_rotate = 8;
-inline constexpr std::size_t disc_quat = 9;
-inline constexpr std::size_t disc_scale = 10;
+inline constexpr std::size_t disc_foil = 7;
+inline constexpr std::size_t disc_translate = 8;
+inline constexpr std::size_t disc_rotate = 9;
+inline constexpr std::size_t disc_quat = 10;
+inline constexpr std::size_t disc_scale = 11;
 inline constexpr std::size_t torus_radius = 0;
 inline constexpr std::size_t torus_tube_radius = 1;
 inline constexpr std::size_t torus_sector = 2;
@@ -430,10 +438,11 @@ inline constexpr std::size_t torus_rings = 4;
 inline constexpr std::size_t torus_name = 5;
 inline constexpr std::size_t torus_material = 6;
 inline constexpr std::size_t torus_tolerance = 7;
-inline constexpr std::size_t torus_translate = 8;
-inline constexpr std::size_t torus_rotate = 9;
-inline constexpr std::size_t torus_quat = 10;
-inline constexpr std::size_t torus_scale = 11;
+inline constexpr std::size_t torus_foil = 8;
+inline constexpr std::size_t torus_translate = 9;
+inline constexpr std::size_t torus_rotate = 10;
+inline constexpr std::size_t torus_quat = 11;
+inline constexpr std::size_t torus_scale = 12;
 inline constexpr std::size_t dish_diameter = 0;
 inline constexpr std::size_t dish_focal_length = 1;
 inline constexpr std::size_t dish_thickness = 2;
@@ -442,18 +451,20 @@ inline constexpr std::size_t dish_rings = 4;
 inline constexpr std::size_t dish_name = 5;
 inline constexpr std::size_t dish_material = 6;
 inline constexpr std::size_t dish_tolerance = 7;
-inline constexpr std::size_t dish_translate = 8;
-inline constexpr std::size_t dish_rotate = 9;
-inline constexpr std::size_t dish_quat = 10;
-inline constexpr std::size_t dish_scale = 11;
+inline constexpr std::size_t dish_foil = 8;
+inline constexpr std::size_t dish_translate = 9;
+inline constexpr std::size_t dish_rotate = 10;
+inline constexpr std::size_t dish_quat = 11;
+inline constexpr std::size_t dish_scale = 12;
 inline constexpr std::size_t plane_size = 0;
 inline constexpr std::size_t plane_name = 1;
 inline constexpr std::size_t plane_material = 2;
 inline constexpr std::size_t plane_tolerance = 3;
-inline constexpr std::size_t plane_translate = 4;
-inline constexpr std::size_t plane_rotate = 5;
-inline constexpr std::size_t plane_quat = 6;
-inline constexpr std::size_t plane_scale = 7;
+inline constexpr std::size_t plane_foil = 4;
+inline constexpr std::size_t plane_translate = 5;
+inline constexpr std::size_t plane_rotate = 6;
+inline constexpr std::size_t plane_quat = 7;
+inline constexpr std::size_t plane_scale = 8;
 inline constexpr std::size_t tube_radius = 0;
 inline constexpr std::size_t tube_inner_radius = 1;
 inline constexpr std::size_t tube_curve = 2;
@@ -464,10 +475,11 @@ inline constexpr std::size_t tube_rings = 6;
 inline constexpr std::size_t tube_name = 7;
 inline constexpr std::size_t tube_material = 8;
 inline constexpr std::size_t tube_tolerance = 9;
-inline constexpr std::size_t tube_translate = 10;
-inline constexpr std::size_t tube_rotate = 11;
-inline constexpr std::size_t tube_quat = 12;
-inline constexpr std::size_t tube_scale = 13;
+inline constexpr std::size_t tube_foil = 10;
+inline constexpr std::size_t tube_translate = 11;
+inline constexpr std::size_t tube_rotate = 12;
+inline constexpr std::size_t tube_quat = 13;
+inline constexpr std::size_t tube_scale = 14;
 inline constexpr std::size_t lathe_curve = 0;
 inline constexpr std::size_t lathe_sector = 1;
 inline constexpr std::size_t lathe_segments = 2;
@@ -475,42 +487,49 @@ inline constexpr std::size_t lathe_rings = 3;
 inline constexpr std::size_t lathe_name = 4;
 inline constexpr std::size_t lathe_material = 5;
 inline constexpr std::size_t lathe_tolerance = 6;
-inline constexpr std::size_t lathe_translate = 7;
-inline constexpr std::size_t lathe_rotate = 8;
-inline constexpr std::size_t lathe_quat = 9;
-inline constexpr std::size_t lathe_scale = 10;
+inline constexpr std::size_t lathe_foil = 7;
+inline constexpr std::size_t lathe_translate = 8;
+inline constexpr std::size_t lathe_rotate = 9;
+inline constexpr std::size_t lathe_quat = 10;
+inline constexpr std::size_t lathe_scale = 11;
 inline constexpr std::size_t extrude_height = 0;
 inline constexpr std::size_t extrude_smooth = 1;
 inline constexpr std::size_t extrude_caps = 2;
 inline constexpr std::size_t extrude_name = 3;
 inline constexpr std::size_t extrude_material = 4;
 inline constexpr std::size_t extrude_tolerance = 5;
-inline constexpr std::size_t extrude_translate = 6;
-inline constexpr std::size_t extrude_rotate = 7;
-inline constexpr std::size_t extrude_quat = 8;
-inline constexpr std::size_t extrude_scale = 9;
+inline constexpr std::size_t extrude_foil = 6;
+inline constexpr std::size_t extrude_translate = 7;
+inline constexpr std::size_t extrude_rotate = 8;
+inline constexpr std::size_t extrude_quat = 9;
+inline constexpr std::size_t extrude_scale = 10;
 inline constexpr std::size_t polygons_smooth = 0;
 inline constexpr std::size_t polygons_name = 1;
 inline constexpr std::size_t polygons_material = 2;
 inline constexpr std::size_t polygons_tolerance = 3;
-inline constexpr std::size_t polygons_translate = 4;
-inline constexpr std::size_t polygons_rotate = 5;
-inline constexpr std::size_t polygons_quat = 6;
-inline constexpr std::size_t polygons_scale = 7;
+inline constexpr std::size_t polygons_foil = 4;
+inline constexpr std::size_t polygons_translate = 5;
+inline constexpr std::size_t polygons_rotate = 6;
+inline constexpr std::size_t polygons_quat = 7;
+inline constexpr std::size_t polygons_scale = 8;
 inline constexpr std::size_t mli_type = 0;
-inline constexpr std::size_t mli_seed = 1;
-inline constexpr std::size_t mli_radius = 2;
-inline constexpr std::size_t mli_top_radius = 3;
-inline constexpr std::size_t mli_length = 4;
-inline constexpr std::size_t mli_flange = 5;
-inline constexpr std::size_t mli_size = 6;
-inline constexpr std::size_t mli_name = 7;
-inline constexpr std::size_t mli_material = 8;
-inline constexpr std::size_t mli_tolerance = 9;
-inline constexpr std::size_t mli_translate = 10;
-inline constexpr std::size_t mli_rotate = 11;
-inline constexpr std::size_t mli_quat = 12;
-inline constexpr std::size_t mli_scale = 13;
+inline constexpr std::size_t mli_on = 1;
+inline constexpr std::size_t mli_materials = 2;
+inline constexpr std::size_t mli_faces = 3;
+inline constexpr std::size_t mli_standoff = 4;
+inline constexpr std::size_t mli_seed = 5;
+inline constexpr std::size_t mli_radius = 6;
+inline constexpr std::size_t mli_top_radius = 7;
+inline constexpr std::size_t mli_length = 8;
+inline constexpr std::size_t mli_flange = 9;
+inline constexpr std::size_t mli_size = 10;
+inline constexpr std::size_t mli_name = 11;
+inline constexpr std::size_t mli_material = 12;
+inline constexpr std::size_t mli_tolerance = 13;
+inline constexpr std::size_t mli_translate = 14;
+inline constexpr std::size_t mli_rotate = 15;
+inline constexpr std::size_t mli_quat = 16;
+inline constexpr std::size_t mli_scale = 17;
 inline constexpr std::size_t mli_operations_preset = 0;
 inline constexpr std::size_t wrinkle_wavelength = 0;
 inline constexpr std::size_t wrinkle_amplitude = 1;
@@ -882,6 +901,14 @@ inline constexpr Attribute kAttributes_sphere[] = {
 inline constexpr Number kNumbers_mesh_tolerance[] = {
     {"tolerance", 0, 1e+30, true, false},
 };
+inline constexpr std::string_view kWords_mesh_foil[] = {
+    "none",
+    "crinkled",
+    "smooth",
+    "quilted",
+    "embossed",
+    "taped",
+};
 inline constexpr double kInitial_mesh_translate[] = {
     0,
     0,
@@ -921,6 +948,7 @@ inline constexpr Attribute kAttributes_mesh[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1476,11 +1504,19 @@ inline constexpr std::string_view kWords_assign_pictures[] = {
     "drop",
     "keep",
 };
+inline constexpr std::string_view kMembers_assign_0[] = {
+    "@material",
+    "@foil",
+};
 inline constexpr Attribute kAttributes_assign[] = {
     {"nodes", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"materials", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
-    {"material", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"pictures", 1, true, false, {ValueKind::word, 1, {}, kWords_assign_pictures, Dimension::none, false, false, 1, 0}, {}, "drop", false},
+};
+inline constexpr Rule kRules_assign[] = {
+    {RuleKind::any_of, kMembers_assign_0},
 };
 inline constexpr std::string_view kMembers_remove_0[] = {
     "@nodes",
@@ -1600,6 +1636,7 @@ inline constexpr Attribute kAttributes_sphere_1[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1627,6 +1664,7 @@ inline constexpr Attribute kAttributes_ellipsoid[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1646,6 +1684,7 @@ inline constexpr Attribute kAttributes_box[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1669,6 +1708,7 @@ inline constexpr Attribute kAttributes_cylinder[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1690,6 +1730,7 @@ inline constexpr Attribute kAttributes_cone[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1706,6 +1747,7 @@ inline constexpr Attribute kAttributes_disc[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1723,6 +1765,7 @@ inline constexpr Attribute kAttributes_torus[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1746,6 +1789,7 @@ inline constexpr Attribute kAttributes_dish[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1760,6 +1804,7 @@ inline constexpr Attribute kAttributes_plane[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1787,6 +1832,7 @@ inline constexpr Attribute kAttributes_tube[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1806,6 +1852,7 @@ inline constexpr Attribute kAttributes_lathe[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1830,6 +1877,7 @@ inline constexpr Attribute kAttributes_extrude[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1850,6 +1898,7 @@ inline constexpr Attribute kAttributes_polygons[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
@@ -1880,6 +1929,10 @@ inline constexpr std::string_view kWords_mli_type[] = {
     "tubular",
     "disc",
     "box",
+    "wrap",
+};
+inline constexpr Number kNumbers_mli_standoff[] = {
+    {"standoff", 0, 1e+30, true, false},
 };
 inline constexpr Number kNumbers_mli_seed[] = {
     {"seed", 0, 4294967295, false, false},
@@ -1898,6 +1951,10 @@ inline constexpr ElementId kChoice_mli_1[] = {
 };
 inline constexpr Attribute kAttributes_mli[] = {
     {"type", 0, true, true, {ValueKind::word, 1, {}, kWords_mli_type, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"on", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"materials", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"faces", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"standoff", 1, true, false, {ValueKind::real, 1, kNumbers_mli_standoff, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"seed", 1, true, false, {ValueKind::integer, 1, kNumbers_mli_seed, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"top_radius", 1, true, false, {ValueKind::real, 1, kNumbers_cone_top_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
@@ -1913,7 +1970,7 @@ inline constexpr Attribute kAttributes_mli[] = {
     {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
 };
 inline constexpr Slot kSlots_mli[] = {
-    {kChoice_mli_0, "", 1, 1, ""},
+    {kChoice_mli_0, "", 0, 1, ""},
     {kChoice_mli_1, "", 1, 1, ""},
 };
 inline constexpr ElementId kChoice_mli_settings_0[] = {
@@ -2286,7 +2343,7 @@ inline constexpr Element kElements[] = {
      kAttributes_import, kSlots_import, kRules_mesh, false},
     {"assign", 1, true,
      {},
-     kAttributes_assign, {}, {}, false},
+     kAttributes_assign, {}, kRules_assign, false},
     {"remove", 1, true,
      {},
      kAttributes_remove, {}, kRules_remove, false},

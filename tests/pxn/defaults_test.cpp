@@ -227,7 +227,8 @@ TEST(ShapeParameters, AreThoseOfTheSchema) {
         (check_word(members), ...);
       });
       for (const std::string_view left : unknown)
-        ADD_FAILURE() << kind << " " << left << " is no parameter of the shape";
+        if (left != "foil")  // of what lies over it
+          ADD_FAILURE() << kind << " " << left << " is no parameter of the shape";
     }
   };
   [&]<std::size_t... I>(std::index_sequence<I...>) {

@@ -1,0 +1,176 @@
+// <mli type="wrap"> and foil=: what wears a blanket, where it lies, and what cannot be.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/pxn/reading.h"
+
+namespace panwright::pxn {
+namespace {
+
+using testing::HasSubstr;
+
+Reading read_1(const std::string& inside, const std::string& wrl = "") {
+  return read_files(
+      {{"m.pxn", "<pangu_model ver=\"1\">\n" + inside + "\n</pangu_model>\n"}, {"a.wrl", wrl}});
+}
+
+std::string wrap(const std::string& attributes, const std::string& inside = "") {
+  return "<mli type=\"wrap\" standoff=\"1cm\" " + attributes +
+         "><mli_settings><width>1</width><height>1</height><xgrid>100</xgrid></mli_settings>"
+         "<mli_operations>" +
+         (inside.empty() ? "<random> 1mm </random>" : inside) + "</mli_operations></mli>";
+}
+
+Mat4 world_from(const scene::Scene& scene, std::int32_t node) {
+  Mat4 out(1);
+  for (; node != scene::kNone; node = scene.nodes[static_cast<std::size_t>(node)].parent)
+    out = scene.nodes[static_cast<std::size_t>(node)].parent_from_node.matrix() * out;
+  return out;
+}
+
+// Bounds of an instance's mesh in the world.
+std::pair<Vec3, Vec3> bounds(const scene::Scene& scene, std::size_t instance) {
+  const scene::Instance& i = scene.instances.at(instance);
+  const auto& mesh =
+      *std::get<geometry::MeshShape>(scene.shapes[static_cast<std::size_t>(i.shape)]);
+  const Mat4 world = world_from(scene, i.node);
+  Vec3 low(HUGE_VAL), high(-HUGE_VAL);
+  for (const Vec3& p : mesh.positions) {
+    const Vec3 q(world * Vec4(p, 1));
+    low = glm::min(low, q), high = glm::max(high, q);
+  }
+  return {low, high};
+}
+
+TEST(Wraps, FoilIsAllThatNeedsToBeWritten) {
+  const Reading r = read_1("<box name='b' size='1 0.8 0.6' foil='crinkled'/><box size='1'/>");
+  EXPECT_EQ(r.summary(), "");
+  ASSERT_EQ(r.scene->instances.size(), 3u);  // both boxes stay
+  EXPECT_EQ(r.scene->nodes[static_cast<std::size_t>(r.scene->instances[1].node)].name, "b_foil");
+  EXPECT_EQ(r.scene->materials[static_cast<std::size_t>(r.scene->instances[1].material)].name,
+            "mli_gold_kapton");
+  ASSERT_EQ(r.scene->foils.size(), 1u);
+  EXPECT_TRUE(r.scene->foils[0].wrapped);
+  EXPECT_GT(r.scene->foils[0].statistics.slope_rms, 0.19);
+  // nothing below the sides of the box, all of it within a few stand-offs
+  const auto [low, high] = bounds(*r.scene, 1);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_GT(high[k], r.scene ? 0.3 : 0);
+    EXPECT_LT(high[k] - Vec3(0.5, 0.4, 0.3)[k], 0.08);
+    EXPECT_GT(high[k] - Vec3(0.5, 0.4, 0.3)[k], 0.02);
+    EXPECT_NEAR(high[k], -low[k], 0.05);
+  }
+  EXPECT_EQ(read_1("<box size='1' foil='none'/>").scene->instances.size(), 1u);
+  // the shape's own material is the blanket's
+  const Reading own =
+      read_1("<material name='m' preset='mli_silver'/><box size='1' material='m' foil='taped'/>");
+  EXPECT_EQ(own.scene->instances[1].material, own.scene->instances[0].material);
+}
+
+// Directions are those of where the element stands; the blanket moves with what it covers.
+TEST(Wraps, FacesOfADirection) {
+  const Reading r = read_1("<box name='b' size='1' rotate='0 0 90'/>" + wrap("on='b' faces='+x'"));
+  EXPECT_EQ(r.summary(), "");
+  ASSERT_EQ(r.scene->instances.size(), 2u);
+  const auto [low, high] = bounds(*r.scene, 1);
+  EXPECT_NEAR(low.x, 0.5, 1e-9);  // where its seams end
+  EXPECT_NEAR(high.x, 0.51, 0.0011);
+  EXPECT_NEAR(high.y, 0.5, 1e-9);
+  EXPECT_EQ(r.scene->nodes[static_cast<std::size_t>(r.scene->instances[1].node)].parent,
+            r.scene->nodes[static_cast<std::size_t>(r.scene->instances[0].node)].parent);
+  EXPECT_EQ(
+      bounds(*read_1("<box name='b' size='1'/>" + wrap("on='b' faces='-z +z'")).scene, 1).second.x,
+      0.5);
+}
+
+// A stand-off and wrinkles are metres of the world: a scaled box wears the blanket of one that is
+// as large, whatever the scales.
+TEST(Wraps, ScalesStretchNothing) {
+  const Reading r = read_1("<box name='b' size='1 0.01 2' scale='1 100 0.5' translate='5 0 0'/>" +
+                           wrap("on='b'", "<constant> 1mm </constant>"));
+  EXPECT_EQ(r.summary(), "");
+  ASSERT_EQ(r.scene->instances.size(), 2u);
+  const auto [low, high] = bounds(*r.scene, 1);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(high[k], (k == 0 ? 5.5 : 0.5) + 0.01, 1e-9) << k;
+    EXPECT_NEAR(low[k], (k == 0 ? 4.5 : -0.5) - 0.01, 1e-9) << k;
+  }
+  // shared where shape and stretch are the same, whatever the turn
+  const Reading twice = read_1(
+      "<box name='b' size='1'/><box name='c' size='1' rotate='1 2 3'/>"
+      "<box name='c2' size='1' scale='2'/>" +
+      wrap("on='*'"));
+  ASSERT_EQ(twice.scene->instances.size(), 6u);
+  EXPECT_EQ(twice.scene->instances[3].shape, twice.scene->instances[4].shape);
+  EXPECT_NE(twice.scene->instances[3].shape, twice.scene->instances[5].shape);
+  EXPECT_EQ(twice.scene->foils.size(), 2u);
+}
+
+constexpr const char* kWrl =
+    "#VRML V2.0 utf8\nDEF Bus Transform { children [ DEF Box Shape { appearance Appearance { "
+    "material DEF Gold Material { diffuseColor 1 0.8 0 } } geometry Box { size 1 1 1 } } ] }\n"
+    "DEF Ball Transform { translation 5 0 0 children [ Shape { geometry Sphere {} } ] }\n";
+
+TEST(Wraps, ImportedPartsWearThem) {
+  const Reading r =
+      read_1("<import file='a.wrl'><assign nodes='Bus' foil='crinkled'/></import>", kWrl);
+  EXPECT_EQ(r.log.errors() + r.log.warnings(), 0u) << r.summary();
+  ASSERT_EQ(r.scene->instances.size(), 3u);
+  EXPECT_EQ(r.scene->foils.size(), 1u);
+  // a later rule takes it back; patterns of wraps reach into imports
+  EXPECT_EQ(read_1("<import file='a.wrl'><assign nodes='Bus' foil='crinkled'/>"
+                   "<assign foil='none'/></import>",
+                   kWrl)
+                .scene->instances.size(),
+            2u);
+  EXPECT_EQ(read_1("<import name='i' file='a.wrl'/>" + wrap("on='i/*Bus*'"), kWrl)
+                .scene->instances.size(),
+            3u);
+  // balls are refused, which is said with the area
+  EXPECT_THAT(read_1("<import file='a.wrl'>\n<assign foil='crinkled'/></import>", kWrl).summary(),
+              HasSubstr("3:1 W7002 "));
+}
+
+TEST(Wraps, RepeatsCoverTheirOwn) {
+  const Reading r =
+      read_1("<repeat count='3' var='k'><box name='b' size='1' translate='{3*k} 0 0'/>" +
+             wrap("on='b' seed='{k}'") + "</repeat>");
+  EXPECT_EQ(r.summary(), "");
+  EXPECT_EQ(r.scene->instances.size(), 6u);
+  EXPECT_EQ(r.scene->foils.size(), 3u);
+}
+
+TEST(Wraps, WhatCannotBeIsSaidWhereItStands) {
+  const std::string box = "<box name='bus' size='1'/>\n";
+  const std::pair<std::string, std::string> cases[] = {
+      {box + wrap("on='buss'"),
+       "3:1 W1501 no shape is covered: none at or below a node that fits "
+       "'buss' (did you mean 'bus'?)"},
+      {box + wrap("materials='gold'"), "W1501 no shape is covered"},
+      {box + wrap("on='bus' faces='up'"),
+       "E7001 faces is 'up'; it is all, or some of +x -x +y -y +z -z"},
+      {"<plane name='bus' size='1'/>\n" + wrap("on='bus' faces='+x'"),
+       "3:1 W1501 no face of 1 shape looks along '+x'"},
+      {box + wrap("on='bus' radius='1'"), "E7001 a sheet of type 'wrap' has no radius"},
+      {box + wrap("on='bus' translate='1 0 0'"), "E7001 a wrap has no placement"},
+      {box + wrap(""), "3:2 E1103 a wrap covers nothing"},
+      {box + "<mli type='wrap' on='bus' standoff='0'><mli_operations/></mli>",
+       "E1202 standoff of <mli> is 0"},
+      {box + "<mli type='flat' on='bus'><mli_settings><width>1</width><height>1</height><xgrid>9"
+             "</xgrid></mli_settings><mli_operations/></mli>",
+       "E7001 a sheet of type 'flat' has no on"},
+      {"<mli type='flat'><mli_operations/></mli>", "2:2 E1103 <mli> needs <mli_settings>"},
+      {"<sphere radius='1' foil='smooth'/>", "2:1 W7002 "},
+      {"<box size='58' name='bus'/>\n" + wrap("on='bus'"),
+       "3:1 E7001 the blankets have more than 20000000 triangles with cells of 0.01 m"},
+      {box + wrap("on='bus'", "<random> 9cm </random>"),
+       "W7002 heights meet the base in 6 of 6 groups"}};
+  for (const auto& [text, expected] : cases)
+    EXPECT_THAT(read_1(text).summary(), HasSubstr(expected)) << text;
+}
+
+}  // namespace
+}  // namespace panwright::pxn
