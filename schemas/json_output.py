@@ -132,6 +132,20 @@ COMMANDS = {
         "fits?": ("with --fit: the best first", [{"brdf": "string: model in words", "law": "string: the same, as it was called", "rms_decades": "number: of log10(BRDF/reading)",
                                                 "max_decades": "number: largest", "rms": "number: 1/sr", "text": "string: pxn"}]),
     } | OPTIONAL(MATERIAL),
+    "mli": {
+        "sheets": ("of the file, or the preset; a pan file holds no recipes: what follows correlation_length is missing", [{
+            "name": "string: of its node or mesh; the preset", "form": "string: flat, tube, cone, disc or box; all numbers are of the flat sheet", "seed": "integer: of its recipe",
+            "width": "number: metres", "height": "number: metres", "cells": "number[]: along width and height", "heights": "number[]: lowest and highest, metres",
+            "height_mean": "number: metres", "height_rms": "number: metres, about the mean", "slope_mean": "number[]: along x and y", "slope_covariance": "number[]: xx, xy, yy, at vertices",
+            "facet_slope_covariance": "number[]: the same of triangles", "slope_rms": "number: both axes together", "slope_rms_axes": "number[]: along x and y",
+            "correlation_length": "number[]: along x and y, metres", "material?": "string: that it is drawn in", "operations?": "string[]: of the recipe, in order",
+            "grid?": "integer: cells across of the recipe's own grid", "facet_slope_rms?": "number: of triangles", "mean_normal?": "vec3: unit",
+            "removed_slope_covariance?": "number[]: xx, xy, yy that coarser detail lost", "tilt_histogram?": "number[]: triangles by tilt, bins of half a degree",
+            "slope_histogram?": ("triangles by slope", {
+                "lowest": "number: lower end of the first bin", "bin": "number: width of a bin", "facets": "integer: how many",
+                "x": "object: mean, deviation, counts of each bin, below, above", "y": "object: the same along y"}),
+            "checksum?": "string: of the bits of the heights, 16 hexadecimal digits", "seconds?": "number: it took to make"}]),
+    },
     "diff": {
         "equal": "boolean: exit code 0; otherwise 1",
         "model": ("differences of what is drawn", [{"where": "string: place", "what": "string: both values"}]),

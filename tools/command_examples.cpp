@@ -47,6 +47,12 @@ constexpr Example kExamples[] = {
     {"material", "mli_gold_kapton copper --render samples.png --width 120",
      "Draw samples of two materials."},
 
+    {"mli", "crinkled", "Statistics of half a metre of crinkled foil: heights, slopes."},
+    {"mli",
+     "quilted --seed 2 -o quilted.png --width 128 --height heights.npy --histogram slopes.svg",
+     "Draw another sheet of the same kind; its heights in metres, its slopes as a plot."},
+    {"mli", "blankets/blankets.pxn --sheet taped --json", "A sheet of a model, as JSON."},
+
     {"diff", "cubesat/cubesat.pxn cubesat/cubesat.pxn", "Compare two models: these are equal."},
     {"diff", "cubesat/cubesat.pxn cubesat/cubesat.pxn --all",
      "Compare what they were made from, too."},

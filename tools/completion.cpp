@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "mli/preset.h"
 #include "pxn/materials.h"
 #include "tools/command_table.h"
 #include "workspace/open.h"
@@ -93,6 +94,9 @@ class Completer {
     if (says("PRESET"))
       for (const std::string_view name : pxn::preset_names())
         out.words.push_back({std::string(name), "material of the library"});
+    if (says("SHEET"))
+      for (const mli::Preset& preset : mli::presets())
+        out.words.push_back({std::string(preset.name), "sheet of foil"});
     if (says("FRAME")) add_frames(out);
     if (option.type == "NAME") add_materials(out);
     if (says("CODE"))

@@ -12,94 +12,12 @@
 #include "base/text.h"
 #include "materials/brdf.h"
 #include "materials/energy.h"
+#include "tools/plot.h"
 
 namespace panwright::tools {
 namespace {
 
-using Points = std::vector<std::pair<double, double>>;
-
-std::string xml_text(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '&')
-      out += "&amp;";
-    else
-      out += c;
-  }
-  return out;
-}
-
-// A frame with axes, and curves in it. Data coordinates x0..x1, y0..y1 over a fixed area.
-class Plot {
- public:
-  Plot(const std::string& title, const std::string& x_label, const std::string& y_label, double x0,
-       double x1, double y0, double y1)
-      : x0_(x0), x1_(x1), y0_(y0), y1_(y1) {
-    text_ =
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"640\" height=\"420\" "
-        "viewBox=\"0 0 640 420\" font-family=\"sans-serif\" font-size=\"12\">\n"
-        "<rect width=\"640\" height=\"420\" fill=\"white\"/>\n";
-    label(kLeft, 24, "start", title, 15);
-    label((kLeft + kRight) / 2, 408, "middle", x_label);
-    text_ += fmt::format(
-        "<text transform=\"translate(16,{:.0f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-        (kTop + kBottom) / 2, xml_text(y_label));
-  }
-
-  void x_tick(double x, const std::string& words) {
-    line(px(x), kTop, px(x), kBottom, "#ddd", 1);
-    label(px(x), kBottom + 16, "middle", words);
-  }
-  void y_tick(double y, const std::string& words) {
-    line(kLeft, py(y), kRight, py(y), "#ddd", 1);
-    label(kLeft - 6, py(y) + 4, "end", words);
-  }
-  void curve(const Points& points, const char* color, const std::string& name) {
-    text_ += "<polyline fill=\"none\" stroke-width=\"2\" stroke=\"" + std::string(color) +
-             "\" points=\"";
-    for (const auto& [x, y] : points)
-      text_ += fmt::format("{:.2f},{:.2f} ", px(x), py(std::clamp(y, y0_, y1_)));
-    text_ += "\"/>\n";
-    const double at = kTop + 16 + 16 * names_++;
-    line(kRight - 92, at - 4, kRight - 72, at - 4, color, 2);
-    label(kRight - 66, at, "start", name);
-  }
-  void dots(const Points& points, const char* color) {
-    for (const auto& [x, y] : points)
-      text_ += fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"2\" fill=\"{}\"/>\n", px(x),
-                           py(std::clamp(y, y0_, y1_)), color);
-  }
-  std::string finish() {
-    text_ += fmt::format(
-        "<rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\" fill=\"none\" "
-        "stroke=\"#444\"/>\n</svg>\n",
-        kLeft, kTop, kRight - kLeft, kBottom - kTop);
-    return std::move(text_);
-  }
-
- private:
-  static constexpr double kLeft = 70, kRight = 620, kTop = 40, kBottom = 370;
-
-  double px(double x) const { return kLeft + (x - x0_) / (x1_ - x0_) * (kRight - kLeft); }
-  double py(double y) const { return kBottom - (y - y0_) / (y1_ - y0_) * (kBottom - kTop); }
-  void line(double xa, double ya, double xb, double yb, const char* color, int width) {
-    text_ += fmt::format(
-        "<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" stroke=\"{}\" "
-        "stroke-width=\"{}\"/>\n",
-        xa, ya, xb, yb, color, width);
-  }
-  void label(double x, double y, const char* anchor, const std::string& words, int size = 12) {
-    text_ += fmt::format(
-        "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" font-size=\"{}\">{}</text>\n", x, y,
-        anchor, size, xml_text(words));
-  }
-
-  double x0_, x1_, y0_, y1_;
-  int names_ = 0;
-  std::string text_;
-};
+using Points = Plot::Points;
 
 constexpr const char* kChannels[] = {"650 nm", "550 nm", "450 nm"};
 constexpr const char* kChannelColors[] = {"#c0392b", "#27ae60", "#2c6fbb"};

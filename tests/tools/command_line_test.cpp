@@ -347,6 +347,8 @@ TEST(Completion, KnowsCommandsOptionsValuesPresetsAndFrames) {
   EXPECT_EQ(texts(candidates({"render", "a", "--engine", "=", "r"}, {})),
             std::set<std::string>({"reference"}));
   EXPECT_TRUE(texts(candidates({"material", "white_z"}, {})).contains("white_z93"));
+  EXPECT_EQ(texts(candidates({"mli", "qu"}, {})), std::set<std::string>({"quilted"}));
+  EXPECT_TRUE(candidates({"mli", ""}, {}).files);
   EXPECT_TRUE(texts(candidates({"explain", "E11"}, {})).contains("E1101"));
   EXPECT_TRUE(texts(candidates({"help", "c"}, {})).contains("completion"));
   const auto input = candidates({"compile", ""}, {});
