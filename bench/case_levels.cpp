@@ -116,10 +116,8 @@ struct Way {
   double sun, viewer;  // degrees from the normal
 };
 constexpr Way kWays[] = {{"phase 0", 0, 0},
-                         {"phase 60, mirrored", 30, -30},
                          {"phase 60, 10 degrees off", 40, -20},
                          {"phase 90, mirrored", 45, -45},
-                         {"phase 90, back", 60, -30},
                          {"phase 120, mirrored", 60, -60}};
 
 void run_far(Context& context, preview::Renderer& renderer, const Wear& wear, double slope) {
@@ -139,7 +137,7 @@ void run_far(Context& context, preview::Renderer& renderer, const Wear& wear, do
     const auto model = sheet ? model_of(*sheet, wear, log) : nullptr;
     if (!model) return context.note("a sheet was refused");
     for (std::size_t w = 0; w < std::size(kWays); ++w) {
-      const preview::View view = view_from(kWays[w].viewer, kWays[w].sun, 1.5, 64);
+      const preview::View view = view_from(kWays[w].viewer, kWays[w].sun, 1.5, 48);
       const world::World world = preview::world_of(model, view);
       preview::ReferenceOptions traced;
       traced.samples = 16;

@@ -32,14 +32,17 @@ constexpr const char* kBumpNames[] = {"bumps", "bumps stretched 4:1", "grooves"}
 void smooth(std::vector<double>& values, std::size_t step, std::size_t stride, double radius) {
   const int reach = static_cast<int>(std::ceil(4 * radius));
   std::vector<double> weight;
-  for (int i = -reach; i <= reach; ++i) weight.push_back(std::exp(-0.5 * i * i / (radius * radius)));
+  for (int i = -reach; i <= reach; ++i)
+    weight.push_back(std::exp(-0.5 * i * i / (radius * radius)));
   std::vector<double> line(kSide);
   for (std::size_t k = 0; k < kSide; ++k) {
     for (std::size_t i = 0; i < kSide; ++i) {
       line[i] = 0;
       for (int j = -reach; j <= reach; ++j)
         line[i] += weight[static_cast<std::size_t>(j + reach)] *
-                   values[k * stride + (i + kSide + static_cast<std::size_t>(j + static_cast<int>(kSide))) % kSide * step];
+                   values[k * stride +
+                          (i + kSide + static_cast<std::size_t>(j + static_cast<int>(kSide))) %
+                              kSide * step];
     }
     for (std::size_t i = 0; i < kSide; ++i) values[k * stride + i * step] = line[i];
   }
@@ -50,7 +53,8 @@ std::vector<std::uint8_t> map_of(Bumps bumps, double slope, std::uint32_t seed) 
   std::vector<double> height(kSide * kSide);
   if (bumps == Bumps::grooves) {
     for (std::size_t i = 0; i < height.size(); ++i)
-      height[i] = std::sin(2 * std::numbers::pi * (static_cast<double>(i % kSide) + 0.3 * seed) / 16);
+      height[i] =
+          std::sin(2 * std::numbers::pi * (static_cast<double>(i % kSide) + 0.3 * seed) / 16);
   } else {
     std::uint32_t state = seed;
     for (double& each : height) {
@@ -62,7 +66,9 @@ std::vector<std::uint8_t> map_of(Bumps bumps, double slope, std::uint32_t seed) 
     smooth(height, 1, kSide, 3);
     smooth(height, kSide, 1, bumps == Bumps::stretched ? 12 : 3);
   }
-  const auto at = [&](std::size_t x, std::size_t y) { return height[y % kSide * kSide + x % kSide]; };
+  const auto at = [&](std::size_t x, std::size_t y) {
+    return height[y % kSide * kSide + x % kSide];
+  };
   std::vector<Vec2> slopes;
   double square = 0;
   for (std::size_t y = 0; y < kSide; ++y)
@@ -76,7 +82,8 @@ std::vector<std::uint8_t> map_of(Bumps bumps, double slope, std::uint32_t seed) 
     const Vec3 n = glm::normalize(Vec3(-s, 1));
     // the image's rows go down
     std::uint8_t* code = &codes[4 * ((kSide - 1 - i / kSide) * kSide + i % kSide)];
-    for (int k = 0; k < 3; ++k) code[k] = static_cast<std::uint8_t>(std::lround(127.5 * (n[k] + 1)));
+    for (int k = 0; k < 3; ++k)
+      code[k] = static_cast<std::uint8_t>(std::lround(127.5 * (n[k] + 1)));
   }
   return codes;
 }
@@ -154,7 +161,8 @@ double mean_of(const std::vector<std::uint8_t>& codes, const materials::f64::Com
       const Vec3 u = glm::normalize(Vec3(1, 0, 0) - n * n.x);
       const double lit = std::max(glm::dot(n, place.to_sun), 0.0);
       const materials::ShadingContext local{u, materials::kSunAlpha2};
-      rows[y] += seen * Vec2(1, lit * brdf.brdf(place.to_sun, place.to_viewer, n, Vec3(1), local).x);
+      rows[y] +=
+          seen * Vec2(1, lit * brdf.brdf(place.to_sun, place.to_viewer, n, Vec3(1), local).x);
     }
   });
   Vec2 sum(0);
@@ -245,14 +253,16 @@ void run(Context& context) {
   context.set_renderer((*gl)->context().renderer());
   const std::vector<Place> all_places = places(context.quick());
   const std::uint32_t seeds = context.quick() ? 1 : 12;
-  context.note("reference: the mean over the texels of level 0, each facet as large as it looks; no "
-               "shadows, no light between facets; mean over 12 seeds on both sides");
+  context.note(
+      "reference: the mean over the texels of level 0, each facet as large as it looks; no "
+      "shadows, no light between facets; mean over 12 seeds on both sides");
   const auto materials = surfaces();
   for (const Bumps bumps : {Bumps::isotropic, Bumps::stretched, Bumps::grooves})
     for (const double slope : {0.05, 0.1, 0.2, 0.3}) {
       if (context.quick() && slope != 0.1) continue;
       std::vector<std::vector<std::uint8_t>> maps;
-      for (std::uint32_t seed = 1; seed <= seeds; ++seed) maps.push_back(map_of(bumps, slope, seed));
+      for (std::uint32_t seed = 1; seed <= seeds; ++seed)
+        maps.push_back(map_of(bumps, slope, seed));
       for (const auto& [name, material] : materials) {
         const materials::f64::CompiledBrdf brdf(material);
         std::vector<double> exact(all_places.size());
@@ -275,18 +285,19 @@ void run(Context& context) {
             for (std::size_t i = 0; i < found.size(); ++i)
               if ((all_places[i].phase > 90) == far) errors.add(found[i] / exact[i] - 1);
             if (errors.count == 0) continue;
-            Row row{.case_name = "moments",
-                    .setting = fmt::format("{} slope {} {} {} texels a pixel, phase {}; worst {:.1f} %",
-                                           kBumpNames[static_cast<int>(bumps)], slope, name, texels,
-                                           far ? "120" : "0 to 90", 100 * errors.worst),
-                    .speed = 1e3 * seconds / seeds,
-                    .speed_unit = "ms/frame",
-                    .error = errors.rms(),
-                    .error_unit = "relative flux, rms",
-                    .reference = "mean over texels",
-                    .reference_error = 0,
-                    .runs = static_cast<int>(seeds),
-                    .must_error = bumps != Bumps::grooves && slope <= 0.2 && !far ? 0.03 : 0.0};
+            Row row{
+                .case_name = "moments",
+                .setting = fmt::format("{} slope {} {} {} texels a pixel, phase {}; worst {:.1f} %",
+                                       kBumpNames[static_cast<int>(bumps)], slope, name, texels,
+                                       far ? "120" : "0 to 90", 100 * errors.worst),
+                .speed = 1e3 * seconds / seeds,
+                .speed_unit = "ms/frame",
+                .error = errors.rms(),
+                .error_unit = "relative flux, rms",
+                .reference = "mean over texels",
+                .reference_error = 0,
+                .runs = static_cast<int>(seeds),
+                .must_error = bumps != Bumps::grooves && slope <= 0.2 && !far ? 0.03 : 0.0};
             context.add(row);
           }
         }

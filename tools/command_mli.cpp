@@ -408,6 +408,10 @@ bool check_options(const Options& options, CommandContext& context) {
     log.report(Code::E0201, {}, fmt::format("{} {}", option, words));
     return false;
   };
+  if (options.seed) {
+    const double seed = parse_double(*options.seed).value_or(0);
+    if (seed != std::floor(seed)) return refuse("--seed", "takes whole numbers");
+  }
   if (is_file(options.input)) {
     if (options.sheet_width)
       return refuse("--sheet-width", "is of presets: a file's sheets have their own sizes");

@@ -268,7 +268,8 @@ void ShadowMaps::add_casters(const FrameScene& scene, std::span<const Drawn> rec
           return meets_column(frame.sun_from_model * anchor_from_model, bounds->min, bounds->max);
         }))
       continue;
-    targets_.push_back({i, false, true, {scene.states[i].shape_stamp, scene.states[i].level, pose}});
+    targets_.push_back(
+        {i, false, true, {scene.states[i].shape_stamp, scene.states[i].level, pose}});
     casters_.push_back(targets_.back().member);
   }
 }
@@ -292,7 +293,8 @@ void ShadowMaps::add_to(Group& group, const FrameScene& scene, std::uint32_t rec
     group.to_sun =
         glm::normalize(glm::conjugate(anchor.rotation) * glm::normalize(world.sun().direction));
   const world::Pose pose = first ? world::Pose{} : relative_pose(anchor, world[target].pose());
-  group.targets.push_back({target, first, false, {scene.states[target].shape_stamp, scene.states[target].level, pose}});
+  group.targets.push_back(
+      {target, first, false, {scene.states[target].shape_stamp, scene.states[target].level, pose}});
   group.members.push_back(group.targets.back().member);
   group.receivers.push_back(receiver);
 }

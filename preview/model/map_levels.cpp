@@ -46,8 +46,7 @@ SlopeMoments interpolated_away(const SlopeLevel& level, std::size_t x, std::size
   SlopeMoments sum;
   for (const std::size_t down : {0, 1, 2})
     for (const std::size_t left : {0, 1, 2}) {
-      const SlopeMoments& there =
-          level.texels[(y + h - 1 + down) % h * w + (x + w - 1 + left) % w];
+      const SlopeMoments& there = level.texels[(y + h - 1 + down) % h * w + (x + w - 1 + left) % w];
       const double share = left != 1 && down != 1 ? 1.0 / 72 : 1.0 / 18;
       const double a = there.x - here.x;
       const double b = there.y - here.y;
@@ -174,8 +173,8 @@ unsigned channels(TextureRole role) {
 std::vector<TextureLevel> map_levels(std::span<const std::uint8_t> rgba, std::uint32_t width,
                                      std::uint32_t height, bool linear, TextureRole role,
                                      float threshold, const Job& job) {
-  const bool numbers = role == TextureRole::normal || role == TextureRole::slopes ||
-                       role == TextureRole::roughness;
+  const bool numbers =
+      role == TextureRole::normal || role == TextureRole::slopes || role == TextureRole::roughness;
   TextureLevel first = decoded_level(rgba, width, height, linear || numbers, job);
   switch (role) {
     case TextureRole::color:

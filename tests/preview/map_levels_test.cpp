@@ -48,7 +48,8 @@ TEST(MapLevels, EqualNormalsHaveNoSlopes) {
     for (const float value : level.rgba) EXPECT_EQ(value, 0);
 }
 
-// Gaussian slopes of a known variance. What each axis' squared slope becomes larger by is twice that.
+// Gaussian slopes of a known variance. What each axis' squared slope becomes larger by is twice
+// that.
 TEST(MapLevels, SlopesOfGaussianBumps) {
   for (const double sigma : {0.02, 0.1, 0.3, 0.6}) {
     constexpr int kSide = 256;

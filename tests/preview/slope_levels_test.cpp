@@ -33,7 +33,8 @@ struct Covariance {
   double yy = 0;
 };
 
-// How much of each texel of a row is in each of `to` equal parts, given how much is in `from` parts.
+// How much of each texel of a row is in each of `to` equal parts, given how much is in `from`
+// parts.
 using Shares = std::vector<std::vector<double>>;
 Shares halved(const Shares& above, std::size_t to) {
   const double from = static_cast<double>(above.size());

@@ -9,8 +9,8 @@ using namespace testing_support;
 
 const materials::ShadingContext kUnderTheSun{Vec3(0), materials::kSunAlpha2};
 
-// Two slopes by turns, so that every level but the first has one covariance everywhere: that of ± the
-// slope, about a mean normal that stands up. Codes: of one of the two, less 127.5.
+// Two slopes by turns, so that every level but the first has one covariance everywhere: that of ±
+// the slope, about a mean normal that stands up. Codes: of one of the two, less 127.5.
 std::int32_t add_two_slopes(Textured& contents, const Vec2& codes) {
   return contents.add(16, 16, false, [&](auto x, auto y) {
     const Vec2 code = (x + y) % 2 ? codes : -codes;
@@ -84,8 +84,8 @@ TEST(Bumps, WidenTheLobeAlongTheirSlopesInEveryLie) {
             const Vec3 to_sun(kToSun.x, kToSun.y, side * kToSun.z);
             const Vec3 to_viewer(kToViewer.x, kToViewer.y, side * kToViewer.z);
             const double exact =
-                materials::f64::radiance(same, to_sun, to_viewer, Vec3(0, 0, side), Vec3(1), Vec3(1),
-                                         {glm::normalize(steep), materials::kSunAlpha2})
+                materials::f64::radiance(same, to_sun, to_viewer, Vec3(0, 0, side), Vec3(1),
+                                         Vec3(1), {glm::normalize(steep), materials::kSunAlpha2})
                     .x;
             const double found = mean_of(rendered(model_of(contents), seen(to_viewer, to_sun)));
             worst = std::max(worst, std::fabs(found / exact - 1));
@@ -94,8 +94,8 @@ TEST(Bumps, WidenTheLobeAlongTheirSlopesInEveryLie) {
   EXPECT_LE(worst, 2e-3);  // measured 5e-4: half floats, and codes whose mean is not quite 0
 }
 
-// Each lobe against the mean of its two facets, whose slopes are smaller than the lobe's: there the two
-// are nearly a Gaussian.
+// Each lobe against the mean of its two facets, whose slopes are smaller than the lobe's: there the
+// two are nearly a Gaussian.
 TEST(Bumps, EveryLobeIsWiderByTheSlopes) {
   materials::Material coated = mirror_like(materials::Ggx{0.2, 0.2});
   coated.coat = materials::Coat{1.5, 0.2, Vec3(0.3)};

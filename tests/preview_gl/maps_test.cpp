@@ -2,8 +2,8 @@
 #include <cstring>
 
 #include "materials/brdf.h"
-#include "textured.h"
 #include "tests/reference/reference_models.h"
+#include "textured.h"
 
 namespace panwright::preview {
 namespace {
@@ -218,9 +218,9 @@ TEST(NormalMap, MeanOfGlossyBumpsAtAnyRange) {
         const Sums sum = sums(rendered(model, above(size, 1, to_sun)));
         const double ratio = sum.radiance.x / sum.coverage / exact;
         printf("slopes %g, m %g, Sun %g, %u px: %+.1e\n", slope, m, far, size, ratio - 1);
-        // measured 1.1e-6 at a texel a pixel, up to 0.30 where 4 unlike texels make one, whose covariance
-        // is that of a sample and not of the bumps, 0.039 far; a lobe
-        // that is not widened is 73 times too bright at slopes 0.3 and m 0.05
+        // measured 1.1e-6 at a texel a pixel, up to 0.30 where 4 unlike texels make one, whose
+        // covariance is that of a sample and not of the bumps, 0.039 far; a lobe that is not
+        // widened is 73 times too bright at slopes 0.3 and m 0.05
         EXPECT_NEAR(ratio, 1, size == 128 ? 3e-6 : size == 64 ? 0.35 : 0.045);
       }
     }

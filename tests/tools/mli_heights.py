@@ -76,7 +76,7 @@ def main():
         word ^= word >> 32
     if f"{word:016x}" != sheet["checksum"]:
         failures.append(f"checksum {word:016x}, expected {sheet['checksum']}")
-    # residuals: below 1e-15 of every number
+    # other orders of the same sums
     near("lowest", heights.min(), sheet["heights"][0], 0)
     near("highest", heights.max(), sheet["heights"][1], 0)
     near("rms", heights.std(), sheet["height_rms"], 1e-12)

@@ -105,6 +105,7 @@ TEST(MliCommand, RefusesWithOneMessage) {
       {{"crinkled", "--histogram", folder / "a.png"}, 2, "histograms are written as .svg"},
       {{"crinkled", "-o", folder / "a.png", "--height", folder / "a.png"}, 2, "[E0206]"},
       {{"crinkled", "--sheet", "1"}, 2, "a preset is one sheet"},
+      {{"crinkled", "--seed", "1.5"}, 2, "--seed takes whole numbers"},
       {{kBlankets, "--sheet-width", "1"}, 2, "have their own sizes"},
       {{kBlankets, "--height", folder / "a.npy"}, 2, "the file has 5 sheets"},
       {{kBlankets, "--sheet", "tapd"}, 1, "did you mean 'taped'?"},
