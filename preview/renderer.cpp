@@ -166,7 +166,9 @@ struct Renderer::Impl {
   // of one frame, kept for the next one
   std::vector<TargetShape> shapes;
   std::vector<LeveledTarget> leveled;
-  std::vector<LevelState> level_choices;
+  LevelStateFinder level_states;
+  std::span<const LevelState> level_choices;      // of level_states
+  std::vector<float> sum_radiance, sum_coverage;  // of images that are parts of one
   VisibleSetFinder visible_sets;
   TileScene on_tile;
 };
@@ -229,8 +231,8 @@ bool Renderer::Impl::update(const world::World& world, const world::Camera& came
   for (std::size_t i = 0; i < world.size(); ++i)
     leveled.push_back(
         {&world[i].pose(), states[i].bounds ? &*states[i].bounds : nullptr, states[i].steps.get()});
-  level_choices = level_states(camera, leveled,
-                               options.levels ? options.level_pixel : std::optional<double>(0));
+  level_choices = level_states.find(
+      camera, leveled, options.levels ? options.level_pixel : std::optional<double>(0));
   return true;
 }
 
@@ -464,8 +466,9 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
   make_passes();
   set_state();
   if (!update(world, camera, options, log)) return false;
-  Frame sum;
-  SamplingReport& report = sum.report;
+  SamplingReport report;
+  sum_radiance.clear();
+  sum_coverage.clear();
   for (std::size_t i = 0; i + 1 < level_choices.size(); ++i) {
     RenderOptions part = options;
     part.ground_truth = false;
@@ -475,18 +478,18 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
     Frame& frame = frames[index];
     --used_frames;
     const auto weight = static_cast<float>(level_choices[i].weight);
-    sum.other_radiance.resize(frame.image.radiance.size());
-    sum.other_coverage.resize(frame.image.coverage.size());
-    add_weighted(frame.image.radiance, weight, sum.other_radiance);
-    add_weighted(frame.image.coverage, weight, sum.other_coverage);
+    sum_radiance.resize(frame.image.radiance.size());
+    sum_coverage.resize(frame.image.coverage.size());
+    add_weighted(frame.image.radiance, weight, sum_radiance);
+    add_weighted(frame.image.coverage, weight, sum_coverage);
     report = {report.samples + frame.report.samples, std::max(report.rmse, frame.report.rmse),
               std::max(report.flux, frame.report.flux)};
   }
   if (!submit_state(world, camera, options, level_choices.back(), log)) return false;
   Frame& frame = frames[(first_frame + used_frames - 1) % kFrames];
   frame.weight = level_choices.back().weight;
-  frame.other_radiance = std::move(sum.other_radiance);
-  frame.other_coverage = std::move(sum.other_coverage);
+  frame.other_radiance.swap(sum_radiance);
+  frame.other_coverage.swap(sum_coverage);
   frame.report = {report.samples + frame.report.samples, std::max(report.rmse, frame.report.rmse),
                   std::max(report.flux, frame.report.flux)};
   return true;

@@ -11,13 +11,9 @@ constexpr double kFadeBegins = 0.5;
 constexpr std::size_t kMostExact = 3;
 constexpr double kShares = 4;
 
-// The levels of one target.
-struct Choice {
-  double fine = 0, coarse = 0;  // metres that a pixel is taken to see
-  double share = 0;             // of the coarse ones
-};
+}  // namespace
 
-Choice choice_of(double pixel, std::span<const double> steps) {
+LevelStateFinder::Choice LevelStateFinder::choice_of(double pixel, std::span<const double> steps) {
   if (!(pixel > 0)) return {};
   const double begin = std::ldexp(1.0, std::ilogb(pixel));
   Choice choice{begin, 2 * begin, 0};
@@ -30,8 +26,6 @@ Choice choice_of(double pixel, std::span<const double> steps) {
   return choice;
 }
 
-}  // namespace
-
 double pixel_on(const world::Camera& camera, const world::Pose& pose, const world::Bounds& bounds) {
   const double focal = std::max(camera.focal.x, camera.focal.y);
   if (camera.projection == world::Projection::orthographic) return 1 / focal;
@@ -40,42 +34,44 @@ double pixel_on(const world::Camera& camera, const world::Pose& pose, const worl
   return glm::length(eye - nearest) / focal;
 }
 
-std::vector<LevelState> level_states(const world::Camera& camera,
-                                     std::span<const LeveledTarget> targets,
-                                     const std::optional<double>& pixel) {
-  LevelState finest;
-  finest.pixels.assign(targets.size(), pixel.value_or(0));
-  std::vector<Choice> choices(targets.size());
-  std::vector<double> shares;  // at which a target changes
+LevelState& LevelStateFinder::add(std::size_t index, double weight) {
+  LevelState& state = index < states_.size() ? states_[index] : states_.emplace_back();
+  state.weight = weight;
+  state.pixels.resize(choices_.size());
+  for (std::size_t i = 0; i < choices_.size(); ++i) state.pixels[i] = choices_[i].fine;
+  return state;
+}
+
+std::span<const LevelState> LevelStateFinder::find(const world::Camera& camera,
+                                                   std::span<const LeveledTarget> targets,
+                                                   const std::optional<double>& pixel) {
+  choices_.assign(targets.size(), {pixel.value_or(0), 0, 0});
+  shares_.clear();
   for (std::size_t i = 0; i < targets.size() && !pixel; ++i) {
     const LeveledTarget& target = targets[i];
     if (!target.bounds || !target.steps) continue;
-    choices[i] = choice_of(pixel_on(camera, *target.pose, *target.bounds), *target.steps);
-    finest.pixels[i] = choices[i].fine;
-    if (choices[i].share > 0) shares.push_back(choices[i].share);
+    choices_[i] = choice_of(pixel_on(camera, *target.pose, *target.bounds), *target.steps);
+    if (choices_[i].share > 0) shares_.push_back(choices_[i].share);
   }
-  if (shares.size() > kMostExact) {
-    shares.clear();
-    for (Choice& choice : choices) {
+  if (shares_.size() > kMostExact) {
+    shares_.clear();
+    for (Choice& choice : choices_) {
       choice.share = std::round(choice.share * kShares) / kShares;
-      if (choice.share > 0) shares.push_back(choice.share);
+      if (choice.share > 0) shares_.push_back(choice.share);
     }
   }
-  std::sort(shares.begin(), shares.end());
-  shares.erase(std::unique(shares.begin(), shares.end()), shares.end());
-  std::vector<LevelState> states;
+  std::sort(shares_.begin(), shares_.end());
+  shares_.erase(std::unique(shares_.begin(), shares_.end()), shares_.end());
+  std::size_t count = 0;
   double before = 0;
-  for (const double share : shares) {
-    LevelState state = finest;
-    state.weight = share - before;
-    for (std::size_t i = 0; i < choices.size(); ++i)
-      if (choices[i].share >= share) state.pixels[i] = choices[i].coarse;
-    states.push_back(std::move(state));
+  for (const double share : shares_) {
+    LevelState& state = add(count++, share - before);
+    for (std::size_t i = 0; i < choices_.size(); ++i)
+      if (choices_[i].share >= share) state.pixels[i] = choices_[i].coarse;
     before = share;
   }
-  finest.weight = 1 - before;
-  if (finest.weight > 0 || states.empty()) states.push_back(std::move(finest));
-  return states;
+  if (before < 1) add(count++, 1 - before);
+  return {states_.data(), count};
 }
 
 }  // namespace panwright::preview

@@ -2,6 +2,7 @@
 // OpenGL.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -32,11 +33,26 @@ double pixel_on(const world::Camera& camera, const world::Pose& pose, const worl
 // coarser one growing from 0 to 1 with the logarithm of the range: where levels change, nothing
 // does. Several targets that fade take one state more each; beyond three, shares are rounded to
 // quarters.
-//
-//   pixel    in place of what the camera sees, without a fade
-//   returns  the finest state last
-std::vector<LevelState> level_states(const world::Camera& camera,
-                                     std::span<const LeveledTarget> targets,
-                                     const std::optional<double>& pixel);
+class LevelStateFinder {
+ public:
+  // pixel    in place of what the camera sees, without a fade
+  // returns  what stays until the next call, in the same memory; the finest state last
+  std::span<const LevelState> find(const world::Camera& camera,
+                                   std::span<const LeveledTarget> targets,
+                                   const std::optional<double>& pixel);
+
+ private:
+  // The levels of one target.
+  struct Choice {
+    double fine = 0, coarse = 0;  // metres that a pixel is taken to see
+    double share = 0;             // of the coarse ones
+  };
+  static Choice choice_of(double pixel, std::span<const double> steps);
+  LevelState& add(std::size_t index, double weight);
+
+  std::vector<Choice> choices_;
+  std::vector<double> shares_;  // at which a target changes
+  std::vector<LevelState> states_;
+};
 
 }  // namespace panwright::preview

@@ -36,6 +36,14 @@ TEST(LevelStates, APixelSeesTheNearestPointOfTheBox) {
   EXPECT_DOUBLE_EQ(pixel_on(flat, scene.pose, scene.bounds), 1e-3);
 }
 
+std::vector<LevelState> level_states(const world::Camera& camera,
+                                     std::span<const LeveledTarget> targets,
+                                     const std::optional<double>& pixel) {
+  LevelStateFinder finder;
+  const auto states = finder.find(camera, targets, pixel);
+  return {states.begin(), states.end()};
+}
+
 // Which of the steps each target is beyond, weighted: how coarse the image is in all.
 double coarseness(const std::vector<LevelState>& states, const Scene& scene) {
   double sum = 0;
