@@ -18,6 +18,9 @@ namespace {
 
 using geometry::Triangle;
 
+// of the stand-off: chords that are no deeper are rounded
+constexpr double kRound = 0.05;
+
 // A group of faces that is being draped.
 struct Draped {
   const Surface& surface;
@@ -108,9 +111,14 @@ void Wrapper::add(const Draped& draped, double scale) {
   const auto& [surface, piece, border, heights] = draped;
   const auto base = static_cast<std::uint32_t>(mesh.positions.size());
   const auto place = [&](const Vec3& p) { return surface.flat(p) - surface.low; };
+  // where facets are fine the blanket is as round as what they stand for
+  double chord = 0;
+  for (const Vec3& p : piece.points) chord = std::max(chord, std::fabs(surface.above(p)));
+  const double round = chord <= kRound * options.stand_off ? 1 : 0;
   for (std::size_t v = 0; v < heights.size(); ++v) {
     const Vec3& p = piece.points[v];
-    mesh.positions.push_back(p + (options.stand_off + scale * heights[v]) * surface.normal(p));
+    const double height = options.stand_off + scale * heights[v] + round * surface.above(p);
+    mesh.positions.push_back(p + height * surface.normal(p));
     mesh.texcoords.push_back(place(p));
   }
   // a vertex again: where the unrolled surface closes its places are those behind the end

@@ -273,6 +273,12 @@ Vec2 Surface::flat(const Vec3& p, double turns) const {
   return r * Vec2(det::cos(a * sine), -det::sin(a * sine));
 }
 
+double Surface::above(const Vec3& p) const {
+  if (kind == Kind::plane) return 0;
+  if (kind == Kind::cylinder) return outwards * (radius - across(p));
+  return outwards * (glm::dot(p - origin, z) * sine - across(p) * cosine);
+}
+
 Vec3 Surface::normal(const Vec3& p) const {
   if (kind == Kind::plane) return z;
   const Vec3 d = p - origin;

@@ -27,7 +27,8 @@ struct Surface {
   double across(const Vec3& p) const;  // metres to the axis; 0 for planes
   // Metres per metre, on surface or facets. turns: to be added to the angle.
   Vec2 flat(const Vec3& p, double turns = 0) const;
-  Vec3 normal(const Vec3& p) const;  // away from the faces, unit
+  Vec3 normal(const Vec3& p) const;   // away from the faces, unit
+  double above(const Vec3& p) const;  // metres along the normal to the surface: chords lie below it
 };
 
 // The surface through a group's vertices, each within `tolerance`; nothing where there is none.
