@@ -1,11 +1,8 @@
 #include "mli/levels.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
-#include <optional>
 #include <utility>
 #include <variant>
 
@@ -15,6 +12,7 @@ namespace panwright::mli {
 namespace {
 
 constexpr std::uint32_t kLeastFlat = 32, kLeastRound = 48;
+constexpr double kMostOff = 0.1;  // SlopeDensity::distance() of a level
 
 // The smallest radius of a form, metres; 0: it is made of planes.
 double radius_of(const Form& form, const Sheet& sheet) {
@@ -53,59 +51,93 @@ geometry::Mesh flat_mesh(const Sheet& sheet, double crease_angle) {
 
 double trace(const Covariance& c) { return c.xx + c.yy; }
 
-// How slopes are distributed: the share of triangles, by the slope of the mean of their normals, up
-// to multiples of a step along both axes together, and of each sign.
-class SlopeShares {
+// How the slopes of a mesh's normals are distributed: their density at 33 places up to twice a
+// deviation, each seen through a Gaussian as wide as a narrow lobe.
+class SlopeDensity {
  public:
-  static constexpr std::size_t kBins = 32;
-  SlopeShares(const geometry::Mesh& mesh, double step) {
-    double all = 0;
-    for (const geometry::Triangle& t : mesh.triangles) {
-      const Vec3 n = mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]];
-      const Vec2 slope(n.x / n.z, n.y / n.z);
-      const double steps = std::min(glm::length(slope) / step, kBins - 1.0);
-      shares_[static_cast<std::size_t>(steps)] += 1;
-      mean_ += slope;
-      all += 1;
-    }
-    for (double& share : shares_) share /= all;
-    mean_ /= all * step;
+  explicit SlopeDensity(double deviation) {
+    const double kernel = std::max(kLobe, deviation / 4);
+    scale_ = 1 / (2 * kernel * kernel);
+    places_.push_back(Vec2(0));
+    for (int ring = 1; ring <= 4; ++ring)
+      for (int k = 0; k < 8; ++k) {
+        const auto t = det::sincos((k + 0.5 * (ring % 2)) * kPi / 4);
+        places_.push_back(Vec2(t.cos, t.sin) * (0.5 * ring * deviation));
+      }
   }
-  // Of the distributions of the slope, and of the means.
-  double distance(const SlopeShares& other) const {
-    double sum = 0, a = 0, b = 0;
-    for (std::size_t i = 0; i < kBins; ++i) {
-      a += shares_[i];
-      b += other.shares_[i];
-      sum += std::fabs(a - b);
+
+  std::vector<double> of(const geometry::Mesh& mesh) const {
+    std::vector<double> density(places_.size());
+    // of many every so many-th
+    const std::size_t step = mesh.triangles.size() / kSample + 1;
+    double count = 0;
+    for (std::size_t k = 0; k < mesh.triangles.size(); k += step, ++count) {
+      const geometry::Triangle& t = mesh.triangles[k];
+      const Vec3 n = mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]];
+      const Vec2 slope(-n.x / n.z, -n.y / n.z);
+      for (std::size_t i = 0; i < places_.size(); ++i) {
+        const Vec2 off = slope - places_[i];
+        density[i] += det::exp(-scale_ * glm::dot(off, off));
+      }
     }
-    return sum + glm::length(mean_ - other.mean_);
+    for (double& value : density) value /= count;
+    return density;
+  }
+
+  // The mean difference over the mean density.
+  static double distance(const std::vector<double>& a, const std::vector<double>& b) {
+    double off = 0, sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      off += std::fabs(a[i] - b[i]);
+      sum += a[i];
+    }
+    return off / sum;
   }
 
  private:
-  std::array<double, kBins> shares_{};
-  Vec2 mean_{0};
+  static constexpr double kLobe = 0.05;
+  static constexpr std::size_t kSample = 40009;  // a prime: no multiple of the triangles of a row
+  std::vector<Vec2> places_;
+  double scale_ = 0;
+};
+
+// What a level has to be like.
+struct Finest {
+  Finest(const Sheet& sheet, double crease_angle) : Finest(flat_mesh(sheet, crease_angle)) {}
+  double variance = 0;  // of the slopes, both axes together
+  SlopeDensity density;
+  std::vector<double> wanted;
+
+ private:
+  explicit Finest(const geometry::Mesh& mesh)
+      : variance(trace(shaded_slopes(mesh))),
+        density(std::sqrt(variance / 2)),
+        wanted(density.of(mesh)) {}
 };
 
 // Makes similar().
 class Similar {
  public:
-  Similar(const Sheet& fine, std::uint32_t cells, double crease_angle, const Job& job)
-      : fine_(fine), out_(filtered(fine, cells, job)), crease_angle_(crease_angle), job_(job) {}
+  Similar(const Sheet& fine, const Finest& finest, std::uint32_t cells, double crease_angle,
+          const Job& job)
+      : fine_(fine),
+        finest_(finest),
+        out_(filtered(fine, cells, job)),
+        crease_angle_(crease_angle),
+        job_(job) {}
 
   Sheet run() {
     base_ = out_.heights;
     lose();
     fade();
-    const geometry::Mesh mesh = flat_mesh(fine_, crease_angle_);
-    wanted_ = trace(shaded_slopes(mesh));
-    if (wanted_ > 0) choose(SlopeShares(mesh, std::sqrt(wanted_) / 8));
+    if (finest_.variance > 0) choose();
     out_.statistics = measured(out_.heights, out_.columns, out_.spacing, job_);
     return std::move(out_);
   }
+  double off() const { return off_; }
 
  private:
-  static constexpr std::uint32_t kPieces = 4;  // a side
+  static constexpr std::size_t kManyVertices = 20000;
 
   // What filtering took away, at the fine vertices.
   void lose() {
@@ -149,24 +181,30 @@ class Similar {
     for (double& value : sums) value = median > 0 ? std::min(value / median, 1.0) : 1;
   }
 
-  void choose(const SlopeShares& wanted) {
+  void choose() {
     const std::uint32_t right = fine_.columns - out_.columns, above = fine_.rows - out_.rows;
+    // many cells are a sample already
+    const std::uint32_t side = out_.heights.size() > kManyVertices ? 2 : 4;
     std::vector<double> best;
-    std::optional<double> least;
     double square = 1;  // of the factor of heights
-    for (std::uint32_t k = 0; k < kPieces * kPieces; ++k) {
+    for (std::uint32_t k = 0; k < side * side; ++k) {
       job_.poll();
-      take((right * (k % kPieces)) / (kPieces - 1), (above * (k / kPieces)) / (kPieces - 1));
+      take((right * (k % side)) / (side - 1), (above * (k / side)) / (side - 1));
       if (k == 0) square = calibrated(square);
       add_piece(std::sqrt(square));
-      const double distance =
-          wanted.distance(SlopeShares(flat_mesh(out_, crease_angle_), std::sqrt(wanted_) / 8));
-      if (least && distance >= *least) continue;
-      least = distance;
+      const double off = distance();
+      if (k > 0 && off >= off_) continue;
+      off_ = off;
       best = piece_;
     }
     piece_ = std::move(best);
     add_piece(std::sqrt(calibrated(square)));
+    off_ = distance();
+  }
+
+  double distance() const {
+    return SlopeDensity::distance(finest_.wanted,
+                                  finest_.density.of(flat_mesh(out_, crease_angle_)));
   }
 
   // The piece from a fine vertex on, enlarged.
@@ -199,22 +237,23 @@ class Similar {
       return trace(shaded_slopes(flat_mesh(out_, crease_angle_)));
     };
     const double none = variance(0);
-    if (none >= wanted_) return 0;
+    if (none >= finest_.variance) return 0;
     for (int step = 0; step < 4; ++step) {
       const double at = variance(std::sqrt(square));
       if (!(at > none)) return 0;
-      if (std::fabs(at - wanted_) < 1e-3 * wanted_) break;
-      square = std::min(square * (wanted_ - none) / (at - none), 64.0);
+      if (std::fabs(at - finest_.variance) < 1e-3 * finest_.variance) break;
+      square = std::min(square * (finest_.variance - none) / (at - none), 64.0);
     }
     return square;
   }
 
   const Sheet& fine_;
+  const Finest& finest_;
   Sheet out_;
   double crease_angle_;
   const Job& job_;
   std::vector<double> base_, lost_, piece_, across_, up_;
-  double wanted_ = 0;  // variance of the slopes, both axes together
+  double off_ = 0;  // SlopeDensity::distance()
 };
 
 }  // namespace
@@ -263,7 +302,7 @@ Covariance shaded_slopes(const geometry::Mesh& mesh) {
 }
 
 Sheet similar(const Sheet& sheet, std::uint32_t cells, double crease_angle, const Job& job) {
-  return Similar(sheet, cells, crease_angle, job).run();
+  return Similar(sheet, Finest(sheet, crease_angle), cells, crease_angle, job).run();
 }
 
 std::vector<Level> levels_of(const Sheet& sheet, const Form& form, double crease_angle,
@@ -271,10 +310,13 @@ std::vector<Level> levels_of(const Sheet& sheet, const Form& form, double crease
   std::vector<Level> levels;
   const std::uint32_t least = std::holds_alternative<Flat>(form) ? kLeastFlat : kLeastRound;
   const double radius = radius_of(form, sheet);
+  const Finest finest(sheet, crease_angle);
   double vertices = 0;
   for (std::uint32_t cells = (sheet.columns - 1) / 2; cells >= least; cells /= 2) {
     job.poll();
-    const Sheet coarse = similar(sheet, cells, crease_angle, job);
+    Similar maker(sheet, finest, cells, crease_angle, job);
+    const Sheet coarse = maker.run();
+    if (maker.off() > kMostOff) break;
     const auto more = static_cast<double>(coarse.heights.size());
     if (vertices + more > max_vertices) continue;
     vertices += more;

@@ -59,14 +59,15 @@ TEST(Levels, SlopesAreThoseOfTheFinest) {
     geometry::compute_normals(*flat, kCrease);
     const Covariance fine = shaded_slopes(*flat);
     const auto levels = levels_of(sheet, Flat{}, kCrease, 1e9);
-    ASSERT_EQ(levels.size(), 3u);
+    // that of 32 cells is a small sample of slopes, and left out for one sheet
+    ASSERT_GE(levels.size(), 2u);
     for (const Level& level : levels)
       // measured 4e-4 at most: the fourth secant
       EXPECT_NEAR((level.slopes.xx + level.slopes.yy) / (fine.xx + fine.yy), 1, 2e-3)
           << slope << " " << level.detail;
     EXPECT_DOUBLE_EQ(levels[0].detail, 0.01);
-    EXPECT_DOUBLE_EQ(levels[2].detail, 0.04);
-    EXPECT_EQ(levels[2].mesh.triangles.size(), 2u * 32 * 32);
+    EXPECT_DOUBLE_EQ(levels[1].detail, 0.02);
+    EXPECT_EQ(levels[1].mesh.triangles.size(), 2u * 64 * 64);
   }
 }
 
@@ -80,19 +81,18 @@ TEST(Levels, FarLightIsTheSameInTheMean) {
   FarLight sums[3][4];  // finest, levels
   for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
     const Sheet sheet = noise(0.2, seed, 128);
-    DiagnosticLog log;
-    auto fine = formed(sheet, Flat{}, log);
-    ASSERT_TRUE(fine);
-    geometry::compute_normals(*fine, kCrease);
-    const auto levels = levels_of(sheet, Flat{}, kCrease, 1e9);
-    ASSERT_EQ(levels.size(), 2u);
-    const geometry::Mesh* meshes[] = {&*fine, &levels[0].mesh, &levels[1].mesh};
-    for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t k = 0; k < 3; ++k) {
+      DiagnosticLog log;
+      // also those that are too small a sample for one sheet
+      auto mesh = formed(k == 0 ? sheet : similar(sheet, 128u >> k, kCrease), Flat{}, log);
+      ASSERT_TRUE(mesh);
+      geometry::compute_normals(*mesh, kCrease);
       for (std::size_t way = 0; way < 4; ++way) {
-        const FarLight light = far_light(*meshes[k], ways[way].first, ways[way].second);
+        const FarLight light = far_light(*mesh, ways[way].first, ways[way].second);
         sums[k][way].lambert += light.lambert;
         sums[k][way].mirrored += light.mirrored;
       }
+    }
   }
   for (std::size_t k = 1; k < 3; ++k)
     for (std::size_t way = 0; way < 4; ++way) {
