@@ -108,7 +108,10 @@ void Wrapper::set_heights(Draped& draped, const Sheet& sheet, double longest,
 
 void Wrapper::add(const Draped& draped, double scale) {
   geometry::Mesh& mesh = out.blanket;
-  const auto& [surface, piece, border, heights] = draped;
+  // note: lambdas of clang 14 take no structured bindings
+  const Surface& surface = draped.surface;
+  const Piece& piece = draped.piece;
+  const std::vector<double>& heights = draped.heights;
   const auto base = static_cast<std::uint32_t>(mesh.positions.size());
   const auto place = [&](const Vec3& p) { return surface.flat(p) - surface.low; };
   // where facets are fine the blanket is as round as what they stand for
@@ -152,7 +155,7 @@ void Wrapper::add(const Draped& draped, double scale) {
     }
     return at->second;
   };
-  for (const auto& [a, b] : border) {
+  for (const auto& [a, b] : draped.border) {
     const std::uint32_t c = foot_of(a), d = foot_of(b);
     mesh.triangles.push_back({base + b, base + a, c});
     mesh.triangles.push_back({base + b, c, d});

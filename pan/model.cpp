@@ -85,8 +85,12 @@ std::span<const layout::Level> Model::levels() const {
   return array<layout::Level>(SectionKind::levels);
 }
 std::span<const layout::Level> Model::levels(std::uint32_t instance) const {
-  const auto [first, last] =
-      std::ranges::equal_range(levels(), instance, {}, &layout::Level::instance);
+  const std::span<const layout::Level> all = levels();
+  const auto before = [](const layout::Level& level, std::uint32_t value) {
+    return level.instance < value;
+  };
+  const auto first = std::lower_bound(all.begin(), all.end(), instance, before);
+  const auto last = std::lower_bound(first, all.end(), instance + 1, before);
   return {first, last};
 }
 std::span<const layout::Input> Model::inputs() const {
