@@ -45,22 +45,6 @@ Quat facing(const Vec3& normal) {
   return glm::quat_cast(Mat3(x, glm::cross(z, x), z));
 }
 
-void add(scene::Scene& scene, const char* name, geometry::Shape shape, const Vec3& place,
-         const Quat& rotation, std::int32_t material) {
-  scene::Node node;
-  node.name = name;
-  node.parent = 0;
-  node.parent_from_node.translation = place;
-  node.parent_from_node.rotation = rotation;
-  scene::Instance instance;
-  instance.node = static_cast<std::int32_t>(scene.nodes.size());
-  instance.shape = static_cast<std::int32_t>(scene.shapes.size());
-  instance.material = material;
-  scene.nodes.push_back(std::move(node));
-  scene.shapes.push_back(std::move(shape));
-  scene.instances.push_back(std::move(instance));
-}
-
 }  // namespace
 
 Result<scene::Scene> foil_scene(const mli::Sheet& sheet, const materials::Material& material,
@@ -74,8 +58,8 @@ Result<scene::Scene> foil_scene(const mli::Sheet& sheet, const materials::Materi
   scene::Node root;
   root.name = "root";
   scene.nodes.push_back(root);
-  add(scene, "sheet", std::make_shared<const geometry::Mesh>(*std::move(mesh)), Vec3(0),
-      Quat(1, 0, 0, 0), 0);
+  add_shape(scene, "sheet", std::make_shared<const geometry::Mesh>(*std::move(mesh)), Vec3(0),
+            Quat(1, 0, 0, 0), 0);
   if (light == SampleLight::sun) return scene;
   const Vec2 size = sides(sheet);
   const double unit = std::max(size.x, size.y);
@@ -87,8 +71,8 @@ Result<scene::Scene> foil_scene(const mli::Sheet& sheet, const materials::Materi
     lamp.weights = {0, 0, glow.brightness};
     const auto number = static_cast<std::int32_t>(scene.materials.size());
     scene.materials.push_back(std::move(lamp));
-    add(scene, glow.name, geometry::Plane{unit * glow.width, unit * glow.height}, unit * glow.place,
-        facing(-glow.place), number);
+    add_shape(scene, glow.name, geometry::Plane{unit * glow.width, unit * glow.height},
+              unit * glow.place, facing(-glow.place), number);
   }
   return scene;
 }

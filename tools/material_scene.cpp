@@ -92,23 +92,6 @@ void take_textures(materials::Maps& maps, const pxn::DescribedMaterial& from, sc
   }
 }
 
-// Puts a shape into a scene, at a place and a rotation under its root.
-void add(scene::Scene& scene, const char* name, geometry::Shape shape, const Vec3& place,
-         const Quat& rotation, std::int32_t material) {
-  scene::Node node;
-  node.name = name;
-  node.parent = 0;
-  node.parent_from_node.translation = place;
-  node.parent_from_node.rotation = rotation;
-  scene::Instance instance;
-  instance.node = static_cast<std::int32_t>(scene.nodes.size());
-  instance.shape = static_cast<std::int32_t>(scene.shapes.size());
-  instance.material = material;
-  scene.nodes.push_back(std::move(node));
-  scene.shapes.push_back(std::move(shape));
-  scene.instances.push_back(std::move(instance));
-}
-
 // A wall or a lamp of the studio: a glowing sheet that faces the origin.
 struct Glow {
   const char* name;
@@ -148,11 +131,28 @@ void add_studio(scene::Scene& scene) {
     normal[axis] = to[axis] > 0 ? 1 : -1;
     const Quat rotation =
         axis == 2 ? (normal.z > 0 ? Quat(1, 0, 0, 0) : Quat(0, 1, 0, 0)) : facing(normal);
-    add(scene, glow.name, geometry::Plane{glow.width, glow.height}, glow.place, rotation, number);
+    add_shape(scene, glow.name, geometry::Plane{glow.width, glow.height}, glow.place, rotation,
+              number);
   }
 }
 
 }  // namespace
+
+void add_shape(scene::Scene& scene, const char* name, geometry::Shape shape, const Vec3& place,
+               const Quat& rotation, std::int32_t material) {
+  scene::Node node;
+  node.name = name;
+  node.parent = 0;
+  node.parent_from_node.translation = place;
+  node.parent_from_node.rotation = rotation;
+  scene::Instance instance;
+  instance.node = static_cast<std::int32_t>(scene.nodes.size());
+  instance.shape = static_cast<std::int32_t>(scene.shapes.size());
+  instance.material = material;
+  scene.nodes.push_back(std::move(node));
+  scene.shapes.push_back(std::move(shape));
+  scene.instances.push_back(std::move(instance));
+}
 
 scene::Scene sample_scene(const pxn::DescribedMaterial& material, SampleLight light) {
   scene::Scene scene;
@@ -162,15 +162,15 @@ scene::Scene sample_scene(const pxn::DescribedMaterial& material, SampleLight li
   scene::Node root;
   root.name = "root";
   scene.nodes.push_back(root);
-  add(scene, "sphere", geometry::Sphere{kSide / 2}, {-kPitch, 0, 0}, Quat(1, 0, 0, 0), 0);
+  add_shape(scene, "sphere", geometry::Sphere{kSide / 2}, {-kPitch, 0, 0}, Quat(1, 0, 0, 0), 0);
   // halfway between the Sun and the viewer, and 12 degrees back towards the viewer: a mirror's
   // glint misses the tile, a rough surface shows the flank of its highlight
   const Vec3 to_viewer(0, -1, 0);
   const Vec3 halfway = glm::normalize(glm::normalize(kToSun) + to_viewer);
   const Quat tilt = facing(halfway + 1.2 * to_viewer);
-  add(scene, "tile", geometry::Plane{kSide, kSide}, Vec3(0), tilt, 0);
-  add(scene, "wrinkled", std::make_shared<const geometry::Mesh>(wrinkled_tile()), {kPitch, 0, 0},
-      tilt, 0);
+  add_shape(scene, "tile", geometry::Plane{kSide, kSide}, Vec3(0), tilt, 0);
+  add_shape(scene, "wrinkled", std::make_shared<const geometry::Mesh>(wrinkled_tile()),
+            {kPitch, 0, 0}, tilt, 0);
   if (light == SampleLight::studio) add_studio(scene);
   return scene;
 }

@@ -16,6 +16,10 @@ enum class SampleLight {
   studio,  // and glowing walls and lamps around them, out of the camera's view: for display only
 };
 
+// Puts a shape into a scene, at a place and a rotation under its root.
+void add_shape(scene::Scene& scene, const char* name, geometry::Shape shape, const Vec3& place,
+               const Quat& rotation, std::int32_t material);
+
 // One material's samples side by side, within 3.6 × 1.2 m about the origin, seen from −y.
 scene::Scene sample_scene(const pxn::DescribedMaterial& material, SampleLight light);
 

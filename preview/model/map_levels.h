@@ -26,7 +26,7 @@ unsigned channels(TextureRole role);
 // file says, cutouts read alpha, which always is.
 //
 // Normal maps: level 0 holds unit vectors, never inwards. A mean of normals is exact for what is
-// linear in the normal: Lambert's law, until a texel faces away from the Sun. Slopes are twice the
+// linear in the normal: Lambert's BRDF, until a texel faces away from the Sun. Slopes are twice the
 // covariance of the slopes under a texel about their mean, −n_x/n_z along u and −n_y/n_z along v
 // (slope_levels.h): what Beckmann's m² becomes larger by, in each azimuth; and of what
 // interpolation between the means of texels hides, so that a level shows as much as the map on the

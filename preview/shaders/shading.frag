@@ -62,7 +62,7 @@ vec3 shaded_radiance(Surface surface) {
 #endif
 
 #ifdef ROUGH
-// What a roughness map says. Lambert's law is linear in the normal, so the length of the mean normal
+// What a roughness map says. Lambert's BRDF is linear in the normal, so the length of the mean normal
 // gives the mean over bumps that a sample is too large to show.
 void roughen(inout Surface surface, float length_of_mean, float roughness) {
   surface.diffuse *= length_of_mean;
