@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -203,6 +205,31 @@ void copy_tables(const scene::Scene& scene, pan::Contents& out) {
         {text(point.name), static_cast<std::uint32_t>(point.node), point.position});
 }
 
+// By node. A name that another joint has, or none, becomes one with a number.
+void copy_joints(const scene::Scene& scene, pan::Contents& out) {
+  std::vector<std::size_t> order(scene.joints.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return scene.joints[i].node; });
+  std::vector<std::int32_t> place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<std::int32_t>(k);
+  const std::vector<std::string> names = scene::joint_names(scene);
+  for (const std::size_t i : order) {
+    const scene::Joint& joint = scene.joints[i];
+    pan::JointContent content;
+    content.name = text(names[i]);
+    content.node = static_cast<std::uint32_t>(joint.node);
+    content.joint = scene::kinematic(joint);
+    if (joint.mimic != scene::kNone)
+      content.joint.mimic = place[static_cast<std::size_t>(joint.mimic)];
+    if (joint.gimbal != scene::kNone)
+      content.gimbal = place[static_cast<std::size_t>(joint.gimbal)];
+    content.value = scene::initial_values(joint);
+    content.pointing = joint.pointing;
+    content.points_at_sun = joint.point_at == scene::PointAt::sun;
+    out.joints.push_back(std::move(content));
+  }
+}
+
 // Reports where texture coordinates were generated.
 void report_boxed(const scene::Scene& scene, const Plan& plan, DiagnosticLog& log) {
   std::size_t count = 0;
@@ -336,6 +363,7 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
   }
   if (plan.asked) out.budget = budget_record(scene.budget, options, plan.smallest);
   copy_tables(scene, out);
+  copy_joints(scene, out);
   describe_sheets(scene, plan, mesh_of_job, out);
   certify(scene, log, job);
   const auto place = place_instances(scene, plan, options, mesh_of_job, product, out);

@@ -1,4 +1,5 @@
 // Whole models: rounding to float, numbering of strings, and the sections in their order.
+#include <algorithm>
 #include <cassert>
 #include <limits>
 
@@ -60,6 +61,7 @@ struct Tables {
   std::vector<layout::Budget> budget;
   std::vector<layout::Keypoint> keypoints;
   std::vector<layout::Decal> decals;
+  std::vector<layout::Joint> joints;
 };
 
 void add_meshes(const std::vector<PackedMesh>& meshes, Tables& tables) {
@@ -148,6 +150,30 @@ void add_truth(const Contents& contents, Tables& tables) {
   }
 }
 
+void add_joints(const std::vector<JointContent>& joints, Tables& tables) {
+  for (const JointContent& content : joints) {
+    const geometry::Joint& joint = content.joint;
+    layout::Joint record{};
+    store(record.axis, joint.axis);
+    if (joint.limited) {
+      record.flags |= layout::kJointLimited;
+      std::ranges::copy(joint.lower, record.lower);
+      std::ranges::copy(joint.upper, record.upper);
+    }
+    std::ranges::copy(content.value, record.value);
+    record.multiplier = joint.multiplier;
+    record.offset = joint.offset;
+    if (content.pointing) store(record.pointing, *content.pointing);
+    if (content.points_at_sun) record.flags |= layout::kJointPointsAtSun;
+    record.node = content.node;
+    record.kind = static_cast<std::uint32_t>(joint.kind);
+    record.mimic = joint.mimic;
+    record.gimbal = content.gimbal;
+    record.name = tables.strings.id(content.name);
+    tables.joints.push_back(record);
+  }
+}
+
 Tables tables_of(const Contents& contents) {
   Tables tables;
   StringTable& strings = tables.strings;
@@ -188,6 +214,7 @@ Tables tables_of(const Contents& contents) {
   for (const SourceContent& source : contents.sources)
     tables.sources.push_back({strings.id(source.file), source.line, source.column, 0});
   add_truth(contents, tables);
+  add_joints(contents.joints, tables);
   return tables;
 }
 
@@ -262,7 +289,8 @@ bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log
       (contents.sheets.empty() ||
        writer.section(SectionKind::sheets, bytes_of(contents.sheets), log)) &&
       (contents.levels.empty() ||
-       writer.section(SectionKind::levels, bytes_of(contents.levels), log));
+       writer.section(SectionKind::levels, bytes_of(contents.levels), log)) &&
+      (tables.joints.empty() || writer.section(SectionKind::joints, bytes_of(tables.joints), log));
   job.poll();
   return sections &&
          writer.finish(build_identity(contents.inputs, contents.version, contents.options), log,

@@ -68,7 +68,8 @@ struct Side {
   const Model& model;
   const char* letter;
   Ids strings;
-  Keys nodes, meshes, materials, textures, frames, instances, keypoints, decals, sheets, levels;
+  Keys nodes, meshes, materials, textures, frames, instances, keypoints, decals, sheets, levels,
+      joints;
 
   Side(const Model& m, const char* name)
       : model(m),
@@ -81,7 +82,8 @@ struct Side {
         frames(named_keys(m.frames(), strings)),
         instances(instance_keys(m)),
         keypoints(named_keys(m.keypoints(), strings)),
-        decals(named_keys(m.decals(), strings)) {
+        decals(named_keys(m.decals(), strings)),
+        joints(named_keys(m.joints(), strings)) {
     for (const layout::Sheet& sheet : m.sheets()) sheets.push_back(meshes[sheet.mesh]);
     Numbering number;
     for (const layout::Level& level : m.levels())
@@ -137,6 +139,7 @@ class Comparison {
   void decals();
   void sheets();
   void levels();
+  void joints();
   void budget();
   void inputs();
   void build();
@@ -245,6 +248,10 @@ std::string material_words(const Model& model, std::size_t i) {
 std::string texture_words(const Model& model, std::size_t i) {
   return "texture " + in_quotes(model.texture_name(i));
 }
+std::string joint_words(const Model& model, std::size_t i) {
+  return fmt::format("joint {}", in_quotes(model.joint_name(i)));
+}
+
 std::string frame_words(const Model& model, std::size_t i) {
   return "frame " + in_quotes(model.frame_name(i));
 }
@@ -471,6 +478,27 @@ void Comparison::levels() {
   });
 }
 
+void Comparison::joints() {
+  match(out_.model, a_.joints, b_.joints, joint_words, [&](std::size_t i, std::size_t j) {
+    const std::string where = joint_words(a_.model, i);
+    const layout::Joint &a = a_.model.joints()[i], &b = b_.model.joints()[j];
+    fields(SectionKind::joints, where, a, b, {"node", "name", "mimic", "gimbal"});
+    if (a_.nodes[a.node] != b_.nodes[b.node])
+      add(where, fmt::format("at {} in a, at {} in b", node_words(a_.model, a.node),
+                             node_words(b_.model, b.node)));
+    const auto compare = [&](const char* does, std::int32_t other_a, std::int32_t other_b) {
+      const auto words = [](const Model& model, std::int32_t other) {
+        return other < 0 ? std::string("none")
+                         : joint_words(model, static_cast<std::size_t>(other));
+      };
+      const std::string in_a = words(a_.model, other_a), in_b = words(b_.model, other_b);
+      if (in_a != in_b) add(where, fmt::format("{} {} in a, {} in b", does, in_a, in_b));
+    };
+    compare("follows", a.mimic, b.mimic);
+    compare("aims with", a.gimbal, b.gimbal);
+  });
+}
+
 void Comparison::decals() {
   match(out_.model, a_.decals, b_.decals, decal_words, [&](std::size_t i, std::size_t j) {
     const std::string where = decal_words(a_.model, i);
@@ -611,6 +639,7 @@ Differences Comparison::run() {
   keypoints();
   sheets();
   levels();
+  joints();
   decals();
   budget();
   unknown_sections();

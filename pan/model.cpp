@@ -93,6 +93,9 @@ std::span<const layout::Level> Model::levels(std::uint32_t instance) const {
   const auto last = std::lower_bound(first, all.end(), instance + 1, before);
   return {first, last};
 }
+std::span<const layout::Joint> Model::joints() const {
+  return array<layout::Joint>(SectionKind::joints);
+}
 std::span<const layout::Input> Model::inputs() const {
   return array<layout::Input>(SectionKind::inputs);
 }
@@ -171,12 +174,38 @@ std::string Model::node_path(std::size_t index) const {
   return path;
 }
 
+std::optional<std::size_t> Model::find_joint(std::string_view name) const {
+  for (std::size_t i = 0; i < joints().size(); ++i)
+    if (joint_name(i) == name) return i;
+  return std::nullopt;
+}
+
+geometry::JointSet Model::joint_set() const {
+  std::vector<geometry::Joint> all;
+  for (const layout::Joint& joint : joints()) all.push_back(kinematic(joint));
+  auto set = geometry::JointSet::of(std::move(all));
+  assert(set);
+  return set ? *std::move(set) : geometry::JointSet();
+}
+
+std::vector<geometry::JointValues> Model::initial_values() const {
+  std::vector<geometry::JointValues> values(joints().size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    std::copy_n(joints()[i].value, geometry::kMaxJointValues, values[i].begin());
+  if (!values.empty()) joint_set().resolve(values);
+  return values;
+}
+
 std::vector<Mat4> Model::world_from_nodes() const {
   std::vector<Mat4> world(nodes().size());
+  const auto values = initial_values();
+  std::size_t joint = 0;
   for (std::size_t i = 0; i < world.size(); ++i) {
     const layout::Node& node = nodes()[i];
     assert(node.parent < static_cast<std::int64_t>(i));
     world[i] = parent_from_node(node);
+    for (; joint < values.size() && joints()[joint].node == i; ++joint)
+      world[i] = world[i] * geometry::motion(kinematic(joints()[joint]), values[joint]);
     if (node.parent >= 0) world[i] = world[node.parent] * world[i];
   }
   return world;
@@ -185,10 +214,7 @@ std::vector<Mat4> Model::world_from_nodes() const {
 Mat4 Model::world_from_frame(std::size_t index) const {
   assert(checked_ && index < frames().size());
   const layout::Frame& frame = frames()[index];
-  Mat4 world = node_from_frame(frame);
-  for (std::int64_t i = frame.node; i >= 0; i = nodes()[i].parent)
-    world = parent_from_node(nodes()[i]) * world;
-  return world;
+  return world_from_nodes()[frame.node] * node_from_frame(frame);
 }
 
 std::optional<Model::Bounds> Model::world_bounds() const {
@@ -215,6 +241,19 @@ Vec3 vec3(const double* v) { return {v[0], v[1], v[2]}; }
 Quat quat(const double* q) { return {q[0], q[1], q[2], q[3]}; }
 
 }  // namespace
+
+geometry::Joint kinematic(const layout::Joint& joint) {
+  geometry::Joint out;
+  out.kind = static_cast<geometry::JointKind>(joint.kind);
+  out.axis = vec3(joint.axis);
+  out.limited = (joint.flags & layout::kJointLimited) != 0;
+  std::copy_n(joint.lower, geometry::kMaxJointValues, out.lower.begin());
+  std::copy_n(joint.upper, geometry::kMaxJointValues, out.upper.begin());
+  out.mimic = joint.mimic;
+  out.multiplier = joint.multiplier;
+  out.offset = joint.offset;
+  return out;
+}
 
 Mat4 parent_from_node(const layout::Node& node) {
   return matrix_from_trs(vec3(node.translation), quat(node.rotation), vec3(node.scale));

@@ -18,6 +18,7 @@
 #include "base/job.h"
 #include "base/math.h"
 #include "base/result.h"
+#include "geometry/kinematics/joint.h"
 #include "materials/material.h"
 #include "schemas/generated/pan_layout.h"
 
@@ -134,6 +135,7 @@ class Model {
   std::span<const layout::Decal> decals() const;  // later ones lie over earlier ones
   std::span<const layout::Sheet> sheets() const;  // meshes that are sheets of foil
   std::span<const layout::Level> levels() const;  // by instance, then by detail
+  std::span<const layout::Joint> joints() const;  // by node
   std::span<const layout::Input> inputs() const;
   std::span<const layout::Build> builds() const;  // 1 after check()
 
@@ -162,14 +164,21 @@ class Model {
     return string(keypoints()[index].name);
   }
   std::string_view decal_name(std::size_t index) const { return string(decals()[index].name); }
+  std::string_view joint_name(std::size_t index) const { return string(joints()[index].name); }
   std::optional<std::size_t> find_frame(std::string_view name) const;  // the first of that name
+  std::optional<std::size_t> find_joint(std::string_view name) const;
   std::string_view version() const;  // of the program that made the file
   std::string_view options() const;
 
   // "root/body/dish": the names from the root; a node without a name is shown as its [index].
   std::string node_path(std::size_t index) const;
 
-  // World matrices, one per node, root first; all finite.
+  // The joints as kinematics have them; and their initial values, as resolved: in limits, followers
+  // where those that they follow take them.
+  geometry::JointSet joint_set() const;
+  std::vector<geometry::JointValues> initial_values() const;
+
+  // World matrices with all joints at their initial values, one per node, root first; all finite.
   std::vector<Mat4> world_from_nodes() const;
   // world_from_node times node_from_frame.
   Mat4 world_from_frame(std::size_t index) const;
@@ -212,7 +221,9 @@ std::string kind_name(std::uint32_t kind);
 // "flux", "pixels"…: a value's name in the format.
 std::string_view reason_name(layout::ToleranceReason reason);
 
-// Node, frame and decal matrices.
+geometry::Joint kinematic(const layout::Joint& joint);
+
+// Node, frame and decal matrices. parent_from_node: with its joints at rest.
 Mat4 parent_from_node(const layout::Node& node);
 Mat4 node_from_frame(const layout::Frame& frame);
 Mat4 mesh_from_decal(const layout::Decal& decal);

@@ -18,6 +18,7 @@
 #include "base/job.h"
 #include "base/math.h"
 #include "base/result.h"
+#include "geometry/kinematics/joint.h"
 #include "geometry/mesh.h"
 #include "materials/material.h"
 #include "schemas/generated/pan_layout.h"
@@ -79,6 +80,17 @@ struct KeypointContent {
   Vec3 position{0};  // in the node's coordinates, metres
 };
 
+// A joint, as in the format.
+struct JointContent {
+  std::string name;  // no other joint's
+  std::uint32_t node = 0;
+  geometry::Joint joint;
+  geometry::JointValues value{};  // initial, within the limits
+  std::optional<Vec3> pointing;   // in the node's coordinates, unit
+  std::int32_t gimbal = -1;       // the joint further out that aims together with this one
+  bool points_at_sun = false;
+};
+
 struct DecalContent {
   std::string name;
   std::uint32_t instance = 0;
@@ -120,6 +132,7 @@ struct Contents {
   std::vector<DecalContent> decals;                    // from the lowest to the topmost
   std::vector<layout::Sheet> sheets;                   // meshes that are sheets of foil
   std::vector<layout::Level> levels;                   // by instance, then by detail
+  std::vector<JointContent> joints;                    // by node
 };
 
 // Rounds a mesh to float about the centre of its bounds. The error of the result holds the

@@ -48,24 +48,6 @@ std::string own_name(std::string_view name, std::set<std::string>& taken) {
   return out;
 }
 
-std::string_view kind_of(scene::JointKind kind) {
-  switch (kind) {
-    case scene::JointKind::fixed:
-      return "fixed";
-    case scene::JointKind::revolute:
-      return "revolute";
-    case scene::JointKind::continuous:
-      return "continuous";
-    case scene::JointKind::prismatic:
-      return "prismatic";
-    case scene::JointKind::ball:
-      return "ball";
-    case scene::JointKind::scale:
-      return "scale";
-  }
-  return "";
-}
-
 std::string joint_lines(const importers::Imported& imported) {
   std::string out;
   for (const scene::Joint& joint : imported.scene.joints) {
@@ -73,8 +55,8 @@ std::string joint_lines(const importers::Imported& imported) {
     out += "\n      ";
     out += in_comment(fmt::format("{} of node '{}', {} about {:.6g} {:.6g} {:.6g}",
                                   joint.name.empty() ? "(no name)" : pattern_of(joint.name),
-                                  pattern_of(node), kind_of(joint.kind), joint.axis.x, joint.axis.y,
-                                  joint.axis.z));
+                                  pattern_of(node), geometry::kind_name(joint.kind), joint.axis.x,
+                                  joint.axis.y, joint.axis.z));
     if (joint.lower.size() == 1)
       out += fmt::format(", from {:.6g} to {:.6g}", joint.lower[0], joint.upper[0]);
   }

@@ -129,21 +129,62 @@ std::string check_rest(const Scene& scene) {
   return {};
 }
 
-std::string check_joints(const Scene& scene) {
-  for (std::size_t i = 0; i < scene.joints.size(); ++i) {
-    const Joint& joint = scene.joints[i];
-    const auto finite = [](double x) { return std::isfinite(x); };
-    if (!in_range(joint.node, scene.nodes.size()) || !panwright::is_finite(joint.axis) ||
-        !(std::abs(glm::length(joint.axis) - 1) <= kUnitTolerance) || !finite(joint.value))
-      return fmt::format(
-          "joint {} has an unknown node, an axis that is not of unit length or a value that is not "
-          "finite",
-          i);
-    if (joint.lower.size() != joint.upper.size() ||
-        !std::all_of(joint.lower.begin(), joint.lower.end(), finite) ||
-        !std::all_of(joint.upper.begin(), joint.upper.end(), finite))
-      return fmt::format("joint {} has limits that are not finite or do not come in pairs", i);
+bool all_finite(const std::vector<double>& values) {
+  return std::ranges::all_of(values, [](double x) { return std::isfinite(x); });
+}
+
+std::string check_joint(const Scene& scene, const Joint& joint) {
+  const auto count = geometry::value_count(joint.kind);
+  if (!in_range(joint.node, scene.nodes.size()) || !panwright::is_finite(joint.axis) ||
+      !(std::abs(glm::length(joint.axis) - 1) <= kUnitTolerance))
+    return "has an unknown node or an axis that is not of unit length";
+  if (joint.lower.size() != joint.upper.size() || !all_finite(joint.lower) ||
+      !all_finite(joint.upper) || (!joint.lower.empty() && joint.lower.size() != count))
+    return "has limits that are not finite, do not come in pairs or are not one of each value";
+  if (!all_finite(joint.value) || (!joint.value.empty() && joint.value.size() != count))
+    return "has values that are not finite or not as many as it takes";
+  for (std::size_t i = 0; i < joint.lower.size(); ++i) {
+    const double value = initial_values(joint)[i];
+    if (!(joint.lower[i] <= joint.upper[i])) return "has a lower limit above the upper one";
+    if (joint.mimic == kNone && joint.kind != JointKind::continuous &&
+        !(value >= joint.lower[i] && value <= joint.upper[i]))
+      return "has an initial value outside its limits";
   }
+  for (std::size_t i = 0; i < count; ++i)
+    if (geometry::unit_of(joint.kind, i) == geometry::JointUnit::factor &&
+        initial_values(joint)[i] == 0)
+      return "has an initial factor of 0";
+  if (!std::isfinite(joint.multiplier) || !std::isfinite(joint.offset))
+    return "follows another by numbers that are not finite";
+  if (joint.pointing && !(std::abs(glm::length(*joint.pointing) - 1) <= kUnitTolerance))
+    return "has a pointing direction that is not of unit length";
+  const auto turns = [](const Joint& one) {
+    return one.kind == JointKind::revolute || one.kind == JointKind::continuous;
+  };
+  if (joint.pointing ? !turns(joint) : joint.gimbal != kNone || joint.point_at != PointAt::nothing)
+    return "aims without turning or without a pointing direction";
+  if (joint.gimbal == kNone) return {};
+  if (!in_range(joint.gimbal, scene.joints.size())) return "has an unknown gimbal";
+  const Joint& outer = scene.joints[static_cast<std::size_t>(joint.gimbal)];
+  std::int32_t node = joint.node;
+  while (node != kNone && node != outer.node)
+    node = scene.nodes[static_cast<std::size_t>(node)].parent;
+  const bool further_out = node != joint.node || &outer < &joint;
+  if (!turns(outer) || node == kNone || !further_out)
+    return "has a gimbal that does not turn or is not above it";
+  return {};
+}
+
+std::string check_joints(const Scene& scene) {
+  std::vector<geometry::Joint> joints;
+  for (std::size_t i = 0; i < scene.joints.size(); ++i) {
+    const std::string problem = check_joint(scene, scene.joints[i]);
+    if (!problem.empty()) return fmt::format("joint {} {}", i, problem);
+    joints.push_back(kinematic(scene.joints[i]));
+  }
+  std::size_t wrong = 0;
+  if (!geometry::JointSet::of(std::move(joints), &wrong))
+    return fmt::format("joint {} follows what it cannot follow", wrong);
   return {};
 }
 
@@ -204,12 +245,59 @@ std::string check_maps(const Scene& scene) {
 
 }  // namespace
 
+geometry::Joint kinematic(const Joint& joint) {
+  geometry::Joint out;
+  out.kind = joint.kind;
+  out.axis = joint.axis;
+  out.limited = !joint.lower.empty();
+  std::ranges::copy(joint.lower, out.lower.begin());
+  std::ranges::copy(joint.upper, out.upper.begin());
+  out.mimic = joint.mimic;
+  out.multiplier = joint.multiplier;
+  out.offset = joint.offset;
+  return out;
+}
+
+geometry::JointValues initial_values(const Joint& joint) {
+  geometry::JointValues out = geometry::rest_values(joint.kind);
+  std::ranges::copy(joint.value, out.begin());
+  return out;
+}
+
+std::vector<std::string> joint_names(const Scene& scene) {
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  for (const Joint& joint : scene.joints) {
+    std::string base = joint.name;
+    if (base.empty()) base = scene.nodes[static_cast<std::size_t>(joint.node)].name;
+    if (base.empty()) base = "joint";
+    std::string name = base;
+    for (std::size_t n = 2; !taken.insert(name).second; ++n) name = fmt::format("{}#{}", base, n);
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
 std::vector<Mat4> world_from_nodes(const Scene& scene) {
+  std::vector<geometry::Joint> joints;
+  std::vector<geometry::JointValues> values;
+  for (const Joint& joint : scene.joints) {
+    joints.push_back(kinematic(joint));
+    values.push_back(initial_values(joint));
+  }
+  const auto set = geometry::JointSet::of(std::move(joints));
+  if (set) set->resolve(values);
+  std::vector<Mat4> local(scene.nodes.size());
+  for (std::size_t i = 0; i < local.size(); ++i)
+    local[i] = scene.nodes[i].parent_from_node.matrix();
+  for (std::size_t j = 0; set && j < set->size(); ++j) {
+    Mat4& matrix = local[static_cast<std::size_t>(scene.joints[j].node)];
+    matrix = matrix * geometry::motion((*set)[j], values[j]);
+  }
   std::vector<Mat4> world(scene.nodes.size());
   for (std::size_t i = 0; i < world.size(); ++i) {
-    const Node& node = scene.nodes[i];
-    const Mat4 local = node.parent_from_node.matrix();
-    world[i] = node.parent == kNone ? local : world[static_cast<std::size_t>(node.parent)] * local;
+    const std::int32_t parent = scene.nodes[i].parent;
+    world[i] = parent == kNone ? local[i] : world[static_cast<std::size_t>(parent)] * local[i];
   }
   return world;
 }

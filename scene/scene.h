@@ -9,6 +9,7 @@
 #include "base/diagnostic.h"
 #include "base/hash.h"
 #include "base/math.h"
+#include "geometry/kinematics/joint.h"
 #include "geometry/tessellate/shape.h"
 #include "materials/material.h"
 #include "mli/form.h"
@@ -134,19 +135,30 @@ struct Frame {
   Source source;
 };
 
-enum class JointKind : std::uint8_t { fixed, revolute, continuous, prismatic, ball, scale };
+using geometry::JointKind;
 
-// How a part of the spacecraft moves: about or along an axis through its node's origin, before the
-// node's own transform. Several joints of one node apply in their order, the first outermost.
-// Models keep the authored state; the joint value of it is `value`.
+// What a joint turns its pointing direction to by itself.
+enum class PointAt : std::uint8_t { nothing, sun };
+
+// How a part of the spacecraft moves: about or along an axis through its node's origin, inside the
+// node's own transform: world_from_node = world_from_parent·(node's transform)·motion. Several
+// joints of one node apply in their order, the first outermost. At rest (values of 0, factors of 1)
+// nothing moves; world_from_nodes() has them at `value`.
 struct Joint {
   std::string name;
   std::int32_t node = 0;
   JointKind kind = JointKind::revolute;
-  Vec3 axis{0, 0, 1};         // unit, in the node's frame; scale: factors are powers of its parts
-  std::vector<double> lower;  // radians, metres or factors; none: unlimited; ball: three numbers
+  Vec3 axis{0, 0, 1};         // unit, in the node's frame
+  std::vector<double> lower;  // radians, metres or factors; none: unlimited; else of each value
   std::vector<double> upper;  // as many as lower
-  double value = 0;           // of the authored state
+  std::vector<double> value;  // the initial ones, within the limits; none: at rest
+  // Follows another joint, by index: value = multiplier·(value of that one) + offset.
+  std::int32_t mimic = kNone;
+  double multiplier = 1;
+  double offset = 0;
+  std::optional<Vec3> pointing;  // what points where the joint aims, in the node's frame, unit
+  std::int32_t gimbal = kNone;   // a joint further out that aims together with this one
+  PointAt point_at = PointAt::nothing;
   // of the part that moves, where the file tells: kilograms, metres in the node's frame, kg·m²
   std::optional<double> mass;
   std::optional<Vec3> centre_of_mass;
@@ -187,7 +199,15 @@ struct Decomposed {
 };
 std::optional<Decomposed> decomposed(const Mat4& matrix);
 
-// World matrices, one per node, root first.
+// A joint as kinematics have it, and the values that it begins with.
+geometry::Joint kinematic(const Joint& joint);
+geometry::JointValues initial_values(const Joint& joint);
+
+// Names by which joints are found, one each: their own, that of the node where they have none, with
+// "#2"… where an earlier one has it.
+std::vector<std::string> joint_names(const Scene& scene);
+
+// World matrices with all joints at their initial values, one per node, root first.
 std::vector<Mat4> world_from_nodes(const Scene& scene);
 
 // Whether every index, number and name of a scene is as documented above. Returns the first

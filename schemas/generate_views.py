@@ -100,7 +100,8 @@ def form_schema(option, form):
     if form == "flag":
         return {"type": "boolean"}
     if form == "numbers":
-        return {"type": "array", "items": {"type": "number"}, "minItems": option["count"], "maxItems": option["count"]}
+        size = {"minItems": option["count"], "maxItems": option["count"]} if "count" in option else {"minItems": 1}
+        return {"type": "array", "items": {"type": "number"}, **size}
     if form == "texts":
         return {"type": "array", "items": text, "minItems": 1}
     return {"type": "object", "additionalProperties": one_of([form_schema(option, each) for each in option["of"]])}

@@ -61,6 +61,11 @@ BUDGET = {
     "meshes_decided_by": "object: number of meshes by what decided their tolerance",
 }
 
+JOINTS = ("by node; values in radians, metres and factors", [{
+    "name": "string: its own", "type": "string: fixed, revolute, continuous, prismatic, ball, general or scale", "node": "integer: index", "path": "string: of the node",
+    "axis": "vec3: unit, of the node", "lower": "number[]|null: limits of each value", "upper": "number[]|null: limits of each value", "initial": "number[]: values",
+    "value": "number[]: values that it has", "mimic": "string|null: the joint that it follows", "multiplier?": "number: with mimic", "offset?": "number: with mimic",
+    "pointing": "vec3|null: what it aims, unit, of the node", "gimbal": "string|null: the joint that aims with it", "point_at": "string: sun or nothing"}])
 CODE = {"code": "string: E1101", "severity": "string: error, warning or note", "title": "string: the problem as a noun phrase",
         "explanation": "string: what it means and what to do", "example": "string: what brings it about", "cure": "string: what helps"}
 
@@ -96,7 +101,7 @@ COMMANDS = {
         "bounds": ("metres, world axes", {"min": "vec3|null: lowest corner", "max": "vec3|null: highest corner"}),
         "nodes": ("parents first", [{"name": "string: its own", "parent": "integer|null: index", "translation": "number[]: x y z, metres",
                                      "rotation": "number[]: as stored", "scale": "number[]: x y z"}]),
-        "joints": "any[]: none yet",
+        "joints": JOINTS,
         "instances": ("of meshes", [{"node": "integer: index", "mesh": "integer: index", "material": "integer: index", "texture": "integer|null: index",
                                      "source?": "string: file:line:column"}]),
         "budget": "object|null: what the model asks for, as `gives` and by term", "need": "object|null: the same, as it was called",
@@ -117,6 +122,13 @@ COMMANDS = {
                                 "error": "number: metres", "triangles": "integer: of the mesh"}]),
         "sections": ("of the pan file", [{"kind": "integer: number", "name": "string: of the kind", "read": "boolean: this program reads it", "count": "integer: elements",
                                           "element_bytes": "integer: of one", "bytes": "integer: raw", "stored_bytes": "integer: in the file", "compressed": "boolean: it is"}]),
+    },
+    "joints": {
+        "file": "string: as typed", "joints": JOINTS,
+        "nodes": ("parents first", [{"name": "string: its path", "world_pose": "number[][]: world_from_node, four rows of four"}]),
+        "sweep?": ("with --sweep", [{"joint": "string: its name", "from": "number: radians, metres or a factor", "to": "number: the same",
+                                     "positions": "integer: how many", "min": "vec3: lowest corner of what moves, metres", "max": "vec3: highest corner",
+                                     "collisions": "object[]: a and b, paths of nodes that meet; first and last value; positions"}]),
     },
     "render": {
         "gl?": ("with --engine gl", {"renderer": "string: by the driver", "version": "string: by the driver", "hardware": "boolean: no software"}),

@@ -31,6 +31,8 @@ def type_words(value, language):
         return " or ".join(f"`{version}`" for version in language["language"]["versions"])
     if kind == "word":
         return " or ".join(f"`{word}`" for word in value["words"])
+    if kind == "quantity" and value["count"] == 0:
+        return "numbers with units"
     if kind in ("path", "label", "quantity"):
         return {"path": "a path", "label": "a name", "quantity": "a number with a unit"}[kind]
     noun = "whole number" if kind == "integer" else "number"

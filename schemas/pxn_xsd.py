@@ -102,7 +102,8 @@ def xsd_value(value, language):
     if kind in ("path", "label"):
         return xsd_simple("xs:string", '<xs:minLength value="1"/>')
     if kind == "quantity":
-        plain = [xsd_simple("real", "")]
+        one = xsd_simple("real", "")
+        plain = [one] if value["count"] else [f'<xs:simpleType><xs:list>{one}</xs:list></xs:simpleType>']
     else:
         plain = xsd_numbers(value, language["level"] > 0 and value["dimension"] != "none")
     members = plain + ([xsd_measured(value)] if language["level"] > 0 else [])

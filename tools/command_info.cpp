@@ -12,9 +12,12 @@
 #include "compiler/tolerance.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/joint_list.h"
 #include "tools/node_list.h"
+#include "tools/posed_model.h"
 #include "tools/print.h"
 #include "workspace/open.h"
+#include "world/evaluation.h"
 
 namespace panwright::tools {
 
@@ -28,6 +31,7 @@ struct Options {
   std::string input;
   bool meshes = false;  // all of them
   bool nodes = false;   // those alone
+  PoseOptions pose;
 };
 
 void declare_all(Arguments& arguments, Options& options) {
@@ -35,6 +39,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments.flag("--meshes", options.meshes, "List all meshes, not the heaviest only");
   arguments.flag("--nodes", options.nodes,
                  "List the nodes alone, a line each: name, triangles, materials, between tabs");
+  declare(arguments, options.pose);
   declare(arguments, options.read);
   declare(arguments, options.read.cache);
   declare(arguments, options.read.open.cad);
@@ -185,10 +190,10 @@ std::string_view form_word(const pan::layout::Sheet& sheet) {
   return sheet.form < std::size(kForms) ? kForms[sheet.form] : "unknown";
 }
 
-Json ground_truth_json(const pan::Model& model) {
+// world: the matrices of its nodes, with the joints as they are to be shown.
+Json ground_truth_json(const pan::Model& model, const std::vector<Mat4>& world) {
   Json out;
   out["keypoints"] = Json::array();
-  const auto world = model.world_from_nodes();
   for (std::size_t i = 0; i < model.keypoints().size(); ++i) {
     const auto& point = model.keypoints()[i];
     const Vec3 position(point.position[0], point.position[1], point.position[2]);
@@ -276,7 +281,7 @@ Json instances_json(const pan::Model& model) {
   return out;
 }
 
-Json tables_json(const pan::Model& model) {
+Json tables_json(const pan::Model& model, const std::vector<Mat4>& world) {
   Json out;
   out["materials"] = Json::array();
   for (std::size_t i = 0; i < model.materials().size(); ++i) {
@@ -312,7 +317,8 @@ Json tables_json(const pan::Model& model) {
                                {"height", model.textures()[i].height}});
   out["frames"] = Json::array();
   for (std::size_t i = 0; i < model.frames().size(); ++i) {
-    const Mat4 m = model.world_from_frame(i);
+    const pan::layout::Frame& frame = model.frames()[i];
+    const Mat4 m = world[frame.node] * pan::node_from_frame(frame);
     out["frames"].push_back({{"name", model.frame_name(i)},
                              {"node", model.frames()[i].node},
                              {"origin", as_json(Vec3(m[3]))},
@@ -328,7 +334,7 @@ Json tables_json(const pan::Model& model) {
 }
 
 // Metres, and words.
-Json size_json(const std::optional<pan::Model::Bounds>& bounds) {
+Json size_json(const std::optional<world::Bounds>& bounds) {
   if (!bounds) return nullptr;
   const Vec3 extents = bounds->max - bounds->min;
   return {{"extents", as_json(extents)},
@@ -492,11 +498,12 @@ void print_levels(const pan::Model& model) {
   }
 }
 
-void print_ground_truth(const pan::Model& model) {
-  for (std::size_t i = 0; i < model.frames().size(); ++i)
+void print_ground_truth(const pan::Model& model, const std::vector<Mat4>& world) {
+  for (std::size_t i = 0; i < model.frames().size(); ++i) {
+    const pan::layout::Frame& frame = model.frames()[i];
     print("frame     {} at {}\n", model.frame_name(i),
-          place_words(Vec3(model.world_from_frame(i)[3])));
-  const auto world = model.world_from_nodes();
+          place_words(Vec3((world[frame.node] * pan::node_from_frame(frame))[3])));
+  }
   for (std::size_t i = 0; i < model.keypoints().size(); ++i) {
     const auto& point = model.keypoints()[i];
     const Vec4 p(point.position[0], point.position[1], point.position[2], 1.0);
@@ -549,8 +556,9 @@ void print_storage(const pan::Model& model) {
   if (!others.empty()) print("ignored   sections of this file: {}\n", others);
 }
 
-void print_text(const std::string& path, const pan::Model& model, const Totals& totals,
+void print_text(const std::string& path, const world::Instance& target, const Totals& totals,
                 bool all_meshes) {
+  const pan::Model& model = *target.model();
   print("{}: {}, {}, {} in {}\n", path, counted(model.bytes().size(), "byte"),
         counted(totals.triangles, "triangle"), counted(model.instances().size(), "instance"),
         plural(model.meshes().size(), "mesh", "meshes"));
@@ -565,7 +573,7 @@ void print_text(const std::string& path, const pan::Model& model, const Totals& 
   print("made by   {} ({})\n", model.version(), model.options());
   print("build id  {}\n", model.build_id().hex());
   print_storage(model);
-  const auto bounds = model.world_bounds();
+  const auto bounds = world::exact_bounds(target);
   if (bounds) print("size      {}\n", compiler::size_in_words(bounds->max - bounds->min));
   if (bounds)
     print("bounds    {:.6g} {:.6g} {:.6g} .. {:.6g} {:.6g} {:.6g} m\n", bounds->min.x,
@@ -577,7 +585,10 @@ void print_text(const std::string& path, const pan::Model& model, const Totals& 
   for (std::size_t i = 0; i < model.textures().size(); ++i)
     print("texture   {}: {}x{}\n", model.texture_name(i), model.textures()[i].width,
           model.textures()[i].height);
-  print_ground_truth(model);
+  print_ground_truth(model, world::evaluated(target).model_from_nodes);
+  const auto values = target.joint_values();
+  for (std::size_t i = 0; i < values.size(); ++i)
+    print("joint     {}\n", joint_line(model, i, values[i]));
   for (const auto& input : model.inputs())
     print("input     {}, {} bytes\n", model.string(input.path), input.bytes);
 }
@@ -592,6 +603,8 @@ int run(const Options& options, const Host& host) {
   context.add_timings(report.steps);
   if (!opened) return context.finish();
   const world::ModelPtr& model = *opened;
+  const auto world = posed(options.input, model, options.pose, context.log());
+  if (!world) return context.finish();
   const Totals totals = totals_of(*model);
   Json& out = context.result();
   out["file"] = options.input;
@@ -606,22 +619,24 @@ int run(const Options& options, const Host& host) {
   out["unique_triangles"] = totals.unique_triangles;
   out["unique_vertices"] = totals.unique_vertices;
   out["error"] = totals.worst_error;
-  const auto bounds = model->world_bounds();
+  const world::Instance& target = (*world)[0];
+  const std::vector<Mat4> matrices = world::evaluated(target).model_from_nodes;
+  const auto bounds = world::exact_bounds(target);
   out["bounds"]["min"] = bounds ? as_json(bounds->min) : Json(nullptr);
   out["bounds"]["max"] = bounds ? as_json(bounds->max) : Json(nullptr);
   out["size"] = size_json(bounds);
   out["nodes"] = nodes_json(*model);
-  out["joints"] = Json::array();
+  out["joints"] = joints_json(*model, target.joint_values());
   out["instances"] = instances_json(*model);
   out["budget"] = budget_json(*model);
   out["need"] = out["budget"];  // as it was called
-  out.update(tables_json(*model));
-  out.update(ground_truth_json(*model));
+  out.update(tables_json(*model, matrices));
+  out.update(ground_truth_json(*model, matrices));
   out["sections"] = sections_json(*model);
   if (options.nodes && !options.common.json)
     print("{}", node_list(*model));
   else if (!options.common.json)
-    print_text(options.input, *model, totals, options.meshes);
+    print_text(options.input, target, totals, options.meshes);
   return context.finish();
 }
 

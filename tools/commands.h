@@ -12,6 +12,7 @@ Command import_command();
 Command export_command();
 Command check_command();
 Command info_command();
+Command joints_command();
 Command render_command();
 Command material_command();
 Command mli_command();

@@ -166,6 +166,7 @@ void declare(Arguments& arguments, ViewOptions& options) {
       .type("[NAME=]\"X Y Z W I J K\"")
       .one_value()
       .group(kGroup);
+  declare(arguments, options.joints);
   add("--sun", view.sun, "\"X Y Z\"",
       "Direction to the Sun, world axes (default: from behind the camera's left shoulder)");
   add("--sun-distance", view.sun_distance, "AU", "Distance to the Sun (default 1)");
@@ -184,8 +185,38 @@ void declare(Arguments& arguments, ViewOptions& options) {
       "white");
 }
 
+void declare(Arguments& arguments, JointOptions& options) {
+  constexpr const char* kGroup = "Joints";
+  arguments
+      .add("--joint", options.values,
+           "Value of a joint, as wing=30deg or boom=0.4m; @sun, @camera, @TARGET or \"@X Y Z\" aim "
+           "it; may be repeated")
+      .type("[TARGET/]JOINT=VALUE")
+      .one_value()
+      .group(kGroup);
+  arguments
+      .add("--joints", options.file,
+           "JSON object of joint values by name, as {\"wing\": \"30deg\"}")
+      .type("FILE.json")
+      .group(kGroup);
+}
+
+Result<std::vector<workspace::JointText>> JointOptions::texts(DiagnosticLog& log) const {
+  std::vector<workspace::JointText> out;
+  if (!file.empty()) {
+    auto read = workspace::read_joints(file, log);
+    if (!read) return failed;
+    out = *std::move(read);
+  }
+  for (const std::string& value : values) out.push_back(workspace::joint_text(value));
+  return out;
+}
+
 Result<workspace::ViewText> ViewOptions::typed(DiagnosticLog& log) const {
   workspace::ViewText out = text;
+  auto given = joints.texts(log);
+  if (!given) return failed;
+  out.joints = *std::move(given);
   std::set<std::string> targets;
   for (const std::string& pose : poses) {
     out.poses.push_back(workspace::pose_text(pose));

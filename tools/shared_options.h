@@ -48,10 +48,21 @@ void declare_root(Arguments& arguments, std::string& root);
 // Options of CAD files.
 void declare(Arguments& arguments, workspace::CadOptions& options);
 
+// Values of joints.
+struct JointOptions {
+  std::vector<std::string> values;  // "[TARGET/]JOINT=VALUE"
+  std::string file;                 // JSON object of values; before `values`
+
+  // Fails: as workspace::read_joints.
+  Result<std::vector<workspace::JointText>> texts(DiagnosticLog& log) const;
+};
+void declare(Arguments& arguments, JointOptions& options);
+
 // Camera, Sun and poses of one view.
 struct ViewOptions {
   workspace::ViewText text;        // but for the poses
   std::vector<std::string> poses;  // "NAME=x y z w i j k", or without a name
+  JointOptions joints;
 
   // All of it. Fails: E0201 for two poses of one target.
   Result<workspace::ViewText> typed(DiagnosticLog& log) const;

@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "preview/image.h"
 #include "workspace/internal/json_text.h"
+#include "workspace/joints.h"
 
 namespace panwright::workspace {
 
@@ -140,6 +141,13 @@ Json view_of(const world::World& world, const world::Camera& camera, std::option
     const Quat& turn = target.pose().rotation;
     view["pose"][target.name()] = {at.x, at.y, at.z, turn.w, turn.x, turn.y, turn.z};
   }
+  for (const world::Instance& target : world.instances())
+    for (const world::JointState& state : target.joint_states()) {
+      const auto kind =
+          static_cast<geometry::JointKind>(target.model()->joints()[state.joint].kind);
+      view["joint"][target.name() + "/" + std::string(target.model()->joint_name(state.joint))] =
+          exact_value(kind, state.values);
+    }
   for (const auto& [name, value] : source.open.parameters) view["define"][name] = value;
   const world::Sun& sun = world.sun();
   view["sun"] = numbers(sun.direction);

@@ -314,7 +314,21 @@ class Run {
     for (const world::Instance& target : world_.instances()) poses.push_back(target.pose());
     for (const TargetPose& each : view.poses) poses[*world_.find(each.target)] = each.pose;
     for (std::size_t i = 0; i < poses.size(); ++i) current_.set_pose(i, poses[i]);
+    for (std::size_t i = 0; i < world_.size(); ++i) place_joints(i, view);
     current_.set_sun(view.sun.value_or(world_.sun()));
+  }
+
+  // Those of the view; all others as in the world.
+  void place_joints(std::size_t target, const View& view) {
+    const std::size_t count = world_[target].model()->joints().size();
+    if (count == 0) return;
+    std::vector<std::optional<geometry::JointValues>> values(count);
+    for (const world::JointState& state : world_[target].joint_states())
+      values[state.joint] = state.values;
+    for (const TargetJoint& each : view.joints)
+      if (each.target == world_[target].name()) values[each.joint] = each.values;
+    for (std::size_t j = 0; j < count; ++j)
+      current_.set_joint(target, static_cast<std::uint32_t>(j), values[j]);
   }
 
   // Waits for the image that is being written. False: it could not be.

@@ -371,6 +371,9 @@ Result<View> ViewMaker::made(const ViewText& text, DiagnosticLog& log) {
   world::World posed = world_;
   read_size(text, reader, view.camera);
   for (const PoseText& pose : text.poses) read_pose(pose, reader, posed, view, log);
+  JointSetter joints(posed);
+  for (const JointText& joint : text.joints)
+    if (!joints.set(joint, log)) reader.failed_elsewhere();
   world::set_field_of_view(view.camera, view.camera.width, view.camera.height, kDefaultFieldOfView);
   const bool lens = read_lens(text, reader, view.camera);
   if (!reader.ok()) {
@@ -387,6 +390,13 @@ Result<View> ViewMaker::made(const ViewText& text, DiagnosticLog& log) {
   }
   if (!lens && !text.camera_frame) fit_lens(sphere(), view.camera);
   read_sun(text, reader, view);
+  if (reader.ok()) {
+    posed.set_sun(*view.sun);
+    joints.set_aims(view.camera.position, log);
+    for (const world::Instance& target : posed.instances())
+      for (const world::JointState& state : target.joint_states())
+        view.joints.push_back({target.name(), state.joint, state.values});
+  }
   read_output(text, view, log);
   if (log.errors() != errors) return failed;
   return view;

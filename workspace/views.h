@@ -13,6 +13,7 @@
 #include "base/math.h"
 #include "base/result.h"
 #include "workspace/drawer.h"
+#include "workspace/joints.h"
 #include "workspace/targets.h"
 #include "world/world.h"
 
@@ -25,16 +26,23 @@ struct TargetPose {
   world::Pose pose;    // world_from_model
 };
 
+struct TargetJoint {
+  std::string target;  // its name
+  std::uint32_t joint = 0;
+  geometry::JointValues values{};
+};
+
 // One image to render.
 struct View {
   std::string label;  // what diagnostics call it, as "view 3 ('far')"; empty: nothing
   world::Camera camera;
-  std::optional<world::Sun> sun;  // none: the world's
-  std::vector<TargetPose> poses;  // of targets that differ from the world; later ones replace
-                                  // earlier ones
-  std::string output;             // .png, .exr, .npy or .npz
-  double ev = 0;                  // stops, of a PNG
-  bool auto_ev = false;           // found from the image: workspace/exposure.h
+  std::optional<world::Sun> sun;    // none: the world's
+  std::vector<TargetPose> poses;    // of targets that differ from the world; later ones replace
+                                    // earlier ones
+  std::vector<TargetJoint> joints;  // that differ from the world, aims worked out
+  std::string output;               // .png, .exr, .npy or .npz
+  double ev = 0;                    // stops, of a PNG
+  bool auto_ev = false;             // found from the image: workspace/exposure.h
   std::vector<std::string> more_outputs;  // further files of the same image
   std::optional<DrawOptions> draw;        // none: those of the run
 };
@@ -56,6 +64,7 @@ struct ViewText {
   std::optional<std::string> up;              // "x y z"
   std::optional<std::string> quat;            // "w x y z", world_from_camera
   std::vector<PoseText> poses;                // world_from_model; later ones replace earlier ones
+  std::vector<JointText> joints;              // later ones replace earlier ones
   std::optional<std::string> camera_frame;    // "TARGET/FRAME", or "FRAME" that one target has
   std::optional<std::string> sun;             // "x y z", towards the Sun
   std::optional<std::string> sun_distance;    // AU
@@ -142,7 +151,8 @@ class ViewMaker {
   // Expects: world outlives the maker.
   explicit ViewMaker(const world::World& world) : world_(world) {}
 
-  // Reports: N5004. Fails: E0201 (of a views file: E0203), E0202, E5005, E5011.
+  // Reports: N5004, W5015. Fails: E0201 (of a views file: E0203), E0202, E5005, E5011, E5013,
+  // E5014.
   Result<View> view(const ViewText& text, DiagnosticLog& log);
 
  private:

@@ -93,6 +93,7 @@ Field field_of(ViewOption option) {
     case ViewOption::output:
     case ViewOption::outputs:
     case ViewOption::pose:
+    case ViewOption::joint:
     case ViewOption::define:
     case ViewOption::targets:
       return nullptr;
@@ -221,7 +222,8 @@ class ViewReader {
         view_.poses.push_back({{}, *text});
       else
         wrong_type(option, what, value);
-    } else if (option == ViewOption::pose || option == ViewOption::define) {
+    } else if (option == ViewOption::pose || option == ViewOption::joint ||
+               option == ViewOption::define) {
       read_map(option, what, value);
     } else if (!value.is_string()) {
       wrong_type(option, what, value);
@@ -257,6 +259,8 @@ class ViewReader {
         wrong_type(option, what + " of " + in_quotes(name), item);
       else if (option == ViewOption::pose)
         view_.poses.push_back({name, *text});
+      else if (option == ViewOption::joint)
+        view_.joints.push_back({name, *text});
       else if (option == ViewOption::define)
         view_.defines.emplace_back(name, *text);
       else
@@ -335,6 +339,7 @@ ViewText with_defaults(ViewText view, const ViewText& defaults) {
   if (view.targets.empty()) view.targets = base.targets;
   // the view's come later, so that they replace the default's
   view.poses.insert(view.poses.begin(), base.poses.begin(), base.poses.end());
+  view.joints.insert(view.joints.begin(), base.joints.begin(), base.joints.end());
   for (const auto& define : base.defines)
     if (std::none_of(view.defines.begin(), view.defines.end(),
                      [&](const auto& own) { return own.first == define.first; }))

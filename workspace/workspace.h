@@ -11,6 +11,7 @@
 #pragma once
 
 #include "workspace/drawer.h"
+#include "workspace/joints.h"
 #include "workspace/open.h"
 #include "workspace/record.h"
 #include "workspace/run.h"

@@ -27,20 +27,48 @@ struct EvaluatedInstance {
   std::optional<Bounds> bounds;
 };
 
+// One target that is evaluated again and again: only nodes below a joint or a node that changed are
+// worked out anew. The same bits as evaluated().
+class InstanceEvaluation {
+ public:
+  // Cost: O(nodes + meshes placed) comparisons, and a matrix for each node that moved.
+  void update(const Instance& instance);
+  const EvaluatedInstance& result() const { return result_; }
+
+ private:
+  void begin(const Instance& instance);
+  bool place(const Instance& instance);
+  void bound();
+
+  ModelPtr model_;
+  geometry::JointSet joints_;
+  std::vector<geometry::JointValues> initial_;
+  std::vector<geometry::JointValues> values_;  // of the last update, as resolved
+  std::vector<geometry::JointValues> next_;
+  std::vector<NodeState> states_;  // of the last update
+  std::vector<Mat4> at_rest_;      // parent_from_node of each, its joints at rest
+  std::vector<Mat4> local_;        // the same with joints and states
+  std::vector<char> moved_;        // by the update
+  std::vector<Bounds> boxes_;      // of each placed mesh, in the model's frame
+  EvaluatedInstance result_;
+};
+
 // The evaluated state of one world, or of copies of it one after the other.
 class Evaluation {
  public:
-  // Brings everything up to date. Cost: O(targets), and O(nodes + meshes placed) for each whose
-  // shape stamp is new.
+  // Brings everything up to date. Cost: O(targets), and for each whose shape stamp is new that of
+  // InstanceEvaluation::update().
   void update(const World& world);
 
   // Expects: index below the size of the world of the last update.
-  const EvaluatedInstance& operator[](std::size_t index) const { return instances_[index]; }
+  const EvaluatedInstance& operator[](std::size_t index) const {
+    return instances_[index].result();
+  }
   std::size_t size() const { return instances_.size(); }
   Stamp stamp() const { return stamp_; }  // of that world; 0: none yet
 
  private:
-  std::vector<EvaluatedInstance> instances_;
+  std::vector<InstanceEvaluation> instances_;
   Stamp stamp_ = 0;
 };
 

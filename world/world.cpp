@@ -47,6 +47,20 @@ const NodeState* Instance::node_state(std::uint32_t node) const {
   return at != node_states_.end() && at->node == node ? &*at : nullptr;
 }
 
+const JointState* Instance::joint_state(std::uint32_t joint) const {
+  const auto at = std::ranges::lower_bound(joint_states_, joint, {}, &JointState::joint);
+  return at != joint_states_.end() && at->joint == joint ? &*at : nullptr;
+}
+
+std::vector<geometry::JointValues> Instance::joint_values() const {
+  std::vector<geometry::JointValues> values(model_->joints().size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    std::copy_n(model_->joints()[i].value, geometry::kMaxJointValues, values[i].begin());
+  for (const JointState& state : joint_states_) values[state.joint] = state.values;
+  if (!values.empty()) model_->joint_set().resolve(values);
+  return values;
+}
+
 Result<std::size_t> World::add(std::string name, ModelPtr model, DiagnosticLog& log) {
   return add(std::move(name), std::move(model), Pose{}, log);
 }
@@ -151,6 +165,28 @@ void World::set_node_visible(std::size_t index, std::uint32_t node, bool visible
   if (is_default(state))
     instance.node_states_.erase(instance.node_states_.begin() +
                                 (&state - instance.node_states_.data()));
+  shape_changed(instance);
+}
+
+void World::set_joint(std::size_t index, std::uint32_t joint,
+                      const std::optional<geometry::JointValues>& values, bool aimed) {
+  assert(index < size());
+  Instance& instance = instances_[index];
+  assert(joint < instance.model_->joints().size());
+  auto& states = instance.joint_states_;
+  const auto at = std::ranges::lower_bound(states, joint, {}, &JointState::joint);
+  const bool there = at != states.end() && at->joint == joint;
+  if (there && values && at->values == *values) {
+    at->aimed = aimed;
+    return;
+  }
+  if (!values && !there) return;
+  if (!values)
+    states.erase(at);
+  else if (there)
+    *at = {joint, *values, aimed};
+  else
+    states.insert(at, {joint, *values, aimed});
   shape_changed(instance);
 }
 

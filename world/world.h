@@ -15,6 +15,7 @@
 #include "base/diagnostic.h"
 #include "base/math.h"
 #include "base/result.h"
+#include "geometry/kinematics/joint.h"
 #include "pan/model.h"
 #include "world/camera.h"
 
@@ -55,6 +56,14 @@ struct NodeState {
   bool operator==(const NodeState&) const = default;
 };
 
+// The values of a joint of one instance that differ from its model.
+struct JointState {
+  std::uint32_t joint = 0;         // index in the model
+  geometry::JointValues values{};  // radians, metres, factors; limits apply when evaluated
+  bool aimed = false;              // by aim_at_sun(), which may set it anew
+  bool operator==(const JointState&) const = default;
+};
+
 // A target: a model, placed.
 class Instance {
  public:
@@ -66,8 +75,14 @@ class Instance {
   std::span<const NodeState> node_states() const { return node_states_; }
   const NodeState* node_state(std::uint32_t node) const;  // null: as in the model
 
-  // Changes with the model, the node states and visible(), but not with the pose: with what lies
-  // where in the model's frame.
+  // The same of joints, ascending by joint.
+  std::span<const JointState> joint_states() const { return joint_states_; }
+  const JointState* joint_state(std::uint32_t joint) const;  // null: as in the model
+  // The values that all joints take: within limits, followers after what they follow.
+  std::vector<geometry::JointValues> joint_values() const;
+
+  // Changes with the model, the node and joint states and visible(), but not with the pose: with
+  // what lies where in the model's frame.
   Stamp shape_stamp() const { return shape_stamp_; }
   Stamp pose_stamp() const { return pose_stamp_; }
 
@@ -78,6 +93,7 @@ class Instance {
   Pose pose_;
   bool visible_ = true;
   std::vector<NodeState> node_states_;
+  std::vector<JointState> joint_states_;
   Stamp shape_stamp_ = 0;
   Stamp pose_stamp_ = 0;
 };
@@ -87,7 +103,7 @@ class Instance {
 // stamp. Distinct worlds may be used on distinct threads; one world is like a vector: many readers,
 // or one writer.
 //
-// Lamps, planets and stars will stand beside the Sun, joint values beside the node states.
+// Lamps, planets and stars will stand beside the Sun.
 class World {
  public:
   // Adds a target at the origin, or at `pose`.
@@ -118,6 +134,10 @@ class World {
   void set_node_transform(std::size_t index, std::uint32_t node,
                           const std::optional<NodeTransform>& parent_from_node);
   void set_node_visible(std::size_t index, std::uint32_t node, bool visible);
+  // nullopt: as in the model. Followers take what they follow: their own values have no effect.
+  // Expects: also a joint of the model, factors that are not 0.
+  void set_joint(std::size_t index, std::uint32_t joint,
+                 const std::optional<geometry::JointValues>& values, bool aimed = false);
 
   // Expects: a direction that is finite and not 0, a distance above 0, irradiances >= 0.
   void set_sun(const Sun& sun);

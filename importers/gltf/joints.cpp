@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
 #include "base/text.h"
 
 namespace panwright::importers::gltf {
@@ -38,17 +42,38 @@ scene::Joint joint_of(const Json& stage) {
     joint.kind = scene::JointKind::prismatic;
   } else {
     joint.kind = scene::JointKind::scale;
-    joint.value = 1;
   }
+  const double rest = joint.kind == scene::JointKind::scale ? 1 : 0;
+  const double initial = number_or(stage, "initialValue", rest / unit) * unit;
+  if (initial != rest) joint.value = {initial};
   const Json* lower = stage.find("minimumValue");
   const Json* upper = stage.find("maximumValue");
   if (lower && upper) {
-    joint.lower = {lower->number * unit};
-    joint.upper = {upper->number * unit};
-    if (joint.kind == scene::JointKind::revolute && upper->number - lower->number >= 360)
+    if (joint.kind == scene::JointKind::revolute && upper->number - lower->number >= 360) {
       joint.kind = scene::JointKind::continuous;
+    } else if (lower->number <= upper->number) {
+      joint.lower = {lower->number * unit};
+      joint.upper = {upper->number * unit};
+      const double taken = std::min(std::max(initial, joint.lower[0]), joint.upper[0]);
+      if (taken != rest || initial != rest) joint.value = {taken};
+    }
   }
+  if (joint.kind == scene::JointKind::scale && !joint.value.empty() && joint.value[0] == 0)
+    joint.value = {1e-6};  // nothing is left of it, but what there is has a shape
   return joint;
+}
+
+bool turns(const scene::Joint& joint) {
+  return joint.kind == scene::JointKind::revolute || joint.kind == scene::JointKind::continuous;
+}
+
+std::optional<Vec3> pointing_of(const Json& articulation) {
+  const Json* vector = articulation.find("pointingVector");
+  if (!vector || vector->items.size() != 3) return std::nullopt;
+  const Vec3 v(vector->items[0].number, vector->items[1].number, vector->items[2].number);
+  const double length = glm::length(v);
+  if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
+  return v / length;
 }
 
 }  // namespace
@@ -60,7 +85,7 @@ void add_joints(Document& document, const tinygltf::Model& model,
   if (articulations)
     for (const Json& one : articulations->items)
       if (!one.broken) by_name.emplace(one.find("name")->text, &one);
-  std::size_t elsewhere = 0, pointing = 0;
+  std::map<std::string, std::int32_t> leaders;  // by articulation and stage: of the first node
   for (const auto& [index, place] : places) {
     const tinygltf::Node& node = model.nodes[static_cast<std::size_t>(index)];
     const auto found = node.extensions.find("AGI_articulations");
@@ -72,25 +97,30 @@ void add_joints(Document& document, const tinygltf::Model& model,
                       fmt::format("unknown articulation {}", in_quotes(name)));
       continue;
     }
-    if (articulation->second->find("pointingVector")) ++pointing;
+    std::vector<std::int32_t> turning;  // stages of this node that turn
     for (const Json& stage : articulation->second->list("stages")) {
       if (stage.broken) continue;
       scene::Joint joint = joint_of(stage);
+      const auto next = static_cast<std::int32_t>(scene.joints.size());
       joint.name = fmt::format("{} {}", name, stage.find("name")->text);
       joint.node = place;
       joint.source.file = document.file.path;
-      if (number_or(stage, "initialValue", joint.value) != joint.value) ++elsewhere;
+      if (turns(joint)) turning.push_back(next);
+      // one articulation may move many nodes, all alike
+      const auto [leader, first] = leaders.try_emplace(joint.name, next);
+      if (!first) {
+        joint.mimic = leader->second;
+        joint.value.clear();
+      }
       scene.joints.push_back(std::move(joint));
     }
+    const auto direction = pointing_of(*articulation->second);
+    if (!direction || turning.empty() || turning.size() > 2) continue;
+    scene::Joint& aims = scene.joints[static_cast<std::size_t>(turning.back())];
+    if (aims.mimic != scene::kNone) continue;
+    aims.pointing = direction;
+    if (turning.size() == 2) aims.gimbal = turning.front();
   }
-  if (elsewhere > 0)
-    document.report(Code::N6007, nullptr, "/extensions/AGI_articulations",
-                    fmt::format("the initial values of {} are left out: the nodes keep their "
-                                "transforms",
-                                counted(elsewhere, "joint")));
-  if (pointing > 0)
-    document.report(Code::N6007, nullptr, "/extensions/AGI_articulations",
-                    fmt::format("{} left out", counted(pointing, "pointing vector")));
 }
 
 }  // namespace panwright::importers::gltf

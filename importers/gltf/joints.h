@@ -11,7 +11,8 @@ namespace panwright::importers::gltf {
 //
 //   places  nodes of the scene by glTF's number
 //
-// Reports W6215 for names that no articulation has, N6007 for what joints do not keep.
+// Joints begin with the stages' initial values. A stage of several nodes is a joint of the first,
+// which those of the others follow. Reports W6215 for names that no articulation has.
 void add_joints(Document& document, const tinygltf::Model& model,
                 const std::map<int, std::int32_t>& places, scene::Scene& scene);
 

@@ -16,6 +16,7 @@
 #include "mli/preset.h"
 #include "pxn/build/attach.h"
 #include "pxn/build/blankets.h"
+#include "pxn/build/joints.h"
 #include "pxn/build/pattern.h"
 #include "pxn/build/presets.h"
 #include "pxn/text/grammar.h"
@@ -95,6 +96,7 @@ class Assembler {
     context.world_from_node = scene_.nodes[0].parent_from_node.matrix();
     Use use{&part, part.source, true, nullptr, {}, false, true, {}, {}, {}, {}};
     items_of(use, context);
+    if (!stopped_) joints_.connect(scene_, reporter_);
     attached_.cells.report(first_import_, reporter_.log());
     return !stopped_;
   }
@@ -131,6 +133,12 @@ class Assembler {
         break;
       case ItemKind::node:
         if (!enter(use, item, name_of(use, item), transform_of(use, item), inner)) return;
+        break;
+      case ItemKind::joint:
+        if (!enter(use, item, use.part->joints[item.data].joint.name, transform_of(use, item),
+                   inner))
+          return;
+        joint(use, use.part->joints[item.data], item.element, inner.node, context.prefix);
         break;
       case ItemKind::shape:
         shape(use, index, inner);
@@ -288,6 +296,39 @@ class Assembler {
             properties->material, source_of(use, item), worn);
       tell(use, item.element, worn);
     }
+  }
+
+  // ---- joints
+
+  void joint(Use& use, const PartJoint& known, std::uint32_t element, std::int32_t node,
+             const std::string& prefix) {
+    SourceSpan where = use.part->file->document.tag_span(element);
+    where.file = file_of(use);
+    if (joints_.add(known, node, prefix, where, use.part->file->document, element, scene_)) return;
+    if (!taken_.insert({use.part, element}).second) return;
+    report_at(Code::E1210, use, element, [&] {
+      return Reporter::Text(fmt::format("duplicate joint {}; what is inside this one is at rest",
+                                        in_quotes(prefix + known.joint.name)));
+    });
+  }
+
+  // The joints that stand for PartImport::moved: the first node's, which those of others follow.
+  void import_joints(Use& use, const PartImport& place, const Context& context) {
+    std::map<std::size_t, std::string> leaders;
+    for (const auto& [index, node] : attached_.moving) {
+      const PartImport::Moved& moved = place.moved[index];
+      PartJoint known = use.part->joints[moved.joint];
+      const auto [leader, first] = leaders.try_emplace(index, known.joint.name);
+      if (!first) known = joints_.follower(known, leader->second);
+      joint(use, known, moved.rule, node, context.prefix);
+    }
+    for (const std::size_t index : attached_.sheared)
+      report_at(Code::E1231, use, place.moved[index].rule, [&] {
+        const PartJoint& known = use.part->joints[place.moved[index].joint];
+        return Reporter::Text(
+            fmt::format("joint {} moves a node that its parents shear; it stays at rest",
+                        in_quotes(known.joint.name)));
+      });
   }
 
   // ---- blankets
@@ -575,7 +616,9 @@ class Assembler {
       first_import_ = Assembler::place(use, item);
       first_import_.file = file_of(use);
     }
-    attach(model, place, materials, context.node, context.world_from_node, attached_, scene_);
+    attach(model, place, materials, context.node, context.world_from_node, context.prefix,
+           attached_, scene_);
+    import_joints(use, place, context);
     std::map<std::uint32_t, WornFoil> worn;  // by rule
     for (const auto& [instance, of] : attached_.foiled)
       cover(instance, place.foils[of].preset, place.materials[of], source_of(use, item),
@@ -675,6 +718,7 @@ class Assembler {
   std::map<std::pair<std::uint32_t, std::int32_t>, std::int32_t> cad_materials_;
   AttachedShapes attached_;
   Blankets blankets_;
+  Joints joints_;
   SourceSpan first_import_;
   std::uint64_t includes_ = 0;
   bool stopped_ = false;

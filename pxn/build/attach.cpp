@@ -1,5 +1,7 @@
 #include "pxn/build/attach.h"
 
+#include <optional>
+
 namespace panwright::pxn {
 
 namespace {
@@ -36,24 +38,90 @@ std::int32_t plain_shape(std::int32_t shape, PlainShapes& plain, scene::Scene& s
   return known->second;
 }
 
+// Where a joint stands between a node and its parent, with axes of the import and a given origin;
+// and the node below it. Nothing where that takes a shear.
+struct Hinge {
+  scene::Transform parent_from_joint;
+  scene::Transform joint_from_node;
+};
+std::optional<Hinge> hinge_of(const Mat4& import_from_parent, const Mat4& import_from_node,
+                              const Vec3& origin) {
+  Mat4 import_from_joint(1), joint_from_import(1);
+  import_from_joint[3] = Vec4(origin, 1);
+  joint_from_import[3] = Vec4(-origin, 1);
+  const bool plain = import_from_parent == Mat4(1);
+  const auto outer = scene::decomposed(
+      plain ? import_from_joint : glm::inverse(import_from_parent) * import_from_joint);
+  const auto inner = scene::decomposed(joint_from_import * import_from_node);
+  if (!outer || !inner || outer->sheared || inner->sheared) return std::nullopt;
+  return Hinge{outer->outer, inner->outer};
+}
+
+// Joints of the file, at their nodes as attached. What follows or aims with one that is gone stays
+// where it is, by itself.
+void attach_joints(const scene::Scene& from, const std::vector<std::int32_t>& node_of,
+                   const std::string& prefix, scene::Scene& scene) {
+  std::vector<std::int32_t> joint_of(from.joints.size(), scene::kNone);
+  auto next = static_cast<std::int32_t>(scene.joints.size());
+  for (std::size_t i = 0; i < from.joints.size(); ++i)
+    if (node_of[static_cast<std::size_t>(from.joints[i].node)] != scene::kNone)
+      joint_of[i] = next++;
+  for (std::size_t i = 0; i < from.joints.size(); ++i) {
+    if (joint_of[i] == scene::kNone) continue;
+    scene::Joint joint = from.joints[i];
+    joint.node = node_of[static_cast<std::size_t>(joint.node)];
+    if (!joint.name.empty()) joint.name = prefix + joint.name;
+    for (std::int32_t* other : {&joint.mimic, &joint.gimbal})
+      if (*other != scene::kNone) *other = joint_of[static_cast<std::size_t>(*other)];
+    scene.joints.push_back(std::move(joint));
+  }
+}
+
 }  // namespace
 
 void attach(const ImportedModel& model, const PartImport& place,
             std::span<const std::int32_t> materials, std::int32_t below,
-            const Mat4& world_from_below, AttachedShapes& shapes, scene::Scene& scene) {
+            const Mat4& world_from_below, const std::string& prefix, AttachedShapes& shapes,
+            scene::Scene& scene) {
   const scene::Scene& from = model.imported.scene;
   const std::vector<char> kept = kept_nodes(from, place);
   std::vector<std::int32_t> node_of(from.nodes.size(), scene::kNone);
   const bool plain_root = from.nodes[0].parent_from_node == scene::Transform{};
   if (plain_root) node_of[0] = below;
   std::vector<Mat4> world_from(from.nodes.size(), world_from_below);
+  std::vector<Mat4> import_from(from.nodes.size(), Mat4(1));
+  std::map<std::size_t, std::size_t> moved;  // by node
+  for (std::size_t k = 0; k < place.moved.size(); ++k)
+    for (const std::uint32_t node : place.moved[k].nodes) moved[node] = k;
+  std::vector<std::optional<Vec3>> origins(place.moved.size());
+  shapes.moving.clear();
+  shapes.sheared.clear();
   for (std::size_t i = plain_root ? 1 : 0; i < from.nodes.size(); ++i) {
     if (!kept[i]) continue;
     const Mat4& outer =
         i == 0 ? world_from_below : world_from[static_cast<std::size_t>(from.nodes[i].parent)];
-    world_from[i] = outer * from.nodes[i].parent_from_node.matrix();
+    const Mat4 local = from.nodes[i].parent_from_node.matrix();
+    const Mat4 import_from_parent =
+        i == 0 ? Mat4(1) : import_from[static_cast<std::size_t>(from.nodes[i].parent)];
+    world_from[i] = outer * local;
+    import_from[i] = import_from_parent * local;
     scene::Node node = from.nodes[i];
     node.parent = i == 0 ? below : node_of[static_cast<std::size_t>(node.parent)];
+    if (const auto found = moved.find(i); found != moved.end()) {
+      auto& origin = origins[found->second];
+      if (!origin) origin = place.moved[found->second].origin.value_or(Vec3(import_from[i][3]));
+      if (const auto hinge = hinge_of(import_from_parent, import_from[i], *origin)) {
+        scene::Node joint = node;
+        joint.name = node.name + "_joint";
+        joint.parent_from_node = hinge->parent_from_joint;
+        node.parent_from_node = hinge->joint_from_node;
+        node.parent = static_cast<std::int32_t>(scene.nodes.size());
+        shapes.moving.emplace_back(found->second, node.parent);
+        scene.nodes.push_back(std::move(joint));
+      } else {
+        shapes.sheared.push_back(found->second);
+      }
+    }
     node_of[i] = static_cast<std::int32_t>(scene.nodes.size());
     scene.nodes.push_back(std::move(node));
   }
@@ -86,10 +154,7 @@ void attach(const ImportedModel& model, const PartImport& place,
       for (std::size_t k = first; k < scene.instances.size(); ++k)
         shapes.foiled.emplace_back(static_cast<std::int32_t>(k), static_cast<std::uint32_t>(i));
   }
-  for (scene::Joint joint : from.joints) {
-    joint.node = node_of[static_cast<std::size_t>(joint.node)];
-    if (joint.node != scene::kNone) scene.joints.push_back(std::move(joint));
-  }
+  attach_joints(from, node_of, prefix, scene);
 }
 
 }  // namespace panwright::pxn

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,10 @@ struct AttachedShapes {
   CellGrids cells;
   // instances of the scene that are to wear foil, with those of the file: of the last attach()
   std::vector<std::pair<std::int32_t, std::uint32_t>> foiled;
+  // of the last attach(): nodes of the scene that stand for PartImport::moved, by index, one for
+  // each node that moves; and those whose axes no node can have, as they are sheared
+  std::vector<std::pair<std::size_t, std::int32_t>> moving;
+  std::vector<std::size_t> sheared;
 };
 
 // Appends what a CAD file holds below a node, without what is removed: nodes that hold nothing any
@@ -30,9 +35,11 @@ struct AttachedShapes {
 //
 //   materials         of each instance, in the scene
 //   world_from_below  of the node
+//   prefix            of the names of the file's joints
 //   shapes            grows
 void attach(const ImportedModel& model, const PartImport& place,
             std::span<const std::int32_t> materials, std::int32_t below,
-            const Mat4& world_from_below, AttachedShapes& shapes, scene::Scene& scene);
+            const Mat4& world_from_below, const std::string& prefix, AttachedShapes& shapes,
+            scene::Scene& scene);
 
 }  // namespace panwright::pxn

@@ -274,6 +274,8 @@ void Loader::read_import_rule(Work& work, std::uint32_t rule, PartImport& import
       if (chosen[i]) import.removed[i] = 1;
     return;
   }
+  if (document.elements[rule].id == ElementId::import_joint)
+    return read_import_joint(work, rule, import);
   if (document.elements[rule].id != ElementId::assign) return;
   const auto chosen =
       chosen_instances(work, rule, attribute::assign_nodes, attribute::assign_materials, model);

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/math.h"
 #include "importers/import.h"
 
 namespace panwright::pxn {
@@ -36,6 +38,14 @@ struct PartImport {
   };
   std::vector<Foil> foils;
   bool keep_hidden = false;
+  // Nodes that move together, and the joint that moves them.
+  struct Moved {
+    std::vector<std::uint32_t> nodes;  // of the file, none below another, ascending
+    std::uint32_t joint = 0;           // index into Part::joints
+    std::optional<Vec3> origin;        // in the import's coordinates; none: of the first node
+    std::uint32_t rule = 0;            // the element
+  };
+  std::vector<Moved> moved;
 };
 
 }  // namespace panwright::pxn

@@ -59,6 +59,7 @@ bool makes_item(ElementId id) {
   switch (id) {
     case ElementId::group:
     case ElementId::node:
+    case ElementId::joint:
     case ElementId::transform:
     case ElementId::transform_1:
     case ElementId::rotate:
@@ -223,6 +224,9 @@ void Loader::walk(Work& work, std::uint32_t element, std::uint32_t depth) {
       [[fallthrough]];
     case ElementId::node:
       read_node(work, element, depth, read_properties(work, element));
+      break;
+    case ElementId::joint:
+      read_joint(work, element, depth);
       break;
     case ElementId::transform:
     case ElementId::transform_1:

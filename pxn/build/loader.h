@@ -131,6 +131,13 @@ class Loader {
   std::vector<char> chosen_instances(Work& work, std::uint32_t rule, std::size_t nodes,
                                      std::size_t materials, const ImportedModel& model);
 
+  // ---- joint_reader.cpp
+  void read_joint(Work& work, std::uint32_t element, std::uint32_t depth);
+  // What a joint says about its motion; nothing where it cannot be: reported.
+  std::optional<PartJoint> joint_of(Work& work, std::uint32_t element);
+  std::string aim_of(Work& work, std::uint32_t element, PartJoint& joint);
+  void read_import_joint(Work& work, std::uint32_t rule, PartImport& import);
+
   // ---- spectra_files.cpp
   // n and k of the table that an attribute names, or nothing: reported.
   std::optional<materials::Conductor> spectrum(Work& work, std::uint32_t element,

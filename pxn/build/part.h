@@ -37,6 +37,7 @@ enum class ItemKind : std::uint8_t {
   use,         // data: index of the used part
   import,      // data: index into imports
   wrap,        // data: index into wraps
+  joint,       // a node with a joint; data: index into joints
 };
 
 inline constexpr std::uint32_t kNoProperties = 0xffffffffu;
@@ -69,6 +70,13 @@ struct PartFrame {
 struct PartKeypoint {
   std::string name;
   Vec3 position;
+};
+
+// A joint, with those that it names by the words they are written by; its index fields are not set.
+struct PartJoint {
+  scene::Joint joint;
+  std::string mimic;   // empty: follows none
+  std::string gimbal;  // empty: aims alone
 };
 
 // One run of a repeat: its items in the part.
@@ -159,6 +167,7 @@ struct Part {
   std::vector<PartDecal> decals;
   std::vector<PartImport> imports;
   std::vector<PartWrap> wraps;
+  std::vector<PartJoint> joints;
   std::vector<Run> runs;             // of those repeats that hold decals or wraps
   std::uint32_t height = 0;          // elements on the longest path, through includes and uses
   std::uint32_t include_height = 0;  // files on the longest path of includes below this one

@@ -166,6 +166,39 @@ std::optional<Quantity> Values::quantity(std::uint32_t element, std::size_t attr
   return out;
 }
 
+bool Values::quantities(std::uint32_t element, std::size_t attribute,
+                        std::span<const schemas::Dimension> dimensions, std::vector<double>& out) {
+  static constexpr schemas::Number kAny[] = {{"value", -1e9, 1e9, false, false}};
+  const schemas::Attribute& known = schema(element).attributes[attribute];
+  assert(known.value.kind == schemas::ValueKind::quantity);
+  const xml::Attribute* given = find_attribute(doc_, element, known.name);
+  if (given == nullptr) return false;
+  schemas::Value value;
+  value.kind = schemas::ValueKind::real;
+  value.numbers = kAny;
+  value.count = static_cast<std::uint32_t>(dimensions.size());
+  const Text text = text_of(*given);
+  out.clear();
+  std::size_t at = 0;
+  Token token;
+  bool ok = true;
+  while (next_token(text, at, token)) {
+    double number = 0;
+    if (out.size() < dimensions.size()) {
+      value.dimension = dimensions[out.size()];
+      ok = read_real(element, text, token, value, 0, number) && ok;
+    }
+    out.push_back(number);
+  }
+  if (ok && out.size() != dimensions.size()) {
+    schemas::Value counted = value;
+    counted.numbers = {};
+    bad_count(element, counted, fmt::format("{} of <{}>", known.name, schema(element).name),
+              out.size());
+  }
+  return ok && out.size() == dimensions.size();
+}
+
 std::optional<std::uint64_t> Values::integer(std::uint32_t element, std::size_t attribute) {
   const schemas::Attribute& known = schema(element).attributes[attribute];
   assert(known.value.kind == schemas::ValueKind::integer);

@@ -73,6 +73,12 @@ class Values {
   // Lengths in the root's unit, which it says.
   std::optional<Quantity> quantity(std::uint32_t element, std::size_t attribute);
 
+  // A list of quantities of which each has its own dimension, in SI: bare numbers have the root's
+  // unit for it. As many as there are dimensions. False without a report when the attribute is not
+  // there.
+  bool quantities(std::uint32_t element, std::size_t attribute,
+                  std::span<const schemas::Dimension> dimensions, std::vector<double>& out);
+
   // A word, path or label, as UTF-8 without control characters.
   //
   // Reports: E1103 (empty), E1204.

@@ -58,6 +58,17 @@ enum class ToleranceReason : std::uint32_t {
   command_line = 6,  // --max-error
 };
 
+// What a joint's values are.
+enum class JointKind : std::uint32_t {
+  fixed = 0,  // none
+  revolute = 1,  // 1: radians about the axis, between limits
+  continuous = 2,  // 1: radians about the axis, without limits
+  prismatic = 3,  // 1: metres along the axis
+  ball = 4,  // 3: radians about the fixed x, then y, then z: R = Rz Ry Rx
+  general = 5,  // 9: scale x y z, then radians as of a ball, then translation x y z: T R S
+  scale = 6,  // 1: the factor of those of x, y and z along which the axis has a part
+};
+
 // How the bytes of a section are stored; see Compression.
 enum class Codec : std::uint32_t {
   none = 0,  // as they are
@@ -75,6 +86,10 @@ enum class ChunkForm : std::uint32_t {
 inline constexpr std::uint32_t kMeshClosed = 1u << 0;  // every edge is shared by two triangles that run it oppositely
 inline constexpr std::uint32_t kMeshTexcoords = 1u << 1;  // the mesh has a run in texcoords
 inline constexpr std::uint32_t kMeshColors = 1u << 2;  // the mesh has a run in colours
+
+// Bits of Joint.flags.
+inline constexpr std::uint32_t kJointLimited = 1u << 0;  // between lower and upper
+inline constexpr std::uint32_t kJointPointsAtSun = 1u << 1;  // aims its pointing direction at the Sun unless it is given a value
 
 // Bits of Texture.flags.
 inline constexpr std::uint32_t kTextureLinear = 1u << 0;  // RGB is linear; otherwise it is sRGB encoded. A is always linear
@@ -554,6 +569,41 @@ static_assert(offsetof(Level, mesh) == 20);
 static_assert(offsetof(Level, material) == 24);
 static_assert(offsetof(Level, reserved) == 28);
 
+// How the parts of a node move: world_from_node = world_from_parent x (node's T R S) x motion;
+// see Joints.
+struct Joint {
+  double axis[3];  // unit to 1e-12 in its squared length, in the node's coordinates
+  double lower[9];  // limits of the values: radians, metres or factors; 0 where there are none
+  double upper[9];  // none is below `lower`
+  double value[9];  // initial values, within the limits; 0 after those that the kind has
+  // of a joint that follows another: value = multiplier x (value of that one) + offset
+  double multiplier;
+  double offset;
+  // what points where the joint aims: unit to 1e-12 in its squared length, in the node's
+  // coordinates; 0 0 0: none
+  double pointing[3];
+  std::uint32_t node;
+  std::uint32_t kind;  // JointKind
+  std::int32_t mimic;  // the joint that it follows; -1: none
+  std::uint32_t flags;  // JointFlags
+  std::int32_t gimbal;  // the joint further out that aims together with this one; -1: none
+  std::uint32_t name;  // not empty, and no other joint's
+};
+static_assert(sizeof(Joint) == 304);
+static_assert(offsetof(Joint, axis) == 0);
+static_assert(offsetof(Joint, lower) == 24);
+static_assert(offsetof(Joint, upper) == 96);
+static_assert(offsetof(Joint, value) == 168);
+static_assert(offsetof(Joint, multiplier) == 240);
+static_assert(offsetof(Joint, offset) == 248);
+static_assert(offsetof(Joint, pointing) == 256);
+static_assert(offsetof(Joint, node) == 280);
+static_assert(offsetof(Joint, kind) == 284);
+static_assert(offsetof(Joint, mimic) == 288);
+static_assert(offsetof(Joint, flags) == 292);
+static_assert(offsetof(Joint, gimbal) == 296);
+static_assert(offsetof(Joint, name) == 300);
+
 // What made the file.
 struct Build {
   std::uint32_t version;  // name and version of the program
@@ -590,8 +640,9 @@ enum class SectionKind : std::uint32_t {
   decals = 21,
   sheets = 22,
   levels = 23,
+  joints = 24,
 };
-inline constexpr std::size_t kSectionKinds = 23;
+inline constexpr std::size_t kSectionKinds = 24;
 
 struct SectionInfo {
   SectionKind kind;
@@ -628,6 +679,7 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
     {SectionKind::decals, "decals", 96, 96, 8, true, false},
     {SectionKind::sheets, "sheets", 160, 160, 8, true, true},
     {SectionKind::levels, "levels", 32, 32, 8, true, true},
+    {SectionKind::joints, "joints", 304, 304, 8, true, false},
 };
 
 // A kind that a later format will define: a file may hold it as one that readers may ignore.
@@ -636,8 +688,7 @@ struct ReservedKind {
   const char* name;
 };
 
-inline constexpr std::array<ReservedKind, 2> kReservedKinds{{
-    {24, "joints"},
+inline constexpr std::array<ReservedKind, 1> kReservedKinds{{
     {25, "lights"},
 }};
 
@@ -954,6 +1005,32 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::reference, SectionKind::materials, 0, 0},
     {SectionKind::levels, "reserved", 28, FieldType::u32, 1,
      FieldRuleKind::zero, SectionKind::build, 0, 0},
+    {SectionKind::joints, "axis", 0, FieldType::f64, 3,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::joints, "lower", 24, FieldType::f64, 9,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::joints, "upper", 96, FieldType::f64, 9,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::joints, "value", 168, FieldType::f64, 9,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::joints, "multiplier", 240, FieldType::f64, 1,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::joints, "offset", 248, FieldType::f64, 1,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::joints, "pointing", 256, FieldType::f64, 3,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::joints, "node", 280, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::nodes, 0, 0},
+    {SectionKind::joints, "kind", 284, FieldType::u32, 1,
+     FieldRuleKind::range, SectionKind::build, 0u, 6u},
+    {SectionKind::joints, "mimic", 288, FieldType::i32, 1,
+     FieldRuleKind::reference_or_none, SectionKind::joints, 0, 0},
+    {SectionKind::joints, "flags", 292, FieldType::u32, 1,
+     FieldRuleKind::mask, SectionKind::build, 0, 0x00000003u},
+    {SectionKind::joints, "gimbal", 296, FieldType::i32, 1,
+     FieldRuleKind::reference_or_none, SectionKind::joints, 0, 0},
+    {SectionKind::joints, "name", 300, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
 };
 
 // A required feature and the minor version that added it.

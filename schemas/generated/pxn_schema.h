@@ -104,6 +104,7 @@ enum class ElementId : std::uint16_t {
   face_hole,
   subdiv,
   joint,
+  import_joint,
   mli,
   mli_settings,
   width,
@@ -512,6 +513,37 @@ inline constexpr std::size_t polygons_translate = 5;
 inline constexpr std::size_t polygons_rotate = 6;
 inline constexpr std::size_t polygons_quat = 7;
 inline constexpr std::size_t polygons_scale = 8;
+inline constexpr std::size_t joint_name = 0;
+inline constexpr std::size_t joint_type = 1;
+inline constexpr std::size_t joint_axis = 2;
+inline constexpr std::size_t joint_lower = 3;
+inline constexpr std::size_t joint_upper = 4;
+inline constexpr std::size_t joint_value = 5;
+inline constexpr std::size_t joint_mimic = 6;
+inline constexpr std::size_t joint_multiplier = 7;
+inline constexpr std::size_t joint_offset = 8;
+inline constexpr std::size_t joint_pointing = 9;
+inline constexpr std::size_t joint_gimbal = 10;
+inline constexpr std::size_t joint_point_at = 11;
+inline constexpr std::size_t joint_material = 12;
+inline constexpr std::size_t joint_translate = 13;
+inline constexpr std::size_t joint_rotate = 14;
+inline constexpr std::size_t joint_quat = 15;
+inline constexpr std::size_t joint_scale = 16;
+inline constexpr std::size_t import_joint_nodes = 0;
+inline constexpr std::size_t import_joint_origin = 1;
+inline constexpr std::size_t import_joint_name = 2;
+inline constexpr std::size_t import_joint_type = 3;
+inline constexpr std::size_t import_joint_axis = 4;
+inline constexpr std::size_t import_joint_lower = 5;
+inline constexpr std::size_t import_joint_upper = 6;
+inline constexpr std::size_t import_joint_value = 7;
+inline constexpr std::size_t import_joint_mimic = 8;
+inline constexpr std::size_t import_joint_multiplier = 9;
+inline constexpr std::size_t import_joint_offset = 10;
+inline constexpr std::size_t import_joint_pointing = 11;
+inline constexpr std::size_t import_joint_gimbal = 12;
+inline constexpr std::size_t import_joint_point_at = 13;
 inline constexpr std::size_t mli_type = 0;
 inline constexpr std::size_t mli_on = 1;
 inline constexpr std::size_t mli_materials = 2;
@@ -1476,6 +1508,7 @@ inline constexpr Number kNumbers_import_deflection[] = {
 inline constexpr ElementId kChoice_import_0[] = {
     ElementId::assign,
     ElementId::remove,
+    ElementId::import_joint,
 };
 inline constexpr Attribute kAttributes_import[] = {
     {"file", 1, true, true, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
@@ -1920,6 +1953,93 @@ inline constexpr ElementId kChoice_face_1[] = {
 inline constexpr Slot kSlots_face[] = {
     {kChoice_face_0, "", 1, 1, ""},
     {kChoice_face_1, "", 0, 0, ""},
+};
+inline constexpr std::string_view kWords_joint_type[] = {
+    "fixed",
+    "revolute",
+    "continuous",
+    "prismatic",
+    "ball",
+    "general",
+    "scale",
+};
+inline constexpr Number kNumbers_joint_multiplier[] = {
+    {"multiplier", -1000000000.0, 1000000000.0, false, false},
+};
+inline constexpr std::string_view kWords_joint_point_at[] = {
+    "nothing",
+    "sun",
+};
+inline constexpr std::string_view kMembers_joint_0[] = {
+    "@mimic",
+    "@value",
+    "@pointing",
+};
+inline constexpr std::string_view kMembers_joint_1[] = {
+    "@multiplier",
+    "@mimic",
+};
+inline constexpr std::string_view kMembers_joint_2[] = {
+    "@offset",
+    "@mimic",
+};
+inline constexpr std::string_view kMembers_joint_3[] = {
+    "@gimbal",
+    "@pointing",
+};
+inline constexpr std::string_view kMembers_joint_4[] = {
+    "@point_at",
+    "@pointing",
+};
+inline constexpr Attribute kAttributes_joint[] = {
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"type", 1, true, true, {ValueKind::word, 1, {}, kWords_joint_type, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"axis", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::none, false, false, 1, 0}, kInitial_decal_up, "", false},
+    {"lower", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"upper", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"value", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"mimic", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"multiplier", 1, true, false, {ValueKind::real, 1, kNumbers_joint_multiplier, {}, Dimension::none, false, false, 1, 0}, kInitial_retroreflector_index, "", false},
+    {"offset", 1, true, false, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"pointing", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"gimbal", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"point_at", 1, true, false, {ValueKind::word, 1, {}, kWords_joint_point_at, Dimension::none, false, false, 1, 0}, {}, "nothing", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
+};
+inline constexpr Rule kRules_joint[] = {
+    {RuleKind::exclusive, kMembers_joint_0},
+    {RuleKind::requires_others, kMembers_joint_1},
+    {RuleKind::requires_others, kMembers_joint_2},
+    {RuleKind::requires_others, kMembers_joint_3},
+    {RuleKind::requires_others, kMembers_joint_4},
+    {RuleKind::exclusive, kMembers_mesh_0},
+};
+inline constexpr Attribute kAttributes_import_joint[] = {
+    {"nodes", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"origin", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"type", 1, true, true, {ValueKind::word, 1, {}, kWords_joint_type, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"axis", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::none, false, false, 1, 0}, kInitial_decal_up, "", false},
+    {"lower", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"upper", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"value", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"mimic", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"multiplier", 1, true, false, {ValueKind::real, 1, kNumbers_joint_multiplier, {}, Dimension::none, false, false, 1, 0}, kInitial_retroreflector_index, "", false},
+    {"offset", 1, true, false, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"pointing", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"gimbal", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"point_at", 1, true, false, {ValueKind::word, 1, {}, kWords_joint_point_at, Dimension::none, false, false, 1, 0}, {}, "nothing", false},
+};
+inline constexpr Rule kRules_import_joint[] = {
+    {RuleKind::exclusive, kMembers_joint_0},
+    {RuleKind::requires_others, kMembers_joint_1},
+    {RuleKind::requires_others, kMembers_joint_2},
+    {RuleKind::requires_others, kMembers_joint_3},
+    {RuleKind::requires_others, kMembers_joint_4},
 };
 inline constexpr std::string_view kWords_mli_type[] = {
     "flat",
@@ -2425,9 +2545,12 @@ inline constexpr Element kElements[] = {
     {"subdiv", 1, false,
      {},
      {}, {}, {}, false},
-    {"joint", 1, false,
+    {"joint", 1, true,
      {},
-     {}, {}, {}, false},
+     kAttributes_joint, kSlots_group, kRules_joint, false},
+    {"joint", 1, true,
+     {},
+     kAttributes_import_joint, {}, kRules_import_joint, false},
     {"mli", 0, true,
      {},
      kAttributes_mli, kSlots_mli, kRules_mesh, true},

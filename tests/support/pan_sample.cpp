@@ -86,6 +86,20 @@ pan::Contents small_contents() {
   sheet.mesh = 1;
   contents.sheets = {sheet};
   contents.levels = {{0.5, 0.25, 2, 1, 0, 0}};
+  pan::JointContent hinge;
+  hinge.name = "hinge";
+  hinge.node = 1;
+  hinge.joint.kind = geometry::JointKind::revolute;
+  hinge.joint.axis = {0, 1, 0};
+  hinge.joint.limited = true;
+  hinge.joint.lower[0] = -1;
+  hinge.joint.upper[0] = 2;
+  pan::JointContent dish = hinge;
+  dish.name = "dish";
+  dish.node = 2;
+  dish.joint.mimic = 0;
+  dish.joint.multiplier = 0.5;
+  contents.joints = {hinge, dish};
   return contents;
 }
 

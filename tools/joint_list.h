@@ -1,0 +1,20 @@
+// Joints of a model, for people and as JSON.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "pan/model.h"
+
+namespace panwright::tools {
+
+// One line: name, kind, axis, value, limits, what it follows or aims; indented by the joints above.
+std::string joint_line(const pan::Model& model, std::size_t index,
+                       const geometry::JointValues& values);
+
+// A list, in SI.
+nlohmann::ordered_json joints_json(const pan::Model& model,
+                                   const std::vector<geometry::JointValues>& values);
+
+}  // namespace panwright::tools
