@@ -258,11 +258,19 @@ bool write_texels(const Contents& contents, Writer& writer, DiagnosticLog& log, 
   return writer.end(log);
 }
 
+// Whether a joint moves what is at its node from the beginning: by itself, or as it follows
+// another.
+bool begins_elsewhere(const JointContent& joint) {
+  return joint.joint.mimic >= 0 || joint.value != geometry::rest_values(joint.joint.kind);
+}
+
 bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log,
                     double* sync_seconds, const Job& job) {
   assert(!contents.nodes.empty());
   const Tables tables = tables_of(contents);
   for (const layout::Material& material : tables.materials) writer.require(features_of(material));
+  if (std::ranges::any_of(contents.joints, begins_elsewhere))
+    writer.require(layout::kFeatureJointValues);
   const auto strings = tables.strings.bytes();
   const bool sections =
       writer.section(SectionKind::build, bytes_of(tables.build), log) &&

@@ -75,6 +75,15 @@ class Comparison {
     list("keypoint", a_.keypoints, b_.keypoints, [&](const auto& x, const auto& y) {
       return x.name == y.name && place(x.node, y.node) && x.position == y.position ? "" : x.name;
     });
+    list("joint", a_.joints, b_.joints, [&](const auto& x, const auto& y) {
+      return x.name == y.name && (!strict_ || place(x.node, y.node)) && x.kind == y.kind &&
+                     x.axis == y.axis && x.lower == y.lower && x.upper == y.upper &&
+                     scene::initial_values(x) == scene::initial_values(y) && x.mimic == y.mimic &&
+                     x.multiplier == y.multiplier && x.offset == y.offset &&
+                     x.pointing == y.pointing && x.gimbal == y.gimbal && x.point_at == y.point_at
+                 ? ""
+                 : x.name;
+    });
     list("decal", a_.decals, b_.decals,
          [&](const auto& x, const auto& y) { return decal(x, y) ? "" : "its texture or place"; });
     const scene::Budget &m = a_.budget, &n = b_.budget;

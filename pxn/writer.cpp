@@ -48,6 +48,7 @@ class Writer {
     collect();
     name_materials();
     name_shapes();
+    joint_names_ = scene::joint_names(scene_);
     text_ = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
     out_.open("pangu_model");
     out_.attribute("ver", "1");
@@ -79,12 +80,14 @@ class Writer {
     std::vector<std::size_t> instances;
     std::vector<std::size_t> frames;
     std::vector<std::size_t> keypoints;
+    std::vector<std::size_t> joints;
     // the first frame and keypoint at the node and below
     std::size_t first_frame = kNever;
     std::size_t first_keypoint = kNever;
     std::int32_t texture = scene::kNone;  // begins here, around the node
     bool lone_shape() const {
-      return instances.size() == 1 && children.empty() && frames.empty() && keypoints.empty();
+      return instances.size() == 1 && children.empty() && frames.empty() && keypoints.empty() &&
+             joints.empty();
     }
   };
   static constexpr std::size_t kNever = std::numeric_limits<std::size_t>::max();
@@ -108,6 +111,7 @@ class Writer {
     add(scene_.instances, &At::instances);
     add(scene_.frames, &At::frames);
     add(scene_.keypoints, &At::keypoints);
+    add(scene_.joints, &At::joints);
     for (std::size_t i = scene_.nodes.size(); i-- > 0;) {
       At& at = at_[i];
       if (!at.frames.empty()) at.first_frame = std::min(at.first_frame, at.frames[0]);
@@ -359,6 +363,14 @@ class Writer {
     if (at.texture != scene::kNone) open_texture(at.texture);
     if (at.lone_shape()) {
       shape(at.instances[0], &node.parent_from_node);
+    } else if (!at.joints.empty()) {
+      for (const std::size_t joint : at.joints) {
+        out_.open("joint");
+        write_joint(joint, plain(node.name));
+        if (joint == at.joints.front()) transform(node.parent_from_node);
+      }
+      content(index);
+      for (std::size_t i = 0; i < at.joints.size(); ++i) out_.close("joint");
     } else {
       out_.open("node");
       out_.attribute("name", plain(node.name));
@@ -370,6 +382,32 @@ class Writer {
       out_.close("child");
       out_.close("texture");
     }
+  }
+
+  void write_joint(std::size_t index, const std::string& node) {
+    const scene::Joint& joint = scene_.joints[index];
+    const std::string name = plain(joint_names_[index]);
+    out_.attribute("name", name);
+    if (name != node && !node.empty()) out_.attribute("node", node);
+    out_.attribute("type", std::string(geometry::kind_name(joint.kind)));
+    if (joint.axis != Vec3(0, 0, 1)) out_.attribute("axis", joint.axis);
+    const auto list = [&](const char* word, const std::vector<double>& values) {
+      if (!values.empty()) out_.numbers(word, values);
+    };
+    list("lower", joint.lower);
+    list("upper", joint.upper);
+    if (joint.mimic != scene::kNone) {
+      out_.attribute("mimic", plain(joint_names_[static_cast<std::size_t>(joint.mimic)]));
+      if (joint.multiplier != 1) out_.attribute("multiplier", joint.multiplier);
+      if (joint.offset != 0) out_.attribute("offset", joint.offset);
+      return;
+    }
+    list("value", joint.value);
+    if (!joint.pointing) return;
+    out_.attribute("pointing", *joint.pointing);
+    if (joint.gimbal != scene::kNone)
+      out_.attribute("gimbal", plain(joint_names_[static_cast<std::size_t>(joint.gimbal)]));
+    if (joint.point_at == scene::PointAt::sun) out_.attribute("point_at", std::string("sun"));
   }
 
   void open_texture(std::int32_t texture) {
@@ -445,8 +483,9 @@ class Writer {
   const TextureName& texture_;
   std::string text_;
   ElementWriter out_;
-  std::vector<At> at_;                  // by node
-  std::vector<std::string> names_;      // by instance
+  std::vector<At> at_;  // by node
+  std::vector<std::string> names_;
+  std::vector<std::string> joint_names_;
   std::vector<std::string> materials_;  // by material
   std::vector<DecalGroup> decals_;
 };

@@ -26,7 +26,8 @@ using TextureName = std::function<std::string(std::size_t texture)>;
 //
 // What the language cannot say is changed: names that several materials have get a number, and so
 // do those of shapes that a decal could not be told by; braces in names become parentheses; shapes
-// at a node with others, and a root that is moved, get nodes of their own; weights that add up to
+// at a node with others, all joints of a node but its first, and a root that is moved, get nodes of
+// their own; masses of joints are left out; weights that add up to
 // more than 1 are scaled to 1 and colours made brighter for it; textures by texture
 // coordinates that belong to an instance, and terms of a budget that need others that are absent
 // are left out.

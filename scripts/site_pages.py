@@ -22,6 +22,7 @@ NAVIGATION = [
     ("glTF", "importing-gltf.md"),
     ("Cleaning", "cleaning.md"),
     ("Materials", "choosing-a-material.md"),
+    ("Joints", "articulation.md"),
     ("Sampling", "sampling.md"),
     ("Reference renderer", "reference-renderer.md"),
     ("Accuracy", "accuracy.md"),

@@ -83,9 +83,13 @@ std::string joint_line(const pan::Model& model, std::size_t i,
     line += fmt::format(", {} to {}", workspace::shown_value(kind, lower),
                         workspace::shown_value(kind, upper));
   }
-  if (joint.mimic >= 0)
-    line += fmt::format(", follows {} times {:.6g} plus {:.6g}", model.joint_name(joint.mimic),
-                        joint.multiplier, joint.offset);
+  if (joint.mimic >= 0) {
+    line += fmt::format(", follows {}", model.joint_name(static_cast<std::size_t>(joint.mimic)));
+    if (joint.multiplier != 1) line += fmt::format(" times {:.6g}", joint.multiplier);
+    geometry::JointValues offset{};
+    offset[0] = joint.offset;
+    if (joint.offset != 0) line += " plus " + workspace::shown_value(kind, offset);
+  }
   if (world::can_aim(model, static_cast<std::uint32_t>(i)))
     line += fmt::format(
         ", points {:.6g} {:.6g} {:.6g}{}{}", joint.pointing[0], joint.pointing[1],

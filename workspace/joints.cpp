@@ -260,15 +260,15 @@ bool JointSetter::set(const JointText& text, DiagnosticLog& log) {
 bool JointSetter::aim(const Aim& aim, const std::optional<Vec3>& camera, DiagnosticLog& log) {
   const std::string what = aim.text.value.substr(1);
   const std::size_t target = aim.place.target;
-  double error = 0;
+  world::Aimed found;
   if (what == "sun") {
-    error = world::aim(world_, target, aim.place.joint, world_.sun().direction);
+    found = world::aim(world_, target, aim.place.joint, world_.sun().direction);
   } else if (what == "camera" && camera) {
-    error = world::aim_at_point(world_, target, aim.place.joint, *camera);
+    found = world::aim_at_point(world_, target, aim.place.joint, *camera);
   } else if (const auto other = world_.find(what); other && *other != target) {
-    error = world::aim_at_point(world_, target, aim.place.joint, world_[*other].pose().translation);
+    found = world::aim_at_point(world_, target, aim.place.joint, world_[*other].pose().translation);
   } else if (const auto v = parse_numbers(what, 3); v && ((*v)[0] || (*v)[1] || (*v)[2])) {
-    error = world::aim(world_, target, aim.place.joint, Vec3((*v)[0], (*v)[1], (*v)[2]));
+    found = world::aim(world_, target, aim.place.joint, Vec3((*v)[0], (*v)[1], (*v)[2]));
   } else {
     log.report(Code::E5014, {},
                fmt::format("joint {} cannot aim at {}, expected @sun, {}the name of another "
@@ -276,10 +276,10 @@ bool JointSetter::aim(const Aim& aim, const std::optional<Vec3>& camera, Diagnos
                            name_of(world_, aim.place), in_quotes(what), camera ? "@camera, " : ""));
     return false;
   }
-  if (error > 1e-9)
+  if (found.limited())
     log.report(Code::W5015, {},
-               fmt::format("joint {} points {:.4g} deg past what it aims at, as close as it can",
-                           name_of(world_, aim.place), error / kDegree));
+               fmt::format("joint {} points {:.4g} deg past what it aims at, as close as its limits allow",
+                           name_of(world_, aim.place), found.error / kDegree));
   return true;
 }
 
@@ -291,7 +291,7 @@ bool JointSetter::set_aims(const std::optional<Vec3>& camera, DiagnosticLog& log
   for (const Aim& each : aims_) good = aim(each, camera, log) && good;
   world::aim_at_sun(world_, [&](std::size_t target, std::uint32_t joint, double error) {
     log.report(Code::W5015, {},
-               fmt::format("joint {} points {:.4g} deg past the Sun, as close as it can",
+               fmt::format("joint {} points {:.4g} deg past the Sun, as close as its limits allow",
                            name_of(world_, {target, joint}), error / kDegree));
   });
   return good;

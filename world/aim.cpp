@@ -50,17 +50,12 @@ Mat3 without_scale(const Mat3& m) {
   return out;
 }
 
-struct Turned {
-  double error = 0;  // radians
-  double least = 0;  // the same without limits
-};
-
 // Between two directions that turn about an axis of their own each, what no angle takes away.
 double cones_apart(const Vec3& axis, const Vec3& v, const Vec3& target) {
   return std::fabs(angle_between(axis, v) - angle_between(axis, target));
 }
 
-Turned turn(World& world, std::size_t index, std::uint32_t joint, const Vec3& direction,
+Aimed turn(World& world, std::size_t index, std::uint32_t joint, const Vec3& direction,
             bool aimed) {
   const pan::Model& model = *world[index].model();
   assert(can_aim(model, joint));
@@ -108,11 +103,11 @@ bool can_aim(const pan::Model& model, std::uint32_t joint) {
   return record.gimbal < 0 || model.joints()[static_cast<std::size_t>(record.gimbal)].mimic < 0;
 }
 
-double aim(World& world, std::size_t index, std::uint32_t joint, const Vec3& direction) {
-  return turn(world, index, joint, direction, false).error;
+Aimed aim(World& world, std::size_t index, std::uint32_t joint, const Vec3& direction) {
+  return turn(world, index, joint, direction, false);
 }
 
-double aim_at_point(World& world, std::size_t index, std::uint32_t joint, const Vec3& point) {
+Aimed aim_at_point(World& world, std::size_t index, std::uint32_t joint, const Vec3& point) {
   const pan::Model& model = *world[index].model();
   const std::uint32_t node = model.joints()[joint].node;
   const auto towards = [&] {
@@ -122,14 +117,14 @@ double aim_at_point(World& world, std::size_t index, std::uint32_t joint, const 
   };
   // a gimbal may carry the joint's origin along: what that shifts shrinks from turn to turn by its
   // share of the distance
-  double error = 0;
+  Aimed found;
   for (int i = 0; i < 32; ++i) {
     const Vec3 direction = towards();
-    if (direction == Vec3(0)) return error;
-    error = turn(world, index, joint, direction, false).error;
+    if (direction == Vec3(0)) return found;
+    found = turn(world, index, joint, direction, false);
     if (angle_between(direction, towards()) < 1e-15) break;
   }
-  return error;
+  return found;
 }
 
 void aim_at_sun(World& world,
@@ -148,8 +143,8 @@ void aim_at_sun(World& world,
       // with what it begins with, so that what came before does not matter
       world.set_joint(i, j, std::nullopt);
       if (joint.gimbal >= 0) world.set_joint(i, static_cast<std::uint32_t>(joint.gimbal), {});
-      const Turned turned = turn(world, i, j, world.sun().direction, true);
-      if (unreached && turned.error > turned.least + 1e-9) unreached(i, j, turned.error);
+      const Aimed found = turn(world, i, j, world.sun().direction, true);
+      if (unreached && found.limited()) unreached(i, j, found.error);
     }
   }
 }

@@ -9,6 +9,13 @@
 
 namespace panwright::world {
 
+// What an aim has come to, in radians.
+struct Aimed {
+  double error = 0;  // between what points and where it should
+  double least = 0;  // the same if joints had no limits: an axis alone cannot reach every direction
+  bool limited() const { return error > least + 1e-9; }  // the limits keep it from there
+};
+
 // Whether a joint of a model can aim: it has a pointing direction, and neither it nor its gimbal
 // follows another joint.
 bool can_aim(const pan::Model& model, std::uint32_t joint);
@@ -18,13 +25,13 @@ bool can_aim(const pan::Model& model, std::uint32_t joint);
 // angles that are nearest to those it has where several are equally good.
 //
 //   direction  of any length above 0, in world axes
-//   returns    radians between the two that are left: below 1e-12 where the joints reach it
+//   returns    what is left: errors below 1e-12 where the joints reach it
 // Expects: can_aim(). Nodes that are scaled unevenly or sheared are aimed as if they were not.
 // Cost: O(nodes of the model).
-double aim(World& world, std::size_t index, std::uint32_t joint, const Vec3& direction);
+Aimed aim(World& world, std::size_t index, std::uint32_t joint, const Vec3& direction);
 
 // The same towards a point of the world, in metres, from the joint's origin.
-double aim_at_point(World& world, std::size_t index, std::uint32_t joint, const Vec3& point);
+Aimed aim_at_point(World& world, std::size_t index, std::uint32_t joint, const Vec3& point);
 
 // Turns every joint that points at the Sun by itself (kJointPointsAtSun), outer ones first, but for
 // those that were given values. Call it again when the Sun or a pose has changed.

@@ -134,12 +134,14 @@ class Assembler {
       case ItemKind::node:
         if (!enter(use, item, name_of(use, item), transform_of(use, item), inner)) return;
         break;
-      case ItemKind::joint:
-        if (!enter(use, item, use.part->joints[item.data].joint.name, transform_of(use, item),
-                   inner))
+      case ItemKind::joint: {
+        const PartJoint& known = use.part->joints[item.data];
+        if (!enter(use, item, known.node.empty() ? known.joint.name : known.node,
+                   transform_of(use, item), inner))
           return;
-        joint(use, use.part->joints[item.data], item.element, inner.node, context.prefix);
+        joint(use, known, item.element, inner.node, context.prefix);
         break;
+      }
       case ItemKind::shape:
         shape(use, index, inner);
         return;

@@ -47,6 +47,8 @@ std::string in_words(JointKind kind, std::size_t index, double value) {
 std::optional<Vec3> unit_vector(const Vec3& v) {
   const double scale = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
   if (!(scale > 0)) return std::nullopt;
+  // one that was made so comes back bit for bit
+  if (std::fabs(glm::length(v) - 1) <= 1e-15) return v;
   return glm::normalize(v / scale);
 }
 
@@ -112,7 +114,7 @@ std::string Loader::aim_of(Work& work, std::uint32_t element, PartJoint& out) {
     out.gimbal = values.has(element, which("gimbal"))
                      ? values.text(element, which("gimbal")).value_or("")
                      : "";
-    if (values.text_or_default(element, which("point_at")) == "sun")
+    if (values.has(element, which("point_at")) && values.text(element, which("point_at")) == "sun")
       joint.point_at = scene::PointAt::sun;
   }
   return {};
@@ -161,6 +163,8 @@ void Loader::read_joint(Work& work, std::uint32_t element, std::uint32_t depth) 
   const std::uint32_t properties = read_properties(work, element);
   auto joint = joint_of(work, element);
   if (!joint) return read_node(work, element, depth, properties);
+  if (work.file.values->has(element, schemas::attribute::joint_node))
+    joint->node = work.file.values->text(element, schemas::attribute::joint_node).value_or("");
   work.part.joints.push_back(*std::move(joint));
   const auto item = add_item(work, ItemKind::joint, element,
                              static_cast<std::uint32_t>(work.part.joints.size() - 1), properties);

@@ -2,9 +2,31 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <numeric>
+
 #include "base/text.h"
 
 namespace panwright::pxn {
+
+namespace {
+
+void sort_by_node(std::vector<scene::Joint>& joints) {
+  std::vector<std::size_t> order(joints.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return joints[i].node; });
+  std::vector<std::int32_t> place(joints.size());
+  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<std::int32_t>(k);
+  std::vector<scene::Joint> sorted;
+  for (const std::size_t i : order) {
+    sorted.push_back(std::move(joints[i]));
+    for (std::int32_t* other : {&sorted.back().mimic, &sorted.back().gimbal})
+      if (*other != scene::kNone) *other = place[static_cast<std::size_t>(*other)];
+  }
+  joints = std::move(sorted);
+}
+
+}  // namespace
 
 bool Joints::add(const PartJoint& joint, std::int32_t node, const std::string& prefix,
                  SourceSpan where, const xml::Document& document, std::uint32_t element,
@@ -102,7 +124,7 @@ void Joints::connect(scene::Scene& scene, Reporter& reporter) const {
     std::vector<geometry::Joint> joints;
     for (const scene::Joint& joint : scene.joints) joints.push_back(scene::kinematic(joint));
     std::size_t wrong = 0;
-    if (geometry::JointSet::of(std::move(joints), &wrong)) return;
+    if (geometry::JointSet::of(std::move(joints), &wrong)) break;
     for (const Known& known : known_)
       if (static_cast<std::size_t>(known.index) == wrong)
         refuse(known, "follows itself through others");
@@ -113,6 +135,7 @@ void Joints::connect(scene::Scene& scene, Reporter& reporter) const {
       scene.joints[wrong].value = {std::min(std::max(0.0, low), high)};
     }
   }
+  sort_by_node(scene.joints);
 }
 
 }  // namespace panwright::pxn

@@ -23,7 +23,8 @@ class Joints {
   PartJoint follower(const PartJoint& joint, const std::string& leader);
 
   // Once all joints are there, finds those that they name: in the same use, else in what is around
-  // it. Joints that follow what they cannot follow become free.
+  // it. Joints that follow what they cannot follow become free. Then they stand in the order of
+  // their nodes.
   //
   // Reports: E1232.
   void connect(scene::Scene& scene, Reporter& reporter) const;

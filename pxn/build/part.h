@@ -77,6 +77,7 @@ struct PartJoint {
   scene::Joint joint;
   std::string mimic;   // empty: follows none
   std::string gimbal;  // empty: aims alone
+  std::string node;    // the name of its node; empty: its own
 };
 
 // One run of a repeat: its items in the part.

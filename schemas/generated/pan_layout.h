@@ -98,7 +98,8 @@ inline constexpr std::uint32_t kTextureLinear = 1u << 0;  // RGB is linear; othe
 inline constexpr std::uint32_t kFeatureCompressed = 1u << 0;  // sections have a codec
 inline constexpr std::uint32_t kFeatureRecordSizes = 1u << 1;  // records have other sizes than in format 1.0
 inline constexpr std::uint32_t kFeatureBrdfRetroreflector = 1u << 2;  // a material has the BRDF retroreflector
-inline constexpr std::uint64_t kKnownRequiredFeatures = 0x00000007u;
+inline constexpr std::uint32_t kFeatureJointValues = 1u << 3;  // joints begin with values that move something: a reader that does not know them would draw another model
+inline constexpr std::uint64_t kKnownRequiredFeatures = 0x0000000fu;
 
 // Bits of DirectoryEntry.flags.
 inline constexpr std::uint32_t kSectionOptional = 1u << 0;  // a reader that does not know the kind ignores the section
@@ -679,7 +680,7 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
     {SectionKind::decals, "decals", 96, 96, 8, true, false},
     {SectionKind::sheets, "sheets", 160, 160, 8, true, true},
     {SectionKind::levels, "levels", 32, 32, 8, true, true},
-    {SectionKind::joints, "joints", 304, 304, 8, true, false},
+    {SectionKind::joints, "joints", 304, 304, 8, true, true},
 };
 
 // A kind that a later format will define: a file may hold it as one that readers may ignore.
@@ -1040,10 +1041,11 @@ struct FeatureInfo {
   const char* name;
 };
 
-inline constexpr std::array<FeatureInfo, 3> kRequiredFeatures{{
+inline constexpr std::array<FeatureInfo, 4> kRequiredFeatures{{
     {kFeatureCompressed, 1, "Compressed"},
     {kFeatureRecordSizes, 1, "RecordSizes"},
     {kFeatureBrdfRetroreflector, 1, "BrdfRetroreflector"},
+    {kFeatureJointValues, 1, "JointValues"},
 }};
 
 // What a field is taken for where the records of a file are too short to hold it; exact.

@@ -513,23 +513,24 @@ inline constexpr std::size_t polygons_translate = 5;
 inline constexpr std::size_t polygons_rotate = 6;
 inline constexpr std::size_t polygons_quat = 7;
 inline constexpr std::size_t polygons_scale = 8;
-inline constexpr std::size_t joint_name = 0;
-inline constexpr std::size_t joint_type = 1;
-inline constexpr std::size_t joint_axis = 2;
-inline constexpr std::size_t joint_lower = 3;
-inline constexpr std::size_t joint_upper = 4;
-inline constexpr std::size_t joint_value = 5;
-inline constexpr std::size_t joint_mimic = 6;
-inline constexpr std::size_t joint_multiplier = 7;
-inline constexpr std::size_t joint_offset = 8;
-inline constexpr std::size_t joint_pointing = 9;
-inline constexpr std::size_t joint_gimbal = 10;
-inline constexpr std::size_t joint_point_at = 11;
-inline constexpr std::size_t joint_material = 12;
-inline constexpr std::size_t joint_translate = 13;
-inline constexpr std::size_t joint_rotate = 14;
-inline constexpr std::size_t joint_quat = 15;
-inline constexpr std::size_t joint_scale = 16;
+inline constexpr std::size_t joint_node = 0;
+inline constexpr std::size_t joint_name = 1;
+inline constexpr std::size_t joint_type = 2;
+inline constexpr std::size_t joint_axis = 3;
+inline constexpr std::size_t joint_lower = 4;
+inline constexpr std::size_t joint_upper = 5;
+inline constexpr std::size_t joint_value = 6;
+inline constexpr std::size_t joint_mimic = 7;
+inline constexpr std::size_t joint_multiplier = 8;
+inline constexpr std::size_t joint_offset = 9;
+inline constexpr std::size_t joint_pointing = 10;
+inline constexpr std::size_t joint_gimbal = 11;
+inline constexpr std::size_t joint_point_at = 12;
+inline constexpr std::size_t joint_material = 13;
+inline constexpr std::size_t joint_translate = 14;
+inline constexpr std::size_t joint_rotate = 15;
+inline constexpr std::size_t joint_quat = 16;
+inline constexpr std::size_t joint_scale = 17;
 inline constexpr std::size_t import_joint_nodes = 0;
 inline constexpr std::size_t import_joint_origin = 1;
 inline constexpr std::size_t import_joint_name = 2;
@@ -1967,31 +1968,34 @@ inline constexpr Number kNumbers_joint_multiplier[] = {
     {"multiplier", -1000000000.0, 1000000000.0, false, false},
 };
 inline constexpr std::string_view kWords_joint_point_at[] = {
-    "nothing",
     "sun",
 };
 inline constexpr std::string_view kMembers_joint_0[] = {
     "@mimic",
     "@value",
-    "@pointing",
 };
 inline constexpr std::string_view kMembers_joint_1[] = {
+    "@mimic",
+    "@pointing",
+};
+inline constexpr std::string_view kMembers_joint_2[] = {
     "@multiplier",
     "@mimic",
 };
-inline constexpr std::string_view kMembers_joint_2[] = {
+inline constexpr std::string_view kMembers_joint_3[] = {
     "@offset",
     "@mimic",
 };
-inline constexpr std::string_view kMembers_joint_3[] = {
+inline constexpr std::string_view kMembers_joint_4[] = {
     "@gimbal",
     "@pointing",
 };
-inline constexpr std::string_view kMembers_joint_4[] = {
+inline constexpr std::string_view kMembers_joint_5[] = {
     "@point_at",
     "@pointing",
 };
 inline constexpr Attribute kAttributes_joint[] = {
+    {"node", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"type", 1, true, true, {ValueKind::word, 1, {}, kWords_joint_type, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"axis", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::none, false, false, 1, 0}, kInitial_decal_up, "", false},
@@ -2003,7 +2007,7 @@ inline constexpr Attribute kAttributes_joint[] = {
     {"offset", 1, true, false, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"pointing", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"gimbal", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
-    {"point_at", 1, true, false, {ValueKind::word, 1, {}, kWords_joint_point_at, Dimension::none, false, false, 1, 0}, {}, "nothing", false},
+    {"point_at", 1, true, false, {ValueKind::word, 1, {}, kWords_joint_point_at, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -2012,10 +2016,11 @@ inline constexpr Attribute kAttributes_joint[] = {
 };
 inline constexpr Rule kRules_joint[] = {
     {RuleKind::exclusive, kMembers_joint_0},
-    {RuleKind::requires_others, kMembers_joint_1},
+    {RuleKind::exclusive, kMembers_joint_1},
     {RuleKind::requires_others, kMembers_joint_2},
     {RuleKind::requires_others, kMembers_joint_3},
     {RuleKind::requires_others, kMembers_joint_4},
+    {RuleKind::requires_others, kMembers_joint_5},
     {RuleKind::exclusive, kMembers_mesh_0},
 };
 inline constexpr Attribute kAttributes_import_joint[] = {
@@ -2032,14 +2037,15 @@ inline constexpr Attribute kAttributes_import_joint[] = {
     {"offset", 1, true, false, {ValueKind::quantity, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"pointing", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"gimbal", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
-    {"point_at", 1, true, false, {ValueKind::word, 1, {}, kWords_joint_point_at, Dimension::none, false, false, 1, 0}, {}, "nothing", false},
+    {"point_at", 1, true, false, {ValueKind::word, 1, {}, kWords_joint_point_at, Dimension::none, false, false, 1, 0}, {}, "", false},
 };
 inline constexpr Rule kRules_import_joint[] = {
     {RuleKind::exclusive, kMembers_joint_0},
-    {RuleKind::requires_others, kMembers_joint_1},
+    {RuleKind::exclusive, kMembers_joint_1},
     {RuleKind::requires_others, kMembers_joint_2},
     {RuleKind::requires_others, kMembers_joint_3},
     {RuleKind::requires_others, kMembers_joint_4},
+    {RuleKind::requires_others, kMembers_joint_5},
 };
 inline constexpr std::string_view kWords_mli_type[] = {
     "flat",

@@ -100,6 +100,10 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       folder.write("chalk.pxn",
                    "<pangu_model ver=\"1\"><material name=\"chalk\"><diffuse>1 1 1</diffuse>"
                    "<oren>0.3rad</oren></material><sphere material=\"chalk\"/></pangu_model>");
+  const std::string jointed = folder.write(
+      "jointed.pxn",
+      "<pangu_model ver=\"1\"><joint name=\"drive\" type=\"revolute\" lower=\"0\" upper=\"90\" "
+      "pointing=\"1 0 0\"><sphere/></joint></pangu_model>");
   const std::string nested = [] {
     std::string text = "#VRML V2.0 utf8\n";
     for (int i = 0; i < 2000; ++i) text += "Group { children [ ";
@@ -145,6 +149,9 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"W6402", {"export", kFigure8, "-o", folder / "f.glb"}, {}},
       {"N1318", {"upgrade", whole, part}, {}},
       {"E5005", {"render", pan, "-o", png, "--camera-frame", "camera"}, {}},
+      {"E5013", {"joints", jointed, "--joint", "wing=1"}, {}},
+      {"E5014", {"joints", jointed, "--joint", "drive=100deg"}, {}},
+      {"W5015", {"joints", jointed, "--joint", "drive=@-1 0 1"}, {}},
       {"E5009", {"render", "a=" + pan, "a=" + kFigure8, "-o", png}, {}},
       {"E5010", crowd(pan), {}},
       {"E5011", {"render", pan, "-o", png, "--pose", "b=0 0 0 1 0 0 0"}, {}},

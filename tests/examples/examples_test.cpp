@@ -165,7 +165,7 @@ INSTANTIATE_TEST_SUITE_P(
                 {"docking/port", "camera_wide/camera", "camera_narrow/camera", "lidar/boresight",
                  "inspection/camera", "star_tracker_a/boresight", "star_tracker_b/boresight",
                  "high_gain/dish/boresight", "main_engine/plume", "cluster0/plus_x/plume",
-                 "cluster3/minus_z/plume"},
+                 "cluster3/minus_z/plume", "arm/gripper/grip"},
                 {"corner0", "corner7", "wing_left/tip_left", "wing_right/tip_right", "tag0_middle",
                  "high_gain/dish/rim3"}},
         Example{"servicer/servicer.pxn",

@@ -64,6 +64,12 @@ const std::map<ElementId, std::string>& models() {
       {ElementId::import, "<import file='a.wrl' @/>"},
       {ElementId::assign,
        "<material name='m'/><import file='a.wrl'><assign material='m' @/></import>"},
+      {ElementId::joint,
+       "<joint name='l' type='continuous'><joint name='j' type='continuous' @ "
+       "mimic='l'><box size='1'/></joint></joint>"},
+      {ElementId::import_joint,
+       "<import file='a.wrl'><joint nodes='*' name='j' type='continuous' @ mimic='l'/></import>"
+       "<joint name='l' type='continuous' value='0.5rad'/>"},
       {ElementId::transform_1, "<transform @><box size='1'/></transform>"},
       {ElementId::frame, "<frame name='f' @/>"},
       {ElementId::coat,

@@ -73,8 +73,8 @@ void record_sizes(Collection& add) {
     f.at<Instance>(SectionKind::instances, 1).node = 99;
     f.restride_section(SectionKind::instances, 32);
   });
-  add.changed(Code::E4004, "joints that may not be ignored",
-              [](OpenPan& f) { f.add_section(24, false, 64, std::vector<std::byte>(64)); });
+  add.changed(Code::E4004, "lights that may not be ignored",
+              [](OpenPan& f) { f.add_section(25, false, 64, std::vector<std::byte>(64)); });
 }
 
 void compression(Collection& add) {

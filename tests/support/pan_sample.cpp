@@ -96,9 +96,7 @@ pan::Contents small_contents() {
   hinge.joint.upper[0] = 2;
   pan::JointContent dish = hinge;
   dish.name = "dish";
-  dish.node = 2;
-  dish.joint.mimic = 0;
-  dish.joint.multiplier = 0.5;
+  dish.joint.axis = {1, 0, 0};
   contents.joints = {hinge, dish};
   return contents;
 }

@@ -364,7 +364,45 @@ TEST(GltfReader, ArticulationsAreJoints) {
   EXPECT_EQ(joints[1].kind, scene::JointKind::prismatic);
   EXPECT_EQ(joints[1].upper, std::vector<double>{2.0});
   EXPECT_EQ(joints[2].kind, scene::JointKind::scale);
-  EXPECT_EQ(joints[2].value, 1.0);
+  EXPECT_TRUE(joints[2].value.empty());  // at rest
+}
+
+// One articulation of two nodes: the second node's joints follow the first one's. Initial values,
+// and a direction that points, with two stages that turn it.
+TEST(GltfReader, ArticulationsBeginWhereTheySay) {
+  Sample sample = triangle();
+  sample.json["extensionsUsed"] = {"AGI_articulations"};
+  sample.json["nodes"].push_back(sample.json["nodes"][0]);
+  for (auto& node : sample.json["nodes"])
+    node["extensions"]["AGI_articulations"]["articulationName"] = "Dish";
+  sample.json["scenes"] = {{{"nodes", {0, 1}}}};
+  sample.json["scene"] = 0;
+  sample.json["extensions"]["AGI_articulations"]["articulations"] = {{{"name", "Dish"},
+                                                                      {"pointingVector", {0, 0, 2}},
+                                                                      {"stages",
+                                                                       {{{"name", "Az"},
+                                                                         {"type", "zRotate"},
+                                                                         {"minimumValue", -180},
+                                                                         {"maximumValue", 180},
+                                                                         {"initialValue", 30}},
+                                                                        {{"name", "El"},
+                                                                         {"type", "yRotate"},
+                                                                         {"minimumValue", 0},
+                                                                         {"maximumValue", 90},
+                                                                         {"initialValue", 45}}}}}};
+  const Loaded out = load(sample.glb());
+  ASSERT_TRUE(out.imported && !out.log.has_errors()) << out.text();
+  EXPECT_FALSE(out.log.contains(Code::N6007));
+  const auto& joints = out.imported->scene.joints;
+  ASSERT_EQ(joints.size(), 4u);
+  EXPECT_EQ(joints[0].kind, scene::JointKind::continuous);
+  EXPECT_EQ(joints[0].value, std::vector<double>{30 * kDegree});
+  EXPECT_EQ(joints[1].value, std::vector<double>{45 * kDegree});
+  EXPECT_EQ(joints[1].pointing, Vec3(0, 0, 1));
+  EXPECT_EQ(joints[1].gimbal, 0);
+  EXPECT_EQ(joints[2].mimic, 0);
+  EXPECT_EQ(joints[3].mimic, 1);
+  EXPECT_EQ(scene::check(out.imported->scene), "");
 }
 
 TEST(GltfReader, NormalsAreUnitAndMissingOnesFollowTheFacets) {
