@@ -80,14 +80,15 @@ bool InstanceEvaluation::place(const Instance& instance) {
     if (moved_[i]) {
       Mat4 matrix = own && own->transform ? own->transform->matrix() : at_rest_[i];
       for (std::size_t j = first_joint; j < joint; ++j)
-        matrix = matrix * geometry::motion(joints_[j], next_[j]);
+        matrix = geometry::affine_product(matrix, geometry::motion(joints_[j], next_[j]));
       local_[i] = matrix;
     } else if (node.parent >= 0) {
       moved_[i] = moved_[parent];
     }
     if (moved_[i])
       result_.model_from_nodes[i] =
-          node.parent >= 0 ? result_.model_from_nodes[parent] * local_[i] : local_[i];
+          node.parent >= 0 ? geometry::affine_product(result_.model_from_nodes[parent], local_[i])
+                           : local_[i];
     const bool visible = instance.visible() && (!own || own->visible) &&
                          (node.parent < 0 || result_.node_visible[parent] != 0);
     changed = changed || moved_[i] || visible != (result_.node_visible[i] != 0);

@@ -12,9 +12,9 @@ constexpr std::string_view kNames[kJointKinds] = {"fixed", "revolute", "continuo
 
 // Rodrigues' formula: R = I + sin q·K + (1 − cos q)·K².
 Mat3 turn(const Vec3& axis, double angle) {
-  const auto [sine, cosine] = det::sincos(angle);
-  const double half = det::sin(0.5 * angle);
-  const double versed = 2 * half * half;
+  const auto [sine_half, cosine_half] = det::sincos(0.5 * angle);
+  const double sine = 2 * sine_half * cosine_half;
+  const double versed = 2 * sine_half * sine_half;
   Mat3 out;
   for (int c = 0; c < 3; ++c)
     for (int r = 0; r < 3; ++r) out[c][r] = versed * (axis[r] * axis[c]);
@@ -102,6 +102,19 @@ Mat4 motion(const Joint& joint, const JointValues& values) {
     }
   }
   return Mat4(1);
+}
+
+// Terms in the order in which the full product adds them; those with 0 are left out.
+Mat4 affine_product(const Mat4& a, const Mat4& b) {
+  Mat4 out;
+  for (int c = 0; c < 4; ++c)
+    for (int r = 0; r < 3; ++r) {
+      const double sum = a[0][r] * b[c][0] + a[1][r] * b[c][1] + a[2][r] * b[c][2];
+      out[c][r] = c == 3 ? sum + a[3][r] : sum;
+    }
+  out[0][3] = out[1][3] = out[2][3] = 0;
+  out[3][3] = 1;
+  return out;
 }
 
 // The remainder is exact by IEEE 754; of 2π as two doubles, so that many turns lose nothing.

@@ -57,10 +57,13 @@ bool can_mimic(const Joint& joint);
 
 // The matrix by which a joint moves what is at its node, in the node's frame: I at rest_values().
 // A rotation is Rodrigues' formula, with 1 − cos q = 2 sin²(q/2): orthogonal to 4e-16, and q and
-// −q are inverse to each other as exactly.
+// −q are inverse to each other as exactly. Both from the sine and cosine of half the angle.
 //
 // Expects: a unit axis, finite values.
 Mat4 motion(const Joint& joint, const JointValues& values);
+
+// a·b of two affine matrices, with the bits of the full product.
+Mat4 affine_product(const Mat4& a, const Mat4& b);
 
 // An angle in (−π, π], from one of at most 2^53 radians, as exact as the angle was given.
 double wrapped_angle(double angle);
