@@ -18,9 +18,10 @@ struct Options {
   std::optional<double> max_error;           // metres in the world: overrides the scene's budget
   std::uint64_t max_triangles = 1ull << 27;  // of all meshes in the file together
   bool strip_sources = false;                // leaves out the source map
-  bool check_size = false;  // reports sizes that no spacecraft and its parts have: W2022, W2023
-  bool compress = false;    // pan::WriteOptions; the identity does not know it
-  std::string origin;       // import options that the inputs do not record: " units=mm"
+  bool check_size = false;   // reports sizes that no spacecraft and its parts have: W2022, W2023
+  bool mesh_levels = false;  // levels of detail of all larger meshes, not of foil alone
+  bool compress = false;     // pan::WriteOptions; the identity does not know it
+  std::string origin;        // import options that the inputs do not record: " units=mm"
 };
 
 // The result of a compilation.

@@ -24,8 +24,10 @@ struct Part {
   struct Step {
     Mesh mesh;
     double high = 0;
+    double cost = 0;  // of what the whole may be off in area and normals; 1: all of it
   };
   std::vector<std::uint32_t> triangles;  // of the mesh
+  double area = 0;                       // m²
   bool locked = false;
   std::vector<Step> steps;  // from the finest
 };
@@ -103,8 +105,18 @@ struct Range {
   double least = 0, most = 0;  // metres
 };
 
-void simplify(Part& part, const Mesh& full, const Range& range, const LevelOptions& options,
-              const Job& job) {
+double area_of(const Mesh& mesh, std::span<const std::uint32_t> triangles) {
+  double sum = 0;
+  for (const std::uint32_t i : triangles) {
+    const Triangle& t = mesh.triangles[i];
+    const Vec3& corner = mesh.positions[t[0]];
+    sum += glm::length(glm::cross(mesh.positions[t[1]] - corner, mesh.positions[t[2]] - corner));
+  }
+  return sum / 2;
+}
+
+void simplify(Part& part, const Mesh& full, double whole_area, const Range& range,
+              const LevelOptions& options, const Job& job) {
   Simplifier simplifier(full, part.locked);
   const double size = simplifier.size();
   if (!(size > 0)) return;
@@ -121,11 +133,18 @@ void simplify(Part& part, const Mesh& full, const Range& range, const LevelOptio
     if (static_cast<double>(left) > kWorthMeasuring * static_cast<double>(before)) continue;
     before = left;
     Mesh mesh = simplifier.mesh();
-    if (projected_area_error(full, mesh, job) > options.most_part_area_error) return;
-    const DistanceInterval found = hausdorff_distance(measured, MeasuredMesh(mesh), narrow, job);
+    const double area_error = projected_area_error(full, mesh, job);
+    if (area_error > options.most_part_area_error) return;
+    const MeasuredMesh coarse(mesh);
+    const DistanceInterval found = hausdorff_distance(measured, coarse, narrow, job);
     if (found.low > range.most) return;
     if (found.high > range.most) continue;
-    part.steps.push_back({std::move(mesh), found.high});
+    const double turn = normal_error(measured, coarse, found.high, job).rms;
+    if (turn > options.most_part_normal_error) return;
+    const double cost = part.area / whole_area *
+                        std::max(area_error / options.most_area_error,
+                                 std::pow(turn / options.most_normal_error, 2));
+    part.steps.push_back({std::move(mesh), found.high, cost});
   }
 }
 
@@ -146,14 +165,17 @@ class Maker {
       const double tolerance = std::ldexp(options_.unit, k);
       if (tolerance > range_.most) break;
       if (tolerance < range_.least) continue;
-      const std::size_t count = triangles_within(tolerance);
+      const std::size_t count = choose(tolerance);
       if (count < options_.least_triangles) break;
       if (static_cast<double>(count) > options_.share * before) continue;
       before = static_cast<double>(count);
-      MeshLevel level = level_within(tolerance);
+      MeshLevel level = chosen_level();
       if (level.normals.rms > options_.most_normal_error ||
           level.area_error > options_.most_area_error)
         break;
+      // what is coarser and as near serves as well
+      while (!levels.empty() && levels.back().distance.high >= level.distance.high)
+        levels.pop_back();
       levels.push_back(std::move(level));
     }
     return levels;
@@ -164,45 +186,82 @@ class Maker {
     parts_ = parts_of(mesh_, options_.shared);
     std::vector<std::uint32_t> index(mesh_.positions.size(), kNone);
     std::vector<std::pair<Part*, Mesh>> work;
+    double area = 0;
+    for (Part& part : parts_) {
+      part.area = area_of(mesh_, part.triangles);
+      area += part.area;
+    }
     for (Part& part : parts_)
       if (part.triangles.size() >= kLeastPart)
         work.emplace_back(&part, extract(mesh_, part.triangles, index));
     parallel_for(
         work.size(),
-        [&](std::size_t i) { simplify(*work[i].first, work[i].second, range_, options_, job_); },
+        [&](std::size_t i) {
+          simplify(*work[i].first, work[i].second, area, range_, options_, job_);
+        },
         job_);
   }
 
-  // null: none of the steps
-  static const Part::Step* step_within(const Part& part, double tolerance) {
-    const Part::Step* best = nullptr;
-    for (const Part::Step& step : part.steps)
-      if (step.high <= tolerance) best = &step;
-    return best;
+  // Triangles that a part has after some of its steps, and their cost.
+  static std::size_t triangles_after(const Part& part, std::size_t steps) {
+    return steps == 0 ? part.triangles.size() : part.steps[steps - 1].mesh.triangles.size();
+  }
+  static double cost_after(const Part& part, std::size_t steps) {
+    return steps == 0 ? 0 : part.steps[steps - 1].cost;
   }
 
-  std::size_t triangles_within(double tolerance) const {
-    std::size_t count = 0;
-    for (const Part& part : parts_) {
-      const Part::Step* step = step_within(part, tolerance);
-      count += step ? step->mesh.triangles.size() : part.triangles.size();
+  // Takes steps within a tolerance, the cheapest for each triangle that goes first, while the whole
+  // may be off so much. Returns the triangles that are left.
+  std::size_t choose(double tolerance) {
+    struct Next {
+      double price = 0, cost = 0;
+      std::size_t part = 0, steps = 0, saved = 0;
+    };
+    const auto is_later = [](const Next& a, const Next& b) {
+      return a.price != b.price ? a.price > b.price : a.part > b.part;
+    };
+    std::vector<Next> waiting;
+    const auto offer = [&](std::size_t i) {
+      const Part& part = parts_[i];
+      std::size_t steps = taken_[i];
+      while (steps < part.steps.size() && !(part.steps[steps].high <= tolerance)) ++steps;
+      if (steps++ == part.steps.size()) return;
+      const std::size_t saved = triangles_after(part, taken_[i]) - triangles_after(part, steps);
+      const double cost = cost_after(part, steps) - cost_after(part, taken_[i]);
+      waiting.push_back({cost / static_cast<double>(saved), cost, i, steps, saved});
+      std::push_heap(waiting.begin(), waiting.end(), is_later);
+    };
+    taken_.assign(parts_.size(), 0);
+    std::size_t count = mesh_.triangles.size();
+    double spent = 0;
+    for (std::size_t i = 0; i < parts_.size(); ++i) offer(i);
+    while (!waiting.empty()) {
+      std::pop_heap(waiting.begin(), waiting.end(), is_later);
+      const Next next = waiting.back();
+      waiting.pop_back();
+      if (spent + next.cost > 1) continue;
+      spent += next.cost;
+      count -= next.saved;
+      taken_[next.part] = next.steps;
+      offer(next.part);
     }
     return count;
   }
 
-  MeshLevel level_within(double tolerance) const {
+  MeshLevel chosen_level() const {
     MeshLevel level;
     double high = 0;
     std::vector<std::uint32_t> index(mesh_.positions.size(), kNone);
     std::vector<std::uint32_t> whole;
-    for (const Part& part : parts_) {
-      const Part::Step* step = step_within(part, tolerance);
-      if (!step) {
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const Part& part = parts_[i];
+      if (taken_[i] == 0) {
         whole.insert(whole.end(), part.triangles.begin(), part.triangles.end());
         continue;
       }
-      append(level.mesh, step->mesh);
-      high = std::max(high, step->high);
+      const Part::Step& step = part.steps[taken_[i] - 1];
+      append(level.mesh, step.mesh);
+      high = std::max(high, step.high);
     }
     append(level.mesh, extract(mesh_, whole, index));
     if (mesh_.closed) set_closed(level.mesh);
@@ -223,6 +282,7 @@ class Maker {
   const MeasuredMesh full_;
   Range range_;
   std::vector<Part> parts_;
+  std::vector<std::size_t> taken_;  // steps of each part, for the level that is made
 };
 
 }  // namespace
