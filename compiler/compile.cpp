@@ -346,10 +346,12 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
   if (options.check_size) internal::check_size(scene, out, log);
   for (const pan::InstanceContent& instance : out.instances)
     report.triangles += out.meshes[instance.mesh].triangle_count();
-  for (const pan::PackedMesh& mesh : out.meshes) {
-    report.unique_triangles += mesh.triangle_count();
-    report.worst_error = std::max(report.worst_error, mesh.error);
-  }
+  for (const pan::PackedMesh& mesh : out.meshes) report.unique_triangles += mesh.triangle_count();
+  std::vector<char> coarse(out.meshes.size());
+  for (const pan::layout::Level& level : out.levels) coarse[level.mesh] = 1;
+  for (const pan::InstanceContent& instance : out.instances) coarse[instance.mesh] = 0;
+  for (std::size_t i = 0; i < out.meshes.size(); ++i)
+    if (!coarse[i]) report.worst_error = std::max(report.worst_error, out.meshes[i].error);
   report.unique_meshes = out.meshes.size();
   report.instances = out.instances.size();
   report.seconds_tessellate = seconds_since(start);

@@ -17,7 +17,7 @@ namespace panwright::compiler::internal {
 namespace {
 
 constexpr std::size_t kLeastTriangles = 512;
-constexpr double kPixels = 0.25;         // of a pixel: what a level may be off
+constexpr double kPixels = 0.25;         // what a level may be off where no budget says it
 constexpr double kSamePlace = 1e-6;      // of the model's diagonal
 constexpr std::size_t kMost = 1u << 24;  // vertices of all instances whose borders are compared
 
@@ -149,7 +149,10 @@ class Meetings {
 class MeshLevels {
  public:
   MeshLevels(const scene::Scene& scene, pan::Contents& out, const Job& job)
-      : budget_(scene.budget), out_(out), job_(job) {
+      : budget_(scene.budget),
+        pixels_(scene.budget.pixels.value_or(kPixels)),
+        out_(out),
+        job_(job) {
     const std::vector<Mat4> nodes = scene::world_from_nodes(scene);
     for (const pan::InstanceContent& instance : out.instances)
       world_.push_back(nodes[instance.node]);
@@ -265,7 +268,7 @@ class MeshLevels {
   std::vector<geometry::MeshLevel> made(const Chosen& chosen) const {
     geometry::LevelOptions options;
     options.unit = 1 / chosen.stretch;
-    options.least_error = kPixels / 2 * nearest_pixel(chosen);
+    options.least_error = pixels_ / 2 * nearest_pixel(chosen);
     options.shared = chosen.shared;
     return geometry::mesh_levels(unpacked(out_.meshes[chosen.mesh]), options, job_);
   }
@@ -273,7 +276,7 @@ class MeshLevels {
   void store(const Chosen& chosen, const std::vector<geometry::MeshLevel>& levels) {
     const double pixel = nearest_pixel(chosen);
     std::size_t first = 0;
-    while (first + 1 < levels.size() && levels[first + 1].distance.high / kPixels <= pixel) ++first;
+    while (first + 1 < levels.size() && levels[first + 1].distance.high / pixels_ <= pixel) ++first;
     for (std::size_t k = first; k < levels.size(); ++k) {
       const auto mesh = static_cast<std::uint32_t>(out_.meshes.size());
       out_.meshes.push_back(packed_level(out_.meshes[chosen.mesh], levels[k].mesh, k - first));
@@ -282,11 +285,12 @@ class MeshLevels {
             {0, static_cast<std::uint32_t>(pan::layout::ToleranceReason::explicit_counts), 0});
       const double error = levels[k].distance.high;
       for (const std::uint32_t i : chosen.instances)
-        out_.levels.push_back({error / kPixels, error, i, mesh, out_.instances[i].material, 0});
+        out_.levels.push_back({error / pixels_, error, i, mesh, out_.instances[i].material, 0});
     }
   }
 
   const scene::Budget& budget_;
+  const double pixels_;
   pan::Contents& out_;
   const Job& job_;
   std::vector<Mat4> world_;  // of instances

@@ -25,8 +25,8 @@ struct LevelOptions {
   double most_error = 0.05;         // of the diagonal of the bounds
   double most_normal_error = 0.25;  // radians, rms, of the whole
   double most_area_error = 0.02;    // of the whole
-  double most_part_normal_error = 0.6;
-  double most_part_area_error = 0.2;
+  double most_part_normal_error = 1;
+  double most_part_area_error = 0.4;
   // What a level may have of the triangles of the one before, or it is left out.
   double share = 0.7;
   std::size_t least_triangles = 16;  // of a level
@@ -35,17 +35,16 @@ struct LevelOptions {
 };
 
 // Coarser and coarser meshes. Parts that hang together by position are simplified by themselves, in
-// steps that double the simplifier's error, and each step is measured. A level takes of each part
-// a step whose bound is within its tolerance: those that save most for what they cost in
-// area and normals, while the whole may be off so much; tolerances
-// double, from 3e-5 of the diagonal on. So one part that cannot be simplified holds up no other,
-// and none goes. What comes out is measured as a whole, which narrows the interval: high ≤ 1.5 ·
-// low or the parts' bound.
+// steps that double the simplifier's error, and each step is measured. A level takes of each part a
+// step whose bound is within its tolerance: those first that save most for what they cost in area
+// and normals, while the whole may be off so much. Tolerances double, from 3e-5 of the diagonal on.
+// So one part that cannot be simplified holds up no other, and no part goes. What comes out is
+// measured as a whole, which narrows the interval: high ≤ 1.5 · low, or the parts' bound.
 //
 // Equal for any number of threads, and for one version of meshoptimizer.
 //
 // Expects: indices in range, finite numbers within ±1e100, 3*T < 2^32.
-// Cost: O(V + T log T) for each step and level; about 20 µs for each triangle in all.
+// Cost: O(V + T log T) for each step and level: 10 to 200 µs for each triangle in all.
 std::vector<MeshLevel> mesh_levels(const Mesh& mesh, const LevelOptions& options = {},
                                    const Job& job = {});
 
