@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -142,9 +143,9 @@ class Approach {
 
   // Frame i with the levels of another one.
   Frame mixed(int i, const Mix& mix) const {
-    Frame out = frame(i, mix.begin);
+    Frame out = kept(i, mix.begin);
     if (!(mix.share > 0)) return out;
-    const Frame coarse = frame(i, 2 * mix.begin);
+    const Frame& coarse = kept(i, 2 * mix.begin);
     const auto share = static_cast<float>(mix.share);
     for (std::size_t p = 0; p < out.radiance.size(); ++p)
       out.radiance[p] += share * (coarse.radiance[p] - out.radiance[p]);
@@ -153,6 +154,15 @@ class Approach {
   }
 
  private:
+  // Frames of one camera, drawn once.
+  const Frame& kept(int i, double pixel) const {
+    if (i != camera_) kept_.clear();
+    camera_ = i;
+    const auto [found, added] = kept_.try_emplace(pixel);
+    if (added) found->second = frame(i, pixel);
+    return found->second;
+  }
+
   static void measure(Frame& frame) {
     frame.flux = 0;
     frame.centre = Vec2(0);
@@ -172,6 +182,8 @@ class Approach {
   world::ModelPtr model_;
   Box box_;
   int frames_;
+  mutable int camera_ = -1;
+  mutable std::map<double, Frame> kept_;
 };
 
 // The radiance that is white: one lit pixel in a hundred is brighter.
@@ -221,7 +233,7 @@ void run_model(Context& context, preview::Renderer& renderer, const std::string&
   const Built plain = built(*scene, false, log);
   const Built leveled = built(*scene, true, log);
   if (!plain.model || !leveled.model) return context.note(name + " was refused");
-  const int frames = context.quick() ? 6 : 200;
+  const int frames = context.quick() ? 40 : 200;
   const Approach approach(renderer, leveled.model, frames);
   static_cast<void>(approach.frame(0, 0));
   const float white = white_of(approach.frame(frames - 1, 0));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "base/parallel.h"
@@ -71,8 +72,30 @@ Mesh extract(const Mesh& mesh, std::span<const std::uint32_t> triangles,
   return out;
 }
 
+// For each vertex the first one at its place that has its texture coordinates and colour.
+std::vector<std::uint32_t> corner_points(const Mesh& mesh,
+                                         const std::vector<std::uint32_t>& place) {
+  if (mesh.texcoords.empty() && mesh.colors.empty()) return place;
+  std::vector<std::uint32_t> order(place.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](std::uint32_t v) {
+    const Vec2 uv = mesh.texcoords.empty() ? Vec2(0) : mesh.texcoords[v];
+    const Vec3 color = mesh.colors.empty() ? Vec3(0) : mesh.colors[v];
+    return std::make_tuple(place[v], uv.x, uv.y, color.x, color.y, color.z);
+  };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const auto x = key(a), y = key(b);
+    return x != y ? x < y : a < b;
+  });
+  std::vector<std::uint32_t> first(place.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    first[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? first[order[i - 1]] : order[i];
+  return first;
+}
+
 std::vector<Part> parts_of(const Mesh& mesh, std::span<const char> shared) {
-  std::vector<std::uint32_t> root = welded(mesh.positions);
+  const std::vector<std::uint32_t> place = welded(mesh.positions);
+  std::vector<std::uint32_t> root = corner_points(mesh, place);
   const auto find = [&](std::uint32_t v) {
     while (root[v] != v) v = root[v] = root[root[v]];
     return v;
@@ -93,11 +116,21 @@ std::vector<Part> parts_of(const Mesh& mesh, std::span<const char> shared) {
     }
     parts[part_of[at]].triangles.push_back(i);
   }
-  if (!shared.empty())
-    for (Part& part : parts)
-      part.locked = std::ranges::any_of(part.triangles, [&](std::uint32_t i) {
-        return std::ranges::any_of(mesh.triangles[i], [&](std::uint32_t v) { return shared[v]; });
+  // where parts meet: a vertex's place is of this part, or of several
+  constexpr std::uint32_t kSeveral = kNone - 1;
+  std::vector<std::uint32_t> of_place(mesh.positions.size(), kNone);
+  for (std::uint32_t k = 0; k < parts.size(); ++k)
+    for (const std::uint32_t i : parts[k].triangles)
+      for (const std::uint32_t v : mesh.triangles[i]) {
+        std::uint32_t& part = of_place[place[v]];
+        part = part == kNone || part == k ? k : kSeveral;
+      }
+  for (Part& part : parts)
+    part.locked = std::ranges::any_of(part.triangles, [&](std::uint32_t i) {
+      return std::ranges::any_of(mesh.triangles[i], [&](std::uint32_t v) {
+        return of_place[place[v]] == kSeveral || (!shared.empty() && shared[v]);
       });
+    });
   return parts;
 }
 

@@ -21,12 +21,12 @@ struct MeshLevel {
 struct LevelOptions {
   // Tolerances are this times a power of two, metres.
   double unit = 1;
-  double least_error = 0;           // metres: finer levels are of no use
-  double most_error = 0.05;         // of the diagonal of the bounds
-  double most_normal_error = 0.25;  // radians, rms, of the whole
-  double most_area_error = 0.02;    // of the whole
-  double most_part_normal_error = 1;
-  double most_part_area_error = 0.4;
+  double least_error = 0;          // metres: finer levels are of no use
+  double most_error = 0.05;        // of the diagonal of the bounds
+  double most_normal_error = 0.1;  // radians, rms, of the whole
+  double most_area_error = 0.005;  // of the whole
+  double most_part_normal_error = 0.5;
+  double most_part_area_error = 0.2;
   // What a level may have of the triangles of the one before, or it is left out.
   double share = 0.7;
   std::size_t least_triangles = 16;  // of a level
@@ -34,12 +34,14 @@ struct LevelOptions {
   std::span<const char> shared = {};
 };
 
-// Coarser and coarser meshes. Parts that hang together by position are simplified by themselves, in
-// steps that double the simplifier's error, and each step is measured. A level takes of each part a
-// step whose bound is within its tolerance: those first that save most for what they cost in area
-// and normals, while the whole may be off so much. Tolerances double, from 3e-5 of the diagonal on.
-// So one part that cannot be simplified holds up no other, and no part goes. What comes out is
-// measured as a whole, which narrows the interval: high ≤ 1.5 · low, or the parts' bound.
+// Coarser and coarser meshes. Parts that hang together by position, texture coordinates and colour
+// are simplified by themselves, their borders kept where they meet: an edge between two colours
+// stays where it is. Steps double the simplifier's error, and each is measured. A level takes of
+// each part a step whose bound is within its tolerance: those first that save most for what they
+// cost in area and normals, while the whole may be off so much. Tolerances double, from 3e-5 of the
+// diagonal on. So one part that cannot be simplified holds up no other, and no part goes. What
+// comes out is measured as a whole, which narrows the interval: high ≤ 1.5 · low, or the parts'
+// bound.
 //
 // Equal for any number of threads, and for one version of meshoptimizer.
 //
