@@ -354,6 +354,7 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
     if (!coarse[i]) report.worst_error = std::max(report.worst_error, out.meshes[i].error);
   report.unique_meshes = out.meshes.size();
   report.instances = out.instances.size();
+  report.levels = out.levels.size();
   report.seconds_tessellate = seconds_since(start);
   return out;
 }

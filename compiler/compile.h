@@ -30,6 +30,7 @@ struct Report {
   std::uint64_t instances = 0;
   std::uint64_t triangles = 0;         // instances counted
   std::uint64_t unique_triangles = 0;  // in the file
+  std::uint64_t levels = 0;            // of detail, of instances
   std::uint64_t bytes = 0;             // of the file
   double worst_error = 0;              // metres, in the mesh's own frame; levels left out
   double seconds_tessellate = 0;

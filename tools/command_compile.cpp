@@ -130,7 +130,10 @@ int run(const Options& options, const Host& host) {
       write_depfile(options, output, inputs, log))
     context.wrote(options.depfile);
   if (!report) return context.finish();
-  context.wrote(output, counted(report->triangles, "triangle"));
+  context.wrote(output, counted(report->triangles, "triangle") +
+                            (options.mesh_levels
+                                 ? fmt::format(", {} of detail", counted(report->levels, "level"))
+                                 : ""));
   context.result()["output"] = output;
   context.result().update(as_json(*report));
   return context.finish();

@@ -320,7 +320,11 @@ int run(const Options& options, const Host& host) {
     if (report->triangles == 0 && !log.contains(Code::E6011))
       log.report_file(Code::E6011, options.input,
                       "no surface is left of the model: the file holds none, or none that is seen");
-    context.wrote(options.output, counted(report->triangles, "triangle"));
+    context.wrote(
+        options.output,
+        counted(report->triangles, "triangle") +
+            (options.mesh_levels ? fmt::format(", {} of detail", counted(report->levels, "level"))
+                                 : ""));
     context.result()["bytes"] = report->bytes;
     context.result()["triangles"] = report->triangles;
     context.result()["unique_triangles"] = report->unique_triangles;
