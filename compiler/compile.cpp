@@ -14,6 +14,7 @@
 #include "compiler/internal/decals.h"
 #include "compiler/internal/foil_levels.h"
 #include "compiler/internal/jobs.h"
+#include "compiler/internal/mesh_levels.h"
 #include "compiler/internal/size_check.h"
 #include "geometry/tessellate/mapping.h"
 #include "geometry/tessellate/tessellate.h"
@@ -177,9 +178,10 @@ void certify(const scene::Scene& scene, DiagnosticLog& log, const Job& job) {
 }
 
 std::string describe(const Options& options) {
-  return fmt::format("max_error={} max_triangles={} strip_sources={}{}",
+  return fmt::format("max_error={} max_triangles={} strip_sources={}{}{}",
                      options.max_error ? format_double(*options.max_error) : "need",
-                     options.max_triangles, options.strip_sources ? 1 : 0, options.origin);
+                     options.max_triangles, options.strip_sources ? 1 : 0,
+                     options.mesh_levels ? " mesh_levels=1" : "", options.origin);
 }
 
 // Names come from files and folders, which may hold any bytes; a pan file holds UTF-8.
@@ -368,15 +370,19 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
   certify(scene, log, job);
   const auto place = place_instances(scene, plan, options, mesh_of_job, product, out);
   internal::add_foil_levels(scene, plan, mesh_of_job, place, out, log, job);
+  if (options.mesh_levels) internal::add_mesh_levels(scene, out, job);
   if (options.check_size) internal::check_size(scene, out, log);
   for (const pan::InstanceContent& instance : out.instances)
     report.triangles += out.meshes[instance.mesh].triangle_count();
-  for (const pan::PackedMesh& mesh : out.meshes) {
-    report.unique_triangles += mesh.triangle_count();
-    report.worst_error = std::max(report.worst_error, mesh.error);
-  }
+  for (const pan::PackedMesh& mesh : out.meshes) report.unique_triangles += mesh.triangle_count();
+  std::vector<char> coarse(out.meshes.size());
+  for (const pan::layout::Level& level : out.levels) coarse[level.mesh] = 1;
+  for (const pan::InstanceContent& instance : out.instances) coarse[instance.mesh] = 0;
+  for (std::size_t i = 0; i < out.meshes.size(); ++i)
+    if (!coarse[i]) report.worst_error = std::max(report.worst_error, out.meshes[i].error);
   report.unique_meshes = out.meshes.size();
   report.instances = out.instances.size();
+  report.levels = out.levels.size();
   report.seconds_tessellate = seconds_since(start);
   return out;
 }

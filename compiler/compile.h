@@ -18,9 +18,10 @@ struct Options {
   std::optional<double> max_error;           // metres in the world: overrides the scene's budget
   std::uint64_t max_triangles = 1ull << 27;  // of all meshes in the file together
   bool strip_sources = false;                // leaves out the source map
-  bool check_size = false;  // reports sizes that no spacecraft and its parts have: W2022, W2023
-  bool compress = false;    // pan::WriteOptions; the identity does not know it
-  std::string origin;       // import options that the inputs do not record: " units=mm"
+  bool check_size = false;   // reports sizes that no spacecraft and its parts have: W2022, W2023
+  bool mesh_levels = false;  // levels of detail of all larger meshes, not of foil alone
+  bool compress = false;     // pan::WriteOptions; the identity does not know it
+  std::string origin;        // import options that the inputs do not record: " units=mm"
 };
 
 // The result of a compilation.
@@ -29,8 +30,9 @@ struct Report {
   std::uint64_t instances = 0;
   std::uint64_t triangles = 0;         // instances counted
   std::uint64_t unique_triangles = 0;  // in the file
+  std::uint64_t levels = 0;            // of detail, of instances
   std::uint64_t bytes = 0;             // of the file
-  double worst_error = 0;              // metres, in the mesh's own frame
+  double worst_error = 0;              // metres, in the mesh's own frame; levels left out
   double seconds_tessellate = 0;
   double seconds_write = 0;  // without the final fsync
   double seconds_sync = 0;

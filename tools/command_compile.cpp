@@ -22,6 +22,7 @@ struct Options {
   std::string depfile;
   std::string license;  // of the original tools: accepted, ignored, noted
   bool strip_sources = false;
+  bool mesh_levels = false;
   bool compress = false;
 };
 
@@ -36,6 +37,9 @@ void declare_all(Arguments& arguments, Options& options) {
            "Write the files that were read, as a Make and Ninja dependency file")
       .type("FILE");
   arguments.flag("--strip-sources", options.strip_sources, "Leave out where parts were written");
+  arguments.flag("--mesh-levels", options.mesh_levels,
+                 "Add coarser meshes for far views, with bounds of their error: takes seconds "
+                 "for each 100000 triangles");
   arguments.flag("--compress", options.compress,
                  "A smaller file, slower to load, that programs of format 1.0 refuse");
   declare(arguments, options.read);
@@ -115,6 +119,7 @@ int run(const Options& options, const Host& host) {
   const auto report = workspace::write_pan(*scene, *read,
                                            {.output = output,
                                             .strip_sources = options.strip_sources,
+                                            .mesh_levels = options.mesh_levels,
                                             .compress = options.compress,
                                             .check_size = true,
                                             .origin = {}},
@@ -125,7 +130,10 @@ int run(const Options& options, const Host& host) {
       write_depfile(options, output, inputs, log))
     context.wrote(options.depfile);
   if (!report) return context.finish();
-  context.wrote(output, counted(report->triangles, "triangle"));
+  context.wrote(output, counted(report->triangles, "triangle") +
+                            (options.mesh_levels
+                                 ? fmt::format(", {} of detail", counted(report->levels, "level"))
+                                 : ""));
   context.result()["output"] = output;
   context.result().update(as_json(*report));
   return context.finish();

@@ -30,6 +30,7 @@ struct Options {
   std::string output;  // .pan or .pxn; empty: none
   std::string report;  // .txt, .json or .html; empty: none
   CacheOption cache;
+  bool mesh_levels = false;
   bool compress = false;
   bool force = false;  // replaces a text that somebody has edited
 };
@@ -49,6 +50,9 @@ void declare_all(Arguments& arguments, Options& options) {
       .add("--report", options.report,
            "Write what cleaning found: .txt, .json, or .html with images")
       .type("FILE");
+  arguments.flag("--mesh-levels", options.mesh_levels,
+                 "Add coarser meshes for far views, with bounds of their error: takes seconds "
+                 "for each 100000 triangles");
   arguments.flag("--compress", options.compress,
                  "A smaller .pan, slower to load, that programs of format 1.0 refuse");
   arguments.flag("--force", options.force,
@@ -305,6 +309,7 @@ int run(const Options& options, const Host& host) {
     const auto report = workspace::write_pan(imported->scene, open,
                                              {.output = options.output,
                                               .strip_sources = false,
+                                              .mesh_levels = options.mesh_levels,
                                               .compress = options.compress,
                                               .check_size = true,
                                               .origin = origin_of(options.open.cad)},
@@ -315,7 +320,11 @@ int run(const Options& options, const Host& host) {
     if (report->triangles == 0 && !log.contains(Code::E6011))
       log.report_file(Code::E6011, options.input,
                       "no surface is left of the model: the file holds none, or none that is seen");
-    context.wrote(options.output, counted(report->triangles, "triangle"));
+    context.wrote(
+        options.output,
+        counted(report->triangles, "triangle") +
+            (options.mesh_levels ? fmt::format(", {} of detail", counted(report->levels, "level"))
+                                 : ""));
     context.result()["bytes"] = report->bytes;
     context.result()["triangles"] = report->triangles;
     context.result()["unique_triangles"] = report->unique_triangles;

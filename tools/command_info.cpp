@@ -405,13 +405,20 @@ void print_mesh(const pan::Model& model, std::size_t i) {
         mesh.flags & pan::layout::kMeshClosed ? "closed" : "open", mesh_error_words(model, i));
 }
 
-// Of all meshes together: the number of triangles, the largest error, and the largest share of what
-// was asked.
+// Of all meshes together: the number of triangles, the largest error of those that are no levels of
+// detail, and the largest share of what was asked.
 std::string meshes_words(const pan::Model& model, const Totals& totals) {
   std::string words = counted(totals.unique_triangles, "triangle");
   const auto meshes = model.meshes();
-  const auto worst = std::max_element(
-      meshes.begin(), meshes.end(), [](const auto& a, const auto& b) { return a.error < b.error; });
+  std::vector<char> coarse(meshes.size());
+  for (const pan::layout::Level& level : model.levels()) coarse[level.mesh] = 1;
+  for (const pan::layout::Instance& instance : model.instances()) coarse[instance.mesh] = 0;
+  const auto error = [&](const pan::layout::Mesh& mesh) {
+    return coarse[static_cast<std::size_t>(&mesh - meshes.data())] ? -1 : mesh.error;
+  };
+  const auto worst =
+      std::max_element(meshes.begin(), meshes.end(),
+                       [&](const auto& a, const auto& b) { return error(a) < error(b); });
   if (worst == meshes.end()) return words;
   const auto name = [&](auto mesh) {
     return model.mesh_name(static_cast<std::size_t>(mesh - meshes.begin()));
@@ -482,7 +489,8 @@ void print_materials(const pan::Model& model) {
   }
 }
 
-// "levels    mesh1: 57600 triangles, 14400 from 10 mm, … 8 from 640 mm": one line for each mesh.
+// "levels    mesh1: 57600 triangles, 14400 within 2.5 mm from 0.01 m, … a pixel": one line for each
+// mesh.
 void print_levels(const pan::Model& model) {
   std::set<std::uint32_t> known;
   for (std::uint32_t i = 0; i < model.instances().size(); ++i) {
@@ -491,8 +499,9 @@ void print_levels(const pan::Model& model) {
     if (levels.empty() || !known.insert(mesh).second) continue;
     std::string words;
     for (const pan::layout::Level& level : levels)
-      words += fmt::format(", {} from {:.4g} m", model.meshes()[level.mesh].triangle_count,
-                           level.detail);
+      words +=
+          fmt::format(", {} within {} from {:.4g} m", model.meshes()[level.mesh].triangle_count,
+                      length_words(level.error), level.detail);
     print("levels    {}: {}{} a pixel\n", model.mesh_name(mesh),
           counted(model.meshes()[mesh].triangle_count, "triangle"), words);
   }

@@ -304,6 +304,7 @@ Result<compiler::Report> write_pan(scene::Scene& scene, const OpenOptions& optio
   if (options.prune && !prune(scene, options, log, job, report)) return failed;
   compiler::Options compile = compile_options(options);
   compile.strip_sources = write.strip_sources;
+  compile.mesh_levels = write.mesh_levels;
   compile.compress = write.compress;
   compile.origin += write.origin;
   compile.check_size = write.check_size && guessed_units(log) == 0 && !log.has_errors();

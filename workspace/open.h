@@ -124,9 +124,10 @@ Result<bool> prune(scene::Scene& scene, const OpenOptions& options, DiagnosticLo
 struct WriteOptions {
   std::string output;  // .pan; "-": standard output
   bool strip_sources = false;
-  bool compress = false;    // pan::WriteOptions
-  bool check_size = false;  // W2022, W2023, unless the log has W6006 or errors
-  std::string origin;       // import options that the inputs do not record
+  bool mesh_levels = false;  // compiler::Options
+  bool compress = false;     // pan::WriteOptions
+  bool check_size = false;   // W2022, W2023, unless the log has W6006 or errors
+  std::string origin;        // import options that the inputs do not record
 };
 
 // Prunes a scene and writes it as a pan file: there it is whole, or not at all.

@@ -50,6 +50,13 @@ class BoxTree {
   void search(const Vec3& origin, const Vec3& direction, double from, const double& to,
               Visit&& visit) const;
 
+  // Calls visit(index) for every box that a point is at most so far from, the near ones first where
+  // that is cheap to know.
+  //
+  //   squared  m²: of the distance; may shrink while visit() runs
+  template <class Visit>
+  void near(const Vec3& point, const double& squared, Visit&& visit) const;
+
  private:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -74,10 +81,42 @@ class BoxTree {
     return from <= to ? from : kInfinity;
   }
 
+  static double squared_distance(const AxisBox& box, const Vec3& point) {
+    const Vec3 off = glm::max(glm::max(box.low - point, point - box.high), Vec3(0));
+    return glm::dot(off, off);
+  }
+
   std::vector<AxisBox> boxes_;
   std::vector<std::uint32_t> order_;
   std::vector<Node> nodes_;  // 0: the root
 };
+
+template <class Visit>
+void BoxTree::near(const Vec3& point, const double& squared, Visit&& visit) const {
+  if (order_.empty()) return;
+  struct Waiting {
+    std::uint32_t node;
+    double squared;
+  };
+  std::array<Waiting, 40> waiting;  // enough, as in search()
+  std::size_t count = 0;
+  waiting[count++] = {0, squared_distance(nodes_[0].box, point)};
+  while (count > 0) {
+    const Waiting next = waiting[--count];
+    if (next.squared > squared) continue;
+    const Node& node = nodes_[next.node];
+    if (node.count == 0) {
+      Waiting near{node.first, squared_distance(nodes_[node.first].box, point)};
+      Waiting far{node.first + 1, squared_distance(nodes_[node.first + 1].box, point)};
+      if (far.squared < near.squared) std::swap(near, far);
+      if (far.squared <= squared) waiting[count++] = far;
+      if (near.squared <= squared) waiting[count++] = near;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+      if (squared_distance(boxes_[order_[i]], point) <= squared) visit(order_[i]);
+  }
+}
 
 template <class Visit>
 void BoxTree::search(const Vec3& origin, const Vec3& direction, double from, const double& to,

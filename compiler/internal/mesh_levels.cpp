@@ -1,0 +1,306 @@
+#include "compiler/internal/mesh_levels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "base/parallel.h"
+#include "geometry/mesh/levels.h"
+
+namespace panwright::compiler::internal {
+namespace {
+
+constexpr std::size_t kLeastTriangles = 512;
+constexpr double kPixels = 0.25;         // what a level may be off where no budget says it
+constexpr double kSamePlace = 1e-6;      // of the model's diagonal
+constexpr std::size_t kMost = 1u << 24;  // vertices of all instances whose borders are compared
+
+Vec3 position(const pan::PackedMesh& mesh, std::size_t vertex) {
+  const float* p = &mesh.positions[3 * vertex];
+  return Vec3(p[0], p[1], p[2]);
+}
+
+// As the file has it, relative to its origin: what is made of it rounds to nothing else.
+geometry::Mesh unpacked(const pan::PackedMesh& packed) {
+  geometry::Mesh mesh;
+  mesh.closed = packed.closed;
+  for (std::size_t v = 0; v < packed.vertex_count(); ++v) {
+    mesh.positions.push_back(position(packed, v));
+    const float* n = &packed.normals[3 * v];
+    mesh.normals.emplace_back(n[0], n[1], n[2]);
+    if (!packed.texcoords.empty())
+      mesh.texcoords.emplace_back(packed.texcoords[2 * v], packed.texcoords[2 * v + 1]);
+    if (!packed.colors.empty())
+      mesh.colors.emplace_back(packed.colors[3 * v], packed.colors[3 * v + 1],
+                               packed.colors[3 * v + 2]);
+  }
+  for (std::size_t i = 0; i < packed.indices.size(); i += 3)
+    mesh.triangles.push_back({packed.indices[i], packed.indices[i + 1], packed.indices[i + 2]});
+  return mesh;
+}
+
+// Numbers that came from floats, back.
+pan::PackedMesh packed_level(const pan::PackedMesh& full, const geometry::Mesh& mesh,
+                             std::size_t level) {
+  pan::PackedMesh out;
+  out.name = fmt::format("{} level {}", full.name, level + 1);
+  out.origin = full.origin;
+  out.error = full.error + mesh.error;
+  out.closed = full.closed && mesh.closed;
+  const auto add = [](std::vector<float>& to, const auto& from) {
+    for (const auto& v : from)
+      for (int k = 0; k < v.length(); ++k) to.push_back(static_cast<float>(v[k]));
+  };
+  add(out.positions, mesh.positions);
+  add(out.normals, mesh.normals);
+  add(out.texcoords, mesh.texcoords);
+  add(out.colors, mesh.colors);
+  for (const geometry::Triangle& t : mesh.triangles)
+    out.indices.insert(out.indices.end(), t.begin(), t.end());
+  return out;
+}
+
+// V: whether an edge of one triangle ends there. Vertices at equal positions count as one.
+std::vector<char> borders(const pan::PackedMesh& mesh) {
+  using Place = std::array<float, 3>;
+  std::vector<std::uint32_t> order(mesh.vertex_count());
+  for (std::uint32_t v = 0; v < order.size(); ++v) order[v] = v;
+  const auto place = [&](std::uint32_t v) {
+    return Place{mesh.positions[3 * v], mesh.positions[3 * v + 1], mesh.positions[3 * v + 2]};
+  };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const Place p = place(a), q = place(b);
+    return p != q ? p < q : a < b;
+  });
+  std::vector<std::uint32_t> first(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    first[order[i]] =
+        i > 0 && place(order[i]) == place(order[i - 1]) ? first[order[i - 1]] : order[i];
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = first[mesh.indices[i + k]];
+      const std::uint32_t b = first[mesh.indices[i + (k + 1) % 3]];
+      if (a != b) edges.emplace_back(std::min(a, b), std::max(a, b));
+    }
+  std::sort(edges.begin(), edges.end());
+  std::vector<char> at(mesh.vertex_count());
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && edges[end] == edges[i]) ++end;
+    if (end == i + 1) at[edges[i].first] = at[edges[i].second] = 1;
+    i = end;
+  }
+  for (std::size_t v = 0; v < at.size(); ++v) at[v] = at[first[v]];
+  return at;
+}
+
+// Places where borders of instances are, in cells of a grid.
+class Meetings {
+ public:
+  explicit Meetings(double tolerance) : cell_(4 * tolerance) {}
+
+  void add(const Vec3& p, std::uint32_t instance) {
+    const auto [found, added] = cells_.try_emplace(key(p), instance);
+    if (!added && found->second != instance) found->second = kSeveral;
+  }
+
+  // Whether another instance's border is next to a place: within the tolerance, or a few times it.
+  bool meets(const Vec3& p, std::uint32_t instance) const {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 off(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+      const auto found = cells_.find(key(p + 0.25 * cell_ * off));
+      if (found != cells_.end() && found->second != instance) return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr std::uint32_t kSeveral = 0xffffffffu;
+  using Cell = std::array<std::int64_t, 3>;
+  struct Hash {
+    std::size_t operator()(const Cell& c) const {
+      std::uint64_t h = 0x9e3779b97f4a7c15ull;
+      for (const std::int64_t k : c) {
+        h = (h ^ static_cast<std::uint64_t>(k)) * 0xff51afd7ed558ccdull;
+        h ^= h >> 32;
+      }
+      return static_cast<std::size_t>(h);
+    }
+  };
+  Cell key(const Vec3& p) const {
+    Cell out;
+    // note: places are within the model, so 1e6 cells each way
+    for (int k = 0; k < 3; ++k)
+      out[static_cast<std::size_t>(k)] = static_cast<std::int64_t>(std::floor(p[k] / cell_));
+    return out;
+  }
+
+  double cell_;
+  std::unordered_map<Cell, std::uint32_t, Hash> cells_;
+};
+
+class MeshLevels {
+ public:
+  MeshLevels(const scene::Scene& scene, pan::Contents& out, const Job& job)
+      : budget_(scene.budget),
+        pixels_(scene.budget.pixels.value_or(kPixels)),
+        out_(out),
+        job_(job) {
+    const std::vector<Mat4> nodes = scene::world_from_nodes(scene);
+    for (const pan::InstanceContent& instance : out.instances)
+      world_.push_back(nodes[instance.node]);
+  }
+
+  void add() {
+    choose();
+    if (chosen_.empty()) return;
+    find_shared();
+    Phase phase(job_, "simplifying", chosen_.size());
+    std::vector<std::vector<geometry::MeshLevel>> levels(chosen_.size());
+    parallel_for(
+        chosen_.size(),
+        [&](std::size_t i) {
+          levels[i] = made(chosen_[i]);
+          phase.advance();
+        },
+        job_);
+    for (std::size_t i = 0; i < chosen_.size(); ++i) store(chosen_[i], levels[i]);
+    std::stable_sort(out_.levels.begin(), out_.levels.end(),
+                     [](const pan::layout::Level& a, const pan::layout::Level& b) {
+                       return a.instance < b.instance;
+                     });
+  }
+
+ private:
+  struct Chosen {
+    std::uint32_t mesh = 0;
+    std::vector<std::uint32_t> instances;
+    std::vector<char> shared;  // V
+    double stretch = 1;        // of the first instance: tolerances are powers of two in the world
+    double largest = 0;        // of all
+  };
+
+  void choose() {
+    std::vector<char> unfit(out_.instances.size());
+    for (const pan::DecalContent& decal : out_.decals) unfit[decal.instance] = 1;
+    for (const pan::layout::Level& level : out_.levels) unfit[level.instance] = 1;
+    std::vector<std::size_t> at(out_.meshes.size(), chosen_.max_size());
+    for (std::uint32_t i = 0; i < out_.instances.size(); ++i) {
+      const std::uint32_t mesh = out_.instances[i].mesh;
+      const double stretch = stretch_of(world_[i]).largest;
+      if (unfit[i] || out_.meshes[mesh].triangle_count() < kLeastTriangles || !(stretch > 0))
+        continue;
+      if (at[mesh] == chosen_.max_size()) {
+        at[mesh] = chosen_.size();
+        chosen_.push_back({mesh, {}, {}, stretch, 0});
+      }
+      Chosen& chosen = chosen_[at[mesh]];
+      chosen.instances.push_back(i);
+      chosen.largest = std::max(chosen.largest, stretch);
+    }
+  }
+
+  Vec3 in_world(std::uint32_t instance, std::size_t vertex) const {
+    const pan::PackedMesh& mesh = out_.meshes[out_.instances[instance].mesh];
+    return Vec3(world_[instance] * Vec4(mesh.origin + position(mesh, vertex), 1));
+  }
+
+  void find_shared() {
+    std::size_t vertices = 0;
+    for (const pan::InstanceContent& instance : out_.instances)
+      vertices += out_.meshes[instance.mesh].vertex_count();
+    if (vertices > kMost) {
+      for (Chosen& chosen : chosen_) chosen.shared.assign(vertex_count(chosen), 1);
+      return;
+    }
+    std::vector<char> used(out_.meshes.size());
+    for (const pan::InstanceContent& instance : out_.instances) used[instance.mesh] = 1;
+    std::vector<std::vector<char>> border(out_.meshes.size());
+    parallel_for(
+        border.size(),
+        [&](std::size_t i) {
+          if (used[i]) border[i] = borders(out_.meshes[i]);
+        },
+        job_);
+    Vec3 low(HUGE_VAL), high(-HUGE_VAL);
+    const auto each = [&](std::uint32_t i, const auto& visit) {
+      const std::vector<char>& at = border[out_.instances[i].mesh];
+      for (std::size_t v = 0; v < at.size(); ++v)
+        if (at[v]) visit(v, in_world(i, v));
+    };
+    const auto count = static_cast<std::uint32_t>(out_.instances.size());
+    for (std::uint32_t i = 0; i < count; ++i)
+      each(i, [&](std::size_t, const Vec3& p) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+      });
+    const double diagonal = glm::length(high - low);
+    if (!(diagonal > 0 && diagonal < HUGE_VAL)) return;
+    Meetings meetings(kSamePlace * diagonal);
+    for (std::uint32_t i = 0; i < count; ++i)
+      each(i, [&](std::size_t, const Vec3& p) { meetings.add(p - low, i); });
+    for (Chosen& chosen : chosen_) {
+      chosen.shared.assign(vertex_count(chosen), 0);
+      for (const std::uint32_t i : chosen.instances)
+        each(i, [&](std::size_t v, const Vec3& p) {
+          if (!chosen.shared[v] && meetings.meets(p - low, i)) chosen.shared[v] = 1;
+        });
+    }
+  }
+
+  std::size_t vertex_count(const Chosen& chosen) const {
+    return out_.meshes[chosen.mesh].vertex_count();
+  }
+
+  // What the nearest pixel of the budget sees of a mesh, in its own coordinates, metres; 0:
+  // unknown.
+  double nearest_pixel(const Chosen& chosen) const {
+    return budget_.nearest && budget_.ifov ? *budget_.nearest * *budget_.ifov / chosen.largest : 0;
+  }
+
+  std::vector<geometry::MeshLevel> made(const Chosen& chosen) const {
+    geometry::LevelOptions options;
+    options.unit = 1 / chosen.stretch;
+    options.least_error = pixels_ / 2 * nearest_pixel(chosen);
+    options.shared = chosen.shared;
+    return geometry::mesh_levels(unpacked(out_.meshes[chosen.mesh]), options, job_);
+  }
+
+  void store(const Chosen& chosen, const std::vector<geometry::MeshLevel>& levels) {
+    const double pixel = nearest_pixel(chosen);
+    std::size_t first = 0;
+    while (first + 1 < levels.size() && levels[first + 1].distance.high / pixels_ <= pixel) ++first;
+    for (std::size_t k = first; k < levels.size(); ++k) {
+      const auto mesh = static_cast<std::uint32_t>(out_.meshes.size());
+      out_.meshes.push_back(packed_level(out_.meshes[chosen.mesh], levels[k].mesh, k - first));
+      if (!out_.mesh_tolerances.empty())
+        out_.mesh_tolerances.push_back(
+            {0, static_cast<std::uint32_t>(pan::layout::ToleranceReason::explicit_counts), 0});
+      const double error = levels[k].distance.high;
+      for (const std::uint32_t i : chosen.instances)
+        out_.levels.push_back({error / pixels_, error, i, mesh, out_.instances[i].material, 0});
+    }
+  }
+
+  const scene::Budget& budget_;
+  const double pixels_;
+  pan::Contents& out_;
+  const Job& job_;
+  std::vector<Mat4> world_;  // of instances
+  std::vector<Chosen> chosen_;
+};
+
+}  // namespace
+
+void add_mesh_levels(const scene::Scene& scene, pan::Contents& out, const Job& job) {
+  MeshLevels(scene, out, job).add();
+}
+
+}  // namespace panwright::compiler::internal

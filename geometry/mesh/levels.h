@@ -1,0 +1,53 @@
+// Levels of detail of a mesh, each with a bound of its error that holds everywhere.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "base/job.h"
+#include "geometry/mesh.h"
+#include "geometry/mesh/distance.h"
+
+namespace panwright::geometry {
+
+struct MeshLevel {
+  Mesh mesh;                  // error: distance.high
+  DistanceInterval distance;  // two-sided, from the full mesh
+  NormalError normals;        // of the full mesh against it
+  double area_error = 0;      // projected_area_error()
+};
+
+struct LevelOptions {
+  // Tolerances are this times a power of two, metres.
+  double unit = 1;
+  double least_error = 0;          // metres: finer levels are of no use
+  double most_error = 0.05;        // of the diagonal of the bounds
+  double most_normal_error = 0.1;  // radians, rms, of the whole
+  double most_area_error = 0.005;  // of the whole
+  double most_part_normal_error = 0.5;
+  double most_part_area_error = 0.2;
+  // What a level may have of the triangles of the one before, or it is left out.
+  double share = 0.7;
+  std::size_t least_triangles = 16;  // of a level
+  // V, or empty: another mesh goes on there. A part with such a vertex keeps its open borders.
+  std::span<const char> shared = {};
+};
+
+// Coarser and coarser meshes. Parts that hang together by position, texture coordinates and colour
+// are simplified by themselves, their borders kept where they meet: an edge between two colours
+// stays where it is. Steps double the simplifier's error, and each is measured. A level takes of
+// each part a step whose bound is within its tolerance: those first that save most for what they
+// cost in area and normals, while the whole may be off so much. Tolerances double, from 3e-5 of the
+// diagonal on. So one part that cannot be simplified holds up no other, and no part goes. What
+// comes out is measured as a whole, which narrows the interval: high ≤ 1.5 · low, or the parts'
+// bound.
+//
+// Equal for any number of threads, and for one version of meshoptimizer.
+//
+// Expects: indices in range, finite numbers within ±1e100, 3*T < 2^32.
+// Cost: O(V + T log T) for each step and level: 10 to 200 µs for each triangle in all.
+std::vector<MeshLevel> mesh_levels(const Mesh& mesh, const LevelOptions& options = {},
+                                   const Job& job = {});
+
+}  // namespace panwright::geometry
