@@ -3,7 +3,7 @@
 
 set(CPACK_PACKAGE_NAME panwright)
 set(CPACK_PACKAGE_VENDOR Panwright)
-set(CPACK_PACKAGE_CONTACT "Panwright <panwright@localhost>")
+set(CPACK_PACKAGE_CONTACT "Panwright developers <developers@panwright.invalid>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_PACKAGE_DESCRIPTION
 "Panwright turns spacecraft written as pxn text, or imported from CAD files, into

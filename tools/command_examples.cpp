@@ -33,10 +33,10 @@ constexpr Example kExamples[] = {
     {"info", "paper/figure8.pxn --json", "The same, with all numbers, as JSON."},
 
     {"joints", "servicer/servicer.pxn", "List the joints as a tree: kinds, axes, limits, values."},
-    {"joints", "servicer/servicer.pxn --joint wing_left=45deg --json",
+    {"joints", "servicer/servicer.pxn --joint wing_left/drive=45deg --json",
      "Where every node is with a wing turned, as JSON."},
-    {"joints", "servicer/servicer.pxn --sweep-joint shoulder",
-     "Through which box the arm's shoulder takes it, and what it runs into."},
+    {"joints", "servicer/servicer.pxn --sweep-joint arm/elbow",
+     "Through which box the elbow takes the lower arm, and what that runs into."},
 
     {"render", "cubesat/cubesat.pxn --size 256x256",
      "Write cubesat.png: the model fills the image, the Sun behind the left shoulder."},

@@ -24,28 +24,12 @@ constexpr std::size_t kMaxBytes = 16u << 20;
 // Of a value, in radians, metres or as a factor: what leaves a scene something to compute with.
 constexpr double kLargest = 1e9;
 
-std::optional<double> length_of(std::string_view text) {
-  constexpr std::pair<std::string_view, double> kUnits[] = {
-      {"mm", 1e-3}, {"cm", 1e-2}, {"dm", 0.1},    {"km", 1e3},
-      {"um", 1e-6}, {"m", 1},     {"in", 0.0254}, {"ft", 0.3048}};
-  double unit = 1;
-  for (const auto& [name, size] : kUnits) {
-    if (!text.ends_with(name)) continue;
-    text.remove_suffix(name.size());
-    unit = size;
-    break;
-  }
-  const auto value = parse_double(text);
-  if (!value) return std::nullopt;
-  return *value * unit;
-}
-
 std::optional<double> value_of(std::string_view text, JointUnit unit) {
   switch (unit) {
     case JointUnit::radians:
       return parse_angle(text);
     case JointUnit::metres:
-      return length_of(text);
+      return parse_length(text);
     case JointUnit::factor:
       return parse_share(text);
   }
@@ -277,9 +261,10 @@ bool JointSetter::aim(const Aim& aim, const std::optional<Vec3>& camera, Diagnos
     return false;
   }
   if (found.limited())
-    log.report(Code::W5015, {},
-               fmt::format("joint {} points {:.4g} deg past what it aims at, as close as its limits allow",
-                           name_of(world_, aim.place), found.error / kDegree));
+    log.report(
+        Code::W5015, {},
+        fmt::format("joint {} points {:.4g} deg past what it aims at, as close as its limits allow",
+                    name_of(world_, aim.place), found.error / kDegree));
   return true;
 }
 

@@ -27,8 +27,14 @@ class Reader {
   bool ok() const { return ok_; }
 
   void fail(const std::string& name, const std::string& value, const char* accepted) {
+    // "20m" where an angle belongs, "20deg" where metres do
+    const bool bare = parse_double(value).has_value();
+    const char* kind = bare                  ? ""
+                       : parse_length(value) ? ", a length"
+                       : parse_angle(value)  ? ", an angle"
+                                             : "";
     log_.report(Code::E0201, {},
-                fmt::format("--{} is {}, expected {}", name, in_quotes(value), accepted));
+                fmt::format("--{} is {}{}, expected {}", name, in_quotes(value), kind, accepted));
     ok_ = false;
   }
   // Options that exclude each other.
@@ -317,6 +323,22 @@ std::optional<double> parse_angle(std::string_view text) {
     break;
   }
   const auto value = parse_double(number);
+  if (!value) return std::nullopt;
+  return *value * unit;
+}
+
+std::optional<double> parse_length(std::string_view text) {
+  constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"mm", 1e-3}, {"cm", 1e-2}, {"dm", 0.1},    {"km", 1e3},
+      {"um", 1e-6}, {"m", 1},     {"in", 0.0254}, {"ft", 0.3048}};
+  double unit = 1;
+  for (const auto& [name, size] : kUnits) {
+    if (!text.ends_with(name)) continue;
+    text.remove_suffix(name.size());
+    unit = size;
+    break;
+  }
+  const auto value = parse_double(text);
   if (!value) return std::nullopt;
   return *value * unit;
 }

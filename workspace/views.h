@@ -171,6 +171,9 @@ std::optional<std::vector<double>> parse_numbers(std::string_view text, std::siz
 // it.
 std::optional<double> parse_angle(std::string_view text);
 
+// A length in metres: a bare number is metres; m, mm, cm, dm, km, um, in and ft may follow it.
+std::optional<double> parse_length(std::string_view text);
+
 // A share: "0.1%" or "0.001".
 std::optional<double> parse_share(std::string_view text);
 

@@ -191,8 +191,9 @@ TEST_F(FirstHour, AnAngleThatIsALengthSaysWhatAnAngleIs) {
   const std::string ball = model("ball.pxn", "<sphere radius=\"1\"/>");
   const Outcome outcome = panwright({"render", ball, "--fov", "20m", "-o", folder_ / "a.png"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("--fov is '20m', expected an angle above 0 and below 180 "
-                                     "degrees, as 20deg, 0.35rad or 20 (degrees) [E0201]"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("--fov is '20m', a length, expected an angle above 0 and below 180 "
+                        "degrees, as 20deg, 0.35rad or 20 (degrees) [E0201]"));
 }
 
 TEST_F(FirstHour, NamesOfNodesAreWholeAndListed) {

@@ -60,6 +60,7 @@ def problems(value, schema, where, described):
 
 
 LINES = [
+    "joints servicer/servicer.pxn --joint arm/elbow=90 --sweep-joint wing_left/fold --steps 5",
     "compile cubesat/cubesat.pxn -o c.pan --timings", "compile none.pxn", "compile wrong.pxn -o w.pan",
     "import cad/relay.wrl --units mm", "import cad/relay.wrl --units mm -o r.pan", "import cad/relay.wrl --units mm -o cad/r.pxn",
     "export paper/figure8.pxn -o f.glb", "check cubesat/cubesat.pxn c.pan wrong.pxn", "info c.pan", "info client/client.pxn", "info none.pan",
