@@ -52,6 +52,60 @@ std::vector<std::uint32_t> vertices_of(const Faces& faces, const Group& group) {
   return out;
 }
 
+// The convex hull, counter-clockwise: Andrew's monotone chain.
+std::vector<Vec2> hull_of(std::vector<Vec2> points) {
+  std::ranges::sort(
+      points, [](const Vec2& a, const Vec2& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
+  std::vector<Vec2> hull;
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t first = hull.size();
+    for (const Vec2& p : points) {
+      while (hull.size() >= first + 2) {
+        const Vec2 u = hull.back() - hull[hull.size() - 2], v = p - hull.back();
+        if (u.x * v.y - u.y * v.x > 0) break;
+        hull.pop_back();
+      }
+      hull.push_back(p);
+    }
+    hull.pop_back();
+    std::ranges::reverse(points);
+  }
+  return hull;
+}
+
+// The direction of the long side of the smallest rectangle about the points; of equal ones the
+// nearest to x, then the one at y > 0.
+Vec2 along_rectangle(const std::vector<Vec2>& points) {
+  constexpr double kEqual = 1e-6;
+  const std::vector<Vec2> hull = hull_of(points);
+  Vec2 best(1, 0);
+  double least = HUGE_VAL;
+  // note: sides of fine round outlines are sampled, the cost is their product with the hull
+  const std::size_t step = hull.size() / 1024 + 1;
+  for (std::size_t k = 0; k < hull.size(); k += step) {
+    const Vec2 side = hull[(k + 1) % hull.size()] - hull[k];
+    if (!(glm::length(side) > 0)) continue;
+    const Vec2 u = glm::normalize(side), v(-u.y, u.x);
+    Vec2 low(HUGE_VAL), high(-HUGE_VAL);
+    for (const Vec2& p : hull) {
+      low = glm::min(low, Vec2(glm::dot(p, u), glm::dot(p, v)));
+      high = glm::max(high, Vec2(glm::dot(p, u), glm::dot(p, v)));
+    }
+    const Vec2 size = high - low;
+    const double area = size.x * size.y;
+    if (area > least * (1 + kEqual)) continue;
+    const bool smaller = area < least * (1 - kEqual);
+    if (smaller) least = area, best = Vec2(-2, 0);
+    for (const Vec2& d : {u, v, -u, -v}) {
+      const bool on_u = std::fabs(glm::dot(d, u)) > 0.5;
+      const double along = on_u ? size.x : size.y, across = on_u ? size.y : size.x;
+      if (along < across * (1 - kEqual)) continue;
+      if (d.x > best.x + kEqual || (d.x > best.x - kEqual && d.y > best.y + kEqual)) best = d;
+    }
+  }
+  return best.x < -1.5 ? Vec2(1, 0) : best;
+}
+
 std::optional<Surface> plane_through(const Faces& faces, const Group& group, double tolerance) {
   Vec3 normal(0), longest(0);
   for (const std::uint32_t t : group) normal += faces.areas[t] * faces.normals[t];
@@ -68,6 +122,10 @@ std::optional<Surface> plane_through(const Faces& faces, const Group& group, dou
       if (glm::length(edge) > glm::length(longest)) longest = edge;
     }
   complete(s, longest);
+  std::vector<Vec2> points;
+  for (const std::uint32_t v : vertices_of(faces, group)) points.push_back(s.flat(faces.points[v]));
+  const Vec2 along = along_rectangle(points);
+  complete(s, along.x * s.x + along.y * s.y);
   return s;
 }
 

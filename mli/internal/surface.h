@@ -33,7 +33,8 @@ struct Surface {
 
 // The surface through a group's vertices, each within `tolerance`; nothing where there is none.
 //
-// A plane lies along the mean normal, and x along the longest edge. The axis of a cylinder is the
+// A plane lies along the mean normal, and x along the long side of the
+// smallest rectangle about the vertices. The axis of a cylinder is the
 // direction that the facets' normals have least in common with, its radius that of the circle
 // through the vertices (Kåsa, 1976, by least squares); the apex of a cone is the place nearest to
 // the planes of all facets. Equal input gives equal bits; a moved one the moved surface, to

@@ -67,6 +67,18 @@ void expect_over_box(const Vec3& size, double stand_off, const Mat3& turn) {
       volume += seen * mean;
       area += seen;
     }
+    // the sheet lies along the sides of the face: places are as wide and high as that
+    Vec2 low(HUGE_VAL), high(-HUGE_VAL);
+    for (std::size_t t = g.first; t < g.first + g.count; ++t)
+      for (const std::uint32_t v : wrap->blanket.triangles[t]) {
+        low = glm::min(low, Vec2(wrap->blanket.texcoords[v]));
+        high = glm::max(high, Vec2(wrap->blanket.texcoords[v]));
+      }
+    const double larger = out.x * out.x > 0.5
+                              ? std::max(size.y, size.z)
+                              : std::max(size.x, out.y * out.y > 0.5 ? size.z : size.y);
+    EXPECT_NEAR((high - low).x / larger, 1, 1e-9);
+    EXPECT_NEAR((high - low).x * (high - low).y / g.area, 1, 1e-9);
     EXPECT_NEAR(area / g.area, 1, 1e-9);
     EXPECT_NEAR(volume / area / stand_off, 1, 1e-6);
     EXPECT_GE(lowest, 0.0999 * stand_off);
