@@ -153,17 +153,39 @@ class Exporter {
       const pan::layout::Instance& instance = model_.instances()[i];
       instances[instance.node][origin_index(instance.mesh)].push_back(i);
     }
+    const auto values = model_.initial_values();
+    std::size_t joint = 0;
     for (std::size_t i = 0; i < model_.nodes().size(); ++i) {
       const pan::layout::Node& from = model_.nodes()[i];
       ordered_json node = {{"name", std::string(model_.node_name(i))}};
       place(node, {from.translation[0], from.translation[1], from.translation[2]},
             Quat(from.rotation[0], from.rotation[1], from.rotation[2], from.rotation[3]),
             {from.scale[0], from.scale[1], from.scale[2]});
-      const std::size_t self = add(std::move(node), from.parent < 0 ? 0 : place_of_[from.parent]);
+      std::size_t self = add(std::move(node), from.parent < 0 ? 0 : place_of_[from.parent]);
+      for (; joint < values.size() && model_.joints()[joint].node == i; ++joint)
+        self = add_motion(joint, values[joint], self);
       place_of_.push_back(self);
     }
     for (std::size_t i = 0; i < model_.nodes().size(); ++i)
       for (const auto& [origin, list] : instances[i]) add_surfaces(place_of_[i], origin, list);
+  }
+
+  // A node for the motion of a joint at its initial values; the node that holds it where it moves
+  // nothing then.
+  std::size_t add_motion(std::size_t index, const geometry::JointValues& values,
+                         std::size_t parent) {
+    const geometry::Joint joint = pan::kinematic(model_.joints()[index]);
+    const Mat4 motion = geometry::motion(joint, values);
+    if (motion == Mat4(1)) return parent;
+    Vec3 scale(1);
+    if (joint.kind == geometry::JointKind::general) scale = {values[0], values[1], values[2]};
+    if (joint.kind == geometry::JointKind::scale)
+      scale = {motion[0][0], motion[1][1], motion[2][2]};
+    Mat3 turn(motion);
+    for (int k = 0; k < 3; ++k) turn[k] /= scale[k];
+    ordered_json node = {{"name", std::string(model_.joint_name(index))}};
+    place(node, Vec3(motion[3]), glm::normalize(glm::quat_cast(turn)), scale);
+    return add(std::move(node), parent);
   }
 
   std::size_t add(ordered_json node, std::size_t parent) {
@@ -258,6 +280,11 @@ class Exporter {
                        fmt::format("glTF does not keep {}: {} of the light of {} changes{}", what,
                                    percent(loss.share), in_quotes(loss.worst), others));
     }
+    if (!model_.joints().empty())
+      log_.report_file(
+          Code::W6402, model_.name(),
+          fmt::format("glTF does not keep {}: parts stand as their initial values have them",
+                      counted(model_.joints().size(), "joint")));
     if (model_.decals().empty()) return;
     std::set<std::uint32_t> under;
     for (const pan::layout::Decal& decal : model_.decals()) under.insert(decal.instance);

@@ -133,6 +133,50 @@ TEST(GltfExport, GeometryComesBackBitForBit) {
   EXPECT_LE(worst, 5e-15);  // measured 2e-15
 }
 
+// Parts stand where the initial values of their joints have them, and the loss is said.
+TEST(GltfExport, JointsStandAtTheirInitialValues) {
+  using geometry::JointKind;
+  const std::pair<JointKind, std::vector<double>> kinds[] = {
+      {JointKind::revolute, {0.7}},
+      {JointKind::prismatic, {0.4}},
+      {JointKind::ball, {0.3, -1.2, 2}},
+      {JointKind::general, {2, -3, 0.5, 0.1, 0.2, 0.3, 4, 5, 6}},
+      {JointKind::scale, {2.5}}};
+  for (const auto& [kind, value] : kinds) {
+    scene::Scene scene = spacecraft();
+    scene::Joint joint;
+    joint.name = "j";
+    joint.node = 2;
+    joint.kind = kind;
+    joint.axis = glm::normalize(Vec3(1, 2, -2));
+    joint.value = value;
+    scene::Joint fixed;
+    fixed.node = 1;
+    fixed.kind = JointKind::fixed;
+    scene.joints = {fixed, joint};
+    const auto model = compiled(scene);
+    ASSERT_TRUE(model);
+    DiagnosticLog log;
+    const auto glb = glb_from(*model, log);
+    ASSERT_TRUE(glb) << to_text(log);
+    EXPECT_NE(to_text(log).find("does not keep 2 joints"), std::string::npos) << to_text(log);
+    const Loaded out = load({reinterpret_cast<const char*>(glb->data()), glb->size()});
+    ASSERT_TRUE(out.imported) << out.text();
+    const Mat4 upright(Vec4(1, 0, 0, 0), Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1));
+    const Mat4 wanted = upright * model->world_from_nodes()[2];
+    const auto world = scene::world_from_nodes(out.imported->scene);
+    bool found = false;
+    for (std::size_t i = 0; i < world.size(); ++i) {
+      if (out.imported->scene.nodes[i].name != "tip") continue;
+      found = true;
+      const Vec3 tip(wanted * Vec4(0.5, 0, 0, 1));
+      EXPECT_LE(glm::length(Vec3(world[i][3]) - tip), 1e-13 * glm::length(tip))
+          << geometry::kind_name(kind);
+    }
+    EXPECT_TRUE(found);
+  }
+}
+
 TEST(GltfExport, NamesMaterialsAndPointsComeBack) {
   const auto model = compiled(spacecraft());
   ASSERT_TRUE(model);
