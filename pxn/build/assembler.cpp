@@ -82,7 +82,7 @@ class Assembler {
         options_(options),
         reporter_(reporter),
         scene_(scene),
-        attached_{{}, CellGrids(scene), {}},
+        attached_{{}, CellGrids(scene), {}, {}, {}},
         blankets_(scene, options.crease_angle, loader.foil_vertices(), loader.job()) {}
 
   bool run(std::uint32_t top) {

@@ -235,7 +235,8 @@ void Blankets::make(std::int32_t shape, const geometry::Mesh& metres, const Mat3
                    mli::Flat{},
                    largest->statistics,
                    true,
-                   source};
+                   source,
+                   {}};
   auto mesh = std::make_shared<geometry::Mesh>(std::move(wrap->blanket));
   geometry::compute_normals(*mesh, crease_angle_);
   const Mat3 back = glm::inverse(in_metres);
