@@ -11,6 +11,12 @@
 
 namespace panwright::exporters {
 
+struct GlbOptions {
+  // Joints become AGI_articulations. Their nodes then stand at rest, and initial values are for
+  // viewers that know the extension; else parts stand where the initial values have them, for all.
+  bool articulations = false;
+};
+
 // A model as a binary glTF 2.0 file that the format's validator finds nothing wrong with: nodes
 // with their names, meshes shared as the model shares them, bit for bit, materials as metallic and
 // roughness with the extensions ior, specular, clearcoat and emissive_strength, textures as PNG,
@@ -23,6 +29,7 @@ namespace panwright::exporters {
 // light that it changes (materials/gltf_surface.h).
 // Same model, same bytes. Cost: O(bytes), some ms for each material, and the packing of textures.
 [[nodiscard]] Result<std::vector<std::byte>> glb_from(const pan::Model& model, DiagnosticLog& log,
-                                                      const Job& job = {});
+                                                      const Job& job = {},
+                                                      const GlbOptions& options = {});
 
 }  // namespace panwright::exporters

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "base/text.h"
+#include "exporters/internal/gltf_joints.h"
 #include "exporters/internal/gltf_materials.h"
 
 namespace panwright::exporters {
@@ -27,8 +28,8 @@ using Parts = std::vector<std::array<std::int64_t, 3>>;
 
 class Exporter {
  public:
-  Exporter(const pan::Model& model, DiagnosticLog& log, const Job& job)
-      : model_(model), log_(log), job_(job), materials_(model, job) {}
+  Exporter(const pan::Model& model, DiagnosticLog& log, const Job& job, const GlbOptions& options)
+      : model_(model), log_(log), job_(job), options_(options), materials_(model, job) {}
 
   Result<std::vector<std::byte>> run() {
     json_["asset"] = {{"version", "2.0"}, {"generator", "panwright"}};
@@ -40,7 +41,12 @@ class Exporter {
     if (!materials_.json().empty()) json_["materials"] = materials_.json();
     add_textures();
     say_what_is_lost();
-    if (!materials_.extensions().empty()) json_["extensionsUsed"] = materials_.extensions();
+    std::set<std::string> extensions = materials_.extensions();
+    if (!articulations_.empty()) {
+      extensions.insert("AGI_articulations");
+      json_["extensions"]["AGI_articulations"]["articulations"] = std::move(articulations_);
+    }
+    if (!extensions.empty()) json_["extensionsUsed"] = extensions;
     return container();
   }
 
@@ -163,11 +169,39 @@ class Exporter {
             {from.scale[0], from.scale[1], from.scale[2]});
       std::size_t self = add(std::move(node), from.parent < 0 ? 0 : place_of_[from.parent]);
       for (; joint < values.size() && model_.joints()[joint].node == i; ++joint)
-        self = add_motion(joint, values[joint], self);
+        self = options_.articulations ? articulate(joint, values[joint], self)
+                                      : add_motion(joint, values[joint], self);
       place_of_.push_back(self);
     }
     for (std::size_t i = 0; i < model_.nodes().size(); ++i)
       for (const auto& [origin, list] : instances[i]) add_surfaces(place_of_[i], origin, list);
+  }
+
+  // An articulation on the node itself, or below it on one whose z is the joint's axis. Returns the
+  // node that what moves stands below.
+  std::size_t articulate(std::size_t index, const geometry::JointValues& values,
+                         std::size_t parent) {
+    const pan::layout::Joint& record = model_.joints()[index];
+    std::optional<Vec3> pointing(std::in_place, record.pointing[0], record.pointing[1],
+                                 record.pointing[2]);
+    if (*pointing == Vec3(0) || record.gimbal >= 0) pointing.reset();
+    const std::string name(model_.joint_name(index));
+    ArticulatedJoint made = articulated(pan::kinematic(record), values, name, pointing);
+    if (made.articulation.is_null()) return parent;
+    const bool turned = made.node_from_axis != Quat(1, 0, 0, 0);
+    std::size_t host = parent;
+    if (turned || nodes_[parent].contains("extensions")) {
+      ordered_json node = {{"name", name}};
+      place(node, Vec3(0), made.node_from_axis, Vec3(1));
+      host = add(std::move(node), parent);
+    }
+    nodes_[host]["extensions"]["AGI_articulations"]["articulationName"] = name;
+    articulations_.push_back(std::move(made.articulation));
+    uncoupled_ += made.coupled;
+    if (!turned) return host;
+    ordered_json back = {{"name", name}};
+    place(back, Vec3(0), glm::conjugate(made.node_from_axis), Vec3(1));
+    return add(std::move(back), host);
   }
 
   // A node for the motion of a joint at its initial values; the node that holds it where it moves
@@ -280,7 +314,13 @@ class Exporter {
                        fmt::format("glTF does not keep {}: {} of the light of {} changes{}", what,
                                    percent(loss.share), in_quotes(loss.worst), others));
     }
-    if (!model_.joints().empty())
+    if (uncoupled_ > 0)
+      log_.report_file(
+          Code::W6402, model_.name(),
+          fmt::format(
+              "glTF does not keep that {} others: they have values of their own",
+              uncoupled_ == 1 ? "1 joint follows" : fmt::format("{} joints follow", uncoupled_)));
+    if (!model_.joints().empty() && !options_.articulations)
       log_.report_file(
           Code::W6402, model_.name(),
           fmt::format("glTF does not keep {}: parts stand as their initial values have them",
@@ -335,7 +375,10 @@ class Exporter {
   const pan::Model& model_;
   DiagnosticLog& log_;
   const Job& job_;
+  const GlbOptions options_;
   ordered_json json_;
+  std::vector<ordered_json> articulations_;
+  std::size_t uncoupled_ = 0;  // joints that followed others
   std::vector<ordered_json> nodes_;
   std::vector<std::vector<std::size_t>> children_;
   std::vector<std::size_t> place_of_;  // of the model's nodes
@@ -350,10 +393,10 @@ class Exporter {
 
 }  // namespace
 
-Result<std::vector<std::byte>> glb_from(const pan::Model& model, DiagnosticLog& log,
-                                        const Job& job) {
+Result<std::vector<std::byte>> glb_from(const pan::Model& model, DiagnosticLog& log, const Job& job,
+                                        const GlbOptions& options) {
   assert(model.checked());
-  return run_job(job, log, [&] { return Exporter(model, log, job).run(); });
+  return run_job(job, log, [&] { return Exporter(model, log, job, options).run(); });
 }
 
 }  // namespace panwright::exporters

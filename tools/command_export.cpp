@@ -19,11 +19,15 @@ struct Options {
   ReadOptions read;
   std::string input;
   std::string output;  // .glb
+  bool articulations = false;
 };
 
 void declare_all(Arguments& arguments, Options& options) {
   arguments.add("input", options.input, "A .pan, .pxn or CAD file").required().type("FILE");
   arguments.add("-o,--output", options.output, "The glTF file").required().type("FILE.glb");
+  arguments.flag("--articulations", options.articulations,
+                 "Write joints as AGI_articulations: for viewers that know them; others then show "
+                 "parts with all joints at 0");
   declare(arguments, options.read);
   declare(arguments, options.read.cache);
   declare(arguments, options.read.open.cad);
@@ -45,7 +49,8 @@ int run(const Options& options, const Host& host) {
   context.add_timings(report.steps);
   if (!model) return context.finish();
   context.step("write");
-  const auto bytes = exporters::glb_from(**model, log, context.job());
+  const auto bytes =
+      exporters::glb_from(**model, log, context.job(), {.articulations = options.articulations});
   if (!bytes || !write_file(options.output, *bytes, log)) return context.finish();
   context.wrote(options.output);
   context.result()["output"] = options.output;

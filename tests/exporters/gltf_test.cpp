@@ -177,6 +177,79 @@ TEST(GltfExport, JointsStandAtTheirInitialValues) {
   }
 }
 
+// The world position of a keypoint's node.
+Vec3 tip_of(const scene::Scene& scene) {
+  const auto world = scene::world_from_nodes(scene);
+  for (std::size_t i = 0; i < world.size(); ++i)
+    if (scene.nodes[i].name == "tip") return Vec3(world[i][3]);
+  ADD_FAILURE() << "no tip";
+  return Vec3(0);
+}
+
+// Joints out and in again: with the same values, the same places, whatever the axis.
+TEST(GltfExport, ArticulationsComeBack) {
+  struct Case {
+    geometry::JointKind kind;
+    Vec3 axis;
+    std::vector<double> lower, upper, value, other;
+  };
+  using geometry::JointKind;
+  const std::vector<double> no;
+  const Vec3 tilted = glm::normalize(Vec3(1, 2, -2)), down = glm::normalize(Vec3(1e-9, 0, -1));
+  const Case cases[] = {
+      {JointKind::revolute, {0, 1, 0}, {-1}, {2}, {0.5}, {1.5}},
+      {JointKind::revolute, {-1, 0, 0}, {-1}, {2}, {0.5}, {-0.75}},
+      {JointKind::revolute, tilted, {-1}, {2}, {0.5}, {1.5}},
+      {JointKind::revolute, down, {-1}, {2}, {0.5}, {1.5}},
+      {JointKind::continuous, {0, 0, -1}, no, no, {2}, {-3}},
+      {JointKind::prismatic, {0, 0, 1}, {0}, {3}, {1}, {2}},
+      {JointKind::prismatic, tilted, {0}, {3}, {1}, {2}},
+      {JointKind::scale, {0, 1, 0}, {0.5}, {3}, {1.5}, {2}},
+      {JointKind::scale, glm::normalize(Vec3(1)), {0.5}, {3}, {1.5}, {2}},
+      {JointKind::ball, {0, 0, 1}, {-3, -1, -3}, {3, 1, 3}, {0.5, 0.4, 0.3}, {-1, 0.8, 2}}};
+  for (const Case& each : cases) {
+    scene::Scene scene = spacecraft();
+    scene::Joint joint;
+    joint.name = "j";
+    joint.node = 2;
+    joint.kind = each.kind;
+    joint.axis = each.axis;
+    joint.lower = each.lower;
+    joint.upper = each.upper;
+    joint.value = each.value;
+    scene.joints = {joint};
+    const auto model = compiled(scene);
+    ASSERT_TRUE(model);
+    DiagnosticLog log;
+    const auto glb = glb_from(*model, log, {}, {.articulations = true});
+    ASSERT_TRUE(glb) << to_text(log);
+    const Loaded out = load({reinterpret_cast<const char*>(glb->data()), glb->size()});
+    ASSERT_TRUE(out.imported) << out.text();
+    EXPECT_EQ(out.log.errors() + out.log.warnings(), 0u) << out.text();
+    scene::Scene back = out.imported->scene;
+    EXPECT_EQ(scene::check(back), "");
+    const Mat4 upright(Vec4(1, 0, 0, 0), Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, 0, 1));
+    const auto expected = [&] {
+      return Vec3(upright * scene::world_from_nodes(scene)[2] * Vec4(0.5, 0, 0, 1));
+    };
+    EXPECT_LE(glm::length(tip_of(back) - expected()), 1e-12) << geometry::kind_name(each.kind);
+    // another value of the scene's joint, and the same of what came back
+    scene.joints[0].value = each.other;
+    ASSERT_EQ(back.joints.size(), each.value.size());
+    for (scene::Joint& stage : back.joints) {
+      // stages of a ball stand from z to x
+      const std::size_t k =
+          back.joints.size() - 1 - static_cast<std::size_t>(&stage - back.joints.data());
+      const double sign = each.axis == Vec3(-1, 0, 0) || each.axis == Vec3(0, 0, -1) ? -1 : 1;
+      stage.value = {sign * each.other[k]};
+      if (each.kind == JointKind::continuous) continue;
+      EXPECT_NEAR(stage.lower.at(0), sign > 0 ? each.lower[k] : -each.upper[k], 1e-15);
+      EXPECT_NEAR(stage.upper.at(0), sign > 0 ? each.upper[k] : -each.lower[k], 1e-15);
+    }
+    EXPECT_LE(glm::length(tip_of(back) - expected()), 1e-12) << geometry::kind_name(each.kind);
+  }
+}
+
 TEST(GltfExport, NamesMaterialsAndPointsComeBack) {
   const auto model = compiled(spacecraft());
   ASSERT_TRUE(model);
