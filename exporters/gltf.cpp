@@ -159,7 +159,8 @@ class Exporter {
       const pan::layout::Instance& instance = model_.instances()[i];
       instances[instance.node][origin_index(instance.mesh)].push_back(i);
     }
-    const auto values = model_.initial_values();
+    const auto values =
+        options_.joint_values.empty() ? model_.initial_values() : options_.joint_values;
     std::size_t joint = 0;
     for (std::size_t i = 0; i < model_.nodes().size(); ++i) {
       const pan::layout::Node& from = model_.nodes()[i];

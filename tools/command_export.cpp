@@ -8,6 +8,7 @@
 #include "exporters/export.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/posed_model.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -20,6 +21,7 @@ struct Options {
   std::string input;
   std::string output;  // .glb
   bool articulations = false;
+  PoseOptions pose;
 };
 
 void declare_all(Arguments& arguments, Options& options) {
@@ -28,6 +30,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments.flag("--articulations", options.articulations,
                  "Write joints as AGI_articulations: for viewers that know them; others then show "
                  "parts with all joints at 0");
+  declare(arguments, options.pose);
   declare(arguments, options.read);
   declare(arguments, options.read.cache);
   declare(arguments, options.read.open.cad);
@@ -48,9 +51,11 @@ int run(const Options& options, const Host& host) {
   const auto model = workspace::open(options.input, *read, log, context.job(), &report);
   context.add_timings(report.steps);
   if (!model) return context.finish();
+  const auto world = posed(options.input, *model, options.pose, log);
+  if (!world) return context.finish();
+  const exporters::GlbOptions glb{options.articulations, (*world)[0].joint_values()};
   context.step("write");
-  const auto bytes =
-      exporters::glb_from(**model, log, context.job(), {.articulations = options.articulations});
+  const auto bytes = exporters::glb_from(**model, log, context.job(), glb);
   if (!bytes || !write_file(options.output, *bytes, log)) return context.finish();
   context.wrote(options.output);
   context.result()["output"] = options.output;

@@ -221,7 +221,7 @@ TEST(GltfExport, ArticulationsComeBack) {
     const auto model = compiled(scene);
     ASSERT_TRUE(model);
     DiagnosticLog log;
-    const auto glb = glb_from(*model, log, {}, {.articulations = true});
+    const auto glb = glb_from(*model, log, {}, {.articulations = true, .joint_values = {}});
     ASSERT_TRUE(glb) << to_text(log);
     const Loaded out = load({reinterpret_cast<const char*>(glb->data()), glb->size()});
     ASSERT_TRUE(out.imported) << out.text();

@@ -55,6 +55,25 @@ TEST(JointsCommand, ListsAndPlaces) {
   EXPECT_NEAR(json::parse(info.out)["keypoints"][0]["world"][1].get<double>(), 2, 1e-15);
 }
 
+TEST(JointsCommand, ExportsWhatIsPosed) {
+  TemporaryFolder folder;
+  const std::string file = folder.write("door.pxn", kDoor);
+  for (const char* more : {"--quiet", "--articulations"}) {
+    const std::string glb = folder / "door.glb";
+    ASSERT_EQ(panwright({"export", file, "-o", glb, "--joint", "hinge=60", more}).code, 0);
+    const Outcome info = panwright({"joints", glb, "--json"});
+    const json nodes = json::parse(info.out)["nodes"];
+    bool found = false;
+    for (const json& node : nodes) {
+      if (!node["name"].get<std::string>().ends_with("/edge")) continue;
+      found = true;
+      EXPECT_NEAR(node["world_pose"][0][3].get<double>(), 1, 1e-12);
+      EXPECT_NEAR(node["world_pose"][1][3].get<double>(), std::sqrt(3.0), 1e-12);
+    }
+    EXPECT_TRUE(found) << info.out;
+  }
+}
+
 TEST(JointsCommand, SweepsAndAims) {
   TemporaryFolder folder;
   const std::string file = folder.write("door.pxn", kDoor);
