@@ -260,6 +260,11 @@ TEST_F(FirstHour, WhatImportersFoundIsOneLineWhereATextIsShown) {
   EXPECT_THAT(shown.err, Not(HasSubstr("[W6302]")));
   EXPECT_THAT(shown.err, HasSubstr("of imported files not shown (W6302"));
   EXPECT_THAT(shown.err, HasSubstr("'panwright check' of the same file shows them"));
+  for (const Outcome& other :
+       {panwright({"diff", text, text}), panwright({"export", text, "-o", folder_ / "m.glb"})}) {
+    EXPECT_THAT(other.err, Not(HasSubstr("[W6302]")));
+    EXPECT_THAT(other.err, HasSubstr("of imported files not shown (W6302"));
+  }
   // all of it for programs, and where the file itself is shown
   EXPECT_THAT(panwright({"info", text, "--json"}).out, HasSubstr("\"W6302\""));
   EXPECT_THAT(panwright({"info", folder_ / "fan.obj", "--units", "m"}).err, HasSubstr("[W6302]"));
