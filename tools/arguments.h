@@ -59,6 +59,9 @@ class Argument {
   Argument& positive();
   Argument& not_negative();
   Argument& bytes();  // "512MB"
+  // "2mm", "30deg": metres, degrees. Of options that take a number, before its bounds.
+  Argument& length();
+  Argument& angle();
   Argument& folder();
 
  private:

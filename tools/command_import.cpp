@@ -64,7 +64,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("--max-error", options.open.max_error,
            "Metres that a mesh may lie from an exact shape (default 0.001)")
-      .finite()
+      .length()
       .positive()
       .type("METRES");
   arguments.add("--max-triangles", options.open.max_triangles, "Most triangles in the file")

@@ -409,6 +409,11 @@ void print_fits(const Options& options, const std::vector<materials::Reading>& r
       "{:.2g}/sr count as that much.\n\n",
       name, best.brdf, counted(readings.size(), "reading"), options.fit, factor(best.rms_decades),
       factor(best.max_decades), floor);
+  if (readings.size() > materials::kMostSearched)
+    print(
+        "About {} readings, spread over the table, decided on the parameters; the errors are of "
+        "all.\n\n",
+        materials::kMostSearched);
   print("{:<34} {:>12} {:>12} {:>12}\n", "", "RMS, decades", "max, decades", "RMS, 1/sr");
   for (const materials::Fit& fit : fits)
     print("{:<34} {:>12.3f} {:>12.3f} {:>12.4g}\n", fit.brdf, fit.rms_decades, fit.max_decades,
@@ -441,7 +446,12 @@ void fit_table(const Options& options, CommandContext& context) {
     context.log().report_file(Code::E1409, options.fit, "every reading is 0");
     return;
   }
-  const std::vector<materials::Fit> fits = materials::fitted_brdfs(*readings, floor);
+  const auto found =
+      run_job(context.job(), context.log(), [&]() -> Result<std::vector<materials::Fit>> {
+        return materials::fitted_brdfs(*readings, floor, context.job());
+      });
+  if (!found) return;
+  const std::vector<materials::Fit>& fits = *found;
   const bool color = materials::has_color(*readings);
   // what the user calls it
   const std::string stem = std::filesystem::path(options.fit).stem().string();
