@@ -148,8 +148,11 @@ Argument& Argument::angle() {
 Argument& Argument::folder() {
   option_.checks.push_back([](std::string& text) {
     std::error_code ignored;
-    return std::filesystem::is_directory(text, ignored) ? std::string()
-                                                        : std::string("an existing folder");
+    if (std::filesystem::is_directory(text, ignored)) return std::string();
+    const auto up = std::filesystem::path(text).parent_path();
+    const bool room = !std::filesystem::exists(text, ignored) &&
+                      (up.empty() || std::filesystem::is_directory(up, ignored));
+    return std::string(room ? "" : "a folder, or a new one in an existing folder");
   });
   return *this;
 }

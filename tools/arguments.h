@@ -62,7 +62,7 @@ class Argument {
   // "2mm", "30deg": metres, degrees. Of options that take a number, before its bounds.
   Argument& length();
   Argument& angle();
-  Argument& folder();
+  Argument& folder();  // that exists, or can be made in one that does
 
  private:
   Option& option_;

@@ -279,8 +279,15 @@ std::string plain_name(std::string name) {
   return name;
 }
 
+// Where it cannot be made, the file in it says so.
+void make_folder(const std::string& folder) {
+  std::error_code ignored;
+  std::filesystem::create_directory(folder, ignored);
+}
+
 bool write_plots(const std::string& folder, const materials::Material& material,
                  CommandContext& context) {
+  make_folder(folder);
   const std::filesystem::path base = std::filesystem::path(folder) / plain_name(material.name);
   const auto write = [&](const char* suffix, const std::string& text) {
     const std::string path = base.string() + suffix;
@@ -470,6 +477,7 @@ void fit_table(const Options& options, CommandContext& context) {
                            {"text", fit.text}});
   if (!context.options().json) print_fits(options, *readings, fits, floor, name);
   if (options.svg.empty()) return;
+  make_folder(options.svg);
   constexpr const char* kBands[] = {"-red", "-green", "-blue"};
   for (int band = 0; band < (color ? 3 : 1); ++band) {
     const std::string text = fit_plot(*readings, fits.front(), name, color ? band : -1);

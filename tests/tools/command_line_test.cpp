@@ -88,7 +88,8 @@ TEST(CommandLine, EachMistakeHasOneClearLine) {
       {{"compile", "a", "--max-input", "99999999999GB"}, "expected a number of bytes, as 512MB"},
       {{"import", "a", "--weld", "1", "--no-weld"}, "--weld cannot be combined with --no-weld"},
       {{"import", "a", "--up", "y", "--up-axis", "z"}, "cannot be combined with --up-axis"},
-      {{"material", "--svg", "/none"}, "--svg is '/none', expected an existing folder"},
+      {{"material", "--svg", "/none/plots"},
+       "--svg is '/none/plots', expected a folder, or a new one in an existing folder"},
       {{kFigure8}, "is a file, expected a command first, as in `panwright info"},
   };
   for (const Mistake& mistake : mistakes) {
