@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "base/parallel.h"
@@ -58,10 +59,12 @@ bool Wrapper::cut(Draped& draped, const Group& members, double cell, double area
   draped.border = border_of(draped.piece);
   if (fits && static_cast<double>(draped.piece.triangles.size() + 2 * draped.border.size()) <= left)
     return true;
-  log.report(Code::E7001, where,
-             fmt::format("the blankets have more than {:.0f} triangles with cells of {:.3g} m; "
-                         "larger cells, or fewer faces, are accepted",
-                         options.max_triangles, cell));
+  log.report(
+      Code::E7001, where,
+      fmt::format("the blankets have more than {:.0f} triangles with cells of {:.3g} m; "
+                  "larger cells (<mli_settings> of <mli type=\"wrap\">), or fewer faces, are "
+                  "accepted",
+                  options.max_triangles, cell));
   stop = true;
   return false;
 }
@@ -216,7 +219,7 @@ void Wrapper::drape(const Group& members, const Surface& surface, WrapGroup& gro
   const auto sheet = made(made_of, {}, apart, {}, job);
   if (!sheet) return no_sheet();
   set_heights(draped, *sheet, 1.5 * made_of.cell(), group);
-  group.statistics = sheet->statistics;
+  group.statistics = group.scale < 1 ? scaled(sheet->statistics, group.scale) : sheet->statistics;
   group.recipe = made_of;
   group.first = out.blanket.triangles.size();
   add(draped, group);
@@ -356,9 +359,19 @@ void WrapTally::add(const WrapTally& other) {
 
 std::string WrapTally::refusals() const {
   if (refused == 0) return {};
+  // those of most groups first
+  std::vector<std::pair<std::size_t, std::string_view>> ordered;
+  for (const auto& [reason, count] : reasons) ordered.emplace_back(count, reason);
+  std::ranges::stable_sort(ordered, std::greater(),
+                           &std::pair<std::size_t, std::string_view>::first);
   std::string why;
-  for (const auto& [reason, count] : reasons)
-    if (why.size() < 400) why += fmt::format("; {} {}", count, reason);
+  std::size_t left = refused;
+  for (const auto& [count, reason] : ordered) {
+    if (why.size() > 400) break;
+    why += fmt::format("; {} {}", count, reason);
+    left -= count;
+  }
+  if (left > 0) why += fmt::format("; {} for other reasons", left);
   return fmt::format(
       "{} of {} groups of faces wear no blanket, {:.4g} of {:.4g} m²{}; planes, cylinders and "
       "cones are accepted",

@@ -41,7 +41,7 @@ struct WrapOptions {
   double weld = 0;       // metres between vertices that are one; 0: 1e-6 of the mesh's diagonal
   double crease_angle = 35 * kDegree;  // groups end where facets meet at more
   double max_triangles = 4e6;          // of all blankets together
-  FreeRoom room;                       // empty: nothing else is there
+  FreeRoom room = {};                  // empty: nothing else is there
   // false: what is refused or scaled is for the caller to say (WrapTally), and no blanket at all is
   // no failure
   bool tell = true;
@@ -61,7 +61,7 @@ struct WrapGroup {
   double scale = 1;                  // of the heights, below 1 where they met the base
   double held = 0;                   // m² that lie lower, below other parts
   std::string reason;                // of a refusal
-  // of the sheet, where it is accepted
+  // of the sheet, where it is accepted; as it is worn, `scale` included
   Recipe recipe;
   Statistics statistics;
 };

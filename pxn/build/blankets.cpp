@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <set>
 
 #include "base/parallel.h"
 #include "base/text.h"
@@ -29,8 +30,9 @@ constexpr double kFacetShare = 0.02;
 constexpr double kSameSurface = 0.01;
 // of the area: more that lies lower, below other parts, is a warning
 constexpr double kHeldShare = 0.02;
-constexpr double kCell = 0.005;     // metres, without a preset
-constexpr double kTriangles = 1e6;  // of a blanket whose cells are not given
+constexpr double kCell = 0.005;  // metres, without a preset
+// of blankets whose cells are not given: one, and all of a model
+constexpr double kTriangles = 1e6, kAllTriangles = 3e6;
 // triangles of a blanket are about so many times the area over a cell's
 constexpr double kPerCell = 2.4;  // an estimate: 2 and what faces are cut into at their borders
 
@@ -99,17 +101,21 @@ mli::RecipeFor recipe_for(const Blanket& how, double cell, std::uint32_t seed) {
 
 // The cells of a blanket that says nothing of them: the preset's, smaller on small shapes, larger
 // where it would have too many triangles and its operations allow that.
-double cell_of(const Blanket& how, double diagonal, double area, double& coarsened) {
+double cell_of(const Blanket& how, double diagonal, double area, double least, double& coarsened) {
   if (how.cell > 0) return how.cell;
   double cell = kCell;
   for (const mli::Preset& preset : mli::presets())
     if (preset.name == how.preset) cell = preset.cell;
   cell = std::min(cell, diagonal / 100);
-  const double largest = std::sqrt(kPerCell * area / kTriangles);
+  double largest = std::max(least, std::sqrt(kPerCell * area / kTriangles));
   if (largest <= cell) return cell;
-  DiagnosticLog ignored;
-  if (!mli::check(recipe_for(how, largest, 0)(64 * largest, 64 * largest, 0), ignored)) return cell;
-  return coarsened = largest;
+  // as large as the operations allow
+  for (; largest > cell; largest *= 0.9) {
+    DiagnosticLog ignored;
+    if (mli::check(recipe_for(how, largest, 0)(64 * largest, 64 * largest, 0), ignored))
+      return coarsened = largest;
+  }
+  return cell;
 }
 
 }  // namespace
@@ -124,6 +130,7 @@ void Blankets::make(std::uint64_t most_nodes, Reporter& reporter) {
   }
   if (wrapped.empty()) return;
   obstacles_.emplace(scene_, wrapped, reach, job_);
+  share_triangles();
   uses_.assign(scene_.shapes.size(), 0);
   for (const scene::Instance& one : scene_.instances) ++uses_[static_cast<std::size_t>(one.shape)];
   std::vector<Worn> worn;  // in the order of wishes
@@ -143,6 +150,35 @@ void Blankets::make(std::uint64_t most_nodes, Reporter& reporter) {
   for (const Worn& one : worn) tell(one, reporter);
 }
 
+// Sets the cell with which all blankets together that say none have kAllTriangles.
+void Blankets::share_triangles() {
+  double area = 0;
+  std::set<Key> known;
+  for (const FoilWish& wish : wishes_)
+    for (const auto& [instance, name] : wish.on) {
+      if (wish.how.cell > 0) continue;
+      const scene::Instance& one = scene_.instances[static_cast<std::size_t>(instance)];
+      const Mat4 world = world_from(one.node);
+      const std::array<double, 6> metric = metric_of(world);
+      if (!known.emplace(one.shape, metric, key_of(wish.how), std::vector<std::uint32_t>()).second)
+        continue;
+      job_.poll();
+      const geometry::MeshShape mesh =
+          mesh_of(scene_.shapes[static_cast<std::size_t>(one.shape)], 1e300);
+      if (mesh)
+        area += area_of(stretched(*mesh, metres_of(metric)),
+                        chosen_faces(*mesh, wish.how.faces, wish.axes_from_world * world));
+    }
+  least_cell_ = std::sqrt(kPerCell * area / kAllTriangles);
+}
+
+Mat4 Blankets::world_from(std::int32_t node) const {
+  Mat4 out(1);
+  for (; node != scene::kNone; node = scene_.nodes[static_cast<std::size_t>(node)].parent)
+    out = scene_.nodes[static_cast<std::size_t>(node)].parent_from_node.matrix() * out;
+  return out;
+}
+
 // What became of the wishes of one element.
 void Blankets::tell(const Worn& worn, Reporter& reporter) {
   const FoilWish& wish = *worn.wish;
@@ -155,14 +191,17 @@ void Blankets::tell(const Worn& worn, Reporter& reporter) {
     return say(Code::W1501, fmt::format("no face of {} looks along {}",
                                         counted(worn.asked, "shape"), in_quotes(wish.faces)));
   say(Code::E7001, worn.problem);
-  say(Code::W7002, worn.tally.refusals());
+  // nothing is worn at all
+  const bool bare = worn.tally.groups > 0 && worn.tally.refused == worn.tally.groups;
+  say(bare ? Code::E7001 : Code::W7002, worn.tally.refusals());
   say(Code::W7002, worn.tally.scalings());
   if (worn.tally.held > kHeldShare * (worn.tally.area - worn.tally.area_refused))
     say(Code::W7002, worn.tally.holds());
   if (worn.coarsened > 0)
     say(Code::W7002,
         fmt::format("cells of {} are up to {:.2g} m, larger than all wrinkles need, for a million "
-                    "triangles each at most; <mli_settings> sets others",
+                    "triangles each and three million in all; <mli_settings> of <mli "
+                    "type=\"wrap\"> sets others",
                     counted(worn.coarsened, "blanket"), worn.largest_cell));
 }
 
@@ -171,10 +210,7 @@ void Blankets::cover(std::int32_t instance, const std::string& name, const FoilW
   job_.poll();
   const auto index = static_cast<std::size_t>(instance);
   const std::int32_t node = scene_.instances[index].node;
-  Mat4 world(1);
-  for (std::int32_t at = node; at != scene::kNone;
-       at = scene_.nodes[static_cast<std::size_t>(at)].parent)
-    world = scene_.nodes[static_cast<std::size_t>(at)].parent_from_node.matrix() * world;
+  const Mat4 world = world_from(node);
   const bool beside = std::ranges::none_of(
       scene_.joints, [&](const scene::Joint& joint) { return joint.node == node; });
   bool any = false;
@@ -284,7 +320,8 @@ Blankets::Made Blankets::woven(const Place& place, const geometry::Mesh& metres,
                               kMaxFoilVertices);
     return out;
   }
-  const double cell = cell_of(how, diagonal_of(metres), area_of(metres, faces), out.cell);
+  const double cell =
+      cell_of(how, diagonal_of(metres), area_of(metres, faces), least_cell_, out.cell);
   // other shapes wear other sheets, and the same one after each change of the model
   const auto seed =
       how.seed + static_cast<std::uint32_t>(geometry::hash_of(scene_.shapes[shape]).low);

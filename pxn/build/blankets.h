@@ -15,7 +15,7 @@
 #include "mli/wrap.h"
 #include "pxn/build/obstacles.h"
 #include "pxn/build/part.h"
-#include "pxn/build/reporter.h"
+#include "pxn/text/reporter.h"
 #include "scene/scene.h"
 
 namespace panwright::pxn {
@@ -79,6 +79,8 @@ class Blankets {
     Mat4 world_from_shape, axes_from_shape;
   };
 
+  Mat4 world_from(std::int32_t node) const;
+  void share_triangles();
   void cover(std::int32_t instance, const std::string& name, const FoilWish& wish, Worn& worn);
   std::optional<Made> made(const Place& place, const FoilWish& wish, bool& any);
   Made woven(const Place& place, const geometry::Mesh& metres, const Mat3& in_metres,
@@ -95,6 +97,7 @@ class Blankets {
   std::map<Key, Made> known_;      // what nothing is in the way of
   std::vector<std::size_t> uses_;  // of shapes, by instances
   std::optional<Obstacles> obstacles_;
+  double least_cell_ = 0;  // metres, of blankets that say none
 };
 
 }  // namespace panwright::pxn

@@ -182,7 +182,7 @@ class RobotReader {
     if (kind == "sphere") {
       const auto radius = length(shape, "radius");
       if (!radius) return std::nullopt;
-      return geometry::Shape(geometry::Sphere{.radius = *radius});
+      return geometry::Shape(geometry::Sphere{.radius = *radius, .counts = {}});
     }
     if (kind == "mesh") return mesh_of(shape);
     wrong(text_.at(shape), fmt::format("<{}> is no geometry, expected <box>, <cylinder>, <sphere> "
