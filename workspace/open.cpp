@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "importers/clean.h"
 #include "importers/other_formats.h"
+#include "importers/palette.h"
 #include "pxn/pxn.h"
 #include "workspace/internal/stopwatch.h"
 
@@ -230,6 +231,11 @@ Result<importers::Imported> read_cad(const std::filesystem::path& path, const Op
     if (!found) return failed;
     if (report != nullptr) report->mesh_report = *std::move(found);
   }
+  if (!run_job(job, log, [&] {
+        importers::split_palettes(*imported, log, job);
+        return true;
+      }))
+    return failed;
   for (scene::Instance& instance : imported->scene.instances) instance.prunable = !cad.keep_hidden;
   return imported;
 }

@@ -9,6 +9,7 @@
 #include "base/file_uses.h"
 #include "base/text.h"
 #include "importers/clean.h"
+#include "importers/palette.h"
 #include "pxn/build/loader.h"
 #include "pxn/build/pattern.h"
 #include "pxn/build/shapes.h"
@@ -122,6 +123,7 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
                    reporter_.log());
   if (cleaned && !importers::clean_up(imported->scene, clean, reporter_.log(), job_))
     throw Cancelled();
+  importers::split_palettes(*imported, reporter_.log(), job_);
   index = static_cast<std::uint32_t>(models_.size());
   ImportedModel& model = models_.emplace_back();
   model.imported = std::move(*imported);
