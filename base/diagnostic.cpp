@@ -120,7 +120,17 @@ std::optional<std::string_view> nearest_name(std::string_view name,
       best_distance = distance;
     }
   }
-  return best;
+  if (best) return best;
+  // one that begins like it, if it is the only one: "--out" for "--output", "--sundir" for "--sun"
+  constexpr std::size_t kFewest = 4;
+  std::size_t alike = 0;
+  for (const std::string_view candidate : candidates)
+    if (std::min(candidate.size(), name.size()) >= kFewest &&
+        (candidate.starts_with(name) || name.starts_with(candidate))) {
+      best = candidate;
+      ++alike;
+    }
+  return alike == 1 ? best : std::nullopt;
 }
 
 }  // namespace panwright

@@ -324,7 +324,7 @@ class Exporter {
     if (!model_.joints().empty() && !options_.articulations)
       log_.report_file(
           Code::W6402, model_.name(),
-          fmt::format("glTF does not keep {}: parts stand as their initial values have them",
+          fmt::format("glTF does not keep {}: parts stand where their values have them",
                       counted(model_.joints().size(), "joint")));
     if (model_.decals().empty()) return;
     std::set<std::uint32_t> under;

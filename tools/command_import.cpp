@@ -302,10 +302,6 @@ int run(const Options& options, const Host& host) {
     context.step("write");
     write_import_template(*imported, options, context);
   } else {
-    if (!imported->scene.joints.empty())
-      log.report_file(Code::N6007, options.input,
-                      fmt::format("{} left out: a .pan does not hold them yet",
-                                  counted(imported->scene.joints.size(), "joint")));
     context.step({});
     const auto report = workspace::write_pan(imported->scene, open,
                                              {.output = options.output,
@@ -344,8 +340,9 @@ int run_importer(const Options& typed, const Host& host) {
 }  // namespace
 
 Command import_command() {
-  return command("import", "Read a CAD file: VRML or glTF, into a pan or pxn file", declare_all,
-                 run);
+  return command("import",
+                 "Read a CAD file (glTF, VRML, STEP, OBJ, STL, PLY, URDF) into a pan or pxn file",
+                 declare_all, run);
 }
 
 Command importer_command(const std::string& name) {

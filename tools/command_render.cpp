@@ -196,8 +196,17 @@ bool follow_record(const Options& options, workspace::ViewText typed, Work& work
                         "name it: render --again IMAGE " + target.name + "=FILE");
         return false;
       }
-      typed.targets.push_back(target.name + "=" +
-                              workspace::find_recorded(target.file, options.again).string());
+      const auto found = workspace::find_recorded(target.file, options.again);
+      std::error_code ignored;
+      if (!std::filesystem::exists(found, ignored)) {
+        log.report_file(Code::E0101, options.again,
+                        fmt::format("the model {} of {} is not found: neither here nor in the "
+                                    "folders around the image",
+                                    in_quotes(target.file), in_quotes(target.name)),
+                        "name it: render --again IMAGE " + target.name + "=FILE");
+        return false;
+      }
+      typed.targets.push_back(target.name + "=" + found.string());
       work.recorded_files.push_back(target.file);
     }
   const workspace::OpenOptions given = work.open;

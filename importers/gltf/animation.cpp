@@ -136,6 +136,7 @@ class Poser {
         furthest =
             std::fmax(furthest, glm::length(Vec3(pose.value) - Vec3(rest[0], rest[1], rest[2])));
     }
+    if (choice_.time) say_if_idle(chosen.size(), moved.size());
     if (!asked && moved.empty()) return std::size_t{0};
     for (const Pose& pose : poses_) place(pose);
     if (!asked)
@@ -151,6 +152,22 @@ class Poser {
   }
 
  private:
+  // A time that changes nothing.
+  void say_if_idle(std::size_t animations, std::size_t moved) {
+    const double time = *choice_.time;
+    const auto say = [&](const std::string& text) {
+      d_.report(Code::N1405, nullptr, "/animations", text);
+    };
+    if (animations == 0 || !(first_ <= last_))
+      say("--time has no effect: the file has no animation");
+    else if (time < first_ || time > last_)
+      say(fmt::format("{:.4g} s is {} key of the animations, at {:.4g} s: nodes stand as there",
+                      time, time < first_ ? "before the first" : "after the last",
+                      time < first_ ? first_ : last_));
+    else if (moved == 0)
+      say(fmt::format("at {:.4g} s no node is elsewhere than at rest", time));
+  }
+
   struct Pose {
     std::size_t node;
     Path path;
@@ -231,6 +248,8 @@ class Poser {
       d_.report(Code::E6206, input, object + "/input", "the times of the keys do not increase");
       return std::nullopt;
     }
+    first_ = std::min(first_, keys.times.front());
+    last_ = std::max(last_, keys.times.back());
     if (keys.values.size() != (keys.cubic ? 3 : 1) * keys.times.size()) {
       d_.report(Code::E6206, output, object + "/output",
                 fmt::format("{} values for {} of {}", keys.values.size(),
@@ -271,6 +290,9 @@ class Poser {
   const std::vector<Json>& animations_;
   std::set<std::pair<std::size_t, Path>> taken_;
   std::vector<Pose> poses_;
+  // seconds, of the keys of those chosen
+  double first_ = std::numeric_limits<double>::infinity();
+  double last_ = -std::numeric_limits<double>::infinity();
 };
 
 }  // namespace

@@ -379,7 +379,11 @@ class SceneBuilder {
     const auto count = [&](std::size_t number, std::string_view noun) {
       if (number > 0) skipped.push_back(counted(number, noun));
     };
-    count(d_.root.list("animations").size() - posing_, "animation");
+    if (const std::size_t idle = d_.root.list("animations").size() - posing_; idle > 0)
+      skipped.push_back(counted(idle, "animation") +
+                        (posing_ > 0 || d_.options.animation ? ""
+                         : idle == 1 ? " that moves nothing at its first frame"
+                                     : " that move nothing at their first frame"));
     count(d_.root.list("cameras").size(), "camera");
     if (const Json* all = d_.root.find("extensions"))
       if (const Json* lights = all->find("KHR_lights_punctual"))

@@ -153,6 +153,11 @@ TEST(NearestName, AllowsOneErrorInThreeLetters) {
   EXPECT_EQ(nearest_name("refrcat", kNames), "refract");
   EXPECT_FALSE(nearest_name("sphere", kNames));
   EXPECT_FALSE(nearest_name("", kNames));
+  const std::string_view options[] = {"--output", "--sun", "--size", "--samples", "--sampling"};
+  EXPECT_EQ(nearest_name("--out", options), "--output");
+  EXPECT_EQ(nearest_name("--sundirection", options), "--sun");
+  EXPECT_FALSE(nearest_name("--sampl", std::span(options, 3)));
+  EXPECT_FALSE(nearest_name("--sa", options)) << "two begin like it";
   const std::string_view letters[] = {"D", "W"};
   EXPECT_FALSE(nearest_name("Q", letters));
   EXPECT_EQ(nearest_name("d", letters), "D");

@@ -100,7 +100,7 @@ TEST(GltfAnimation, a_file_at_its_first_frame_is_left_and_said_as_before) {
   ASSERT_TRUE(out.imported) << out.text();
   EXPECT_EQ(first_corner(out), Vec3(10, 0, 0));
   EXPECT_FALSE(out.log.contains(Code::N6216));
-  EXPECT_THAT(out.text(), HasSubstr("1 animation left out"));
+  EXPECT_THAT(out.text(), HasSubstr("1 animation that moves nothing at its first frame left out"));
 }
 
 Options at(double time, std::optional<std::string> name = {}) {
