@@ -10,6 +10,7 @@ find_package(embree 3 REQUIRED)
 find_package(meshoptimizer REQUIRED)
 find_package(OpenMesh REQUIRED)
 find_package(nlohmann_json REQUIRED)
+find_package(pugixml REQUIRED)
 find_package(JPEG REQUIRED)  # libjpeg-turbo: its colour spaces with alpha are used
 find_package(PNG REQUIRED)
 find_package(ZLIB REQUIRED)

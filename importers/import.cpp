@@ -11,10 +11,12 @@
 #include "base/text.h"
 #include "importers/gltf/gltf.h"
 #include "importers/internal/gzip.h"
+#include "importers/internal/import_part.h"
 #include "importers/internal/storable.h"
 #include "importers/meshes/meshes.h"
 #include "importers/other_formats.h"
 #include "importers/step/step.h"
+#include "importers/urdf/urdf.h"
 #include "importers/vrml/vrml.h"
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -55,11 +57,13 @@ std::optional<Format> format_of(std::string_view bytes, std::string_view path,
   const std::size_t first = bytes.find_first_not_of(" \t\r\n");
   const std::string_view text = first == bytes.npos ? std::string_view() : bytes.substr(first);
   if (text.starts_with("ISO-10303-21")) return Format::step;
+  if (urdf::is_robot(text)) return Format::urdf;
   if (starts_with_any(bytes, {"ply\n", "ply\r", "ply "})) return Format::ply;
   if (assume) return *assume;
   if (extension == ".obj") return Format::obj;
   if (extension == ".stl") return Format::stl;
   if (extension == ".ply") return Format::ply;
+  if (extension == ".urdf") return Format::urdf;
   if (extension == ".stp" || extension == ".step") return Format::step;
   if (starts_with_any(text, {"solid ", "solid\n", "solid\r"})) return Format::stl;
   if (text.starts_with('{')) return Format::gltf;
@@ -117,6 +121,8 @@ Result<Imported> read_as(Format format, Files& files, const InputFile& file, con
     case Format::stl:
     case Format::ply:
       return meshes::read(files, file, format, options, log);
+    case Format::urdf:
+      return urdf::read(files, file, options, log);
     case Format::step:
       break;
   }
@@ -126,7 +132,8 @@ Result<Imported> read_as(Format format, Files& files, const InputFile& file, con
 }  // namespace
 
 UpAxis usual_up(Format format) {
-  const bool z = format == Format::stl || format == Format::ply || format == Format::step;
+  const bool z = format == Format::stl || format == Format::ply || format == Format::step ||
+                 format == Format::urdf;
   return z ? UpAxis::z : UpAxis::y;
 }
 
@@ -134,24 +141,11 @@ bool reads_step() { return step::is_available(); }
 
 namespace {
 
-Result<Imported> imported_from(Files& files, const std::string& path, const Options& options,
-                               DiagnosticLog& log, SourceSpan included_at, const Job& job) {
-  SharedText bytes;
+// part: of a robot description
+Result<Imported> imported_bytes(Files& files, const std::string& path, SharedText bytes, bool part,
+                                const Options& options, DiagnosticLog& log, SourceSpan included_at,
+                                const Job& job) {
   const std::string name = files.display_name(path);
-  switch (files.read(path, bytes)) {
-    case Files::Outcome::found:
-      break;
-    case Files::Outcome::too_large:
-      report(Code::E0104, name, fmt::format("{} is larger than the limit", in_quotes(name)),
-             included_at, log);
-      return failed;
-    case Files::Outcome::missing:
-    case Files::Outcome::outside:
-    case Files::Outcome::unreadable:
-      report(Code::E0101, name, fmt::format("{} cannot be read", in_quotes(name)), included_at,
-             log);
-      return failed;
-  }
   const Hash128 hash = hash128(as_bytes(*bytes));
   const std::uint64_t size = bytes->size();
   bytes.forget(0, size);
@@ -174,11 +168,17 @@ Result<Imported> imported_from(Files& files, const std::string& path, const Opti
     return failed;
   }
   const auto format = format_of(text, path, options.assume);
-  auto other = options.assume ? std::nullopt : other_format_by_bytes(text, path);
+  if (part && format == Format::urdf) {
+    report(Code::E6001, name, "a robot description is not part of another one, expected a mesh",
+           included_at, log);
+    return failed;
+  }
+  auto other =
+      options.assume || format == Format::urdf ? std::nullopt : other_format_by_bytes(text, path);
   if (!other && !format) other = other_format_by_name(path);
   if (other) {
     report(Code::E6001, name,
-           fmt::format("{} is not supported, expected VRML, glTF, GLB, OBJ, STL, PLY or STEP",
+           fmt::format("{} is not supported, expected VRML, glTF, GLB, OBJ, STL, PLY, STEP or URDF",
                        other->name),
            included_at, log, std::string(other->advice));
     return failed;
@@ -195,7 +195,34 @@ Result<Imported> imported_from(Files& files, const std::string& path, const Opti
   return imported;
 }
 
+Result<Imported> imported_from(Files& files, const std::string& path, const Options& options,
+                               DiagnosticLog& log, SourceSpan included_at, const Job& job) {
+  SharedText bytes;
+  const std::string name = files.display_name(path);
+  switch (files.read(path, bytes)) {
+    case Files::Outcome::found:
+      break;
+    case Files::Outcome::too_large:
+      report(Code::E0104, name, fmt::format("{} is larger than the limit", in_quotes(name)),
+             included_at, log);
+      return failed;
+    case Files::Outcome::missing:
+    case Files::Outcome::outside:
+    case Files::Outcome::unreadable:
+      report(Code::E0101, name, fmt::format("{} cannot be read", in_quotes(name)), included_at,
+             log);
+      return failed;
+  }
+  return imported_bytes(files, path, std::move(bytes), false, options, log, included_at, job);
+}
+
 }  // namespace
+
+Result<Imported> import_part(Files& files, const std::string& path, SharedText bytes,
+                             const Options& options, DiagnosticLog& log, SourceSpan included_at,
+                             const Job& job) {
+  return imported_bytes(files, path, std::move(bytes), true, options, log, included_at, job);
+}
 
 Result<Imported> import_from(Files& files, const std::string& path, const Options& options,
                              DiagnosticLog& log, SourceSpan included_at, const Job& job) {

@@ -1,4 +1,4 @@
-// CAD files → scene: VRML 97, VRML 1.0, glTF 2.0 and GLB, OBJ, STL, PLY, STEP.
+// CAD files → scene: VRML 97, VRML 1.0, glTF 2.0 and GLB, OBJ, STL, PLY, STEP, URDF.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace panwright::importers {
 
-enum class Format : std::uint8_t { vrml97, vrml1, gltf, obj, stl, ply, step };
+enum class Format : std::uint8_t { vrml97, vrml1, gltf, obj, stl, ply, step, urdf };
 
 // What a reading may cost. A file that asks for more gets E6002.
 struct Limits {
@@ -34,7 +34,7 @@ struct Limits {
 // The axis of the file that becomes the scene's +z. y: (x, y, z) → (x, −z, y).
 enum class UpAxis : std::uint8_t { y, z };
 
-// The axis that points up in most files of a format: z in STL, PLY and STEP, y in the others.
+// The axis that points up in most files of a format: z in STL, PLY, STEP and URDF, y in the others.
 UpAxis usual_up(Format format);
 
 // Whether STEP files can be read here: the program `panwright-step` does it, which is built where
@@ -88,7 +88,7 @@ struct Imported {
 //
 //   returns  what could be read, sound by scene::check; the log says whether that is all of it.
 //
-// Fails: E0001, E01…, E6001, E6002, E6003, E6101, E6201 to E6205, E6209, E6217, E6501, E6601.
+// Fails: E0001, E01…, E6001, E6002, E6003, E6101, E6201 to E6205, E6209, E6217, E6220, E6501, E6601.
 // Reports E6…, W6…, N6…. Cost: O(bytes); memory about 3 times the scene's arrays.
 [[nodiscard]] Result<Imported> import_file(const std::filesystem::path& path,
                                            const Options& options, DiagnosticLog& log,

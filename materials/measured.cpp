@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "base/file.h"
+#include "base/parallel.h"
 #include "base/text.h"
 #include "materials/brdf.h"
 
@@ -20,6 +21,7 @@ namespace {
 constexpr std::uint64_t kMostBytes = 64u << 20;
 constexpr std::size_t kFewestReadings = 8;
 constexpr std::size_t kMostReadings = 100'000;
+constexpr std::size_t kFewSearched = 1'000;
 constexpr double kBrightest = 1e9;  // 1/sr; a flat mirror shows the Sun with 1.5e4
 // closer to the horizon instruments measure the edge of the sample
 constexpr double kLowest = 0.03;  // cosine
@@ -300,20 +302,41 @@ Point all_bounded(const Point& x) {
   return p;
 }
 
-// The least cost from several starts.
-Point best_point(const Cost& cost, const std::vector<Point>& starts) {
-  Point best;
-  double least = 0;
-  for (const Point& start : starts) {
-    Point x(start.size());
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] = unbounded(start[i]);
-    x = minimised(cost, minimised(cost, x, 1.0), 0.1);
-    const double found = cost(x);
-    if (!best.empty() && found >= least) continue;
-    best = x;
-    least = found;
-  }
-  return all_bounded(best);
+// About `most` readings, spread over a table of more: every so many of it in an order of golden
+// steps, which no grid of angles is in step with.
+std::vector<Reading> spread(const std::vector<Reading>& readings, std::size_t most) {
+  if (readings.size() <= most) return readings;
+  std::vector<Reading> some;
+  some.reserve(most);
+  constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15;
+  const std::uint64_t bound = ~std::uint64_t{0} / readings.size() * most;
+  for (std::size_t i = 0; i < readings.size(); ++i)
+    if (i * kGolden < bound) some.push_back(readings[i]);
+  return some;
+}
+
+// A search from one start.
+struct Search {
+  const Model* model = nullptr;
+  const Point* start = nullptr;
+  Point found;      // without bounds
+  double cost = 0;  // there
+};
+
+// note: every table that is searched has readings that count, as read_measured() says
+void run(Search& search, const std::vector<Reading>& few, const std::vector<Reading>& many,
+         double floor) {
+  const auto cost_of = [&](const std::vector<Reading>& readings) -> Cost {
+    return [&readings, floor, &search](const Point& x) {
+      Material material = search.model->material(all_bounded(x));
+      fit(material);
+      return residuals(material, readings, floor, {kMean}).rms_decades;
+    };
+  };
+  Point x(search.start->size());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = unbounded((*search.start)[i]);
+  search.found = minimised(cost_of(many), minimised(cost_of(few), x, 1.0), 0.1);
+  search.cost = cost_of(many)(search.found);
 }
 
 // A material of models() with colours of its own in each channel: how much of it is diffuse, and of
@@ -414,19 +437,35 @@ bool has_color(const std::vector<Reading>& readings) {
                      [](const Reading& r) { return r.rgb.x != r.rgb.y || r.rgb.y != r.rgb.z; });
 }
 
-std::vector<Fit> fitted_brdfs(const std::vector<Reading>& readings, double floor) {
+std::vector<Fit> fitted_brdfs(const std::vector<Reading>& readings, double floor, const Job& job) {
   const bool color = has_color(readings);
+  std::vector<Reading> seen;
+  for (const Reading& r : readings)
+    if (r.to_light.z >= kLowest && r.to_viewer.z >= kLowest) seen.push_back(r);
+  const std::vector<Reading> many = spread(seen, kMostSearched);
+  const std::vector<Reading> few = spread(many, kFewSearched);
+  const std::vector<Model> all = models();
+  std::vector<Search> searches;
+  for (const Model& model : all)
+    for (const Point& start : model.starts) searches.push_back({&model, &start, {}, 0});
+  Phase phase(job, "fitting", searches.size());
+  // the slow ones, of coats, first
+  parallel_for(
+      searches.size(),
+      [&](std::size_t i) {
+        run(searches[searches.size() - 1 - i], few, many, floor);
+        phase.advance();
+      },
+      job);
   std::vector<Fit> fits;
-  for (const Model& model : models()) {
-    const Cost cost = [&](const Point& x) {
-      Material material = model.material(all_bounded(x));
-      fit(material);
-      return residuals(material, readings, floor, {kMean}).rms_decades;
-    };
+  for (const Model& model : all) {
+    const Search* best = nullptr;
+    for (const Search& search : searches)
+      if (search.model == &model && (!best || search.cost < best->cost)) best = &search;
     Fit one;
     one.brdf = model.brdf;
-    one.material = model.material(best_point(cost, model.starts));
-    if (color) one.material = tinted(one.material, readings, floor);
+    one.material = model.material(all_bounded(best->found));
+    if (color) one.material = tinted(one.material, many, floor);
     one.text = text_of(one.material);
     one.material.name = model.brdf;
     fit(one.material);

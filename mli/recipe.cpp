@@ -42,9 +42,9 @@ class Checker {
   void pitch(std::string_view what, double value) {
     if (!length(what, value) || value >= 2 * recipe_.cell() * (1 - 1e-12)) return;
     wrong(
-        fmt::format("{} {} m is less than two cells of the grid, {} m; a larger one, or an xgrid "
-                    "from {} on, is accepted",
-                    what, value, 2 * recipe_.cell(), std::ceil(2 * recipe_.width / value)));
+        fmt::format("{} {} m is less than two cells of the grid, {:.4g} m; a larger one, or cells "
+                    "(width / xgrid) of at most {:.4g} m, are accepted",
+                    what, value, 2 * recipe_.cell(), value / 2));
   }
   // 0 is a length too
   bool size(std::string_view what, double value) {

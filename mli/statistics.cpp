@@ -253,4 +253,25 @@ Statistics measured(std::span<const double> heights, std::size_t columns, const 
   return out;
 }
 
+Statistics scaled(const Statistics& statistics, double factor) {
+  Statistics out = statistics;
+  for (double* length : {&out.lowest, &out.highest, &out.height_mean, &out.height_rms,
+                         &out.slope_rms, &out.facet_slope_rms})
+    *length *= factor;
+  out.slope_mean *= factor;
+  for (Covariance* c : {&out.slope_covariance, &out.facet_slope_covariance})
+    for (double* entry : {&c->xx, &c->xy, &c->yy}) *entry *= factor * factor;
+  const Vec3& n = statistics.mean_normal;
+  out.mean_normal = glm::normalize(Vec3(factor * n.x, factor * n.y, n.z));
+  out.tilt_histogram = {};
+  constexpr double kBin = 0.5 * kDegree;
+  for (std::size_t k = 0; k < Statistics::kBins; ++k) {
+    const auto middle = det::sincos((static_cast<double>(k) + 0.5) * kBin);
+    const double tilt = det::atan2(factor * middle.sin, middle.cos);
+    out.tilt_histogram[std::min(Statistics::kBins - 1, static_cast<std::size_t>(tilt / kBin))] +=
+        statistics.tilt_histogram[k];
+  }
+  return out;
+}
+
 }  // namespace panwright::mli

@@ -46,4 +46,8 @@ double slope_rms(std::span<const double> heights, std::size_t columns, const Vec
 Statistics measured(std::span<const double> heights, std::size_t columns, const Vec2& spacing,
                     const Job& job = {});
 
+// Of the same sheet with heights times a factor above 0. Tilts move to other bins by the middle of
+// theirs: the histogram is as good as its bins.
+Statistics scaled(const Statistics& statistics, double factor);
+
 }  // namespace panwright::mli

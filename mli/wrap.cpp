@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
+#include "base/parallel.h"
 #include "mli/internal/form.h"
 #include "mli/internal/grid.h"
 #include "mli/internal/groups.h"
@@ -41,7 +43,8 @@ struct Wrapper {
 
   bool cut(Draped& draped, const Group& members, double cell, double area);
   void set_heights(Draped& draped, const Sheet& sheet, double longest, WrapGroup& group) const;
-  void add(const Draped& draped, double scale);
+  double hold(const Draped& draped, std::vector<double>& heights) const;
+  void add(const Draped& draped, WrapGroup& group);
   void drape(const Group& members, const Surface& surface, WrapGroup& group);
   void take(const Group& members, bool split);
 };
@@ -56,10 +59,12 @@ bool Wrapper::cut(Draped& draped, const Group& members, double cell, double area
   draped.border = border_of(draped.piece);
   if (fits && static_cast<double>(draped.piece.triangles.size() + 2 * draped.border.size()) <= left)
     return true;
-  log.report(Code::E7001, where,
-             fmt::format("the blankets have more than {:.0f} triangles with cells of {:.3g} m; "
-                         "larger cells, or fewer faces, are accepted",
-                         options.max_triangles, cell));
+  log.report(
+      Code::E7001, where,
+      fmt::format("the blankets have more than {:.0f} triangles with cells of {:.3g} m; "
+                  "larger cells (<mli_settings> of <mli type=\"wrap\">), or fewer faces, are "
+                  "accepted",
+                  options.max_triangles, cell));
   stop = true;
   return false;
 }
@@ -106,23 +111,59 @@ void Wrapper::set_heights(Draped& draped, const Sheet& sheet, double longest,
   if (options.stand_off + lowest < below) group.scale = (options.stand_off - below) / -lowest;
 }
 
-void Wrapper::add(const Draped& draped, double scale) {
+// Lowers what other parts are nearer than. Returns the area of the triangles that it changes.
+double Wrapper::hold(const Draped& draped, std::vector<double>& heights) const {
+  if (!options.room) return 0;
+  const Piece& piece = draped.piece;
+  std::vector<double> most(heights.size());
+  constexpr std::size_t kBlock = 1024;
+  parallel_for((heights.size() + kBlock - 1) / kBlock,
+               [&](std::size_t block) {
+                 for (std::size_t v = block * kBlock;
+                      v < std::min(heights.size(), (block + 1) * kBlock); ++v) {
+                   const Vec3& p = piece.points[v];
+                   const double far = heights[v] / kWrapReach;
+                   const double free = options.room(p, draped.surface.normal(p), far);
+                   most[v] = free < far ? kWrapReach * free : HUGE_VAL;
+                 }
+               },
+               job);
+  // an edge from below a part to its outside would cut its border
+  std::vector<double> least = most;
+  double area = 0;
+  for (const Triangle& t : piece.triangles) {
+    const double low = std::min({most[t[0]], most[t[1]], most[t[2]]});
+    if (low == HUGE_VAL) continue;
+    for (const std::uint32_t v : t) least[v] = std::min(least[v], low);
+    area += glm::length(glm::cross(piece.points[t[1]] - piece.points[t[0]],
+                                   piece.points[t[2]] - piece.points[t[0]])) /
+            2;
+  }
+  for (std::size_t v = 0; v < heights.size(); ++v) heights[v] = std::min(heights[v], least[v]);
+  return area;
+}
+
+void Wrapper::add(const Draped& draped, WrapGroup& group) {
   geometry::Mesh& mesh = out.blanket;
   // note: lambdas of clang 14 take no structured bindings
   const Surface& surface = draped.surface;
   const Piece& piece = draped.piece;
-  const std::vector<double>& heights = draped.heights;
   const auto base = static_cast<std::uint32_t>(mesh.positions.size());
   const auto place = [&](const Vec3& p) { return surface.flat(p) - surface.low; };
   // where facets are fine the blanket is as round as what they stand for
   double chord = 0;
   for (const Vec3& p : piece.points) chord = std::max(chord, std::fabs(surface.above(p)));
   const double round = chord <= kRound * options.stand_off ? 1 : 0;
+  std::vector<double> heights(piece.points.size());
+  for (std::size_t v = 0; v < heights.size(); ++v)
+    heights[v] = options.stand_off + group.scale * draped.heights[v] +
+                 round * surface.above(piece.points[v]);
+  group.held = hold(draped, heights);
   for (std::size_t v = 0; v < heights.size(); ++v) {
     const Vec3& p = piece.points[v];
-    const double height = options.stand_off + scale * heights[v] + round * surface.above(p);
-    mesh.positions.push_back(p + height * surface.normal(p));
+    mesh.positions.push_back(p + heights[v] * surface.normal(p));
     mesh.texcoords.push_back(place(p));
+    out.roots.push_back(p);
   }
   // a vertex again: where the unrolled surface closes its places are those behind the end
   std::map<std::uint32_t, std::uint32_t> behind;
@@ -131,6 +172,7 @@ void Wrapper::add(const Draped& draped, double scale) {
         behind.try_emplace(v, static_cast<std::uint32_t>(mesh.positions.size()));
     if (fresh) {
       mesh.positions.push_back(Vec3(mesh.positions[base + v]));
+      out.roots.push_back(piece.points[v]);
       mesh.texcoords.push_back(surface.flat(piece.points[v], 1) - surface.low);
     }
     return at->second;
@@ -151,6 +193,7 @@ void Wrapper::add(const Draped& draped, double scale) {
     const auto [at, fresh] = foot.try_emplace(v, static_cast<std::uint32_t>(mesh.positions.size()));
     if (fresh) {
       mesh.positions.push_back(piece.points[v]);
+      out.roots.push_back(piece.points[v]);
       mesh.texcoords.push_back(place(piece.points[v]));
     }
     return at->second;
@@ -176,10 +219,10 @@ void Wrapper::drape(const Group& members, const Surface& surface, WrapGroup& gro
   const auto sheet = made(made_of, {}, apart, {}, job);
   if (!sheet) return no_sheet();
   set_heights(draped, *sheet, 1.5 * made_of.cell(), group);
-  group.statistics = sheet->statistics;
+  group.statistics = group.scale < 1 ? scaled(sheet->statistics, group.scale) : sheet->statistics;
   group.recipe = made_of;
   group.first = out.blanket.triangles.size();
-  add(draped, group.scale);
+  add(draped, group);
   group.count = out.blanket.triangles.size() - group.first;
   group.accepted = true;
 }
@@ -302,22 +345,33 @@ void WrapTally::add(const Wrap& wrap) {
   area_refused += wrap.area_refused;
   for (const WrapGroup& g : wrap.groups) {
     if (!g.accepted) ++refused, ++reasons[fmt::format("{} ({})", name_of(g.kind), g.reason)];
+    held += g.held;
     if (g.scale < 1) ++scaled, least = std::min(least, g.scale);
   }
 }
 
 void WrapTally::add(const WrapTally& other) {
   groups += other.groups, refused += other.refused, scaled += other.scaled;
-  area += other.area, area_refused += other.area_refused;
+  area += other.area, area_refused += other.area_refused, held += other.held;
   least = std::min(least, other.least);
   for (const auto& [reason, count] : other.reasons) reasons[reason] += count;
 }
 
 std::string WrapTally::refusals() const {
   if (refused == 0) return {};
+  // those of most groups first
+  std::vector<std::pair<std::size_t, std::string_view>> ordered;
+  for (const auto& [reason, count] : reasons) ordered.emplace_back(count, reason);
+  std::ranges::stable_sort(ordered, std::greater(),
+                           &std::pair<std::size_t, std::string_view>::first);
   std::string why;
-  for (const auto& [reason, count] : reasons)
-    if (why.size() < 400) why += fmt::format("; {} {}", count, reason);
+  std::size_t left = refused;
+  for (const auto& [count, reason] : ordered) {
+    if (why.size() > 400) break;
+    why += fmt::format("; {} {}", count, reason);
+    left -= count;
+  }
+  if (left > 0) why += fmt::format("; {} for other reasons", left);
   return fmt::format(
       "{} of {} groups of faces wear no blanket, {:.4g} of {:.4g} m²{}; planes, cylinders and "
       "cones are accepted",
@@ -330,6 +384,13 @@ std::string WrapTally::scalings() const {
       "heights meet the base in {} of {} groups: they are scaled, by {:.3g} at least; a larger "
       "stand-off keeps them",
       scaled, groups, least);
+}
+
+std::string WrapTally::holds() const {
+  if (!(held > 0)) return {};
+  return fmt::format(
+      "{:.3g} of {:.3g} m² lie lower than asked: other parts are nearer than the blanket is high",
+      held, area - area_refused);
 }
 
 RecipeFor fitted(Recipe recipe) {
@@ -359,6 +420,7 @@ Result<Wrap> wrapped(const geometry::Mesh& mesh, std::span<const std::uint32_t> 
     if (tally.refused > 0 || bare)
       log.report(bare ? Code::E7001 : Code::W7002, where, tally.refusals());
     if (tally.scaled > 0) log.report(Code::W7002, where, tally.scalings());
+    if (tally.held > 0) log.report(Code::W7002, where, tally.holds());
     if (bare) return failed;
     return out;
   });

@@ -25,6 +25,13 @@ using RecipeFor = std::function<Recipe(double width, double height, std::uint32_
 // metres. Sheets have 32 cells across at least.
 RecipeFor fitted(Recipe recipe);
 
+// Metres that are free of other parts from a place on the faces along a unit direction, at most
+// `most`, in the mesh's frame. Called from several threads.
+using FreeRoom = std::function<double(const Vec3& from, const Vec3& along, double most)>;
+
+// Of the way to another part: how far a blanket reaches.
+inline constexpr double kWrapReach = 0.75;
+
 struct WrapOptions {
   double stand_off = 0;  // metres from the faces to the blanket's mean height, above 0
   double border = 0;     // metres over which heights fade out; 0: three times the stand-off, at
@@ -34,6 +41,7 @@ struct WrapOptions {
   double weld = 0;       // metres between vertices that are one; 0: 1e-6 of the mesh's diagonal
   double crease_angle = 35 * kDegree;  // groups end where facets meet at more
   double max_triangles = 4e6;          // of all blankets together
+  FreeRoom room = {};                  // empty: nothing else is there
   // false: what is refused or scaled is for the caller to say (WrapTally), and no blanket at all is
   // no failure
   bool tell = true;
@@ -51,8 +59,9 @@ struct WrapGroup {
   std::vector<std::uint32_t> faces;  // indices of the mesh's triangles, ascending
   std::size_t first = 0, count = 0;  // triangles of the blanket, its seams included
   double scale = 1;                  // of the heights, below 1 where they met the base
+  double held = 0;                   // m² that lie lower, below other parts
   std::string reason;                // of a refusal
-  // of the sheet, where it is accepted
+  // of the sheet, where it is accepted; as it is worn, `scale` included
   Recipe recipe;
   Statistics statistics;
 };
@@ -61,6 +70,7 @@ struct Wrap {
   // Counter-clockwise from outside; texture coordinates are the place on the flat group, metres.
   // The normals are left empty. Open where the seams meet the faces.
   geometry::Mesh blanket;
+  std::vector<Vec3> roots;                     // of its positions: the places on the faces below
   std::vector<WrapGroup> groups;               // in order of search
   double area_accepted = 0, area_refused = 0;  // m²
   std::size_t without_area = 0;                // faces that were left out
@@ -69,27 +79,30 @@ struct Wrap {
 // What several wraps together left out or changed.
 struct WrapTally {
   std::size_t groups = 0, refused = 0, scaled = 0;
-  double area = 0, area_refused = 0;           // m²
-  double least = 1;                            // of the scales
-  std::map<std::string, std::size_t> reasons;  // of refusals
+  double area = 0, area_refused = 0, held = 0;  // m²
+  double least = 1;                             // of the scales
+  std::map<std::string, std::size_t> reasons;   // of refusals
 
   void add(const Wrap& wrap);
   void add(const WrapTally& other);
   std::string refusals() const;  // a sentence; empty: nothing refused
   std::string scalings() const;
+  std::string holds() const;
 };
 
 // Drapes blankets over chosen faces, which stay as they are.
 //
 // Vertices are welded. Faces across whose common edge the normal turns by no more than the crease
-// angle are a group. A group whose vertices lie on a plane is accepted, whatever its outline and
-// holes; cylinders and cones are refused so far. From a curved group, planar parts of 5 % of its
+// angle are a group. A group whose vertices lie on a plane, a cylinder or a cone is accepted,
+// whatever its outline and holes. From a curved group, planar parts of 5 % of its
 // area and more are taken as groups of their own. Faces at an edge that three share, or two that
 // are wound differently, refuse their group. Each face of an accepted group is cut in halves until
 // no edge is longer than 1.5 cells of the sheet; so the blanket ends on the group's border and is
 // conforming. A vertex is lifted along the normal by stand-off + height; heights fade out at the
 // border, and a seam goes from there straight down to the base. Their mean by area is made 0, then
-// they are scaled where one would lie below `margin`. Equal input gives equal bits.
+// they are scaled where one would lie below `margin`. Where another part is nearer than that
+// (`room`), the blanket goes below it, at three quarters of the way, with all vertices beside one
+// that does. Equal input gives equal bits.
 //
 //   faces    indices of the mesh's triangles; repeated ones count once
 //   returns  a blanket for one group at least

@@ -333,6 +333,7 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
   if (shadows &&
       !shadow_maps.update(shared, scene, {options.shadow_side, options.max_shadow_bytes}, log, job))
     return false;
+  if (shadows) frames[frame].report.shadow_edge = shadow_maps.edge_error();
   if (adaptive) return sampled(scene, options, formats, frame, log);
   for (Tiles whole(image.width, image.height, tile_side); whole; whole.next()) {
     on_tile.find(scene, *whole);
@@ -374,7 +375,9 @@ bool Renderer::Impl::sampled(const FrameScene& scene, const RenderOptions& optio
   Image& image = frames[frame].image;
   clear_around({0, 0, image.width, image.height}, {}, image);
   if (!sampling->render(scene, options, formats, image, job, log)) return false;
+  const double shadow_edge = frames[frame].report.shadow_edge;
   frames[frame].report = sampling->report();
+  frames[frame].report.shadow_edge = shadow_edge;
   if (shared.went_well(log)) return true;
   shadow_maps.forget();  // what failed may have been one of them
   return false;
@@ -460,6 +463,12 @@ void Renderer::Impl::drop() {
   used_frames = 0;
 }
 
+// Of two images that are parts of one.
+static SamplingReport sum_of(const SamplingReport& a, const SamplingReport& b) {
+  return {a.samples + b.samples, std::max(a.rmse, b.rmse), std::max(a.flux, b.flux),
+          std::max(a.shadow_edge, b.shadow_edge)};
+}
+
 bool Renderer::Impl::submit(const world::World& world, const world::Camera& camera,
                             const RenderOptions& options, DiagnosticLog& log) {
   if (!fits(world, camera, options, log) || !shared.ready(log)) return false;
@@ -482,16 +491,14 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
     sum_coverage.resize(frame.image.coverage.size());
     add_weighted(frame.image.radiance, weight, sum_radiance);
     add_weighted(frame.image.coverage, weight, sum_coverage);
-    report = {report.samples + frame.report.samples, std::max(report.rmse, frame.report.rmse),
-              std::max(report.flux, frame.report.flux)};
+    report = sum_of(report, frame.report);
   }
   if (!submit_state(world, camera, options, level_choices.back(), log)) return false;
   Frame& frame = frames[(first_frame + used_frames - 1) % kFrames];
   frame.weight = level_choices.back().weight;
   frame.other_radiance.swap(sum_radiance);
   frame.other_coverage.swap(sum_coverage);
-  frame.report = {report.samples + frame.report.samples, std::max(report.rmse, frame.report.rmse),
-                  std::max(report.flux, frame.report.flux)};
+  frame.report = sum_of(report, frame.report);
   return true;
 }
 
@@ -526,7 +533,7 @@ bool Renderer::Impl::submit_state(const world::World& world, const world::Camera
   frame.camera = camera;
   frame.flat = options.flat;
   frame.tiles = 0;
-  frame.report = {static_cast<double>(options.samples) * options.samples, 0, 0};
+  frame.report = {static_cast<double>(options.samples) * options.samples};
   frame.why_empty = why_empty(world, *visible);
   const FrameScene scene{world, camera, states, *visible};
   if (submit_radiance(scene, options, index, log) &&

@@ -21,6 +21,8 @@ struct SamplingReport {
   // What is left of the error, as estimated from the samples; 0 where N was given.
   double rmse = 0;  // RMS over the target's pixels, in parts of the RMS of their radiance
   double flux = 0;  // relative, of the sum of all pixels
+  // Of the edges of shadows, pixels: 99 of 100 are nearer than that; 0 without shadow maps.
+  double shadow_edge = 0;
 };
 
 struct RenderOptions {

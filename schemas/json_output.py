@@ -134,7 +134,8 @@ COMMANDS = {
         "gl?": ("with --engine gl", {"renderer": "string: by the driver", "version": "string: by the driver", "hardware": "boolean: no software"}),
         "images": ("that were written", [{
             "output": "string: the file", "width": "integer: pixels", "height": "integer: pixels", "unit": "string: of radiance: W/(m^2 sr) or 1/sr",
-            "samples?": "number: mean of a pixel; with the reference engine in all", "pixel_error?": "number: estimated, RMS by RMS", 
+            "samples?": "number: mean of a pixel; with the reference engine in all", "pixel_error?": "number: estimated, RMS by RMS",
+            "shadow_edge?": "number: pixels: 99 of 100 points of edges of shadows are nearer; with --engine gl",
             "flux_error?": "any: estimated: a share; with the reference engine three standard errors", "flux?": "vec3: of the image",
             "rays?": "integer: cast", "seconds?": "number: it took"}]),
     },

@@ -10,8 +10,10 @@
 #include <filesystem>
 #include <limits>
 
+#include "base/math.h"
 #include "base/text.h"
 #include "tools/words.h"
+#include "workspace/views.h"
 
 namespace panwright::tools {
 
@@ -121,11 +123,36 @@ Argument& Argument::bytes() {
   });
   return *this;
 }
+Argument& Argument::length() {
+  option_.checks.push_back([](std::string& text) -> std::string {
+    if (parse_double(text)) return {};
+    const auto metres = workspace::parse_length(text);
+    if (!metres) return "a length, as 2mm or 0.002 (metres)";
+    text = format_double(*metres);
+    return {};
+  });
+  return *this;
+}
+Argument& Argument::angle() {
+  option_.checks.push_back([](std::string& text) -> std::string {
+    if (parse_double(text)) return {};
+    const auto radians = workspace::parse_angle(text);
+    if (!radians) return "an angle, as 30deg or 30 (degrees)";
+    // note: 30deg is 30, to the digit
+    text = text.ends_with("deg") ? text.substr(0, text.size() - 3)
+                                 : format_double(*radians * (180 / kPi));
+    return {};
+  });
+  return *this;
+}
 Argument& Argument::folder() {
   option_.checks.push_back([](std::string& text) {
     std::error_code ignored;
-    return std::filesystem::is_directory(text, ignored) ? std::string()
-                                                        : std::string("an existing folder");
+    if (std::filesystem::is_directory(text, ignored)) return std::string();
+    const auto up = std::filesystem::path(text).parent_path();
+    const bool room = !std::filesystem::exists(text, ignored) &&
+                      (up.empty() || std::filesystem::is_directory(up, ignored));
+    return std::string(room ? "" : "a folder, or a new one in an existing folder");
   });
   return *this;
 }

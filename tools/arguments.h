@@ -59,7 +59,10 @@ class Argument {
   Argument& positive();
   Argument& not_negative();
   Argument& bytes();  // "512MB"
-  Argument& folder();
+  // "2mm", "30deg": metres, degrees. Of options that take a number, before its bounds.
+  Argument& length();
+  Argument& angle();
+  Argument& folder();  // that exists, or can be made in one that does
 
  private:
   Option& option_;

@@ -58,6 +58,10 @@ int run(const Options& options, const Host& host) {
   CommandContext context("diff", options.common, host);
   const auto read = options.read.opening(context.log());
   if (!read) return context.finish();
+  const auto is_text = [](const std::string& file) {
+    return workspace::extension_of(file) == ".pxn";
+  };
+  if (is_text(options.a) && is_text(options.b)) context.summarise_imports();
   workspace::OpenReport report;
   const auto a = workspace::open(options.a, *read, context.log(), context.job(), &report);
   const auto b = workspace::open(options.b, *read, context.log(), context.job(), &report);

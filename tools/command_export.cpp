@@ -45,6 +45,7 @@ int run(const Options& options, const Host& host) {
   context.files().will_read(options.input);
   context.files().will_write(options.output, "-o", log);
   if (log.has_errors()) return context.finish();
+  if (workspace::extension_of(options.input) == ".pxn") context.summarise_imports();
   const auto read = options.read.opening(log);
   if (!read) return context.finish();
   workspace::OpenReport report;

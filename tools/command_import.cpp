@@ -39,7 +39,7 @@ void declare_all(Arguments& arguments, Options& options) {
   CadOptions& cad = options.open.cad;
   arguments
       .add("input", options.input,
-           "VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY, STEP, packed or not")
+           "VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY, STEP, URDF, packed or not")
       .required()
       .type("FILE");
   arguments
@@ -64,7 +64,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("--max-error", options.open.max_error,
            "Metres that a mesh may lie from an exact shape (default 0.001)")
-      .finite()
+      .length()
       .positive()
       .type("METRES");
   arguments.add("--max-triangles", options.open.max_triangles, "Most triangles in the file")
@@ -127,7 +127,8 @@ Json as_json(const compiler::HiddenReport& hidden) {
           {"cached", hidden.cached}};
 }
 
-constexpr const char* kFormats[] = {"VRML 97", "VRML 1.0", "glTF", "OBJ", "STL", "PLY", "STEP"};
+constexpr const char* kFormats[] = {"VRML 97", "VRML 1.0", "glTF", "OBJ",
+                                    "STL",     "PLY",      "STEP", "URDF"};
 
 void describe(const importers::Imported& imported, CommandContext& context) {
   const scene::Scene& scene = imported.scene;

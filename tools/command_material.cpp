@@ -279,8 +279,15 @@ std::string plain_name(std::string name) {
   return name;
 }
 
+// Where it cannot be made, the file in it says so.
+void make_folder(const std::string& folder) {
+  std::error_code ignored;
+  std::filesystem::create_directory(folder, ignored);
+}
+
 bool write_plots(const std::string& folder, const materials::Material& material,
                  CommandContext& context) {
+  make_folder(folder);
   const std::filesystem::path base = std::filesystem::path(folder) / plain_name(material.name);
   const auto write = [&](const char* suffix, const std::string& text) {
     const std::string path = base.string() + suffix;
@@ -409,6 +416,11 @@ void print_fits(const Options& options, const std::vector<materials::Reading>& r
       "{:.2g}/sr count as that much.\n\n",
       name, best.brdf, counted(readings.size(), "reading"), options.fit, factor(best.rms_decades),
       factor(best.max_decades), floor);
+  if (readings.size() > materials::kMostSearched)
+    print(
+        "About {} readings, spread over the table, decided on the parameters; the errors are of "
+        "all.\n\n",
+        materials::kMostSearched);
   print("{:<34} {:>12} {:>12} {:>12}\n", "", "RMS, decades", "max, decades", "RMS, 1/sr");
   for (const materials::Fit& fit : fits)
     print("{:<34} {:>12.3f} {:>12.3f} {:>12.4g}\n", fit.brdf, fit.rms_decades, fit.max_decades,
@@ -441,7 +453,12 @@ void fit_table(const Options& options, CommandContext& context) {
     context.log().report_file(Code::E1409, options.fit, "every reading is 0");
     return;
   }
-  const std::vector<materials::Fit> fits = materials::fitted_brdfs(*readings, floor);
+  const auto found =
+      run_job(context.job(), context.log(), [&]() -> Result<std::vector<materials::Fit>> {
+        return materials::fitted_brdfs(*readings, floor, context.job());
+      });
+  if (!found) return;
+  const std::vector<materials::Fit>& fits = *found;
   const bool color = materials::has_color(*readings);
   // what the user calls it
   const std::string stem = std::filesystem::path(options.fit).stem().string();
@@ -460,6 +477,7 @@ void fit_table(const Options& options, CommandContext& context) {
                            {"text", fit.text}});
   if (!context.options().json) print_fits(options, *readings, fits, floor, name);
   if (options.svg.empty()) return;
+  make_folder(options.svg);
   constexpr const char* kBands[] = {"-red", "-green", "-blue"};
   for (int band = 0; band < (color ? 3 : 1); ++band) {
     const std::string text = fit_plot(*readings, fits.front(), name, color ? band : -1);

@@ -85,10 +85,12 @@ void declare_all(Arguments& arguments, Options& options) {
       .range(2, 100000)
       .type("N");
   arguments.add("--sheet-width", options.sheet_width, "Metres, of a preset (default 0.5)")
+      .length()
       .positive()
       .type("METRES");
   arguments
       .add("--sheet-height", options.sheet_height, "Metres, of a preset (default: as high as wide)")
+      .length()
       .positive()
       .type("METRES");
   arguments

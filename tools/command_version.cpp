@@ -25,8 +25,8 @@ void declare_all(Arguments& arguments, Options& options) { declare(arguments, op
 // Extensions that the program reads, of those that it knows.
 Json extensions_read() {
   Json out{".pxn", ".pan"};
-  for (const char* extension :
-       {".wrl", ".wrz", ".vrml", ".gltf", ".glb", ".obj", ".stl", ".ply", ".step", ".stp"}) {
+  for (const char* extension : {".wrl", ".wrz", ".vrml", ".gltf", ".glb", ".obj", ".stl", ".ply",
+                                ".step", ".stp", ".urdf"}) {
     const std::string_view name(extension);
     const bool step = name == ".step" || name == ".stp";
     if (workspace::is_cad("model" + std::string(name)) && (!step || importers::reads_step()))

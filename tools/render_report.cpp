@@ -55,6 +55,8 @@ std::string line_of(const Written& image) {
           100 * sampling.rmse, 100 * sampling.flux);
     else if (image.samples == 0)
       line += " (auto)";
+    if (sampling.shadow_edge > 0)
+      line += fmt::format(", edges of shadows within {:.2g} pixels", sampling.shadow_edge);
   }
   if (image.measured) {
     const workspace::Measured& measured = *image.measured;
@@ -83,6 +85,8 @@ void describe_image(const Written& image, Json& entry) {
   entry["ev"] = image.ev;
   entry["ms"] = 1e3 * image.seconds;
   if (image.sampling) entry["samples"] = image.sampling->samples;
+  if (image.sampling && image.sampling->shadow_edge > 0)
+    entry["shadow_edge"] = image.sampling->shadow_edge;
   if (image.sampling && image.sampling->rmse + image.sampling->flux > 0) {
     entry["pixel_error"] = image.sampling->rmse;
     entry["flux_error"] = image.sampling->flux;

@@ -63,7 +63,7 @@ void declare(Arguments& arguments, ReadOptions& read) {
       .add("--max-error", read.open.max_error,
            "Metres that a mesh may lie from its shape, in the world: overrides the model's "
            "budget (default: the budget, or 0.001)")
-      .finite()
+      .length()
       .positive()
       .type("METRES");
   arguments.add("--max-triangles", read.open.max_triangles, "Most triangles in the file")
@@ -105,12 +105,12 @@ void declare(Arguments& arguments, workspace::CadOptions& cad) {
       arguments.flag("--no-weld", cad.no_weld, "Leave meshes as they are").group(kGroup);
   option("--weld", cad.weld, "METRES",
          "Vertices this far apart in the file become one (default 0: at one place)")
-      .finite()
+      .length()
       .not_negative()
       .excludes(no_weld);
   option("--crease", cad.crease_deg, "DEG",
          "Faces without normals look smooth where they meet at no more (default 30)")
-      .finite()
+      .angle()
       .range(0.0, 180.0);
   arguments
       .flag("--crease-normals", cad.crease_normals,
@@ -129,7 +129,7 @@ void declare(Arguments& arguments, workspace::CadOptions& cad) {
       .range(0u, 100000u);
   option("--deflection", cad.deflection, "METRES",
          "STEP: triangles lie this close to their surfaces (default 0: 1e-4 of the model's size)")
-      .finite()
+      .length()
       .not_negative();
   option(
       "--max-seconds", cad.max_seconds, "SECONDS",
@@ -137,8 +137,9 @@ void declare(Arguments& arguments, workspace::CadOptions& cad) {
       .finite()
       .positive();
   option("--assume", cad.assume, "KIND",
-         "Format to assume when it cannot be detected: vrml97, vrml1, gltf, obj, stl, ply or step")
-      .one_of({"vrml97", "vrml1", "gltf", "obj", "stl", "ply", "step"});
+         "Format to assume when it cannot be detected: vrml97, vrml1, gltf, obj, stl, ply, step or "
+         "urdf")
+      .one_of({"vrml97", "vrml1", "gltf", "obj", "stl", "ply", "step", "urdf"});
   arguments.flag("--recentre", cad.recentre, "Put the middle of the model at the origin")
       .group(kGroup);
 }

@@ -136,11 +136,12 @@ void read_gl(const ViewText& text, Reader& reader, DrawOptions& draw) {
   if (!text.levels || *text.levels == "auto") return;
   gl.levels = *text.levels != "off";
   if (!gl.levels) return;
-  const auto metres = parse_numbers(*text.levels, 1);
-  if (metres && (*metres)[0] >= 0)
-    gl.level_pixel = (*metres)[0];
+  const auto metres = parse_length(*text.levels);
+  if (metres && *metres >= 0)
+    gl.level_pixel = *metres;
   else
-    reader.refuse("levels", text.levels, "auto, off, or the metres that a pixel sees");
+    reader.refuse("levels", text.levels,
+                  "auto, off, or what a pixel sees, as 2cm or 0.02 (metres)");
 }
 
 void read_reference(const ViewText& text, Reader& reader, preview::ReferenceOptions& traced) {

@@ -30,7 +30,7 @@ struct CadOptions {
   std::string scene;           // glTF: name or number; empty: the default one
   std::string animation;       // glTF: name, number or none; empty: importers::Options
   std::optional<double> time;  // glTF: seconds
-  std::string assume;          // fallback format: vrml97, vrml1, gltf, obj, stl, ply, step
+  std::string assume;          // fallback format: vrml97, vrml1, gltf, obj, stl, ply, step, urdf
   bool no_weld = false;        // meshes stay as they are
   double weld = 0;             // metres in the world
   double crease_deg = 30;

@@ -119,6 +119,12 @@ struct Path {
     if (!up) return {};
     return up->text() + "/" + (is_index ? fmt::format("{}", index) : std::string(key));
   }
+
+  // The property alone, as `translation[2]`.
+  std::string name() const {
+    if (!up) return "the file";
+    return is_index ? fmt::format("{}[{}]", up->name(), index) : std::string(key);
+  }
 };
 
 std::string shown(const Json& value) {
@@ -164,7 +170,8 @@ class SchemaPass {
   }
 
   bool wrong_type(const Json& value, const Path& path, std::string_view wanted) {
-    report(Code::E6204, value, path, fmt::format("{} is not {}", shown(value), wanted));
+    report(Code::E6204, value, path,
+           fmt::format("{} is {}, expected {}", path.name(), shown(value), wanted));
     return false;
   }
 
@@ -221,17 +228,17 @@ class SchemaPass {
     const double within = std::clamp(x, rule.low, rule.high);
     if (!whole && !rule.open_below && std::fabs(x - within) <= kRounding) {
       report(Code::W6215, value, path,
-             fmt::format("{} is {} but for rounding, and taken for it", format_double(x),
-                         format_double(within)));
+             fmt::format("{} is {}, which is {} but for rounding, and taken for it", path.name(),
+                         format_double(x), format_double(within)));
       value.number = within;
       return true;
     }
     report(Code::E6204, value, path,
            std::isinf(rule.high)
-               ? fmt::format("{} is not {} {}", format_double(x),
+               ? fmt::format("{} is {}, expected {} {}", path.name(), format_double(x),
                              rule.open_below ? "above" : "at least", format_double(rule.low))
-               : fmt::format("{} is not within {} to {}", format_double(x), format_double(rule.low),
-                             format_double(rule.high)));
+               : fmt::format("{} is {}, expected {} to {}", path.name(), format_double(x),
+                             format_double(rule.low), format_double(rule.high)));
     return false;
   }
 
@@ -255,7 +262,8 @@ class SchemaPass {
     if (std::find(rule.words.begin(), rule.words.end(), text) != rule.words.end()) return true;
     const auto near = word ? nearest_name(text, rule.words) : std::nullopt;
     report(Code::W6215, value, path,
-           fmt::format("{} is not one of {}", shown(value), fmt::join(rule.words, ", ")),
+           fmt::format("{} is {}, expected one of {}", path.name(), shown(value),
+                       fmt::join(rule.words, ", ")),
            near ? fmt::format("did you mean '{}'?", *near) : "");
     return false;
   }
@@ -286,7 +294,8 @@ class SchemaPass {
     }
     if (rule.length != 0 && value.items.size() != rule.length) {
       report(Code::E6204, value, path,
-             fmt::format("{} numbers, not {}", value.items.size(), rule.length));
+             fmt::format("{} has {}, expected {}", path.name(),
+                         counted(value.items.size(), "number"), rule.length));
       return false;
     }
     if (rule.kind == "ids") return ids(rule, value, path);
@@ -312,7 +321,7 @@ class SchemaPass {
     const auto end = items.begin() + static_cast<std::ptrdiff_t>(i);
     const auto equal = [&](const Json& item) { return item.text == items[i].text; };
     if (std::find_if(items.begin(), end, equal) != end)
-      report(Code::E6204, items[i], at, fmt::format("{} is repeated in the list", shown(items[i])));
+      report(Code::E6204, items[i], at, fmt::format("{} repeats {}", at.name(), shown(items[i])));
     return true;
   }
 
@@ -345,7 +354,9 @@ class SchemaPass {
       const Path at{&path, {}, i, true};
       if (!index(rule, value.items[i], at)) continue;
       if (!seen.insert(value.items[i].number).second) {
-        report(Code::E6204, value.items[i], at, "the index is repeated in the list");
+        report(Code::E6204, value.items[i], at,
+               fmt::format("{} repeats the index {}", at.name(),
+                           format_double(value.items[i].number)));
         continue;
       }
       good.push_back(value.items[i]);
@@ -454,7 +465,8 @@ class SchemaPass {
       const Json* stride = value.find("byteStride");
       if (stride && std::fmod(stride->number, 4) != 0) {
         report(Code::E6204, *stride, Path{&path, "byteStride"},
-               fmt::format("{} is not a multiple of 4", format_double(stride->number)));
+               fmt::format("byteStride is {}, expected a multiple of 4",
+                           format_double(stride->number)));
         value.broken = true;
       }
       const Json* length = value.find("byteLength");
@@ -471,7 +483,7 @@ class SchemaPass {
       const Json* ior = value.find("ior");
       if (ior && ior->number > 0 && ior->number < 1)
         report(Code::E6204, *ior, Path{&path, "ior"},
-               fmt::format("{} is neither 0 nor at least 1", format_double(ior->number)));
+               fmt::format("ior is {}, expected 0, or 1 and more", format_double(ior->number)));
     }
     if (type == "light") {
       const Json* kind = value.find("type");

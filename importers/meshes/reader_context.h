@@ -1,5 +1,5 @@
-// One reading of a mesh file: its problems, and the scene that comes of it. Private to
-// importers/meshes.
+// One reading of a file: its problems, and the scene that comes of it. Private to importers: for
+// mesh files and robot descriptions.
 #pragma once
 
 #include <array>
@@ -142,12 +142,15 @@ class Assembly {
   std::int32_t texture(std::string_view name, const std::string& including, bool linear,
                        SourceSpan where);
 
+  scene::Source source_of(SourceSpan where);
+
+  // What has been made so far, for what the functions above do not make.
+  Imported& out() { return out_; }
+
   // Tells all problems. Fails: E6501 where there is no triangle.
   Result<Imported> finished();
 
  private:
-  scene::Source source_of(SourceSpan where);
-
   ReaderContext& context_;
   Imported out_;
   std::map<std::string, std::uint32_t, std::less<>> kinds_;

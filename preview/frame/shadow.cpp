@@ -368,11 +368,14 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits,
   std::size_t left = groups_.size();
   const Group* worst = nullptr;
   double most = kMostPixelsATexel;
+  edge_error_ = 0;
   for (Group& group : groups_) {
     // what one leaves goes to those behind it
     lay_out(group, scene, {limits.side, 1 + spare / left--, limits.cells_a_row});
     spare -= group.layout.tiles.cells() - 1;
     const double coarse = group.layout.texel / group.layout.pixel;
+    if (coarse > 0 && std::isfinite(coarse))
+      edge_error_ = std::max(edge_error_, kEdgeOfTexel * coarse);
     if (!(coarse > most)) continue;
     most = coarse;
     worst = &group;
@@ -385,7 +388,7 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits,
           "of shadows may be off by {:.2g} pixels there, expected at most {:.2g} "
           "({})",
           scene.world[worst->targets.front().target].name(), worst->layout.texel,
-          worst->layout.pixel, 0.375 * most, 0.375 * kMostPixelsATexel,
+          worst->layout.pixel, kEdgeOfTexel * most, kEdgeOfTexel * kMostPixelsATexel,
           worst->layout.finest > kMostPixelsATexel * worst->layout.pixel
               ? "single precision allows no finer ones for triangles so large: smaller ones help"
               : "a larger --shadow-side may give finer ones"));

@@ -381,7 +381,9 @@ const ShadowTiles& ShadowTileFinder::find(const world::Camera& camera,
     }
   view.far += std::fabs(view.far) * 0x1p-20;
   view.near = std::max(view.near, perspective ? view.far * 0x1p-24 : 0.0);
-  if (!(view.far > view.near) || texel_ <= kMostPixelsATexel * pixel_of(view.near)) return tiles_;
+  if (!(view.far > view.near)) return tiles_;
+  pixel_ = pixel_of(view.near);
+  if (texel_ <= kMostPixelsATexel * pixel_) return tiles_;
 
   pieces_.clear();
   for (std::uint32_t i = 0; i < items.size(); ++i) {

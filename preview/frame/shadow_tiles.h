@@ -20,6 +20,7 @@ namespace panwright::preview {
 // A texel of a map should not be wider than so many pixels where its receivers are nearest: 99 of
 // 100 edges are then right to 0.75 pixels (0.375 texels measured, bench/case_shadows.cpp).
 inline constexpr double kMostPixelsATexel = 2;
+inline constexpr double kEdgeOfTexel = 0.375;  // texels: 99 of 100 edges are right to that
 
 inline constexpr std::size_t kMostShadowTiles = 12;  // draw.glsl
 

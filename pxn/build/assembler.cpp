@@ -97,6 +97,7 @@ class Assembler {
     Use use{&part, part.source, true, nullptr, {}, false, true, {}, {}, {}, {}};
     items_of(use, context);
     if (!stopped_) joints_.connect(scene_, reporter_);
+    if (!stopped_) blankets_.make(options_.limits.nodes, reporter_);
     attached_.cells.report(first_import_, reporter_.log());
     return !stopped_;
   }
@@ -293,10 +294,8 @@ class Assembler {
     scene_.instances.push_back(std::move(instance));
     if (const NodeProperties* properties = properties_of(use, item);
         properties && !properties->foil.empty()) {
-      WornFoil worn;
-      cover(static_cast<std::int32_t>(scene_.instances.size() - 1), properties->foil,
-            properties->material, source_of(use, item), worn);
-      tell(use, item.element, worn);
+      cover(use, item.element, static_cast<std::int32_t>(scene_.instances.size() - 1),
+            properties->foil, properties->material, source_of(use, item));
     }
   }
 
@@ -335,27 +334,27 @@ class Assembler {
 
   // ---- blankets
 
-  // A blanket of a preset over all of an instance.
-  void cover(std::int32_t instance, std::string_view preset, std::int32_t named,
-             const scene::Source& source, WornFoil& worn) {
-    const auto node =
-        static_cast<std::size_t>(scene_.instances[static_cast<std::size_t>(instance)].node);
-    if (!has_room(worn)) return;
-    Blanket how;
-    how.preset = preset;
-    scene::Instance blanket;
-    blanket.material = named >= 0 ? named_material(named) : usual_material(preset);
-    blanket.source = source;
-    blankets_.cover(instance, how, Mat4(1), scene_.nodes[node].name + "_foil", std::move(blanket),
-                    worn);
+  // What all blankets of an element have in common.
+  FoilWish wish_of(Use& use, std::uint32_t element) {
+    FoilWish wish;
+    wish.document = &use.part->file->document;
+    wish.where = wish.document->tag_span(element);
+    wish.where.file = file_of(use);
+    wish.element = element;
+    return wish;
   }
 
-  bool has_room(WornFoil& worn) const {
-    if (scene_.nodes.size() < options_.limits.nodes) return true;
-    if (worn.problem.empty())
-      worn.problem =
-          fmt::format("the model has more than {} nodes with its blankets", options_.limits.nodes);
-    return false;
+  // A blanket of a preset over all of an instance.
+  void cover(Use& use, std::uint32_t element, std::int32_t instance, std::string_view preset,
+             std::int32_t named, const scene::Source& source) {
+    const auto node =
+        static_cast<std::size_t>(scene_.instances[static_cast<std::size_t>(instance)].node);
+    FoilWish wish = wish_of(use, element);
+    wish.on = {{instance, scene_.nodes[node].name + "_foil"}};
+    wish.how.preset = preset;
+    wish.blanket.material = named >= 0 ? named_material(named) : usual_material(preset);
+    wish.blanket.source = source;
+    blankets_.wish(std::move(wish));
   }
 
   // The library's material that a preset of foil is usual with.
@@ -383,20 +382,14 @@ class Assembler {
                                                 : material(around);
     blanket.source = source_of(use, item);
     const std::string name = properties && !properties->name.empty() ? properties->name : "foil";
-    const Mat4 axes_from_world = glm::inverse(around.world_from_node);
-    WornFoil worn;
+    FoilWish wish = wish_of(use, item.element);
     for (const std::int32_t instance : on)
-      if (has_room(worn))
-        blankets_.cover(instance, known.blanket, axes_from_world,
-                        on.size() == 1 ? name : numbered(name), blanket, worn);
-    if (worn.instances == 0 && worn.problem.empty()) {
-      report_at(Code::W1501, use, item.element, [&] {
-        return Reporter::Text(fmt::format("no face of {} looks along {}",
-                                          counted(on.size(), "shape"), in_quotes(known.faces)));
-      });
-      return;
-    }
-    tell(use, item.element, worn);
+      wish.on.emplace_back(instance, on.size() == 1 ? name : numbered(name));
+    wish.how = known.blanket;
+    wish.axes_from_world = glm::inverse(around.world_from_node);
+    wish.faces = known.faces;
+    wish.blanket = std::move(blanket);
+    blankets_.wish(std::move(wish));
   }
 
   // Of those in the innermost repeat's run that holds some, or else of the whole part.
@@ -411,7 +404,6 @@ class Assembler {
         const scene::Instance& instance = scene_.instances[i];
         const auto node = static_cast<std::uint32_t>(instance.node);
         if (node >= begin && node < end && named[node] &&
-            !blankets_.is_blanket(static_cast<std::int32_t>(i)) &&
             material.fits(scene_.materials[static_cast<std::size_t>(instance.material)].name))
           out.push_back(static_cast<std::int32_t>(i));
       }
@@ -440,22 +432,6 @@ class Assembler {
                                                     : ""),
               near_names(pattern, names)};
     });
-  }
-
-  // What became of a blanket.
-  void tell(Use& use, std::uint32_t element, const WornFoil& worn) {
-    const auto say = [&](Code code, const std::string& text) {
-      if (!text.empty()) report_at(code, use, element, [&] { return Reporter::Text(text); });
-    };
-    say(Code::E7001, worn.problem);
-    say(Code::W7002, worn.tally.refusals());
-    say(Code::W7002, worn.tally.scalings());
-    if (worn.coarsened > 0)
-      say(Code::W7002,
-          fmt::format(
-              "cells of {} are up to {:.2g} m, larger than all wrinkles need, for a million "
-              "triangles each at most; <mli_settings> sets others",
-              counted(worn.coarsened, "blanket"), worn.largest_cell));
   }
 
   template <class Compose>
@@ -621,11 +597,9 @@ class Assembler {
     attach(model, place, materials, context.node, context.world_from_node, context.prefix,
            attached_, scene_);
     import_joints(use, place, context);
-    std::map<std::uint32_t, WornFoil> worn;  // by rule
     for (const auto& [instance, of] : attached_.foiled)
-      cover(instance, place.foils[of].preset, place.materials[of], source_of(use, item),
-            worn[place.foils[of].rule]);
-    for (const auto& [rule, what] : worn) tell(use, rule, what);
+      cover(use, place.foils[of].rule, instance, place.foils[of].preset, place.materials[of],
+            source_of(use, item));
   }
 
   std::int32_t named_material(std::int32_t index) {

@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <set>
 
+#include "base/parallel.h"
+#include "base/text.h"
 #include "geometry/mesh/check.h"
 #include "geometry/mesh/strip.h"
 #include "geometry/tessellate/tessellate.h"
@@ -22,8 +26,13 @@ constexpr double kStandOff = 0.025, kShare = 1.0 / 40;
 constexpr double kQuietScale = 0.5;
 // of the stand-off: how far facets of a curved shape may lie from it
 constexpr double kFacetShare = 0.02;
-constexpr double kCell = 0.005;     // metres, without a preset
-constexpr double kTriangles = 1e6;  // of a blanket whose cells are not given
+// of the stand-off: what is nearer to the faces is taken for them
+constexpr double kSameSurface = 0.01;
+// of the area: more that lies lower, below other parts, is a warning
+constexpr double kHeldShare = 0.02;
+constexpr double kCell = 0.005;  // metres, without a preset
+// of blankets whose cells are not given: one, and all of a model
+constexpr double kTriangles = 1e6, kAllTriangles = 3e6;
 // triangles of a blanket are about so many times the area over a cell's
 constexpr double kPerCell = 2.4;  // an estimate: 2 and what faces are cut into at their borders
 
@@ -35,14 +44,6 @@ double diagonal_of(const geometry::Mesh& mesh) {
       high = glm::max(high, mesh.positions[v]);
     }
   return mesh.triangles.empty() ? 0 : glm::length(high - low);
-}
-
-// A shape as triangles, good to `error` in its own frame; null where it cannot be made.
-geometry::MeshShape mesh_of(const geometry::Shape& shape, double error) {
-  if (const auto* mesh = std::get_if<geometry::MeshShape>(&shape)) return *mesh;
-  DiagnosticLog ignored;
-  auto made = geometry::tessellated(shape, {.max_error = error}, {}, ignored);
-  return made ? std::make_shared<const geometry::Mesh>(*std::move(made)) : nullptr;
 }
 
 geometry::Mesh stretched(const geometry::Mesh& mesh, const Mat3& by) {
@@ -100,23 +101,75 @@ mli::RecipeFor recipe_for(const Blanket& how, double cell, std::uint32_t seed) {
 
 // The cells of a blanket that says nothing of them: the preset's, smaller on small shapes, larger
 // where it would have too many triangles and its operations allow that.
-double cell_of(const Blanket& how, double diagonal, double area, double& coarsened) {
+double cell_of(const Blanket& how, double diagonal, double area, double least, double& coarsened) {
   if (how.cell > 0) return how.cell;
   double cell = kCell;
   for (const mli::Preset& preset : mli::presets())
     if (preset.name == how.preset) cell = preset.cell;
   cell = std::min(cell, diagonal / 100);
-  const double largest = std::sqrt(kPerCell * area / kTriangles);
+  double largest = std::max(least, std::sqrt(kPerCell * area / kTriangles));
   if (largest <= cell) return cell;
-  DiagnosticLog ignored;
-  if (!mli::check(recipe_for(how, largest, 0)(64 * largest, 64 * largest, 0), ignored)) return cell;
-  return coarsened = largest;
+  // as large as the operations allow
+  for (; largest > cell; largest *= 0.9) {
+    DiagnosticLog ignored;
+    if (mli::check(recipe_for(how, largest, 0)(64 * largest, 64 * largest, 0), ignored))
+      return coarsened = largest;
+  }
+  return cell;
 }
 
 }  // namespace
 
-bool Blankets::is_blanket(std::int32_t instance) const {
-  return std::ranges::binary_search(blankets_, instance);
+void Blankets::make(std::uint64_t most_nodes, Reporter& reporter) {
+  std::vector<std::int32_t> wrapped;
+  double reach = 0;
+  for (const FoilWish& wish : wishes_) {
+    // note: heights above four stand-offs are seldom, and found to be free
+    reach = std::max(reach, 4 * (wish.how.stand_off > 0 ? wish.how.stand_off : kStandOff));
+    for (const auto& [instance, name] : wish.on) wrapped.push_back(instance);
+  }
+  if (wrapped.empty()) return;
+  obstacles_.emplace(scene_, wrapped, reach, job_);
+  share_triangles();
+  uses_.assign(scene_.shapes.size(), 0);
+  for (const scene::Instance& one : scene_.instances) ++uses_[static_cast<std::size_t>(one.shape)];
+  std::vector<Worn> worn;  // in the order of wishes
+  std::map<std::pair<FileId, std::uint32_t>, std::size_t> known;
+  for (const FoilWish& wish : wishes_) {
+    const auto [at, fresh] = known.try_emplace({wish.where.file, wish.where.begin}, worn.size());
+    if (fresh) worn.emplace_back().wish = &wish;
+    Worn& out = worn[at->second];
+    for (const auto& [instance, name] : wish.on) {
+      ++out.asked;
+      if (scene_.nodes.size() < most_nodes)
+        cover(instance, name, wish, out);
+      else if (out.problem.empty())
+        out.problem = fmt::format("the model has more than {} nodes with its blankets", most_nodes);
+    }
+  }
+  for (const Worn& one : worn) tell(one, reporter);
+}
+
+// Sets the cell with which all blankets together that say none have kAllTriangles.
+void Blankets::share_triangles() {
+  double area = 0;
+  std::set<Key> known;
+  for (const FoilWish& wish : wishes_)
+    for (const auto& [instance, name] : wish.on) {
+      if (wish.how.cell > 0) continue;
+      const scene::Instance& one = scene_.instances[static_cast<std::size_t>(instance)];
+      const Mat4 world = world_from(one.node);
+      const std::array<double, 6> metric = metric_of(world);
+      if (!known.emplace(one.shape, metric, key_of(wish.how), std::vector<std::uint32_t>()).second)
+        continue;
+      job_.poll();
+      const geometry::MeshShape mesh =
+          mesh_of(scene_.shapes[static_cast<std::size_t>(one.shape)], 1e300);
+      if (mesh)
+        area += area_of(stretched(*mesh, metres_of(metric)),
+                        chosen_faces(*mesh, wish.how.faces, wish.axes_from_world * world));
+    }
+  least_cell_ = std::sqrt(kPerCell * area / kAllTriangles);
 }
 
 Mat4 Blankets::world_from(std::int32_t node) const {
@@ -126,8 +179,34 @@ Mat4 Blankets::world_from(std::int32_t node) const {
   return out;
 }
 
-void Blankets::cover(std::int32_t instance, const Blanket& how, const Mat4& axes_from_world,
-                     std::string name, scene::Instance blanket, WornFoil& out) {
+// What became of the wishes of one element.
+void Blankets::tell(const Worn& worn, Reporter& reporter) {
+  const FoilWish& wish = *worn.wish;
+  const auto say = [&](Code code, const std::string& text) {
+    if (!text.empty())
+      reporter.report(code, wish.where, *wish.document, wish.element,
+                      [&] { return Reporter::Text(text); });
+  };
+  if (worn.instances == 0 && worn.problem.empty() && !wish.faces.empty())
+    return say(Code::W1501, fmt::format("no face of {} looks along {}",
+                                        counted(worn.asked, "shape"), in_quotes(wish.faces)));
+  say(Code::E7001, worn.problem);
+  // nothing is worn at all
+  const bool bare = worn.tally.groups > 0 && worn.tally.refused == worn.tally.groups;
+  say(bare ? Code::E7001 : Code::W7002, worn.tally.refusals());
+  say(Code::W7002, worn.tally.scalings());
+  if (worn.tally.held > kHeldShare * (worn.tally.area - worn.tally.area_refused))
+    say(Code::W7002, worn.tally.holds());
+  if (worn.coarsened > 0)
+    say(Code::W7002,
+        fmt::format("cells of {} are up to {:.2g} m, larger than all wrinkles need, for a million "
+                    "triangles each and three million in all; <mli_settings> of <mli "
+                    "type=\"wrap\"> sets others",
+                    counted(worn.coarsened, "blanket"), worn.largest_cell));
+}
+
+void Blankets::cover(std::int32_t instance, const std::string& name, const FoilWish& wish,
+                     Worn& out) {
   job_.poll();
   const auto index = static_cast<std::size_t>(instance);
   const std::int32_t node = scene_.instances[index].node;
@@ -135,23 +214,22 @@ void Blankets::cover(std::int32_t instance, const Blanket& how, const Mat4& axes
   const bool beside = std::ranges::none_of(
       scene_.joints, [&](const scene::Joint& joint) { return joint.node == node; });
   bool any = false;
-  const Made& made = this->made(scene_.instances[index].shape, how, world, axes_from_world * world,
-                                any, blanket.source);
+  const auto made = this->made({instance, world, wish.axes_from_world * world}, wish, any);
   if (!any) return;
   ++out.instances;
-  out.tally.add(made.tally);
-  if (made.cell > 0) ++out.coarsened, out.largest_cell = std::max(out.largest_cell, made.cell);
-  if (out.problem.empty()) out.problem = made.problem;
-  if (made.shape == scene::kNone) return;
+  out.tally.add(made->tally);
+  if (made->cell > 0) ++out.coarsened, out.largest_cell = std::max(out.largest_cell, made->cell);
+  if (out.problem.empty()) out.problem = made->problem;
+  if (made->shape == scene::kNone) return;
   if (!std::holds_alternative<geometry::MeshShape>(
           scene_.shapes[static_cast<std::size_t>(scene_.instances[index].shape)])) {
-    const double most = kFacetShare * made.stand_off;
+    const double most = kFacetShare * made->stand_off;
     std::optional<double>& tolerance = scene_.instances[index].tolerance;
     if (!tolerance && scene_.budget.tolerance) tolerance = scene_.budget.tolerance;
     tolerance = std::min(tolerance.value_or(most), most);
   }
   scene::Node hanger;
-  hanger.name = std::move(name);
+  hanger.name = name;
   // note: beside a shape of its own node, so that this stays a leaf
   const scene::Node& covered = scene_.nodes[static_cast<std::size_t>(node)];
   if (beside && covered.parent != scene::kNone) {
@@ -160,73 +238,110 @@ void Blankets::cover(std::int32_t instance, const Blanket& how, const Mat4& axes
   } else {
     hanger.parent = node;
   }
-  hanger.source = blanket.source;
+  hanger.source = wish.blanket.source;
+  scene::Instance blanket = wish.blanket;
   blanket.node = static_cast<std::int32_t>(scene_.nodes.size());
-  blanket.shape = made.shape;
+  blanket.shape = made->shape;
   scene_.nodes.push_back(std::move(hanger));
-  blankets_.push_back(static_cast<std::int32_t>(scene_.instances.size()));
   scene_.instances.push_back(std::move(blanket));
 }
 
-const Blankets::Made& Blankets::made(std::int32_t shape, const Blanket& how,
-                                     const Mat4& world_from_shape, const Mat4& axes_from_shape,
-                                     bool& any, const scene::Source& source) {
-  const std::array<double, 6> metric = metric_of(world_from_shape);
+// any: whether a face is chosen; nothing is returned where none is.
+std::optional<Blankets::Made> Blankets::made(const Place& place, const FoilWish& wish, bool& any) {
+  const Blanket& how = wish.how;
+  const std::int32_t shape = scene_.instances[static_cast<std::size_t>(place.instance)].shape;
+  const std::array<double, 6> metric = metric_of(place.world_from_shape);
   const Mat3 in_metres = metres_of(metric);
   const geometry::Shape given = scene_.shapes[static_cast<std::size_t>(shape)];
-  Made none;
   // note: facets of a curved shape follow from its size and the stand-off
   geometry::MeshShape mesh = mesh_of(given, 1e300);
   const double stretch = std::sqrt(std::max({metric[0], metric[1], metric[2]}));
   if (mesh && mesh->triangles.empty()) mesh = nullptr;
-  double diagonal = mesh ? diagonal_of(stretched(*mesh, in_metres)) : 0;
+  const double diagonal = mesh ? diagonal_of(stretched(*mesh, in_metres)) : 0;
   const double stand_off =
       how.stand_off > 0 ? how.stand_off : std::min(kStandOff, kShare * diagonal);
   if (mesh && stand_off > 0 && stretch > 0 && !std::holds_alternative<geometry::MeshShape>(given))
     mesh = mesh_of(given, kFacetShare * stand_off / stretch);
-  static const Made kNothing;
   any = false;
-  if (!mesh || !(diagonal > 0)) return kNothing;
-  const std::vector<std::uint32_t> faces = chosen_faces(*mesh, how.faces, axes_from_shape);
+  if (!mesh || !(diagonal > 0)) return std::nullopt;
+  const std::vector<std::uint32_t> faces = chosen_faces(*mesh, how.faces, place.axes_from_shape);
   any = !faces.empty();
-  if (!any) return kNothing;
-  const auto [known, added] = known_.try_emplace(
-      Key(shape, metric, key_of(how), how.faces == 0 ? std::vector<std::uint32_t>() : faces));
-  if (added) {
-    known->second.stand_off = stand_off;
-    make(shape, stretched(*mesh, in_metres), in_metres, how, faces, source, known->second);
-  }
-  return known->second;
+  if (!any) return std::nullopt;
+  const Key key(shape, metric, key_of(how), how.faces == 0 ? std::vector<std::uint32_t>() : faces);
+  const auto known = known_.find(key);
+  if (known != known_.end() && is_clear(known->second, room_of(place, in_metres, stand_off)))
+    return known->second;
+  Made made = woven(place, stretched(*mesh, in_metres), in_metres, wish, faces, stand_off);
+  if (uses_[static_cast<std::size_t>(shape)] < 2) made.reach = nullptr;
+  if (!(made.tally.held > 0)) known_.emplace(key, made);
+  return made;
 }
 
-void Blankets::make(std::int32_t shape, const geometry::Mesh& metres, const Mat3& in_metres,
-                    const Blanket& how, const std::vector<std::uint32_t>& faces,
-                    const scene::Source& source, Made& out) {
+// Distances are those of the world: only directions differ.
+mli::FreeRoom Blankets::room_of(const Place& place, const Mat3& in_metres, double stand_off) const {
+  const Mat4 world = place.world_from_shape * Mat4(glm::inverse(in_metres));
+  return [this, world, of = place.instance, least = kSameSurface * stand_off](
+             const Vec3& from, const Vec3& along, double most) {
+    return obstacles_->room(of, Vec3(world * Vec4(from, 1)), glm::normalize(Mat3(world) * along),
+                            least, most);
+  };
+}
+
+// Whether nothing is in the way of a blanket that was made elsewhere.
+bool Blankets::is_clear(const Made& made, const mli::FreeRoom& room) const {
+  if (!made.reach) return true;
+  const std::vector<Vec3>&tops = made.reach->tops, &roots = made.reach->roots;
+  std::atomic<bool> clear = true;
+  constexpr std::size_t kBlock = 1024;
+  parallel_for((tops.size() + kBlock - 1) / kBlock,
+               [&](std::size_t block) {
+                 const std::size_t end = std::min(tops.size(), (block + 1) * kBlock);
+                 for (std::size_t v = block * kBlock; v < end && clear; ++v) {
+                   const Vec3 up = tops[v] - roots[v];
+                   const double height = glm::length(up), far = height / mli::kWrapReach;
+                   if (height > 0 && room(roots[v], up / height, far) < far) clear = false;
+                 }
+               },
+               job_);
+  return clear;
+}
+
+Blankets::Made Blankets::woven(const Place& place, const geometry::Mesh& metres,
+                               const Mat3& in_metres, const FoilWish& wish,
+                               const std::vector<std::uint32_t>& faces, double stand_off) {
+  const Blanket& how = wish.how;
+  const auto shape =
+      static_cast<std::size_t>(scene_.instances[static_cast<std::size_t>(place.instance)].shape);
+  Made out;
+  out.stand_off = stand_off;
   const double room = kMaxFoilVertices - vertices_;
   if (room < 1) {
     out.problem = fmt::format("all sheets of a model may have {:.0f} vertices, and none is left",
                               kMaxFoilVertices);
-    return;
+    return out;
   }
-  const double cell = cell_of(how, diagonal_of(metres), area_of(metres, faces), out.cell);
+  const double cell =
+      cell_of(how, diagonal_of(metres), area_of(metres, faces), least_cell_, out.cell);
   // other shapes wear other sheets, and the same one after each change of the model
   const auto seed =
-      how.seed + static_cast<std::uint32_t>(
-                     geometry::hash_of(scene_.shapes[static_cast<std::size_t>(shape)]).low);
+      how.seed + static_cast<std::uint32_t>(geometry::hash_of(scene_.shapes[shape]).low);
   mli::WrapOptions options;
   options.stand_off = out.stand_off;
   options.max_triangles = room;
   options.tell = false;
+  options.room = room_of(place, in_metres, stand_off);
   DiagnosticLog log;
   auto wrap = mli::wrapped(metres, faces, recipe_for(how, cell, seed), options, log, {}, job_);
   job_.poll();
   if (!wrap) {
     out.problem = log.entries().empty() ? "no blanket" : log.entries()[0].message;
-    return;
+    return out;
   }
   out.tally.add(*wrap);
   if (how.stand_off == 0 && out.tally.least >= kQuietScale) out.tally.scaled = 0;
-  if (wrap->blanket.triangles.empty()) return;
+  if (wrap->blanket.triangles.empty()) return out;
+  out.reach = std::make_shared<const Made::Reach>(
+      Made::Reach{wrap->blanket.positions, std::move(wrap->roots)});
   const mli::WrapGroup* largest = nullptr;
   for (const mli::WrapGroup& g : wrap->groups)
     if (g.accepted && (largest == nullptr || g.area > largest->area)) largest = &g;
@@ -235,7 +350,7 @@ void Blankets::make(std::int32_t shape, const geometry::Mesh& metres, const Mat3
                    mli::Flat{},
                    largest->statistics,
                    true,
-                   source,
+                   wish.blanket.source,
                    {}};
   auto mesh = std::make_shared<geometry::Mesh>(std::move(wrap->blanket));
   geometry::compute_normals(*mesh, crease_angle_);
@@ -248,6 +363,7 @@ void Blankets::make(std::int32_t shape, const geometry::Mesh& metres, const Mat3
   out.shape = foil.shape;
   scene_.shapes.emplace_back(geometry::MeshShape(std::move(mesh)));
   scene_.foils.push_back(std::move(foil));
+  return out;
 }
 
 }  // namespace panwright::pxn

@@ -4,47 +4,49 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "base/job.h"
 #include "mli/wrap.h"
+#include "pxn/build/obstacles.h"
 #include "pxn/build/part.h"
+#include "pxn/text/reporter.h"
 #include "scene/scene.h"
 
 namespace panwright::pxn {
 
-// What became of one wish, over all instances that it is about.
-struct WornFoil {
-  mli::WrapTally tally;
-  std::size_t instances = 0;  // with a face that was chosen
-  std::size_t coarsened = 0;  // whose cells are larger than the preset asks for
-  double largest_cell = 0;    // of those, metres
-  std::string problem;        // the first one; empty: none
+// What a text asks for: blankets over some instances.
+struct FoilWish {
+  std::vector<std::pair<std::int32_t, std::string>> on;  // and the names of their blankets
+  Blanket how;
+  Mat4 axes_from_world{1};  // the frame in which directions of faces are meant
+  std::string faces;        // these directions as they are written
+  scene::Instance blanket;  // material and source
+  SourceSpan where;
+  const xml::Document* document = nullptr;
+  std::uint32_t element = 0;  // wishes of one element are reported as one
 };
 
 // Makes blankets and hangs them beside what they cover, or below where that has joints, with nodes
 // and instances of their own. Wrinkles have their sizes in the world: shapes are wrapped as they
 // are stretched there, and the blanket is brought back, so that instances of the same shape and
-// stretch share one.
+// stretch share one, unless other parts are in its way.
 class Blankets {
  public:
   // vertices: of all sheets so far
   Blankets(scene::Scene& scene, double crease_angle, double vertices, const Job& job)
       : scene_(scene), crease_angle_(crease_angle), vertices_(vertices), job_(job) {}
 
-  // Whether an instance is itself a blanket.
-  bool is_blanket(std::int32_t instance) const;
+  void wish(FoilWish wish) { wishes_.push_back(std::move(wish)); }
 
-  // Covers an instance, which gets a tolerance that keeps its facets below the blanket.
-  //
-  //   axes_from_world  the frame in which directions of faces are meant
-  //   blanket          its name, material and source; node and shape are set here
-  //
-  // Throws Cancelled.
-  void cover(std::int32_t instance, const Blanket& how, const Mat4& axes_from_world,
-             std::string name, scene::Instance blanket, WornFoil& out);
+  // Fulfils all wishes, once the scene is there: what is covered gets a tolerance that keeps its
+  // facets below the blanket. Reports E7001, W7002, W1501. Throws Cancelled.
+  void make(std::uint64_t most_nodes, Reporter& reporter);
 
  private:
   using Key = std::tuple<std::int32_t, std::array<double, 6>, std::vector<double>,
@@ -55,21 +57,47 @@ class Blankets {
     double cell = 0;       // above 0: larger than the preset's
     mli::WrapTally tally;
     std::string problem;
+    // where others may share it: its vertices and the places below them, in metres_of(metric)
+    struct Reach {
+      std::vector<Vec3> tops, roots;
+    };
+    std::shared_ptr<const Reach> reach;
+  };
+  // What became of the wishes of one element.
+  struct Worn {
+    const FoilWish* wish = nullptr;
+    mli::WrapTally tally;
+    std::size_t asked = 0;      // instances
+    std::size_t instances = 0;  // with a face that was chosen
+    std::size_t coarsened = 0;  // whose cells are larger than the preset asks for
+    double largest_cell = 0;    // of those, metres
+    std::string problem;        // the first one; empty: none
+  };
+  // An instance that is being covered.
+  struct Place {
+    std::int32_t instance;
+    Mat4 world_from_shape, axes_from_shape;
   };
 
   Mat4 world_from(std::int32_t node) const;
-  const Made& made(std::int32_t shape, const Blanket& how, const Mat4& world_from_shape,
-                   const Mat4& axes_from_shape, bool& any, const scene::Source& source);
-  void make(std::int32_t shape, const geometry::Mesh& metres, const Mat3& in_metres,
-            const Blanket& how, const std::vector<std::uint32_t>& faces,
-            const scene::Source& source, Made& out);
+  void share_triangles();
+  void cover(std::int32_t instance, const std::string& name, const FoilWish& wish, Worn& worn);
+  std::optional<Made> made(const Place& place, const FoilWish& wish, bool& any);
+  Made woven(const Place& place, const geometry::Mesh& metres, const Mat3& in_metres,
+             const FoilWish& wish, const std::vector<std::uint32_t>& faces, double stand_off);
+  mli::FreeRoom room_of(const Place& place, const Mat3& in_metres, double stand_off) const;
+  bool is_clear(const Made& made, const mli::FreeRoom& room) const;
+  static void tell(const Worn& worn, Reporter& reporter);
 
   scene::Scene& scene_;
   double crease_angle_;
   double vertices_;
   const Job job_;
-  std::map<Key, Made> known_;
-  std::vector<std::int32_t> blankets_;  // instances, ascending
+  std::vector<FoilWish> wishes_;
+  std::map<Key, Made> known_;      // what nothing is in the way of
+  std::vector<std::size_t> uses_;  // of shapes, by instances
+  std::optional<Obstacles> obstacles_;
+  double least_cell_ = 0;  // metres, of blankets that say none
 };
 
 }  // namespace panwright::pxn

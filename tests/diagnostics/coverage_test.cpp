@@ -129,6 +129,16 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"W1408", {"compile", chalk, "-o", folder / "chalk.pan"}, {}},
       {"W2020", {"compile", inwards, "-o", folder / "inwards.pan"}, {}},
       {"E6002", {"import", folder.write("deep.wrl", nested)}, {}},
+      {"E6220",
+       {"import",
+        folder.write("two.urdf", "<robot name=\"r\"><link name=\"a\"/><link name=\"a\"/></robot>")},
+       {}},
+      {"W6221",
+       {"import", folder.write("free.urdf",
+                               "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/><joint "
+                               "name=\"j\" type=\"revolute\">"
+                               "<parent link=\"a\"/><child link=\"b\"/></joint></robot>")},
+       {}},
       {"E6217", {"import", (kBadCad / "N6216.gltf").string(), "--animation", "fold"}, {}},
       {"E6003", {"import", folder.write("cut.wrl", std::string("\x1f\x8b\x08\0\0\0", 6))}, {}},
       {"N2021",

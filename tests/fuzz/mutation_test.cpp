@@ -161,6 +161,9 @@ TEST(Mutations, Ply) {
          {"fuzz/corpus/mesh/little.ply", "fuzz/corpus/mesh/big.ply", "fuzz/corpus/mesh/text.ply"},
          kMutations);
 }
+TEST(Mutations, Urdf) {
+  damage(Source::urdf, {"../examples/cad/arm.urdf", "fuzz/corpus/urdf/robot.urdf"}, kMutations);
+}
 TEST(Mutations, Step) {
   if (!importers::reads_step()) GTEST_SKIP() << "built without OpenCASCADE";
   damage(Source::step, {"importers/step/data/W6602.step"}, kStepMutations);

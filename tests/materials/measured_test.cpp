@@ -164,6 +164,26 @@ TEST(Fits, FindTheColorsThatMadeTheReadings) {
   EXPECT_LE(best.material.weights.x + best.material.weights.y, 1 + 1e-12);
 }
 
+// Of many readings some decide. Every fourth reading of this table is of another surface, and so
+// are those of every fourth direction: a stride through it would see one of them only.
+TEST(Fits, ALargeTableIsSeenEverywhere) {
+  Material m;
+  m.diffuse = Vec3(0.4);
+  std::vector<Reading> readings;
+  while (readings.size() < 30'000) {
+    Reading r = synthetic(m)[readings.size() % 100];
+    const bool dark = readings.size() % 4 == 0;
+    if (dark) r.reflectance *= 1e-2;
+    r.rgb = Vec3(r.reflectance);
+    readings.push_back(r);
+  }
+  const std::vector<Fit> fits = fitted_brdfs(readings, 1e-6);
+  const auto lambert =
+      std::find_if(fits.begin(), fits.end(), [](const Fit& f) { return f.brdf == "Lambert"; });
+  // the mean of the logarithms; measured 4e-5
+  EXPECT_NEAR(std::log10(lambert->material.diffuse.y), std::log10(0.4) - 2.0 / 4, 1e-3);
+}
+
 TEST(Fits, FlatReadingsAreLambert) {
   Material m;
   m.diffuse = Vec3(0.4);

@@ -75,9 +75,8 @@ TEST(Recipe, OperationsThatCannotBe) {
       {Taper{-1, 0, 0, 0}, "x0 is -1"},
       {Wrinkle{0, 1, 0, 3}, "wavelength is 0"},
       {Wrinkle{0.01, 1, 0, 3},
-       "wavelength 0.01 m is less than two cells of the grid, 0.02 m; a larger one, or an xgrid "
-       "from "
-       "200 on, is accepted"},
+       "wavelength 0.01 m is less than two cells of the grid, 0.02 m; a larger one, or cells "
+       "(width / xgrid) of at most 0.005 m, are accepted"},
       {Fractal{0.7, 1, 0.01}, "longest 0.01 m is less than two cells"},
       {Emboss{Pattern::quilt, 0.01, 1}, "pitch 0.01 m is less than two cells"},
       {Seam{true, 0.2, 0.01, 1, 0, 0}, "width 0.01 m is less than two cells"},

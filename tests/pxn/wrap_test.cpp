@@ -17,8 +17,9 @@ Reading read_1(const std::string& inside, const std::string& wrl = "") {
       {{"m.pxn", "<pangu_model ver=\"1\">\n" + inside + "\n</pangu_model>\n"}, {"a.wrl", wrl}});
 }
 
-std::string wrap(const std::string& attributes, const std::string& inside = "") {
-  return "<mli type=\"wrap\" standoff=\"1cm\" " + attributes +
+std::string wrap(const std::string& attributes, const std::string& inside = "",
+                 const std::string& standoff = "1cm") {
+  return "<mli type=\"wrap\" standoff=\"" + standoff + "\" " + attributes +
          "><mli_settings><width>1</width><height>1</height><xgrid>100</xgrid></mli_settings>"
          "<mli_operations>" +
          (inside.empty() ? "<random> 1mm </random>" : inside) + "</mli_operations></mli>";
@@ -49,14 +50,15 @@ TEST(Wraps, FoilIsAllThatNeedsToBeWritten) {
   const Reading r = read_1("<box name='b' size='1 0.8 0.6' foil='crinkled'/><box size='1'/>");
   EXPECT_EQ(r.summary(), "");
   ASSERT_EQ(r.scene->instances.size(), 3u);  // both boxes stay
-  EXPECT_EQ(r.scene->nodes[static_cast<std::size_t>(r.scene->instances[1].node)].name, "b_foil");
-  EXPECT_EQ(r.scene->materials[static_cast<std::size_t>(r.scene->instances[1].material)].name,
+  EXPECT_EQ(r.scene->nodes[static_cast<std::size_t>(r.scene->instances[2].node)].name, "b_foil");
+  EXPECT_EQ(r.scene->materials[static_cast<std::size_t>(r.scene->instances[2].material)].name,
             "mli_gold_kapton");
   ASSERT_EQ(r.scene->foils.size(), 1u);
   EXPECT_TRUE(r.scene->foils[0].wrapped);
-  EXPECT_GT(r.scene->foils[0].statistics.slope_rms, 0.19);
+  EXPECT_GT(r.scene->foils[0].statistics.slope_rms,
+            0.18);  // measured 0.189: 0.2 and heights scaled by 0.947
   // nothing below the sides of the box, all of it within a few stand-offs
-  const auto [low, high] = bounds(*r.scene, 1);
+  const auto [low, high] = bounds(*r.scene, 2);
   for (int k = 0; k < 3; ++k) {
     EXPECT_GT(high[k], r.scene ? 0.3 : 0);
     EXPECT_LT(high[k] - Vec3(0.5, 0.4, 0.3)[k], 0.08);
@@ -100,8 +102,8 @@ TEST(Wraps, ScalesStretchNothing) {
   }
   // shared where shape and stretch are the same, whatever the turn
   const Reading twice = read_1(
-      "<box name='b' size='1'/><box name='c' size='1' rotate='1 2 3'/>"
-      "<box name='c2' size='1' scale='2'/>" +
+      "<box name='b' size='1'/><box name='c' size='1' translate='3 0 0' rotate='1 2 3'/>"
+      "<box name='c2' size='1' translate='6 0 0' scale='2'/>" +
       wrap("on='*'"));
   ASSERT_EQ(twice.scene->instances.size(), 6u);
   EXPECT_EQ(twice.scene->instances[3].shape, twice.scene->instances[4].shape);
@@ -143,6 +145,75 @@ TEST(Wraps, RepeatsCoverTheirOwn) {
   EXPECT_EQ(r.scene->foils.size(), 3u);
 }
 
+// A shelf at 12 mm above a box, a doubler of 3 mm on it, and a mast through both: written after the
+// blanket, and in part by another file's part. No point of the blanket lies inside any of them, but
+// for the mast, which stands in it.
+TEST(Wraps, GoBelowWhatIsNear) {
+  const auto text = [](const std::string& near) {
+    return "<box name='bus' size='1'/>" +
+           wrap("on='bus' faces='+z'", "<random> 3mm </random><smooth> 3 </smooth>", "2cm") + near;
+  };
+  const std::string near =
+      "<box name='shelf' size='0.3 0.3 0.01' translate='0.2 0.2 0.517'/>"
+      "<node translate='-0.25 -0.2 0.5' rotate='0 0 30'>"
+      "<box name='doubler' size='0.2 0.2 0.003' translate='0 0 0.0015'/></node>";
+  const auto worst = [](const Reading& r) {
+    // how far points of the blanket lie inside a part, metres
+    const auto& foil = r.scene->foils.at(0);
+    const auto& blanket =
+        *std::get<geometry::MeshShape>(r.scene->shapes[static_cast<std::size_t>(foil.shape)]);
+    double inside[2] = {0, 0};
+    for (const auto& [a, b, c] : blanket.triangles)
+      for (int i = 0; i <= 6; ++i)
+        for (int j = 0; i + j <= 6; ++j) {
+          const Vec3 p = (blanket.positions[a] * double(i) + blanket.positions[b] * double(j) +
+                          blanket.positions[c] * double(6 - i - j)) /
+                         6.0;
+          const Vec3 shelf = glm::abs(p - Vec3(0.2, 0.2, 0.517));
+          inside[0] =
+              std::max(inside[0], std::min({0.15 - shelf.x, 0.15 - shelf.y, 0.005 - shelf.z}));
+          // above the doubler: it is on the base, and foil inside it is not seen
+          const double cosine = std::cos(30 * kDegree), sine = std::sin(30 * kDegree);
+          const Vec3 d = p - Vec3(-0.25, -0.2, 0.5);
+          const double x = cosine * d.x + sine * d.y, y = -sine * d.x + cosine * d.y;
+          inside[1] =
+              std::max(inside[1], std::min({0.1 - std::fabs(x), 0.1 - std::fabs(y), d.z - 0.003}));
+        }
+    return std::pair(inside[0], inside[1]);
+  };
+  const Reading alone = read_1(text(""));
+  const Reading among = read_1(text(near));
+  ASSERT_TRUE(alone.scene && among.scene) << among.summary();
+  EXPECT_EQ(alone.summary(), "");
+  EXPECT_THAT(among.summary(), HasSubstr("W7002 0.1"));  // m² of 1
+  EXPECT_THAT(among.summary(), HasSubstr("lie lower than asked: other parts are nearer"));
+  EXPECT_GT(worst(alone).first, 2e-3);
+  EXPECT_GT(worst(alone).second, 10e-3);
+  EXPECT_LE(worst(among).first, 0);
+  EXPECT_LE(worst(among).second, 0);
+  // parts of a part, which come later: the same
+  const Reading parts =
+      read_1("<part name='near'>" + near + "</part>" + text("") + "<use part='near'/>");
+  EXPECT_LE(worst(parts).first, 0);
+}
+
+// Two equal panels share a blanket, and a third one, which has something in the way, wears its own.
+TEST(Wraps, OnlyWhatNothingIsInTheWayOfIsShared) {
+  const Reading r = read_1(
+      "<repeat count='3' var='k'><box name='b' size='1' translate='{3*k} 0 0'/></repeat>"
+      "<box name='shelf' size='0.3 0.3 0.01' translate='3 0 0.51'/>" +
+      wrap("on='b' faces='+z'", "<random> 1mm </random>", "2cm"));
+  ASSERT_TRUE(r.scene);
+  EXPECT_EQ(r.scene->foils.size(), 2u);
+  std::map<std::int32_t, int> worn;
+  for (const scene::Instance& one : r.scene->instances)
+    for (const scene::Foil& foil : r.scene->foils) worn[foil.shape] += foil.shape == one.shape;
+  std::vector<int> counts;
+  for (const auto& [shape, count] : worn) counts.push_back(count);
+  std::sort(counts.begin(), counts.end());
+  EXPECT_EQ(counts, (std::vector<int>{1, 2}));
+}
+
 TEST(Wraps, WhatCannotBeIsSaidWhereItStands) {
   const std::string box = "<box name='bus' size='1'/>\n";
   const std::pair<std::string, std::string> cases[] = {
@@ -163,7 +234,7 @@ TEST(Wraps, WhatCannotBeIsSaidWhereItStands) {
              "</xgrid></mli_settings><mli_operations/></mli>",
        "E7001 a sheet of type 'flat' has no on"},
       {"<mli type='flat'><mli_operations/></mli>", "2:2 E1103 <mli> needs <mli_settings>"},
-      {"<sphere radius='1' foil='smooth'/>", "2:1 W7002 "},
+      {"<sphere radius='1' foil='smooth'/>", "2:1 E7001 1 of 1 groups of faces wear no blanket"},
       {"<box size='58' name='bus'/>\n" + wrap("on='bus'"),
        "3:1 E7001 the blankets have more than 20000000 triangles with cells of 0.01 m"},
       {box + wrap("on='bus'", "<random> 9cm </random>"),

@@ -200,5 +200,98 @@ TEST(ReferenceIndependence, NodesStandAlike) {
   EXPECT_LE(worst, 2e-14);
 }
 
+// Joints of every kind, some that follow others, initial values and values of the world: nodes as
+// the preview's, and a bar that stands where its joint has it.
+TEST(ReferenceIndependence, JointsMoveNodesAlike) {
+  std::mt19937_64 random(4);
+  const auto real = [&](double low, double high) { return low + (high - low) * uniform(random); };
+  const auto turn = [&] {
+    return glm::normalize(Quat(real(-1, 1), real(-1, 1), real(-1, 1), real(-1, 1)));
+  };
+  using geometry::JointKind;
+  pan::Contents contents = single(box({1, 1, 1}), lambert(1));
+  for (std::uint32_t i = 1; i < 43; ++i) {
+    contents.nodes.push_back({"n", static_cast<std::int32_t>(random() % contents.nodes.size()),
+                              Vec3(real(-2, 2), real(-2, 2), real(-2, 2)), turn(),
+                              Vec3(real(0.5, 2), real(-2, -0.5), real(0.5, 2))});
+    pan::JointContent joint;
+    joint.name = "j" + std::to_string(i);
+    joint.node = i;
+    joint.joint.kind = static_cast<JointKind>(i % geometry::kJointKinds);
+    joint.joint.axis = joint.joint.kind == JointKind::scale
+                           ? Vec3(1, 0, 0)
+                           : glm::normalize(Vec3(real(-1, 1), real(-1, 1), real(0.1, 1)));
+    joint.value = geometry::rest_values(joint.joint.kind);
+    for (std::size_t k = 0; k < geometry::value_count(joint.joint.kind); ++k)
+      joint.value[k] += real(-0.4, 0.4);
+    if (i > 30 && geometry::can_mimic(joint.joint)) {
+      joint.joint.mimic = static_cast<std::int32_t>(i) - 8;  // of the same kind
+      joint.joint.multiplier = 0.5;
+      joint.joint.offset = 0.2;
+      joint.value = geometry::rest_values(joint.joint.kind);
+    }
+    contents.joints.push_back(joint);
+  }
+  const world::ModelPtr model = panwright::testing_support::shared(model_of(contents));
+  world::World world;
+  DiagnosticLog log;
+  ASSERT_TRUE(world.add("a", model, log));
+  double worst = 0;
+  for (int run = 0; run < 20; ++run) {
+    for (std::uint32_t j = 0; run > 0 && j < 20; ++j) {
+      geometry::JointValues values = contents.joints[j].value;
+      for (std::size_t k = 0; k < geometry::value_count(contents.joints[j].joint.kind); ++k)
+        values[k] += real(-0.5, 0.5);
+      world.set_joint(0, j, values);
+    }
+    const world::EvaluatedInstance theirs = world::evaluated(world[0]);
+    const reference::PlacedNodes ours = reference::placed_nodes(world[0]);
+    for (std::size_t i = 0; i < contents.nodes.size(); ++i) {
+      const Mat4& m = theirs.model_from_nodes[i];
+      double size = 1;
+      for (int column = 0; column < 4; ++column)
+        size = std::max(size, glm::length(Vec3(m[column])));
+      for (int column = 0; column < 3; ++column)
+        worst = std::max(
+            worst, glm::length(ours.model_from_node[i].linear[column] - Vec3(m[column])) / size);
+      worst = std::max(worst, glm::length(ours.model_from_node[i].offset - Vec3(m[3])) / size);
+    }
+  }
+  printf("joints: worst %.1e of their size\n", worst);
+  EXPECT_LE(worst, 2e-14);
+
+  // a bar along x from the origin, a quarter turn about z: along y
+  contents = single(box({1, 0.2, 0.2}), lambert(1));
+  contents.nodes.push_back({"bar", 0, Vec3(0), Quat(1, 0, 0, 0), Vec3(1)});
+  contents.nodes.push_back({"place", 1, Vec3(0.5, 0, 0), Quat(1, 0, 0, 0), Vec3(1)});
+  contents.instances[0].node = 2;
+  pan::JointContent hinge;
+  hinge.name = "hinge";
+  hinge.node = 1;
+  hinge.joint.kind = JointKind::revolute;
+  contents.joints = {hinge};
+  world::World bar;
+  ASSERT_TRUE(bar.add("a", panwright::testing_support::shared(model_of(contents)), log));
+  world::Camera camera = looking_from({0, 0, 1}, 5, 0.5, 40).camera;
+  ReferenceOptions options;
+  options.samples = 1;
+  options.ground_truth = true;
+  for (const double angle : {0.0, 90.0}) {
+    bar.set_joint(0, 0, geometry::JointValues{angle * kDegree});
+    const auto drawn = Reference().render(bar, camera, options, log);
+    ASSERT_TRUE(drawn) << to_text(log);
+    const Vec3 end = angle == 0 ? Vec3(0.9, 0, 0) : Vec3(0, 0.9, 0);
+    const Vec3 other = angle == 0 ? Vec3(0, 0.9, 0) : Vec3(0.9, 0, 0);
+    const auto id_at = [&](const Vec3& p) {
+      const Vec3 c = glm::conjugate(camera.world_from_camera) * (p - camera.position);
+      const auto x = static_cast<std::size_t>(camera.principal.x + camera.focal.x * c.x / c.z);
+      const auto y = static_cast<std::size_t>(camera.principal.y + camera.focal.y * c.y / c.z);
+      return drawn->image.node_id[y * drawn->image.width + x];
+    };
+    EXPECT_EQ(id_at(end), 3u) << angle;
+    EXPECT_EQ(id_at(other), 0u) << angle;
+  }
+}
+
 }  // namespace
 }  // namespace panwright::preview

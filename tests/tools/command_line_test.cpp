@@ -84,11 +84,13 @@ TEST(CommandLine, EachMistakeHasOneClearLine) {
       {{"info", "a", "--threads", "1.5"}, "--threads is '1.5', expected a whole number"},
       {{"render", "a", "--sun", "1", "-1", "0.5"}, "'-1' belongs to no option; several numbers"},
       {{"diff", "a"}, "is missing: panwright diff A B"},
-      {{"compile", "a", "--max-error", "nan"}, "--max-error is 'nan', expected a number above 0"},
+      {{"compile", "a", "--max-error", "nan"},
+       "--max-error is 'nan', expected a length, as 2mm or 0.002 (metres)"},
       {{"compile", "a", "--max-input", "99999999999GB"}, "expected a number of bytes, as 512MB"},
       {{"import", "a", "--weld", "1", "--no-weld"}, "--weld cannot be combined with --no-weld"},
       {{"import", "a", "--up", "y", "--up-axis", "z"}, "cannot be combined with --up-axis"},
-      {{"material", "--svg", "/none"}, "--svg is '/none', expected an existing folder"},
+      {{"material", "--svg", "/none/plots"},
+       "--svg is '/none/plots', expected a folder, or a new one in an existing folder"},
       {{kFigure8}, "is a file, expected a command first, as in `panwright info"},
   };
   for (const Mistake& mistake : mistakes) {
@@ -222,6 +224,132 @@ TEST(CommandLine, TwoThousandMutatedLinesEndWithOneMessage) {
   }
   std::filesystem::current_path(before);
   EXPECT_GT(refused, 800) << "most mutations are mistakes";
+}
+
+// Views files with members renamed, gone, doubled and of other types, and with damaged bytes.
+class ViewsMutator {
+ public:
+  explicit ViewsMutator(unsigned seed) : random_(seed) {}
+
+  std::string mutated(nlohmann::ordered_json views) {
+    const std::size_t count = 1 + below(3);
+    for (std::size_t i = 0; i < count; ++i)
+      if (views.is_array() && !views.empty()) mutate(views[below(views.size())], views);
+    std::string text = views.dump();
+    if (below(3) == 0)
+      for (std::size_t i = 0; i <= below(3); ++i)
+        text[below(text.size())] = static_cast<char>(1 + below(255));
+    if (below(8) == 0) text.resize(below(text.size()));
+    return text;
+  }
+
+ private:
+  using Json = nlohmann::ordered_json;
+  std::size_t below(std::size_t n) { return n == 0 ? 0 : random_() % n; }
+
+  Json odd() {
+    switch (below(12)) {
+      case 0:
+        return nullptr;
+      case 1:
+        return -1;
+      case 2:
+        return 1e300;
+      case 3:
+        return "";
+      case 4:
+        return "nan";
+      case 5:
+        return Json::array();
+      case 6:
+        return Json::object();
+      case 7:
+        return {1, "two", nullptr};
+      case 8:
+        return true;
+      case 9:
+        return "%s\n\x01";
+      case 10:
+        return {{"a", {{"b", 1}}}};
+      default:
+        return std::string(3000, 'x');
+    }
+  }
+
+  void mutate(Json& view, Json& views) {
+    if (!view.is_object() || view.empty() || below(10) == 0) {
+      Json value = odd();
+      view.swap(value);
+      return;
+    }
+    auto member = view.begin();
+    for (std::size_t i = below(view.size()); i > 0; --i) ++member;
+    const std::string key = member.key();
+    switch (below(6)) {
+      case 0:
+        view.erase(key);
+        return;
+      case 1: {  // misspelt
+        std::string name = key;
+        name[below(name.size())] = static_cast<char>('a' + below(26));
+        view[name] = member.value();
+        return;
+      }
+      case 2: {
+        Json copy = view;  // note: view is a part of views
+        views.push_back(std::move(copy));
+        return;
+      }
+      case 3:
+        if (member.value().is_array()) {
+          if (below(2) == 0 || member.value().empty())
+            member.value().push_back(odd());
+          else
+            member.value()[below(member.value().size())] = odd();
+          return;
+        }
+        [[fallthrough]];
+      default:
+        member.value() = odd();
+    }
+  }
+
+  std::mt19937 random_;
+};
+
+TEST(CommandLine, TwoThousandMutatedViewsFilesEndWithClearMessages) {
+  const TemporaryFolder folder;
+  const auto views = nlohmann::ordered_json::parse(R"([
+    {"name": "far", "camera": [0, -60, 4], "fov": 10, "outputs": ["far.png", "far.npz"], "size": [8, 8], "ev": "auto"},
+    {"name": "near", "camera": [0, -12, 3], "look-at": [0, 0, 1], "ifov": "0.2mrad", "output": "near.exr", "sun": [1, 0, 0.5],
+     "pose": {"figure8": [0.4, 0, 0, 0.9990482, 0, 0, 0.0436194]}, "samples": 4, "irradiance": 1361, "define": {"span": "1m"}},
+    {"camera": [0, -12, 3], "ortho": 4, "output": "checked.npy", "engine": "reference", "samples": 8, "bounces": 2,
+     "joint": {"wing": 90}, "targets": ["a=figure8.pxn"]}])");
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  std::filesystem::copy_file(kFigure8, "figure8.pxn");
+  ViewsMutator mutator(15);
+  int refused = 0;
+  std::size_t longest = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const std::string text = mutator.mutated(views);
+    const std::string file = folder.write("views.json", text);
+    const Outcome outcome = run_here({"render", "figure8.pxn", "--views", file, "--quiet"});
+    // 130: sound, and this job is cancelled; 1 to 3 as documented
+    EXPECT_THAT(outcome.code, testing::AnyOf(1, 2, 3, 130)) << text << outcome.err;
+    for (const char* raw : {"terminate", "std::", "internal error", "json.exception", "parse error",
+                            "nlohmann", "type_error", "bad_alloc"})
+      EXPECT_THAT(outcome.err, Not(HasSubstr(raw))) << text;
+    if (outcome.code == 130) continue;
+    ++refused;
+    EXPECT_THAT(outcome.err, testing::ContainsRegex("(error: .*|\\[E[0-9]{4}\\])")) << text;
+    for (const char c : outcome.err)
+      ASSERT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= 0x20) << text << outcome.err;
+    longest = std::max(longest, outcome.err.size());
+  }
+  std::filesystem::current_path(before);
+  EXPECT_GT(refused, 1000) << "most mutations are mistakes";
+  EXPECT_LT(longest, 6000u) << "of all problems of a file";
 }
 
 TEST(Help, EveryCommandHasItsOwnThreeExamplesAndEveryOptionAHelp) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/file.h"
 #include "base/png.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
@@ -196,6 +197,27 @@ TEST_F(FirstHour, AnAngleThatIsALengthSaysWhatAnAngleIs) {
                         "degrees, as 20deg, 0.35rad or 20 (degrees) [E0201]"));
 }
 
+TEST_F(FirstHour, OptionsInMetresAndDegreesTakeUnits) {
+  const std::string obj = folder_ / "plate.obj";
+  folder_.write("plate.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto bytes = [&](std::vector<std::string> options) {
+    std::vector<std::string> line{"import", obj, "-o", folder_ / "plate.pan", "--units", "m"};
+    line.insert(line.end(), options.begin(), options.end());
+    EXPECT_EQ(panwright(line).code, 0);
+    DiagnosticLog log;
+    return *read_file(folder_ / "plate.pan", 1u << 24, log);
+  };
+  EXPECT_EQ(bytes({"--weld", "2mm", "--crease", "20deg", "--max-error", "1mm"}),
+            bytes({"--weld", "0.002", "--crease", "20", "--max-error", "0.001"}));
+  EXPECT_NE(bytes({"--max-error", "2mm"}), bytes({"--max-error", "0.001"}));
+  EXPECT_THAT(panwright({"import", obj, "--weld", "2deg"}).err,
+              HasSubstr("--weld is '2deg', expected a length, as 2mm or 0.002 (metres) [E0201]"));
+  EXPECT_THAT(panwright({"import", obj, "--crease", "2mm"}).err,
+              HasSubstr("--crease is '2mm', expected an angle, as 30deg or 30 (degrees) [E0201]"));
+  EXPECT_THAT(panwright({"import", obj, "--max-error", "-1mm"}).err,
+              HasSubstr("expected a number above 0 [E0201]"));
+}
+
 TEST_F(FirstHour, NamesOfNodesAreWholeAndListed) {
   const std::string name = std::string(70, 'n') + "_end";
   plates("2", name);
@@ -260,6 +282,11 @@ TEST_F(FirstHour, WhatImportersFoundIsOneLineWhereATextIsShown) {
   EXPECT_THAT(shown.err, Not(HasSubstr("[W6302]")));
   EXPECT_THAT(shown.err, HasSubstr("of imported files not shown (W6302"));
   EXPECT_THAT(shown.err, HasSubstr("'panwright check' of the same file shows them"));
+  for (const Outcome& other :
+       {panwright({"diff", text, text}), panwright({"export", text, "-o", folder_ / "m.glb"})}) {
+    EXPECT_THAT(other.err, Not(HasSubstr("[W6302]")));
+    EXPECT_THAT(other.err, HasSubstr("of imported files not shown (W6302"));
+  }
   // all of it for programs, and where the file itself is shown
   EXPECT_THAT(panwright({"info", text, "--json"}).out, HasSubstr("\"W6302\""));
   EXPECT_THAT(panwright({"info", folder_ / "fan.obj", "--units", "m"}).err, HasSubstr("[W6302]"));

@@ -31,20 +31,33 @@ Quat rotation_of(std::span<const double> axis_angle) {
   return {half.cos, half.sin * axis.x, half.sin * axis.y, half.sin * axis.z};
 }
 
+// To the centre and turned: what a joint turns and slides stands in these axes, its scale below.
 Mat4 pivot_of(const TransformFields& f) {
-  const Mat4 place = matrix_from_trs(f.translation + f.centre, rotation_of(f.rotation), Vec3(1));
+  return matrix_from_trs(f.translation + f.centre, rotation_of(f.rotation), Vec3(1));
+}
+
+Mat4 below_pivot(const TransformFields& f) {
   const Quat along = rotation_of(f.scale_orientation);
   const bool turned = f.scale.x != f.scale.y || f.scale.y != f.scale.z;
-  if (!turned || along == Quat(1, 0, 0, 0))
-    return place * matrix_from_trs(Vec3(0), {1, 0, 0, 0}, f.scale);
-  return place * matrix_from_trs(Vec3(0), along, f.scale) *
-         matrix_from_trs(Vec3(0), glm::conjugate(along), Vec3(1));
+  Mat4 stretch = matrix_from_trs(Vec3(0), {1, 0, 0, 0}, f.scale);
+  if (turned && along != Quat(1, 0, 0, 0))
+    stretch = matrix_from_trs(Vec3(0), along, f.scale) *
+              matrix_from_trs(Vec3(0), glm::conjugate(along), Vec3(1));
+  if (f.centre == Vec3(0)) return stretch;
+  return stretch * matrix_from_trs(-f.centre, {1, 0, 0, 0}, Vec3(1));
 }
 
 Mat4 matrix_of(const TransformFields& f) {
-  const Mat4 pivot = pivot_of(f);
-  if (f.centre == Vec3(0)) return pivot;
-  return pivot * matrix_from_trs(-f.centre, {1, 0, 0, 0}, Vec3(1));
+  const Quat along = rotation_of(f.scale_orientation);
+  const bool turned = f.scale.x != f.scale.y || f.scale.y != f.scale.z;
+  Mat4 out = pivot_of(f);
+  if (!turned || along == Quat(1, 0, 0, 0))
+    out = out * matrix_from_trs(Vec3(0), {1, 0, 0, 0}, f.scale);
+  else
+    out = out * matrix_from_trs(Vec3(0), along, f.scale) *
+          matrix_from_trs(Vec3(0), glm::conjugate(along), Vec3(1));
+  if (f.centre == Vec3(0)) return out;
+  return out * matrix_from_trs(-f.centre, {1, 0, 0, 0}, Vec3(1));
 }
 
 std::optional<Mat4> transform10_of(const Node& node, DiagnosticLog& log) {
@@ -160,15 +173,13 @@ std::int32_t Scene97::add_transform(const Node& node, std::string_view name, std
   fields.rotation = node.numbers("rotation");
   fields.scale = node.vec3("scale");
   fields.scale_orientation = node.numbers("scaleOrientation");
-  const bool apart = pivots && fields.centre != Vec3(0);
+  const bool apart = pivots && (fields.centre != Vec3(0) || fields.scale != Vec3(1));
   const std::int32_t made = builder_.add_node(parent, apart ? pivot_of(fields) : matrix_of(fields),
                                               name, node.spec->name, node.where);
   if (made == scene::kNone) return made;
-  // what turns about a centre has a node there
+  // what turns about a centre has a node there; what it scales does not scale its slides
   const std::int32_t inside =
-      apart ? builder_.add_node(made, matrix_from_trs(-fields.centre, {1, 0, 0, 0}, Vec3(1)), {},
-                                "Centre", node.where)
-            : made;
+      apart ? builder_.add_node(made, below_pivot(fields), {}, "Centre", node.where) : made;
   add_all(node.nodes("children"), inside);
   add_all(node.children, inside);
   return made;

@@ -20,8 +20,9 @@ struct TransformFields {
   Vec3 scale{1};
   std::span<const double> scale_orientation;
 };
-// Without the last step (−C): maps the origin to the centre.
+// Its first part, T·C·R, and the rest.
 Mat4 pivot_of(const TransformFields& fields);
+Mat4 below_pivot(const TransformFields& fields);
 Mat4 matrix_of(const TransformFields& fields);
 
 // Of Translation, Rotation, Scale and MatrixTransform of VRML 1.0; nothing for other nodes. Reports

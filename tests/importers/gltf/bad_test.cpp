@@ -359,6 +359,18 @@ TEST(GltfBad, ContainersAndText) {
   code_of("{\"a\":" + std::string(100000, '[') + std::string(100000, ']') + "}", Code::E6203);
 }
 
+TEST(GltfBad, MessagesNameTheProperty) {
+  const Loaded out = load(
+      R"({"asset":{"version":"2.0"},"meshes":3,"nodes":[{"translation":"abc"},{"scale":[1,2]},{"children":[1,1]}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":1,"byteStride":3}],"cameras":[{"type":"wide"}]})");
+  const std::string text = out.text();
+  for (const char* words :
+       {"meshes is 3, expected a list", "translation is 'abc', expected a list",
+        "scale has 2 numbers, expected 3", "children[1] repeats the index 1",
+        "byteStride is 3, expected 4 to 252", "type is 'wide', expected one of"})
+    EXPECT_NE(text.find(words), text.npos) << words << "\n" << text;
+}
+
 TEST(GltfBad, LargeClaimsOfSmallFiles) {
   // 48 GB of zeros
   Sample zeros = triangle();

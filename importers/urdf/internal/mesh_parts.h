@@ -1,0 +1,59 @@
+// Mesh files below nodes of a scene.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "importers/urdf/internal/robot.h"
+
+namespace panwright::importers::urdf {
+
+// What covers a surface that brings no material of its own.
+struct Cover {
+  std::int32_t material = kNone;  // none: what the mesh's file says, or grey
+  std::int32_t texture = kNone;
+};
+
+class MeshParts {
+ public:
+  MeshParts(meshes::ReaderContext& context, meshes::Assembly& assembly)
+      : c_(context), assembly_(assembly) {}
+
+  // Puts what a file holds below a node: its axes are those of the node, its unit the metre unless
+  // it says another one. A file is read once. Reports E6010 where it is not there, W6221 where it
+  // has materials of its own or no texture coordinates.
+  void attach(const MeshFile& mesh, std::int32_t node, const Cover& cover);
+
+  // Files that were read, in order of first use.
+  std::vector<scene::Input> take_inputs() { return std::move(inputs_); }
+
+ private:
+  struct Part {
+    std::vector<scene::Node> nodes;
+    std::vector<scene::Instance> instances;  // shapes, materials, textures: of the whole scene
+    std::vector<scene::Joint> joints;
+    std::vector<char> bare;       // of each instance: the file says nothing of its material
+    std::vector<char> texcoords;  // of each instance
+  };
+
+  // The file of a name, within the folder; package://NAME/… is NAME/… or … in the folder of the
+  // model or one above it.
+  std::optional<std::string> found(const MeshFile& mesh, SharedText& bytes);
+  const Part* part(const MeshFile& mesh);
+  Part taken(Imported& imported);
+
+  meshes::ReaderContext& c_;
+  meshes::Assembly& assembly_;
+  std::map<std::string, std::optional<Part>> by_name_;  // as written
+  std::map<std::string, std::string> first_name_;       // of each path
+  std::set<std::string> known_inputs_;
+  std::vector<scene::Input> inputs_;
+  std::uint64_t triangles_ = 0;
+  std::uint64_t texture_bytes_ = 0;
+};
+
+}  // namespace panwright::importers::urdf

@@ -1,0 +1,90 @@
+// What a robot description says, and the tree that it makes.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "geometry/tessellate/shape.h"
+#include "importers/urdf/internal/xml_text.h"
+#include "scene/scene.h"
+
+namespace panwright::importers::urdf {
+
+inline constexpr std::int32_t kNone = scene::kNone;
+
+struct Origin {
+  Vec3 xyz{0};
+  Quat rotation{1, 0, 0, 0};
+};
+
+struct Paint {
+  std::string name;
+  std::optional<std::array<double, 4>> rgba;
+  std::string texture;  // as written; empty: none
+  SourceSpan where;
+  SourceSpan texture_at;
+  bool has_content() const { return rgba || !texture.empty(); }
+};
+
+struct MeshFile {
+  std::string name;  // as written
+  Vec3 scale{1};
+  SourceSpan where;
+};
+
+struct Visual {
+  std::string name;
+  Origin origin;
+  std::variant<geometry::Shape, MeshFile> geometry;
+  std::int32_t paint = kNone;  // index into Robot::paints
+  SourceSpan where;
+};
+
+struct Link {
+  std::string name;
+  std::vector<Visual> visuals;
+  std::optional<double> mass;
+  Origin inertial;
+  std::optional<Mat3> inertia;  // in the axes of `inertial`
+  SourceSpan where;
+};
+
+enum class JointType { fixed, revolute, continuous, prismatic, floating, planar };
+
+struct Mimic {
+  std::string joint;
+  double multiplier = 1;
+  double offset = 0;
+  SourceSpan where;
+};
+
+struct RobotJoint {
+  std::string name;
+  JointType type = JointType::fixed;
+  Origin origin;
+  std::int32_t parent = kNone;  // index into Robot::links
+  std::int32_t child = kNone;
+  Vec3 axis{1, 0, 0};
+  std::optional<Vec2> limits;  // lower, upper
+  std::optional<Mimic> mimic;
+  SourceSpan where;
+};
+
+struct Robot {
+  std::string name;
+  std::vector<Link> links;
+  std::vector<RobotJoint> joints;  // those whose links there are
+  std::vector<Paint> paints;
+};
+
+// Reports E6220, W6221; counts what is skipped. Elements that have no name of the format's, as
+// those of simulators, are skipped.
+Robot read_robot(const XmlText& text, meshes::ReaderContext& context);
+
+// The joint that each link hangs on; kNone: none. No link is below itself. Joints that do not fit
+// are reported (E6220) and used by no link.
+std::vector<std::int32_t> tree_of(const Robot& robot, meshes::ReaderContext& context);
+
+}  // namespace panwright::importers::urdf

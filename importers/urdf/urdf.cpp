@@ -1,0 +1,352 @@
+#include "importers/urdf/urdf.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <unordered_map>
+
+#include "base/text.h"
+#include "importers/urdf/internal/mesh_parts.h"
+
+namespace panwright::importers::urdf {
+
+namespace {
+
+// The rest of a text after what may stand before its first element.
+std::string_view first_element(std::string_view text) {
+  for (;;) {
+    const std::size_t at = text.find_first_not_of(" \t\r\n");
+    if (at == text.npos) return {};
+    text.remove_prefix(at);
+    std::string_view end;
+    if (text.starts_with("<?"))
+      end = "?>";
+    else if (text.starts_with("<!--"))
+      end = "-->";
+    else if (text.starts_with("<!"))
+      end = ">";
+    else
+      return text;
+    const std::size_t stop = text.find(end, 2);
+    if (stop == text.npos) return {};
+    text.remove_prefix(stop + end.size());
+  }
+}
+
+// Two directions across an axis: for z, x and y; and so on in a circle.
+std::array<Vec3, 2> across(const Vec3& axis) {
+  int main = 0;
+  for (int k = 1; k < 3; ++k)
+    if (std::fabs(axis[k]) > std::fabs(axis[main])) main = k;
+  Vec3 next(0);
+  next[(main + 1) % 3] = 1;
+  const Vec3 first = glm::normalize(next - axis * glm::dot(axis, next));
+  return {first, glm::cross(axis, first)};
+}
+
+class SceneMaker {
+ public:
+  SceneMaker(const Robot& robot, meshes::ReaderContext& context)
+      : robot_(robot),
+        c_(context),
+        assembly_(context, Format::urdf),
+        meshes_(context, assembly_),
+        leader_(robot.joints.size(), kNone) {}
+
+  Imported made(const std::vector<std::int32_t>& hangs_on) {
+    std::vector<std::vector<std::int32_t>> below(robot_.links.size());
+    struct Step {
+      std::int32_t link, parent;
+      std::uint32_t depth;
+    };
+    std::vector<Step> steps;  // the last one is next
+    for (std::size_t i = 0; i < robot_.links.size(); ++i) {
+      const std::int32_t joint = hangs_on[i];
+      const auto link = static_cast<std::int32_t>(i);
+      if (joint == kNone)
+        steps.push_back({link, 0, 1});
+      else
+        below[static_cast<std::size_t>(robot_.joints[static_cast<std::size_t>(joint)].parent)]
+            .push_back(joint);
+    }
+    for (auto& joints : below) std::ranges::sort(joints, std::greater());
+    std::ranges::reverse(steps);
+    while (!steps.empty() && !c_.full) {
+      const Step step = steps.back();
+      steps.pop_back();
+      const auto link = static_cast<std::size_t>(step.link);
+      if (step.depth > c_.options.limits.depth) {
+        c_.limit(fmt::format("links are nested more than {} deep", c_.options.limits.depth),
+                 robot_.links[link].where);
+        break;
+      }
+      const std::int32_t node = add_link(link, hangs_on[link], step.parent);
+      if (node == kNone) break;
+      for (const std::int32_t joint : below[link])
+        steps.push_back(
+            {robot_.joints[static_cast<std::size_t>(joint)].child, node, step.depth + 1});
+    }
+    couple();
+    assembly_.out().in_metres = true;
+    c_.tell();
+    scene::Scene& scene = assembly_.out().scene;
+    scene.inputs = std::move(c_.inputs);
+    for (scene::Input& input : meshes_.take_inputs())
+      if (std::ranges::none_of(scene.inputs,
+                               [&](const auto& known) { return known.path == input.path; }))
+        scene.inputs.push_back(std::move(input));
+    return std::move(assembly_.out());
+  }
+
+ private:
+  scene::Transform& transform_of(std::int32_t node) {
+    return assembly_.out().scene.nodes[static_cast<std::size_t>(node)].parent_from_node;
+  }
+
+  std::int32_t add_link(std::size_t index, std::int32_t joint, std::int32_t parent) {
+    const Link& link = robot_.links[index];
+    const std::int32_t node = assembly_.add_node(parent, link.name, "link", link.where);
+    if (node == kNone) return kNone;
+    if (joint != kNone) {
+      const Origin& origin = robot_.joints[static_cast<std::size_t>(joint)].origin;
+      transform_of(node).translation = origin.xyz;
+      transform_of(node).rotation = origin.rotation;
+      add_joint(static_cast<std::size_t>(joint), link, node);
+    }
+    std::size_t number = 0;
+    for (const Visual& visual : link.visuals) {
+      ++number;
+      std::string name = visual.name;
+      if (name.empty())
+        name = number == 1 ? link.name + "_visual" : fmt::format("{}_visual{}", link.name, number);
+      const std::int32_t place = assembly_.add_node(node, name, "visual", visual.where);
+      if (place == kNone) return kNone;
+      transform_of(place).translation = visual.origin.xyz;
+      transform_of(place).rotation = visual.origin.rotation;
+      add_visual(visual, place);
+    }
+    return node;
+  }
+
+  // ---- joints
+
+  void add_joint(std::size_t index, const Link& link, std::int32_t node) {
+    const RobotJoint& from = robot_.joints[index];
+    scene::Joint joint;
+    joint.name = to_utf8(from.name, Encoding::utf8);
+    std::ranges::replace(joint.name, '/', '_');
+    joint.node = node;
+    joint.axis = from.axis;
+    joint.source = assembly_.source_of(from.where);
+    joint.mass = link.mass;
+    if (link.mass) joint.centre_of_mass = link.inertial.xyz;
+    if (link.inertia) {
+      const Mat3 turn = glm::mat3_cast(link.inertial.rotation);
+      joint.inertia = turn * *link.inertia * glm::transpose(turn);
+    }
+    std::vector<scene::Joint>& joints = assembly_.out().scene.joints;
+    if (from.type == JointType::planar) return add_planar(joint);
+    joint.kind = kind_of(from);
+    if (from.limits) {
+      joint.lower = {from.limits->x};
+      joint.upper = {from.limits->y};
+      const double begins = std::clamp(0.0, from.limits->x, from.limits->y);
+      if (begins != 0) joint.value = {begins};
+      if (begins != 0 && !from.mimic)
+        c_.log.report(Code::W6221, from.where,
+                      fmt::format("0 is outside the limits of the joint {}: it begins at {:g}",
+                                  in_quotes(from.name), begins));
+    }
+    if (geometry::value_count(joint.kind) == 1)
+      leader_[index] = static_cast<std::int32_t>(joints.size());
+    joints.push_back(std::move(joint));
+  }
+
+  static geometry::JointKind kind_of(const RobotJoint& joint) {
+    using geometry::JointKind;
+    switch (joint.type) {
+      case JointType::revolute:
+        return joint.limits ? JointKind::revolute : JointKind::continuous;
+      case JointType::continuous:
+        return JointKind::continuous;
+      case JointType::prismatic:
+        return JointKind::prismatic;
+      case JointType::floating:
+        return JointKind::general;
+      case JointType::fixed:
+      case JointType::planar:
+        break;
+    }
+    return JointKind::fixed;
+  }
+
+  // Two directions of one node: the first one is the outer one, and moves the other's frame along.
+  void add_planar(const scene::Joint& joint) {
+    const auto directions = across(joint.axis);
+    for (std::size_t k = 0; k < 2; ++k) {
+      scene::Joint one = joint;
+      one.name += k == 0 ? " x" : " y";
+      one.kind = geometry::JointKind::prismatic;
+      one.axis = directions[k];
+      if (k == 0) {  // what hangs on both is counted once
+        one.mass.reset();
+        one.centre_of_mass.reset();
+        one.inertia.reset();
+      }
+      assembly_.out().scene.joints.push_back(std::move(one));
+    }
+  }
+
+  // Joints that follow others.
+  void couple() {
+    std::unordered_map<std::string_view, std::size_t> named;
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i) named.emplace(robot_.joints[i].name, i);
+    std::vector<scene::Joint>& joints = assembly_.out().scene.joints;
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
+      const auto& mimic = robot_.joints[i].mimic;
+      if (!mimic) continue;
+      const auto found = named.find(mimic->joint);
+      const std::int32_t leader = found == named.end() ? kNone : leader_[found->second];
+      if (leader == kNone || leader_[i] == kNone) {
+        const std::string problem =
+            found == named.end()
+                ? fmt::format("there is no joint {}", in_quotes(mimic->joint))
+                : fmt::format("{} cannot follow {}: joints of one value each are expected",
+                              in_quotes(robot_.joints[i].name), in_quotes(mimic->joint));
+        c_.log.report(Code::E6220, mimic->where, problem + "; the joint moves by itself");
+        continue;
+      }
+      scene::Joint& joint = joints[static_cast<std::size_t>(leader_[i])];
+      joint.mimic = leader;
+      joint.multiplier = mimic->multiplier;
+      joint.offset = mimic->offset;
+      joint.value.clear();
+    }
+    cut_rings(joints);
+    // what follows nothing after all begins within its limits
+    for (scene::Joint& joint : joints)
+      if (joint.mimic == kNone && joint.value.empty() && joint.lower.size() == 1 &&
+          std::clamp(0.0, joint.lower[0], joint.upper[0]) != 0)
+        joint.value = {std::clamp(0.0, joint.lower[0], joint.upper[0])};
+  }
+
+  void cut_rings(std::vector<scene::Joint>& joints) {
+    std::vector<std::uint32_t> seen(joints.size(), 0);  // the walk that came by
+    for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
+      if (leader_[i] == kNone) continue;
+      const auto walk = static_cast<std::uint32_t>(i) + 1;
+      auto at = static_cast<std::size_t>(leader_[i]);
+      while (seen[at] == 0) {
+        seen[at] = walk;
+        if (joints[at].mimic == kNone) break;
+        at = static_cast<std::size_t>(joints[at].mimic);
+      }
+      if (seen[at] != walk || joints[at].mimic == kNone) continue;
+      joints[at].mimic = kNone;
+      joints[at].multiplier = 1;
+      joints[at].offset = 0;
+      c_.log.report(Code::E6220, robot_.joints[i].mimic->where,
+                    fmt::format("the joint {} follows itself; it moves by itself",
+                                in_quotes(joints[at].name)));
+    }
+  }
+
+  // ---- what is seen
+
+  Cover cover_of(std::int32_t paint) {
+    if (paint == kNone) return {};
+    const auto [known, is_new] = covers_.try_emplace(paint);
+    if (!is_new) return known->second;
+    const Paint& from = robot_.paints[static_cast<std::size_t>(paint)];
+    materials::Material material;
+    material.name = from.name.empty() ? "none" : to_utf8(from.name, Encoding::utf8);
+    CadMaterial cad;
+    cad.name = from.name;
+    Cover& cover = known->second;
+    if (!from.texture.empty()) cover.texture = texture_of(from);
+    cad.textured = cover.texture != kNone;
+    if (cad.textured) material.diffuse = Vec3(1);
+    if (from.rgba) {
+      const auto& rgba = *from.rgba;
+      for (int k = 0; k < 3; ++k)
+        material.diffuse[k] = std::clamp(rgba[static_cast<std::size_t>(k)], 0.0, 1.0);
+      if (Vec3(rgba[0], rgba[1], rgba[2]) != material.diffuse)
+        cad.lost.emplace_back("colours outside of 0 to 1");
+      cad.opacity = std::clamp(rgba[3], 0.0, 1.0);
+      if (cad.opacity < 1) cad.lost.emplace_back("transparency");
+    }
+    cad.base_color = material.diffuse;
+    cover.material = assembly_.add_material(std::move(material), std::move(cad));
+    return cover;
+  }
+
+  std::int32_t texture_of(const Paint& paint) {
+    std::string_view name = paint.texture;
+    for (const std::string_view scheme : {"package://", "model://"}) {
+      if (!name.starts_with(scheme)) continue;
+      name.remove_prefix(scheme.size());
+      const std::size_t slash = name.find('/');
+      if (slash != name.npos && !c_.has_named(name, c_.file.path) &&
+          c_.has_named(name.substr(slash + 1), c_.file.path))
+        name.remove_prefix(slash + 1);
+    }
+    return assembly_.texture(name, c_.file.path, false, paint.texture_at);
+  }
+
+  void add_visual(const Visual& visual, std::int32_t node) {
+    Cover cover = cover_of(visual.paint);
+    if (const auto* mesh = std::get_if<MeshFile>(&visual.geometry)) {
+      transform_of(node).scale = mesh->scale;
+      return meshes_.attach(*mesh, node, cover);
+    }
+    if (cover.material == kNone) cover.material = assembly_.plain_material(false);
+    scene::Scene& scene = assembly_.out().scene;
+    scene::Instance instance;
+    instance.node = node;
+    instance.shape = static_cast<std::int32_t>(scene.shapes.size());
+    instance.material = cover.material;
+    instance.texture = cover.texture;
+    instance.source = assembly_.source_of(visual.where);
+    scene.shapes.push_back(std::get<geometry::Shape>(visual.geometry));
+    scene.instances.push_back(std::move(instance));
+  }
+
+  const Robot& robot_;
+  meshes::ReaderContext& c_;
+  meshes::Assembly assembly_;
+  MeshParts meshes_;
+  std::vector<std::int32_t> leader_;  // of each joint of the robot, of one value: in the scene
+  std::unordered_map<std::int32_t, Cover> covers_;
+};
+
+}  // namespace
+
+bool is_robot(std::string_view text) {
+  const std::string_view element = first_element(text);
+  constexpr std::string_view kName = "<robot";
+  if (!element.starts_with(kName)) return false;
+  const std::string_view rest = element.substr(kName.size());
+  return !rest.empty() && std::string_view(" \t\r\n/>").find(rest[0]) != std::string_view::npos;
+}
+
+Result<Imported> read(Files& files, const InputFile& file, const Options& options,
+                      DiagnosticLog& log) {
+  meshes::ReaderContext context(files, file, options, true, log);
+  const std::size_t errors = log.errors();
+  XmlText text;
+  if (!text.parse(context)) return failed;
+  const Robot robot = read_robot(text, context);
+  if (robot.links.empty()) {
+    if (log.errors() == errors)
+      log.report(Code::E6220, text.at(text.top()), "the robot has no link, expected at least one");
+    context.tell();
+    return failed;
+  }
+  Imported out = SceneMaker(robot, context).made(tree_of(robot, context));
+  assert(scene::check(out.scene).empty());
+  return out;
+}
+
+}  // namespace panwright::importers::urdf

@@ -1,0 +1,103 @@
+#include "pxn/build/obstacles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "geometry/mesh/check.h"
+#include "geometry/tessellate/tessellate.h"
+
+namespace panwright::pxn {
+
+namespace {
+
+// of the reach: how far facets of a curved shape may lie from it
+constexpr double kFacetShare = 0.02;
+
+struct WorldBox {
+  Vec3 low{HUGE_VAL}, high{-HUGE_VAL};
+  bool meets(const WorldBox& other, double reach) const {
+    for (int k = 0; k < 3; ++k)
+      if (low[k] > other.high[k] + reach || other.low[k] > high[k] + reach) return false;
+    return true;
+  }
+};
+
+WorldBox box_of(const geometry::Mesh& mesh, const Mat4& world) {
+  WorldBox box;
+  for (const Vec3& p : mesh.positions) {
+    const Vec3 at(world * Vec4(p, 1));
+    box.low = glm::min(box.low, at);
+    box.high = glm::max(box.high, at);
+  }
+  return box;
+}
+
+struct Self {
+  std::uint32_t instance;
+};
+
+bool is_other(const void* data, const geometry::InstanceHit& hit) {
+  return static_cast<const Self*>(data)->instance != hit.instance;
+}
+
+}  // namespace
+
+geometry::MeshShape mesh_of(const geometry::Shape& shape, double error) {
+  if (const auto* mesh = std::get_if<geometry::MeshShape>(&shape)) return *mesh;
+  DiagnosticLog ignored;
+  auto made = geometry::tessellated(shape, {.max_error = error}, {}, ignored);
+  return made ? std::make_shared<const geometry::Mesh>(*std::move(made)) : nullptr;
+}
+
+Obstacles::Obstacles(const scene::Scene& scene, std::span<const std::int32_t> wrapped, double reach,
+                     const Job& job) {
+  const std::vector<Mat4> worlds = scene::world_from_nodes(scene);
+  const std::size_t count = scene.instances.size();
+  std::map<std::int32_t, geometry::MeshShape> meshes;  // of shapes, as the largest place asks
+  std::vector<double> largest(scene.shapes.size(), 0);
+  for (const scene::Instance& one : scene.instances) {
+    const Mat4& world = worlds[static_cast<std::size_t>(one.node)];
+    double& most = largest[static_cast<std::size_t>(one.shape)];
+    for (int k = 0; k < 3; ++k) most = std::max(most, glm::length(Vec3(world[k])));
+  }
+  std::vector<WorldBox> boxes(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    job.poll();
+    const scene::Instance& one = scene.instances[i];
+    const auto shape = static_cast<std::size_t>(one.shape);
+    const auto [mesh, fresh] = meshes.try_emplace(one.shape);
+    if (fresh && largest[shape] > 0)
+      mesh->second = mesh_of(scene.shapes[shape], kFacetShare * reach / largest[shape]);
+    if (mesh->second) boxes[i] = box_of(*mesh->second, worlds[static_cast<std::size_t>(one.node)]);
+  }
+  std::map<std::int32_t, std::uint32_t> added;
+  for (std::size_t i = 0; i < count; ++i) {
+    const scene::Instance& one = scene.instances[i];
+    const geometry::MeshShape& mesh = meshes.at(one.shape);
+    if (!mesh || mesh->triangles.empty() || std::ranges::none_of(wrapped, [&](std::int32_t w) {
+          return boxes[i].meets(boxes[static_cast<std::size_t>(w)], reach);
+        }))
+      continue;
+    const auto [known, fresh] = added.try_emplace(one.shape, 0);
+    if (fresh) known->second = caster_.add_mesh(mesh->positions, mesh->triangles);
+    const bool exact = !std::holds_alternative<geometry::MeshShape>(
+        scene.shapes[static_cast<std::size_t>(one.shape)]);
+    caster_.add(known->second, worlds[static_cast<std::size_t>(one.node)], true);
+    instances_.push_back(static_cast<std::int32_t>(i));
+    exact_.push_back(exact ? 1 : 0);
+  }
+  caster_.build(job);
+}
+
+double Obstacles::room(std::int32_t of, const Vec3& from, const Vec3& along, double least,
+                       double most) const {
+  const auto at = std::ranges::lower_bound(instances_, of);
+  const auto index = static_cast<std::size_t>(at - instances_.begin());
+  const bool own = at != instances_.end() && *at == of && exact_[index] != 0;
+  const Self self{own ? static_cast<std::uint32_t>(index) : ~std::uint32_t{0}};
+  const auto hit = caster_.closest({from, along, least, most}, {is_other, &self});
+  return hit ? hit->distance : most;
+}
+
+}  // namespace panwright::pxn
