@@ -164,7 +164,7 @@ COMMANDS = {
                 "statistics": ("means over seeds; metres but for slopes", [{
                     "name": "string: slope_rms, correlation or height_rms", "asked": "number|null: by the options", "fitted": "number: over the sheets that it was found with",
                     "checked": "number: over the others", "standard_error": "number: of checked", "deviation": "number: of single sheets, one standard deviation"}]),
-                "pxn": "string: the recipe as an element <mli>"})}]),
+                "pxn": "string: the recipe as an element <mli>, after its <material> where that is of the library"})}]),
     },
     "diff": {
         "equal": "boolean: exit code 0; otherwise 1",

@@ -568,7 +568,8 @@ int run(const Options& options, const Host& host) {
       print_sheet(subject, *sheet, seconds.count());
     }
     if (fit) {
-      const std::string text = recipe_text(subject.recipe, subject.material.name);
+      const std::string text =
+          recipe_text(subject.recipe, subject.material.name, material || !is_file(options.input));
       context.result()["sheets"].back()["fit"] = fit_json(*fit, *target, text);
       if (!options.common.json) print_fit(*fit, *target, text);
     }

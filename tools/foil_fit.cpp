@@ -141,9 +141,12 @@ std::optional<mli::FitTarget> fit_target(std::string_view text, DiagnosticLog& l
   return std::nullopt;
 }
 
-std::string recipe_text(const mli::Recipe& recipe, std::string_view material) {
-  std::string out = fmt::format("<mli type=\"flat\" seed=\"{}\"", recipe.seed);
-  if (!material.empty()) out += fmt::format(" material=\"{}\"", material);
+std::string recipe_text(const mli::Recipe& recipe, std::string_view material, bool from_library) {
+  std::string out;
+  if (from_library) out = fmt::format("<material name=\"{0}\" preset=\"{0}\"/>\n", material);
+  out += fmt::format("<mli type=\"flat\" seed=\"{}\"", recipe.seed);
+  // note: the material of what names none
+  if (!material.empty() && material != "default") out += fmt::format(" material=\"{}\"", material);
   out += ">\n  <mli_settings>\n";
   for (const std::string& each :
        {OperationText::content("width", OperationText::number(recipe.width)),

@@ -100,7 +100,7 @@ TEST(MliCommand, FitsARecipeThatCanBePasted) {
     <seam along="y" position="20cm" width="25mm" height="0.8mm" stitch="12mm" pucker="0.4mm"/>
     <button pitch="15cm" radius="3mm" reach="4cm" pucker="0.8mm"/><crush size="8cm" depth="1mm"/>
     <taper>1cm 3cm 1cm 3cm</taper></mli_operations></mli></pangu_model>)");
-  const json fitted = sheet_of({all, "--fit", "slope_rms=0.2"});
+  json fitted = sheet_of({all, "--fit", "slope_rms=0.2"});
   const std::string again =
       folder.write("again.pxn", "<pangu_model ver=\"1\">\n" +
                                     fitted["fit"]["pxn"].get<std::string>() + "</pangu_model>\n");
