@@ -157,7 +157,14 @@ COMMANDS = {
             "slope_histogram?": ("triangles by slope", {
                 "lowest": "number: lower end of the first bin", "bin": "number: width of a bin", "facets": "integer: how many",
                 "x": "object: mean, deviation, counts of each bin, below, above", "y": "object: the same along y"}),
-            "checksum?": "string: of the bits of the heights, 16 hexadecimal digits", "seconds?": "number: it took to make"}]),
+            "checksum?": "string: of the bits of the heights, 16 hexadecimal digits", "seconds?": "number: it took to make",
+            "fit?": ("with --fit", {
+                "fitted": ("sheets that the recipe was found with", {"first_seed": "integer: the others follow", "sheets": "integer: how many"}),
+                "checked": ("others", {"first_seed": "integer: the others follow", "sheets": "integer: how many"}),
+                "statistics": ("means over seeds; metres but for slopes", [{
+                    "name": "string: slope_rms, correlation or height_rms", "asked": "number|null: by the options", "fitted": "number: over the sheets that it was found with",
+                    "checked": "number: over the others", "standard_error": "number: of checked", "deviation": "number: of single sheets, one standard deviation"}]),
+                "pxn": "string: the recipe as an element <mli>, after its <material> where that is of the library"})}]),
     },
     "diff": {
         "equal": "boolean: exit code 0; otherwise 1",

@@ -57,7 +57,8 @@ constexpr Example kExamples[] = {
     {"mli",
      "quilted --seed 2 -o quilted.png --width 128 --height heights.npy --histogram slopes.svg",
      "Draw another sheet of the same kind; its heights in metres, its slopes as a plot."},
-    {"mli", "blankets/blankets.pxn --sheet taped --json", "A sheet of a model, as JSON."},
+    {"mli", "blankets/blankets.pxn --sheet taped --fit \"slope_rms=0.1\" --json",
+     "A sheet of a model with another slope, as JSON with its recipe."},
 
     {"diff", "cubesat/cubesat.pxn cubesat/cubesat.pxn", "Compare two models: these are equal."},
     {"diff", "cubesat/cubesat.pxn cubesat/cubesat.pxn --all",

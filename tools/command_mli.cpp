@@ -18,6 +18,7 @@
 #include "pxn/materials.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
+#include "tools/foil_fit.h"
 #include "tools/foil_plot.h"
 #include "tools/foil_scene.h"
 #include "tools/height_file.h"
@@ -41,6 +42,7 @@ struct Options {
   std::string histogram;  // .svg
   std::string material;   // of the library; empty: the sheet's own
   std::string light = "sun";
+  std::string fit;                    // "slope_rms=0.1 correlation=2cm"; empty: as it is
   std::uint32_t width = 400;          // pixels
   std::optional<std::string> seed;    // none: the recipe's
   std::optional<double> sheet_width;  // metres, of a preset
@@ -93,6 +95,11 @@ void declare_all(Arguments& arguments, Options& options) {
       .length()
       .positive()
       .type("METRES");
+  arguments
+      .add("--fit", options.fit,
+           "Change the recipe until its sheets have these statistics on average, and print it: "
+           "slope_rms=NUMBER, correlation=LENGTH, height_rms=LENGTH")
+      .type("\"NAME=VALUE ...\"");
   arguments
       .add("--material", options.material,
            "Draw it in a material of the library (default: the preset's, or the file's)")
@@ -428,13 +435,14 @@ bool check_options(const Options& options, CommandContext& context) {
 // The statistics that a pan file holds of its sheets: their recipes are not in it.
 void report_stored(const Options& options, CommandContext& context) {
   DiagnosticLog& log = context.log();
-  const bool remade = options.seed || options.cells > 0 || !options.material.empty();
+  const bool remade =
+      options.seed || options.cells > 0 || !options.material.empty() || !options.fit.empty();
   if (writes(options) || remade) {
     log.report_file(
         Code::E0201, options.input,
         fmt::format("{} the recipe of a sheet, and a pan file holds its statistics alone",
                     writes(options) ? "images, heights and histograms require"
-                                    : "--seed, --cells and --material require"),
+                                    : "--seed, --cells, --fit and --material require"),
         "name the .pxn file that it was compiled from");
     return;
   }
@@ -474,6 +482,19 @@ void report_stored(const Options& options, CommandContext& context) {
     print_numbers(s.lowest, s.highest, s.height_rms, s.slope_rms, axes,
                   {s.correlation_length[0], s.correlation_length[1]});
   }
+}
+
+// The recipe that --fit asks for, in the place of the subject's own; false, once reported.
+bool fit_subject(const Options& options, const mli::FitTarget& target, Subject& subject,
+                 std::optional<mli::Fit>& found, CommandContext& context) {
+  context.step("fit " + subject.name);
+  const bool keep_size = is_file(options.input) || options.sheet_width || options.sheet_height;
+  auto fit =
+      mli::fit(subject.recipe, target, {.keep_size = keep_size}, context.log(), {}, context.job());
+  if (!fit) return false;
+  subject.recipe = fit->recipe;
+  found = *std::move(fit);
+  return true;
 }
 
 // The sheets that the options name, to be made.
@@ -521,11 +542,18 @@ int run(const Options& options, const Host& host) {
     if (!found) return context.finish();
     material = found->material;
   }
+  std::optional<mli::FitTarget> target;
+  if (!options.fit.empty()) {
+    target = fit_target(options.fit, context.log());
+    if (!target) return context.finish();
+  }
   bool first = true;
   for (Subject& subject : subjects(options, context)) {
     if (material) subject.material = *material;
     if (options.seed)
       subject.recipe.seed = static_cast<std::uint32_t>(parse_double(*options.seed).value_or(0));
+    std::optional<mli::Fit> fit;
+    if (target && !fit_subject(options, *target, subject, fit, context)) break;
     context.step("make " + subject.name);
     const auto start = std::chrono::steady_clock::now();
     mli::SheetOptions detail;
@@ -538,6 +566,12 @@ int run(const Options& options, const Host& host) {
     if (!options.common.json) {
       if (!first) print("\n");
       print_sheet(subject, *sheet, seconds.count());
+    }
+    if (fit) {
+      const std::string text =
+          recipe_text(subject.recipe, subject.material.name, material || !is_file(options.input));
+      context.result()["sheets"].back()["fit"] = fit_json(*fit, *target, text);
+      if (!options.common.json) print_fit(*fit, *target, text);
     }
     first = false;
     if (!write_files(subject, *sheet, histogram, options, context)) break;

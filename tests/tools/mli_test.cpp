@@ -76,6 +76,38 @@ TEST(MliCommand, SheetsOfModelsByNameAndNumberAndOfPanFiles) {
   EXPECT_FALSE(std::filesystem::exists(folder / "h.npy"));
 }
 
+TEST(MliCommand, FitsARecipeThatCanBePasted) {
+  const json sheet =
+      sheet_of({"crinkled", "--cells", "100", "--fit", "slope_rms=0.1 correlation=2cm"});
+  const json& fit = sheet["fit"];
+  EXPECT_NEAR(sheet["slope_rms"].get<double>(), 0.1, 1e-9);
+  ASSERT_EQ(fit["statistics"][1]["name"], "correlation");
+  EXPECT_NEAR(fit["statistics"][1]["fitted"].get<double>(), 0.02, 0.006 * 0.02);
+  // on sheets that it has not seen; residual 0.3 of a standard error
+  EXPECT_NEAR(fit["statistics"][1]["checked"].get<double>(), 0.02,
+              5 * fit["statistics"][1]["standard_error"].get<double>());
+  EXPECT_TRUE(fit["statistics"][2]["asked"].is_null());
+  const TemporaryFolder folder;
+  const std::string file = folder.write(
+      "a.pxn", "<pangu_model ver=\"1\">\n" + fit["pxn"].get<std::string>() + "</pangu_model>\n");
+  EXPECT_EQ(sheet_of({file})["checksum"], sheet["checksum"]) << fit["pxn"];
+  // every operation reads back as the same
+  const std::string all = folder.write("all.pxn", R"(<pangu_model ver="1">
+    <mli type="flat" seed="7"><mli_settings><width>0.5</width><height>0.4</height><xgrid>120</xgrid></mli_settings>
+    <mli_operations><random>1mm</random><smooth>3</smooth><constant>2mm</constant>
+    <crease density="900" depth="1mm" length="5cm"/><wrinkle wavelength="9cm" amplitude="1mm" direction="35deg"/>
+    <fractal rms="0.3mm"/><emboss pattern="diamond" pitch="3cm" depth="1mm"/><emboss pattern="quilt" pitch="7cm" depth="1mm"/>
+    <seam along="y" position="20cm" width="25mm" height="0.8mm" stitch="12mm" pucker="0.4mm"/>
+    <button pitch="15cm" radius="3mm" reach="4cm" pucker="0.8mm"/><crush size="8cm" depth="1mm"/>
+    <taper>1cm 3cm 1cm 3cm</taper></mli_operations></mli></pangu_model>)");
+  json fitted = sheet_of({all, "--fit", "slope_rms=0.2"});
+  const std::string again =
+      folder.write("again.pxn", "<pangu_model ver=\"1\">\n" +
+                                    fitted["fit"]["pxn"].get<std::string>() + "</pangu_model>\n");
+  EXPECT_EQ(sheet_of({again})["checksum"], fitted["checksum"]) << fitted["fit"]["pxn"];
+  EXPECT_EQ(fitted["operations"].size(), 13u);
+}
+
 TEST(MliCommand, WritesImagesHeightsAndHistograms) {
   const TemporaryFolder folder;
   const Outcome done = mli({"crinkled", "-o", folder / "i.png", "--width", "32", "--cells", "60",
@@ -104,6 +136,10 @@ TEST(MliCommand, RefusesWithOneMessage) {
       {{"crinkled", "--height", folder / "a.tif"}, 2, "heights are written as"},
       {{"crinkled", "--histogram", folder / "a.png"}, 2, "histograms are written as .svg"},
       {{"crinkled", "-o", folder / "a.png", "--height", folder / "a.png"}, 2, "[E0206]"},
+      {{"crinkled", "--fit", "corelation=2cm"}, 2, "'corelation=2cm' is not understood"},
+      {{"crinkled", "--fit", "slope_rms=0.1 slope_rms=0.2"}, 2, "each once"},
+      {{"crinkled", "--fit", " "}, 2, "[E0201]"},
+      {{"crinkled", "--fit", "slope_rms=-1"}, 1, "slope_rms is -1"},
       {{"crinkled", "--sheet", "1"}, 2, "a preset is one sheet"},
       {{"crinkled", "--seed", "1.5"}, 2, "--seed takes whole numbers"},
       {{kBlankets, "--sheet-width", "1"}, 2, "have their own sizes"},
