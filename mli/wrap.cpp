@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numeric>
+#include <queue>
 
 #include "base/parallel.h"
 #include "mli/internal/form.h"
@@ -20,6 +22,8 @@ namespace {
 
 using geometry::Triangle;
 
+// metres per metre: how steeply foil rises from where a part holds it down
+constexpr double kRise = 0.5;
 // of the stand-off: chords that are no deeper are rounded
 constexpr double kRound = 0.05;
 
@@ -111,6 +115,37 @@ void Wrapper::set_heights(Draped& draped, const Sheet& sheet, double longest,
   if (options.stand_off + lowest < below) group.scale = (options.stand_off - below) / -lowest;
 }
 
+// Lets bounds of heights grow from those that there are by no more than kRise along the faces, as
+// foil does that is held down: where they end at once, it would stand in teeth.
+void spread(const Piece& piece, const std::vector<double>& heights, std::vector<double>& bounds) {
+  std::vector<std::uint32_t> begin(piece.points.size() + 1, 0);
+  for (const Triangle& t : piece.triangles)
+    for (const std::uint32_t v : t) begin[v + 1] += 2;
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<std::uint32_t> near(begin.back()), at(begin.begin(), begin.end() - 1);
+  for (const Triangle& t : piece.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      near[at[t[k]]++] = t[(k + 1) % 3];
+      near[at[t[k]]++] = t[(k + 2) % 3];
+    }
+  using Step = std::pair<double, std::uint32_t>;
+  std::priority_queue<Step, std::vector<Step>, std::greater<>> next;
+  for (std::uint32_t v = 0; v < bounds.size(); ++v)
+    if (bounds[v] < HUGE_VAL) next.emplace(bounds[v], v);
+  while (!next.empty()) {
+    const auto [bound, v] = next.top();
+    next.pop();
+    if (bound > bounds[v]) continue;
+    for (std::uint32_t i = begin[v]; i < begin[v + 1]; ++i) {
+      const std::uint32_t to = near[i];
+      const double there = bound + kRise * glm::length(piece.points[to] - piece.points[v]);
+      if (there >= bounds[to] || there >= heights[to]) continue;
+      bounds[to] = there;
+      next.emplace(there, to);
+    }
+  }
+}
+
 // Lowers what other parts are nearer than. Returns the area of the triangles that it changes.
 double Wrapper::hold(const Draped& draped, std::vector<double>& heights) const {
   if (!options.room) return 0;
@@ -139,6 +174,7 @@ double Wrapper::hold(const Draped& draped, std::vector<double>& heights) const {
                                    piece.points[t[2]] - piece.points[t[0]])) /
             2;
   }
+  if (area > 0) spread(piece, heights, least);
   for (std::size_t v = 0; v < heights.size(); ++v) heights[v] = std::min(heights[v], least[v]);
   return area;
 }

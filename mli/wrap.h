@@ -102,7 +102,8 @@ struct WrapTally {
 // border, and a seam goes from there straight down to the base. Their mean by area is made 0, then
 // they are scaled where one would lie below `margin`. Where another part is nearer than that
 // (`room`), the blanket goes below it, at three quarters of the way, with all vertices beside one
-// that does. Equal input gives equal bits.
+// that does, and rises from there by no more than half a metre a metre. Equal input gives equal
+// bits.
 //
 //   faces    indices of the mesh's triangles; repeated ones count once
 //   returns  a blanket for one group at least
