@@ -63,8 +63,15 @@ int run(const Options& options, const Host& host) {
   };
   if (is_text(options.a) && is_text(options.b)) context.summarise_imports();
   workspace::OpenReport report;
-  const auto a = workspace::open(options.a, *read, context.log(), context.job(), &report);
-  const auto b = workspace::open(options.b, *read, context.log(), context.job(), &report);
+  // parameters are of texts, whatever these are compared with
+  workspace::OpenOptions bare = *read;
+  if (is_text(options.a) || is_text(options.b)) bare.parameters.clear();
+  const auto opened = [&](const std::string& file) {
+    return workspace::open(file, is_text(file) ? *read : bare, context.log(), context.job(),
+                           &report);
+  };
+  const auto a = opened(options.a);
+  const auto b = opened(options.b);
   context.add_timings(report.steps);
   if (!a || !b) return context.finish();
   context.step("compare");

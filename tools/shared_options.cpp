@@ -209,7 +209,14 @@ Result<std::vector<workspace::JointText>> JointOptions::texts(DiagnosticLog& log
     if (!read) return failed;
     out = *std::move(read);
   }
-  for (const std::string& value : values) out.push_back(workspace::joint_text(value));
+  std::set<std::string> typed;
+  for (const std::string& value : values) {
+    out.push_back(workspace::joint_text(value));
+    if (typed.insert(out.back().joint).second) continue;
+    log.report(Code::E0201, {},
+               fmt::format("--joint gives {} a value twice", in_quotes(out.back().joint)));
+    return failed;
+  }
   return out;
 }
 

@@ -143,9 +143,12 @@ std::size_t guessed_units(const DiagnosticLog& log) {
 Result<world::ModelPtr> open_pan(const std::filesystem::path& path, const OpenOptions& options,
                                  DiagnosticLog& log, const Job& job, OpenReport* report) {
   note_cad_options(options.cad, path, log);
-  if (!options.parameters.empty())
-    log.report_file(Code::N1405, path.string(),
-                    "-D has no effect on a .pan file: it was compiled with its parameters");
+  if (!options.parameters.empty() && options.declared == nullptr) {
+    log.report_file(Code::E1225, path.string(),
+                    "-D has no effect on a .pan file: it was compiled with its parameters",
+                    "compile its text again, or render that");
+    return failed;
+  }
   auto model = [&] {
     const Stopwatch watch(report, "open " + path.string());
     return pan::Model::open(path, log);

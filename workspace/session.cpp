@@ -51,7 +51,11 @@ ViewSession::Opened* ViewSession::opened(const ViewText& view, const RunListener
   auto world = open_world(targets, source.open, log, job, &report);
   if (listener.step)
     for (const Step& step : report.steps) listener.step(step);
-  if (!world) return nullptr;
+  if (!world) {
+    if (!view.label.empty())
+      log.report(Code::E0203, {}, view.label + ": its targets cannot be opened");
+    return nullptr;
+  }
   while (worlds_.size() >= kMostWorlds) worlds_.pop_back();
   worlds_.push_front({key, *std::move(world), std::move(source), nullptr});
   worlds_.front().maker = std::make_unique<ViewMaker>(worlds_.front().world);

@@ -88,10 +88,7 @@ Result<world::World> open_world(std::span<const TargetFile> targets, const OpenO
     }
     if (!world.add(target.name, model, log)) return failed;
   }
-  const bool texts = std::any_of(targets.begin(), targets.end(), [](const TargetFile& target) {
-    return extension_of(target.file) == ".pxn";
-  });
-  if (several && texts) check_parameters(options, declared, log);
+  if (several) check_parameters(options, declared, log);
   return world;
 }
 

@@ -47,9 +47,11 @@ class Reader {
   std::optional<Vec3> vector(const char* name, const std::optional<std::string>& text,
                              bool direction) {
     if (!text) return std::nullopt;
-    const auto numbers = parse_numbers(*text, 3);
+    const auto numbers = direction ? parse_numbers(*text, 3) : parse_lengths(*text, 3);
     if (!numbers) {
-      fail(name, *text, "three numbers, as \"0 -5 1\"");
+      fail(name, *text,
+           direction ? "three numbers, as \"0 -5 1\""
+                     : "three lengths, as \"0 -5 1\" (metres) or \"0 -2km 10m\"");
       return std::nullopt;
     }
     const Vec3 v((*numbers)[0], (*numbers)[1], (*numbers)[2]);
@@ -296,18 +298,31 @@ void read_output(const ViewText& text, View& view, DiagnosticLog& log) {
 
 }  // namespace
 
-std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count) {
+namespace {
+
+std::optional<std::vector<double>> parse_all(std::string_view text, std::size_t count,
+                                             std::optional<double> (*parse)(std::string_view)) {
   std::vector<double> numbers;
   constexpr const char* kSeparators = " \t\n\r,";
   for (std::size_t at = text.find_first_not_of(kSeparators); at != text.npos;) {
     const std::size_t end = std::min(text.find_first_of(kSeparators, at), text.size());
-    const auto value = parse_double(text.substr(at, end - at));
+    const auto value = parse(text.substr(at, end - at));
     if (!value || numbers.size() == count) return std::nullopt;
     numbers.push_back(*value);
     at = text.find_first_not_of(kSeparators, end);
   }
   if (numbers.size() != count) return std::nullopt;
   return numbers;
+}
+
+}  // namespace
+
+std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count) {
+  return parse_all(text, count, [](std::string_view word) { return parse_double(word); });
+}
+
+std::optional<std::vector<double>> parse_lengths(std::string_view text, std::size_t count) {
+  return parse_all(text, count, parse_length);
 }
 
 std::optional<double> parse_angle(std::string_view text) {

@@ -166,6 +166,8 @@ class ViewMaker {
 // Numbers separated by blanks or commas; nothing when the text is something else or the number of
 // numbers is not `count`.
 std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count);
+// The same of lengths, each as parse_length() takes it. Metres.
+std::optional<std::vector<double>> parse_lengths(std::string_view text, std::size_t count);
 
 // An angle in radians: a bare number is degrees; deg, rad, mrad, urad, arcmin and arcsec may follow
 // it.

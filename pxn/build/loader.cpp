@@ -164,9 +164,11 @@ std::optional<FoundFile> Loader::find(Work& work, std::uint32_t element, std::si
   const xml::Document& document = work.file.document;
   if (outcome == Files::Outcome::outside) {
     reporter_.report(Code::E1303, where, document, element, [&] {
-      return Reporter::Text(fmt::format(
-          "{} leaves the project; included files lie in the top file's folder or below it",
-          in_quotes(file)));
+      return Reporter::Text(
+          fmt::format(
+              "{} leaves the project; included files lie in the top file's folder or below it",
+              in_quotes(file)),
+          "--root DIR takes files from all of DIR");
     });
     return std::nullopt;
   }

@@ -214,6 +214,19 @@ TEST_F(FirstHour, OptionsInMetresAndDegreesTakeUnits) {
               HasSubstr("--weld is '2deg', expected a length, as 2mm or 0.002 (metres) [E0201]"));
   EXPECT_THAT(panwright({"import", obj, "--crease", "2mm"}).err,
               HasSubstr("--crease is '2mm', expected an angle, as 30deg or 30 (degrees) [E0201]"));
+  const auto image = [&](const std::string& camera) {
+    EXPECT_EQ(panwright({"render", obj, "--units", "m", "--camera", camera, "--size", "8", "-o",
+                         folder_ / "a.npy"})
+                  .code,
+              0);
+    DiagnosticLog log;
+    return *read_file(folder_ / "a.npy", 1u << 24, log);
+  };
+  EXPECT_EQ(image("0.3 20cm 4m"), image("0.3 0.2 4"));
+  EXPECT_THAT(panwright({"render", obj, "--camera", "0 1deg 2", "-o", folder_ / "a.png"}).err,
+              HasSubstr("--camera is '0 1deg 2', expected three lengths"));
+  EXPECT_THAT(panwright({"joints", obj, "--joint", "a=1", "--joint", "a=2"}).err,
+              HasSubstr("--joint gives 'a' a value twice [E0201]"));
   EXPECT_THAT(panwright({"import", obj, "--max-error", "-1mm"}).err,
               HasSubstr("expected a number above 0 [E0201]"));
 }

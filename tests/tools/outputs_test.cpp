@@ -18,6 +18,7 @@ using support::contents;
 using support::Outcome;
 using support::TemporaryFolder;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string kProgram = PANWRIGHT_BIN_DIR "/panwright";
 
@@ -248,16 +249,23 @@ TEST_F(Parameters, ArePartOfTheIdentity) {
   EXPECT_THAT(panwright({"info", folder_ / "m.pan"}).out, HasSubstr(R"(h='3m' r='2m')"));
 }
 
-TEST_F(Parameters, HaveNoEffectOnAPanAndThatIsSaid) {
+TEST_F(Parameters, OfAPanAreAnError) {
   identity({});
   const Outcome outcome = panwright({"info", folder_ / "m.pan"});
   EXPECT_EQ(outcome.code, 0);
   const Outcome told = panwright({"diff", folder_ / "m.pan", folder_ / "m.pan", "-D", "r=2m"});
   EXPECT_THAT(told.err, HasSubstr("-D has no effect on a .pan file")) << told.out;
-  EXPECT_THAT(told.err, HasSubstr("N1405"));
+  EXPECT_THAT(told.err, HasSubstr("E1225"));
+  EXPECT_EQ(panwright({"render", folder_ / "m.pan", "-D", "r=2m", "-o", folder_ / "r.png"}).code,
+            1);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "r.png"));
+  // beside a text they are the text's
+  const Outcome both = panwright({"diff", model_, folder_ / "m.pan", "-D", "r=2m"});
+  EXPECT_THAT(both.err, Not(HasSubstr("E1225")));
 }
 
-// What could be read of a model with errors is written where the user said where to, and that is said.
+// What could be read of a model with errors is written where the user said where to, and that is
+// said.
 TEST_F(Parameters, OfNoModelAreErrorsAfterWhichNothingIsDrawnUnasked) {
   const auto in_folder = [&](std::vector<std::string> words) {
     std::vector<std::string> there{"/bin/sh", "-c", "cd \"$0\" && exec \"$@\"",
@@ -277,8 +285,7 @@ TEST_F(Parameters, OfNoModelAreErrorsAfterWhichNothingIsDrawnUnasked) {
 
 // The folder of an output that is not there is said before the work, not after it.
 TEST_F(Parameters, FoldersThatAreMissing) {
-  const Outcome outcome =
-      panwright({"compile", model_, "-D", "q=3", "-o", folder_ / "none/m.pan"});
+  const Outcome outcome = panwright({"compile", model_, "-D", "q=3", "-o", folder_ / "none/m.pan"});
   EXPECT_EQ(outcome.code, 3) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("there is no folder"));
   EXPECT_THAT(outcome.err, testing::Not(HasSubstr("E1225")));
