@@ -93,7 +93,9 @@ TEST(Diagnostics, PlacesAndWords) {
        "a <group>)\n"},
       {"E1105", "3:11 E1105 <group> takes no text, found 'a sphere:'\n"},
       {"E1106", "3:10 E1106 <subdiv> is not supported yet; it is left out\n"},
-      {"E1107-root", "1:2 E1107 the root element is <pangu>, not <pangu_model>\n"},
+      {"E1107-root",
+       "1:2 E1107 the root element is <pangu>, not <pangu_model> (did you mean "
+       "'pangu_model'?)\n"},
       {"E1107-version", "1:19 E1107 ver=\"2\" is not a known version; write ver=\"0\" or \"1\"\n"},
       {"E1201-nan",
        "3:31 E1201 'nan' is not a number, expected -1e+30 to 1e+30 for y of <translation>\n"},
@@ -118,7 +120,7 @@ TEST(Diagnostics, PlacesAndWords) {
        "this file's\n"},
       {"E1303",
        "3:29 E1303 '../good/cube.pxn' leaves the project; included files lie in the top file's "
-       "folder or below it\n"},
+       "folder or below it (--root DIR takes files from all of DIR)\n"},
       {"E2001",
        "5:34 E2001 the index 4 is past the last position; there are 4 positions, expected 0 to "
        "3; the strip is left out\n"},
