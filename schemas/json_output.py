@@ -80,7 +80,7 @@ COMMANDS = {
         "mesh_triangles?": "integer: without -o, as stored in the file", "textures?": "integer: without -o", "joints?": "integer: without -o",
         "size?": "vec3: without -o: extent, metres",
         "materials?": ("without -o: what each material would become", [{
-            "name": "string: in the file", "preset": "string: of the library", "reason": "string: of the guess", "lost": "string[]: properties that are ignored"}]),
+            "name": "string: in the file", "preset": "string: of the library", "reason": "string: of the guess", "triangles": "integer: of meshes that wear it", "area": "number: of these, m^2", "lost": "string[]: properties that are ignored"}]),
         "output?": "string: the file of -o", "bytes?": "integer: of a pan file", "triangles?": "integer: as drawn", "unique_triangles?": "integer: as stored",
         "removed?": ("hidden parts", {
             "triangles_before": "integer: before", "triangles_after": "integer: after", "instances_before": "integer: before", "instances_after": "integer: after",

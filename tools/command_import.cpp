@@ -130,6 +130,31 @@ Json as_json(const compiler::HiddenReport& hidden) {
 constexpr const char* kFormats[] = {"VRML 97", "VRML 1.0", "glTF", "OBJ",
                                     "STL",     "PLY",      "STEP", "URDF"};
 
+// What a material covers: meshes, where they stand.
+struct Covered {
+  std::uint64_t triangles = 0;
+  double area = 0;  // m²
+};
+
+std::vector<Covered> covered_by(const scene::Scene& scene) {
+  std::vector<Covered> out(scene.materials.size());
+  const std::vector<Mat4> worlds = scene::world_from_nodes(scene);
+  for (const scene::Instance& one : scene.instances) {
+    const auto* mesh =
+        std::get_if<geometry::MeshShape>(&scene.shapes[static_cast<std::size_t>(one.shape)]);
+    if (!mesh) continue;
+    const Mat3 linear(worlds[static_cast<std::size_t>(one.node)]);
+    Covered& covered = out[static_cast<std::size_t>(one.material)];
+    covered.triangles += (*mesh)->triangles.size();
+    for (const auto& [a, b, c] : (*mesh)->triangles) {
+      const std::vector<Vec3>& at = (*mesh)->positions;
+      covered.area +=
+          glm::length(glm::cross(linear * (at[b] - at[a]), linear * (at[c] - at[a]))) / 2;
+    }
+  }
+  return out;
+}
+
 void describe(const importers::Imported& imported, CommandContext& context) {
   const scene::Scene& scene = imported.scene;
   const importers::Bounds bounds = importers::bounds_of(scene);
@@ -159,6 +184,11 @@ void describe(const importers::Imported& imported, CommandContext& context) {
                          {"reason", guess.reason},
                          {"lost", material.lost}});
   }
+  const std::vector<Covered> covered = covered_by(scene);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    materials[i]["triangles"] = covered[i].triangles;
+    materials[i]["area"] = covered[i].area;
+  }
   out["materials"] = std::move(materials);
   if (context.options().json) return;
   print("{}: {}, {}, {}, {}\n", kFormats[static_cast<std::size_t>(imported.format)],
@@ -167,11 +197,15 @@ void describe(const importers::Imported& imported, CommandContext& context) {
   print("size: {:.6g} x {:.6g} x {:.6g} m\n", size.x, size.y, size.z);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json& color = out["materials"][i]["color"];
-    print("material {}: {} ({}; {})\n", in_quotes(names[i]),
+    print("material {}: {} ({}; {}{})\n", in_quotes(names[i]),
           guesses[i].preset.empty() ? "as imported" : guesses[i].preset, guesses[i].reason,
           color.is_null() ? "colour not known"
                           : fmt::format("colour {:.3g} {:.3g} {:.3g}", color[0].get<double>(),
-                                        color[1].get<double>(), color[2].get<double>()));
+                                        color[1].get<double>(), color[2].get<double>()),
+          covered[i].triangles == 0
+              ? std::string()
+              : fmt::format("; {}, {:.3g} m²", counted(covered[i].triangles, "triangle"),
+                            covered[i].area));
   }
 }
 

@@ -37,8 +37,10 @@ struct Options {
 void declare_all(Arguments& arguments, Options& options) {
   arguments.add("input", options.input, "A .pan, .pxn or CAD file").required().type("FILE");
   arguments.flag("--meshes", options.meshes, "List all meshes, not the heaviest only");
-  arguments.flag("--nodes", options.nodes,
-                 "List the nodes alone, a line each: name, triangles, materials, between tabs");
+  arguments.flag(
+      "--nodes", options.nodes,
+      "List the nodes alone, a line each, between tabs: name, triangles, materials, id in images, "
+      "path");
   declare(arguments, options.pose);
   declare(arguments, options.read);
   declare(arguments, options.read.cache);

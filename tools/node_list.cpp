@@ -19,6 +19,15 @@ std::string on_one_line(std::string_view name) {
   return out;
 }
 
+// Names from the root down, "bus/panel".
+std::string path_of(const pan::Model& model, std::size_t node) {
+  std::string path(model.node_name(node));
+  for (std::int32_t up = model.nodes()[node].parent; up > 0;
+       up = model.nodes()[static_cast<std::size_t>(up)].parent)
+    path = std::string(model.node_name(static_cast<std::size_t>(up))) + "/" + path;
+  return path;
+}
+
 }  // namespace
 
 std::string node_list(const pan::Model& model) {
@@ -39,7 +48,7 @@ std::string node_list(const pan::Model& model) {
     out += fmt::format("{}\t{}\t", on_one_line(model.node_name(i)), surfaces[i].triangles);
     for (std::size_t k = 0; k < surfaces[i].materials.size(); ++k)
       out += (k > 0 ? ", " : "") + on_one_line(model.material_name(surfaces[i].materials[k]));
-    out += "\n";
+    out += fmt::format("\t{}\t{}\n", i + 1, on_one_line(path_of(model, i)));
   }
   return out;
 }
