@@ -360,9 +360,10 @@ TEST(GltfBad, ContainersAndText) {
 }
 
 TEST(GltfBad, MessagesNameTheProperty) {
-  const Loaded out = load(
+  const std::string bytes =
       R"({"asset":{"version":"2.0"},"meshes":3,"nodes":[{"translation":"abc"},{"scale":[1,2]},{"children":[1,1]}],)"
-      R"("bufferViews":[{"buffer":0,"byteLength":1,"byteStride":3}],"cameras":[{"type":"wide"}]})");
+      R"("bufferViews":[{"buffer":0,"byteLength":1,"byteStride":3}],"cameras":[{"type":"wide"}]})";
+  const Loaded out = load(bytes);
   const std::string text = out.text();
   for (const char* words :
        {"meshes is 3, expected a list", "translation is 'abc', expected a list",
