@@ -366,7 +366,8 @@ TEST(GltfBad, MessagesNameTheProperty) {
   // note: the log refers to the bytes
   const std::vector<MemoryFile> files{{"m.gltf", bytes}};
   DiagnosticLog log;
-  EXPECT_FALSE(import_memory(files, {}, log));
+  (void)import_memory(files, {}, log);
+  EXPECT_TRUE(log.has_errors());
   const std::string text = to_text(log);
   for (const char* words :
        {"meshes is 3, expected a list", "translation is 'abc', expected a list",
