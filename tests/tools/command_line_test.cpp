@@ -2,6 +2,7 @@
 // completion. In this process, which is quicker than thousands of programs.
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -350,6 +351,15 @@ TEST(CommandLine, TwoThousandMutatedViewsFilesEndWithClearMessages) {
   std::filesystem::current_path(before);
   EXPECT_GT(refused, 1000) << "most mutations are mistakes";
   EXPECT_LT(longest, 6000u) << "of all problems of a file";
+}
+
+TEST(Help, EveryCommandHasItsManualPage) {
+  const std::string text = support::contents(PANWRIGHT_SOURCE_DIR "/tools/CMakeLists.txt");
+  const std::size_t begin = text.find("set(commands ");
+  ASSERT_NE(begin, text.npos);
+  std::string built = text.substr(begin + 12, text.find(')', begin) - begin - 12) + " ";
+  for (const tools::DescribedCommand& each : tools::command_table())
+    EXPECT_THAT(built, HasSubstr(fmt::format(" {} ", each.command.name)));
 }
 
 TEST(Help, EveryCommandHasItsOwnThreeExamplesAndEveryOptionAHelp) {
