@@ -114,7 +114,7 @@ void spacecraft(Context& context, const std::string& name, std::uint64_t rays) {
   caster.build();
   const double stand_off = glm::length(high - low) / 400;
   mli::Recipe recipe;
-  recipe.width = recipe.height = recipe.xgrid = 1;
+  recipe.xgrid = 1;
   recipe.width = recipe.height = stand_off;
   recipe.operations = {mli::Random{0.3 * stand_off}, mli::Smooth{2}};
   mli::WrapOptions options;

@@ -68,6 +68,8 @@ struct CadMaterial {
   double roughness = 1;  // 0 to 1, perceptual
   double opacity = 1;    // 0 to 1
   bool textured = false;
+  std::int32_t palette = -1;      // the texture of the scene that its colour was taken from, by
+                                  // split_palettes()
   std::vector<std::string> lost;  // properties that the scene's material does not have
 };
 
@@ -88,8 +90,8 @@ struct Imported {
 //
 //   returns  what could be read, sound by scene::check; the log says whether that is all of it.
 //
-// Fails: E0001, E01…, E6001, E6002, E6003, E6101, E6201 to E6205, E6209, E6217, E6220, E6501, E6601.
-// Reports E6…, W6…, N6…. Cost: O(bytes); memory about 3 times the scene's arrays.
+// Fails: E0001, E01…, E6001, E6002, E6003, E6101, E6201 to E6205, E6209, E6217, E6220, E6501,
+// E6601. Reports E6…, W6…, N6…. Cost: O(bytes); memory about 3 times the scene's arrays.
 [[nodiscard]] Result<Imported> import_file(const std::filesystem::path& path,
                                            const Options& options, DiagnosticLog& log,
                                            const Job& job = {});

@@ -209,6 +209,7 @@ class Splitter {
     const std::string code =
         fmt::format("_{:02x}{:02x}{:02x}", srgb_code(both.x), srgb_code(both.y), srgb_code(both.z));
     material.diffuse *= linear;
+    cad.palette = material.maps.albedo;
     material.maps.albedo = -1;
     material.name += code;
     cad.name += code;

@@ -135,10 +135,8 @@ void attach(const ImportedModel& model, const PartImport& place,
     instance.material = materials[i];
     if (place.materials[i] >= 0 && !place.keeps_texture[i])
       instance.shape = plain_shape(instance.shape, shapes.plain, scene);
-    // a texture may stand in the material that goes: the colour of paint, or that of a metal
-    const materials::Maps& maps =
-        model.imported.scene.materials[static_cast<std::size_t>(from.instances[i].material)].maps;
-    const std::int32_t texture = maps.albedo >= 0 ? maps.albedo : maps.reflectance;
+    // a texture may stand in the material that goes
+    const std::int32_t texture = base_texture(model.imported, from.instances[i]);
     if (instance.texture == scene::kNone && place.materials[i] >= 0 && texture >= 0) {
       instance.texture = texture;
       instance.mapping = scene::Mapping::texcoords;

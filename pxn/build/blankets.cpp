@@ -27,7 +27,6 @@ constexpr double kStandOff = 0.025, kShare = 1.0 / 40;
 constexpr double kQuietScale = 0.5;
 // of the stand-off: how far facets of a curved shape may lie from it
 constexpr double kFacetShare = 0.02;
-constexpr double kFinest = 1e-5;  // of a shape's diagonal: no facets are nearer to it
 // of the stand-off: what is nearer to the faces is taken for them
 constexpr double kSameSurface = 0.01;
 // of the area: more that lies lower, below other parts, is a warning
@@ -243,6 +242,13 @@ void Blankets::tell(const Worn& worn, Reporter& reporter) {
   say(Code::W7002, worn.tally.scalings());
   if (worn.tally.held > kHeldShare * (worn.tally.area - worn.tally.area_refused))
     say(Code::W7002, worn.tally.holds());
+  if (worn.triangles > 1.5 * kAllTriangles)
+    say(Code::W7002,
+        fmt::format(
+            "{:.3g} million triangles of foil with cells of {:.2g} m: cells of {:.2g} m, by "
+            "<mli_settings> of <mli type=\"wrap\">, would make {:.0f} million",
+            1e-6 * worn.triangles, worn.finest_cell,
+            worn.finest_cell * std::sqrt(worn.triangles / kAllTriangles), 1e-6 * kAllTriangles));
   if (worn.coarsened > 0)
     say(Code::W7002,
         fmt::format("cells of {} are up to {:.2g} m, larger than all wrinkles need, for a million "
@@ -267,6 +273,9 @@ void Blankets::cover(std::int32_t instance, const std::string& name, const FoilW
   if (made->cell > 0) ++out.coarsened, out.largest_cell = std::max(out.largest_cell, made->cell);
   if (out.problem.empty()) out.problem = made->problem;
   if (made->shape == scene::kNone) return;
+  out.triangles += static_cast<double>(made->triangles);
+  out.finest_cell =
+      out.finest_cell > 0 ? std::min(out.finest_cell, made->used_cell) : made->used_cell;
   if (!std::holds_alternative<geometry::MeshShape>(
           scene_.shapes[static_cast<std::size_t>(scene_.instances[index].shape)])) {
     const double most = kFacetShare * made->stand_off;
@@ -315,8 +324,11 @@ std::optional<Blankets::Made> Blankets::made(const Place& place, const FoilWish&
   if (!any) return std::nullopt;
   const Key key(shape, metric, key_of(how), how.faces == 0 ? std::vector<std::uint32_t>() : faces);
   const auto known = known_.find(key);
-  if (known != known_.end() && is_clear(known->second, room_of(place, in_metres, stand_off)))
-    return known->second;
+  if (known != known_.end() && is_clear(known->second, room_of(place, in_metres, stand_off))) {
+    Made shared = known->second;
+    shared.triangles = 0;  // which are there already
+    return shared;
+  }
   Made made = woven(place, stretched(*mesh, in_metres), in_metres, wish, faces, stand_off);
   if (uses_[static_cast<std::size_t>(shape)] < 2) made.reach = nullptr;
   if (!(made.tally.held > 0)) known_.emplace(key, made);
@@ -398,6 +410,8 @@ Blankets::Made Blankets::woven(const Place& place, const geometry::Mesh& metres,
                    true,
                    wish.blanket.source,
                    {}};
+  out.used_cell = cell;
+  out.triangles = wrap->blanket.triangles.size();
   auto mesh = std::make_shared<geometry::Mesh>(std::move(wrap->blanket));
   geometry::compute_normals(*mesh, crease_angle_);
   const Mat3 back = glm::inverse(in_metres);

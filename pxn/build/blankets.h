@@ -55,6 +55,8 @@ class Blankets {
     std::int32_t shape = scene::kNone;
     double stand_off = 0;  // metres in the world
     double cell = 0;       // above 0: larger than the preset's
+    double used_cell = 0;  // metres
+    std::size_t triangles = 0;
     mli::WrapTally tally;
     std::string problem;
     // where others may share it: its vertices and the places below them, in metres_of(metric)
@@ -71,6 +73,8 @@ class Blankets {
     std::size_t instances = 0;  // with a face that was chosen
     std::size_t coarsened = 0;  // whose cells are larger than the preset asks for
     double largest_cell = 0;    // of those, metres
+    double triangles = 0;       // of blankets that nobody wore before
+    double finest_cell = 0;     // of all, metres
     std::string problem;        // the first one; empty: none
   };
   // An instance that is being covered.

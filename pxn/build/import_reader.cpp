@@ -62,13 +62,6 @@ class ImportFiles : public importers::Files {
 // Images of at most this many texels are looked up for colours, not seen as images.
 constexpr std::uint64_t kPaletteTexels = 64 * 64;
 
-// The file's texture of an instance's base colour, as attach() has it; −1: none.
-std::int32_t base_texture(const scene::Scene& scene, const scene::Instance& instance) {
-  if (instance.texture != scene::kNone) return instance.texture;
-  const materials::Maps& maps = scene.materials[static_cast<std::size_t>(instance.material)].maps;
-  return maps.albedo >= 0 ? maps.albedo : maps.reflectance;
-}
-
 bool has_diffuse(const materials::Fields& fields) {
   DiagnosticLog said;  // where the material stands
   const materials::Material material = materials::resolved(fields, {}, said);
@@ -76,6 +69,15 @@ bool has_diffuse(const materials::Fields& fields) {
 }
 
 }  // namespace
+
+std::int32_t base_texture(const importers::Imported& imported, const scene::Instance& instance) {
+  if (instance.texture != scene::kNone) return instance.texture;
+  const auto material = static_cast<std::size_t>(instance.material);
+  const materials::Maps& maps = imported.scene.materials[material].maps;
+  if (maps.albedo >= 0) return maps.albedo;
+  const std::int32_t palette = imported.materials[material].palette;
+  return palette >= 0 ? palette : maps.reflectance;
+}
 
 std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t element,
                                                     const FoundFile& found) {
@@ -292,9 +294,13 @@ void Loader::read_import_rule(Work& work, std::uint32_t rule, PartImport& import
   const bool keep = values.text_or_default(rule, attribute::assign_pictures) == "keep";
   std::size_t unseen = 0, palettes = 0;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    const std::int32_t texture =
-        chosen[i] ? base_texture(model.imported.scene, model.imported.scene.instances[i]) : -1;
-    if (texture < 0) continue;
+    if (!chosen[i]) continue;
+    const scene::Instance& instance = model.imported.scene.instances[i];
+    const std::int32_t texture = base_texture(model.imported, instance);
+    // a colour of a palette is one already
+    const bool alone =
+        model.imported.materials[static_cast<std::size_t>(instance.material)].palette >= 0;
+    if (texture < 0 || (alone && !keep)) continue;
     ++(keep ? unseen : palettes);
     const scene::Texture& image =
         scene_

@@ -23,6 +23,10 @@ struct ImportedModel {
   std::vector<std::int32_t> textures;       // in the scene, of each of the file's
 };
 
+// The texture of an instance's base colour, in the file's scene: that of paint, or of a metal, or
+// the palette that its one colour came from. −1: none.
+std::int32_t base_texture(const importers::Imported& imported, const scene::Instance& instance);
+
 // One place where it is imported, and what the rules there make of it.
 struct PartImport {
   std::uint32_t model = 0;    // index into Loader::models

@@ -14,9 +14,6 @@ namespace {
 // of the reach: how far facets of a curved shape may lie from it
 constexpr double kFacetShare = 0.02;
 
-// of a shape's size: no facets are nearer to it
-constexpr double kFinest = 1e-5;
-
 struct WorldBox {
   Vec3 low{HUGE_VAL}, high{-HUGE_VAL};
   bool meets(const WorldBox& other, double reach) const {

@@ -12,6 +12,9 @@
 
 namespace panwright::pxn {
 
+// Of a shape's size: no facets need to be nearer to it.
+inline constexpr double kFinest = 1e-5;
+
 // A shape as triangles, good to `error` in its own frame; null where it cannot be made.
 geometry::MeshShape mesh_of(const geometry::Shape& shape, double error);
 

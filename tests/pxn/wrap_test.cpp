@@ -215,6 +215,18 @@ TEST(Wraps, OnlyWhatNothingIsInTheWayOfIsShared) {
   EXPECT_EQ(counts, (std::vector<int>{1, 2}));
 }
 
+TEST(Wraps, ManyTrianglesAreSaidWhoeverAskedForThem) {
+  const std::string fine =
+      "<box name='bus' size='1.6'/>\n<mli type='wrap' on='bus' "
+      "standoff='1cm'><mli_settings><width>1"
+      "</width><height>1</height><xgrid>800</xgrid></mli_settings><mli_operations><random> 1mm "
+      "</random></mli_operations></mli>";
+  EXPECT_THAT(read_1(fine).summary(),
+              testing::ContainsRegex("3:1 W7002 [0-9.]+ million triangles of foil with cells of "
+                                     "0.0013 m: cells of 0.00[0-9]+ m, by <mli_settings>"));
+  EXPECT_EQ(read_1("<box name='bus' size='1.6'/>" + wrap("on='bus'")).summary(), "");
+}
+
 TEST(Wraps, WhatCannotBeIsSaidWhereItStands) {
   const std::string box = "<box name='bus' size='1'/>\n";
   const std::pair<std::string, std::string> cases[] = {

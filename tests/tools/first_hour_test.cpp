@@ -283,6 +283,45 @@ TEST_F(FirstHour, TexturesThatAreNotSeenAreSaid) {
                         "palette, which 'm' replaces by one colour [W6008]"));
 }
 
+// A colour of a palette is dressed as any other, without a word; or kept, with what it looks like.
+TEST_F(FirstHour, ColoursOfPalettesAreDressed) {
+  std::vector<std::uint8_t> rgba;  // two blocks of 4 x 4 texels
+  for (int i = 0; i < 32; ++i) {
+    const bool left = i % 8 < 4;
+    for (const int code : {left ? 200 : 10, left ? 30 : 20, left ? 40 : 250, 255})
+      rgba.push_back(static_cast<std::uint8_t>(code));
+  }
+  folder_.write("p.png", png_file(8, 4, rgba));
+  folder_.write("p.mtl", "newmtl paint\nKd 1 1 1\nmap_Kd p.png\n");
+  folder_.write("p.obj",
+                "mtllib p.mtl\nusemtl paint\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv 3 0 0\nv 2 1 0\n"
+                "vt 0.25 0.5\nvt 0.75 0.5\nf 1/1 2/1 3/1\nf 4/2 5/2 6/2\n");
+  const auto text = [&](const std::string& name, const std::string& rules) {
+    return model(name + ".pxn",
+                 "<material name=\"white\"><diffuse> 1 1 1 </diffuse></material>"
+                 "<material name=\"steel\" preset=\"aluminium_bare\"/>"
+                 "<import file=\"p.obj\" units=\"m\">" +
+                     rules + "</import>");
+  };
+  const auto flux = [&](const std::string& file) {
+    const Outcome outcome =
+        panwright({"render", file, "--engine", "reference", "--size", "16", "--bounces", "0",
+                   "--samples", "8", "--camera", "1 -6 0.5", "--look-at", "1 0 0.5", "--sun",
+                   "0.3 -1 0.2", "--json", "-o", folder_ / "f.npy"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const nlohmann::json json = nlohmann::json::parse(outcome.out);
+    return json["images"][0]["flux"].get<std::vector<double>>();
+  };
+  const std::string dressed =
+      text("dressed", "<assign materials=\"*_c81e28\" material=\"steel\"/>");
+  EXPECT_THAT(panwright({"check", dressed}).err, Not(HasSubstr("W6008")));
+  // white times the palette's colour is the palette's colour
+  const std::string kept = text("kept", "<assign material=\"white\" pictures=\"keep\"/>");
+  const std::vector<double> as_it_was = flux(text("plain", "")), now = flux(kept);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(now[k], as_it_was[k], 1e-6 * as_it_was[k]);
+  EXPECT_GT(flux(text("white", "<assign material=\"white\"/>"))[1], 3 * now[1]);
+}
+
 TEST_F(FirstHour, WhatImportersFoundIsOneLineWhereATextIsShown) {
   // four open plates at one edge: holes, and an edge of more than two triangles
   folder_.write("fan.obj",

@@ -47,18 +47,7 @@ Mat4 below_pivot(const TransformFields& f) {
   return stretch * matrix_from_trs(-f.centre, {1, 0, 0, 0}, Vec3(1));
 }
 
-Mat4 matrix_of(const TransformFields& f) {
-  const Quat along = rotation_of(f.scale_orientation);
-  const bool turned = f.scale.x != f.scale.y || f.scale.y != f.scale.z;
-  Mat4 out = pivot_of(f);
-  if (!turned || along == Quat(1, 0, 0, 0))
-    out = out * matrix_from_trs(Vec3(0), {1, 0, 0, 0}, f.scale);
-  else
-    out = out * matrix_from_trs(Vec3(0), along, f.scale) *
-          matrix_from_trs(Vec3(0), glm::conjugate(along), Vec3(1));
-  if (f.centre == Vec3(0)) return out;
-  return out * matrix_from_trs(-f.centre, {1, 0, 0, 0}, Vec3(1));
-}
+Mat4 matrix_of(const TransformFields& f) { return pivot_of(f) * below_pivot(f); }
 
 std::optional<Mat4> transform10_of(const Node& node, DiagnosticLog& log) {
   if (node.spec == nullptr || !is_transform10(node.spec->name)) return std::nullopt;

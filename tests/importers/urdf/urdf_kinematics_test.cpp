@@ -8,36 +8,15 @@
 #include <random>
 
 #include "tests/importers/urdf/urdf_reading.h"
+#include "tests/support/affine_maps.h"
 
 namespace panwright::importers {
 namespace {
 
+using support::Map;
+using support::Vector;
 using testing::ElementsAre;
 using testing::IsEmpty;
-
-using Vector = std::array<long double, 3>;
-struct Map {
-  long double m[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  Vector t{0, 0, 0};
-};
-
-Vector apply(const Map& f, const Vector& p) {
-  Vector out;
-  for (std::size_t i = 0; i < 3; ++i)
-    out[i] = f.m[i][0] * p[0] + f.m[i][1] * p[1] + f.m[i][2] * p[2] + f.t[i];
-  return out;
-}
-
-Map then(const Map& outer, const Map& inner) {
-  Map out;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j) {
-      out.m[i][j] = 0;
-      for (std::size_t k = 0; k < 3; ++k) out.m[i][j] += outer.m[i][k] * inner.m[k][j];
-    }
-  out.t = apply(outer, inner.t);
-  return out;
-}
 
 // About coordinate axis k.
 Map turn(std::size_t k, long double angle) {
