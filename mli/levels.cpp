@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "geometry/mesh/strip.h"
+#include "mli/internal/tilts.h"
 
 namespace panwright::mli {
 namespace {
@@ -49,7 +50,28 @@ geometry::Mesh flat_mesh(const Sheet& sheet, double crease_angle) {
   return *std::move(mesh);
 }
 
-double trace(const Covariance& c) { return c.xx + c.yy; }
+std::vector<Vec3> upright(const geometry::Mesh& mesh) {
+  return std::vector<Vec3>(mesh.positions.size(), Vec3(0, 0, 1));
+}
+
+// The sum of the variances of the facets' slopes along both axes, two triangles to a cell.
+double facet_variance(const Sheet& sheet) {
+  double sum = 0, square = 0;
+  Vec2 mean(0);
+  for (std::uint32_t j = 0; j + 1 < sheet.rows; ++j)
+    for (std::uint32_t i = 0; i + 1 < sheet.columns; ++i) {
+      const double a = sheet.at(i, j), b = sheet.at(i + 1, j), c = sheet.at(i + 1, j + 1),
+                   d = sheet.at(i, j + 1);
+      for (const Vec2& slope :
+           {Vec2(b - a, c - b) / sheet.spacing, Vec2(c - d, d - a) / sheet.spacing}) {
+        mean += slope;
+        square += glm::dot(slope, slope);
+        sum += 1;
+      }
+    }
+  mean /= sum;
+  return square / sum - glm::dot(mean, mean);
+}
 
 // How the slopes of a mesh's normals are distributed: their density at 33 places up to twice a
 // deviation, each seen through a Gaussian as wide as a narrow lobe.
@@ -73,14 +95,18 @@ class SlopeDensity {
     double count = 0;
     for (std::size_t k = 0; k < mesh.triangles.size(); k += step, ++count) {
       const geometry::Triangle& t = mesh.triangles[k];
-      const Vec3 n = mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]];
-      const Vec2 slope(-n.x / n.z, -n.y / n.z);
-      for (std::size_t i = 0; i < places_.size(); ++i) {
-        const Vec2 off = slope - places_[i];
-        density[i] += det::exp(-scale_ * glm::dot(off, off));
+      const Vec3 all = mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]];
+      // the middles of four equal parts
+      for (std::size_t part = 0; part < 4; ++part) {
+        const Vec3 n = part == 3 ? all : all + 3.0 * mesh.normals[t[part]];
+        const Vec2 slope(-n.x / n.z, -n.y / n.z);
+        for (std::size_t i = 0; i < places_.size(); ++i) {
+          const Vec2 off = slope - places_[i];
+          density[i] += det::exp(-scale_ * glm::dot(off, off));
+        }
       }
     }
-    for (double& value : density) value /= count;
+    for (double& value : density) value /= 4 * count;
     return density;
   }
 
@@ -96,45 +122,57 @@ class SlopeDensity {
 
  private:
   static constexpr double kLobe = 0.05;
-  static constexpr std::size_t kSample = 40009;  // a prime: no multiple of the triangles of a row
+  static constexpr std::size_t kSample = 20011;  // a prime: no multiple of the triangles of a row
   std::vector<Vec2> places_;
   double scale_ = 0;
 };
 
 // What a level has to be like.
 struct Finest {
-  Finest(const Sheet& sheet, double crease_angle) : Finest(flat_mesh(sheet, crease_angle)) {}
-  double variance = 0;  // of the slopes, both axes together
+  Finest(const Sheet& sheet, double crease_angle)
+      : Finest(flat_mesh(sheet, crease_angle), facet_variance(sheet)) {}
+  double facets;  // the variance of their slopes, both axes together
+  Spread spread;  // of the slopes that it is shaded with
   SlopeDensity density;
   std::vector<double> wanted;
 
  private:
-  explicit Finest(const geometry::Mesh& mesh)
-      : variance(trace(shaded_slopes(mesh))),
-        density(std::sqrt(variance / 2)),
+  Finest(const geometry::Mesh& mesh, double variance)
+      : facets(variance),
+        spread(Tilts(mesh, upright(mesh)).spread()),
+        density(std::sqrt(spread.variance / 2)),
         wanted(density.of(mesh)) {}
 };
 
 // Makes similar().
-class Similar {
+class Maker {
  public:
-  Similar(const Sheet& fine, const Finest& finest, std::uint32_t cells, double crease_angle,
-          const Job& job)
+  Maker(const Sheet& fine, const Finest& finest, std::uint32_t cells, double crease_angle,
+        const Job& job)
       : fine_(fine),
         finest_(finest),
         out_(filtered(fine, cells, job)),
         crease_angle_(crease_angle),
         job_(job) {}
 
-  Sheet run() {
+  Similar run() {
     base_ = out_.heights;
     lose();
     fade();
-    if (finest_.variance > 0) choose();
+    Similar done;
+    if (finest_.facets > 0) {
+      choose();
+      geometry::Mesh mesh = flat_mesh(out_, crease_angle_);
+      const std::vector<Vec3> below = upright(mesh);
+      Spread reached;
+      done.tilts = Tilts(mesh, below).towards(finest_.spread, reached);
+      tilt(mesh.normals, below, done.tilts);
+      done.off = SlopeDensity::distance(finest_.wanted, finest_.density.of(mesh));
+    }
     out_.statistics = measured(out_.heights, out_.columns, out_.spacing, job_);
-    return std::move(out_);
+    done.sheet = std::move(out_);
+    return done;
   }
-  double off() const { return off_; }
 
  private:
   static constexpr std::size_t kManyVertices = 20000;
@@ -186,25 +224,20 @@ class Similar {
     // many cells are a sample already
     const std::uint32_t side = out_.heights.size() > kManyVertices ? 2 : 4;
     std::vector<double> best;
-    double square = 1;  // of the factor of heights
+    double least = 0, square = 1;  // of the factor of heights
     for (std::uint32_t k = 0; k < side * side; ++k) {
       job_.poll();
       take((right * (k % side)) / (side - 1), (above * (k / side)) / (side - 1));
       if (k == 0) square = calibrated(square);
       add_piece(std::sqrt(square));
-      const double off = distance();
-      if (k > 0 && off >= off_) continue;
-      off_ = off;
+      const double off = SlopeDensity::distance(finest_.wanted,
+                                                finest_.density.of(flat_mesh(out_, crease_angle_)));
+      if (k > 0 && off >= least) continue;
+      least = off;
       best = piece_;
     }
     piece_ = std::move(best);
     add_piece(std::sqrt(calibrated(square)));
-    off_ = distance();
-  }
-
-  double distance() const {
-    return SlopeDensity::distance(finest_.wanted,
-                                  finest_.density.of(flat_mesh(out_, crease_angle_)));
   }
 
   // The piece from a fine vertex on, enlarged.
@@ -234,15 +267,15 @@ class Similar {
   double calibrated(double square) {
     const auto variance = [&](double factor) {
       add_piece(factor);
-      return trace(shaded_slopes(flat_mesh(out_, crease_angle_)));
+      return facet_variance(out_);
     };
     const double none = variance(0);
-    if (none >= finest_.variance) return 0;
+    if (none >= finest_.facets) return 0;
     for (int step = 0; step < 4; ++step) {
       const double at = variance(std::sqrt(square));
       if (!(at > none)) return 0;
-      if (std::fabs(at - finest_.variance) < 1e-3 * finest_.variance) break;
-      square = std::min(square * (finest_.variance - none) / (at - none), 64.0);
+      if (std::fabs(at - finest_.facets) < 1e-3 * finest_.facets) break;
+      square = std::min(square * (finest_.facets - none) / (at - none), 64.0);
     }
     return square;
   }
@@ -253,7 +286,6 @@ class Similar {
   double crease_angle_;
   const Job& job_;
   std::vector<double> base_, lost_, piece_, across_, up_;
-  double off_ = 0;  // SlopeDensity::distance()
 };
 
 }  // namespace
@@ -301,8 +333,15 @@ Covariance shaded_slopes(const geometry::Mesh& mesh) {
           sum.yy / area - mean.y * mean.y};
 }
 
-Sheet similar(const Sheet& sheet, std::uint32_t cells, double crease_angle, const Job& job) {
-  return Similar(sheet, Finest(sheet, crease_angle), cells, crease_angle, job).run();
+Similar similar(const Sheet& sheet, std::uint32_t cells, double crease_angle, const Job& job) {
+  return Maker(sheet, Finest(sheet, crease_angle), cells, crease_angle, job).run();
+}
+
+void compute_normals(geometry::Mesh& mesh, geometry::Mesh surface, double crease_angle,
+                     const TiltMap& tilts) {
+  geometry::compute_normals(mesh, crease_angle);
+  geometry::compute_normals(surface, crease_angle);
+  tilt(mesh.normals, normals_below(mesh, surface), tilts);
 }
 
 std::vector<Level> levels_of(const Sheet& sheet, const Form& form, double crease_angle,
@@ -314,22 +353,27 @@ std::vector<Level> levels_of(const Sheet& sheet, const Form& form, double crease
   double vertices = 0;
   for (std::uint32_t cells = (sheet.columns - 1) / 2; cells >= least; cells /= 2) {
     job.poll();
-    Similar maker(sheet, finest, cells, crease_angle, job);
-    const Sheet coarse = maker.run();
-    if (maker.off() > kMostOff) break;
+    Similar made = Maker(sheet, finest, cells, crease_angle, job).run();
+    if (made.off > kMostOff) break;
+    const Sheet& coarse = made.sheet;
     const auto more = static_cast<double>(coarse.heights.size());
     if (vertices + more > max_vertices) continue;
     vertices += more;
     DiagnosticLog log;  // what the finest sheet has to say has been said
+    Sheet level_sheet = coarse;
+    std::ranges::fill(level_sheet.heights, 0.0);
     auto mesh = formed(coarse, form, log);
-    if (!mesh) break;
-    geometry::compute_normals(*mesh, crease_angle);
+    auto surface = formed(level_sheet, form, log), plane = formed(level_sheet, Flat{}, log);
+    auto lying = formed(coarse, Flat{}, log);
+    if (!mesh || !surface || !plane || !lying) break;
+    compute_normals(*mesh, *std::move(surface), crease_angle, made.tilts);
+    compute_normals(*lying, *std::move(plane), crease_angle, made.tilts);
     Level& level = levels.emplace_back();
     level.mesh = *std::move(mesh);
     level.detail = coarse.spacing.x;
     level.error =
         height_error(sheet, coarse) + (radius > 0 ? level.detail * level.detail / (8 * radius) : 0);
-    level.slopes = shaded_slopes(flat_mesh(coarse, crease_angle));
+    level.slopes = shaded_slopes(*lying);
   }
   return levels;
 }

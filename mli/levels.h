@@ -10,6 +10,11 @@
 
 namespace panwright::mli {
 
+// A slope s becomes factor · s · (1 + |s|²/scale)^(−power/2); a power below 1 keeps their order.
+struct TiltMap {
+  double factor = 1, power = 0, scale = 1;
+};
+
 struct Level {
   geometry::Mesh mesh;  // with normals
   double detail = 0;    // metres, the width of a cell: for pixels that see this or more
@@ -24,13 +29,25 @@ struct Level {
 // added to them a piece of what filtering took away, enlarged with the cells: a pixel that sees a
 // cell or more can't tell, but for the wrinkles that it could not see. Of 4 or 16 pieces the one is
 // taken whose slopes are distributed most like those of the finest sheet, then its heights are
-// scaled until the variance of the slopes is the same. Where relief fades out towards an edge, it
-// does so here.
-//
+// scaled until the variance of its facets' slopes is the same. Where relief fades out towards an
+// edge, it does so here.
+struct Similar {
+  Sheet sheet;  // removed_slope_covariance is what filtering took away
+  // Of normals that are linear between vertices, which are farther from each other than the slopes
+  // hang together: what is to be done with those at the vertices, so that variance and density
+  // about level of those between are the finest sheet's.
+  TiltMap tilts;
+  double off =
+      0;  // of the density of the slopes, as narrow lobes see it; 0.1: a tenth, in the mean
+};
 //   cells    across the width; below those of the sheet
-//   returns  as made() does; removed_slope_covariance is what filtering took away
 // Cost: O(vertices of the sheet).
-Sheet similar(const Sheet& sheet, std::uint32_t cells, double crease_angle, const Job& job = {});
+Similar similar(const Sheet& sheet, std::uint32_t cells, double crease_angle, const Job& job = {});
+
+// Gives a mesh normals that lean as `tilts` says. surface: the mesh of the same sheet without
+// heights, the same triangles; both without normals.
+void compute_normals(geometry::Mesh& mesh, geometry::Mesh surface, double crease_angle,
+                     const TiltMap& tilts);
 
 // Each level has half the cells across of the one before; all are made from the finest sheet. They
 // end where cells are as few as outlines (48: a polygon of 48 sides covers 0.9971 of its circle) or

@@ -5,16 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
-#include <numeric>
-#include <queue>
 
-#include "base/parallel.h"
-#include "mli/internal/form.h"
-#include "mli/internal/grid.h"
+#include "geometry/mesh/strip.h"
+#include "mli/internal/drape.h"
 #include "mli/internal/groups.h"
-#include "mli/internal/piece.h"
 #include "mli/internal/surface.h"
+#include "mli/internal/tilts.h"
 #include "mli/sheet.h"
 
 namespace panwright::mli {
@@ -22,18 +18,9 @@ namespace {
 
 using geometry::Triangle;
 
-// metres per metre: how steeply foil rises from where a part holds it down
-constexpr double kRise = 0.5;
-// of the stand-off: chords that are no deeper are rounded
-constexpr double kRound = 0.05;
-
-// A group of faces that is being draped.
-struct Draped {
-  const Surface& surface;
-  Piece piece;
-  Edges border;
-  std::vector<double> heights;
-};
+constexpr std::size_t kLeastTriangles = 2000;         // of a level: a sample of slopes
+constexpr double kPays = 0.6;                         // of the triangles of the one before
+constexpr double kMostOff = 0.03, kMostMirror = 0.05;  // of Spread
 
 struct Wrapper {
   const Faces& faces;
@@ -42,204 +29,16 @@ struct Wrapper {
   DiagnosticLog& log;
   const SourceSpan& where;
   const Job& job;
-  Wrap out;
+  Wrap out = {};
   bool stop = false;
+  Cloth finest = {};
+  std::vector<Cloth> levels = {};  // of cells of 2, 4, …; longest of 0: too many triangles
+  double cell = 0;                 // of the first sheet
 
-  bool cut(Draped& draped, const Group& members, double cell, double area);
-  void set_heights(Draped& draped, const Sheet& sheet, double longest, WrapGroup& group) const;
-  double hold(const Draped& draped, std::vector<double>& heights) const;
-  void add(const Draped& draped, WrapGroup& group);
   void drape(const Group& members, const Surface& surface, WrapGroup& group);
   void take(const Group& members, bool split);
+  void finish();
 };
-
-// False: too many triangles, which has been reported.
-bool Wrapper::cut(Draped& draped, const Group& members, double cell, double area) {
-  const double longest = 1.5 * cell;
-  const double left = options.max_triangles - static_cast<double>(out.blanket.triangles.size());
-  draped.piece = piece_of(faces, members);
-  const bool fits =
-      2 * area / (longest * longest) <= left && refine(draped.piece, longest, left, job);
-  draped.border = border_of(draped.piece);
-  if (fits && static_cast<double>(draped.piece.triangles.size() + 2 * draped.border.size()) <= left)
-    return true;
-  log.report(
-      Code::E7001, where,
-      fmt::format("the blankets have more than {:.0f} triangles with cells of {:.3g} m; "
-                  "larger cells (<mli_settings> of <mli type=\"wrap\">), or fewer faces, are "
-                  "accepted",
-                  options.max_triangles, cell));
-  stop = true;
-  return false;
-}
-
-// The sheet over the unrolled surface. Where that closes, sheet before its begin and after its end
-// are mixed, so that they meet; with weights that keep the variance.
-double height_at(const Surface& surface, const Sampler& sampler, const Vec3& p, double mixed) {
-  const Vec2 place = surface.flat(p) - surface.low;
-  const double height = sampler.at(place.x, place.y);
-  if (!surface.around) return height;
-  const double t = surface.angle(p) * surface.across(p) / mixed;
-  if (t >= 1) return height;
-  const Vec2 after = surface.flat(p, 1) - surface.low;
-  return det::sin(kPi / 2 * t) * height + det::cos(kPi / 2 * t) * sampler.at(after.x, after.y);
-}
-
-void Wrapper::set_heights(Draped& draped, const Sheet& sheet, double longest,
-                          WrapGroup& group) const {
-  const Piece& piece = draped.piece;
-  const double reach = options.border > 0
-                           ? options.border
-                           : std::min(3 * options.stand_off, std::sqrt(group.area) / 4);
-  const std::vector<double> fade = tapers(piece, draped.border, reach, longest, job);
-  const Sampler sampler{sheet};
-  std::vector<double>& heights = draped.heights;
-  for (const Vec3& p : piece.points)
-    heights.push_back(height_at(draped.surface, sampler, p, std::max(reach, 8 * longest)));
-  double sum = 0, weight = 0;
-  for (const Triangle& t : piece.triangles) {
-    const double area = glm::length(glm::cross(piece.points[t[1]] - piece.points[t[0]],
-                                               piece.points[t[2]] - piece.points[t[0]]));
-    for (const std::uint32_t v : t) {
-      sum += area * fade[v] * heights[v];
-      weight += area * fade[v];
-    }
-  }
-  const double mean = weight > 0 ? sum / weight : 0,
-               below = options.margin > 0 ? options.margin : 0.1 * options.stand_off;
-  double lowest = 0;
-  for (std::size_t v = 0; v < heights.size(); ++v) {
-    heights[v] = fade[v] * (heights[v] - mean);
-    lowest = std::min(lowest, heights[v]);
-  }
-  if (options.stand_off + lowest < below) group.scale = (options.stand_off - below) / -lowest;
-}
-
-// Lets bounds of heights grow from those that there are by no more than kRise along the faces, as
-// foil does that is held down: where they end at once, it would stand in teeth.
-void spread(const Piece& piece, const std::vector<double>& heights, std::vector<double>& bounds) {
-  std::vector<std::uint32_t> begin(piece.points.size() + 1, 0);
-  for (const Triangle& t : piece.triangles)
-    for (const std::uint32_t v : t) begin[v + 1] += 2;
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<std::uint32_t> near(begin.back()), at(begin.begin(), begin.end() - 1);
-  for (const Triangle& t : piece.triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      near[at[t[k]]++] = t[(k + 1) % 3];
-      near[at[t[k]]++] = t[(k + 2) % 3];
-    }
-  using Step = std::pair<double, std::uint32_t>;
-  std::priority_queue<Step, std::vector<Step>, std::greater<>> next;
-  for (std::uint32_t v = 0; v < bounds.size(); ++v)
-    if (bounds[v] < HUGE_VAL) next.emplace(bounds[v], v);
-  while (!next.empty()) {
-    const auto [bound, v] = next.top();
-    next.pop();
-    if (bound > bounds[v]) continue;
-    for (std::uint32_t i = begin[v]; i < begin[v + 1]; ++i) {
-      const std::uint32_t to = near[i];
-      const double there = bound + kRise * glm::length(piece.points[to] - piece.points[v]);
-      if (there >= bounds[to] || there >= heights[to]) continue;
-      bounds[to] = there;
-      next.emplace(there, to);
-    }
-  }
-}
-
-// Lowers what other parts are nearer than. Returns the area of the triangles that it changes.
-double Wrapper::hold(const Draped& draped, std::vector<double>& heights) const {
-  if (!options.room) return 0;
-  const Piece& piece = draped.piece;
-  std::vector<double> most(heights.size());
-  constexpr std::size_t kBlock = 1024;
-  parallel_for((heights.size() + kBlock - 1) / kBlock,
-               [&](std::size_t block) {
-                 for (std::size_t v = block * kBlock;
-                      v < std::min(heights.size(), (block + 1) * kBlock); ++v) {
-                   const Vec3& p = piece.points[v];
-                   const double far = heights[v] / kWrapReach;
-                   const double free = options.room(p, draped.surface.normal(p), far);
-                   most[v] = free < far ? kWrapReach * free : HUGE_VAL;
-                 }
-               },
-               job);
-  // an edge from below a part to its outside would cut its border
-  std::vector<double> least = most;
-  double area = 0;
-  for (const Triangle& t : piece.triangles) {
-    const double low = std::min({most[t[0]], most[t[1]], most[t[2]]});
-    if (low == HUGE_VAL) continue;
-    for (const std::uint32_t v : t) least[v] = std::min(least[v], low);
-    area += glm::length(glm::cross(piece.points[t[1]] - piece.points[t[0]],
-                                   piece.points[t[2]] - piece.points[t[0]])) /
-            2;
-  }
-  if (area > 0) spread(piece, heights, least);
-  for (std::size_t v = 0; v < heights.size(); ++v) heights[v] = std::min(heights[v], least[v]);
-  return area;
-}
-
-void Wrapper::add(const Draped& draped, WrapGroup& group) {
-  geometry::Mesh& mesh = out.blanket;
-  // note: lambdas of clang 14 take no structured bindings
-  const Surface& surface = draped.surface;
-  const Piece& piece = draped.piece;
-  const auto base = static_cast<std::uint32_t>(mesh.positions.size());
-  const auto place = [&](const Vec3& p) { return surface.flat(p) - surface.low; };
-  // where facets are fine the blanket is as round as what they stand for
-  double chord = 0;
-  for (const Vec3& p : piece.points) chord = std::max(chord, std::fabs(surface.above(p)));
-  const double round = chord <= kRound * options.stand_off ? 1 : 0;
-  std::vector<double> heights(piece.points.size());
-  for (std::size_t v = 0; v < heights.size(); ++v)
-    heights[v] = options.stand_off + group.scale * draped.heights[v] +
-                 round * surface.above(piece.points[v]);
-  group.held = hold(draped, heights);
-  for (std::size_t v = 0; v < heights.size(); ++v) {
-    const Vec3& p = piece.points[v];
-    mesh.positions.push_back(p + heights[v] * surface.normal(p));
-    mesh.texcoords.push_back(place(p));
-    out.roots.push_back(p);
-  }
-  // a vertex again: where the unrolled surface closes its places are those behind the end
-  std::map<std::uint32_t, std::uint32_t> behind;
-  const auto behind_end = [&](std::uint32_t v) {
-    const auto [at, fresh] =
-        behind.try_emplace(v, static_cast<std::uint32_t>(mesh.positions.size()));
-    if (fresh) {
-      mesh.positions.push_back(Vec3(mesh.positions[base + v]));
-      out.roots.push_back(piece.points[v]);
-      mesh.texcoords.push_back(surface.flat(piece.points[v], 1) - surface.low);
-    }
-    return at->second;
-  };
-  for (const Triangle& t : piece.triangles) {
-    Triangle corners{base + t[0], base + t[1], base + t[2]};
-    if (surface.around) {
-      double angles[3];
-      for (std::size_t k = 0; k < 3; ++k) angles[k] = surface.angle(piece.points[t[k]]);
-      const double most = std::max({angles[0], angles[1], angles[2]});
-      for (std::size_t k = 0; k < 3; ++k)
-        if (angles[k] < most - kPi) corners[k] = behind_end(t[k]);
-    }
-    mesh.triangles.push_back(corners);
-  }
-  std::map<std::uint32_t, std::uint32_t> foot;
-  const auto foot_of = [&](std::uint32_t v) {
-    const auto [at, fresh] = foot.try_emplace(v, static_cast<std::uint32_t>(mesh.positions.size()));
-    if (fresh) {
-      mesh.positions.push_back(piece.points[v]);
-      out.roots.push_back(piece.points[v]);
-      mesh.texcoords.push_back(place(piece.points[v]));
-    }
-    return at->second;
-  };
-  for (const auto& [a, b] : draped.border) {
-    const std::uint32_t c = foot_of(a), d = foot_of(b);
-    mesh.triangles.push_back({base + b, base + a, c});
-    mesh.triangles.push_back({base + b, c, d});
-  }
-}
 
 void Wrapper::drape(const Group& members, const Surface& surface, WrapGroup& group) {
   const Vec2 size = surface.high - surface.low;
@@ -250,17 +49,89 @@ void Wrapper::drape(const Group& members, const Surface& surface, WrapGroup& gro
     group.reason = apart.entries().empty() ? "no sheet" : apart.entries()[0].message;
   };
   if (!check(made_of, apart)) return no_sheet();
-  Draped draped{surface, {}, {}, {}};
-  if (!cut(draped, members, made_of.cell(), group.area)) return;
+  const double left = options.max_triangles - static_cast<double>(finest.mesh.triangles.size()),
+               longest = 1.5 * made_of.cell();
+  const auto too_many = [&] {
+    log.report(
+        Code::E7001, where,
+        fmt::format("the blankets have more than {:.0f} triangles with cells of {:.3g} m; "
+                    "larger cells (<mli_settings> of <mli type=\"wrap\">), or fewer faces, are "
+                    "accepted",
+                    options.max_triangles, made_of.cell()));
+    stop = true;
+  };
+  if (2 * group.area / (longest * longest) > left) return too_many();
   const auto sheet = made(made_of, {}, apart, {}, job);
   if (!sheet) return no_sheet();
-  set_heights(draped, *sheet, 1.5 * made_of.cell(), group);
+  const Draper draper(faces, options, job);
+  if (!draper.add(members, surface, *sheet, left, group, finest)) return too_many();
+  if (cell == 0) {
+    cell = made_of.cell();
+    levels.resize(options.normals > 0 ? options.levels : 0);
+    for (std::size_t k = 0; k < levels.size(); ++k)
+      levels[k].longest = longest * static_cast<double>(std::size_t{2} << k);
+  }
+  for (Cloth& level : levels)
+    if (level.longest > 0 &&
+        !draper.add_level(members, surface, *sheet, options.max_triangles, group, level))
+      level = {};
   group.statistics = group.scale < 1 ? scaled(sheet->statistics, group.scale) : sheet->statistics;
   group.recipe = made_of;
-  group.first = out.blanket.triangles.size();
-  add(draped, group);
-  group.count = out.blanket.triangles.size() - group.first;
   group.accepted = true;
+}
+
+double highest(const Cloth& cloth) {
+  double square = 0;
+  for (std::size_t v = 0; v < cloth.roots.size(); ++v) {
+    const Vec3 up = cloth.mesh.positions[v] - cloth.roots[v];
+    square = std::max(square, glm::dot(up, up));
+  }
+  return std::sqrt(square);
+}
+
+// What compute_normals() gave copies to.
+void copy_places(const std::vector<Triangle>& before, Cloth& cloth) {
+  cloth.roots.resize(cloth.mesh.positions.size());
+  cloth.below.resize(cloth.mesh.positions.size());
+  for (std::size_t k = 0; k < before.size(); ++k)
+    for (std::size_t i = 0; i < 3; ++i) {
+      cloth.roots[cloth.mesh.triangles[k][i]] = cloth.roots[before[k][i]];
+      cloth.below[cloth.mesh.triangles[k][i]] = cloth.below[before[k][i]];
+    }
+}
+
+// Normals, and levels that reflect alike.
+void Wrapper::finish() {
+  if (options.normals > 0 && !finest.mesh.triangles.empty()) {
+    const std::vector<Triangle> before = finest.mesh.triangles;
+    geometry::compute_normals(finest.mesh, options.normals);
+    copy_places(before, finest);
+    const Spread wanted = Tilts(finest.mesh, finest.below).spread();
+    const double top = highest(finest);
+    std::size_t last = finest.mesh.triangles.size();
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+      job.poll();
+      Cloth& level = levels[k];
+      const auto count = static_cast<double>(level.mesh.triangles.size());
+      if (level.longest > 0 && level.mesh.triangles.size() < kLeastTriangles) break;
+      if (level.longest == 0 || count > kPays * static_cast<double>(last)) continue;
+      Spread reached;
+      const TiltMap map = Tilts(level.mesh, level.below).towards(wanted, reached);
+      if (wanted.variance > 0 &&
+          std::max({std::fabs(reached.variance / wanted.variance - 1) / kMostOff,
+                    std::fabs(reached.level / wanted.level - 1) / kMostOff,
+                    std::fabs(reached.mirror / wanted.mirror - 1) / kMostMirror}) > 1)
+        break;
+      tilt(level.mesh.normals, level.below, map);
+      last = level.mesh.triangles.size();
+      const double error = std::max(top, highest(level));
+      out.levels.push_back({std::move(level.mesh), std::move(level.taped),
+                            cell * static_cast<double>(std::size_t{2} << k), error});
+    }
+  }
+  out.blanket = std::move(finest.mesh);
+  out.roots = std::move(finest.roots);
+  out.taped = std::move(finest.taped);
 }
 
 void Wrapper::take(const Group& members, bool split) {
@@ -313,7 +184,7 @@ bool usable(const geometry::Mesh& mesh, std::span<const std::uint32_t> chosen, c
   if (!(o.stand_off >= kMinLength && o.stand_off <= kMaxLength))
     return bad(fmt::format("the stand-off is {}; it is a number from {} to {} m", o.stand_off,
                            kMinLength, kMaxLength));
-  for (const double v : {o.border, o.margin, o.tolerance, o.weld})
+  for (const double v : {o.border, o.margin, o.tolerance, o.weld, o.tape})
     if (!(v >= 0 && v <= kMaxLength))
       return bad(
           fmt::format("a length of the wrap is {}; it is a number from 0 to {} m", v, kMaxLength));
@@ -347,11 +218,12 @@ Result<Wrap> draped_over(const geometry::Mesh& mesh, std::span<const std::uint32
   const Faces picked = chosen_faces(mesh, chosen, options.weld);
   Group all(picked.triangles.size());
   for (std::uint32_t t = 0; t < all.size(); ++t) all[t] = t;
-  Wrapper wrapper{picked, recipe, options, log, where, job, {}, false};
+  Wrapper wrapper{picked, recipe, options, log, where, job};
   wrapper.out.without_area = picked.without_area;
   for (const Group& group : connected(picked, all, det::cos(options.crease_angle) - 1e-9))
     wrapper.take(group, true);
   if (wrapper.stop) return failed;
+  wrapper.finish();
   return std::move(wrapper.out);
 }
 

@@ -96,36 +96,97 @@ Edges border_of(const Piece& piece) {
   return out;
 }
 
-std::vector<double> tapers(const Piece& piece, const Edges& border, double reach, double longest,
-                           const Job& job) {
-  const double size = reach + longest;
-  using Cell = std::array<std::int64_t, 3>;
-  std::map<Cell, std::vector<std::size_t>> cells;
-  const auto cell = [&](const Vec3& p) {
-    return Cell{static_cast<std::int64_t>(std::floor(p.x / size)),
-                static_cast<std::int64_t>(std::floor(p.y / size)),
-                static_cast<std::int64_t>(std::floor(p.z / size))};
-  };
-  const auto& points = piece.points;
-  for (std::size_t e = 0; e < border.size(); ++e)
-    cells[cell(0.5 * (points[border[e][0]] + points[border[e][1]]))].push_back(e);
-  std::vector<double> out(points.size(), 1.0);
-  for (std::size_t v = 0; v < points.size(); ++v) {
-    if (v % 4096 == 0) job.poll();
-    double nearest = reach;
-    const Cell at = cell(points[v]);
-    for (int k = 0; k < 27; ++k) {
-      const auto found = cells.find({at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1});
-      if (found == cells.end()) continue;
-      for (const std::size_t e : found->second) {
-        const Vec3 a = points[border[e][0]], d = points[border[e][1]] - a;
-        const double t = std::clamp(glm::dot(points[v] - a, d) / glm::dot(d, d), 0.0, 1.0);
-        nearest = std::min(nearest, glm::length(points[v] - a - t * d));
-      }
+BorderDistance::BorderDistance(const Piece& piece, const Edges& border, double reach,
+                               double longest)
+    : reach_(reach), size_(reach + longest) {
+  for (const auto& [a, b] : border)
+    cells_[cell(0.5 * (piece.points[a] + piece.points[b]))].push_back(
+        {piece.points[a], piece.points[b]});
+}
+
+BorderDistance::Cell BorderDistance::cell(const Vec3& place) const {
+  return {static_cast<std::int64_t>(std::floor(place.x / size_)),
+          static_cast<std::int64_t>(std::floor(place.y / size_)),
+          static_cast<std::int64_t>(std::floor(place.z / size_))};
+}
+
+double BorderDistance::at(const Vec3& place) const {
+  double nearest = reach_;
+  const Cell at = cell(place);
+  for (int k = 0; k < 27; ++k) {
+    const auto found = cells_.find({at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1});
+    if (found == cells_.end()) continue;
+    for (const auto& [a, b] : found->second) {
+      const Vec3 d = b - a;
+      const double t = std::clamp(glm::dot(place - a, d) / glm::dot(d, d), 0.0, 1.0);
+      nearest = std::min(nearest, glm::length(place - a - t * d));
     }
-    out[v] = smooth_step(nearest / reach);
   }
-  return out;
+  return nearest;
+}
+
+std::vector<char> cut_at(Piece& piece, std::vector<double>& distances, double width) {
+  constexpr double kNear = 0.15;  // of an edge: a cut nearer to its end goes through that
+  const auto crosses = [&](std::uint32_t a, std::uint32_t b) {
+    return (distances[a] - width) * (distances[b] - width) < 0;
+  };
+  std::vector<char> on(piece.points.size(), 0);
+  for (const Triangle& t : piece.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      if (!crosses(a, b)) continue;
+      const double part = (width - distances[a]) / (distances[b] - distances[a]);
+      if (part < kNear) on[a] = 1;
+      if (part > 1 - kNear) on[b] = 1;
+    }
+  for (std::size_t v = 0; v < on.size(); ++v)
+    if (on[v]) distances[v] = width;
+  std::unordered_map<std::uint64_t, std::uint32_t> cuts;
+  const auto cut = [&](std::uint32_t a, std::uint32_t b) {
+    const auto [at, fresh] =
+        cuts.try_emplace(key(a, b), static_cast<std::uint32_t>(piece.points.size()));
+    if (fresh) {
+      // from the same end whichever triangle asks
+      const std::uint32_t low = std::min(a, b), high = std::max(a, b);
+      const double part = (width - distances[low]) / (distances[high] - distances[low]);
+      piece.points.push_back(piece.points[low] + part * (piece.points[high] - piece.points[low]));
+      distances.push_back(width);
+    }
+    return at->second;
+  };
+  std::vector<Triangle> next;
+  for (const Triangle& t : piece.triangles) {
+    std::size_t count = 0, first = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (crosses(t[k], t[(k + 1) % 3])) ++count;
+    if (count == 0) {
+      next.push_back(t);
+      continue;
+    }
+    // one edge: from its cut to the corner opposite; two: around the corner that both share
+    while (count == 1 ? !crosses(t[first], t[(first + 1) % 3])
+                      : crosses(t[(first + 1) % 3], t[(first + 2) % 3]))
+      ++first;
+    const std::uint32_t a = t[first], b = t[(first + 1) % 3], c = t[(first + 2) % 3];
+    const std::uint32_t ab = cut(a, b);
+    if (count == 1) {
+      next.push_back({a, ab, c});
+      next.push_back({ab, b, c});
+    } else {
+      const std::uint32_t ca = cut(c, a);
+      next.push_back({a, ab, ca});
+      next.push_back({ab, b, c});
+      next.push_back({ab, c, ca});
+    }
+  }
+  piece.triangles = std::move(next);
+  std::vector<char> within;
+  within.reserve(piece.triangles.size());
+  for (const Triangle& t : piece.triangles)
+    within.push_back(distances[t[0]] <= width && distances[t[1]] <= width &&
+                     distances[t[2]] <= width &&
+                     std::min({distances[t[0]], distances[t[1]], distances[t[2]]}) < width);
+  return within;
 }
 
 }  // namespace panwright::mli

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -25,8 +27,24 @@ bool refine(Piece& piece, double longest, double limit, const Job& job);
 // The edges of one triangle each, as it goes around, in order of triangles.
 Edges border_of(const Piece& piece);
 
-// Of each point: 0 at the border to 1 from `reach` on. longest: of the border's edges.
-std::vector<double> tapers(const Piece& piece, const Edges& border, double reach, double longest,
-                           const Job& job);
+// How far places are from a border.
+class BorderDistance {
+ public:
+  // reach: metres; what is farther is as far. longest: of the border's edges.
+  BorderDistance(const Piece& piece, const Edges& border, double reach, double longest);
+  double at(const Vec3& place) const;
+
+ private:
+  using Cell = std::array<std::int64_t, 3>;
+  Cell cell(const Vec3& place) const;
+
+  double reach_, size_;
+  std::map<Cell, std::vector<std::array<Vec3, 2>>> cells_;  // edges, by their middles
+};
+
+// Cuts triangles along the line where the points' distances are `width`, and moves it to points
+// that are next to it. distances: of new points too, then. Returns for each triangle whether it
+// lies within.
+std::vector<char> cut_at(Piece& piece, std::vector<double>& distances, double width);
 
 }  // namespace panwright::mli

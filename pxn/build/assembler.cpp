@@ -388,6 +388,7 @@ class Assembler {
     wish.how = known.blanket;
     wish.axes_from_world = glm::inverse(around.world_from_node);
     wish.faces = known.faces;
+    if (known.tape >= 0) wish.tape = named_material(known.tape);
     wish.blanket = std::move(blanket);
     blankets_.wish(std::move(wish));
   }

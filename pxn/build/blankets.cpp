@@ -34,6 +34,8 @@ constexpr double kHeldShare = 0.25;
 constexpr double kCell = 0.005;  // metres, without a preset
 // of blankets whose cells are not given: one, and all of a model
 constexpr double kTriangles = 1e6, kAllTriangles = 3e6;
+constexpr std::uint32_t kLevels = 6;
+constexpr std::uint32_t kNowhere = 0xffffffffu;
 // triangles of a blanket are about so many times the area over a cell's
 constexpr double kPerCell = 2.4;  // an estimate: 2 and what faces are cut into at their borders
 
@@ -164,6 +166,14 @@ void put_depth_first(scene::Scene& scene) {
 
 }  // namespace
 
+std::string many_triangles(double triangles, double cell) {
+  if (triangles <= 1.5 * kAllTriangles) return {};
+  return fmt::format(
+      "{:.3g} million triangles of foil with cells of {:.2g} m: cells of {:.2g} m, by "
+      "<mli_settings> of <mli type=\"wrap\">, would make {:.0f} million",
+      1e-6 * triangles, cell, cell * std::sqrt(triangles / kAllTriangles), 1e-6 * kAllTriangles);
+}
+
 void Blankets::make(std::uint64_t most_nodes, Reporter& reporter) {
   std::vector<std::int32_t> wrapped;
   double reach = 0;
@@ -242,13 +252,7 @@ void Blankets::tell(const Worn& worn, Reporter& reporter) {
   say(Code::W7002, worn.tally.scalings());
   if (worn.tally.held > kHeldShare * (worn.tally.area - worn.tally.area_refused))
     say(Code::W7002, worn.tally.holds());
-  if (worn.triangles > 1.5 * kAllTriangles)
-    say(Code::W7002,
-        fmt::format(
-            "{:.3g} million triangles of foil with cells of {:.2g} m: cells of {:.2g} m, by "
-            "<mli_settings> of <mli type=\"wrap\">, would make {:.0f} million",
-            1e-6 * worn.triangles, worn.finest_cell,
-            worn.finest_cell * std::sqrt(worn.triangles / kAllTriangles), 1e-6 * kAllTriangles));
+  say(Code::W7002, many_triangles(worn.triangles, worn.finest_cell));
   if (worn.coarsened > 0)
     say(Code::W7002,
         fmt::format("cells of {} are up to {:.2g} m, larger than all wrinkles need, for a million "
@@ -263,8 +267,6 @@ void Blankets::cover(std::int32_t instance, const std::string& name, const FoilW
   const auto index = static_cast<std::size_t>(instance);
   const std::int32_t node = scene_.instances[index].node;
   const Mat4 world = world_from(node);
-  const bool beside = std::ranges::none_of(
-      scene_.joints, [&](const scene::Joint& joint) { return joint.node == node; });
   bool any = false;
   const auto made = this->made({instance, world, wish.axes_from_world * world}, wish, any);
   if (!any) return;
@@ -272,7 +274,7 @@ void Blankets::cover(std::int32_t instance, const std::string& name, const FoilW
   out.tally.add(made->tally);
   if (made->cell > 0) ++out.coarsened, out.largest_cell = std::max(out.largest_cell, made->cell);
   if (out.problem.empty()) out.problem = made->problem;
-  if (made->shape == scene::kNone) return;
+  if (made->shape == scene::kNone && made->tape == scene::kNone) return;
   out.triangles += static_cast<double>(made->triangles);
   out.finest_cell =
       out.finest_cell > 0 ? std::min(out.finest_cell, made->used_cell) : made->used_cell;
@@ -283,8 +285,24 @@ void Blankets::cover(std::int32_t instance, const std::string& name, const FoilW
     if (!tolerance && scene_.budget.tolerance) tolerance = scene_.budget.tolerance;
     tolerance = std::min(tolerance.value_or(most), most);
   }
+  scene::Instance blanket = wish.blanket;
+  if (made->shape != scene::kNone) {
+    blanket.shape = made->shape;
+    hang(node, name, blanket);
+  }
+  if (made->tape != scene::kNone) {
+    blanket.material = wish.tape;
+    blanket.shape = made->tape;
+    hang(node, name + "_tape", std::move(blanket));
+  }
+}
+
+// Gives an instance a node of its own, beside what it covers or below.
+void Blankets::hang(std::int32_t node, std::string name, scene::Instance what) {
+  const bool beside = std::ranges::none_of(
+      scene_.joints, [&](const scene::Joint& joint) { return joint.node == node; });
   scene::Node hanger;
-  hanger.name = name;
+  hanger.name = std::move(name);
   // note: beside a shape of its own node, so that this stays a leaf
   const scene::Node& covered = scene_.nodes[static_cast<std::size_t>(node)];
   if (beside && covered.parent != scene::kNone) {
@@ -293,12 +311,10 @@ void Blankets::cover(std::int32_t instance, const std::string& name, const FoilW
   } else {
     hanger.parent = node;
   }
-  hanger.source = wish.blanket.source;
-  scene::Instance blanket = wish.blanket;
-  blanket.node = static_cast<std::int32_t>(scene_.nodes.size());
-  blanket.shape = made->shape;
+  hanger.source = what.source;
+  what.node = static_cast<std::int32_t>(scene_.nodes.size());
   scene_.nodes.push_back(std::move(hanger));
-  scene_.instances.push_back(std::move(blanket));
+  scene_.instances.push_back(std::move(what));
 }
 
 // any: whether a face is chosen; nothing is returned where none is.
@@ -387,6 +403,9 @@ Blankets::Made Blankets::woven(const Place& place, const geometry::Mesh& metres,
   options.stand_off = out.stand_off;
   options.max_triangles = room;
   options.tell = false;
+  options.tape = how.tape;
+  options.normals = crease_angle_;
+  options.levels = kLevels;
   options.room = room_of(place, in_metres, stand_off);
   DiagnosticLog log;
   auto wrap = mli::wrapped(metres, faces, recipe_for(how, cell, seed), options, log, {}, job_);
@@ -403,27 +422,52 @@ Blankets::Made Blankets::woven(const Place& place, const geometry::Mesh& metres,
   const mli::WrapGroup* largest = nullptr;
   for (const mli::WrapGroup& g : wrap->groups)
     if (g.accepted && (largest == nullptr || g.area > largest->area)) largest = &g;
-  scene::Foil foil{static_cast<std::int32_t>(scene_.shapes.size()),
-                   largest->recipe,
-                   mli::Flat{},
-                   largest->statistics,
-                   true,
-                   wish.blanket.source,
-                   {}};
+  scene::Foil foil{scene::kNone, largest->recipe,     mli::Flat{}, largest->statistics,
+                   true,         wish.blanket.source, {}};
   out.used_cell = cell;
   out.triangles = wrap->blanket.triangles.size();
-  auto mesh = std::make_shared<geometry::Mesh>(std::move(wrap->blanket));
-  geometry::compute_normals(*mesh, crease_angle_);
   const Mat3 back = glm::inverse(in_metres);
-  for (Vec3& p : mesh->positions) p = back * p;
-  // normals are covectors
-  for (Vec3& n : mesh->normals) n = glm::normalize(glm::transpose(in_metres) * n);
-  geometry::set_closed(*mesh);
-  vertices_ += static_cast<double>(mesh->positions.size());
-  out.shape = foil.shape;
-  scene_.shapes.emplace_back(geometry::MeshShape(std::move(mesh)));
-  scene_.foils.push_back(std::move(foil));
+  out.shape = add_shape(*wrap, false, back, foil);
+  out.tape = add_shape(*wrap, true, back, std::move(foil));
   return out;
+}
+
+// The taped triangles of a wrap and its levels, or the others; kNone: there are none.
+std::int32_t Blankets::add_shape(const mli::Wrap& wrap, bool taped, const Mat3& back,
+                                 scene::Foil foil) {
+  const Mat3 covector = glm::transpose(glm::inverse(back));
+  const auto part = [&](const geometry::Mesh& all, const std::vector<char>& which) {
+    auto mesh = std::make_shared<geometry::Mesh>();
+    std::vector<std::uint32_t> place(all.positions.size(), kNowhere);
+    for (std::size_t t = 0; t < all.triangles.size(); ++t) {
+      if ((which[t] != 0) != taped) continue;
+      geometry::Triangle corners = all.triangles[t];
+      for (std::uint32_t& v : corners) {
+        std::uint32_t& at = place[v];
+        if (at == kNowhere) {
+          at = static_cast<std::uint32_t>(mesh->positions.size());
+          mesh->positions.push_back(back * all.positions[v]);
+          mesh->normals.push_back(glm::normalize(covector * all.normals[v]));
+          mesh->texcoords.push_back(all.texcoords[v]);
+        }
+        v = at;
+      }
+      mesh->triangles.push_back(corners);
+    }
+    geometry::set_closed(*mesh);
+    vertices_ += static_cast<double>(mesh->positions.size());
+    return mesh;
+  };
+  auto finest = part(wrap.blanket, wrap.taped);
+  if (finest->triangles.empty()) return scene::kNone;
+  const double scale = std::cbrt(std::fabs(glm::determinant(back)));
+  for (const mli::WrapLevel& level : wrap.levels)
+    if (auto mesh = part(level.blanket, level.taped); !mesh->triangles.empty())
+      foil.levels.push_back({std::move(mesh), scale * level.detail, scale * level.error});
+  foil.shape = static_cast<std::int32_t>(scene_.shapes.size());
+  scene_.shapes.emplace_back(geometry::MeshShape(std::move(finest)));
+  scene_.foils.push_back(std::move(foil));
+  return scene_.foils.back().shape;
 }
 
 }  // namespace panwright::pxn

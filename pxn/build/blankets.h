@@ -24,13 +24,18 @@ namespace panwright::pxn {
 struct FoilWish {
   std::vector<std::pair<std::int32_t, std::string>> on;  // and the names of their blankets
   Blanket how;
-  Mat4 axes_from_world{1};  // the frame in which directions of faces are meant
-  std::string faces;        // these directions as they are written
-  scene::Instance blanket;  // material and source
+  Mat4 axes_from_world{1};           // the frame in which directions of faces are meant
+  std::string faces;                 // these directions as they are written
+  scene::Instance blanket;           // material and source
+  std::int32_t tape = scene::kNone;  // the material of what is taped
   SourceSpan where;
   const xml::Document* document = nullptr;
   std::uint32_t element = 0;  // wishes of one element are reported as one
 };
+
+// What is to be said of an element's blankets of so many triangles, with cells of `cell` metres at
+// the finest; empty: nothing.
+std::string many_triangles(double triangles, double cell);
 
 // Makes blankets and hangs them beside what they cover, or below where that has joints, with nodes
 // and instances of their own. Wrinkles have their sizes in the world: shapes are wrapped as they
@@ -53,9 +58,10 @@ class Blankets {
                          std::vector<std::uint32_t>>;  // shape, metric, blanket, faces
   struct Made {
     std::int32_t shape = scene::kNone;
-    double stand_off = 0;  // metres in the world
-    double cell = 0;       // above 0: larger than the preset's
-    double used_cell = 0;  // metres
+    std::int32_t tape = scene::kNone;  // the shape of what is taped
+    double stand_off = 0;              // metres in the world
+    double cell = 0;                   // above 0: larger than the preset's
+    double used_cell = 0;              // metres
     std::size_t triangles = 0;
     mli::WrapTally tally;
     std::string problem;
@@ -91,6 +97,8 @@ class Blankets {
              const FoilWish& wish, const std::vector<std::uint32_t>& faces, double stand_off);
   mli::FreeRoom room_of(const Place& place, const Mat3& in_metres, double stand_off) const;
   bool is_clear(const Made& made, const mli::FreeRoom& room) const;
+  void hang(std::int32_t node, std::string name, scene::Instance what);
+  std::int32_t add_shape(const mli::Wrap& wrap, bool taped, const Mat3& back, scene::Foil foil);
   static void tell(const Worn& worn, Reporter& reporter);
 
   scene::Scene& scene_;

@@ -227,7 +227,14 @@ void Loader::read_shape(Work& work, std::uint32_t element) {
 void Loader::read_blanket(Work& work, std::uint32_t element) {
   auto wrap = read_wrap(work.file.document, element, *work.file.values, reporter_);
   const std::uint32_t properties = read_properties(work, element);
+  std::optional<std::uint32_t> tape;
+  if (work.file.values->has(element, attribute::mli_tape))
+    if (Definition* material =
+            look_up(work.file, element, attribute::mli_tape, work.file.materials, "material"))
+      tape = material_of(*material);
   if (!wrap) return;
+  if (tape) wrap->tape = static_cast<std::int32_t>(*tape);
+  if (!tape) wrap->blanket.tape = 0;
   wrap->run = work.run;
   work.part.wraps.push_back(*std::move(wrap));
   add_item(work, ItemKind::wrap, element, static_cast<std::uint32_t>(work.part.wraps.size() - 1),

@@ -20,6 +20,8 @@ namespace attribute = schemas::attribute;
 
 namespace {
 
+constexpr double kTapeWidth = 0.025;  // metres, where none is given
+
 class SheetReader {
  public:
   SheetReader(const xml::Document& document, std::uint32_t element, Values& values,
@@ -264,7 +266,8 @@ class SheetReader {
     for (const std::size_t which :
          {attribute::mli_radius, attribute::mli_top_radius, attribute::mli_length,
           attribute::mli_flange, attribute::mli_size, attribute::mli_on, attribute::mli_materials,
-          attribute::mli_faces, attribute::mli_standoff}) {
+          attribute::mli_faces, attribute::mli_standoff, attribute::mli_tape,
+          attribute::mli_tape_width}) {
       if (!values_.has(element_, which) || std::ranges::find(used, which) != used.end()) continue;
       const auto name =
           schemas::kPxn.elements[static_cast<std::size_t>(ElementId::mli)].attributes[which].name;
@@ -276,8 +279,9 @@ class SheetReader {
   // ---- what a wrap covers
 
   void read_choice(PartWrap& wrap) {
-    refuse_others("wrap", {attribute::mli_on, attribute::mli_materials, attribute::mli_faces,
-                           attribute::mli_standoff});
+    refuse_others("wrap",
+                  {attribute::mli_on, attribute::mli_materials, attribute::mli_faces,
+                   attribute::mli_standoff, attribute::mli_tape, attribute::mli_tape_width});
     for (const std::size_t which :
          {attribute::mli_translate, attribute::mli_rotate, attribute::mli_quat,
           attribute::mli_scale, attribute::mli_tolerance})
@@ -302,6 +306,17 @@ class SheetReader {
       const auto stand_off = values_.real(element_, attribute::mli_standoff);
       ok_ = ok_ && stand_off.has_value();
       wrap.blanket.stand_off = stand_off.value_or(0);
+    }
+    if (values_.has(element_, attribute::mli_tape)) {
+      wrap.blanket.tape = kTapeWidth;
+      if (values_.has(element_, attribute::mli_tape_width)) {
+        const auto width = values_.real(element_, attribute::mli_tape_width);
+        ok_ = ok_ && width.has_value();
+        wrap.blanket.tape = width.value_or(0);
+      }
+    } else if (values_.has(element_, attribute::mli_tape_width)) {
+      wrong(values_.value_place(element_, attribute::mli_tape_width),
+            "tape_width without tape: 'tape' names the tape's material");
     }
     if (!values_.has(element_, attribute::mli_faces)) return;
     const auto faces = values_.text(element_, attribute::mli_faces);
@@ -397,8 +412,12 @@ std::vector<double> key_of(const Blanket& blanket) {
   double preset = -1;
   for (const mli::Preset& known : mli::presets())
     if (known.name == blanket.preset) preset = static_cast<double>(&known - mli::presets().data());
-  std::vector<double> key{preset, static_cast<double>(blanket.seed), blanket.cell,
-                          blanket.stand_off, static_cast<double>(blanket.faces)};
+  std::vector<double> key{preset,
+                          static_cast<double>(blanket.seed),
+                          blanket.cell,
+                          blanket.stand_off,
+                          static_cast<double>(blanket.faces),
+                          blanket.tape};
   KeyWriter writer{key};
   for (const mli::Operation& operation : blanket.operations) {
     key.push_back(static_cast<double>(operation.index()));

@@ -550,19 +550,21 @@ inline constexpr std::size_t mli_on = 1;
 inline constexpr std::size_t mli_materials = 2;
 inline constexpr std::size_t mli_faces = 3;
 inline constexpr std::size_t mli_standoff = 4;
-inline constexpr std::size_t mli_seed = 5;
-inline constexpr std::size_t mli_radius = 6;
-inline constexpr std::size_t mli_top_radius = 7;
-inline constexpr std::size_t mli_length = 8;
-inline constexpr std::size_t mli_flange = 9;
-inline constexpr std::size_t mli_size = 10;
-inline constexpr std::size_t mli_name = 11;
-inline constexpr std::size_t mli_material = 12;
-inline constexpr std::size_t mli_tolerance = 13;
-inline constexpr std::size_t mli_translate = 14;
-inline constexpr std::size_t mli_rotate = 15;
-inline constexpr std::size_t mli_quat = 16;
-inline constexpr std::size_t mli_scale = 17;
+inline constexpr std::size_t mli_tape = 5;
+inline constexpr std::size_t mli_tape_width = 6;
+inline constexpr std::size_t mli_seed = 7;
+inline constexpr std::size_t mli_radius = 8;
+inline constexpr std::size_t mli_top_radius = 9;
+inline constexpr std::size_t mli_length = 10;
+inline constexpr std::size_t mli_flange = 11;
+inline constexpr std::size_t mli_size = 12;
+inline constexpr std::size_t mli_name = 13;
+inline constexpr std::size_t mli_material = 14;
+inline constexpr std::size_t mli_tolerance = 15;
+inline constexpr std::size_t mli_translate = 16;
+inline constexpr std::size_t mli_rotate = 17;
+inline constexpr std::size_t mli_quat = 18;
+inline constexpr std::size_t mli_scale = 19;
 inline constexpr std::size_t mli_operations_preset = 0;
 inline constexpr std::size_t wrinkle_wavelength = 0;
 inline constexpr std::size_t wrinkle_amplitude = 1;
@@ -2060,6 +2062,9 @@ inline constexpr std::string_view kWords_mli_type[] = {
 inline constexpr Number kNumbers_mli_standoff[] = {
     {"standoff", 0, 1e+30, true, false},
 };
+inline constexpr Number kNumbers_mli_tape_width[] = {
+    {"tape_width", 0, 1e+30, true, false},
+};
 inline constexpr Number kNumbers_mli_seed[] = {
     {"seed", 0, 4294967295, false, false},
 };
@@ -2081,6 +2086,8 @@ inline constexpr Attribute kAttributes_mli[] = {
     {"materials", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"faces", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"standoff", 1, true, false, {ValueKind::real, 1, kNumbers_mli_standoff, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"tape", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tape_width", 1, true, false, {ValueKind::real, 1, kNumbers_mli_tape_width, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"seed", 1, true, false, {ValueKind::integer, 1, kNumbers_mli_seed, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"top_radius", 1, true, false, {ValueKind::real, 1, kNumbers_cone_top_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},

@@ -62,8 +62,8 @@ TEST(Levels, SlopesAreThoseOfTheFinest) {
     // that of 32 cells is a small sample of slopes, and left out for one sheet
     ASSERT_GE(levels.size(), 2u);
     for (const Level& level : levels)
-      // measured 4e-4 at most: the fourth secant
-      EXPECT_NEAR((level.slopes.xx + level.slopes.yy) / (fine.xx + fine.yy), 1, 2e-3)
+      // measured 0.0105 at most, at 0.42: normals are linear between vertices, here slopes are
+      EXPECT_NEAR((level.slopes.xx + level.slopes.yy) / (fine.xx + fine.yy), 1, 0.015)
           << slope << " " << level.detail;
     EXPECT_DOUBLE_EQ(levels[0].detail, 0.01);
     EXPECT_DOUBLE_EQ(levels[1].detail, 0.02);
@@ -84,9 +84,12 @@ TEST(Levels, FarLightIsTheSameInTheMean) {
     for (std::size_t k = 0; k < 3; ++k) {
       DiagnosticLog log;
       // also those that are too small a sample for one sheet
-      auto mesh = formed(k == 0 ? sheet : similar(sheet, 128u >> k, kCrease), Flat{}, log);
-      ASSERT_TRUE(mesh);
-      geometry::compute_normals(*mesh, kCrease);
+      const Similar coarse = k == 0 ? Similar{sheet, {}, 0} : similar(sheet, 128u >> k, kCrease);
+      Sheet without = coarse.sheet;
+      std::ranges::fill(without.heights, 0.0);
+      auto mesh = formed(coarse.sheet, Flat{}, log), plane = formed(without, Flat{}, log);
+      ASSERT_TRUE(mesh && plane);
+      compute_normals(*mesh, *std::move(plane), kCrease, coarse.tilts);
       for (std::size_t way = 0; way < 4; ++way) {
         const FarLight light = far_light(*mesh, ways[way].first, ways[way].second);
         sums[k][way].lambert += light.lambert;
@@ -97,10 +100,11 @@ TEST(Levels, FarLightIsTheSameInTheMean) {
   for (std::size_t k = 1; k < 3; ++k)
     for (std::size_t way = 0; way < 4; ++way) {
       EXPECT_NEAR(sums[k][way].lambert / sums[0][way].lambert, 1, 0.01) << k << " " << way;
-      // The third way mirrors nothing. Measured 0.075 at the first level: what filtering takes away
-      // there is two cells long, and slopes between its vertices are more often near 0.
+      // The third way mirrors nothing. Measured 0.005 and 0.035, of 24 seeds; without what is done
+      // to normals, 0.075.
       if (way == 2) continue;
-      EXPECT_NEAR(sums[k][way].mirrored / sums[0][way].mirrored, 1, 0.1) << k << " " << way;
+      EXPECT_NEAR(sums[k][way].mirrored / sums[0][way].mirrored, 1, k == 1 ? 0.02 : 0.05)
+          << k << " " << way;
     }
 }
 
@@ -108,7 +112,7 @@ TEST(Levels, FarLightIsTheSameInTheMean) {
 TEST(Levels, EdgesStayWhereTheyAre) {
   const Sheet sheet = sheet_of(recipe(
       1.28, 0.64, 256, {Random{1e-3}, Smooth{4}, SlopeRms{0.2}, Taper{0.1, 0.2, 0.05, 0.1}}));
-  const Sheet coarse = similar(sheet, 64, kCrease);
+  const Sheet coarse = similar(sheet, 64, kCrease).sheet;
   for (std::uint32_t i = 0; i < coarse.columns; ++i) {
     EXPECT_EQ(coarse.at(i, 0), 0) << i;
     EXPECT_EQ(coarse.at(i, coarse.rows - 1), 0) << i;

@@ -127,7 +127,7 @@ bool show_sheet(const Named& each, const char* folder, const Job& job, Diagnosti
   const double numbers[] = {s.height_rms,           s.slope_covariance.xy, s.slope_rms,
                             s.facet_slope_rms,      s.mean_normal.x,       s.mean_normal.y,
                             s.correlation_length.x, s.height_mean};
-  const Sheet alike = similar(*sheet, 48, 30 * kDegree, job);
+  const Sheet alike = similar(*sheet, 48, 30 * kDegree, job).sheet;
   std::printf("%s %016" PRIx64 " %016" PRIx64 " %016" PRIx64 " %016" PRIx64 "\n", each.name,
               checksum(sheet->heights), checksum(coarse.heights), checksum(alike.heights),
               checksum(numbers));

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "pxn/build/blankets.h"
 #include "tests/pxn/reading.h"
 
 namespace panwright::pxn {
@@ -216,15 +217,58 @@ TEST(Wraps, OnlyWhatNothingIsInTheWayOfIsShared) {
 }
 
 TEST(Wraps, ManyTrianglesAreSaidWhoeverAskedForThem) {
-  const std::string fine =
-      "<box name='bus' size='1.6'/>\n<mli type='wrap' on='bus' "
-      "standoff='1cm'><mli_settings><width>1"
-      "</width><height>1</height><xgrid>800</xgrid></mli_settings><mli_operations><random> 1mm "
-      "</random></mli_operations></mli>";
-  EXPECT_THAT(read_1(fine).summary(),
-              testing::ContainsRegex("3:1 W7002 [0-9.]+ million triangles of foil with cells of "
-                                     "0.0013 m: cells of 0.00[0-9]+ m, by <mli_settings>"));
-  EXPECT_EQ(read_1("<box name='bus' size='1.6'/>" + wrap("on='bus'")).summary(), "");
+  // triangles go with the square of the cell: 12 million are four times 3 million
+  EXPECT_EQ(many_triangles(12e6, 0.001),
+            "12 million triangles of foil with cells of 0.001 m: cells of 0.002 m, by "
+            "<mli_settings> of <mli type=\"wrap\">, would make 3 million");
+  EXPECT_EQ(many_triangles(4e6, 0.001), "");
+}
+
+// A node and a material of its own beside the blanket, with as many levels.
+TEST(Wraps, TapeIsAMaterialAlongBorders) {
+  const std::string kTapes =
+      "<material name='mli_silver' preset='mli_silver'/>"
+      "<material name='mli_kapton_tape' preset='mli_kapton_tape'/>";
+  const Reading r = read_1(
+      kTapes + "<box name='bus' size='1 0.8 0.6'/>" +
+      wrap("on='bus' name='mli' tape='mli_kapton_tape' tape_width='4cm' material='mli_silver'"));
+  EXPECT_EQ(r.summary(), "");
+  ASSERT_EQ(r.scene->instances.size(), 3u);
+  ASSERT_EQ(r.scene->foils.size(), 2u);
+  double areas[2] = {0, 0};
+  for (const std::size_t i : {1u, 2u}) {
+    const scene::Instance& one = r.scene->instances[i];
+    EXPECT_EQ(r.scene->nodes[static_cast<std::size_t>(one.node)].name, i == 1 ? "mli" : "mli_tape");
+    EXPECT_EQ(r.scene->materials[static_cast<std::size_t>(one.material)].name,
+              i == 1 ? "mli_silver" : "mli_kapton_tape");
+    const auto& mesh =
+        *std::get<geometry::MeshShape>(r.scene->shapes[static_cast<std::size_t>(one.shape)]);
+    for (const auto& t : mesh.triangles) {
+      const Vec3 cross = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]],
+                                    mesh.positions[t[2]] - mesh.positions[t[0]]);
+      // seen along the axis that it faces, which leaves out seams
+      const Vec3 out = glm::abs(mesh.positions[t[0]]) / Vec3(0.5, 0.4, 0.3);
+      const int axis = out.x > out.y && out.x > out.z ? 0 : out.y > out.z ? 1 : 2;
+      areas[i - 1] += std::fabs(cross[axis]) / 2;
+    }
+    const scene::Foil& foil = r.scene->foils[i - 1];
+    EXPECT_EQ(foil.shape, one.shape);
+    ASSERT_FALSE(foil.levels.empty());
+    EXPECT_DOUBLE_EQ(foil.levels[0].detail, 0.02);
+    EXPECT_LT(foil.levels[0].mesh->triangles.size(), mesh.triangles.size() / 2);
+  }
+  double band = 0;
+  const double sides[3] = {1, 0.8, 0.6};
+  for (int k = 0; k < 3; ++k)
+    band += 2 * (sides[k] * sides[(k + 1) % 3] - (sides[k] - 0.08) * (sides[(k + 1) % 3] - 0.08));
+  EXPECT_NEAR(areas[1] / band, 1, 0.02);
+  EXPECT_NEAR((areas[0] + areas[1]) / (2 * (0.8 + 0.48 + 0.6)), 1, 1e-6);
+  // a part of its own scale: widths and details are metres of the world
+  const Reading half =
+      read_1(kTapes + "<node scale='0.5'><box name='bus' size='2 1.6 1.2'/></node>" +
+             wrap("on='bus' tape='mli_kapton_tape' tape_width='4cm'"));
+  ASSERT_EQ(half.scene->foils.size(), 2u);
+  EXPECT_DOUBLE_EQ(half.scene->foils[1].levels.at(0).detail, 0.04);
 }
 
 TEST(Wraps, WhatCannotBeIsSaidWhereItStands) {
@@ -238,6 +282,9 @@ TEST(Wraps, WhatCannotBeIsSaidWhereItStands) {
        "E7001 faces is 'up'; it is all, or some of +x -x +y -y +z -z"},
       {"<plane name='bus' size='1'/>\n" + wrap("on='bus' faces='+x'"),
        "3:1 W1501 no face of 1 shape looks along '+x'"},
+      {box + wrap("on='bus' tape_width='1cm'"),
+       "3:54 E7001 tape_width without tape: 'tape' names the tape's material"},
+      {box + wrap("on='bus' tape='kapton_tape'"), "unknown material 'kapton_tape'"},
       {box + wrap("on='bus' radius='1'"), "E7001 a sheet of type 'wrap' has no radius"},
       {box + wrap("on='bus' translate='1 0 0'"), "E7001 a wrap has no placement"},
       {box + wrap(""), "3:2 E1103 a wrap covers nothing"},

@@ -1,0 +1,50 @@
+// A group of faces, draped finely or coarsely.
+#pragma once
+
+#include <vector>
+
+#include "mli/internal/groups.h"
+#include "mli/internal/piece.h"
+#include "mli/internal/surface.h"
+#include "mli/sheet.h"
+#include "mli/wrap.h"
+
+namespace panwright::mli {
+
+// Where blankets of one detail go: the finest ones', or a level's.
+struct Cloth {
+  geometry::Mesh mesh;
+  std::vector<Vec3> roots, below;  // of its positions: the places on the faces, unit normals there
+  std::vector<char> taped;         // of its triangles
+  double longest = 0;              // metres: no edge on the faces is longer
+};
+
+class Draper {
+ public:
+  Draper(const Faces& faces, const WrapOptions& options, const Job& job)
+      : faces_(faces), options_(options), job_(job) {}
+
+  // False: more triangles than `left`.
+  bool add(const Group& members, const Surface& surface, const Sheet& sheet, double left,
+           WrapGroup& group, Cloth& cloth) const;
+  // The same group again, with longer edges than the sheet's cells: heights are those of the finest
+  // blanket at its vertices, and so are the normals.
+  bool add_level(const Group& members, const Surface& surface, const Sheet& sheet, double left,
+                 const WrapGroup& group, Cloth& level) const;
+
+ private:
+  struct Draped;
+
+  bool cut(Draped& draped, const Group& members, double longest, double left) const;
+  double height_at(const Draped& draped, const Vec3& place) const;
+  void set_heights(Draped& draped, WrapGroup& group) const;
+  double hold(const Draped& draped, std::vector<double>& heights) const;
+  Vec3 normal_at(const Draped& draped, std::size_t v, const WrapGroup& group, double inwards) const;
+  void append(const Draped& draped, WrapGroup& group, Cloth& cloth, bool level) const;
+
+  const Faces& faces_;
+  const WrapOptions& options_;
+  const Job& job_;
+};
+
+}  // namespace panwright::mli

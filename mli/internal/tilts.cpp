@@ -1,0 +1,140 @@
+#include "mli/internal/tilts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/math.h"
+
+namespace panwright::mli {
+namespace {
+
+// of a normal along the one below: steeper ones are seams, which are no foil that lies
+constexpr double kSteep = 0.2;
+constexpr std::size_t kMost = 20011;  // triangles that are looked at; a prime
+
+// The middles of 16 equal parts of a triangle.
+const std::array<Vec3, 16>& places() {
+  static const std::array<Vec3, 16> all = [] {
+    std::array<Vec3, 16> out;
+    std::size_t count = 0;
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; i + j < 4; ++j) {
+        out[count++] = Vec3(i + 1 / 3.0, j + 1 / 3.0, 4 - i - j - 2 / 3.0) / 4.0;
+        if (i + j < 3) out[count++] = Vec3(i + 2 / 3.0, j + 2 / 3.0, 4 - i - j - 4 / 3.0) / 4.0;
+      }
+    return out;
+  }();
+  return all;
+}
+
+double stretch(const TiltMap& map, double square) {
+  return map.power == 0 ? map.factor
+                        : map.factor * det::pow(1 + square / map.scale, -0.5 * map.power);
+}
+
+}  // namespace
+
+Tilts::Tilts(const geometry::Mesh& mesh, std::span<const Vec3> below) {
+  corners_.reserve(mesh.normals.size());
+  for (std::size_t v = 0; v < mesh.normals.size(); ++v) {
+    const double along = glm::dot(mesh.normals[v], below[v]);
+    corners_.push_back({along > kSteep ? mesh.normals[v] / along - below[v] : Vec3(0),
+                        along > kSteep ? along : 0});
+  }
+  const std::size_t step = mesh.triangles.size() / kMost + 1;
+  for (std::size_t k = 0; k < mesh.triangles.size(); k += step) {
+    const geometry::Triangle& t = mesh.triangles[k];
+    if (std::ranges::any_of(t, [&](std::uint32_t v) { return corners_[v].along == 0; })) continue;
+    const Vec3 area = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]],
+                                 mesh.positions[t[2]] - mesh.positions[t[0]]);
+    const double weight = glm::dot(area, below[t[0]] + below[t[1]] + below[t[2]]);
+    // a seam between normals that are smooth
+    if (!(weight > kSteep * glm::length(area))) continue;
+    triangles_.push_back(t);
+    weights_.push_back(weight);
+  }
+  unit_ = spread(TiltMap{}, false).variance;
+}
+
+Spread Tilts::spread(const TiltMap& map, bool with_level) const {
+  std::vector<Corner> at = corners_;
+  if (map.factor != 1 || map.power != 0)
+    for (Corner& corner : at) {
+      if (corner.along == 0) continue;
+      corner.slope *= stretch(map, glm::dot(corner.slope, corner.slope));
+      corner.along = 1 / std::sqrt(1 + glm::dot(corner.slope, corner.slope));
+    }
+  double sum = 0, squares = 0, level = 0, mirror = 0;
+  for (std::size_t k = 0; k < triangles_.size(); ++k) {
+    const geometry::Triangle& t = triangles_[k];
+    double square_here = 0, level_here = 0, mirror_here = 0;
+    for (const Vec3& place : places()) {
+      Vec3 slope(0);
+      double along = 0;
+      for (int i = 0; i < 3; ++i) {
+        const Corner& corner = at[t[static_cast<std::size_t>(i)]];
+        slope += place[i] * corner.along * corner.slope;
+        along += place[i] * corner.along;
+      }
+      const double square = glm::dot(slope, slope) / (along * along);
+      square_here += square;
+      if (!with_level || !(unit_ > 0)) continue;
+      const double here = det::exp(-square / unit_), cube = here * here * here;
+      level_here += here;
+      mirror_here += cube * cube * cube;
+    }
+    sum += weights_[k];
+    squares += weights_[k] * square_here / 16;
+    level += weights_[k] * level_here / 16;
+    mirror += weights_[k] * mirror_here / 16;
+  }
+  return sum > 0 ? Spread{squares / sum, level / sum, mirror / sum} : Spread{};
+}
+
+double Tilts::factor_for(TiltMap map, double variance) const {
+  map.factor = 1;
+  // the variance is about proportional to the factor's square
+  for (int step = 0; step < 4; ++step) {
+    const double got = spread(map, false).variance;
+    if (!(got > 0)) return 1;
+    map.factor *= std::sqrt(variance / got);
+    if (std::fabs(got - variance) < 1e-4 * variance) break;
+  }
+  return map.factor;
+}
+
+TiltMap Tilts::towards(const Spread& wanted, Spread& reached) const {
+  reached = {};
+  if (!(wanted.variance > 0) || !(unit_ > 0)) return {};
+  Tilts like = *this;
+  like.unit_ = wanted.variance;
+  double low = -0.6, high = 0.9;
+  TiltMap map{1, 0, wanted.variance};
+  for (int step = 0; step < 9; ++step) {
+    map.power = 0.5 * (low + high);
+    map.factor = like.factor_for(map, wanted.variance);
+    reached = like.spread(map, true);
+    (reached.level > wanted.level ? low : high) = map.power;
+  }
+  return map;
+}
+
+void tilt(std::vector<Vec3>& normals, std::span<const Vec3> below, const TiltMap& map) {
+  for (std::size_t v = 0; v < normals.size(); ++v) {
+    const double along = glm::dot(normals[v], below[v]);
+    if (!(along > kSteep)) continue;
+    const Vec3 slope = normals[v] / along - below[v];
+    normals[v] = glm::normalize(below[v] + stretch(map, glm::dot(slope, slope)) * slope);
+  }
+}
+
+std::vector<Vec3> normals_below(const geometry::Mesh& mesh, const geometry::Mesh& surface) {
+  std::vector<Vec3> out(mesh.normals.size(), Vec3(0, 0, 1));
+  for (std::size_t k = mesh.triangles.size(); k-- > 0;)
+    for (std::size_t i = 0; i < 3; ++i)
+      out[mesh.triangles[k][i]] = surface.normals[surface.triangles[k][i]];
+  return out;
+}
+
+}  // namespace panwright::mli
