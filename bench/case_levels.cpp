@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "bench/bench.h"
+#include "bench/far_flux.h"
 #include "geometry/mesh/strip.h"
 #include "mli/levels.h"
 #include "mli/preset.h"
 #include "pan/model.h"
 #include "pan/writer.h"
-#include "preview/reference/reference.h"
 #include "preview/renderer.h"
 #include "pxn/materials.h"
 #include "tests/support/view.h"
@@ -119,21 +119,6 @@ Timing clocked(const Work& work) {
   return {seconds, seconds, seconds, 1};
 }
 
-Timing median(std::vector<double> seconds) {
-  std::sort(seconds.begin(), seconds.end());
-  const auto at = [&](double share) {
-    return seconds[static_cast<std::size_t>(share * static_cast<double>(seconds.size() - 1))];
-  };
-  return {at(0.5), at(0.25), at(0.75), static_cast<int>(seconds.size())};
-}
-
-double sum_of(const preview::Image& image) {
-  double sum = 0;
-  for (std::size_t i = 1; i < image.radiance.size(); i += 3)
-    sum += static_cast<double>(image.radiance[i]);
-  return sum;
-}
-
 // ---- the mean over sheets
 
 struct Way {
@@ -148,57 +133,27 @@ constexpr Way kWays[] = {{"phase 0", 0, 0},
 constexpr std::size_t kLevels = 3;
 constexpr std::uint32_t kFineSeeds = 8;  // the finest sheets say what rays and pixels miss
 
-// Of one material, one way and one level.
-struct Sums {
-  double all = 0, explicit_all = 0, squares = 0;
-  std::uint32_t seeds = 0;
-  std::vector<double> seconds;
-};
-
 struct Far {
   Wear wear;
-  std::array<std::array<Sums, kLevels + 1>, std::size(kWays)> sums{};
+  std::array<std::array<FarFlux, kLevels + 1>, std::size(kWays)> sums{};
   double bounced = 0, direct = 0;  // of the first seed
 };
 
 // Adds a sheet, as traced and as drawn. False: it could not be drawn.
 bool add_sheet(const world::ModelPtr& model, std::uint32_t seed, preview::Renderer& renderer,
                Far& far) {
-  DiagnosticLog log;
-  preview::Reference reference;
   for (std::size_t w = 0; w < std::size(kWays); ++w) {
     const preview::View view = view_from(kWays[w].viewer, kWays[w].sun, 1.5, 48);
     const world::World world = preview::world_of(model, view);
-    preview::ReferenceOptions traced;
-    traced.samples = 16;
-    traced.bounces = 0;
-    traced.seed = seed;
-    const auto truth = reference.render(world, view.camera, traced, log);
-    if (!truth) return false;
-    const double want = sum_of(truth->image);
+    const auto want = traced_flux(world, view.camera, seed, 0);
+    if (!want) return false;
     if (seed == 0) {
-      traced.bounces = 3;
-      const auto more = reference.render(world, view.camera, traced, log);
-      far.bounced += more ? sum_of(more->image) : 0;
-      far.direct += want;
+      far.bounced += traced_flux(world, view.camera, seed, 3).value_or(0);
+      far.direct += *want;
     }
-    for (std::size_t k = seed < kFineSeeds ? 0 : 1; k <= kLevels; ++k) {
-      if (k > model->levels().size()) break;
-      preview::RenderOptions options;
-      options.samples = 4;
-      options.level_pixel = k == 0 ? 0 : model->levels()[k - 1].detail;
-      std::optional<double> got;
-      const Timing timing = clocked([&] {
-        if (auto image = renderer.render(world, view.camera, options, log)) got = sum_of(*image);
-      });
-      if (!got) return false;
-      Sums& s = far.sums[w][k];
-      s.seconds.push_back(timing.median);
-      s.all += *got;
-      s.explicit_all += want;
-      s.squares += std::pow(*got - want, 2);
-      ++s.seeds;
-    }
+    for (std::size_t k = seed < kFineSeeds ? 0 : 1; k <= std::min(kLevels, model->levels().size());
+         ++k)
+      if (!far.sums[w][k].add(renderer, world, view.camera, *model, k, 4, *want)) return false;
   }
   return true;
 }
@@ -206,27 +161,13 @@ bool add_sheet(const world::ModelPtr& model, std::uint32_t seed, preview::Render
 void report_far(Context& context, const Far& far, double slope) {
   for (std::size_t w = 0; w < std::size(kWays); ++w)
     for (std::size_t k = 0; k <= kLevels; ++k) {
-      Sums s = far.sums[w][k];
-      if (s.seeds == 0) continue;
-      const double mean = (s.all - s.explicit_all) / s.seeds;
-      // of one sheet, from the sample
-      const double deviation =
-          std::sqrt(std::max(s.squares - s.seeds * mean * mean, 0.0) / std::max(s.seeds - 1, 1u)) *
-          s.seeds / s.explicit_all;
+      const FarFlux& one = far.sums[w][k];
+      if (one.seeds() == 0) continue;
       const bool promised = slope <= 0.2 && kWays[w].sun - kWays[w].viewer <= 90 && k > 0;
-      Row row{.case_name = "levels",
-              .setting = fmt::format("far; {}; slope {:g}; {}; level {}", far.wear.name, slope,
-                                     kWays[w].name, k),
-              .speed_unit = "ms/frame",
-              .error = std::fabs(s.all / s.explicit_all - 1),
-              .error_unit = "flux, mean of sheets",
-              .reference =
-                  fmt::format("finest sheets, path traced; {} seeds; {}; one sheet {:.2g}", s.seeds,
-                              s.all < s.explicit_all ? "too dark" : "too bright", deviation),
-              .reference_error = deviation / std::sqrt(s.seeds),
-              .must_error = promised && !context.quick() ? 0.03 : 0};
-      set_time(row, median(std::move(s.seconds)), 1e3);
-      context.add(row);
+      context.add(one.row(
+          "levels",
+          fmt::format("far; {}; slope {:g}; {}; level {}", far.wear.name, slope, kWays[w].name, k),
+          "sheet", promised && !context.quick() ? 0.03 : 0));
     }
   context.note(
       fmt::format("{}, slope {:g}: light between facets, which OpenGL leaves out, adds "
@@ -285,7 +226,7 @@ void run_approach(Context& context, preview::Renderer& renderer, const Wear& wea
       options.levels = draw.levels;
       const Timing timing = clocked([&] {
         auto image = renderer.render(world, view.camera, options, log);
-        if (image) flux.push_back(sum_of(*image) * range * range);
+        if (image) flux.push_back(flux_of(*image) * range * range);
       });
       seconds.push_back(timing.median);
     }

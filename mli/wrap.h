@@ -63,7 +63,6 @@ struct WrapGroup {
   Vec3 middle{0};                    // of them, metres
   std::vector<std::uint32_t> faces;  // indices of the mesh's triangles, ascending
   std::size_t first = 0, count = 0;  // triangles of the blanket, its seams included
-  std::size_t first_seam = 0;        // of them: the seams stand last
   double scale = 1;                  // of the heights, below 1 where they met the base
   double mean = 0;                   // metres that the sheet's heights are lowered by
   double held = 0;                   // m² that lie lower, below other parts

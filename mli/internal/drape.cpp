@@ -61,17 +61,22 @@ void spread(const Piece& piece, const std::vector<double>& heights, std::vector<
   }
 }
 
+}  // namespace
+
 // Appends triangles with vertices of their own.
-class Appender {
+class Draper::Appender {
  public:
   Appender(const Surface& surface, Cloth& cloth) : surface_(surface), cloth_(cloth) {}
 
-  std::uint32_t vertex(const Vec3& position, const Vec3& root, double turns = 0) {
+  // normal: of a level
+  std::uint32_t vertex(const Vec3& position, const Vec3& root,
+                       const std::optional<Vec3>& normal = {}, double turns = 0) {
     const auto index = static_cast<std::uint32_t>(cloth_.mesh.positions.size());
     cloth_.mesh.positions.push_back(position);
     cloth_.mesh.texcoords.push_back(surface_.flat(root, turns) - surface_.low);
     cloth_.roots.push_back(root);
     cloth_.below.push_back(surface_.normal(root));
+    if (normal) cloth_.mesh.normals.push_back(*normal);
     return index;
   }
   void triangle(const Triangle& corners, bool taped) {
@@ -83,8 +88,6 @@ class Appender {
   const Surface& surface_;
   Cloth& cloth_;
 };
-
-}  // namespace
 
 struct Draper::Draped {
   const Surface& surface;
@@ -155,16 +158,15 @@ Vec3 Draper::normal_at(const Draped& draped, std::size_t v, const WrapGroup& gro
   return glm::normalize(normal);
 }
 
-void Draper::set_heights(Draped& draped, WrapGroup& group) const {
+void Draper::set_heights(Draped& draped, WrapGroup& group, bool level) const {
   const Piece& piece = draped.piece;
-  const bool finest = group.count == 0;
   std::vector<double>& heights = draped.heights;
   std::vector<double> fade(piece.points.size());
   for (std::size_t v = 0; v < fade.size(); ++v) {
     fade[v] = smooth_step(std::min(draped.distances[v] / draped.reach, 1.0));
     heights.push_back(height_at(draped, piece.points[v]));
   }
-  if (finest) {
+  if (!level) {
     double sum = 0, weight = 0;
     for (const Triangle& t : piece.triangles) {
       const double area = twice_area(piece, t);
@@ -181,7 +183,7 @@ void Draper::set_heights(Draped& draped, WrapGroup& group) const {
     lowest = std::min(lowest, heights[v]);
   }
   const double below = options_.margin > 0 ? options_.margin : 0.1 * options_.stand_off;
-  if (finest && options_.stand_off + lowest < below)
+  if (!level && options_.stand_off + lowest < below)
     group.scale = (options_.stand_off - below) / -lowest;
 }
 
@@ -216,6 +218,37 @@ double Draper::hold(const Draped& draped, std::vector<double>& heights) const {
   return area;
 }
 
+// Straight down from the border; as wide as a tape, they are part of it. base: of the blanket's
+// vertices, whose positions are `tops`. A level's have normals, and vertices of their own.
+void Draper::add_seams(const Draped& draped, std::uint32_t base, const std::vector<Vec3>& tops,
+                       bool level, Appender& out) {
+  const std::vector<Vec3>& points = draped.piece.points;
+  const bool taped = draped.tape > 0;
+  std::map<std::uint32_t, std::uint32_t> foot;
+  const auto foot_of = [&](std::uint32_t v) {
+    const auto [at, fresh] = foot.try_emplace(v, 0);
+    if (fresh) at->second = out.vertex(points[v], points[v]);
+    return at->second;
+  };
+  for (const auto& [a, b] : draped.border) {
+    if (level) {
+      const Vec3 side = glm::cross(tops[a] - tops[b], points[a] - tops[b]);
+      const double length = glm::length(side);
+      const Vec3 normal = length > 0 ? side / length : draped.surface.normal(points[a]);
+      const std::uint32_t first = out.vertex(tops[b], points[b], normal);
+      out.vertex(tops[a], points[a], normal);
+      out.vertex(points[a], points[a], normal);
+      out.vertex(points[b], points[b], normal);
+      out.triangle({first, first + 1, first + 2}, taped);
+      out.triangle({first, first + 2, first + 3}, taped);
+    } else {
+      const std::uint32_t c = foot_of(a), d = foot_of(b);
+      out.triangle({base + b, base + a, c}, taped);
+      out.triangle({base + b, c, d}, taped);
+    }
+  }
+}
+
 void Draper::append(const Draped& draped, WrapGroup& group, Cloth& cloth, bool level) const {
   // note: lambdas of clang 14 take no structured bindings
   const Surface& surface = draped.surface;
@@ -235,23 +268,19 @@ void Draper::append(const Draped& draped, WrapGroup& group, Cloth& cloth, bool l
   // where borders are all there is, vertices stand for what lies half an edge within
   const double deepest = *std::ranges::max_element(draped.distances);
   const double inwards = deepest < draped.reach / 2 ? draped.longest / 2 : 0;
-  std::vector<Vec3> tops, normals;
+  std::vector<Vec3> tops;
+  std::vector<std::optional<Vec3>> normals(heights.size());
   for (std::size_t v = 0; v < heights.size(); ++v) {
     const Vec3& p = piece.points[v];
     tops.push_back(p + heights[v] * surface.normal(p));
-    out.vertex(tops[v], p);
-    if (!level) continue;
-    normals.push_back(normal_at(draped, v, group, inwards));
-    cloth.mesh.normals.push_back(normals.back());
+    if (level) normals[v] = normal_at(draped, v, group, inwards);
+    out.vertex(tops[v], p, normals[v]);
   }
   // a vertex again: where the unrolled surface closes its places are those behind the end
   std::map<std::uint32_t, std::uint32_t> behind;
   const auto behind_end = [&](std::uint32_t v) {
     const auto [at, fresh] = behind.try_emplace(v, 0);
-    if (fresh) {
-      at->second = out.vertex(tops[v], piece.points[v], 1);
-      if (level) cloth.mesh.normals.push_back(normals[v]);
-    }
+    if (fresh) at->second = out.vertex(tops[v], piece.points[v], normals[v], 1);
     return at->second;
   };
   for (std::size_t i = 0; i < piece.triangles.size(); ++i) {
@@ -266,33 +295,7 @@ void Draper::append(const Draped& draped, WrapGroup& group, Cloth& cloth, bool l
     }
     out.triangle(corners, draped.taped[i] != 0);
   }
-  group.first_seam = cloth.mesh.triangles.size();
-  // seams go straight down; as wide as a tape, they are part of it
-  const bool taped = draped.tape > 0;
-  std::map<std::uint32_t, std::uint32_t> foot;
-  const auto foot_of = [&](std::uint32_t v) {
-    const auto [at, fresh] = foot.try_emplace(v, 0);
-    if (fresh) at->second = out.vertex(piece.points[v], piece.points[v]);
-    return at->second;
-  };
-  for (const auto& [a, b] : draped.border) {
-    if (level) {
-      const std::uint32_t first = out.vertex(tops[b], piece.points[b]);
-      out.vertex(tops[a], piece.points[a]);
-      out.vertex(piece.points[a], piece.points[a]);
-      out.vertex(piece.points[b], piece.points[b]);
-      const Vec3 side = glm::cross(tops[a] - tops[b], piece.points[a] - tops[b]);
-      const double length = glm::length(side);
-      cloth.mesh.normals.insert(cloth.mesh.normals.end(), 4,
-                                length > 0 ? side / length : surface.normal(piece.points[a]));
-      out.triangle({first, first + 1, first + 2}, taped);
-      out.triangle({first, first + 2, first + 3}, taped);
-    } else {
-      const std::uint32_t c = foot_of(a), d = foot_of(b);
-      out.triangle({base + b, base + a, c}, taped);
-      out.triangle({base + b, c, d}, taped);
-    }
-  }
+  add_seams(draped, base, tops, level, out);
 }
 
 namespace {
@@ -312,7 +315,7 @@ bool Draper::add(const Group& members, const Surface& surface, const Sheet& shee
   Draped draped{surface, Sampler{sheet}, sheet.spacing.x, widths.x, std::max(widths.x, 8 * longest),
                 longest, widths.y};
   if (!cut(draped, members, longest, left)) return false;
-  set_heights(draped, group);
+  set_heights(draped, group, false);
   group.first = cloth.mesh.triangles.size();
   append(draped, group, cloth, false);
   group.count = cloth.mesh.triangles.size() - group.first;
@@ -331,7 +334,7 @@ bool Draper::add_level(const Group& members, const Surface& surface, const Sheet
                 widths.y};
   if (!cut(draped, members, level.longest, left)) return false;
   WrapGroup same = group;
-  set_heights(draped, same);
+  set_heights(draped, same, true);
   append(draped, same, level, true);
   return true;
 }

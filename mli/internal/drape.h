@@ -34,12 +34,15 @@ class Draper {
 
  private:
   struct Draped;
+  class Appender;
 
   bool cut(Draped& draped, const Group& members, double longest, double left) const;
   double height_at(const Draped& draped, const Vec3& place) const;
-  void set_heights(Draped& draped, WrapGroup& group) const;
+  void set_heights(Draped& draped, WrapGroup& group, bool level) const;
   double hold(const Draped& draped, std::vector<double>& heights) const;
   Vec3 normal_at(const Draped& draped, std::size_t v, const WrapGroup& group, double inwards) const;
+  static void add_seams(const Draped& draped, std::uint32_t base, const std::vector<Vec3>& tops,
+                        bool level, Appender& out);
   void append(const Draped& draped, WrapGroup& group, Cloth& cloth, bool level) const;
 
   const Faces& faces_;
