@@ -16,6 +16,7 @@
 #include "compiler/internal/jobs.h"
 #include "compiler/internal/mesh_levels.h"
 #include "compiler/internal/size_check.h"
+#include "compiler/internal/storage.h"
 #include "geometry/tessellate/mapping.h"
 #include "geometry/tessellate/tessellate.h"
 #include "materials/report.h"
@@ -181,7 +182,10 @@ std::string describe(const Options& options) {
   return fmt::format("max_error={} max_triangles={} strip_sources={}{}{}",
                      options.max_error ? format_double(*options.max_error) : "need",
                      options.max_triangles, options.strip_sources ? 1 : 0,
-                     options.mesh_levels ? " mesh_levels=1" : "", options.origin);
+                     options.mesh_levels ? " mesh_levels=1" : "",
+                     (options.storage.streams() ? " storage=" + pan::storage_name(options.storage)
+                                                : std::string()) +
+                         options.origin);
 }
 
 // Names come from files and folders, which may hold any bytes; a pan file holds UTF-8.
@@ -370,7 +374,14 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
   certify(scene, log, job);
   const auto place = place_instances(scene, plan, options, mesh_of_job, product, out);
   internal::add_foil_levels(scene, plan, mesh_of_job, place, out, log, job);
+  if (options.storage.lossy()) {
+    std::vector<double> tolerances;
+    for (std::size_t i = 0; plan.asked && i < place.size(); ++i)
+      if (place[i] != kLeftOut) tolerances.push_back(plan.jobs[plan.job_of[i]].max_error);
+    internal::snap_meshes(scene, options.storage, tolerances, out, report.storage, job);
+  }
   if (options.mesh_levels) internal::add_mesh_levels(scene, out, job);
+  if (options.storage.streams()) internal::encode_meshes(options.storage, out, report.storage, job);
   if (options.check_size) internal::check_size(scene, out, log);
   for (const pan::InstanceContent& instance : out.instances)
     report.triangles += out.meshes[instance.mesh].triangle_count();
@@ -387,6 +398,13 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
   return out;
 }
 
+// note: what is no mesh is compressed as well, but where nothing is compressed
+pan::WriteOptions write_options(const Options& options) {
+  using Kind = pan::StorageForm::Kind;
+  const Kind kind = options.storage.kind;
+  return {.compress = kind != Kind::plain && kind != Kind::quantised};
+}
+
 }  // namespace
 
 Result<Report> compile(const scene::Scene& scene, const Options& options,
@@ -395,7 +413,7 @@ Result<Report> compile(const scene::Scene& scene, const Options& options,
     Report report;
     const auto contents = contents_of(scene, options, report, log, job);
     const auto start = Clock::now();
-    const auto written = pan::write(contents, output, log, {.compress = options.compress}, job);
+    const auto written = pan::write(contents, output, log, write_options(options), job);
     if (!written) return failed;
     report.bytes = written->bytes;
     report.seconds_sync = written->seconds_sync;
@@ -410,7 +428,7 @@ Result<std::vector<std::byte>> compiled(const scene::Scene& scene, const Options
     Report report;
     const auto contents = contents_of(scene, options, report, log, job);
     job.poll();
-    return pan::write_to_memory(contents, {.compress = options.compress});
+    return pan::write_to_memory(contents, write_options(options));
   });
 }
 

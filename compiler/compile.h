@@ -10,6 +10,7 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "base/result.h"
+#include "pan/storage.h"
 #include "scene/scene.h"
 
 namespace panwright::compiler {
@@ -20,8 +21,16 @@ struct Options {
   bool strip_sources = false;                // leaves out the source map
   bool check_size = false;   // reports sizes that no spacecraft and its parts have: W2022, W2023
   bool mesh_levels = false;  // levels of detail of all larger meshes, not of foil alone
-  bool compress = false;     // pan::WriteOptions; the identity does not know it
+  pan::StorageForm storage;  // of the file; streams of meshes are part of the identity
   std::string origin;        // import options that the inputs do not record: " units=mm"
+};
+
+// What storing meshes as streams has cost.
+struct StorageReport {
+  double position_error = 0;  // metres in the frame of a mesh: no vertex moved further
+  double normal_error = 0;    // radians: no normal turned further
+  std::uint64_t bytes = 0;    // of positions, normals and indices in the file
+  std::uint64_t meshes_with_more_bits = 0;  // than asked, or floats, for the budget
 };
 
 // The result of a compilation.
@@ -33,6 +42,7 @@ struct Report {
   std::uint64_t levels = 0;            // of detail, of instances
   std::uint64_t bytes = 0;             // of the file
   double worst_error = 0;              // metres, in the mesh's own frame; levels left out
+  StorageReport storage;               // 0 unless meshes are stored as streams
   double seconds_tessellate = 0;
   double seconds_write = 0;  // without the final fsync
   double seconds_sync = 0;
@@ -47,6 +57,9 @@ struct Report {
 // instances, divided by how far each is stretched into the world. Surfaces of revolution that meet
 // at a circular edge get the same vertices there. The budget and the tolerance of each mesh are
 // stored when the scene, an instance or max_error gives one.
+//
+// Storage of few bits is part of the error: it may take a quarter of a tolerance, which the
+// tessellation then does without, and meshes that need more bits get them.
 //
 // Fails: E0001, E0103, E2003, E2010.
 Result<Report> compile(const scene::Scene& scene, const Options& options,

@@ -250,6 +250,45 @@ bool write_indices(const Contents& contents, Writer& writer, DiagnosticLog& log,
   return writer.end(log);
 }
 
+// The streams of meshes, and the sections that are made from them.
+bool write_streams(const Contents& contents, Writer& writer, DiagnosticLog& log, const Job& job) {
+  job.poll();
+  std::vector<layout::MeshStream> records;
+  std::uint64_t length = 0, vertices = 0, indices = 0;
+  for (const PackedMesh& mesh : contents.meshes) {
+    assert(mesh.stream.length == mesh.stream_bytes.size() && mesh.stream.length > 0);
+    records.push_back(mesh.stream);
+    records.back().offset = length;
+    length += mesh.stream.length;
+    vertices += mesh.vertex_count();
+    indices += index_bytes(mesh);
+  }
+  const auto bytes = static_cast<std::uint32_t>(SectionKind::stream_bytes);
+  if (!writer.section(SectionKind::mesh_streams, bytes_of(records), log) ||
+      !writer.begin(bytes, 1, true, log))
+    return false;
+  for (const PackedMesh& mesh : contents.meshes)
+    if (!writer.append(mesh.stream_bytes, log)) return false;
+  return writer.end(log) && writer.derived(SectionKind::positions, vertices, log) &&
+         writer.derived(SectionKind::normals, vertices, log) &&
+         writer.derived(SectionKind::indices, indices, log);
+}
+
+// Positions, normals and indices, then texcoords and colours.
+bool write_meshes(const Contents& contents, Writer& writer, DiagnosticLog& log, const Job& job) {
+  const bool streams = !contents.meshes.empty() && !contents.meshes.front().stream_bytes.empty();
+  if (streams) {
+    if (!write_streams(contents, writer, log, job)) return false;
+  } else if (!write_array(contents, &PackedMesh::positions, SectionKind::positions, writer, log,
+                          job) ||
+             !write_array(contents, &PackedMesh::normals, SectionKind::normals, writer, log, job)) {
+    return false;
+  }
+  return write_array(contents, &PackedMesh::texcoords, SectionKind::texcoords, writer, log, job) &&
+         write_array(contents, &PackedMesh::colors, SectionKind::colors, writer, log, job) &&
+         (streams || write_indices(contents, writer, log, job));
+}
+
 bool write_texels(const Contents& contents, Writer& writer, DiagnosticLog& log, const Job& job) {
   job.poll();
   if (!writer.begin(static_cast<std::uint32_t>(SectionKind::texels), 1, false, log)) return false;
@@ -285,11 +324,7 @@ bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log
        writer.section(SectionKind::sources, bytes_of(tables.sources), log)) &&
       writer.section(SectionKind::string_offsets, std::as_bytes(tables.strings.offsets()), log) &&
       writer.section(SectionKind::string_bytes, std::as_bytes(std::span(strings)), log) &&
-      write_array(contents, &PackedMesh::positions, SectionKind::positions, writer, log, job) &&
-      write_array(contents, &PackedMesh::normals, SectionKind::normals, writer, log, job) &&
-      write_array(contents, &PackedMesh::texcoords, SectionKind::texcoords, writer, log, job) &&
-      write_array(contents, &PackedMesh::colors, SectionKind::colors, writer, log, job) &&
-      write_indices(contents, writer, log, job) && write_texels(contents, writer, log, job) &&
+      write_meshes(contents, writer, log, job) && write_texels(contents, writer, log, job) &&
       writer.section(SectionKind::budget, bytes_of(tables.budget), log) &&
       writer.section(SectionKind::mesh_tolerances, bytes_of(contents.mesh_tolerances), log) &&
       writer.section(SectionKind::keypoints, bytes_of(tables.keypoints), log) &&

@@ -597,7 +597,8 @@ void Comparison::unknown_sections() {
 // "compressed, 12 of 64 bytes", "not compressed": how a model's file holds a section.
 std::string storage_words(const layout::DirectoryEntry& entry) {
   std::string words =
-      internal::has_codec(entry)
+      internal::is_derived(entry) ? std::string("made from mesh streams")
+      : internal::has_codec(entry)
           ? fmt::format("compressed, {} of {} bytes", entry.packed_length, entry.raw_length)
           : std::string("not compressed");
   if (entry.stride != layout::kSections[entry.kind - 1].stride)

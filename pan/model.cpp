@@ -93,6 +93,14 @@ std::span<const layout::Level> Model::levels(std::uint32_t instance) const {
   const auto last = std::lower_bound(first, all.end(), instance + 1, before);
   return {first, last};
 }
+std::span<const layout::MeshStream> Model::mesh_streams() const {
+  return array<layout::MeshStream>(SectionKind::mesh_streams);
+}
+
+std::span<const std::byte> Model::stream_bytes() const {
+  return section(SectionKind::stream_bytes);
+}
+
 std::span<const layout::Joint> Model::joints() const {
   return array<layout::Joint>(SectionKind::joints);
 }

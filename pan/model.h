@@ -132,10 +132,12 @@ class Model {
   const layout::Budget* budget() const;             // null: compiled without a budget
   std::span<const layout::MeshTolerance> mesh_tolerances() const;  // one per mesh, or empty
   std::span<const layout::Keypoint> keypoints() const;
-  std::span<const layout::Decal> decals() const;  // later ones lie over earlier ones
-  std::span<const layout::Sheet> sheets() const;  // meshes that are sheets of foil
-  std::span<const layout::Level> levels() const;  // by instance, then by detail
-  std::span<const layout::Joint> joints() const;  // by node
+  std::span<const layout::Decal> decals() const;             // later ones lie over earlier ones
+  std::span<const layout::Sheet> sheets() const;             // meshes that are sheets of foil
+  std::span<const layout::Level> levels() const;             // by instance, then by detail
+  std::span<const layout::Joint> joints() const;             // by node
+  std::span<const layout::MeshStream> mesh_streams() const;  // one per mesh, or empty
+  std::span<const std::byte> stream_bytes() const;
   std::span<const layout::Input> inputs() const;
   std::span<const layout::Build> builds() const;  // 1 after check()
 
@@ -196,6 +198,7 @@ class Model {
   Model() = default;
   bool parse(DiagnosticLog& log);
   bool take_section(const layout::DirectoryEntry& found, std::uint32_t number, DiagnosticLog& log);
+  bool streams_fit(DiagnosticLog& log);
   template <class T>
   std::span<const T> array(layout::SectionKind kind) const;
 

@@ -14,6 +14,8 @@ namespace panwright::pan {
 
 namespace {
 
+using internal::is_derived;
+
 using internal::has_codec;
 using internal::known;
 
@@ -138,6 +140,26 @@ std::optional<std::string> mispacked(const layout::DirectoryEntry& entry, const 
   return {};
 }
 
+// A section that is made from mesh streams: what it may come to is judged when all are known.
+std::optional<std::string> misderived(const layout::DirectoryEntry& entry,
+                                      const std::string& name) {
+  using layout::SectionKind;
+  constexpr SectionKind kDerived[] = {SectionKind::positions, SectionKind::normals,
+                                      SectionKind::indices};
+  if (std::find(std::begin(kDerived), std::end(kDerived), SectionKind{entry.kind}) ==
+      std::end(kDerived))
+    return name + " cannot be made from mesh streams";
+  if (entry.stride == 0 || entry.count > layout::kMaxUnpackedBytes / entry.stride ||
+      entry.raw_length != entry.count * entry.stride)
+    return fmt::format("{} has {} bytes, expected {} elements of {} bytes", name, entry.raw_length,
+                       entry.count, entry.stride);
+  if (entry.stored_length != 0 || entry.packed_length != 0)
+    return fmt::format("{} stores {} bytes, expected none: it is made from mesh streams", name,
+                       entry.stored_length);
+  if (entry.flags != 0) return fmt::format("{} has reserved bits that are not 0", name);
+  return {};
+}
+
 // Step 3, for one entry of any kind.
 std::optional<std::string> misplaced(const layout::DirectoryEntry& entry, std::uint64_t begin,
                                      std::uint64_t end) {
@@ -148,6 +170,7 @@ std::optional<std::string> misplaced(const layout::DirectoryEntry& entry, std::u
   if (entry.stored_length > end - begin)
     return fmt::format("{} at byte {} has {} bytes, but {} are left before the directory", name,
                        entry.offset, entry.stored_length, end - begin);
+  if (is_derived(entry)) return misderived(entry, name);
   // note: stored bytes are real ones, so that 256 times as many overflow nothing
   const std::uint64_t most = entry.stored_length * (has_codec(entry) ? layout::kMaxCompression : 1);
   if (entry.stride == 0 || entry.count > most / entry.stride ||
@@ -251,7 +274,10 @@ bool Model::take_section(const layout::DirectoryEntry& found, std::uint32_t numb
     return false;
   };
   const std::uint64_t features = header().required_features;
-  if (has_codec(found) && !(features & layout::kFeatureCompressed))
+  if (is_derived(found) && !(features & layout::kFeatureMeshStreams))
+    return refuse(Code::E4008, section_name(found) +
+                                   " is made from streams, but the header does not declare them");
+  if (has_codec(found) && !is_derived(found) && !(features & layout::kFeatureCompressed))
     return refuse(Code::E4008, section_name(found) +
                                    " is compressed, but the header does not declare compression");
   if (!known(found.kind) || found.version != 1) {
@@ -259,7 +285,7 @@ bool Model::take_section(const layout::DirectoryEntry& found, std::uint32_t numb
     return refuse(Code::E4004, fmt::format("{} has version {}, which this program does not support",
                                            section_name(found), found.version));
   }
-  if (found.codec > static_cast<std::uint32_t>(layout::Codec::chunks))
+  if (found.codec > static_cast<std::uint32_t>(layout::Codec::streams))
     return refuse(Code::E4004,
                   fmt::format("{} is compressed by method {}, which this program does not support",
                               section_name(found), found.codec));
@@ -276,6 +302,34 @@ bool Model::take_section(const layout::DirectoryEntry& found, std::uint32_t numb
   if (has_codec(found)) unpacked_bytes_ += found.raw_length;
   if (found.stride != stride) unpacked_bytes_ += found.count * stride;
   return true;
+}
+
+// Whether all of the three sections are made from streams or none, and the streams are long enough
+// for what they say.
+bool Model::streams_fit(DiagnosticLog& log) {
+  using layout::SectionKind;
+  std::uint64_t raw = 0;
+  int derived = 0;
+  for (const SectionKind kind :
+       {SectionKind::positions, SectionKind::normals, SectionKind::indices}) {
+    const layout::DirectoryEntry* found = entry(kind);
+    if (found == nullptr || !is_derived(*found)) continue;
+    ++derived;
+    raw += found->raw_length;
+  }
+  const layout::DirectoryEntry* bytes = entry(SectionKind::stream_bytes);
+  const std::uint64_t stored = bytes ? bytes->stored_length : 0;
+  const bool streams = entry(SectionKind::mesh_streams) != nullptr;
+  std::string problem;
+  if (derived != (streams ? 3 : 0) || streams != (bytes != nullptr))
+    problem = fmt::format("{} of 3 sections are made from mesh streams, which the file has{}",
+                          derived, streams && bytes ? "" : " not");
+  else if (raw / layout::kMaxStreamed > stored)
+    problem = fmt::format("section 'stream_bytes' stores {} bytes, too few for {} of meshes",
+                          stored, raw);
+  if (problem.empty()) return true;
+  log.report_file(Code::E4008, name_, problem);
+  return false;
 }
 
 bool Model::parse(DiagnosticLog& log) {
@@ -308,6 +362,7 @@ bool Model::parse(DiagnosticLog& log) {
                                 begin, header().directory_offset));
     return false;
   }
+  if (!streams_fit(log)) return false;
   if (unpacked_bytes_ > layout::kMaxUnpackedBytes) {
     log.report_file(Code::E4015, name_,
                     fmt::format("the sections decompress to {} bytes, expected at most {}",

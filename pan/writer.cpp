@@ -200,6 +200,21 @@ bool Writer::section(layout::SectionKind kind, std::span<const std::byte> bytes,
   return begin(value, info.stride, info.optional, log) && append(bytes, log) && end(log);
 }
 
+bool Writer::derived(layout::SectionKind kind, std::uint64_t count, DiagnosticLog& log) {
+  const auto value = static_cast<std::uint32_t>(kind);
+  const std::uint32_t stride = layout::kSections[value - 1].stride;
+  if (!begin(value, stride, false, log)) return false;
+  State& s = *state_;
+  layout::DirectoryEntry& entry = s.entries.back();
+  entry.count = count;
+  entry.raw_length = count * stride;
+  entry.codec = static_cast<std::uint32_t>(layout::Codec::streams);
+  entry.hash = internal::combined(s.block_hashes);
+  s.features |= layout::kFeatureMeshStreams;
+  s.open = false;
+  return !s.broken;
+}
+
 void Writer::require(std::uint64_t features) {
   assert(!state_->finished && !(features & ~layout::kKnownRequiredFeatures));
   state_->features |= features;

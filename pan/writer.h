@@ -47,6 +47,10 @@ struct PackedMesh {
   std::vector<float> texcoords;        // 2*V, or empty
   std::vector<float> colors;           // 3*V, or empty
   std::vector<std::uint32_t> indices;  // 3*T, each < V; stored in 2 bytes where V <= 65535
+  // How positions, normals and indices are stored, where storage.h has made a stream of them: that
+  // of what the arrays hold. Of all meshes of a file, or of none.
+  layout::MeshStream stream{};
+  std::vector<std::byte> stream_bytes;
 
   std::size_t vertex_count() const { return positions.size() / 3; }
   std::size_t triangle_count() const { return indices.size() / 3; }
@@ -211,6 +215,9 @@ class Writer {
 
   // A section of a known kind in one call.
   bool section(layout::SectionKind kind, std::span<const std::byte> bytes, DiagnosticLog& log);
+
+  // A section whose content is made from other sections: count elements, no bytes.
+  bool derived(layout::SectionKind kind, std::uint64_t count, DiagnosticLog& log);
 
   // Marks the file as one that needs `features` (layout::kFeature…) of its readers, besides those
   // that sections bring by themselves: compression and records of other sizes.

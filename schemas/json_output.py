@@ -50,6 +50,11 @@ MATERIAL = {
                                                    "fitted": "string: what was fitted", "indicative": "string: what is a guess"}),
 }
 
+STORAGE = ("of positions, normals and indices: --compress", {
+    "form": "string: none, lossless, quantised:16, meshopt, draco:14 …", "bytes": "integer: of their streams; 0 of none and lossless",
+    "position_error": "number: metres in the frame of a mesh: no vertex was moved further", "normal_error": "number: degrees: no normal was turned further",
+    "meshes_with_more_bits": "integer: than asked, for their tolerance"})
+
 OPTIONAL = lambda fields: {(name if name.endswith("?") else name + "?"): what for name, what in fields.items()}
 
 TOLERANCE = {"tolerance": "number|null: metres that were asked for", "ratio": "number|null: error by tolerance", "reason": "string: what decided it"}
@@ -74,8 +79,10 @@ COMMANDS = {
         "output": "string: the pan file", "bytes": "integer: its size", "triangles": "integer: as drawn, instances counted",
         "unique_triangles": "integer: as stored", "unique_meshes": "integer: as stored", "instances": "integer: of meshes",
         "worst_error": "number: metres, largest distance between mesh and shape",
+        "storage": STORAGE,
     },
     "import": {
+        "storage?": STORAGE,
         "format?": "string: without -o: the format of the file", "nodes?": "integer: without -o", "instances?": "integer: without -o",
         "mesh_triangles?": "integer: without -o, as stored in the file", "textures?": "integer: without -o", "joints?": "integer: without -o",
         "size?": "vec3: without -o: extent, metres",
@@ -94,7 +101,7 @@ COMMANDS = {
             "format?": "string: of a pan file, as 1.1", "compressed?": "boolean: of a pan file"}]),
     },
     "info": {
-        "file": "string: as typed", "bytes": "integer: of the pan file, or of what would be one", "format": "string: of the pan file", "compressed": "boolean: it is",
+        "file": "string: as typed", "bytes": "integer: of the pan file, or of what would be one", "format": "string: of the pan file", "compressed": "boolean: it is", "storage?": "string: of meshes stored as streams: how, and what it moved",
         "build_id": "string: 32 hexadecimal digits; equal for equal models and inputs", "version": "string: of the program that made it",
         "options": "string: that it was made with", "triangles": "integer: as drawn", "vertices": "integer: as drawn", "unique_triangles": "integer: as stored",
         "unique_vertices": "integer: as stored", "error": "number: metres, largest distance between mesh and shape",

@@ -103,6 +103,10 @@ class Parser {
     const bool value = next != nullptr &&
                        (next->size() < 2 || (*next)[0] != '-' ||
                         std::isdigit(static_cast<unsigned char>((*next)[1])) || (*next)[1] == '.');
+    if (option.bare) {
+      const bool file = value && next->find_first_of("./") != std::string::npos;
+      return value && !file ? set(option, words_[next_++]) : set(option, *option.bare);
+    }
     if (value) return set(option, words_[next_++]);
     fail(fmt::format(
         "{} needs a value: {} {}{}", option.name(), option.name(), option.type,

@@ -70,6 +70,15 @@ Argument& Argument::may_be_empty() {
   option_.may_be_empty = true;
   return *this;
 }
+Argument& Argument::bare_value(const char* value) {
+  option_.bare = value;
+  return *this;
+}
+Argument& Argument::some_of(std::initializer_list<const char*> values, Option::Check accepts) {
+  option_.choices.assign(values.begin(), values.end());
+  option_.checks.push_back(std::move(accepts));
+  return *this;
+}
 Argument& Argument::one_value() {
   assert(option_.repeatable && !option_.argument);
   return *this;

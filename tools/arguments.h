@@ -27,6 +27,7 @@ struct Option {
   bool required = false;
   bool repeatable = false;
   bool may_be_empty = false;
+  std::optional<std::string> bare;   // what it takes when no value follows; see bare_value()
   std::string alias_of;              // another spelling of this option: left out of lists
   std::vector<std::string> choices;  // all values there are; empty: others
   std::vector<const Option*> excluded;
@@ -52,6 +53,13 @@ class Argument {
   Argument& one_value();     // of a list: each occurrence brings one
   Argument& excludes(const Argument& other);
   Argument& alias_of(const Argument& other);  // which the help lists in its place
+
+  // The option may stand alone and then has this value. A word after it is its value unless it
+  // looks like a file: has a dot or a slash.
+  Argument& bare_value(const char* value);
+  // Values that are shown, completed and suggested; accepts, as of Option::Check, says which are
+  // taken.
+  Argument& some_of(std::initializer_list<const char*> values, Option::Check accepts);
 
   Argument& one_of(std::initializer_list<const char*> values);
   Argument& range(double least, double most);

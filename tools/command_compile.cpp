@@ -23,7 +23,7 @@ struct Options {
   std::string license;  // of the original tools: accepted, ignored, noted
   bool strip_sources = false;
   bool mesh_levels = false;
-  bool compress = false;
+  std::string compress;  // pan::StorageForm
 };
 
 void declare_all(Arguments& arguments, Options& options) {
@@ -40,8 +40,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments.flag("--mesh-levels", options.mesh_levels,
                  "Add coarser meshes for far views, with bounds of their error: takes seconds "
                  "for each 100000 triangles");
-  arguments.flag("--compress", options.compress,
-                 "A smaller file, slower to load, that programs of format 1.0 refuse");
+  declare_compress(arguments, options.compress);
   declare(arguments, options.read);
   declare(arguments, options.read.cache);
   declare(arguments, options.common);
@@ -120,7 +119,7 @@ int run(const Options& options, const Host& host) {
                                            {.output = output,
                                             .strip_sources = options.strip_sources,
                                             .mesh_levels = options.mesh_levels,
-                                            .compress = options.compress,
+                                            .storage = storage_of(options.compress),
                                             .check_size = true,
                                             .origin = {}},
                                            log, context.job(), &steps);
@@ -133,9 +132,11 @@ int run(const Options& options, const Host& host) {
   context.wrote(output, counted(report->triangles, "triangle") +
                             (options.mesh_levels
                                  ? fmt::format(", {} of detail", counted(report->levels, "level"))
-                                 : ""));
+                                 : "") +
+                            storage_words(options.compress, report->storage));
   context.result()["output"] = output;
   context.result().update(as_json(*report));
+  context.result()["storage"] = storage_json(options.compress, report->storage);
   return context.finish();
 }
 

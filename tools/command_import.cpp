@@ -31,8 +31,8 @@ struct Options {
   std::string report;  // .txt, .json or .html; empty: none
   CacheOption cache;
   bool mesh_levels = false;
-  bool compress = false;
-  bool force = false;  // replaces a text that somebody has edited
+  std::string compress;  // pan::StorageForm
+  bool force = false;    // replaces a text that somebody has edited
 };
 
 void declare_all(Arguments& arguments, Options& options) {
@@ -53,8 +53,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments.flag("--mesh-levels", options.mesh_levels,
                  "Add coarser meshes for far views, with bounds of their error: takes seconds "
                  "for each 100000 triangles");
-  arguments.flag("--compress", options.compress,
-                 "A smaller .pan, slower to load, that programs of format 1.0 refuse");
+  declare_compress(arguments, options.compress);
   arguments.flag("--force", options.force,
                  "Replace a .pxn that was edited, or that 'import' did not write");
   arguments
@@ -341,7 +340,7 @@ int run(const Options& options, const Host& host) {
                                              {.output = options.output,
                                               .strip_sources = false,
                                               .mesh_levels = options.mesh_levels,
-                                              .compress = options.compress,
+                                              .storage = storage_of(options.compress),
                                               .check_size = true,
                                               .origin = origin_of(options.open.cad)},
                                              log, context.job(), &found);
@@ -355,7 +354,9 @@ int run(const Options& options, const Host& host) {
         options.output,
         counted(report->triangles, "triangle") +
             (options.mesh_levels ? fmt::format(", {} of detail", counted(report->levels, "level"))
-                                 : ""));
+                                 : "") +
+            storage_words(options.compress, report->storage));
+    context.result()["storage"] = storage_json(options.compress, report->storage);
     context.result()["bytes"] = report->bytes;
     context.result()["triangles"] = report->triangles;
     context.result()["unique_triangles"] = report->unique_triangles;

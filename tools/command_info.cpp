@@ -549,6 +549,33 @@ Json sections_json(const pan::Model& model) {
   return out;
 }
 
+// "draco, 14 to 16 bits; vertices moved by 1e-05 m, normals by 0.01 deg at most".
+std::string stream_words(const pan::Model& model) {
+  const auto streams = model.mesh_streams();
+  if (streams.empty()) return {};
+  constexpr const char* kForms[] = {"plain", "meshopt", "draco"};
+  std::size_t count[3] = {};
+  std::uint32_t least = 24, most = 0;
+  double moved = 0, turned = 0;
+  for (const pan::layout::MeshStream& stream : streams) {
+    ++count[stream.form];
+    least = std::min(least, stream.position_bits);
+    most = std::max(most, stream.position_bits);
+    moved = std::max(moved, stream.position_error);
+    turned = std::max(turned, stream.normal_error);
+  }
+  std::string out;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (count[k] > 0)
+      out += fmt::format("{}{} as {}", out.empty() ? "" : ", ", plural(count[k], "mesh", "meshes"),
+                         kForms[k]);
+  if (most == 0) return out + ", floats";
+  out +=
+      least == most ? fmt::format(", {} bits", most) : fmt::format(", {} to {} bits", least, most);
+  return out + fmt::format("; vertices moved by {:.3g} m, normals by {:.3g} deg at most", moved,
+                           turned / kDegree);
+}
+
 void print_storage(const pan::Model& model) {
   std::size_t compressed = 0;
   std::uint64_t stored = 0, raw = 0;
@@ -564,6 +591,7 @@ void print_storage(const pan::Model& model) {
   if (compressed > 0)
     print("format    {}.{}, {} compressed: {} bytes instead of {}\n", model.header().major,
           model.header().minor, counted(compressed, "section"), stored, raw);
+  if (const auto words = stream_words(model); !words.empty()) print("stored    {}\n", words);
   if (!others.empty()) print("ignored   sections of this file: {}\n", others);
 }
 
@@ -622,6 +650,7 @@ int run(const Options& options, const Host& host) {
   out["bytes"] = model->bytes().size();
   out["format"] = fmt::format("{}.{}", model->header().major, model->header().minor);
   out["compressed"] = model->compressed();
+  if (const auto words = stream_words(*model); !words.empty()) out["storage"] = words;
   out["build_id"] = model->build_id().hex();
   out["version"] = model->version();
   out["options"] = model->options();

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/text.h"
+#include "tools/print.h"
 
 namespace panwright::tools {
 
@@ -49,6 +50,47 @@ void declare_max_input(Arguments& arguments, std::uint64_t& bytes) {
 void declare_root(Arguments& arguments, std::string& root) {
   arguments.add("--root", root, "Folder that included files must lie in (default: the file's)")
       .type("DIR");
+}
+
+void declare_compress(Arguments& arguments, std::string& form) {
+  const auto accepts = [](std::string& text) {
+    return pan::storage_form(text) ? std::string() : std::string(pan::kStorageForms);
+  };
+  arguments
+      .add("--compress", form,
+           "A smaller file, slower to load, that programs of format 1.0 refuse. Alone: lossless. "
+           "quantised, meshopt:16 or draco:14 keep so many bits of a coordinate, and say the error")
+      .type("FORM")
+      .bare_value("lossless")
+      .some_of({"none", "lossless", "quantised", "meshopt", "meshopt:16", "draco:11", "draco:14",
+                "draco:16"},
+               accepts);
+}
+
+pan::StorageForm storage_of(const std::string& form) {
+  return pan::storage_form(form).value_or(pan::StorageForm{});
+}
+
+std::string storage_words(const std::string& form, const compiler::StorageReport& report) {
+  const pan::StorageForm storage = storage_of(form);
+  if (!storage.streams()) return {};
+  std::string out = fmt::format(", stored as {}", pan::storage_name(storage));
+  if (storage.lossy())
+    out += fmt::format(": vertices moved by {:.3g} m, normals by {:.3g} deg at most",
+                       report.position_error, report.normal_error / kDegree);
+  if (report.meshes_with_more_bits > 0)
+    out += fmt::format("; {} with more bits, for the tolerance",
+                       plural(report.meshes_with_more_bits, "mesh", "meshes"));
+  return out;
+}
+
+nlohmann::ordered_json storage_json(const std::string& form,
+                                    const compiler::StorageReport& report) {
+  return {{"form", pan::storage_name(storage_of(form))},
+          {"bytes", report.bytes},
+          {"position_error", report.position_error},
+          {"normal_error", report.normal_error / kDegree},
+          {"meshes_with_more_bits", report.meshes_with_more_bits}};
 }
 
 void declare(Arguments& arguments, ReadOptions& read) {

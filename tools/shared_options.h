@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,13 @@ struct CacheOption {
   std::filesystem::path folder() const;  // for OpenOptions::cache
 };
 void declare(Arguments& arguments, CacheOption& cache);
+
+// --compress: a pan::StorageForm, "" without the option.
+void declare_compress(Arguments& arguments, std::string& form);
+pan::StorageForm storage_of(const std::string& form);
+// "draco:14, moved by 1.2e-05 m and 0.011 deg at most"; empty: not stored as streams.
+std::string storage_words(const std::string& form, const compiler::StorageReport& report);
+nlohmann::ordered_json storage_json(const std::string& form, const compiler::StorageReport& report);
 
 // Options of what reads models.
 struct ReadOptions {

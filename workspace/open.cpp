@@ -316,7 +316,7 @@ Result<compiler::Report> write_pan(scene::Scene& scene, const OpenOptions& optio
   compiler::Options compile = compile_options(options);
   compile.strip_sources = write.strip_sources;
   compile.mesh_levels = write.mesh_levels;
-  compile.compress = write.compress;
+  compile.storage = write.storage;
   compile.origin += write.origin;
   compile.check_size = write.check_size && guessed_units(log) == 0 && !log.has_errors();
   const auto done = compiler::compile(scene, compile, write.output, log, job);

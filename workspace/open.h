@@ -125,7 +125,7 @@ struct WriteOptions {
   std::string output;  // .pan; "-": standard output
   bool strip_sources = false;
   bool mesh_levels = false;  // compiler::Options
-  bool compress = false;     // pan::WriteOptions
+  pan::StorageForm storage;  // compiler::Options
   bool check_size = false;   // W2022, W2023, unless the log has W6006 or errors
   std::string origin;        // import options that the inputs do not record
 };

@@ -1,5 +1,7 @@
 #include "compiler/internal/jobs.h"
 
+#include "compiler/internal/storage.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -88,7 +90,8 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
 
 geometry::TessellationOptions tessellation_of(const MeshJob& job, const Options& options) {
   geometry::TessellationOptions out;
-  out.max_error = job.max_error;
+  // storage in few bits has its share of the tolerance
+  out.max_error = job.max_error * (options.storage.lossy() ? 1 - kStorageShare : 1);
   out.max_triangles = options.max_triangles;
   out.texcoords = job.textured && !job.projected();
   out.edge_segments = job.edge_segments;

@@ -11,15 +11,14 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "compiler/internal/shared_borders.h"
 #include "geometry/mesh/levels.h"
 
 namespace panwright::compiler::internal {
 namespace {
 
 constexpr std::size_t kLeastTriangles = 512;
-constexpr double kPixels = 0.25;         // what a level may be off where no budget says it
-constexpr double kSamePlace = 1e-6;      // of the model's diagonal
-constexpr std::size_t kMost = 1u << 24;  // vertices of all instances whose borders are compared
+constexpr double kPixels = 0.25;  // what a level may be off where no budget says it
 
 Vec3 position(const pan::PackedMesh& mesh, std::size_t vertex) {
   const float* p = &mesh.positions[3 * vertex];
@@ -53,6 +52,8 @@ pan::PackedMesh packed_level(const pan::PackedMesh& full, const geometry::Mesh& 
   out.origin = full.origin;
   out.error = full.error + mesh.error;
   out.closed = full.closed && mesh.closed;
+  // its vertices are some of the mesh's: they lie on the same grid
+  out.stream = full.stream;
   const auto add = [](std::vector<float>& to, const auto& from) {
     for (const auto& v : from)
       for (int k = 0; k < v.length(); ++k) to.push_back(static_cast<float>(v[k]));
@@ -65,86 +66,6 @@ pan::PackedMesh packed_level(const pan::PackedMesh& full, const geometry::Mesh& 
     out.indices.insert(out.indices.end(), t.begin(), t.end());
   return out;
 }
-
-// V: whether an edge of one triangle ends there. Vertices at equal positions count as one.
-std::vector<char> borders(const pan::PackedMesh& mesh) {
-  using Place = std::array<float, 3>;
-  std::vector<std::uint32_t> order(mesh.vertex_count());
-  for (std::uint32_t v = 0; v < order.size(); ++v) order[v] = v;
-  const auto place = [&](std::uint32_t v) {
-    return Place{mesh.positions[3 * v], mesh.positions[3 * v + 1], mesh.positions[3 * v + 2]};
-  };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const Place p = place(a), q = place(b);
-    return p != q ? p < q : a < b;
-  });
-  std::vector<std::uint32_t> first(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    first[order[i]] =
-        i > 0 && place(order[i]) == place(order[i - 1]) ? first[order[i - 1]] : order[i];
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-  for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = first[mesh.indices[i + k]];
-      const std::uint32_t b = first[mesh.indices[i + (k + 1) % 3]];
-      if (a != b) edges.emplace_back(std::min(a, b), std::max(a, b));
-    }
-  std::sort(edges.begin(), edges.end());
-  std::vector<char> at(mesh.vertex_count());
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    while (end < edges.size() && edges[end] == edges[i]) ++end;
-    if (end == i + 1) at[edges[i].first] = at[edges[i].second] = 1;
-    i = end;
-  }
-  for (std::size_t v = 0; v < at.size(); ++v) at[v] = at[first[v]];
-  return at;
-}
-
-// Places where borders of instances are, in cells of a grid.
-class Meetings {
- public:
-  explicit Meetings(double tolerance) : cell_(4 * tolerance) {}
-
-  void add(const Vec3& p, std::uint32_t instance) {
-    const auto [found, added] = cells_.try_emplace(key(p), instance);
-    if (!added && found->second != instance) found->second = kSeveral;
-  }
-
-  // Whether another instance's border is next to a place: within the tolerance, or a few times it.
-  bool meets(const Vec3& p, std::uint32_t instance) const {
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 off(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-      const auto found = cells_.find(key(p + 0.25 * cell_ * off));
-      if (found != cells_.end() && found->second != instance) return true;
-    }
-    return false;
-  }
-
- private:
-  static constexpr std::uint32_t kSeveral = 0xffffffffu;
-  using Cell = std::array<std::int64_t, 3>;
-  struct Hash {
-    std::size_t operator()(const Cell& c) const {
-      std::uint64_t h = 0x9e3779b97f4a7c15ull;
-      for (const std::int64_t k : c) {
-        h = (h ^ static_cast<std::uint64_t>(k)) * 0xff51afd7ed558ccdull;
-        h ^= h >> 32;
-      }
-      return static_cast<std::size_t>(h);
-    }
-  };
-  Cell key(const Vec3& p) const {
-    Cell out;
-    // note: places are within the model, so 1e6 cells each way
-    for (int k = 0; k < 3; ++k)
-      out[static_cast<std::size_t>(k)] = static_cast<std::int64_t>(std::floor(p[k] / cell_));
-    return out;
-  }
-
-  double cell_;
-  std::unordered_map<Cell, std::uint32_t, Hash> cells_;
-};
 
 class MeshLevels {
  public:
@@ -207,52 +128,13 @@ class MeshLevels {
     }
   }
 
-  Vec3 in_world(std::uint32_t instance, std::size_t vertex) const {
-    const pan::PackedMesh& mesh = out_.meshes[out_.instances[instance].mesh];
-    return Vec3(world_[instance] * Vec4(mesh.origin + position(mesh, vertex), 1));
-  }
-
   void find_shared() {
-    std::size_t vertices = 0;
-    for (const pan::InstanceContent& instance : out_.instances)
-      vertices += out_.meshes[instance.mesh].vertex_count();
-    if (vertices > kMost) {
-      for (Chosen& chosen : chosen_) chosen.shared.assign(vertex_count(chosen), 1);
-      return;
-    }
-    std::vector<char> used(out_.meshes.size());
-    for (const pan::InstanceContent& instance : out_.instances) used[instance.mesh] = 1;
-    std::vector<std::vector<char>> border(out_.meshes.size());
-    parallel_for(
-        border.size(),
-        [&](std::size_t i) {
-          if (used[i]) border[i] = borders(out_.meshes[i]);
-        },
-        job_);
-    Vec3 low(HUGE_VAL), high(-HUGE_VAL);
-    const auto each = [&](std::uint32_t i, const auto& visit) {
-      const std::vector<char>& at = border[out_.instances[i].mesh];
-      for (std::size_t v = 0; v < at.size(); ++v)
-        if (at[v]) visit(v, in_world(i, v));
-    };
-    const auto count = static_cast<std::uint32_t>(out_.instances.size());
-    for (std::uint32_t i = 0; i < count; ++i)
-      each(i, [&](std::size_t, const Vec3& p) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-      });
-    const double diagonal = glm::length(high - low);
-    if (!(diagonal > 0 && diagonal < HUGE_VAL)) return;
-    Meetings meetings(kSamePlace * diagonal);
-    for (std::uint32_t i = 0; i < count; ++i)
-      each(i, [&](std::size_t, const Vec3& p) { meetings.add(p - low, i); });
-    for (Chosen& chosen : chosen_) {
-      chosen.shared.assign(vertex_count(chosen), 0);
-      for (const std::uint32_t i : chosen.instances)
-        each(i, [&](std::size_t v, const Vec3& p) {
-          if (!chosen.shared[v] && meetings.meets(p - low, i)) chosen.shared[v] = 1;
-        });
-    }
+    std::vector<PlacedMesh> placed;
+    for (std::uint32_t i = 0; i < out_.instances.size(); ++i)
+      placed.push_back({out_.instances[i].mesh, i});
+    const auto shared = shared_borders(out_.meshes, placed, world_, job_);
+    for (Chosen& chosen : chosen_)
+      chosen.shared = shared ? (*shared)[chosen.mesh] : std::vector<char>(vertex_count(chosen), 1);
   }
 
   std::size_t vertex_count(const Chosen& chosen) const {

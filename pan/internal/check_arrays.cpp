@@ -273,6 +273,21 @@ std::optional<Problem> unpack_array(Model& model, const layout::DirectoryEntry& 
   return {};
 }
 
+// Checks an array that was made from streams, block by block.
+void check_derived(const Model& model, const layout::DirectoryEntry& entry, Problems& problems,
+                   const Job& job) {
+  const std::uint64_t block = layout::kHashBlock / entry.stride;
+  std::vector<Found> found(block_count(entry.raw_length));
+  parallel_for(
+      found.size(),
+      [&](std::size_t i) {
+        check_elements(model, SectionKind{entry.kind}, i * block,
+                       std::min((i + 1) * block, entry.count), found[i]);
+      },
+      job);
+  describe_all(model, entry, found, problems);
+}
+
 }  // namespace
 
 std::string section_words(const layout::DirectoryEntry& entry) {
@@ -307,10 +322,15 @@ Problems section_problems(const Model& model, Part part, bool contents, const Jo
 }
 
 Problems unpack_arrays(Model& model, const Job& job) {
-  Problems problems;
+  Problems problems = unpack_streams(model, job);
+  if (!problems.empty()) return problems;
   for (const layout::DirectoryEntry& entry : model.directory()) {
     if (!model.reads(entry) || !is_array(entry.kind) || !has_codec(entry)) continue;
     try {
+      if (is_derived(entry)) {
+        check_derived(model, entry, problems, job);
+        continue;
+      }
       if (auto problem = unpack_array(model, entry, problems, job)) {
         Unpacked::drop(model, SectionKind{entry.kind});
         problems.push_back(*std::move(problem));

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "pan/internal/identity.h"
 #include "pan/internal/material_limits.h"
+#include "pan/internal/mesh_stream.h"
 #include "pan/internal/report.h"
 #include "pan/internal/scan.h"
 
@@ -529,6 +530,36 @@ std::optional<Problem> build_problem(const Model& model) {
   return {};
 }
 
+// Streams follow one another, and each is long enough for its mesh.
+std::optional<Problem> stream_problem(const Model& model) {
+  const auto streams = model.mesh_streams();
+  if (!model.entry(SectionKind::mesh_streams)) return {};
+  if (streams.size() != model.meshes().size())
+    return Problem{Code::E4010,
+                   fmt::format("there are {} for {} meshes", counted(streams.size(), "mesh stream"),
+                               model.meshes().size())};
+  std::uint64_t end = 0;
+  const std::uint64_t bytes = count_of(model, SectionKind::stream_bytes);
+  for (std::size_t i = 0; i < streams.size(); ++i) {
+    const layout::MeshStream& stream = streams[i];
+    const layout::Mesh& mesh = model.meshes()[i];
+    const std::uint64_t raw =
+        streamed_bytes({mesh.vertex_count, mesh.triangle_count, mesh.index_size});
+    if (stream.offset != end || stream.length > bytes - end || stream.length % 4 != 0)
+      return Problem{
+          Code::E4010,
+          fmt::format("mesh_streams[{}] has the bytes {} to {}, expected to begin at {} of {}", i,
+                      stream.offset, stream.offset + stream.length, end, bytes)};
+    if (raw / layout::kMaxStreamed > stream.length)
+      return Problem{Code::E4010,
+                     fmt::format("mesh_streams[{}] has {} bytes, too few for {} of its mesh", i,
+                                 stream.length, raw)};
+    end += stream.length;
+  }
+  if (end == bytes) return {};
+  return Problem{Code::E4010, fmt::format("mesh streams end at byte {} of {}", end, bytes)};
+}
+
 }  // namespace
 
 Problems table_problems(const Model& model) {
@@ -547,6 +578,7 @@ Problems table_problems(const Model& model) {
   add(material_problem(model));
   add(frame_problem(model));
   add(need_problem(model));
+  add(stream_problem(model));
   add(decal_problem(model));
   add(level_problem(model));
   if (problems.empty()) add(joints_problem(model));

@@ -46,6 +46,11 @@ inline bool has_codec(const layout::DirectoryEntry& entry) {
   return entry.codec != static_cast<std::uint32_t>(layout::Codec::none);
 }
 
+// Whether it holds no bytes, but is made from mesh streams.
+inline bool is_derived(const layout::DirectoryEntry& entry) {
+  return entry.codec == static_cast<std::uint32_t>(layout::Codec::streams);
+}
+
 // Whether a section is one of the big arrays, which tables are checked before; unknown ones too.
 inline bool is_array(std::uint32_t kind) {
   using layout::SectionKind;
@@ -72,6 +77,12 @@ Problems section_problems(const Model& model, Part part, bool contents, const Jo
 //
 // Expects: neither section_problems nor table_problems found anything.
 Problems unpack_arrays(Model& model, const Job& job);
+
+// Makes positions, normals and indices from the streams of meshes, and checks nothing of what comes
+// out. On a problem they have no contents.
+//
+// Expects: neither section_problems nor table_problems found anything.
+Problems unpack_streams(Model& model, const Job& job);
 
 // Unpacks the compressed tables, and brings records of other sizes to the size that they have here.
 // On a problem of a section it has no contents.

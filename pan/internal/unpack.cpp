@@ -8,6 +8,7 @@
 #include <new>
 
 #include "base/parallel.h"
+#include "pan/internal/mesh_stream.h"
 #include "pan/internal/report.h"
 
 namespace panwright::pan::internal {
@@ -160,6 +161,48 @@ Problems unpack_tables(Model& model, const Job& job) {
     }
   }
   return problems;
+}
+
+Problems unpack_streams(Model& model, const Job& job) {
+  const auto streams = model.mesh_streams();
+  const auto meshes = model.meshes();
+  if (streams.empty()) return {};
+  std::span<std::byte> to[3];
+  constexpr SectionKind kKinds[] = {SectionKind::positions, SectionKind::normals,
+                                    SectionKind::indices};
+  const auto drop = [&] {
+    for (const SectionKind kind : kKinds) Unpacked::drop(model, kind);
+  };
+  for (std::size_t k = 0; k < 3; ++k) {
+    const DirectoryEntry& entry = *model.entry(kKinds[k]);
+    to[k] = Unpacked::make(model, kKinds[k], entry.raw_length);
+    if (!to[k].empty()) continue;
+    drop();
+    return {no_memory(entry, entry.raw_length)};
+  }
+  std::vector<char> sound(meshes.size());
+  try {
+    parallel_for(
+        meshes.size(),
+        [&](std::size_t i) {
+          const layout::Mesh& mesh = meshes[i];
+          const std::size_t vertex = std::size_t{12} * mesh.first_vertex;
+          sound[i] = decode(
+              streams[i], {mesh.vertex_count, mesh.triangle_count, mesh.index_size},
+              model.stream_bytes().subspan(streams[i].offset, streams[i].length),
+              {reinterpret_cast<float*>(to[0].data() + vertex),
+               reinterpret_cast<float*>(to[1].data() + vertex), to[2].data() + mesh.index_offset});
+        },
+        job);
+  } catch (const Cancelled&) {
+    drop();
+    throw;
+  }
+  const auto bad = std::find(sound.begin(), sound.end(), 0);
+  if (bad == sound.end()) return {};
+  drop();
+  return {Problem{Code::E4015,
+                  fmt::format("the stream of meshes[{}] is damaged", bad - sound.begin())}};
 }
 
 }  // namespace panwright::pan::internal

@@ -26,6 +26,7 @@ inline constexpr std::uint64_t kMaxShortVertices = 65535;  // vertices of a mesh
 inline constexpr std::uint64_t kMaxRecordBytes = 4096;  // bytes of a record of a table, whatever later versions add to it
 inline constexpr std::uint64_t kMaxCompression = 256;  // a compressed section has at most so many times its stored bytes: what a reader must allocate is bounded by the file
 inline constexpr std::uint64_t kMaxUnpackedBytes = 17179869184;  // bytes of all compressed and converted sections of a file together, as a reader unpacks them
+inline constexpr std::uint64_t kMaxStreamed = 32;  // positions, normals and indices of a mesh have at most so many times the bytes of its stream
 
 // The BRDF model of the diffuse part of a material.
 enum class DiffuseModel : std::uint32_t {
@@ -73,6 +74,14 @@ enum class JointKind : std::uint32_t {
 enum class Codec : std::uint32_t {
   none = 0,  // as they are
   chunks = 1,  // in chunks, each as its ChunkForm says
+  streams = 2,  // not at all: positions, normals and indices are made from `mesh_streams`
+};
+
+// How the stream of a mesh is coded; see Mesh streams.
+enum class StreamForm : std::uint32_t {
+  plain = 0,  // arrays as they are
+  meshopt = 1,  // as meshoptimizer's vertex and index codecs write them
+  draco = 2,  // one Draco mesh
 };
 
 // How a chunk of a compressed section is stored; see Compression.
@@ -99,7 +108,8 @@ inline constexpr std::uint32_t kFeatureCompressed = 1u << 0;  // sections have a
 inline constexpr std::uint32_t kFeatureRecordSizes = 1u << 1;  // records have other sizes than in format 1.0
 inline constexpr std::uint32_t kFeatureBrdfRetroreflector = 1u << 2;  // a material has the BRDF retroreflector
 inline constexpr std::uint32_t kFeatureJointValues = 1u << 3;  // joints begin with values that move something: a reader that does not know them would draw another model
-inline constexpr std::uint64_t kKnownRequiredFeatures = 0x0000000fu;
+inline constexpr std::uint32_t kFeatureMeshStreams = 1u << 4;  // positions, normals and indices are stored as streams, mesh by mesh
+inline constexpr std::uint64_t kKnownRequiredFeatures = 0x0000001fu;
 
 // Bits of DirectoryEntry.flags.
 inline constexpr std::uint32_t kSectionOptional = 1u << 0;  // a reader that does not know the kind ignores the section
@@ -605,6 +615,36 @@ static_assert(offsetof(Joint, flags) == 292);
 static_assert(offsetof(Joint, gimbal) == 296);
 static_assert(offsetof(Joint, name) == 300);
 
+// How positions, normals and indices of a mesh are stored; see Mesh streams.
+struct MeshStream {
+  double low[3];  // m: position of the code 0 0 0, relative to the mesh's origin
+  double step;  // m: between two codes
+  double position_error;  // m: no vertex was moved further when it was stored; Mesh.error holds it
+  double normal_error;  // rad: no normal was turned further when it was stored
+  // bytes: place of the stream in stream_bytes: 0, or the end of the one before
+  std::uint64_t offset;
+  std::uint64_t length;  // bytes: a multiple of 4
+  std::uint32_t form;  // StreamForm
+  std::uint32_t position_bits;  // of a code of a position; 0: floats
+  std::uint32_t normal_bits;  // of each of the two codes of a normal, at least 2; 0: floats
+  std::uint32_t exact_positions;  // vertices whose positions are stored as floats besides
+  std::uint32_t exact_normals;  // vertices whose normals are
+  std::uint32_t reserved;  // 0
+};
+static_assert(sizeof(MeshStream) == 88);
+static_assert(offsetof(MeshStream, low) == 0);
+static_assert(offsetof(MeshStream, step) == 24);
+static_assert(offsetof(MeshStream, position_error) == 32);
+static_assert(offsetof(MeshStream, normal_error) == 40);
+static_assert(offsetof(MeshStream, offset) == 48);
+static_assert(offsetof(MeshStream, length) == 56);
+static_assert(offsetof(MeshStream, form) == 64);
+static_assert(offsetof(MeshStream, position_bits) == 68);
+static_assert(offsetof(MeshStream, normal_bits) == 72);
+static_assert(offsetof(MeshStream, exact_positions) == 76);
+static_assert(offsetof(MeshStream, exact_normals) == 80);
+static_assert(offsetof(MeshStream, reserved) == 84);
+
 // What made the file.
 struct Build {
   std::uint32_t version;  // name and version of the program
@@ -642,8 +682,10 @@ enum class SectionKind : std::uint32_t {
   sheets = 22,
   levels = 23,
   joints = 24,
+  mesh_streams = 25,
+  stream_bytes = 26,
 };
-inline constexpr std::size_t kSectionKinds = 24;
+inline constexpr std::size_t kSectionKinds = 26;
 
 struct SectionInfo {
   SectionKind kind;
@@ -681,6 +723,8 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
     {SectionKind::sheets, "sheets", 160, 160, 8, true, true},
     {SectionKind::levels, "levels", 32, 32, 8, true, true},
     {SectionKind::joints, "joints", 304, 304, 8, true, true},
+    {SectionKind::mesh_streams, "mesh_streams", 88, 88, 8, true, true},
+    {SectionKind::stream_bytes, "stream_bytes", 1, 1, 1, false, true},
 };
 
 // A kind that a later format will define: a file may hold it as one that readers may ignore.
@@ -690,7 +734,7 @@ struct ReservedKind {
 };
 
 inline constexpr std::array<ReservedKind, 1> kReservedKinds{{
-    {25, "lights"},
+    {27, "lights"},
 }};
 
 enum class FieldType { u8, u16, u32, i32, u64, f32, f64 };
@@ -1032,6 +1076,30 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::reference_or_none, SectionKind::joints, 0, 0},
     {SectionKind::joints, "name", 300, FieldType::u32, 1,
      FieldRuleKind::reference, SectionKind::string_offsets, 0, 0},
+    {SectionKind::mesh_streams, "low", 0, FieldType::f64, 3,
+     FieldRuleKind::finite, SectionKind::build, 0, 0},
+    {SectionKind::mesh_streams, "step", 24, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::mesh_streams, "position_error", 32, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::mesh_streams, "normal_error", 40, FieldType::f64, 1,
+     FieldRuleKind::not_negative, SectionKind::build, 0, 0},
+    {SectionKind::mesh_streams, "offset", 48, FieldType::u64, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::mesh_streams, "length", 56, FieldType::u64, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::mesh_streams, "form", 64, FieldType::u32, 1,
+     FieldRuleKind::range, SectionKind::build, 0u, 2u},
+    {SectionKind::mesh_streams, "position_bits", 68, FieldType::u32, 1,
+     FieldRuleKind::range, SectionKind::build, 0u, 24u},
+    {SectionKind::mesh_streams, "normal_bits", 72, FieldType::u32, 1,
+     FieldRuleKind::range, SectionKind::build, 0u, 16u},
+    {SectionKind::mesh_streams, "exact_positions", 76, FieldType::u32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::mesh_streams, "exact_normals", 80, FieldType::u32, 1,
+     FieldRuleKind::any, SectionKind::build, 0, 0},
+    {SectionKind::mesh_streams, "reserved", 84, FieldType::u32, 1,
+     FieldRuleKind::zero, SectionKind::build, 0, 0},
 };
 
 // A required feature and the minor version that added it.
@@ -1041,11 +1109,12 @@ struct FeatureInfo {
   const char* name;
 };
 
-inline constexpr std::array<FeatureInfo, 4> kRequiredFeatures{{
+inline constexpr std::array<FeatureInfo, 5> kRequiredFeatures{{
     {kFeatureCompressed, 1, "Compressed"},
     {kFeatureRecordSizes, 1, "RecordSizes"},
     {kFeatureBrdfRetroreflector, 1, "BrdfRetroreflector"},
     {kFeatureJointValues, 1, "JointValues"},
+    {kFeatureMeshStreams, 1, "MeshStreams"},
 }};
 
 // What a field is taken for where the records of a file are too short to hold it; exact.

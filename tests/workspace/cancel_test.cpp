@@ -85,8 +85,8 @@ TEST(Cancel, ACompilationWritesAWholeFileOrNone) {
         auto scene = read_scene(kExamples + "cubesat/cubesat.pxn", {}, log, job);
         if (!scene) return false;
         if (!write_pan(*scene, {},
-                       {.output = output, .strip_sources = false, .compress = false, .origin = {}},
-                       log, job))
+                       {.output = output, .strip_sources = false, .storage = {}, .origin = {}}, log,
+                       job))
           return false;
         if (whole.empty()) whole = support::contents(output);
         EXPECT_TRUE(support::contents(output) == whole);

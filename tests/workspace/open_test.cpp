@@ -70,7 +70,7 @@ TEST(Open, ACadFileLosesWhatTheProgramTakesAway) {
   EXPECT_GT(report.mesh_report->total.triangles_before, 0u);
   const auto done = write_pan(
       imported->scene, {},
-      {.output = folder / "a.pan", .strip_sources = false, .compress = false, .origin = " assume="},
+      {.output = folder / "a.pan", .strip_sources = false, .storage = {}, .origin = " assume="},
       log);
   ASSERT_TRUE(done) << to_text(log);
   EXPECT_TRUE(support::contents(folder / "a.pan") == written({"import", relay}, folder / "b.pan"));
