@@ -581,7 +581,7 @@ void print_storage(const pan::Model& model) {
   std::uint64_t stored = 0, raw = 0;
   std::string others;
   for (const pan::layout::DirectoryEntry& entry : model.directory()) {
-    if (entry.codec != 0) {
+    if (entry.codec == static_cast<std::uint32_t>(pan::layout::Codec::chunks)) {
       ++compressed;
       stored += entry.stored_length;
       raw += entry.raw_length;

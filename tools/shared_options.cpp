@@ -5,7 +5,6 @@
 #include <set>
 
 #include "base/text.h"
-#include "tools/print.h"
 
 namespace panwright::tools {
 
@@ -80,7 +79,9 @@ std::string storage_words(const std::string& form, const compiler::StorageReport
                        report.position_error, report.normal_error / kDegree);
   if (report.meshes_with_more_bits > 0)
     out += fmt::format("; {} with more bits, for the tolerance",
-                       plural(report.meshes_with_more_bits, "mesh", "meshes"));
+                       report.meshes_with_more_bits == 1
+                           ? "1 mesh"
+                           : fmt::format("{} meshes", report.meshes_with_more_bits));
   return out;
 }
 

@@ -132,7 +132,7 @@ class MeshLevels {
     std::vector<PlacedMesh> placed;
     for (std::uint32_t i = 0; i < out_.instances.size(); ++i)
       placed.push_back({out_.instances[i].mesh, i});
-    const auto shared = shared_borders(out_.meshes, placed, world_, job_);
+    const auto shared = shared_borders(out_.meshes, placed, world_, Compared::borders, job_);
     for (Chosen& chosen : chosen_)
       chosen.shared = shared ? (*shared)[chosen.mesh] : std::vector<char>(vertex_count(chosen), 1);
   }

@@ -103,7 +103,7 @@ class Meetings {
 
 std::optional<std::vector<std::vector<char>>> shared_borders(
     const std::vector<pan::PackedMesh>& meshes, std::span<const PlacedMesh> placed,
-    std::span<const Mat4> world, const Job& job) {
+    std::span<const Mat4> world, Compared compared, const Job& job) {
   std::vector<std::vector<char>> shared(meshes.size()), border(meshes.size());
   std::vector<char> used(meshes.size());
   std::size_t vertices = 0;
@@ -116,7 +116,9 @@ std::optional<std::vector<std::vector<char>>> shared_borders(
   parallel_for(
       border.size(),
       [&](std::size_t i) {
-        if (used[i]) border[i] = borders(meshes[i]);
+        if (used[i])
+          border[i] = compared == Compared::all ? std::vector<char>(meshes[i].vertex_count(), 1)
+                                                : borders(meshes[i]);
       },
       job);
   const auto each = [&](const PlacedMesh& at, const auto& visit) {

@@ -17,13 +17,17 @@ struct PlacedMesh {
   std::uint32_t instance = 0;
 };
 
+// Which vertices are compared.
+enum class Compared { borders, all };
+
 // Of each mesh V: whether a vertex is on an open border that lies on one of another instance, to
-// 1e-6 of the model's diagonal. Nothing: there are too many vertices to compare.
+// 1e-6 of the model's diagonal; of all: whether a vertex lies on one of another instance. Nothing:
+// there are too many vertices to compare.
 //
 //   world  world_from_node of each instance
 // Cost: O(V log V) of the meshes, O(placed vertices).
 std::optional<std::vector<std::vector<char>>> shared_borders(
     const std::vector<pan::PackedMesh>& meshes, std::span<const PlacedMesh> placed,
-    std::span<const Mat4> world, const Job& job);
+    std::span<const Mat4> world, Compared compared, const Job& job);
 
 }  // namespace panwright::compiler::internal

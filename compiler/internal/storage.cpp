@@ -23,7 +23,7 @@ void snap_meshes(const scene::Scene& scene, const pan::StorageForm& form,
   if (!tolerances.empty())
     for (const PlacedMesh& at : placed)
       most[at.mesh] = std::min(most[at.mesh], kStorageShare * tolerances[at.instance]);
-  const auto shared = shared_borders(out.meshes, placed, world, job);
+  const auto shared = shared_borders(out.meshes, placed, world, Compared::all, job);
   const std::uint32_t normals = pan::normal_bits(form);
   std::vector<std::uint32_t> bits(out.meshes.size());
   parallel_for(

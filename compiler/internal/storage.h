@@ -15,7 +15,7 @@ namespace panwright::compiler::internal {
 inline constexpr double kStorageShare = 0.25;
 
 // Moves the vertices of all meshes to grids of form.bits, or of as many more as a mesh's tolerance
-// asks for; floats stay where 24 do not do. Vertices on borders that other instances continue stay
+// asks for; floats stay where 24 do not do. Vertices that lie on those of other instances stay
 // where they are: no crack opens. Errors of meshes and levels grow by what moved.
 //
 //   tolerances  of instances, in the frame of their meshes, metres; empty: there is no budget
