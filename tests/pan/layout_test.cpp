@@ -142,7 +142,7 @@ TEST(Layout, StrangersCanReadTheFrameOfTheFile) {
     end += stored;
   }
   EXPECT_EQ(end, directory);
-  EXPECT_EQ(kinds.size(), layout::kSectionKinds);
+  EXPECT_EQ(kinds.size(), support::kSampleSections);
 }
 
 TEST(Layout, HashOfManyBlocksIsTheHashOfTheirHashes) {

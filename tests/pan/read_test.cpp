@@ -235,7 +235,7 @@ TEST(Read, UnknownOptionalSectionsAreIgnored) {
   file.header().minor = 3;
   file.seal();
   const Model model = load(file.bytes());
-  EXPECT_EQ(model.directory().size(), layout::kSectionKinds + 2);
+  EXPECT_EQ(model.directory().size(), support::kSampleSections + 2);
   EXPECT_EQ(model.meshes().size(), 2u);
 }
 
@@ -244,7 +244,7 @@ TEST(Read, DamageInAnUnknownSectionIsFound) {
   file.add_section(1000, true, 1, std::vector<std::byte>(128, std::byte{7}));
   file.seal();
   std::vector<std::byte> bytes = file.bytes();
-  bytes[file.entry(layout::kSectionKinds).offset + 100] ^= std::byte{1};
+  bytes[file.entry(support::kSampleSections).offset + 100] ^= std::byte{1};
   DiagnosticLog log;
   auto model = Model::from_bytes(bytes, "x", log);
   ASSERT_TRUE(model);

@@ -143,10 +143,10 @@ void directory(Collection& add) {
   });
   add.changed(Code::E4008, "a block of padding", [](OpenPan& f) {
     f.add_section(1000, true, 1, std::vector<std::byte>(128));
-    f.entry(kSectionKinds).count = f.entry(kSectionKinds).raw_length = 64;
+    f.entry(kSampleSections).count = f.entry(kSampleSections).raw_length = 64;
   });
   add.changed(Code::E4008, "more sections than the limit", [](OpenPan& f) {
-    for (std::size_t i = kSectionKinds; i <= kMaxSections; ++i) f.add_section(1000, true, 1, {});
+    for (std::size_t i = kSampleSections; i <= kMaxSections; ++i) f.add_section(1000, true, 1, {});
   });
   add.raw(Code::E4008, "a directory off its alignment, its length right", [] {
     std::vector<std::byte> bytes = small_pan();

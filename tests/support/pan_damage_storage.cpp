@@ -133,7 +133,7 @@ void compression(Collection& add) {
   });
   add.changed(Code::E4004, "a codec of a later format", [&](OpenPan& f) {
     set_packing(f, {frame, {kZstd | length}});
-    f.entry(SectionKind::texels).codec = 2;
+    f.entry(SectionKind::texels).codec = 3;
   });
   add.changed(
       Code::E4009, "a changed chunk",

@@ -13,6 +13,8 @@ namespace panwright::support {
 // a 2 x 3 texture, a frame, sources, inputs, a budget, two keypoints and two decals.
 pan::Contents small_contents();
 std::vector<std::byte> small_pan();
+// Sections of it: all kinds but those of mesh streams.
+inline constexpr std::size_t kSampleSections = pan::layout::kSectionKinds - 2;
 
 // A sheet of 24 x 24 quads, a row of nodes with frames, and a texture: small, and most sections are
 // long and regular enough to be compressed.
