@@ -80,7 +80,7 @@ void run_compressed(Context& context, std::uint32_t side) {
   DiagnosticLog log;
   const scene::Scene scene = sphere_scene({side, side}, lambert_material(0.8));
   compiler::Options packing;
-  packing.compress = true;
+  packing.storage.kind = pan::StorageForm::Kind::lossless;
   const auto plain = compiler::compiled(scene, {}, log);
   const auto packed = compiler::compiled(scene, packing, log);
   const auto plain_path = context.scratch() / "plain.pan",

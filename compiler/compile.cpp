@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "compiler/internal/decals.h"
+#include "compiler/internal/fit.h"
 #include "compiler/internal/foil_levels.h"
 #include "compiler/internal/jobs.h"
 #include "compiler/internal/mesh_levels.h"
@@ -20,6 +21,7 @@
 #include "geometry/tessellate/mapping.h"
 #include "geometry/tessellate/tessellate.h"
 #include "materials/report.h"
+#include "pan/model.h"
 #include "pan/writer.h"
 
 namespace panwright::compiler {
@@ -58,7 +60,8 @@ pan::PackedMesh packed_shape(const geometry::Shape& shape, geometry::Mesh& mesh,
 struct Product {
   std::vector<std::optional<pan::PackedMesh>> meshes;
   std::vector<std::optional<pan::DecalContent>> decals;
-  std::vector<char> hidden;  // decals that are not visible
+  std::vector<char> hidden;     // decals that are not visible
+  std::vector<double> seconds;  // of each job
 };
 
 void place_decals(const scene::Scene& scene, const MeshJob& job, const geometry::Mesh& mesh,
@@ -123,6 +126,7 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
   const std::vector<MeshJob>& jobs = plan.jobs;
   Product out;
   out.meshes.resize(jobs.size());
+  out.seconds.resize(jobs.size());
   out.decals.resize(scene.decals.size());
   out.hidden.resize(scene.decals.size());
   std::vector<DiagnosticLog> logs(jobs.size());
@@ -145,7 +149,9 @@ Product make_all(const scene::Scene& scene, const Plan& plan, const Options& opt
   }
   Phase phase(job, "tessellating", jobs.size());
   const auto make = [&](std::size_t i) {
+    const auto start = Clock::now();
     if (allowed[i]) make_job(scene, plan, i, options, out, logs[i]);
+    out.seconds[i] = seconds_since(start);
     phase.advance();
   };
   parallel_for(jobs.size(), make, job);
@@ -350,10 +356,79 @@ void describe_sheets(const scene::Scene& scene, const Plan& plan,
   }
 }
 
-pan::Contents contents_of(const scene::Scene& scene, const Options& options, Report& report,
+// Jobs of meshes that were made to a tolerance are made to it.
+void note_tolerances(const scene::Scene& scene, const internal::Fitted& fitted, Plan& plan) {
+  for (std::size_t i = 0; i < scene.instances.size() && !fitted.made_to.empty(); ++i) {
+    const auto& made_to = fitted.made_to[static_cast<std::size_t>(scene.instances[i].shape)];
+    if (!made_to) continue;
+    MeshJob& job = plan.jobs[plan.job_of[i]];
+    job.max_error = made_to->metres;
+    job.reason = made_to->reason;
+  }
+}
+
+// Rows of meshes that instances show.
+std::vector<PartReport> parts_of(const scene::Scene& scene, const internal::Fitted& fitted,
+                                 const Plan& plan, const Product& product,
+                                 const std::vector<std::uint32_t>& place,
+                                 const pan::Contents& out) {
+  std::vector<PartReport> parts(out.meshes.size());
+  const std::vector<Mat4> world = scene::world_from_nodes(scene);
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    if (place[i] == kLeftOut) continue;
+    const std::uint32_t index = out.instances[place[i]].mesh;
+    const pan::PackedMesh& mesh = out.meshes[index];
+    PartReport& part = parts[index];
+    if (part.instances++ == 0) {
+      part.mesh = mesh.name;
+      part.name = internal::name_of(scene, i);
+      part.bytes = 4 * (mesh.positions.size() + mesh.normals.size() + mesh.texcoords.size() +
+                        mesh.colors.size() + mesh.indices.size());
+      part.seconds = product.seconds[plan.job_of[i]];
+    }
+    part.triangles += mesh.triangle_count();
+    const double stretch =
+        stretch_of(world[static_cast<std::size_t>(scene.instances[i].node)]).largest;
+    part.achieved = std::max(part.achieved, mesh.error * stretch);
+    const MeshJob& job = plan.jobs[plan.job_of[i]];
+    if (job.reason != pan::layout::ToleranceReason::explicit_counts)
+      part.asked = std::max(part.asked, job.max_error * stretch);
+    part.reason = pan::reason_name(job.reason);
+    if (scene.budget.nearest) {
+      const double nearest = *fitted.allotment.of(scene.budget, i).nearest;
+      part.nearest = part.nearest > 0 ? std::min(part.nearest, nearest) : nearest;
+    }
+  }
+  std::erase_if(parts, [](const PartReport& part) { return part.instances == 0; });
+  std::stable_sort(parts.begin(), parts.end(), [](const PartReport& a, const PartReport& b) {
+    return a.triangles > b.triangles;
+  });
+  return parts;
+}
+
+// The sum of what shapes may be off, by what they send of the model's light.
+double flux_of_shapes(const scene::Scene& scene, const Plan& plan,
+                      const std::vector<std::uint32_t>& place, const pan::Contents& out) {
+  double sum = 0;
+  for (std::size_t i = 0; i < place.size() && !plan.weights.empty(); ++i) {
+    if (place[i] == kLeftOut) continue;
+    const auto radius =
+        radius_of_curvature(scene.shapes[static_cast<std::size_t>(scene.instances[i].shape)]);
+    const double error = out.meshes[out.instances[place[i]].mesh].error;
+    if (radius && *radius > 0)
+      sum += plan.weights[i] * std::min(kFluxFactor * error / *radius, 1.0);
+  }
+  return sum;
+}
+
+// What the file holds: with views of the fitted scene's textures.
+pan::Contents contents_of(internal::Fitted& fitted, const Options& options, Report& report,
                           DiagnosticLog& log, const Job& job) {
   const auto start = Clock::now();
-  const Plan plan = internal::plan_of(scene, scene::world_from_nodes(scene), options);
+  const scene::Scene& scene = fitted.scene;
+  report.fit = std::move(fitted.report);
+  Plan plan = internal::plan_of(scene, scene::world_from_nodes(scene), options, fitted.allotment);
+  note_tolerances(scene, fitted, plan);
   report_boxed(scene, plan, log);
   Product product = make_all(scene, plan, options, log, job);
 
@@ -381,6 +456,8 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
     internal::snap_meshes(scene, options.storage, tolerances, out, report.storage, job);
   }
   if (options.mesh_levels) internal::add_mesh_levels(scene, out, job);
+  report.parts = parts_of(scene, fitted, plan, product, place, out);
+  report.flux_shapes = flux_of_shapes(scene, plan, place, out);
   if (options.storage.streams()) internal::encode_meshes(options.storage, out, report.storage, job);
   if (options.check_size) internal::check_size(scene, out, log);
   for (const pan::InstanceContent& instance : out.instances)
@@ -394,7 +471,7 @@ pan::Contents contents_of(const scene::Scene& scene, const Options& options, Rep
   report.unique_meshes = out.meshes.size();
   report.instances = out.instances.size();
   report.levels = out.levels.size();
-  report.seconds_tessellate = seconds_since(start);
+  report.seconds_tessellate = report.fit.seconds + seconds_since(start);
   return out;
 }
 
@@ -411,7 +488,8 @@ Result<Report> compile(const scene::Scene& scene, const Options& options,
                        const std::filesystem::path& output, DiagnosticLog& log, const Job& job) {
   return run_job(job, log, [&]() -> Result<Report> {
     Report report;
-    const auto contents = contents_of(scene, options, report, log, job);
+    internal::Fitted fitted = internal::fitted_to_budget(scene, options.max_error, log, job);
+    const auto contents = contents_of(fitted, options, report, log, job);
     const auto start = Clock::now();
     const auto written = pan::write(contents, output, log, write_options(options), job);
     if (!written) return failed;
@@ -426,7 +504,8 @@ Result<std::vector<std::byte>> compiled(const scene::Scene& scene, const Options
                                         DiagnosticLog& log, const Job& job) {
   return run_job(job, log, [&]() -> Result<std::vector<std::byte>> {
     Report report;
-    const auto contents = contents_of(scene, options, report, log, job);
+    internal::Fitted fitted = internal::fitted_to_budget(scene, options.max_error, log, job);
+    const auto contents = contents_of(fitted, options, report, log, job);
     job.poll();
     return pan::write_to_memory(contents, write_options(options));
   });

@@ -10,6 +10,7 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "base/result.h"
+#include "compiler/fit.h"
 #include "pan/storage.h"
 #include "scene/scene.h"
 
@@ -23,6 +24,20 @@ struct Options {
   bool mesh_levels = false;  // levels of detail of all larger meshes, not of foil alone
   pan::StorageForm storage;  // of the file; streams of meshes are part of the identity
   std::string origin;        // import options that the inputs do not record: " units=mm"
+};
+
+// A mesh of the file, all instances together.
+struct PartReport {
+  std::string mesh;  // its name in the file
+  std::string name;  // of the first node that shows it
+  std::uint64_t instances = 0;
+  std::uint64_t triangles = 0;  // instances counted
+  std::uint64_t bytes = 0;      // of vertices and indices, as a GPU needs them
+  double nearest = 0;           // metres: the nearest that a camera comes; 0: not said
+  double asked = 0;             // metres, in the world; 0: as given
+  double achieved = 0;          // metres, in the world
+  std::string reason;           // of what was asked: pan::reason_name
+  double seconds = 0;           // of one core, to make it
 };
 
 // What storing meshes as streams has cost.
@@ -42,7 +57,11 @@ struct Report {
   std::uint64_t levels = 0;            // of detail, of instances
   std::uint64_t bytes = 0;             // of the file
   double worst_error = 0;              // metres, in the mesh's own frame; levels left out
-  StorageReport storage;               // 0 unless meshes are stored as streams
+  double flux_shapes =
+      0;          // bound, of the model's: what shapes are off, by what they send; with flux
+  FitReport fit;  // what the budget let go
+  std::vector<PartReport> parts;  // where triangles and bytes are, from the most triangles
+  StorageReport storage;          // 0 unless meshes are stored as streams
   double seconds_tessellate = 0;
   double seconds_write = 0;  // without the final fsync
   double seconds_sync = 0;
@@ -54,7 +73,8 @@ struct Report {
 //
 // How closely a mesh follows its shape is decided by compiler/tolerance.h, in metres in the world.
 // Equal shapes with equal needs of texture are stored once, for the smallest tolerance of their
-// instances, divided by how far each is stretched into the world. Surfaces of revolution that meet
+// instances, divided by how far each is stretched into the world. What the budget lets the model do
+// without is left out (compiler/fit.h). Surfaces of revolution that meet
 // at a circular edge get the same vertices there. The budget and the tolerance of each mesh are
 // stored when the scene, an instance or max_error gives one.
 //

@@ -12,6 +12,7 @@
 
 #include "base/parallel.h"
 #include "compiler/internal/jobs.h"
+#include "compiler/internal/scene_edit.h"
 #include "compiler/internal/visibility.h"
 #include "compiler/internal/visibility_cache.h"
 #include "geometry/tessellate/tessellate.h"
@@ -22,8 +23,6 @@ namespace {
 
 using geometry::Mesh;
 using geometry::MeshShape;
-
-constexpr std::uint32_t kUnused = 0xffffffffu;
 
 // The meshes of the compiled model, one per instance; null: cannot be tessellated.
 std::vector<MeshShape> meshes_of(const scene::Scene& scene, const std::vector<Mat4>& world,
@@ -234,72 +233,25 @@ class Pruner {
   // Keeps some triangles of a mesh, and the vertices that they use.
   void reduce(std::size_t shape, const std::vector<char>& show) {
     if (std::find(show.begin(), show.end(), 0) == show.end()) return;
-    const Mesh& mesh = *std::get<MeshShape>(scene_.shapes[shape]);
-    Mesh out;
-    out.error = mesh.error;
-    out.closed = mesh.closed;
-    std::vector<std::uint32_t> kept(mesh.positions.size(), kUnused);
-    for (std::size_t t = 0; t < show.size(); ++t)
-      if (show[t])
-        for (const std::uint32_t v : mesh.triangles[t]) kept[v] = 0;
-    std::uint32_t count = 0;
-    const auto take = [](auto& to, const auto& from, std::size_t v) {
-      if (!from.empty()) to.push_back(from[v]);
-    };
-    for (std::size_t v = 0; v < kept.size(); ++v) {
-      if (kept[v] == kUnused) continue;
-      kept[v] = count++;
-      take(out.positions, mesh.positions, v);
-      take(out.normals, mesh.normals, v);
-      take(out.texcoords, mesh.texcoords, v);
-      take(out.colors, mesh.colors, v);
-    }
-    for (std::size_t t = 0; t < show.size(); ++t) {
-      const geometry::Triangle& from = mesh.triangles[t];
-      if (show[t]) out.triangles.push_back({kept[from[0]], kept[from[1]], kept[from[2]]});
-    }
-    scene_.shapes[shape] = std::make_shared<const Mesh>(std::move(out));
+    scene_.shapes[shape] =
+        internal::some_triangles(*std::get<MeshShape>(scene_.shapes[shape]), show);
   }
 
   void drop_instances(const std::vector<char>& visible) {
-    std::vector<std::int32_t> moved(visible.size(), scene::kNone);
-    std::vector<scene::Instance> kept;
     std::vector<MeshShape> meshes;
     for (std::size_t i = 0; i < visible.size(); ++i) {
       if (!visible[i]) continue;
-      moved[i] = static_cast<std::int32_t>(kept.size());
       const auto* mesh = std::get_if<MeshShape>(
           &scene_.shapes[static_cast<std::size_t>(scene_.instances[i].shape)]);
       meshes.push_back(mesh ? *mesh : meshes_[i]);
-      kept.push_back(std::move(scene_.instances[i]));
     }
-    scene_.instances = std::move(kept);
     meshes_ = std::move(meshes);
-    for (scene::Decal& decal : scene_.decals)
-      decal.instance = moved[static_cast<std::size_t>(decal.instance)];
-    drop_shapes();
+    internal::keep_instances(scene_, visible);
     report_.instances_after = scene_.instances.size();
     report_.unique_after = unique_triangles();
     report_.triangles_after = 0;
     for (const MeshShape& mesh : meshes_)
       report_.triangles_after += mesh ? mesh->triangles.size() : 0;
-  }
-
-  void drop_shapes() {
-    std::vector<std::int32_t> moved(scene_.shapes.size(), scene::kNone);
-    for (const scene::Instance& instance : scene_.instances)
-      moved[static_cast<std::size_t>(instance.shape)] = 0;
-    std::vector<geometry::Shape> kept;
-    for (std::size_t s = 0; s < moved.size(); ++s) {
-      if (moved[s] == scene::kNone) continue;
-      moved[s] = static_cast<std::int32_t>(kept.size());
-      kept.push_back(std::move(scene_.shapes[s]));
-    }
-    scene_.shapes = std::move(kept);
-    for (scene::Foil& foil : scene_.foils) foil.shape = moved[static_cast<std::size_t>(foil.shape)];
-    std::erase_if(scene_.foils, [](const scene::Foil& f) { return f.shape == scene::kNone; });
-    for (scene::Instance& instance : scene_.instances)
-      instance.shape = moved[static_cast<std::size_t>(instance.shape)];
   }
 
   // No escape in n trials: with 95 % confidence the share is below 3 / n.

@@ -62,7 +62,40 @@ void lower(Tolerance& best, double metres, ToleranceReason reason) {
   if (metres < best.metres) best = {metres, reason};
 }
 
+// The radius of curvature in the world: a stretched sphere is an ellipsoid, c²/a.
+double radius_in_world(const geometry::Shape& shape, const Stretch& stretch) {
+  const auto radius = radius_of_curvature(shape);
+  if (!radius || !(stretch.largest > 0)) return 0;
+  return *radius * stretch.smallest * (stretch.smallest / stretch.largest);
+}
+
+void lower_for_normals(Tolerance& best, const scene::Budget& budget, const geometry::Shape& shape,
+                       const Stretch& stretch, const std::optional<double>& slope) {
+  const double radius = radius_in_world(shape, stretch);
+  if (!slope || !(radius > 0) || budget.tolerance || !budget.nearest || !budget.ifov) return;
+  const double angle = det::pow(*slope / 4 / kNormalFactor, 1.0 / 3);
+  lower(best, radius * angle * angle / 8, ToleranceReason::tolerance);
+}
+
 }  // namespace
+
+std::optional<double> microfacet_slope(const materials::Material& material) {
+  std::optional<double> least;
+  const auto take = [&](double slope) {
+    least = std::min(least.value_or(HUGE_VAL), std::max(slope, kLeastSlope));
+  };
+  if (const auto* blinn = std::get_if<materials::BlinnPhong>(&material.specular_brdf))
+    take(std::sqrt(2 / (blinn->shine + 2)));
+  if (const auto* cook = std::get_if<materials::CookTorrance>(&material.specular_brdf))
+    take(cook->alpha);
+  if (const auto* beckmann = std::get_if<materials::Beckmann>(&material.specular_brdf))
+    take(std::min(beckmann->alpha_x, beckmann->alpha_y));
+  if (const auto* ggx = std::get_if<materials::Ggx>(&material.specular_brdf))
+    take(std::min(ggx->alpha_x, ggx->alpha_y));
+  if (std::holds_alternative<materials::Mirror>(material.specular_brdf)) take(0);
+  if (material.coat) take(material.coat->alpha);
+  return least;
+}
 
 double tolerance_of_pixels(double pixels, double ifov, double nearest) {
   return pixels * ifov * nearest;
@@ -108,14 +141,9 @@ Tolerance tolerance_for(const scene::Budget& budget, const geometry::Shape& shap
         lower(best, tolerance_of_centroid(*budget.centroid, *budget.ifov, *budget.nearest),
               ToleranceReason::centroid);
     }
-    if (const auto radius = radius_of_curvature(shape); radius && budget.flux) {
-      // a stretched sphere is an ellipsoid: c²/a
-      const double in_world = world_from_shape.largest > 0
-                                  ? *radius * world_from_shape.smallest *
-                                        (world_from_shape.smallest / world_from_shape.largest)
-                                  : 0;
-      if (in_world > 0) lower(best, *budget.flux * in_world / kFluxFactor, ToleranceReason::flux);
-    }
+    if (const double radius = radius_in_world(shape, world_from_shape); radius > 0 && budget.flux)
+      lower(best, *budget.flux * radius / kFluxFactor, ToleranceReason::flux);
+    lower_for_normals(best, budget, shape, world_from_shape, asked.slope);
     if (best.metres == HUGE_VAL) best = Tolerance{};
   }
   if (has_explicit_counts(shape)) best.reason = ToleranceReason::explicit_counts;

@@ -5,6 +5,7 @@
 
 #include "base/math.h"
 #include "geometry/tessellate/shape.h"
+#include "materials/material.h"
 #include "scene/scene.h"
 #include "schemas/generated/pan_layout.h"
 
@@ -40,6 +41,8 @@ struct Tolerance {
 struct ToleranceOverrides {
   std::optional<double> by_instance;      // metres in the world: overrides the budget
   std::optional<double> by_command_line;  // metres in the world: overrides everything
+  // RMS slope of the narrowest microfacets that it wears (microfacet_slope).
+  std::optional<double> slope = std::nullopt;
 };
 
 // The tolerance of a shape: that of the command line, else the instance's, else the smallest that a
@@ -50,6 +53,8 @@ struct ToleranceOverrides {
 //   centroid    centroid·ifov·nearest/kCentroidFactor
 //   flux        flux·R/kFluxFactor, R the radius of curvature of the shape in the world; none for
 //               flat shapes
+//   slope       R·θ²/8, where normals between vertices θ apart are off by a quarter of the slope;
+//               where the budget says what pixels see, and has no tolerance of its own
 //
 // else kDefaultTolerance. Terms that lack a partner (pixels without ifov or nearest) give none. The
 // reason of a shape with explicit counts, and of a mesh, is explicit_counts; the distance then
@@ -62,6 +67,15 @@ Tolerance tolerance_for(const scene::Budget& budget, const geometry::Shape& shap
 // What terms of a budget give, metres in the world: pixels and ifov radians at nearest metres.
 double tolerance_of_pixels(double pixels, double ifov, double nearest);
 double tolerance_of_centroid(double pixels, double ifov, double nearest);
+
+// The RMS slope of a material's narrowest microfacets, at least kLeastSlope; that for mirrors and
+// smooth coats. None: nothing glossy.
+inline constexpr double kLeastSlope = 0.01;
+std::optional<double> microfacet_slope(const materials::Material& material);
+
+// Normals that are linear between two vertices on a circle, θ radians apart, are off by at most
+// kNormalFactor·θ³: atan(t·sin θ/(1 − t + t·cos θ)) − t·θ at t = 1/2 ∓ 1/√12.
+inline constexpr double kNormalFactor = 0.0161;
 
 // The smallest radius of curvature that carries a share of a shape, metres: the radius of a sphere,
 // cylinder or tube, the tube's radius of a torus, c²/a of an ellipsoid, the smaller of 2·focal

@@ -20,6 +20,7 @@ Result<scene::Scene> read_from(Files& files, const FoundFile& top, const Options
     const auto part = loader.load_top(top);
     if (!part) return failed;
     if (!assemble(loader, *part, options, reporter, scene)) return failed;
+    loader.check_approach();
     return scene;
   });
 }

@@ -88,7 +88,8 @@ class Comparison {
          [&](const auto& x, const auto& y) { return decal(x, y) ? "" : "its texture or place"; });
     const scene::Budget &m = a_.budget, &n = b_.budget;
     if (m.tolerance != n.tolerance || m.nearest != n.nearest || m.ifov != n.ifov ||
-        m.pixels != n.pixels || m.flux != n.flux || m.centroid != n.centroid)
+        m.pixels != n.pixels || m.flux != n.flux || m.centroid != n.centroid ||
+        m.approach != n.approach || m.corridor != n.corridor)
       say("the budget");
     return difference_;
   }

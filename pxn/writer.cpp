@@ -226,6 +226,10 @@ class Writer {
       term("ifov", budget.ifov);
       term("pixels", budget.pixels);
       term("centroid", budget.centroid);
+      if (!budget.approach.empty()) {
+        out_.attribute("approach", budget.approach);
+        out_.attribute("corridor", budget.corridor);
+      }
     }
     term("flux", budget.flux);
     out_.close("budget");

@@ -59,12 +59,17 @@ enum class Mapping : std::uint8_t {
 
 // The accuracy budget of the model. Absent terms set no limit.
 struct Budget {
+  static constexpr double kDefaultCorridor = 30 * kDegree;
   std::optional<double> tolerance;  // metres
   std::optional<double> nearest;    // metres from the camera to the nearest surface, > 0
   std::optional<double> ifov;       // radians, the angle of a pixel, > 0
   std::optional<double> pixels;     // a silhouette may be off by so many, > 0
   std::optional<double> flux;       // relative error of a part's flux, > 0
   std::optional<double> centroid;   // pixels that a part's photocentre may be off by, > 0
+  // The camera comes along a frame's z axis, within `corridor` radians of it; `nearest` is from the
+  // frame's origin then. Empty: from anywhere.
+  std::string approach;
+  double corridor = kDefaultCorridor;  // radians, > 0
   Source source;
   bool any() const { return tolerance || nearest || ifov || pixels || flux || centroid; }
 };

@@ -74,11 +74,30 @@ JOINTS = ("by node; values in radians, metres and factors", [{
 CODE = {"code": "string: E1101", "severity": "string: error, warning or note", "title": "string: the problem as a noun phrase",
         "explanation": "string: what it means and what to do", "example": "string: what brings it about", "cure": "string: what helps"}
 
+FITTED = ("of a model with a budget: what it asked for and what came of it", {
+    "asked": ("its terms", {
+        "tolerance": "number|null: metres", "nearest": "number|null: metres", "ifov": "number|null: radians", "pixels": "number|null: of silhouettes",
+        "flux": "number|null: relative", "centroid": "number|null: pixels", "approach": "string|null: frame", "corridor": "number|null: radians"}),
+    "achieved": ("bounds", {
+        "error": "number: metres, in a mesh's own frame", "pixels": "number|null: the largest error of a part, at its nearest",
+        "flux_left_out": "number: of the model's", "flux_simplified": "number: of the model's, what simplified meshes are off", "flux_shapes": "number: of the model's, what shapes may be off", "centroid_left_out": "number|null: pixels"}),
+    "pieces": "integer: parts of the model", "pieces_left_out": "integer: of them", "triangles_left_out": "integer: of meshes, instances counted",
+    "seconds": "number: leaving out and simplifying took",
+    "parts": ("meshes of the file, from the most triangles", [{
+        "name": "string: of the first node", "mesh": "string: in the file", "instances": "integer: of it", "triangles": "integer: instances counted",
+        "bytes": "integer: of vertices and indices", "nearest": "number|null: metres from the camera", "tolerance": "number|null: metres in the world, null: as given",
+        "reason": "string: the term that decided", "error": "number: metres in the world, bound", "seconds": "number: of one core"}]),
+    "left_out": ("from the largest area", [{"name": "string: of the node", "pieces": "integer: parts", "triangles": "integer: of meshes", "area": "number: m^2, the largest that they show, summed"}]),
+    "simplified": ("from the most triangles saved", [{"name": "string: of the first node", "before": "integer: triangles", "after": "integer: triangles",
+        "error": "number: metres in its own frame, bound", "flux": "number: diffuse, relative", "normals": "number: radians, RMS", "seconds": "number: of one core"}]),
+})
+
 COMMANDS = {
     "compile": {
         "output": "string: the pan file", "bytes": "integer: its size", "triangles": "integer: as drawn, instances counted",
         "unique_triangles": "integer: as stored", "unique_meshes": "integer: as stored", "instances": "integer: of meshes",
         "worst_error": "number: metres, largest distance between mesh and shape",
+        "budget?": FITTED,
         "storage": STORAGE,
     },
     "import": {
@@ -89,6 +108,7 @@ COMMANDS = {
         "materials?": ("without -o: what each material would become", [{
             "name": "string: in the file", "preset": "string: of the library", "reason": "string: of the guess", "triangles": "integer: of meshes that wear it", "area": "number: of these, m^2", "lost": "string[]: properties that are ignored"}]),
         "output?": "string: the file of -o", "bytes?": "integer: of a pan file", "triangles?": "integer: as drawn", "unique_triangles?": "integer: as stored",
+        "budget?": FITTED,
         "removed?": ("hidden parts", {
             "triangles_before": "integer: before", "triangles_after": "integer: after", "instances_before": "integer: before", "instances_after": "integer: after",
             "rays": "integer: cast", "open_share_95": "number: 95 % bound of what is visible through a removed triangle", "seconds": "number: it took",

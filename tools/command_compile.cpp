@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "tools/budget_report.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/print.h"
@@ -20,6 +21,7 @@ struct Options {
   std::string input;
   std::string output;
   std::string depfile;
+  std::string budget_report;
   std::string license;  // of the original tools: accepted, ignored, noted
   bool strip_sources = false;
   bool mesh_levels = false;
@@ -35,6 +37,10 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("-M,--depfile", options.depfile,
            "Write the files that were read, as a Make and Ninja dependency file")
+      .type("FILE");
+  arguments
+      .add("--budget-report", options.budget_report,
+           "Write what the budget asked for and where triangles went: .txt, .json or .html")
       .type("FILE");
   arguments.flag("--strip-sources", options.strip_sources, "Leave out where parts were written");
   arguments.flag("--mesh-levels", options.mesh_levels,
@@ -103,6 +109,7 @@ int run(const Options& options, const Host& host) {
   context.files().will_read(options.input);
   context.files().will_write(output, "-o", log);
   context.files().will_write(options.depfile, "--depfile", log);
+  context.files().will_write(options.budget_report, "--budget-report", log);
   if (log.has_errors()) return context.finish();
   const auto read = options.read.opening(log);
   if (!read) return context.finish();
@@ -134,9 +141,12 @@ int run(const Options& options, const Host& host) {
                                  ? fmt::format(", {} of detail", counted(report->levels, "level"))
                                  : "") +
                             storage_words(options.compress, report->storage));
+  if (!options.budget_report.empty())
+    write_budget_report(options.budget_report, options.input, scene->budget, *report, context);
   context.result()["output"] = output;
   context.result().update(as_json(*report));
   context.result()["storage"] = storage_json(options.compress, report->storage);
+  if (scene->budget.any()) context.result()["budget"] = budget_json(scene->budget, *report);
   return context.finish();
 }
 

@@ -10,10 +10,12 @@
 #include "importers/clean.h"
 #include "pxn/import_template.h"
 #include "pxn/material_guess.h"
+#include "tools/budget_report.h"
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/mesh_report_page.h"
 #include "tools/print.h"
+#include "workspace/budget.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -28,6 +30,8 @@ struct Options {
   workspace::OpenOptions open;
   std::string input;
   std::string output;  // .pan or .pxn; empty: none
+  std::string budget;  // terms
+  std::string budget_report;
   std::string report;  // .txt, .json or .html; empty: none
   CacheOption cache;
   bool mesh_levels = false;
@@ -60,6 +64,15 @@ void declare_all(Arguments& arguments, Options& options) {
       .add("--root", cad.root,
            "Folder that files named by the model must lie in (default: the model's)")
       .type("DIR");
+  arguments
+      .add("--budget", options.budget,
+           "What the scene needs of a .pan: nearest=5km ifov=0.1mrad pixels=0.25 flux=0.1% "
+           "centroid=0.01px, any of them")
+      .type("TERMS");
+  arguments
+      .add("--budget-report", options.budget_report,
+           "Write what the budget asked for and where triangles went: .txt, .json or .html")
+      .type("FILE");
   arguments
       .add("--max-error", options.open.max_error,
            "Metres that a mesh may lie from an exact shape (default 0.001)")
@@ -315,9 +328,17 @@ int run(const Options& options, const Host& host) {
   context.files().will_read(options.input);
   context.files().will_write(options.output, "-o", log);
   context.files().will_write(options.report, "--report", log);
+  context.files().will_write(options.budget_report, "--budget-report", log);
+  if (extension != ".pan" && (!options.budget.empty() || !options.budget_report.empty()))
+    log.report(Code::N1405, {}, "--budget and --budget-report have an effect on a .pan file only");
   if (log.has_errors()) return context.finish();
   workspace::OpenOptions open = options.open;
   open.cache = options.cache.folder();
+  if (!options.budget.empty()) {
+    auto terms = workspace::budget_of_text(options.budget, log);
+    if (!terms) return context.finish();
+    open.budget = *std::move(terms);
+  }
   workspace::OpenReport found;
   auto imported = workspace::read_cad(options.input, open, log, context.job(), &found);
   context.add_timings(std::exchange(found.steps, {}));
@@ -357,6 +378,11 @@ int run(const Options& options, const Host& host) {
                                  : "") +
             storage_words(options.compress, report->storage));
     context.result()["storage"] = storage_json(options.compress, report->storage);
+    if (!options.budget_report.empty())
+      write_budget_report(options.budget_report, options.input, imported->scene.budget, *report,
+                          context);
+    if (imported->scene.budget.any())
+      context.result()["budget"] = budget_json(imported->scene.budget, *report);
     context.result()["bytes"] = report->bytes;
     context.result()["triangles"] = report->triangles;
     context.result()["unique_triangles"] = report->unique_triangles;

@@ -11,10 +11,10 @@
 #include <optional>
 
 #include "base/file.h"
-#include "base/text.h"
 #include "compiler/compile.h"
 #include "importers/clean.h"
 #include "pan/model.h"
+#include "tools/html.h"
 #include "workspace/drawer.h"
 
 namespace panwright::tools {
@@ -25,19 +25,6 @@ constexpr std::uint32_t kSide = 360;         // pixels of an image
 constexpr std::size_t kTexturesOfAKind = 6;  // the worst
 constexpr double kRing = 0.16;               // of the image: the ring's radius
 constexpr std::size_t kMeshRows = 200;
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : to_utf8(text, Encoding::utf8)) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else
-      out += c;
-  }
-  return out;
-}
 
 std::string base64(std::string_view bytes) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -143,7 +130,7 @@ std::string head(const std::string& input) {
       "}}\n"
       "figcaption {{ font-size: 13px; }}\n"
       "</style></head>\n<body>\n<h1>{0}</h1>\n",
-      escaped(std::filesystem::path(input).filename().string()), kSide);
+      html_escaped(std::filesystem::path(input).filename().string()), kSide);
 }
 
 std::string totals(const geometry::CleanReport& total) {
@@ -177,7 +164,7 @@ std::string mesh_rows(const importers::MeshReport& mesh_report) {
     if (++rows > kMeshRows) break;
     out +=
         fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                    escaped(mesh.path), r.triangles_after, r.holes, r.non_manifold_edges,
+                    html_escaped(mesh.path), r.triangles_after, r.holes, r.non_manifold_edges,
                     r.t_junctions, r.flipped);
   }
   if (rows == 0) return "<p>Every mesh is clean.</p>\n";
@@ -207,7 +194,7 @@ Result<std::string> mesh_report_page(const importers::MeshReport& mesh_report,
           "<figure><img width=\"{0}\" height=\"{0}\" alt=\"{1}\" src=\"data:image/png;base64,{2}\">"
           "<figcaption>{1}, {3:.3g} m, in {4}, at {5:.4g} {6:.4g} {7:.4g}</figcaption></figure>\n",
           kSide, flipped ? "flipped region" : importers::kind_name(spot.kind), image, spot.length,
-          escaped(mesh_report.meshes[spot.mesh].path), spot.at.x, spot.at.y, spot.at.z);
+          html_escaped(mesh_report.meshes[spot.mesh].path), spot.at.x, spot.at.y, spot.at.z);
     }
   }
   if (job.cancelled()) {

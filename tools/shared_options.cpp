@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/text.h"
+#include "workspace/budget.h"
 
 namespace panwright::tools {
 
@@ -109,6 +110,11 @@ void declare(Arguments& arguments, ReadOptions& read) {
       .length()
       .positive()
       .type("METRES");
+  arguments
+      .add("--budget", read.budget,
+           "What the scene needs, in place of the model's own budget: nearest=5km ifov=0.1mrad "
+           "pixels=0.25 flux=0.1% centroid=0.01px approach=FRAME, any of them; or none")
+      .type("TERMS");
   arguments.add("--max-triangles", read.open.max_triangles, "Most triangles in the file")
       .range(1.0, 1e12)
       .type("N");
@@ -117,6 +123,11 @@ void declare(Arguments& arguments, ReadOptions& read) {
 Result<workspace::OpenOptions> ReadOptions::opening(DiagnosticLog& log) const {
   workspace::OpenOptions out = open;
   out.cache = cache.folder();
+  if (!budget.empty()) {
+    auto terms = workspace::budget_of_text(budget, log);
+    if (!terms) return failed;
+    out.budget = *std::move(terms);
+  }
   for (const std::string& parameter : parameters) {
     const std::size_t sign = parameter.find('=');
     if (sign == std::string::npos || sign == 0) {

@@ -125,6 +125,22 @@ std::string parameters_words(const OpenOptions& options) {
   return out;
 }
 
+// Before anything depends on it. Fails: E0201 for an approach along no frame.
+bool replace_budget(scene::Scene& scene, const OpenOptions& options, DiagnosticLog& log) {
+  if (!options.budget) return true;
+  scene.budget = *options.budget;
+  const std::string& approach = scene.budget.approach;
+  std::vector<std::string_view> names;
+  for (const scene::Frame& frame : scene.frames) names.push_back(frame.name);
+  if (approach.empty() || std::ranges::find(names, approach) != names.end()) return true;
+  const auto near = nearest_name(approach, names);
+  log.report(Code::E0201, {}, fmt::format("--budget: unknown frame {}", in_quotes(approach)),
+             near            ? fmt::format("did you mean '{}'?", *near)
+             : names.empty() ? "the model has no frame"
+                             : "");
+  return false;
+}
+
 compiler::Options compile_options(const OpenOptions& options) {
   compiler::Options compile;
   compile.max_error = options.max_error;
@@ -296,6 +312,7 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
                   [&](const auto& parameter) { return !declared.contains(parameter.first); });
     given.declared->merge(declared);
   }
+  if (!replace_budget(*scene, options, log)) return failed;
   if (options.prune && !prune(*scene, options, log, job, report)) return failed;
   const Stopwatch watch(report, "compile " + path.string());
   compiler::Options compile = compile_options(options);
@@ -312,6 +329,7 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
 Result<compiler::Report> write_pan(scene::Scene& scene, const OpenOptions& options,
                                    const WriteOptions& write, DiagnosticLog& log, const Job& job,
                                    OpenReport* report) {
+  if (!replace_budget(scene, options, log)) return failed;
   if (options.prune && !prune(scene, options, log, job, report)) return failed;
   compiler::Options compile = compile_options(options);
   compile.strip_sources = write.strip_sources;

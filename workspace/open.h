@@ -45,6 +45,8 @@ struct CadOptions {
 struct OpenOptions {
   std::string root;                        // folder that includes may not leave; empty: the file's
   std::uint64_t max_input = 128ull << 20;  // bytes of pxn files in all
+  // In place of the model's: budget_of_text(). Ranks below max_error.
+  std::optional<scene::Budget> budget;
   // Values that replace those of <param>: name, and text as in its attribute.
   std::vector<std::pair<std::string, std::string>> parameters;
   // pxn::Options::declared, and parameters that the model has not are no part of its identity

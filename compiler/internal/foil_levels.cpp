@@ -13,6 +13,8 @@ namespace {
 
 // Stretches that differ by no more are one.
 constexpr double kSameStretch = 1e-6;
+// What the mean flux of levels is off (bench/results/levels.csv, wrap_levels.csv).
+constexpr double kFluxOfLevels = 0.03;
 
 class FoilLevels {
  public:
@@ -43,7 +45,7 @@ class FoilLevels {
       job_.poll();
       const Stretch stretch = stretch_of(world[static_cast<std::size_t>(scene_.instances[i].node)]);
       if (stretch.smallest < stretch.largest * (1 - kSameStretch)) continue;
-      add(*found->second, plan_.job_of[i], place_[i], stretch.largest);
+      add(*found->second, i, stretch.largest);
     }
     drop_unused();
   }
@@ -55,8 +57,14 @@ class FoilLevels {
     return budget.nearest && budget.ifov ? *budget.nearest * *budget.ifov / stretch : 0;
   }
 
-  void add(const scene::Foil& foil, std::uint32_t mesh_job, std::uint32_t place, double stretch) {
-    const double pixel = nearest_pixel(stretch);
+  bool flux_allows(std::size_t instance) const {
+    const double weight = plan_.weights.empty() ? 1 : plan_.weights[instance];
+    return !scene_.budget.flux || weight * kFluxOfLevels <= *scene_.budget.flux;
+  }
+
+  void add(const scene::Foil& foil, std::size_t index, double stretch) {
+    const std::uint32_t mesh_job = plan_.job_of[index], place = place_[index];
+    const double pixel = flux_allows(index) ? nearest_pixel(stretch) : 0;
     std::size_t first = 0;  // of the levels that are not the instance's own mesh
     while (first < foil.levels.size() && foil.levels[first].detail <= pixel) ++first;
     pan::InstanceContent& instance = out_.instances[place];

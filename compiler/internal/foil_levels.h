@@ -14,7 +14,8 @@ namespace panwright::compiler::internal {
 
 // Adds the levels of sheets: their meshes, and which instance they stand for. Where the budget says
 // what a pixel sees at the nearest, levels that are finer than it are left out of the file, and the
-// instance starts with what is left. Instances with decals, or that are stretched differently along
+// instance starts with what is left, unless the budget's flux is below what levels may be off.
+// Instances with decals, or that are stretched differently along
 // their axes, keep the finest mesh alone.
 //
 //   mesh_of_job  index in out.meshes; beyond them: none

@@ -47,13 +47,15 @@ void refine(MeshJob& job, const Tolerance& tolerance, const Stretch& stretch) {
 
 }  // namespace
 
-Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Options& options) {
+Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Options& options,
+             const Allotment& allotment) {
   std::vector<Hash128> hashes(scene.shapes.size());
   parallel_for(hashes.size(),
                [&](std::size_t i) { hashes[i] = geometry::hash_of(scene.shapes[i]); });
   std::vector<Stretch> stretches(world.size());
   for (std::size_t i = 0; i < world.size(); ++i) stretches[i] = stretch_of(world[i]);
   Plan plan;
+  plan.weights = allotment.weight;
   plan.asked = scene.budget.any() || options.max_error.has_value();
   std::map<JobKey, std::uint32_t> known;
   for (const scene::Instance& instance : scene.instances) {
@@ -72,8 +74,12 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
     if (added) plan.jobs.push_back(std::move(job));
     plan.job_of.push_back(place->second);
     const Stretch& stretch = stretches[static_cast<std::size_t>(instance.node)];
-    const Tolerance tolerance = tolerance_for(scene.budget, scene.shapes[shape], stretch,
-                                              {instance.tolerance, options.max_error});
+    const scene::Budget budget = allotment.of(scene.budget, plan.job_of.size() - 1);
+    const materials::Material& material =
+        scene.materials[static_cast<std::size_t>(instance.material)];
+    const Tolerance tolerance =
+        tolerance_for(budget, scene.shapes[shape], stretch,
+                      {instance.tolerance, options.max_error, microfacet_slope(material)});
     refine(plan.jobs[place->second], tolerance, stretch);
     plan.asked |= instance.tolerance.has_value();
     if (tolerance.reason != pan::layout::ToleranceReason::explicit_counts)

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "compiler/compile.h"
+#include "compiler/internal/fit.h"
 #include "compiler/tolerance.h"
 #include "geometry/tessellate/tessellate.h"
 #include "scene/scene.h"
@@ -29,6 +30,7 @@ struct MeshJob {
 struct Plan {
   std::vector<MeshJob> jobs;
   std::vector<std::uint32_t> job_of;  // one per instance
+  std::vector<double> weights;        // of instances, Allotment::weight; empty: not known
   bool asked = false;                 // by a budget, an instance or the command line
   double smallest = 0;                // tolerance in the world, metres; 0: all counts are explicit
 };
@@ -37,7 +39,9 @@ struct Plan {
 // smallest wins, seen in the shape's own frame.
 //
 // Cost: O(instances + bytes of the shapes).
-Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Options& options);
+//   allotment  of the budget to the instances
+Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Options& options,
+             const Allotment& allotment = {});
 
 geometry::TessellationOptions tessellation_of(const MeshJob& job, const Options& options);
 

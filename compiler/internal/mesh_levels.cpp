@@ -3,10 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -52,8 +49,6 @@ pan::PackedMesh packed_level(const pan::PackedMesh& full, const geometry::Mesh& 
   out.origin = full.origin;
   out.error = full.error + mesh.error;
   out.closed = full.closed && mesh.closed;
-  // its vertices are some of the mesh's: they lie on the same grid
-  out.stream = full.stream;
   const auto add = [](std::vector<float>& to, const auto& from) {
     for (const auto& v : from)
       for (int k = 0; k < v.length(); ++k) to.push_back(static_cast<float>(v[k]));
@@ -129,16 +124,15 @@ class MeshLevels {
   }
 
   void find_shared() {
-    std::vector<PlacedMesh> placed;
+    std::vector<Surface> meshes;
+    for (const pan::PackedMesh& mesh : out_.meshes) meshes.push_back(surface_of(mesh));
+    std::vector<PlacedSurface> placed;
     for (std::uint32_t i = 0; i < out_.instances.size(); ++i)
       placed.push_back({out_.instances[i].mesh, i});
-    const auto shared = shared_borders(out_.meshes, placed, world_, Compared::borders, job_);
+    const auto shared = shared_borders(meshes, placed, world_, Compared::borders, job_);
     for (Chosen& chosen : chosen_)
-      chosen.shared = shared ? (*shared)[chosen.mesh] : std::vector<char>(vertex_count(chosen), 1);
-  }
-
-  std::size_t vertex_count(const Chosen& chosen) const {
-    return out_.meshes[chosen.mesh].vertex_count();
+      chosen.shared = shared ? (*shared)[chosen.mesh]
+                             : std::vector<char>(out_.meshes[chosen.mesh].vertex_count(), 1);
   }
 
   // What the nearest pixel of the budget sees of a mesh, in its own coordinates, metres; 0:

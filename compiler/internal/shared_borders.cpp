@@ -12,23 +12,18 @@ namespace panwright::compiler::internal {
 namespace {
 
 constexpr double kSamePlace = 1e-6;      // of the model's diagonal
-constexpr std::size_t kMost = 1u << 24;  // vertices of all instances whose borders are compared
-
-Vec3 position(const pan::PackedMesh& mesh, std::size_t vertex) {
-  const float* p = &mesh.positions[3 * vertex];
-  return Vec3(p[0], p[1], p[2]);
-}
+constexpr std::size_t kMost = 1u << 24;  // vertices of all placements whose borders are compared
 
 // V: whether an edge of one triangle ends there. Vertices at equal positions count as one.
-std::vector<char> borders(const pan::PackedMesh& mesh) {
-  using Place = std::array<float, 3>;
-  std::vector<std::uint32_t> order(mesh.vertex_count());
+std::vector<char> borders(const Surface& mesh) {
+  std::vector<std::uint32_t> order(mesh.vertices);
   for (std::uint32_t v = 0; v < order.size(); ++v) order[v] = v;
   const auto place = [&](std::uint32_t v) {
-    return Place{mesh.positions[3 * v], mesh.positions[3 * v + 1], mesh.positions[3 * v + 2]};
+    const Vec3 p = mesh.position(v);
+    return std::array<double, 3>{p.x, p.y, p.z};
   };
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const Place p = place(a), q = place(b);
+    const auto p = place(a), q = place(b);
     return p != q ? p < q : a < b;
   });
   std::vector<std::uint32_t> first(order.size());
@@ -36,14 +31,15 @@ std::vector<char> borders(const pan::PackedMesh& mesh) {
     first[order[i]] =
         i > 0 && place(order[i]) == place(order[i - 1]) ? first[order[i - 1]] : order[i];
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-  for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
+  for (std::size_t i = 0; i < mesh.triangles; ++i) {
+    const geometry::Triangle triangle = mesh.triangle(i);
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = first[mesh.indices[i + k]];
-      const std::uint32_t b = first[mesh.indices[i + (k + 1) % 3]];
+      const std::uint32_t a = first[triangle[k]], b = first[triangle[(k + 1) % 3]];
       if (a != b) edges.emplace_back(std::min(a, b), std::max(a, b));
     }
+  }
   std::sort(edges.begin(), edges.end());
-  std::vector<char> at(mesh.vertex_count());
+  std::vector<char> at(mesh.vertices);
   for (std::size_t i = 0; i < edges.size();) {
     std::size_t end = i + 1;
     while (end < edges.size() && edges[end] == edges[i]) ++end;
@@ -54,22 +50,22 @@ std::vector<char> borders(const pan::PackedMesh& mesh) {
   return at;
 }
 
-// Places where borders of instances are, in cells of a grid.
+// Places where borders of placements are, in cells of a grid.
 class Meetings {
  public:
   explicit Meetings(double tolerance) : cell_(4 * tolerance) {}
 
-  void add(const Vec3& p, std::uint32_t instance) {
-    const auto [found, added] = cells_.try_emplace(key(p), instance);
-    if (!added && found->second != instance) found->second = kSeveral;
+  void add(const Vec3& p, std::uint32_t placement) {
+    const auto [found, added] = cells_.try_emplace(key(p), placement);
+    if (!added && found->second != placement) found->second = kSeveral;
   }
 
-  // Whether another instance's border is next to a place: within the tolerance, or a few times it.
-  bool meets(const Vec3& p, std::uint32_t instance) const {
+  // Whether another placement's border is next to a place: within the tolerance, or a few times it.
+  bool meets(const Vec3& p, std::uint32_t placement) const {
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3 off(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
       const auto found = cells_.find(key(p + 0.25 * cell_ * off));
-      if (found != cells_.end() && found->second != instance) return true;
+      if (found != cells_.end() && found->second != placement) return true;
     }
     return false;
   }
@@ -101,34 +97,51 @@ class Meetings {
 
 }  // namespace
 
+Surface surface_of(const geometry::Mesh& mesh) {
+  return {mesh.positions.size(), mesh.triangles.size(),
+          [&mesh](std::size_t v) { return mesh.positions[v]; },
+          [&mesh](std::size_t t) { return mesh.triangles[t]; }};
+}
+
+Surface surface_of(const pan::PackedMesh& mesh) {
+  return {mesh.vertex_count(), mesh.indices.size() / 3,
+          [&mesh](std::size_t v) {
+            const float* p = &mesh.positions[3 * v];
+            return mesh.origin + Vec3(p[0], p[1], p[2]);
+          },
+          [&mesh](std::size_t t) {
+            return geometry::Triangle{mesh.indices[3 * t], mesh.indices[3 * t + 1],
+                                      mesh.indices[3 * t + 2]};
+          }};
+}
+
 std::optional<std::vector<std::vector<char>>> shared_borders(
-    const std::vector<pan::PackedMesh>& meshes, std::span<const PlacedMesh> placed,
-    std::span<const Mat4> world, Compared compared, const Job& job) {
+    const std::vector<Surface>& meshes, const std::vector<PlacedSurface>& placed,
+    const std::vector<Mat4>& world, Compared compared, const Job& job) {
   std::vector<std::vector<char>> shared(meshes.size()), border(meshes.size());
   std::vector<char> used(meshes.size());
   std::size_t vertices = 0;
-  for (const PlacedMesh& each : placed) {
-    vertices += meshes[each.mesh].vertex_count();
-    used[each.mesh] = 1;
+  for (const PlacedSurface& at : placed) {
+    vertices += meshes[at.mesh].vertices;
+    used[at.mesh] = 1;
   }
   if (vertices > kMost) return {};
-  for (std::size_t i = 0; i < meshes.size(); ++i) shared[i].assign(meshes[i].vertex_count(), 0);
+  for (std::size_t i = 0; i < meshes.size(); ++i) shared[i].assign(meshes[i].vertices, 0);
   parallel_for(
       border.size(),
       [&](std::size_t i) {
-        if (used[i])
-          border[i] = compared == Compared::all ? std::vector<char>(meshes[i].vertex_count(), 1)
-                                                : borders(meshes[i]);
+        if (!used[i]) return;
+        border[i] = compared == Compared::all ? std::vector<char>(meshes[i].vertices, 1)
+                                              : borders(meshes[i]);
       },
       job);
-  const auto each = [&](const PlacedMesh& at, const auto& visit) {
-    const pan::PackedMesh& mesh = meshes[at.mesh];
+  const auto each = [&](const PlacedSurface& at, const auto& visit) {
     for (std::size_t v = 0; v < border[at.mesh].size(); ++v)
       if (border[at.mesh][v])
-        visit(v, Vec3(world[at.instance] * Vec4(mesh.origin + position(mesh, v), 1)));
+        visit(v, Vec3(world[at.instance] * Vec4(meshes[at.mesh].position(v), 1)));
   };
   Vec3 low(HUGE_VAL), high(-HUGE_VAL);
-  for (const PlacedMesh& at : placed)
+  for (const PlacedSurface& at : placed)
     each(at, [&](std::size_t, const Vec3& p) {
       low = glm::min(low, p);
       high = glm::max(high, p);
@@ -136,9 +149,9 @@ std::optional<std::vector<std::vector<char>>> shared_borders(
   const double diagonal = glm::length(high - low);
   if (!(diagonal > 0 && diagonal < HUGE_VAL)) return shared;
   Meetings meetings(kSamePlace * diagonal);
-  for (const PlacedMesh& at : placed)
+  for (const PlacedSurface& at : placed)
     each(at, [&](std::size_t, const Vec3& p) { meetings.add(p - low, at.instance); });
-  for (const PlacedMesh& at : placed)
+  for (const PlacedSurface& at : placed)
     each(at, [&](std::size_t v, const Vec3& p) {
       if (!shared[at.mesh][v] && meetings.meets(p - low, at.instance)) shared[at.mesh][v] = 1;
     });

@@ -1,18 +1,31 @@
-// Borders where the meshes of several instances meet.
+// Where meshes meet those of others: what is simplified or rounded has to leave that alone.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "base/job.h"
+#include "base/math.h"
+#include "geometry/mesh.h"
 #include "pan/writer.h"
 
 namespace panwright::compiler::internal {
 
-// A mesh at the place of an instance: its own, or that of a level of it.
-struct PlacedMesh {
+// A mesh, whatever holds it, which must outlive this.
+struct Surface {
+  std::size_t vertices = 0;
+  std::size_t triangles = 0;
+  std::function<Vec3(std::size_t)> position;  // metres, in its frame
+  std::function<geometry::Triangle(std::size_t)> triangle;
+};
+Surface surface_of(const geometry::Mesh& mesh);
+Surface surface_of(const pan::PackedMesh& mesh);
+
+// A mesh in the place of an instance: its own, or that of a level of it.
+struct PlacedSurface {
   std::uint32_t mesh = 0;
   std::uint32_t instance = 0;
 };
@@ -21,13 +34,13 @@ struct PlacedMesh {
 enum class Compared { borders, all };
 
 // Of each mesh V: whether a vertex is on an open border that lies on one of another instance, to
-// 1e-6 of the model's diagonal; of all: whether a vertex lies on one of another instance. Nothing:
-// there are too many vertices to compare.
+// 1e-6 of the model's diagonal or a few times that; of all: whether a vertex lies on one of another
+// instance. Nothing: more than 16 million vertices to compare, instances counted.
 //
-//   world  world_from_node of each instance
+//   world  world_from_mesh of each instance
 // Cost: O(V log V) of the meshes, O(placed vertices).
 std::optional<std::vector<std::vector<char>>> shared_borders(
-    const std::vector<pan::PackedMesh>& meshes, std::span<const PlacedMesh> placed,
-    std::span<const Mat4> world, Compared compared, const Job& job);
+    const std::vector<Surface>& meshes, const std::vector<PlacedSurface>& placed,
+    const std::vector<Mat4>& world, Compared compared, const Job& job);
 
 }  // namespace panwright::compiler::internal

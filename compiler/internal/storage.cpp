@@ -11,7 +11,7 @@ namespace panwright::compiler::internal {
 void snap_meshes(const scene::Scene& scene, const pan::StorageForm& form,
                  std::span<const double> tolerances, pan::Contents& out, StorageReport& report,
                  const Job& job) {
-  std::vector<PlacedMesh> placed;
+  std::vector<PlacedSurface> placed;
   std::vector<Mat4> world;
   const std::vector<Mat4> nodes = scene::world_from_nodes(scene);
   for (std::uint32_t i = 0; i < out.instances.size(); ++i) {
@@ -21,9 +21,11 @@ void snap_meshes(const scene::Scene& scene, const pan::StorageForm& form,
   for (const pan::layout::Level& level : out.levels) placed.push_back({level.mesh, level.instance});
   std::vector<double> most(out.meshes.size(), std::numeric_limits<double>::infinity());
   if (!tolerances.empty())
-    for (const PlacedMesh& at : placed)
+    for (const PlacedSurface& at : placed)
       most[at.mesh] = std::min(most[at.mesh], kStorageShare * tolerances[at.instance]);
-  const auto shared = shared_borders(out.meshes, placed, world, Compared::all, job);
+  std::vector<Surface> surfaces;
+  for (const pan::PackedMesh& mesh : out.meshes) surfaces.push_back(surface_of(mesh));
+  const auto shared = shared_borders(surfaces, placed, world, Compared::all, job);
   const std::uint32_t normals = pan::normal_bits(form);
   std::vector<std::uint32_t> bits(out.meshes.size());
   parallel_for(

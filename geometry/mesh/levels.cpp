@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "geometry/internal/weld.h"
 #include "geometry/mesh/check.h"
+#include "geometry/mesh/diffuse_flux.h"
 #include "geometry/mesh/internal/surface_search.h"
 #include "geometry/mesh/simplify.h"
 
@@ -17,7 +18,6 @@ namespace {
 
 constexpr double kFinest = 3e-5;  // of the diagonal: the first tolerance
 constexpr std::size_t kLeastPart = 8;
-constexpr double kWorthMeasuring = 0.8;  // of the triangles of the step before
 constexpr std::uint32_t kNone = 0xffffffffu;
 
 // A connected part, and what was made of it.
@@ -154,16 +154,18 @@ void simplify(Part& part, const Mesh& full, double whole_area, const Range& rang
   const double size = simplifier.size();
   if (!(size > 0)) return;
   const MeasuredMesh measured(full);
-  const DistanceOptions narrow{
-      .relative = 0.5, .absolute = range.least / 2, .searches = 256, .give_up = range.most};
+  const DistanceOptions narrow{.relative = options.interval,
+                               .absolute = range.least / 2,
+                               .searches = 256,
+                               .give_up = range.most};
   std::size_t before = part.triangles.size();
   for (double error = std::max(range.least / 4, 1e-6 * size);
-       error <= 2 * range.most && error <= size; error *= 2) {
+       error <= 2 * range.most && error <= size; error *= options.growth) {
     job.poll();
     simplifier.step(0, error);
     const std::size_t left = simplifier.triangles();
     if (left == 0) return;
-    if (static_cast<double>(left) > kWorthMeasuring * static_cast<double>(before)) continue;
+    if (static_cast<double>(left) > options.worth * static_cast<double>(before)) continue;
     before = left;
     Mesh mesh = simplifier.mesh();
     const double area_error = projected_area_error(full, mesh, job);
@@ -201,11 +203,15 @@ class Maker {
       const std::size_t count = choose(tolerance);
       if (count < options_.least_triangles) break;
       if (static_cast<double>(count) > options_.share * before) continue;
-      before = static_cast<double>(count);
       MeshLevel level = chosen_level();
       if (level.normals.rms > options_.most_normal_error ||
           level.area_error > options_.most_area_error)
         break;
+      if (options_.most_flux_error < HUGE_VAL) {
+        level.flux_error = diffuse_flux_error(mesh_, level.mesh, job_);
+        if (level.flux_error > options_.most_flux_error) continue;
+      }
+      before = static_cast<double>(count);
       // what is coarser and as near serves as well
       while (!levels.empty() && levels.back().distance.high >= level.distance.high)
         levels.pop_back();
@@ -300,7 +306,8 @@ class Maker {
     if (mesh_.closed) set_closed(level.mesh);
     const MeasuredMesh measured(level.mesh);
     level.distance = hausdorff_distance(
-        full_, measured, {.relative = 0.5, .absolute = range_.least / 2, .searches = 16}, job_);
+        full_, measured,
+        {.relative = options_.interval, .absolute = range_.least / 2, .searches = 16}, job_);
     // each part is within its own bound, so the whole is within the largest
     level.distance.high = std::max(std::min(level.distance.high, high), level.distance.low);
     level.normals = normal_error(full_, measured, level.distance.high, job_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct MeshLevel {
   DistanceInterval distance;  // two-sided, from the full mesh
   NormalError normals;        // of the full mesh against it
   double area_error = 0;      // projected_area_error()
+  double flux_error = 0;      // diffuse_flux_error(), where LevelOptions ask for it
 };
 
 struct LevelOptions {
@@ -25,8 +27,15 @@ struct LevelOptions {
   double most_error = 0.05;        // of the diagonal of the bounds
   double most_normal_error = 0.1;  // radians, rms, of the whole
   double most_area_error = 0.005;  // of the whole
+  // Of diffuse light; a level that sends another amount is left out. Infinite: not looked at.
+  double most_flux_error = std::numeric_limits<double>::infinity();
   double most_part_normal_error = 0.5;
   double most_part_area_error = 0.2;
+  // How parts are simplified: the factor from one error of the simplifier to the next; what a step
+  // must leave of the one before to be measured; how wide intervals of distances may stay.
+  double growth = 2;
+  double worth = 0.8;
+  double interval = 0.5;
   // What a level may have of the triangles of the one before, or it is left out.
   double share = 0.7;
   std::size_t least_triangles = 16;  // of a level

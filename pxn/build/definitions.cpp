@@ -194,13 +194,35 @@ void Loader::read_budget(File& file, std::uint32_t element) {
       !values.has(element, attribute::budget_pixels))
     budget.pixels = kDefaultPixels;
   budget.source = {file.found.path, file.positions[element].first, file.positions[element].second};
+  if (const auto approach = values.text(element, attribute::budget_approach))
+    budget.approach = *approach;
+  budget.corridor = values.real(element, attribute::budget_corridor).value_or(budget.corridor);
   if (file.level == 0) {
     scene_.budget = budget;
+    budget_file_ = &file;
+    budget_ = element;
     return;
   }
   reporter_.report(Code::N1314, file.document.tag_span(element), file.document, element, [&] {
     return Reporter::Text("the budget of an included file is not used; the top file's holds");
   });
+}
+
+void Loader::check_approach() {
+  std::string& approach = scene_.budget.approach;
+  std::vector<std::string_view> names;
+  for (const scene::Frame& frame : scene_.frames) names.push_back(frame.name);
+  if (approach.empty() || std::ranges::find(names, approach) != names.end()) return;
+  reporter_.report(Code::E1311,
+                   budget_file_->values->value_place(budget_, attribute::budget_approach),
+                   budget_file_->document, budget_, [&]() -> Reporter::Text {
+                     const auto near = nearest_name(approach, names);
+                     return {fmt::format("unknown frame {}", in_quotes(approach)),
+                             near            ? fmt::format("did you mean '{}'?", *near)
+                             : names.empty() ? "the model has no <frame>"
+                                             : ""};
+                   });
+  approach.clear();
 }
 
 // Reads what nothing has asked for, for its problems, and says which parts stay unused.

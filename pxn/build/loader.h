@@ -38,6 +38,9 @@ class Loader {
   // elements or nodes than the limits.
   std::optional<std::uint32_t> load_top(const FoundFile& top);
 
+  // Of the assembled scene: whether the frame that the budget names is there. Reports: E1311.
+  void check_approach();
+
   const Part& part(std::uint32_t index) const { return parts_[index]; }
   const NamedMaterial& material(std::int32_t index) const {
     return materials_[static_cast<std::size_t>(index)];
@@ -160,6 +163,8 @@ class Loader {
   Reporter& reporter_;
   scene::Scene& scene_;
   const Job job_;
+  File* budget_file_ = nullptr;  // of the budget that counts, and its element
+  std::uint32_t budget_ = 0;
   // note: addresses stay while these grow
   std::deque<File> loaded_files_;
   std::deque<Part> parts_;

@@ -280,6 +280,8 @@ inline constexpr std::size_t budget_ifov = 2;
 inline constexpr std::size_t budget_pixels = 3;
 inline constexpr std::size_t budget_flux = 4;
 inline constexpr std::size_t budget_centroid = 5;
+inline constexpr std::size_t budget_approach = 6;
+inline constexpr std::size_t budget_corridor = 7;
 inline constexpr std::size_t node_name = 0;
 inline constexpr std::size_t node_material = 1;
 inline constexpr std::size_t node_translate = 2;
@@ -1381,6 +1383,12 @@ inline constexpr Number kNumbers_budget_flux[] = {
 inline constexpr Number kNumbers_budget_centroid[] = {
     {"centroid", 0, 1000000.0, true, false},
 };
+inline constexpr Number kNumbers_budget_corridor[] = {
+    {"corridor", 0, 3.141592653589793, true, false},
+};
+inline constexpr double kInitial_budget_corridor[] = {
+    0.5235987755982988,
+};
 inline constexpr std::string_view kMembers_budget_0[] = {
     "@tolerance",
     "@nearest",
@@ -1398,6 +1406,14 @@ inline constexpr std::string_view kMembers_budget_3[] = {
     "@centroid",
     "@nearest",
 };
+inline constexpr std::string_view kMembers_budget_4[] = {
+    "@approach",
+    "@nearest",
+};
+inline constexpr std::string_view kMembers_budget_5[] = {
+    "@corridor",
+    "@approach",
+};
 inline constexpr Attribute kAttributes_budget[] = {
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"nearest", 1, true, false, {ValueKind::real, 1, kNumbers_budget_nearest, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
@@ -1405,12 +1421,16 @@ inline constexpr Attribute kAttributes_budget[] = {
     {"pixels", 1, true, false, {ValueKind::real, 1, kNumbers_budget_pixels, {}, Dimension::pixels, false, false, 1, 0}, kInitial_budget_pixels, "", false},
     {"flux", 1, true, false, {ValueKind::real, 1, kNumbers_budget_flux, {}, Dimension::ratio, false, false, 1, 0}, {}, "", false},
     {"centroid", 1, true, false, {ValueKind::real, 1, kNumbers_budget_centroid, {}, Dimension::pixels, false, false, 1, 0}, {}, "", false},
+    {"approach", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"corridor", 1, true, false, {ValueKind::real, 1, kNumbers_budget_corridor, {}, Dimension::angle, false, false, 1, 0}, kInitial_budget_corridor, "", false},
 };
 inline constexpr Rule kRules_budget[] = {
     {RuleKind::any_of, kMembers_budget_0},
     {RuleKind::together, kMembers_budget_1},
     {RuleKind::requires_others, kMembers_budget_2},
     {RuleKind::requires_others, kMembers_budget_3},
+    {RuleKind::requires_others, kMembers_budget_4},
+    {RuleKind::requires_others, kMembers_budget_5},
 };
 inline constexpr Attribute kAttributes_node[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
@@ -1488,9 +1508,6 @@ inline constexpr Number kNumbers_import_weld[] = {
 inline constexpr Number kNumbers_import_crease[] = {
     {"crease", 0, 3.141592653589793, false, false},
 };
-inline constexpr double kInitial_import_crease[] = {
-    0.5235987755982988,
-};
 inline constexpr std::string_view kWords_import_normals[] = {
     "file",
     "crease",
@@ -1519,7 +1536,7 @@ inline constexpr Attribute kAttributes_import[] = {
     {"up", 1, true, false, {ValueKind::word, 1, {}, kWords_import_up, Dimension::none, false, false, 1, 0}, {}, "auto", false},
     {"clean", 1, true, false, {ValueKind::word, 1, {}, kWords_import_clean, Dimension::none, false, false, 1, 0}, {}, "yes", false},
     {"weld", 1, true, false, {ValueKind::real, 1, kNumbers_import_weld, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},
-    {"crease", 1, true, false, {ValueKind::real, 1, kNumbers_import_crease, {}, Dimension::angle, false, false, 1, 0}, kInitial_import_crease, "", false},
+    {"crease", 1, true, false, {ValueKind::real, 1, kNumbers_import_crease, {}, Dimension::angle, false, false, 1, 0}, kInitial_budget_corridor, "", false},
     {"normals", 1, true, false, {ValueKind::word, 1, {}, kWords_import_normals, Dimension::none, false, false, 1, 0}, {}, "file", false},
     {"hidden", 1, true, false, {ValueKind::word, 1, {}, kWords_import_hidden, Dimension::none, false, false, 1, 0}, {}, "remove", false},
     {"scene", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},

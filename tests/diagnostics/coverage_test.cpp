@@ -144,6 +144,14 @@ std::vector<Trigger> command_lines(const TemporaryFolder& folder) {
       {"N2021",
        {"compile", PANWRIGHT_SOURCE_DIR "/examples/cad/relay.pxn", "-o", folder / "dressed.pan"},
        {}},
+      {"N2025",
+       {"compile",
+        folder.write("fitted.pxn",
+                     "<pangu_model ver=\"1\"><budget nearest=\"5km\" ifov=\"0.1mrad\" flux=\"1%\"/>"
+                     "<sphere radius=\"5\"/><sphere radius=\"1cm\" translate=\"0 0 6\"/>"
+                     "</pangu_model>"),
+        "-o", folder / "fitted.pan"},
+       {}},
       {"N2024",
        {"compile",
         folder.write("foil.pxn",

@@ -85,7 +85,7 @@ bool write_and_read(const scene::Scene& scene) {
     compiler::Options options;
     options.max_error = 0.05;
     options.max_triangles = 20'000;
-    options.compress = compress;
+    if (compress) options.storage.kind = pan::StorageForm::Kind::lossless;
     DiagnosticLog log;
     auto bytes = compiler::compiled(scene, options, log);
     if (!bytes) {

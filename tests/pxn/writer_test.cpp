@@ -142,6 +142,10 @@ class Maker {
       scene_.budget.nearest = positive();
       scene_.budget.ifov = positive() * 1e-4;
       scene_.budget.pixels = positive();
+      if (below(2) == 0 && !scene_.frames.empty()) {
+        scene_.budget.approach = scene_.frames[0].name;
+        scene_.budget.corridor = unit() + 0.1;
+      }
     }
     if (below(2) == 0) scene_.budget.flux = 1e-3 * unit();
     return scene_;
