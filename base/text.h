@@ -18,6 +18,9 @@ std::string format_double(double value);
 // "1 triangle", "2 triangles".
 std::string counted(std::size_t count, std::string_view noun);
 
+// Text as the content of an element or a quoted attribute of XML and HTML: & < " as entities.
+std::string markup_escaped(std::string_view text);
+
 // Quotes a value for a message: control characters escaped, cut after 60 characters.
 std::string in_quotes(std::string_view text);
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bench/bench.h"
+#include "bench/scenes.h"
 #include "compiler/compile.h"
 #include "geometry/tessellate/tessellate.h"
 #include "pan/model.h"
@@ -49,36 +50,14 @@ Built built(Context& context, const scene::Scene& scene, const compiler::Options
   return out;
 }
 
-struct Ball {
-  Vec3 centre{0};
-  double radius = 0;
-};
-
-Ball ball_of(const pan::Model& model) {
-  Vec3 low(HUGE_VAL), high(-HUGE_VAL);
-  const auto nodes = model.world_from_nodes();
-  for (const pan::layout::Instance& instance : model.instances()) {
-    const pan::layout::Mesh& mesh = model.meshes()[instance.mesh];
-    for (int corner = 0; corner < 8; ++corner) {
-      Vec3 p;
-      for (int k = 0; k < 3; ++k)
-        p[k] = mesh.origin[k] +
-               static_cast<double>(corner & (1 << k) ? mesh.bounds_max[k] : mesh.bounds_min[k]);
-      p = Vec3(nodes[instance.node] * Vec4(p, 1));
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
-  }
-  return {(low + high) / 2.0, glm::length(high - low) / 2};
-}
-
 // What the budget's camera sees from some direction at its nearest: the model, or a part of it.
-preview::View view_of(const pan::Model& model, const Ball& ball, double nearest, int direction,
+preview::View view_of(const pan::Model& model, const Box& box, double nearest, int direction,
                       double phase) {
   const std::array<Vec3, 3> from = {glm::normalize(Vec3(0.7, 0.5, 0.4)),
                                     glm::normalize(Vec3(-0.2, 0.9, -0.3)),
                                     glm::normalize(Vec3(0.1, -0.4, 0.9))};
   const Vec3 to_camera = from[static_cast<std::size_t>(direction)];
+  const double radius = box.diagonal() / 2;
   double front = -HUGE_VAL;
   const auto nodes = model.world_from_nodes();
   for (const pan::layout::Instance& instance : model.instances()) {
@@ -86,21 +65,20 @@ preview::View view_of(const pan::Model& model, const Ball& ball, double nearest,
                       model.meshes()[instance.mesh].origin[1],
                       model.meshes()[instance.mesh].origin[2]);
     for (const auto& p : model.mesh(instance.mesh).positions)
-      front = std::max(
-          front,
-          glm::dot(Vec3(nodes[instance.node] * Vec4(origin + Vec3(p.x, p.y, p.z), 1)) - ball.centre,
-                   to_camera));
+      front = std::max(front,
+                       glm::dot(Vec3(nodes[instance.node] * Vec4(origin + Vec3(p.x, p.y, p.z), 1)) -
+                                    box.middle(),
+                                to_camera));
   }
   const double range = nearest + front;
-  const double across =
-      2 * ball.radius / ((range - ball.radius > 0 ? range - ball.radius : nearest) * kIfov);
+  const double across = 2 * radius / ((range - radius > 0 ? range - radius : nearest) * kIfov);
   const auto side = static_cast<std::uint32_t>(std::clamp(std::ceil(across) + 6, 8.0, kMostSide));
   preview::View view;
   world::set_pixel_angle(view.camera, side, side, kIfov);
-  view.camera.position = ball.centre + range * to_camera;
+  view.camera.position = box.middle() + range * to_camera;
   DiagnosticLog log;
   view.camera.world_from_camera =
-      *world::looking_at(view.camera.position, ball.centre, std::nullopt, log);
+      *world::looking_at(view.camera.position, box.middle(), std::nullopt, log);
   const Vec3 beside = glm::normalize(glm::cross(to_camera, Vec3(0.3, 0.2, 1)));
   view.to_sun = std::cos(phase) * to_camera + std::sin(phase) * beside;
   return view;
@@ -184,7 +162,7 @@ void run_model(Context& context, preview::Renderer* renderer, const std::string&
   if (finest > 0) as_given.max_error = finest;
   const Built full = built(context, *scene, as_given, log);
   if (!full.model) return context.note(name + " was refused");
-  const Ball ball = ball_of(*full.model);
+  const Box box = box_of(*full.model);
   const std::uint32_t samples = context.quick() ? 16 : 128;
   preview::Reference reference;
   for (const double nearest : {5.0, 50.0, 5e3, 5e5}) {
@@ -197,7 +175,7 @@ void run_model(Context& context, preview::Renderer* renderer, const std::string&
     double flux = 0, noise = 0, centre = 0;
     for (int direction = 0; direction < (context.quick() ? 1 : 2); ++direction)
       for (const double phase : {30 * kDegree, 90 * kDegree}) {
-        const preview::View view = view_of(*full.model, ball, nearest, direction, phase);
+        const preview::View view = view_of(*full.model, box, nearest, direction, phase);
         const auto a = seen(reference, full.model, view, samples);
         const auto b = seen(reference, fitted.model, view, samples);
         if (!a || !b) return context.note(name + ": no image");
@@ -205,7 +183,7 @@ void run_model(Context& context, preview::Renderer* renderer, const std::string&
         noise = std::max(noise, std::hypot(a->flux_error, b->flux_error));
         centre = std::max(centre, glm::length(b->centre - a->centre));
       }
-    const preview::View view = view_of(*full.model, ball, nearest, 0, 30 * kDegree);
+    const preview::View view = view_of(*full.model, box, nearest, 0, 30 * kDegree);
     const double ms = renderer ? milliseconds(*renderer, fitted.model, view, context.runs()) : 0;
     const std::string setting = fmt::format(
         "{}; nearest {:g} m, {:g} mrad; {} triangles of {}, {:.3g} MB of {:.3g}, {} of {} parts "

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bench/bench.h"
+#include "bench/scenes.h"
 #include "compiler/compile.h"
 #include "pan/model.h"
 #include "preview/renderer.h"
@@ -44,29 +45,6 @@ Built built(const scene::Scene& scene, bool levels, DiagnosticLog& log) {
   auto model = pan::Model::from_bytes(*bytes, "model", log);
   if (model && model->check(log)) out.model = std::make_shared<const pan::Model>(*std::move(model));
   return out;
-}
-
-struct Box {
-  Vec3 low{HUGE_VAL}, high{-HUGE_VAL};
-  double diagonal() const { return glm::length(high - low); }
-};
-
-Box box_of(const pan::Model& model) {
-  Box box;
-  const auto nodes = model.world_from_nodes();
-  for (const pan::layout::Instance& instance : model.instances()) {
-    const pan::layout::Mesh& mesh = model.meshes()[instance.mesh];
-    for (int corner = 0; corner < 8; ++corner) {
-      Vec3 p;
-      for (int k = 0; k < 3; ++k)
-        p[k] = mesh.origin[k] +
-               static_cast<double>(corner & (1 << k) ? mesh.bounds_max[k] : mesh.bounds_min[k]);
-      p = Vec3(nodes[instance.node] * Vec4(p, 1));
-      box.low = glm::min(box.low, p);
-      box.high = glm::max(box.high, p);
-    }
-  }
-  return box;
 }
 
 std::size_t triangles_at(const pan::Model& model, double pixel) {

@@ -45,6 +45,24 @@ world::ModelPtr compiled_model(const scene::Scene& scene, DiagnosticLog& log) {
   return std::make_shared<const pan::Model>(*std::move(model));
 }
 
+Box box_of(const pan::Model& model) {
+  Box box;
+  const auto nodes = model.world_from_nodes();
+  for (const pan::layout::Instance& instance : model.instances()) {
+    const pan::layout::Mesh& mesh = model.meshes()[instance.mesh];
+    for (int corner = 0; corner < 8; ++corner) {
+      Vec3 p;
+      for (int k = 0; k < 3; ++k)
+        p[k] = mesh.origin[k] +
+               static_cast<double>(corner & (1 << k) ? mesh.bounds_max[k] : mesh.bounds_min[k]);
+      p = Vec3(nodes[instance.node] * Vec4(p, 1));
+      box.low = glm::min(box.low, p);
+      box.high = glm::max(box.high, p);
+    }
+  }
+  return box;
+}
+
 std::string sphere_pxn(const geometry::SphereCounts& counts) {
   return fmt::format("<pangu_model ver=\"0\"><sphere rings=\"{}\" quads=\"{}\"/></pangu_model>\n",
                      counts.rings, counts.quads);

@@ -7,6 +7,7 @@
 #include "bench/bench.h"
 #include "geometry/tessellate/shape.h"
 #include "materials/material.h"
+#include "pan/model.h"
 #include "scene/scene.h"
 #include "world/world.h"
 
@@ -23,6 +24,14 @@ materials::Material lambert_material(double albedo);
 
 // What the compiler makes of a scene; null: refused, and the log says why.
 world::ModelPtr compiled_model(const scene::Scene& scene, DiagnosticLog& log);
+
+// The box of all meshes of a model, world axes: of their own boxes' corners.
+struct Box {
+  Vec3 low{HUGE_VAL}, high{-HUGE_VAL};
+  Vec3 middle() const { return (low + high) / 2.0; }
+  double diagonal() const { return glm::length(high - low); }
+};
+Box box_of(const pan::Model& model);
 
 // pxn text of one sphere.
 std::string sphere_pxn(const geometry::SphereCounts& counts);

@@ -425,7 +425,7 @@ double flux_of_shapes(const scene::Scene& scene, const Plan& plan,
 pan::Contents contents_of(internal::Fitted& fitted, const Options& options, Report& report,
                           DiagnosticLog& log, const Job& job) {
   const auto start = Clock::now();
-  const scene::Scene& scene = fitted.scene;
+  const scene::Scene& scene = fitted.scene();
   report.fit = std::move(fitted.report);
   Plan plan = internal::plan_of(scene, scene::world_from_nodes(scene), options, fitted.allotment);
   note_tolerances(scene, fitted, plan);

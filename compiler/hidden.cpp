@@ -49,17 +49,11 @@ std::vector<MeshShape> meshes_of(const scene::Scene& scene, const std::vector<Ma
   return out;
 }
 
-// Whether a joint can take more than one value.
-bool can_move(const scene::Joint& joint) {
-  return joint.kind != scene::JointKind::fixed &&
-         (joint.lower.empty() || joint.lower != joint.upper);
-}
-
 // Of each node, a number of the rigid body that it belongs to: what a joint can move starts one.
 std::vector<std::int32_t> bodies_of(const scene::Scene& scene) {
   std::vector<char> moves(scene.nodes.size(), 0);
   for (const scene::Joint& joint : scene.joints)
-    if (can_move(joint)) moves[static_cast<std::size_t>(joint.node)] = 1;
+    if (scene::can_move(joint)) moves[static_cast<std::size_t>(joint.node)] = 1;
   std::vector<std::int32_t> bodies(scene.nodes.size(), 0);
   for (std::size_t n = 0; n < bodies.size(); ++n) {
     const std::int32_t parent = scene.nodes[n].parent;

@@ -115,18 +115,18 @@ std::string import_template(const importers::Imported& imported, std::string_vie
         fmt::format("    <!-- {}, {}: {}; {} -->\n", in_comment(in_quotes(pattern_of(names[i]))),
                     seen, guess.preset, in_comment(guess.reason));
     assigns += fmt::format("    <assign materials=\"{}\" material=\"{}\"/>\n",
-                           xml::escaped(pattern_of(names[i])), name);
+                           markup_escaped(pattern_of(names[i])), name);
   }
   std::string out = "<pangu_model ver=\"1\">\n";
   if (!materials.empty()) out += "  <!-- guessed below from names and colours; check each -->\n";
   out += materials;
   if (!scene.joints.empty())
     out += "  <!-- joints of the file:" + joint_lines(imported) + "\n  -->\n";
-  out += fmt::format("  <import file=\"{}\"{}", xml::escaped(file), attributes);
+  out += fmt::format("  <import file=\"{}\"{}", markup_escaped(file), attributes);
   out += assigns.empty() ? "/>\n" : ">\n" + assigns + "  </import>\n";
   return out + "</pangu_model>\n";
 }
 
-std::string attribute_value(std::string_view text) { return xml::escaped(text); }
+std::string attribute_value(std::string_view text) { return markup_escaped(text); }
 
 }  // namespace panwright::pxn

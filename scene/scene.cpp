@@ -245,6 +245,10 @@ std::string check_maps(const Scene& scene) {
 
 }  // namespace
 
+bool can_move(const Joint& joint) {
+  return joint.kind != JointKind::fixed && (joint.lower.empty() || joint.lower != joint.upper);
+}
+
 geometry::Joint kinematic(const Joint& joint) {
   geometry::Joint out;
   out.kind = joint.kind;

@@ -60,12 +60,13 @@ enum class Mapping : std::uint8_t {
 // The accuracy budget of the model. Absent terms set no limit.
 struct Budget {
   static constexpr double kDefaultCorridor = 30 * kDegree;
-  std::optional<double> tolerance;  // metres
-  std::optional<double> nearest;    // metres from the camera to the nearest surface, > 0
-  std::optional<double> ifov;       // radians, the angle of a pixel, > 0
-  std::optional<double> pixels;     // a silhouette may be off by so many, > 0
-  std::optional<double> flux;       // relative error of a part's flux, > 0
-  std::optional<double> centroid;   // pixels that a part's photocentre may be off by, > 0
+  static constexpr double kDefaultPixels = 0.25;  // where a camera is given, and no pixels
+  std::optional<double> tolerance;                // metres
+  std::optional<double> nearest;   // metres from the camera to the nearest surface, > 0
+  std::optional<double> ifov;      // radians, the angle of a pixel, > 0
+  std::optional<double> pixels;    // a silhouette may be off by so many, > 0
+  std::optional<double> flux;      // relative error of a part's flux, > 0
+  std::optional<double> centroid;  // pixels that a part's photocentre may be off by, > 0
   // The camera comes along a frame's z axis, within `corridor` radians of it; `nearest` is from the
   // frame's origin then. Empty: from anywhere.
   std::string approach;
@@ -203,6 +204,9 @@ struct Decomposed {
   bool sheared = false;
 };
 std::optional<Decomposed> decomposed(const Mat4& matrix);
+
+// Whether a joint can take more than one value.
+bool can_move(const Joint& joint);
 
 // A joint as kinematics have it, and the values that it begins with.
 geometry::Joint kinematic(const Joint& joint);

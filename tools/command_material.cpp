@@ -425,17 +425,7 @@ void print_fits(const Options& options, const std::vector<materials::Reading>& r
   for (const materials::Fit& fit : fits)
     print("{:<34} {:>12.3f} {:>12.3f} {:>12.4g}\n", fit.brdf, fit.rms_decades, fit.max_decades,
           fit.rms);
-  std::string attribute;
-  for (const char c : name)
-    if (c == '"')
-      attribute += "&quot;";
-    else if (c == '&')
-      attribute += "&amp;";
-    else if (c == '<')
-      attribute += "&lt;";
-    else
-      attribute += c;
-  print("\n<material name=\"{}\">\n{}\n</material>\n", attribute, best.text);
+  print("\n<material name=\"{}\">\n{}\n</material>\n", markup_escaped(name), best.text);
 }
 
 // BRDFs fitted to a table.

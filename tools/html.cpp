@@ -1,22 +1,12 @@
 #include "tools/html.h"
 
 #include "base/source.h"
+#include "base/text.h"
 
 namespace panwright::tools {
 
 std::string html_escaped(std::string_view text) {
-  std::string out;
-  for (const char c : to_utf8(text, Encoding::utf8)) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
+  return markup_escaped(to_utf8(text, Encoding::utf8));
 }
 
 }  // namespace panwright::tools

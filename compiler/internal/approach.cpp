@@ -8,11 +8,6 @@
 namespace panwright::compiler::internal {
 namespace {
 
-bool can_move(const scene::Joint& joint) {
-  return joint.kind != scene::JointKind::fixed &&
-         (joint.lower.empty() || joint.lower != joint.upper || joint.mimic != scene::kNone);
-}
-
 Vec3 origin_of(const Mat4& matrix) { return Vec3(matrix[3]); }
 
 }  // namespace
@@ -29,7 +24,7 @@ Reach reach_of(const scene::Scene& scene, const std::vector<Mat4>& world, std::s
     double slides = 0;
     bool moves = false;
     for (const scene::Joint& joint : scene.joints) {
-      if (joint.node != n || !can_move(joint)) continue;
+      if (joint.node != n || !scene::can_move(joint)) continue;
       moves = true;
       const bool turns = joint.kind == scene::JointKind::revolute ||
                          joint.kind == scene::JointKind::continuous ||

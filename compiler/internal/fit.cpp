@@ -7,12 +7,12 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
-#include <tuple>
 #include <variant>
 
 #include "base/text.h"
 #include "compiler/internal/approach.h"
 #include "compiler/internal/scene_edit.h"
+#include "compiler/internal/shared_borders.h"
 #include "compiler/internal/surfaces.h"
 
 namespace panwright::compiler {
@@ -26,8 +26,6 @@ namespace {
 
 using geometry::Mesh;
 using geometry::MeshShape;
-
-constexpr double kPixels = 0.25;  // of parts and meshes, where no term says
 
 // One that can be left out.
 struct Candidate {
@@ -51,20 +49,7 @@ struct Pieces {
 };
 
 Pieces pieces_of(const Mesh& mesh) {
-  std::vector<std::uint32_t> order(mesh.positions.size());
-  for (std::uint32_t v = 0; v < order.size(); ++v) order[v] = v;
-  const auto place = [&](std::uint32_t v) {
-    const Vec3& p = mesh.positions[v];
-    return std::tuple(p.x, p.y, p.z);
-  };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const auto p = place(a), q = place(b);
-    return p != q ? p < q : a < b;
-  });
-  std::vector<std::uint32_t> root(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    root[order[i]] =
-        i > 0 && place(order[i]) == place(order[i - 1]) ? root[order[i - 1]] : order[i];
+  std::vector<std::uint32_t> root = first_at_place(surface_of(mesh));
   const auto find = [&](std::uint32_t v) {
     while (root[v] != v) v = root[v] = root[root[v]];
     return v;
@@ -209,8 +194,8 @@ class Allotter {
       const PlacedBox box = placed(extent, world);
       const Reach reach = reach_of(scene_, world_of_nodes_, i, extent.low, extent.high);
       const scene::Budget budget = allotment_.of(scene_.budget, i);
-      if (!reach.bounded ||
-          box.width() > budget.pixels.value_or(kPixels) * *budget.ifov * *budget.nearest)
+      if (!reach.bounded || box.width() > budget.pixels.value_or(scene::Budget::kDefaultPixels) *
+                                              *budget.ifov * *budget.nearest)
         return;
       const double stretch = stretch_of(world).largest;
       const double sides = surfaces_[shape]->closed ? 0.5 : 1;
@@ -370,7 +355,7 @@ void allot(scene::Scene& scene, Allotment& allotment, FitReport& report, const J
 Fitted fitted_to_budget(const scene::Scene& scene, const std::optional<double>& max_error,
                         DiagnosticLog& log, const Job& job) {
   Fitted out;
-  out.scene = scene;
+  out.authored = &scene;
   const scene::Budget& budget = scene.budget;
   if (budget.nearest && !budget.approach.empty())
     out.allotment.nearest =
@@ -378,9 +363,10 @@ Fitted fitted_to_budget(const scene::Scene& scene, const std::optional<double>& 
   if (!asks_to_fit(budget) || max_error) return out;
   const auto start = std::chrono::steady_clock::now();
   out.report.asked = true;
-  allot(out.scene, out.allotment, out.report, job);
-  out.made_to = simplify_meshes(out.scene, out.allotment, out.report, job);
-  reduce_textures(out.scene, out.allotment, out.report, job);
+  scene::Scene& fitted = out.changed.emplace(scene);
+  allot(fitted, out.allotment, out.report, job);
+  out.made_to = simplify_meshes(fitted, out.allotment, out.report, job);
+  reduce_textures(fitted, out.allotment, out.report, job);
   out.report.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (const std::string text = words(out.report, budget); !text.empty())

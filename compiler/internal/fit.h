@@ -22,14 +22,17 @@ struct Allotment {
 };
 
 struct Fitted {
-  scene::Scene scene;
+  const scene::Scene* authored = nullptr;
+  std::optional<scene::Scene> changed;  // where the budget asks for it
+  const scene::Scene& scene() const { return changed ? *changed : *authored; }
   Allotment allotment;
   // Of each shape that was simplified, what to: metres in the mesh's frame.
   std::vector<std::optional<Tolerance>> made_to;
   FitReport report;
 };
 
-// Deterministic, whatever the number of threads. Reports: N2025. Throws Cancelled.
+// The authored scene must outlive the result. Deterministic, whatever the number of threads.
+// Reports: N2025. Throws Cancelled.
 //
 //   options  max_error: nothing is left out or simplified, the command line decides all
 // Cost: about 5 µs a triangle for parts; 10 to 200 µs a triangle for meshes that are simplified.

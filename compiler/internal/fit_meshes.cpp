@@ -18,7 +18,6 @@ using geometry::Mesh;
 using geometry::MeshShape;
 
 constexpr std::size_t kLeastTriangles = 64;
-constexpr double kPixels = 0.25;
 // What levels begin with: the tolerance may be more than the light allows.
 constexpr double kFinest = 1.0 / 16;  // of the tolerance
 constexpr double kFine = 1e-4;        // of the diagonal
@@ -100,7 +99,7 @@ class Simplifier {
         continue;
       }
       scene::Budget budget = allotment_.of(scene_.budget, i);
-      if (!budget.pixels && !budget.centroid) budget.pixels = kPixels;
+      if (!budget.pixels && !budget.centroid) budget.pixels = scene::Budget::kDefaultPixels;
       Tolerance tolerance =
           tolerance_for(budget, geometry::Plane{}, stretch, {instance.tolerance, {}, {}});
       tolerance.metres /= stretch.largest;

@@ -15,7 +15,6 @@ namespace panwright::compiler::internal {
 namespace {
 
 constexpr std::size_t kLeastTriangles = 512;
-constexpr double kPixels = 0.25;  // what a level may be off where no budget says it
 
 Vec3 position(const pan::PackedMesh& mesh, std::size_t vertex) {
   const float* p = &mesh.positions[3 * vertex];
@@ -66,7 +65,7 @@ class MeshLevels {
  public:
   MeshLevels(const scene::Scene& scene, pan::Contents& out, const Job& job)
       : budget_(scene.budget),
-        pixels_(scene.budget.pixels.value_or(kPixels)),
+        pixels_(scene.budget.pixels.value_or(scene::Budget::kDefaultPixels)),
         out_(out),
         job_(job) {
     const std::vector<Mat4> nodes = scene::world_from_nodes(scene);

@@ -16,20 +16,7 @@ constexpr std::size_t kMost = 1u << 24;  // vertices of all placements whose bor
 
 // V: whether an edge of one triangle ends there. Vertices at equal positions count as one.
 std::vector<char> borders(const Surface& mesh) {
-  std::vector<std::uint32_t> order(mesh.vertices);
-  for (std::uint32_t v = 0; v < order.size(); ++v) order[v] = v;
-  const auto place = [&](std::uint32_t v) {
-    const Vec3 p = mesh.position(v);
-    return std::array<double, 3>{p.x, p.y, p.z};
-  };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const auto p = place(a), q = place(b);
-    return p != q ? p < q : a < b;
-  });
-  std::vector<std::uint32_t> first(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    first[order[i]] =
-        i > 0 && place(order[i]) == place(order[i - 1]) ? first[order[i - 1]] : order[i];
+  const std::vector<std::uint32_t> first = first_at_place(mesh);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (std::size_t i = 0; i < mesh.triangles; ++i) {
     const geometry::Triangle triangle = mesh.triangle(i);
@@ -113,6 +100,24 @@ Surface surface_of(const pan::PackedMesh& mesh) {
             return geometry::Triangle{mesh.indices[3 * t], mesh.indices[3 * t + 1],
                                       mesh.indices[3 * t + 2]};
           }};
+}
+
+std::vector<std::uint32_t> first_at_place(const Surface& mesh) {
+  std::vector<std::uint32_t> order(mesh.vertices);
+  for (std::uint32_t v = 0; v < order.size(); ++v) order[v] = v;
+  const auto place = [&](std::uint32_t v) {
+    const Vec3 p = mesh.position(v);
+    return std::array<double, 3>{p.x, p.y, p.z};
+  };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const auto p = place(a), q = place(b);
+    return p != q ? p < q : a < b;
+  });
+  std::vector<std::uint32_t> first(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    first[order[i]] =
+        i > 0 && place(order[i]) == place(order[i - 1]) ? first[order[i - 1]] : order[i];
+  return first;
 }
 
 std::optional<std::vector<std::vector<char>>> shared_borders(

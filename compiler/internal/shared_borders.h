@@ -24,6 +24,9 @@ struct Surface {
 Surface surface_of(const geometry::Mesh& mesh);
 Surface surface_of(const pan::PackedMesh& mesh);
 
+// Of each vertex, the first one at its position.
+std::vector<std::uint32_t> first_at_place(const Surface& mesh);
+
 // A mesh in the place of an instance: its own, or that of a level of it.
 struct PlacedSurface {
   std::uint32_t mesh = 0;

@@ -19,9 +19,6 @@ using schemas::ElementId;
 
 namespace {
 
-// ranges of a silhouette that nobody sees
-constexpr double kDefaultPixels = 0.25;
-
 double metres_of(std::string_view unit) {
   if (unit == "mm") return 1e-3;
   if (unit == "cm") return 1e-2;
@@ -131,8 +128,8 @@ void Loader::read_parameter(File& file, std::uint32_t element) {
 // may hold what that may.
 std::optional<Quantity> Loader::overriding_value(const std::string& name, const std::string& value,
                                                  const Units& units) {
-  auto bytes = std::make_shared<const std::string>(
-      fmt::format("<param name=\"{}\" value=\"{}\"/>", xml::escaped(name), xml::escaped(value)));
+  auto bytes = std::make_shared<const std::string>(fmt::format(
+      "<param name=\"{}\" value=\"{}\"/>", markup_escaped(name), markup_escaped(value)));
   const FileId id =
       reporter_.log().sources().add({"-D " + name, std::move(bytes), Encoding::utf8, {}});
   xml::Document document = xml::scan(id, {16, 16}, reporter_.log());
@@ -192,7 +189,7 @@ void Loader::read_budget(File& file, std::uint32_t element) {
   budget.centroid = values.real(element, attribute::budget_centroid);
   if (budget.nearest && budget.ifov && !budget.pixels &&
       !values.has(element, attribute::budget_pixels))
-    budget.pixels = kDefaultPixels;
+    budget.pixels = scene::Budget::kDefaultPixels;
   budget.source = {file.found.path, file.positions[element].first, file.positions[element].second};
   if (const auto approach = values.text(element, attribute::budget_approach))
     budget.approach = *approach;

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <concepts>
 
+#include "base/text.h"
 #include "geometry/tessellate/shape_parameters.h"
 #include "pxn/text/reference.h"
 #include "schemas/generated/pxn_schema.h"
@@ -156,7 +157,7 @@ void ElementWriter::attribute(std::string_view name, std::string_view value) {
   out_.push_back(' ');
   out_ += name;
   out_ += "=\"";
-  out_ += xml::escaped(value);
+  out_ += markup_escaped(value);
   out_.push_back('"');
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <string_view>
 
 namespace panwright::pxn::xml {
@@ -14,8 +13,5 @@ struct Reference {
 
 // The reference that a text begins with. Expects: text[0] == '&'.
 Reference reference_at(std::string_view text);
-
-// A text as the value of an attribute in double quotes.
-std::string escaped(std::string_view text);
 
 }  // namespace panwright::pxn::xml
