@@ -30,7 +30,6 @@ struct Options {
   workspace::OpenOptions open;
   std::string input;
   std::string output;  // .pan or .pxn; empty: none
-  std::string budget;  // terms
   std::string budget_report;
   std::string report;  // .txt, .json or .html; empty: none
   CacheOption cache;
@@ -65,7 +64,7 @@ void declare_all(Arguments& arguments, Options& options) {
            "Folder that files named by the model must lie in (default: the model's)")
       .type("DIR");
   arguments
-      .add("--budget", options.budget,
+      .add("--budget", options.open.budget,
            "What the scene needs of a .pan: nearest=5km ifov=0.1mrad pixels=0.25 flux=0.1% "
            "centroid=0.01px, any of them")
       .type("TERMS");
@@ -329,16 +328,12 @@ int run(const Options& options, const Host& host) {
   context.files().will_write(options.output, "-o", log);
   context.files().will_write(options.report, "--report", log);
   context.files().will_write(options.budget_report, "--budget-report", log);
-  if (extension != ".pan" && (!options.budget.empty() || !options.budget_report.empty()))
+  if (extension != ".pan" && (!options.open.budget.empty() || !options.budget_report.empty()))
     log.report(Code::N1405, {}, "--budget and --budget-report have an effect on a .pan file only");
   if (log.has_errors()) return context.finish();
   workspace::OpenOptions open = options.open;
   open.cache = options.cache.folder();
-  if (!options.budget.empty()) {
-    auto terms = workspace::budget_of_text(options.budget, log);
-    if (!terms) return context.finish();
-    open.budget = *std::move(terms);
-  }
+  if (!open.budget.empty() && !workspace::budget_of_text(open.budget, log)) return context.finish();
   workspace::OpenReport found;
   auto imported = workspace::read_cad(options.input, open, log, context.job(), &found);
   context.add_timings(std::exchange(found.steps, {}));

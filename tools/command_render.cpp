@@ -215,6 +215,7 @@ bool follow_record(const Options& options, workspace::ViewText typed, Work& work
   work.open.max_triangles = given.max_triangles;
   work.open.cache = given.cache;
   if (given.max_error) work.open.max_error = given.max_error;
+  if (!given.budget.empty()) work.open.budget = given.budget;
   if (options.gl == "auto") work.context = *preview::context_kind_from_name(record->context);
   work.views = {workspace::with_defaults(std::move(typed), record->view)};
   work.record = *std::move(record);

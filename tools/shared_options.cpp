@@ -111,7 +111,7 @@ void declare(Arguments& arguments, ReadOptions& read) {
       .positive()
       .type("METRES");
   arguments
-      .add("--budget", read.budget,
+      .add("--budget", read.open.budget,
            "What the scene needs, in place of the model's own budget: nearest=5km ifov=0.1mrad "
            "pixels=0.25 flux=0.1% centroid=0.01px approach=FRAME, any of them; or none")
       .type("TERMS");
@@ -123,11 +123,7 @@ void declare(Arguments& arguments, ReadOptions& read) {
 Result<workspace::OpenOptions> ReadOptions::opening(DiagnosticLog& log) const {
   workspace::OpenOptions out = open;
   out.cache = cache.folder();
-  if (!budget.empty()) {
-    auto terms = workspace::budget_of_text(budget, log);
-    if (!terms) return failed;
-    out.budget = *std::move(terms);
-  }
+  if (!open.budget.empty() && !workspace::budget_of_text(open.budget, log)) return failed;
   for (const std::string& parameter : parameters) {
     const std::size_t sign = parameter.find('=');
     if (sign == std::string::npos || sign == 0) {

@@ -44,7 +44,6 @@ nlohmann::ordered_json storage_json(const std::string& form, const compiler::Sto
 struct ReadOptions {
   workspace::OpenOptions open;          // but for the parameters
   std::vector<std::string> parameters;  // NAME=VALUE
-  std::string budget;                   // terms, or "none"
   CacheOption cache;                    // declared by itself
 
   // All of it. Fails: E0201 for a parameter without a value, and a wrong budget.

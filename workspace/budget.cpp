@@ -15,7 +15,6 @@
 namespace panwright::workspace {
 namespace {
 
-constexpr double kDefaultPixels = 0.25;
 const std::vector<std::string_view> kTerms = {"tolerance", "nearest",  "ifov",     "pixels",
                                               "flux",      "centroid", "approach", "corridor"};
 
@@ -45,7 +44,7 @@ class Reader {
       return fail("pixels, centroid and approach need nearest and ifov");
     if (given_.contains("corridor") && b.approach.empty())
       return fail("corridor needs an approach");
-    if (b.nearest && !b.pixels) b.pixels = kDefaultPixels;
+    if (b.nearest && !b.pixels) b.pixels = scene::Budget::kDefaultPixels;
     return budget_;
   }
 

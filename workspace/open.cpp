@@ -14,6 +14,7 @@
 #include "importers/other_formats.h"
 #include "importers/palette.h"
 #include "pxn/pxn.h"
+#include "workspace/budget.h"
 #include "workspace/internal/stopwatch.h"
 
 namespace panwright::workspace {
@@ -125,10 +126,12 @@ std::string parameters_words(const OpenOptions& options) {
   return out;
 }
 
-// Before anything depends on it. Fails: E0201 for an approach along no frame.
+// Before anything depends on it. Fails: as budget_of_text(), E0201 for an approach along no frame.
 bool replace_budget(scene::Scene& scene, const OpenOptions& options, DiagnosticLog& log) {
-  if (!options.budget) return true;
-  scene.budget = *options.budget;
+  if (options.budget.empty()) return true;
+  const auto budget = budget_of_text(options.budget, log);
+  if (!budget) return false;
+  scene.budget = *budget;
   const std::string& approach = scene.budget.approach;
   std::vector<std::string_view> names;
   for (const scene::Frame& frame : scene.frames) names.push_back(frame.name);
@@ -146,6 +149,8 @@ compiler::Options compile_options(const OpenOptions& options) {
   compile.max_error = options.max_error;
   compile.max_triangles = options.max_triangles;
   compile.origin = parameters_words(options);
+  if (!options.budget.empty())
+    compile.origin += fmt::format(" budget={}", in_quotes(options.budget));
   return compile;
 }
 
@@ -159,6 +164,7 @@ std::size_t guessed_units(const DiagnosticLog& log) {
 Result<world::ModelPtr> open_pan(const std::filesystem::path& path, const OpenOptions& options,
                                  DiagnosticLog& log, const Job& job, OpenReport* report) {
   note_cad_options(options.cad, path, log);
+  if (!options.budget.empty()) note_unused({"--budget"}, path.string(), ".pan", log);
   if (!options.parameters.empty() && options.declared == nullptr) {
     log.report_file(Code::E1225, path.string(),
                     "-D has no effect on a .pan file: it was compiled with its parameters",

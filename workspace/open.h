@@ -45,8 +45,9 @@ struct CadOptions {
 struct OpenOptions {
   std::string root;                        // folder that includes may not leave; empty: the file's
   std::uint64_t max_input = 128ull << 20;  // bytes of pxn files in all
-  // In place of the model's: budget_of_text(). Ranks below max_error.
-  std::optional<scene::Budget> budget;
+  // In place of the model's, as budget_of_text() reads it; empty: the model's. Ranks below
+  // max_error.
+  std::string budget;
   // Values that replace those of <param>: name, and text as in its attribute.
   std::vector<std::pair<std::string, std::string>> parameters;
   // pxn::Options::declared, and parameters that the model has not are no part of its identity

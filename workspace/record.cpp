@@ -26,6 +26,7 @@ Json numbers(const Vec3& v) { return {v.x, v.y, v.z}; }
 template <class Open, class Visit>
 void each_option(Open& open, Visit&& visit) {
   visit("max-error", open.max_error);
+  visit("budget", open.budget);
   visit("root", open.root);
   auto& cad = open.cad;
   visit("units", cad.units);

@@ -56,7 +56,7 @@ Fitted fitted(const scene::Scene& scene) {
   EXPECT_EQ(scene::check(scene), "");
   DiagnosticLog log;
   Fitted out = internal::fitted_to_budget(scene, {}, log, {});
-  EXPECT_EQ(scene::check(out.scene), "");
+  EXPECT_EQ(scene::check(out.scene()), "");
   return out;
 }
 
@@ -80,7 +80,7 @@ TEST(Fit, WithoutACameraAndATermNothingGoes) {
       scene.budget.nearest.reset(), scene.budget.flux = 0.5;
     const Fitted out = fitted(scene);
     EXPECT_FALSE(out.report.asked);
-    EXPECT_EQ(out.scene.instances.size(), scene.instances.size());
+    EXPECT_EQ(out.scene().instances.size(), scene.instances.size());
   }
   // pixels alone say nothing of light
   const Fitted out = fitted(crowd());
@@ -98,9 +98,9 @@ TEST(Fit, TheSmallestGoWhileTheirAreasAreUnderTheFlux) {
       radii.push_back(
           std::get<geometry::Sphere>(scene.shapes[static_cast<std::size_t>(instance.shape)])
               .radius);
-    for (const auto& instance : out.scene.instances)
+    for (const auto& instance : out.scene().instances)
       left.push_back(
-          std::get<geometry::Sphere>(out.scene.shapes[static_cast<std::size_t>(instance.shape)])
+          std::get<geometry::Sphere>(out.scene().shapes[static_cast<std::size_t>(instance.shape)])
               .radius);
     std::sort(radii.begin(), radii.end());
     std::sort(left.begin(), left.end());
@@ -213,7 +213,7 @@ TEST(Fit, PiecesOfMeshesGo) {
   EXPECT_EQ(out.report.pieces, 4u);
   EXPECT_EQ(out.report.pieces_left_out, 2u);
   EXPECT_EQ(out.report.triangles_left_out, 24u);
-  const Mesh& left = *std::get<MeshShape>(out.scene.shapes[0]);
+  const Mesh& left = *std::get<MeshShape>(out.scene().shapes[0]);
   EXPECT_EQ(left.triangles.size(), 24u);
   EXPECT_EQ(left.positions.size(), 48u);
   EXPECT_EQ(mesh->triangles.size(), 48u) << "the scene's own is untouched";
@@ -320,7 +320,7 @@ TEST(Fit, MeshesAreSimplifiedWithinTheirTerms) {
     scene.budget.flux = 0.02;
     const Fitted out = fitted(scene);
     ASSERT_EQ(out.report.simplified.size(), 1u) << nearest;
-    const Mesh& left = *std::get<MeshShape>(out.scene.shapes[0]);
+    const Mesh& left = *std::get<MeshShape>(out.scene().shapes[0]);
     EXPECT_LT(left.triangles.size(), full->triangles.size());
     before = left.triangles.size();
     const double tolerance = 0.25 * 1e-4 * nearest;
@@ -352,7 +352,7 @@ TEST(Fit, MeshesAreSimplifiedWithinTheirTerms) {
   // glossy ones keep their normals: by a quarter of the slope
   scene.materials[0].specular_brdf = materials::CookTorrance{.alpha = 0.01};
   const Fitted glossy = fitted(scene);
-  EXPECT_GT(std::get<MeshShape>(glossy.scene.shapes[0])->triangles.size(), before);
+  EXPECT_GT(std::get<MeshShape>(glossy.scene().shapes[0])->triangles.size(), before);
   for (const Simplified& mesh : glossy.report.simplified) EXPECT_LE(mesh.normals, 0.0025);
 }
 
@@ -378,10 +378,10 @@ TEST(Fit, TexturesAreHalvedWhileAPixelSeesTwoTexels) {
     scene.budget.nearest = pixel / *scene.budget.ifov;
     scene.budget.flux = 0.05;
     const Fitted out = fitted(scene);
-    ASSERT_EQ(out.scene.textures[0].width, side) << pixel;
-    ASSERT_EQ(out.scene.textures[0].height, side);
+    ASSERT_EQ(out.scene().textures[0].width, side) << pixel;
+    ASSERT_EQ(out.scene().textures[0].height, side);
     double mean = 0;
-    const auto& rgba = out.scene.textures[0].rgba;
+    const auto& rgba = out.scene().textures[0].rgba;
     for (std::size_t i = 0; i < rgba.size(); ++i)
       if (i % 4 != 3) mean += srgb_decoded(rgba[i]) / (3.0 * side * side);
     // one code in 255 at the most, where there is but one texel
@@ -389,7 +389,7 @@ TEST(Fit, TexturesAreHalvedWhileAPixelSeesTwoTexels) {
   }
   // a hole stays where it is
   scene.textures[0].rgba[3] = 0;
-  EXPECT_EQ(fitted(scene).scene.textures[0].width, 256u);
+  EXPECT_EQ(fitted(scene).scene().textures[0].width, 256u);
 }
 
 TEST(Fit, TheNearestPlaceInACorridor) {

@@ -124,5 +124,40 @@ TEST(JointsCommand, ImagesAreMadeAgain) {
   EXPECT_THAT(bad.err, HasSubstr("E0203"));
 }
 
+// A budget decides what is in the image: its record keeps it, and two budgets are two builds.
+TEST(BudgetOption, ImagesAreMadeAgain) {
+  TemporaryFolder folder;
+  const std::string file =
+      folder.write("ball.pxn", "<pangu_model ver=\"1\"><sphere radius=\"1\"/></pangu_model>\n");
+  const auto render = [&](std::vector<std::string> more, const std::string& output) {
+    std::vector<std::string> words{"render", "-o", output};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome out = panwright(words);
+    EXPECT_EQ(out.code, 0) << out.err;
+    EXPECT_THAT(out.err, testing::Not(HasSubstr("warning"))) << out.err;
+    DiagnosticLog log;
+    const auto bytes = read_file(output, 1u << 24, log);
+    return bytes ? *bytes : std::string();
+  };
+  const std::vector<std::string> view = {file,        "--size", "40x30",    "--engine", "reference",
+                                         "--samples", "2",      "--camera", "1 -6 2"};
+  const auto with = [&](const std::string& budget) {
+    std::vector<std::string> words = view;
+    words.insert(words.end(), {"--budget", budget});
+    return words;
+  };
+  const std::string coarse = render(with("tolerance=0.1"), folder / "coarse.png");
+  EXPECT_FALSE(coarse == render(with("tolerance=1mm"), folder / "fine.png"));
+  EXPECT_TRUE(coarse == render({"--again", folder / "coarse.png"}, folder / "again.png"));
+  const auto id = [&](const std::string& budget) {
+    const Outcome out = panwright({"info", file, "--budget", budget, "--json"});
+    EXPECT_EQ(out.code, 0) << out.err;
+    const std::size_t at = out.out.find("build_id");
+    return at == std::string::npos ? "" : out.out.substr(at, 60);
+  };
+  EXPECT_NE(id("tolerance=0.1"), "");
+  EXPECT_NE(id("tolerance=0.1"), id("tolerance=0.2"));
+}
+
 }  // namespace
 }  // namespace panwright
