@@ -130,6 +130,16 @@ std::optional<std::string_view> nearest_name(std::string_view name,
       best = candidate;
       ++alike;
     }
+  if (alike > 0) return alike == 1 ? best : std::nullopt;
+  // one in another folder or part: "hinge" for "wing/hinge"
+  const auto last_segment = [](std::string_view path) {
+    return path.substr(path.find_last_of('/') + 1);  // note: npos + 1 is 0
+  };
+  for (const std::string_view candidate : candidates)
+    if (!last_segment(name).empty() && last_segment(candidate) == last_segment(name)) {
+      best = candidate;
+      ++alike;
+    }
   return alike == 1 ? best : std::nullopt;
 }
 

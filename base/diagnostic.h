@@ -116,8 +116,8 @@ std::string to_json(const DiagnosticLog& log);
 // A SARIF 2.1.0 log with one run.
 std::string to_sarif(const DiagnosticLog& log);
 
-// The candidate nearest to a name by edit distance (insert, delete, replace, swap), at most
-// max(1, length/3) away; ties go to the first. Letter case alone counts as distance 0.
+// The candidate nearest to a name by edit distance (insert, delete, replace, swap), letter case
+// aside, at most max(1, length/3) away, the first of ties; else the only one with its begin or end.
 std::optional<std::string_view> nearest_name(std::string_view name,
                                              std::span<const std::string_view> candidates);
 

@@ -162,6 +162,11 @@ TEST(NearestName, AllowsOneErrorInThreeLetters) {
   EXPECT_FALSE(nearest_name("Q", letters));
   EXPECT_EQ(nearest_name("d", letters), "D");
   EXPECT_FALSE(nearest_name(std::string(100000, 'd'), kNames));
+  const std::vector<std::string_view> joints = {"left/inner/hinge", "right/hinge", "right/slew"};
+  EXPECT_EQ(nearest_name("slew", joints), "right/slew");
+  EXPECT_EQ(nearest_name("wings/slew", joints), "right/slew");
+  EXPECT_FALSE(nearest_name("hinge", joints)) << "two end like it";
+  EXPECT_FALSE(nearest_name("boom/", joints));
 }
 
 }  // namespace
