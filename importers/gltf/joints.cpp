@@ -85,7 +85,8 @@ void add_joints(Document& document, const tinygltf::Model& model,
   if (articulations)
     for (const Json& one : articulations->items)
       if (!one.broken) by_name.emplace(one.find("name")->text, &one);
-  std::map<std::string, std::int32_t> leaders;  // by articulation and stage: of the first node
+  // by articulation and stage: of the first node
+  std::map<std::pair<std::string, std::string>, std::int32_t> leaders;
   for (const auto& [index, place] : places) {
     const tinygltf::Node& node = model.nodes[static_cast<std::size_t>(index)];
     const auto found = node.extensions.find("AGI_articulations");
@@ -98,16 +99,18 @@ void add_joints(Document& document, const tinygltf::Model& model,
       continue;
     }
     std::vector<std::int32_t> turning;  // stages of this node that turn
-    for (const Json& stage : articulation->second->list("stages")) {
+    const auto& stages = articulation->second->list("stages");
+    for (const Json& stage : stages) {
       if (stage.broken) continue;
       scene::Joint joint = joint_of(stage);
       const auto next = static_cast<std::int32_t>(scene.joints.size());
-      joint.name = fmt::format("{} {}", name, stage.find("name")->text);
+      const std::string& own = stage.find("name")->text;
+      joint.name = stages.size() == 1 ? name : fmt::format("{} {}", name, own);
       joint.node = place;
       joint.source.file = document.file.path;
       if (turns(joint)) turning.push_back(next);
       // one articulation may move many nodes, all alike
-      const auto [leader, first] = leaders.try_emplace(joint.name, next);
+      const auto [leader, first] = leaders.try_emplace({name, own}, next);
       if (!first) {
         joint.mimic = leader->second;
         joint.value.clear();
