@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/text.h"
-#include "workspace/views.h"
+#include "workspace/quantities.h"
 
 namespace panwright::workspace {
 namespace {

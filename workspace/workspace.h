@@ -10,6 +10,7 @@
 // docs/using-the-library.md has a whole program.
 #pragma once
 
+#include "workspace/budget.h"
 #include "workspace/drawer.h"
 #include "workspace/joints.h"
 #include "workspace/open.h"

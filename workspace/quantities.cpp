@@ -1,0 +1,78 @@
+#include "workspace/quantities.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/math.h"
+#include "base/text.h"
+
+namespace panwright::workspace {
+namespace {
+
+std::optional<std::vector<double>> parse_all(std::string_view text, std::size_t count,
+                                             std::optional<double> (*parse)(std::string_view)) {
+  std::vector<double> numbers;
+  constexpr const char* kSeparators = " \t\n\r,";
+  for (std::size_t at = text.find_first_not_of(kSeparators); at != text.npos;) {
+    const std::size_t end = std::min(text.find_first_of(kSeparators, at), text.size());
+    const auto value = parse(text.substr(at, end - at));
+    if (!value || numbers.size() == count) return std::nullopt;
+    numbers.push_back(*value);
+    at = text.find_first_not_of(kSeparators, end);
+  }
+  if (numbers.size() != count) return std::nullopt;
+  return numbers;
+}
+
+}  // namespace
+
+std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count) {
+  return parse_all(text, count, [](std::string_view word) { return parse_double(word); });
+}
+
+std::optional<std::vector<double>> parse_lengths(std::string_view text, std::size_t count) {
+  return parse_all(text, count, parse_length);
+}
+
+std::optional<double> parse_angle(std::string_view text) {
+  constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"deg", kDegree}, {"mrad", 1e-3},           {"urad", 1e-6},
+      {"rad", 1.0},     {"arcmin", kDegree / 60}, {"arcsec", kDegree / 3600}};
+  std::string_view number = text;
+  double unit = kDegree;
+  for (const auto& [name, size] : kUnits) {
+    if (!number.ends_with(name)) continue;
+    number.remove_suffix(name.size());
+    unit = size;
+    break;
+  }
+  const auto value = parse_double(number);
+  if (!value) return std::nullopt;
+  return *value * unit;
+}
+
+std::optional<double> parse_length(std::string_view text) {
+  constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"mm", 1e-3}, {"cm", 1e-2}, {"dm", 0.1},    {"km", 1e3},
+      {"um", 1e-6}, {"m", 1},     {"in", 0.0254}, {"ft", 0.3048}};
+  double unit = 1;
+  for (const auto& [name, size] : kUnits) {
+    if (!text.ends_with(name)) continue;
+    text.remove_suffix(name.size());
+    unit = size;
+    break;
+  }
+  const auto value = parse_double(text);
+  if (!value) return std::nullopt;
+  return *value * unit;
+}
+
+std::optional<double> parse_share(std::string_view text) {
+  const bool percent = text.ends_with('%');
+  if (percent) text.remove_suffix(1);
+  const auto number = parse_numbers(text, 1);
+  if (!number) return std::nullopt;
+  return percent ? (*number)[0] / 100 : (*number)[0];
+}
+
+}  // namespace panwright::workspace
