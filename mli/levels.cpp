@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -41,17 +43,34 @@ Vec2 coarse_per_fine(const Sheet& fine, const Sheet& coarse) {
   return Vec2(coarse.columns - 1, coarse.rows - 1) / Vec2(fine.columns - 1, fine.rows - 1);
 }
 
+std::vector<Vec3> upright(const geometry::Mesh& mesh) {
+  return std::vector<Vec3>(mesh.positions.size(), Vec3(0, 0, 1));
+}
+
 // What a sheet is shaded with where it lies flat.
-geometry::Mesh flat_mesh(const Sheet& sheet, double crease_angle) {
+struct FlatMesh {
+  geometry::Mesh mesh;      // with normals
+  std::vector<char> lower;  // below_diagonals()
+};
+
+FlatMesh flat_mesh(const Sheet& sheet, double crease_angle) {
   DiagnosticLog log;
   auto mesh = formed(sheet, Flat{}, log);
   if (!mesh) return {};
-  geometry::compute_normals(*mesh, crease_angle);
-  return *std::move(mesh);
+  FlatMesh out{*std::move(mesh), {}};
+  out.lower = below_diagonals(out.mesh);
+  geometry::compute_normals(out.mesh, crease_angle);
+  return out;
 }
 
-std::vector<Vec3> upright(const geometry::Mesh& mesh) {
-  return std::vector<Vec3>(mesh.positions.size(), Vec3(0, 0, 1));
+// A mesh's normals, set apart; where they are not, the mesh itself.
+geometry::Mesh with_apart(const FlatMesh& flat, double apart) {
+  geometry::Mesh mesh = flat.mesh, surface = flat.mesh;
+  if (!(apart > 0)) return mesh;
+  for (Vec3& p : surface.positions) p.z = 0;
+  std::vector<Vec3> below = upright(mesh);
+  set_apart(mesh, below, surface, flat.lower, apart);
+  return mesh;
 }
 
 // The sum of the variances of the facets' slopes along both axes, two triangles to a cell.
@@ -88,7 +107,8 @@ class SlopeDensity {
       }
   }
 
-  std::vector<double> of(const geometry::Mesh& mesh) const {
+  // factor: of all slopes
+  std::vector<double> of(const geometry::Mesh& mesh, double factor = 1) const {
     std::vector<double> density(places_.size());
     // of many every so many-th
     const std::size_t step = mesh.triangles.size() / kSample + 1;
@@ -101,7 +121,7 @@ class SlopeDensity {
         const Vec3 n = part == 3 ? all : all + 3.0 * mesh.normals[t[part]];
         const Vec2 slope(-n.x / n.z, -n.y / n.z);
         for (std::size_t i = 0; i < places_.size(); ++i) {
-          const Vec2 off = slope - places_[i];
+          const Vec2 off = factor * slope - places_[i];
           density[i] += det::exp(-scale_ * glm::dot(off, off));
         }
       }
@@ -127,21 +147,34 @@ class SlopeDensity {
   double scale_ = 0;
 };
 
+// Of a level with so many cells across.
+Vec2 spacing_of(const Sheet& sheet, std::uint32_t cells) {
+  const Vec2 size = sheet.spacing * Vec2(sheet.columns - 1, sheet.rows - 1);
+  return size / Vec2(cells, std::max(1.0, std::floor(size.y / size.x * cells + 0.5)));
+}
+
 // What a level has to be like.
 struct Finest {
-  Finest(const Sheet& sheet, double crease_angle)
-      : Finest(flat_mesh(sheet, crease_angle), facet_variance(sheet)) {}
+  // cells: across the levels that will be asked for
+  Finest(const Sheet& sheet, double crease_angle, std::span<const std::uint32_t> cells)
+      : Finest(sheet, flat_mesh(sheet, crease_angle).mesh, cells) {}
   double facets;  // the variance of their slopes, both axes together
   Spread spread;  // of the slopes that it is shaded with
   SlopeDensity density;
   std::vector<double> wanted;
+  std::map<std::uint32_t, double> within;  // Moments::within over all, by cells
 
  private:
-  Finest(const geometry::Mesh& mesh, double variance)
-      : facets(variance),
+  Finest(const Sheet& sheet, const geometry::Mesh& mesh, std::span<const std::uint32_t> cells)
+      : facets(facet_variance(sheet)),
         spread(Tilts(mesh, upright(mesh)).spread()),
         density(std::sqrt(spread.variance / 2)),
-        wanted(density.of(mesh)) {}
+        wanted(density.of(mesh)) {
+    for (const std::uint32_t across : cells) {
+      const Moments moments = moments_of(mesh, spacing_of(sheet, across));
+      within[across] = moments.all > 0 ? moments.within / moments.all : 0;
+    }
+  }
 };
 
 // Makes similar().
@@ -162,10 +195,13 @@ class Maker {
     Similar done;
     if (finest_.facets > 0) {
       choose();
-      geometry::Mesh mesh = flat_mesh(out_, crease_angle_);
+      const FlatMesh flat = flat_mesh(out_, crease_angle_);
+      const double apart = apart_of(flat);
+      geometry::Mesh mesh = with_apart(flat, apart);
       const std::vector<Vec3> below = upright(mesh);
       Spread reached;
       done.tilts = Tilts(mesh, below).towards(finest_.spread, reached);
+      done.tilts.apart = apart;
       tilt(mesh.normals, below, done.tilts);
       done.off = SlopeDensity::distance(finest_.wanted, finest_.density.of(mesh));
     }
@@ -176,6 +212,14 @@ class Maker {
 
  private:
   static constexpr std::size_t kManyVertices = 20000;
+  static constexpr double kWithinShare = 0.3;  // of unlike()
+  static constexpr double kMostApart = 1.5;
+
+  // Places beyond the last vertex go back.
+  static std::size_t mirrored(std::size_t place, std::size_t count) {
+    const std::size_t there = place % (2 * (count - 1));
+    return there < count ? there : 2 * (count - 1) - there;
+  }
 
   // What filtering took away, at the fine vertices.
   void lose() {
@@ -224,30 +268,65 @@ class Maker {
     // many cells are a sample already
     const std::uint32_t side = out_.heights.size() > kManyVertices ? 2 : 4;
     std::vector<double> best;
-    double least = 0, square = 1;  // of the factor of heights
-    for (std::uint32_t k = 0; k < side * side; ++k) {
-      job_.poll();
-      take((right * (k % side)) / (side - 1), (above * (k / side)) / (side - 1));
-      if (k == 0) square = calibrated(square);
-      add_piece(std::sqrt(square));
-      const double off = SlopeDensity::distance(finest_.wanted,
-                                                finest_.density.of(flat_mesh(out_, crease_angle_)));
-      if (k > 0 && off >= least) continue;
-      least = off;
-      best = piece_;
+    double least = HUGE_VAL, kept = 1;
+    for (const std::uint32_t step : {2u, 1u}) {
+      double square = 1;  // of the factor of heights
+      for (std::uint32_t k = 0; k < side * side; ++k) {
+        job_.poll();
+        take((right * (k % side)) / (side - 1), (above * (k / side)) / (side - 1), step);
+        if (k == 0) square = calibrated(square);
+        add_piece(std::sqrt(square));
+        const double off = unlike(flat_mesh(out_, crease_angle_).mesh);
+        if (!best.empty() && off >= least) continue;
+        least = off;
+        kept = square;
+        best = piece_;
+      }
     }
     piece_ = std::move(best);
-    add_piece(std::sqrt(calibrated(square)));
+    add_piece(std::sqrt(calibrated(kept)));
   }
 
-  // The piece from a fine vertex on, enlarged.
-  void take(std::uint32_t column, std::uint32_t row) {
+  // How differently slopes are distributed, once their variance is right, and how much too little
+  // they differ within a cell.
+  double unlike(const geometry::Mesh& mesh) const {
+    const Moments moments = moments_of(mesh, out_.spacing);
+    if (!(moments.all > 0)) return HUGE_VAL;
+    const double factor = std::sqrt(finest_.spread.variance / moments.all);
+    const double off = SlopeDensity::distance(finest_.wanted, finest_.density.of(mesh, factor));
+    const double wanted = finest_.within.at(out_.columns - 1) * moments.all;
+    return wanted > moments.within ? off + kWithinShare * (1 - moments.within / wanted) : off;
+  }
+
+  // TiltMap::apart with which slopes differ within a cell as much as the finest sheet's, as a share
+  // of all; at most kMostApart. Both are polynomials of second degree in it.
+  double apart_of(const FlatMesh& flat) const {
+    const double wanted = finest_.within.at(out_.columns - 1);
+    double missing[3];
+    for (int k = 0; k < 3; ++k) {
+      const Moments moments = moments_of(with_apart(flat, k), out_.spacing);
+      missing[k] = wanted * moments.all - moments.within;
+    }
+    if (!(missing[0] > 0)) return 0;
+    const double square = (missing[0] - 2 * missing[1] + missing[2]) / 2;
+    const double line = missing[1] - missing[0] - square;
+    double low = 0, high = kMostApart;
+    for (int step = 0; step < 30; ++step) {
+      const double middle = (low + high) / 2;
+      (missing[0] + middle * (line + middle * square) > 0 ? low : high) = middle;
+    }
+    return low;
+  }
+
+  // The piece from a fine vertex on, of those `step` apart, enlarged.
+  void take(std::uint32_t column, std::uint32_t row, std::uint32_t step) {
     piece_.resize(base_.size());
     double mean = 0;
     for (std::uint32_t j = 0; j < out_.rows; ++j)
       for (std::uint32_t i = 0; i < out_.columns; ++i)
         mean += piece_[std::size_t{j} * out_.columns + i] =
-            lost_[std::size_t{row + j} * fine_.columns + column + i];
+            lost_[mirrored(row + step * j, fine_.rows) * fine_.columns +
+                  mirrored(column + step * i, fine_.columns)];
     mean /= static_cast<double>(piece_.size());
     const double enlarged = out_.spacing.x / fine_.spacing.x;
     for (std::uint32_t j = 0; j < out_.rows; ++j)
@@ -334,29 +413,37 @@ Covariance shaded_slopes(const geometry::Mesh& mesh) {
 }
 
 Similar similar(const Sheet& sheet, std::uint32_t cells, double crease_angle, const Job& job) {
-  return Maker(sheet, Finest(sheet, crease_angle), cells, crease_angle, job).run();
+  return Maker(sheet, Finest(sheet, crease_angle, std::span(&cells, 1)), cells, crease_angle, job)
+      .run();
 }
 
 void compute_normals(geometry::Mesh& mesh, geometry::Mesh surface, double crease_angle,
                      const TiltMap& tilts) {
+  const std::vector<char> lower = below_diagonals(mesh);
   geometry::compute_normals(mesh, crease_angle);
   geometry::compute_normals(surface, crease_angle);
-  tilt(mesh.normals, normals_below(mesh, surface), tilts);
+  std::vector<Vec3> below = normals_below(mesh, surface);
+  if (tilts.apart > 0) set_apart(mesh, below, surface, lower, tilts.apart);
+  tilt(mesh.normals, below, tilts);
 }
 
 std::vector<Level> levels_of(const Sheet& sheet, const Form& form, double crease_angle,
-                             double max_vertices, const Job& job) {
+                             double max_vertices, const Trim& trim, const Job& job) {
   std::vector<Level> levels;
   const std::uint32_t least = std::holds_alternative<Flat>(form) ? kLeastFlat : kLeastRound;
   const double radius = radius_of(form, sheet);
-  const Finest finest(sheet, crease_angle);
+  std::vector<std::uint32_t> all_cells;
+  for (std::uint32_t cells = (sheet.columns - 1) / 2; cells >= least; cells /= 2)
+    all_cells.push_back(cells);
+  const Finest finest(sheet, crease_angle, all_cells);
   double vertices = 0;
-  for (std::uint32_t cells = (sheet.columns - 1) / 2; cells >= least; cells /= 2) {
+  for (const std::uint32_t cells : all_cells) {
     job.poll();
     Similar made = Maker(sheet, finest, cells, crease_angle, job).run();
     if (made.off > kMostOff) break;
     const Sheet& coarse = made.sheet;
-    const auto more = static_cast<double>(coarse.heights.size());
+    // two normals at each
+    const double more = (made.tilts.apart > 0 ? 2 : 1) * static_cast<double>(coarse.heights.size());
     if (vertices + more > max_vertices) continue;
     vertices += more;
     DiagnosticLog log;  // what the finest sheet has to say has been said
@@ -366,9 +453,11 @@ std::vector<Level> levels_of(const Sheet& sheet, const Form& form, double crease
     auto surface = formed(level_sheet, form, log), plane = formed(level_sheet, Flat{}, log);
     auto lying = formed(coarse, Flat{}, log);
     if (!mesh || !surface || !plane || !lying) break;
-    compute_normals(*mesh, *std::move(surface), crease_angle, made.tilts);
+    compute_normals(*mesh, *surface, crease_angle, made.tilts);
+    geometry::compute_normals(*surface, crease_angle);
     compute_normals(*lying, *std::move(plane), crease_angle, made.tilts);
     Level& level = levels.emplace_back();
+    level.covers = trimmed(*mesh, *surface, trim);
     level.mesh = *std::move(mesh);
     level.detail = coarse.spacing.x;
     level.error =

@@ -7,12 +7,18 @@
 #include "geometry/mesh.h"
 #include "mli/form.h"
 #include "mli/sheet.h"
+#include "mli/trim.h"
 
 namespace panwright::mli {
 
 // A slope s becomes factor · s · (1 + |s|²/scale)^(−power/2); a power below 1 keeps their order.
 struct TiltMap {
   double factor = 1, power = 0, scale = 1;
+  // Above 0: each vertex has two normals, one for the triangles below the diagonals of their cells
+  // and one for those above, so many times as far from the vertex's own as the mean facets of
+  // either kind around it are. A pixel of a cell's width sees two facets, where it sees a dozen of
+  // the finest sheet: they have to differ as much as those.
+  double apart = 0;
 };
 
 struct Level {
@@ -21,16 +27,18 @@ struct Level {
   // Metres, of the form's surface: the largest difference of heights at the finest sheet's
   // vertices, and the depth of a chord on the form.
   double error = 0;
-  Covariance slopes;  // that it is shaded with, lying flat: shaded_slopes()
+  Covariance slopes;          // that it is shaded with, lying flat: shaded_slopes()
+  std::vector<Cover> covers;  // of its triangles
 };
 
 // A coarser sheet that reflects light as the finest does, in the mean: what relief sends where
 // follows from its slopes alone, so it may be enlarged. Its heights are those of filtered(), and
 // added to them a piece of what filtering took away, enlarged with the cells: a pixel that sees a
-// cell or more can't tell, but for the wrinkles that it could not see. Of 4 or 16 pieces the one is
-// taken whose slopes are distributed most like those of the finest sheet, then its heights are
-// scaled until the variance of its facets' slopes is the same. Where relief fades out towards an
-// edge, it does so here.
+// cell or more can't tell, but for the wrinkles that it could not see. Pieces are taken vertex by
+// vertex, or every other one, where slopes hang together less; of 4 or 16 of either kind the
+// one is taken whose slopes are distributed most like those of the finest sheet, within cells too,
+// then its heights are scaled until the variance of its facets' slopes is the same. Where relief
+// fades out towards an edge, it does so here.
 struct Similar {
   Sheet sheet;  // removed_slope_covariance is what filtering took away
   // Of normals that are linear between vertices, which are farther from each other than the slopes
@@ -45,7 +53,7 @@ struct Similar {
 Similar similar(const Sheet& sheet, std::uint32_t cells, double crease_angle, const Job& job = {});
 
 // Gives a mesh normals that lean as `tilts` says. surface: the mesh of the same sheet without
-// heights, the same triangles; both without normals.
+// heights, the same triangles, those of formed(); both without normals.
 void compute_normals(geometry::Mesh& mesh, geometry::Mesh surface, double crease_angle,
                      const TiltMap& tilts);
 
@@ -57,9 +65,10 @@ void compute_normals(geometry::Mesh& mesh, geometry::Mesh surface, double crease
 //
 //   crease_angle  radians, of compute_normals()
 //   max_vertices  of all levels together; those beyond are left out, the finest first
+//   trim          of the finest sheet, and of each level
 // Cost: O(vertices of the sheet) for each level.
 std::vector<Level> levels_of(const Sheet& sheet, const Form& form, double crease_angle,
-                             double max_vertices, const Job& job = {});
+                             double max_vertices, const Trim& trim = {}, const Job& job = {});
 
 // Covariance of the slopes of a mesh's normals over the plane, about their mean; each triangle by
 // its area in the plane, slopes linear between its vertices.

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "geometry/mesh/strip.h"
+#include "mli/corners.h"
 #include "mli/internal/drape.h"
 #include "mli/internal/groups.h"
 #include "mli/internal/surface.h"
@@ -18,8 +20,8 @@ namespace {
 
 using geometry::Triangle;
 
-constexpr std::size_t kLeastTriangles = 2000;         // of a level: a sample of slopes
-constexpr double kPays = 0.6;                         // of the triangles of the one before
+constexpr std::size_t kLeastTriangles = 2000;          // of a level: a sample of slopes
+constexpr double kPays = 0.6;                          // of the triangles of the one before
 constexpr double kMostOff = 0.03, kMostMirror = 0.05;  // of Spread
 
 struct Wrapper {
@@ -31,12 +33,21 @@ struct Wrapper {
   const Job& job;
   Wrap out = {};
   bool stop = false;
+  // groups and their surfaces, as found; those without a surface wear nothing
+  struct Found {
+    Group members;
+    std::optional<Surface> surface;
+    WrapGroup group;
+  };
+  std::vector<Found> found = {};
+  Corners corners = {};
   Cloth finest = {};
   std::vector<Cloth> levels = {};  // of cells of 2, 4, …; longest of 0: too many triangles
   double cell = 0;                 // of the first sheet
 
+  void find(const Group& members, bool split);
+  void drape_all();
   void drape(const Group& members, const Surface& surface, WrapGroup& group);
-  void take(const Group& members, bool split);
   void finish();
 };
 
@@ -63,7 +74,7 @@ void Wrapper::drape(const Group& members, const Surface& surface, WrapGroup& gro
   if (2 * group.area / (longest * longest) > left) return too_many();
   const auto sheet = made(made_of, {}, apart, {}, job);
   if (!sheet) return no_sheet();
-  const Draper draper(faces, options, job);
+  const Draper draper(faces, options, corners, static_cast<std::uint32_t>(out.groups.size()), job);
   if (!draper.add(members, surface, *sheet, left, group, finest)) return too_many();
   if (cell == 0) {
     cell = made_of.cell();
@@ -91,12 +102,12 @@ double highest(const Cloth& cloth) {
 
 // What compute_normals() gave copies to.
 void copy_places(const std::vector<Triangle>& before, Cloth& cloth) {
-  cloth.roots.resize(cloth.mesh.positions.size());
-  cloth.below.resize(cloth.mesh.positions.size());
+  for (auto* const places : {&cloth.roots, &cloth.below})
+    places->resize(cloth.mesh.positions.size());
   for (std::size_t k = 0; k < before.size(); ++k)
     for (std::size_t i = 0; i < 3; ++i) {
-      cloth.roots[cloth.mesh.triangles[k][i]] = cloth.roots[before[k][i]];
-      cloth.below[cloth.mesh.triangles[k][i]] = cloth.below[before[k][i]];
+      for (auto* const places : {&cloth.roots, &cloth.below})
+        (*places)[cloth.mesh.triangles[k][i]] = (*places)[before[k][i]];
     }
 }
 
@@ -125,21 +136,21 @@ void Wrapper::finish() {
       tilt(level.mesh.normals, level.below, map);
       last = level.mesh.triangles.size();
       const double error = std::max(top, highest(level));
-      out.levels.push_back({std::move(level.mesh), std::move(level.taped),
+      out.levels.push_back({std::move(level.mesh), std::move(level.covers),
                             cell * static_cast<double>(std::size_t{2} << k), error});
     }
   }
   out.blanket = std::move(finest.mesh);
   out.roots = std::move(finest.roots);
-  out.taped = std::move(finest.taped);
+  out.covers = std::move(finest.covers);
 }
 
-void Wrapper::take(const Group& members, bool split) {
-  if (stop) return;
+void Wrapper::find(const Group& members, bool split) {
   job.poll();
   const double tolerance =
       options.tolerance > 0 ? options.tolerance : 1e-3 * diagonal_of(faces, members);
-  WrapGroup group;
+  Found one{members, {}, {}};
+  WrapGroup& group = one.group;
   group.area = area_of(faces, members);
   for (const std::uint32_t t : members) {
     group.faces.push_back(faces.source[t]);
@@ -149,7 +160,7 @@ void Wrapper::take(const Group& members, bool split) {
   if (std::ranges::any_of(members, [&](std::uint32_t t) { return faces.non_manifold[t]; })) {
     group.kind = GroupKind::non_manifold;
     group.reason = "an edge is shared by three faces, or by two that are wound differently";
-  } else if (const auto surface = surface_through(faces, members, tolerance)) {
+  } else if (auto surface = surface_through(faces, members, tolerance)) {
     group.kind = surface->kind == Surface::Kind::plane      ? GroupKind::planar
                  : surface->kind == Surface::Kind::cylinder ? GroupKind::cylinder
                                                             : GroupKind::cone;
@@ -157,22 +168,38 @@ void Wrapper::take(const Group& members, bool split) {
       group.reason =
           fmt::format("it is hollow and too narrow for the stand-off, {:.3g} m", options.stand_off);
     else
-      drape(members, *surface, group);
+      one.surface = std::move(surface);
   } else if (split) {
     Group rest = members;
     for (const Group& part : flat_parts(faces, members, 0.05, tolerance)) {
-      take(part, false);
+      find(part, false);
       Group less;
       std::ranges::set_difference(rest, part, std::back_inserter(less));
       rest = std::move(less);
     }
-    for (const Group& part : connected(faces, rest, -1)) take(part, false);
+    for (const Group& part : connected(faces, rest, -1)) find(part, false);
     return;
   } else {
     group.reason = "its vertices lie on no plane, cylinder or cone";
   }
-  (group.accepted ? out.area_accepted : out.area_refused) += group.area;
-  out.groups.push_back(std::move(group));
+  found.push_back(std::move(one));
+}
+
+void Wrapper::drape_all() {
+  for (std::uint32_t k = 0; k < found.size(); ++k)
+    if (found[k].surface)
+      for (const std::uint32_t t : found[k].members) {
+        const auto& [a, b, c] = faces.triangles[t];
+        corners.add(faces.points[a], faces.points[b], faces.points[c], k);
+      }
+  corners.build();
+  for (Found& one : found) {
+    job.poll();
+    if (one.surface) drape(one.members, *one.surface, one.group);
+    if (stop) return;
+    (one.group.accepted ? out.area_accepted : out.area_refused) += one.group.area;
+    out.groups.push_back(std::move(one.group));
+  }
 }
 
 bool usable(const geometry::Mesh& mesh, std::span<const std::uint32_t> chosen, const WrapOptions& o,
@@ -221,7 +248,8 @@ Result<Wrap> draped_over(const geometry::Mesh& mesh, std::span<const std::uint32
   Wrapper wrapper{picked, recipe, options, log, where, job};
   wrapper.out.without_area = picked.without_area;
   for (const Group& group : connected(picked, all, det::cos(options.crease_angle) - 1e-9))
-    wrapper.take(group, true);
+    wrapper.find(group, true);
+  wrapper.drape_all();
   if (wrapper.stop) return failed;
   wrapper.finish();
   return std::move(wrapper.out);

@@ -14,6 +14,7 @@
 #include "geometry/mesh.h"
 #include "mli/recipe.h"
 #include "mli/statistics.h"
+#include "mli/trim.h"
 
 namespace panwright::mli {
 
@@ -32,6 +33,16 @@ using FreeRoom = std::function<double(const Vec3& from, const Vec3& along, doubl
 // Of the way to another part: how far a blanket reaches.
 inline constexpr double kWrapReach = 0.75;
 
+// Faces of other meshes that wear blankets, as Corners has them, in the mesh's frame. Called from
+// several threads.
+struct OtherCorners {
+  std::function<double(const Vec3& from, const Vec3& along, double most)> room;
+  std::function<bool(const Vec3& a, const Vec3& b, double tolerance)> crossed;
+};
+
+// Of the way to the middle between two faces at an inner corner: how far a blanket reaches.
+inline constexpr double kCornerReach = 0.9;
+
 struct WrapOptions {
   double stand_off = 0;  // metres from the faces to the blanket's mean height, above 0
   double border = 0;     // metres over which heights fade out; 0: three times the stand-off, at
@@ -42,11 +53,13 @@ struct WrapOptions {
   double crease_angle = 35 * kDegree;  // groups end where facets meet at more
   double tape = 0;  // metres from a group's border that are taped, its seams too; at most an eighth
                     // of the root of the group's area; 0: no tape
+  bool edge = false;  // seams are Cover::edge: blankets that end cut, not closed
   double normals =
       0;  // radians, of compute_normals(); 0: the blanket has no normals, and no levels
   std::uint32_t levels = 0;    // coarser blankets, at most
   double max_triangles = 4e6;  // of all blankets together
   FreeRoom room = {};          // empty: nothing else is there
+  OtherCorners corners = {};   // empty: nothing else wears a blanket
   // false: what is refused or scaled is for the caller to say (WrapTally), and no blanket at all is
   // no failure
   bool tell = true;
@@ -66,6 +79,7 @@ struct WrapGroup {
   double scale = 1;                  // of the heights, below 1 where they met the base
   double mean = 0;                   // metres that the sheet's heights are lowered by
   double held = 0;                   // m² that lie lower, below other parts
+  double cornered = 0;               // m² that lie lower, beside another blanket's faces
   std::string reason;                // of a refusal
   // of the sheet, where it is accepted; as it is worn, `scale` included
   Recipe recipe;
@@ -74,9 +88,9 @@ struct WrapGroup {
 
 // All blankets with longer edges: for pixels that see `detail` or more.
 struct WrapLevel {
-  geometry::Mesh blanket;   // with normals
-  std::vector<char> taped;  // of its triangles
-  double detail = 0;        // metres
+  geometry::Mesh blanket;     // with normals
+  std::vector<Cover> covers;  // of its triangles
+  double detail = 0;          // metres
   // Metres: an upper bound of the distance from the finest one, the larger of both heights.
   double error = 0;
 };
@@ -86,7 +100,7 @@ struct Wrap {
   // Open where the seams meet the faces.
   geometry::Mesh blanket;
   std::vector<Vec3> roots;                     // of its positions: the places on the faces below
-  std::vector<char> taped;                     // of its triangles
+  std::vector<Cover> covers;                   // of its triangles
   std::vector<WrapLevel> levels;               // from the finest
   std::vector<WrapGroup> groups;               // in order of search
   double area_accepted = 0, area_refused = 0;  // m²
@@ -119,8 +133,10 @@ struct WrapTally {
 // border, and a seam goes from there straight down to the base. Their mean by area is made 0, then
 // they are scaled where one would lie below `margin`. Where another part is nearer than that
 // (`room`), the blanket goes below it, at three quarters of the way, with all vertices beside one
-// that does, and rises from there by no more than half a metre a metre. Equal input gives equal
-// bits.
+// that does, and rises from there by no more than half a metre a metre. Where faces that wear
+// blankets meet at an inner edge, or look at each other, each blanket keeps to what is nearer to
+// its own (Corners), nine tenths of the way: both come down to the edge. Equal input gives equal
+// bits; a moved mesh the moved blanket, to rounding.
 //
 // Levels are the same heights on edges of two, four, … times the cells, so that nothing meets the
 // base that did not. Their normals are those of the finest blanket at their vertices, leant

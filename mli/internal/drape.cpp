@@ -18,8 +18,10 @@ using geometry::Triangle;
 
 namespace {
 
-// metres per metre: how steeply foil rises from where a part holds it down
-constexpr double kRise = 0.5;
+// metres per metre: how steeply foil rises from where a part holds it down, and from an inner edge
+constexpr double kRise = 0.5, kCornerRise = 0.8;
+// of the stand-off: what is nearer to a face stands on it
+constexpr double kOnFace = 1e-3;
 // of the stand-off: chords that are no deeper are rounded
 constexpr double kRound = 0.05;
 // of the root of a group's area: the widest tape
@@ -30,9 +32,10 @@ double twice_area(const Piece& piece, const Triangle& t) {
       glm::cross(piece.points[t[1]] - piece.points[t[0]], piece.points[t[2]] - piece.points[t[0]]));
 }
 
-// Lets bounds of heights grow from those that there are by no more than kRise along the faces, as
+// Lets bounds of heights grow from those that there are by no more than `rise` along the faces, as
 // foil does that is held down: where they end at once, it would stand in teeth.
-void spread(const Piece& piece, const std::vector<double>& heights, std::vector<double>& bounds) {
+void spread(const Piece& piece, const std::vector<double>& heights, double rise,
+            std::vector<double>& bounds) {
   std::vector<std::uint32_t> begin(piece.points.size() + 1, 0);
   for (const Triangle& t : piece.triangles)
     for (const std::uint32_t v : t) begin[v + 1] += 2;
@@ -53,7 +56,7 @@ void spread(const Piece& piece, const std::vector<double>& heights, std::vector<
     if (bound > bounds[v]) continue;
     for (std::uint32_t i = begin[v]; i < begin[v + 1]; ++i) {
       const std::uint32_t to = near[i];
-      const double there = bound + kRise * glm::length(piece.points[to] - piece.points[v]);
+      const double there = bound + rise * glm::length(piece.points[to] - piece.points[v]);
       if (there >= bounds[to] || there >= heights[to]) continue;
       bounds[to] = there;
       next.emplace(there, to);
@@ -79,9 +82,9 @@ class Draper::Appender {
     if (normal) cloth_.mesh.normals.push_back(*normal);
     return index;
   }
-  void triangle(const Triangle& corners, bool taped) {
+  void triangle(const Triangle& corners, Cover cover) {
     cloth_.mesh.triangles.push_back(corners);
-    cloth_.taped.push_back(taped);
+    cloth_.covers.push_back(cover);
   }
 
  private:
@@ -213,17 +216,73 @@ double Draper::hold(const Draped& draped, std::vector<double>& heights) const {
     for (const std::uint32_t v : t) least[v] = std::min(least[v], low);
     area += twice_area(piece, t) / 2;
   }
-  if (area > 0) spread(piece, heights, least);
+  if (area > 0) spread(piece, heights, kRise, least);
+  for (std::size_t v = 0; v < heights.size(); ++v) heights[v] = std::min(heights[v], least[v]);
+  return area;
+}
+
+// Leaves to other blankets what is nearer to their faces. Returns the area of the triangles that it
+// changes.
+double Draper::share(const Draped& draped, std::vector<double>& heights) const {
+  const Piece& piece = draped.piece;
+  const OtherCorners& others = options_.corners;
+  std::vector<double> most(heights.size(), HUGE_VAL);
+  constexpr std::size_t kBlock = 1024;
+  const auto all = [&](std::size_t count, const auto& work) {
+    parallel_for((count + kBlock - 1) / kBlock,
+                 [&](std::size_t block) {
+                   const std::size_t end = std::min(count, (block + 1) * kBlock);
+                   for (std::size_t i = block * kBlock; i < end; ++i) work(i);
+                 },
+                 job_);
+  };
+  all(heights.size(), [&](std::size_t v) {
+    const Vec3& p = piece.points[v];
+    const Vec3 up = draped.surface.normal(p);
+    const double far = heights[v] / kCornerReach;
+    if (!(far > 0)) return;
+    double free = corners_.room(owner_, p, up, far);
+    if (others.room) free = others.room(p, up, free);
+    if (free < far) most[v] = kCornerReach * free;
+  });
+  // where a face stands on this one, triangles below its border lie flat
+  std::vector<char> crossed(piece.triangles.size(), 0);
+  const double tolerance = kOnFace * options_.stand_off;
+  all(crossed.size(), [&](std::size_t i) {
+    const Triangle& t = piece.triangles[i];
+    if (std::min({most[t[0]], most[t[1]], most[t[2]]}) == HUGE_VAL) return;
+    for (std::size_t k = 0; k < 3 && crossed[i] == 0; ++k) {
+      const Vec3 &a = piece.points[t[k]], &b = piece.points[t[(k + 1) % 3]];
+      if (corners_.crossed(owner_, a, b, tolerance) ||
+          (others.crossed && others.crossed(a, b, tolerance)))
+        crossed[i] = 1;
+    }
+  });
+  double area = 0;
+  std::vector<double> least = most;
+  for (std::size_t i = 0; i < crossed.size(); ++i) {
+    const Triangle& t = piece.triangles[i];
+    if (std::min({most[t[0]], most[t[1]], most[t[2]]}) == HUGE_VAL) continue;
+    area += twice_area(piece, t) / 2;
+    // note: a triangle that ends at an inner edge of its own lies on one side of it
+    const bool ends = most[t[0]] == 0 || most[t[1]] == 0 || most[t[2]] == 0;
+    if (crossed[i] != 0 && !ends)
+      for (const std::uint32_t v : t) least[v] = 0;
+  }
+  // note: what is nearer to faces that are no half-planes is not convex, triangles are
+  if (area > 0) spread(piece, heights, kCornerRise, least);
   for (std::size_t v = 0; v < heights.size(); ++v) heights[v] = std::min(heights[v], least[v]);
   return area;
 }
 
 // Straight down from the border; as wide as a tape, they are part of it. base: of the blanket's
-// vertices, whose positions are `tops`. A level's have normals, and vertices of their own.
+// vertices, whose positions are `tops`. A level's have normals, and vertices of their own. There
+// are none on inner edges, where the blanket comes down to the faces.
 void Draper::add_seams(const Draped& draped, std::uint32_t base, const std::vector<Vec3>& tops,
-                       bool level, Appender& out) {
+                       bool level, Appender& out) const {
   const std::vector<Vec3>& points = draped.piece.points;
-  const bool taped = draped.tape > 0;
+  const Cover cover = options_.edge ? Cover::edge : draped.tape > 0 ? Cover::tape : Cover::foil;
+  const auto down = [&](std::uint32_t v) { return tops[v] == points[v]; };
   std::map<std::uint32_t, std::uint32_t> foot;
   const auto foot_of = [&](std::uint32_t v) {
     const auto [at, fresh] = foot.try_emplace(v, 0);
@@ -231,20 +290,23 @@ void Draper::add_seams(const Draped& draped, std::uint32_t base, const std::vect
     return at->second;
   };
   for (const auto& [a, b] : draped.border) {
+    const bool a_down = down(a), b_down = down(b);
+    if (a_down && b_down) continue;
     if (level) {
-      const Vec3 side = glm::cross(tops[a] - tops[b], points[a] - tops[b]);
+      const Vec3 side = a_down ? glm::cross(points[a] - tops[b], points[b] - tops[b])
+                               : glm::cross(tops[a] - tops[b], points[a] - tops[b]);
       const double length = glm::length(side);
       const Vec3 normal = length > 0 ? side / length : draped.surface.normal(points[a]);
       const std::uint32_t first = out.vertex(tops[b], points[b], normal);
       out.vertex(tops[a], points[a], normal);
       out.vertex(points[a], points[a], normal);
       out.vertex(points[b], points[b], normal);
-      out.triangle({first, first + 1, first + 2}, taped);
-      out.triangle({first, first + 2, first + 3}, taped);
+      if (!a_down) out.triangle({first, first + 1, first + 2}, cover);
+      if (!b_down) out.triangle({first, first + 2, first + 3}, cover);
     } else {
-      const std::uint32_t c = foot_of(a), d = foot_of(b);
-      out.triangle({base + b, base + a, c}, taped);
-      out.triangle({base + b, c, d}, taped);
+      const std::uint32_t c = a_down ? base + a : foot_of(a), d = b_down ? base + b : foot_of(b);
+      if (!a_down) out.triangle({base + b, base + a, c}, cover);
+      if (!b_down) out.triangle({base + b, c, d}, cover);
     }
   }
 }
@@ -261,8 +323,8 @@ void Draper::append(const Draped& draped, WrapGroup& group, Cloth& cloth, bool l
   for (std::size_t v = 0; v < heights.size(); ++v)
     heights[v] = options_.stand_off + group.scale * draped.heights[v] +
                  round * surface.above(piece.points[v]);
-  const double held = hold(draped, heights);
-  if (!level) group.held = held;
+  const double held = hold(draped, heights), cornered = share(draped, heights);
+  if (!level) group.held = held, group.cornered = cornered;
   Appender out(surface, cloth);
   const auto base = static_cast<std::uint32_t>(cloth.mesh.positions.size());
   // where borders are all there is, vertices stand for what lies half an edge within
@@ -293,7 +355,7 @@ void Draper::append(const Draped& draped, WrapGroup& group, Cloth& cloth, bool l
       for (std::size_t k = 0; k < 3; ++k)
         if (angles[k] < most - kPi) corners[k] = behind_end(t[k]);
     }
-    out.triangle(corners, draped.taped[i] != 0);
+    out.triangle(corners, draped.taped[i] != 0 ? Cover::tape : Cover::foil);
   }
   add_seams(draped, base, tops, level, out);
 }

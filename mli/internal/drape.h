@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "mli/corners.h"
 #include "mli/internal/groups.h"
 #include "mli/internal/piece.h"
 #include "mli/internal/surface.h"
@@ -15,14 +16,16 @@ namespace panwright::mli {
 struct Cloth {
   geometry::Mesh mesh;
   std::vector<Vec3> roots, below;  // of its positions: the places on the faces, unit normals there
-  std::vector<char> taped;         // of its triangles
+  std::vector<Cover> covers;       // of its triangles
   double longest = 0;              // metres: no edge on the faces is longer
 };
 
 class Draper {
  public:
-  Draper(const Faces& faces, const WrapOptions& options, const Job& job)
-      : faces_(faces), options_(options), job_(job) {}
+  // corners: of all faces that wear blankets; owner: the group's there
+  Draper(const Faces& faces, const WrapOptions& options, const Corners& corners,
+         std::uint32_t owner, const Job& job)
+      : faces_(faces), options_(options), corners_(corners), owner_(owner), job_(job) {}
 
   // False: more triangles than `left`.
   bool add(const Group& members, const Surface& surface, const Sheet& sheet, double left,
@@ -40,13 +43,16 @@ class Draper {
   double height_at(const Draped& draped, const Vec3& place) const;
   void set_heights(Draped& draped, WrapGroup& group, bool level) const;
   double hold(const Draped& draped, std::vector<double>& heights) const;
+  double share(const Draped& draped, std::vector<double>& heights) const;
   Vec3 normal_at(const Draped& draped, std::size_t v, const WrapGroup& group, double inwards) const;
-  static void add_seams(const Draped& draped, std::uint32_t base, const std::vector<Vec3>& tops,
-                        bool level, Appender& out);
+  void add_seams(const Draped& draped, std::uint32_t base, const std::vector<Vec3>& tops,
+                 bool level, Appender& out) const;
   void append(const Draped& draped, WrapGroup& group, Cloth& cloth, bool level) const;
 
   const Faces& faces_;
   const WrapOptions& options_;
+  const Corners& corners_;
+  std::uint32_t owner_;
   const Job& job_;
 };
 

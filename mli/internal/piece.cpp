@@ -12,6 +12,10 @@ namespace {
 
 using geometry::Triangle;
 
+// Lengths that differ by less are equal, so that moved faces are cut as they were: rounding does
+// not say which of two equal sides is shorter.
+constexpr double kEqual = 1e-9;
+
 std::uint64_t key(std::uint32_t a, std::uint32_t b) {
   return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
 }
@@ -47,7 +51,7 @@ bool refine(Piece& piece, double longest, double limit, const Job& job) {
       for (int k = 0; k < 3; ++k) {
         const std::uint32_t a = t[k], b = t[(k + 1) % 3];
         m[k] = kNone;
-        if (glm::length(piece.points[a] - piece.points[b]) > longest) {
+        if (glm::length(piece.points[a] - piece.points[b]) > longest * (1 + kEqual)) {
           const auto [at, fresh] =
               middles.try_emplace(key(a, b), static_cast<std::uint32_t>(piece.points.size()));
           if (fresh) piece.points.push_back(0.5 * (piece.points[a] + piece.points[b]));
@@ -69,7 +73,7 @@ bool refine(Piece& piece, double longest, double limit, const Job& job) {
         const std::uint32_t p = m[(uncut + 1) % 3], q = m[(uncut + 2) % 3];
         next.push_back({p, c, q});
         const bool first = glm::length(piece.points[a] - piece.points[p]) <=
-                           glm::length(piece.points[b] - piece.points[q]);
+                           (1 + kEqual) * glm::length(piece.points[b] - piece.points[q]);
         next.push_back(first ? Triangle{a, b, p} : Triangle{a, b, q});
         next.push_back(first ? Triangle{a, p, q} : Triangle{b, p, q});
       } else {
@@ -125,7 +129,8 @@ double BorderDistance::at(const Vec3& place) const {
   return nearest;
 }
 
-std::vector<char> cut_at(Piece& piece, std::vector<double>& distances, double width) {
+std::vector<char> cut_at(Piece& piece, std::vector<double>& distances, double width,
+                         std::vector<Cut>* cuts) {
   constexpr double kNear = 0.15;  // of an edge: a cut nearer to its end goes through that
   const auto crosses = [&](std::uint32_t a, std::uint32_t b) {
     return (distances[a] - width) * (distances[b] - width) < 0;
@@ -141,16 +146,17 @@ std::vector<char> cut_at(Piece& piece, std::vector<double>& distances, double wi
     }
   for (std::size_t v = 0; v < on.size(); ++v)
     if (on[v]) distances[v] = width;
-  std::unordered_map<std::uint64_t, std::uint32_t> cuts;
+  std::unordered_map<std::uint64_t, std::uint32_t> known;
   const auto cut = [&](std::uint32_t a, std::uint32_t b) {
     const auto [at, fresh] =
-        cuts.try_emplace(key(a, b), static_cast<std::uint32_t>(piece.points.size()));
+        known.try_emplace(key(a, b), static_cast<std::uint32_t>(piece.points.size()));
     if (fresh) {
       // from the same end whichever triangle asks
       const std::uint32_t low = std::min(a, b), high = std::max(a, b);
       const double part = (width - distances[low]) / (distances[high] - distances[low]);
       piece.points.push_back(piece.points[low] + part * (piece.points[high] - piece.points[low]));
       distances.push_back(width);
+      if (cuts != nullptr) cuts->push_back({low, high, part});
     }
     return at->second;
   };

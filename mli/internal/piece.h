@@ -42,9 +42,16 @@ class BorderDistance {
   std::map<Cell, std::vector<std::array<Vec3, 2>>> cells_;  // edges, by their middles
 };
 
+// A new point on an edge: low + part · (high − low).
+struct Cut {
+  std::uint32_t low, high;
+  double part;
+};
+
 // Cuts triangles along the line where the points' distances are `width`, and moves it to points
 // that are next to it. distances: of new points too, then. Returns for each triangle whether it
-// lies within.
-std::vector<char> cut_at(Piece& piece, std::vector<double>& distances, double width);
+// lies within. cuts: what the new points are, in order, where somebody asks.
+std::vector<char> cut_at(Piece& piece, std::vector<double>& distances, double width,
+                         std::vector<Cut>* cuts = nullptr);
 
 }  // namespace panwright::mli

@@ -129,6 +129,125 @@ void tilt(std::vector<Vec3>& normals, std::span<const Vec3> below, const TiltMap
   }
 }
 
+std::vector<char> below_diagonals(const geometry::Mesh& mesh) {
+  std::vector<char> lower;
+  lower.reserve(mesh.triangles.size());
+  // Sampler::add_grid()
+  for (const geometry::Triangle& t : mesh.triangles) lower.push_back(t[1] == t[0] + 1 ? 1 : 0);
+  return lower;
+}
+
+namespace {
+
+// Of the facets of either kind around each corner's vertex, by area: sums of their normals.
+struct KindNormals {
+  KindNormals(const geometry::Mesh& mesh, std::span<const char> lower)
+      : sums{std::vector<Vec3>(mesh.positions.size()), std::vector<Vec3>(mesh.positions.size())} {
+    for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+      const geometry::Triangle& t = mesh.triangles[k];
+      const Vec3 area = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]],
+                                   mesh.positions[t[2]] - mesh.positions[t[0]]);
+      for (const std::uint32_t v : t) sums[lower[k] != 0][v] += area;
+    }
+  }
+  std::vector<Vec3> sums[2];
+};
+
+// Against the surface below; nothing where it is steep.
+Vec3 slope_of(const Vec3& normal, const Vec3& below) {
+  const double along = glm::dot(normal, below);
+  return along > kSteep * glm::length(normal) ? normal / along - below : Vec3(0);
+}
+
+}  // namespace
+
+void set_apart(geometry::Mesh& mesh, std::vector<Vec3>& below, const geometry::Mesh& surface,
+               std::span<const char> lower, double apart) {
+  const KindNormals kinds(mesh, lower), flat(surface, lower);
+  // note: the surface's vertices need not be copied where the mesh's are
+  std::vector<std::uint32_t> on_surface(mesh.positions.size());
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k)
+    for (std::size_t i = 0; i < 3; ++i) on_surface[mesh.triangles[k][i]] = surface.triangles[k][i];
+  const std::size_t count = mesh.positions.size();
+  std::vector<std::uint32_t> other(count);  // of the kind above diagonals
+  std::vector<Vec3> normals = mesh.normals;
+  for (std::size_t v = 0; v < count; ++v) {
+    const Vec3 own = slope_of(mesh.normals[v], below[v]);
+    const auto moved = [&](std::size_t kind) {
+      const Vec3 off = slope_of(kinds.sums[kind][v], below[v]) - own -
+                       slope_of(flat.sums[kind][on_surface[v]], below[v]);
+      const bool lies = glm::dot(mesh.normals[v], below[v]) > kSteep;
+      return lies ? glm::normalize(below[v] + own + apart * off) : mesh.normals[v];
+    };
+    const bool has[2] = {kinds.sums[0][v] != Vec3(0), kinds.sums[1][v] != Vec3(0)};
+    if (has[1]) normals[v] = moved(1);
+    other[v] = static_cast<std::uint32_t>(has[1] ? mesh.positions.size() : v);
+    if (!has[0]) continue;
+    if (!has[1]) {
+      normals[v] = moved(0);
+      continue;
+    }
+    mesh.positions.push_back(Vec3(mesh.positions[v]));
+    if (!mesh.texcoords.empty()) mesh.texcoords.push_back(Vec2(mesh.texcoords[v]));
+    normals.push_back(moved(0));
+    below.push_back(Vec3(below[v]));
+  }
+  mesh.normals = std::move(normals);
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k)
+    if (lower[k] == 0)
+      for (std::uint32_t& v : mesh.triangles[k]) v = other[v];
+}
+
+Moments moments_of(const geometry::Mesh& mesh, const Vec2& side) {
+  struct Square {
+    Vec2 sum{0};
+    double squares = 0, count = 0;
+  };
+  Vec2 low(HUGE_VAL), high(-HUGE_VAL);
+  for (const Vec3& p : mesh.positions) {
+    low = glm::min(low, Vec2(p));
+    high = glm::max(high, Vec2(p));
+  }
+  const auto columns = static_cast<std::size_t>((high.x - low.x) / side.x + 2);
+  const auto rows = static_cast<std::size_t>((high.y - low.y) / side.y + 2);
+  std::vector<Square> squares[2];
+  for (auto& one : squares) one.resize(columns * rows);
+  Square all;
+  for (const geometry::Triangle& t : mesh.triangles) {
+    Vec2 slopes[3];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3& n = mesh.normals[t[i]];
+      slopes[i] = Vec2(-n.x, -n.y) / n.z;
+    }
+    for (const Vec3& place : places()) {
+      Vec2 at(0), slope(0);
+      for (int i = 0; i < 3; ++i) {
+        at += place[i] * Vec2(mesh.positions[t[static_cast<std::size_t>(i)]]);
+        slope += place[i] * slopes[i];
+      }
+      const auto add = [&](Square& to) {
+        to.sum += slope;
+        to.squares += glm::dot(slope, slope);
+        to.count += 1;
+      };
+      add(all);
+      for (int k = 0; k < 2; ++k) {
+        const Vec2 cell = (at - low) / side + 0.5 * k;
+        const auto i = std::min(static_cast<std::size_t>(cell.x), columns - 1),
+                   j = std::min(static_cast<std::size_t>(cell.y), rows - 1);
+        add(squares[k][j * columns + i]);
+      }
+    }
+  }
+  if (!(all.count > 0)) return {};
+  Moments out{all.squares / all.count - glm::dot(all.sum, all.sum) / (all.count * all.count), 0};
+  for (const auto& half : squares)
+    for (const Square& one : half)
+      if (one.count > 0) out.within += one.squares - glm::dot(one.sum, one.sum) / one.count;
+  out.within /= 2 * all.count;
+  return out;
+}
+
 std::vector<Vec3> normals_below(const geometry::Mesh& mesh, const geometry::Mesh& surface) {
   std::vector<Vec3> out(mesh.normals.size(), Vec3(0, 0, 1));
   for (std::size_t k = mesh.triangles.size(); k-- > 0;)

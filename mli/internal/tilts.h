@@ -45,6 +45,24 @@ class Tilts {
 // Normals that lean otherwise, in place.
 void tilt(std::vector<Vec3>& normals, std::span<const Vec3> below, const TiltMap& map);
 
+// Of each triangle of a form's grid: whether it lies below the diagonal of its cell. Of a mesh
+// without normals, whose vertices are the grid's.
+std::vector<char> below_diagonals(const geometry::Mesh& mesh);
+
+// Gives each vertex two normals (TiltMap::apart). Both meshes with normals; `below` follows.
+//   lower    below_diagonals()
+//   surface  the same triangles without heights
+void set_apart(geometry::Mesh& mesh, std::vector<Vec3>& below, const geometry::Mesh& surface,
+               std::span<const char> lower, double apart);
+
+// Slopes of a flat mesh's normals, linear between vertices.
+struct Moments {
+  double all = 0;     // variance over the mesh, both axes together
+  double within = 0;  // in squares of a side: the mean variance about each square's own mean
+};
+// Of squares from the mesh's middle on, and of those half a side off.
+Moments moments_of(const geometry::Mesh& mesh, const Vec2& side);
+
 // Normals of a surface at the vertices of a mesh that compute_normals() gave copies to. surface:
 // the same triangles in the same order, with normals.
 std::vector<Vec3> normals_below(const geometry::Mesh& mesh, const geometry::Mesh& surface);

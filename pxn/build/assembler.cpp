@@ -389,6 +389,7 @@ class Assembler {
     wish.axes_from_world = glm::inverse(around.world_from_node);
     wish.faces = known.faces;
     if (known.tape >= 0) wish.tape = named_material(known.tape);
+    if (known.edge >= 0) wish.edge = named_material(known.edge);
     wish.blanket = std::move(blanket);
     blankets_.wish(std::move(wish));
   }

@@ -35,7 +35,6 @@ constexpr double kCell = 0.005;  // metres, without a preset
 // of blankets whose cells are not given: one, and all of a model
 constexpr double kTriangles = 1e6, kAllTriangles = 3e6;
 constexpr std::uint32_t kLevels = 6;
-constexpr std::uint32_t kNowhere = 0xffffffffu;
 // triangles of a blanket are about so many times the area over a cell's
 constexpr double kPerCell = 2.4;  // an estimate: 2 and what faces are cut into at their borders
 
@@ -185,6 +184,7 @@ void Blankets::make(std::uint64_t most_nodes, Reporter& reporter) {
   if (wrapped.empty()) return;
   obstacles_.emplace(scene_, wrapped, reach, job_);
   share_triangles();
+  find_corners();
   uses_.assign(scene_.shapes.size(), 0);
   for (const scene::Instance& one : scene_.instances) ++uses_[static_cast<std::size_t>(one.shape)];
   std::vector<Worn> worn;  // in the order of wishes
@@ -225,6 +225,32 @@ void Blankets::share_triangles() {
                         chosen_faces(*mesh, wish.how.faces, wish.axes_from_world * world));
     }
   least_cell_ = std::sqrt(kPerCell * area / kAllTriangles);
+}
+
+void Blankets::find_corners() {
+  std::set<std::int32_t> instances;
+  for (const FoilWish& wish : wishes_)
+    for (const auto& [instance, name] : wish.on) instances.insert(instance);
+  if (instances.size() < 2) return;
+  for (const FoilWish& wish : wishes_)
+    for (const auto& [instance, name] : wish.on) {
+      job_.poll();
+      const scene::Instance& one = scene_.instances[static_cast<std::size_t>(instance)];
+      const geometry::MeshShape mesh =
+          mesh_of(scene_.shapes[static_cast<std::size_t>(one.shape)], 1e300);
+      if (!mesh) continue;
+      const Mat4 world = world_from(one.node);
+      const auto at = [&](std::uint32_t v) { return Vec3(world * Vec4(mesh->positions[v], 1)); };
+      // counter-clockwise from outside, whatever the node mirrors
+      const bool mirrored = glm::determinant(Mat3(world)) < 0;
+      for (const std::uint32_t t :
+           chosen_faces(*mesh, wish.how.faces, wish.axes_from_world * world)) {
+        const auto& [a, b, c] = mesh->triangles[t];
+        corners_.add(at(a), at(mirrored ? c : b), at(mirrored ? b : c),
+                     static_cast<std::uint32_t>(instance));
+      }
+    }
+  corners_.build();
 }
 
 Mat4 Blankets::world_from(std::int32_t node) const {
@@ -274,7 +300,8 @@ void Blankets::cover(std::int32_t instance, const std::string& name, const FoilW
   out.tally.add(made->tally);
   if (made->cell > 0) ++out.coarsened, out.largest_cell = std::max(out.largest_cell, made->cell);
   if (out.problem.empty()) out.problem = made->problem;
-  if (made->shape == scene::kNone && made->tape == scene::kNone) return;
+  if (made->shape == scene::kNone && made->tape == scene::kNone && made->edge == scene::kNone)
+    return;
   out.triangles += static_cast<double>(made->triangles);
   out.finest_cell =
       out.finest_cell > 0 ? std::min(out.finest_cell, made->used_cell) : made->used_cell;
@@ -285,16 +312,16 @@ void Blankets::cover(std::int32_t instance, const std::string& name, const FoilW
     if (!tolerance && scene_.budget.tolerance) tolerance = scene_.budget.tolerance;
     tolerance = std::min(tolerance.value_or(most), most);
   }
-  scene::Instance blanket = wish.blanket;
-  if (made->shape != scene::kNone) {
-    blanket.shape = made->shape;
-    hang(node, name, blanket);
-  }
-  if (made->tape != scene::kNone) {
-    blanket.material = wish.tape;
-    blanket.shape = made->tape;
-    hang(node, name + "_tape", std::move(blanket));
-  }
+  const auto hang_part = [&](std::int32_t shape, std::int32_t material, const std::string& named) {
+    if (shape == scene::kNone) return;
+    scene::Instance part = wish.blanket;
+    part.material = material;
+    part.shape = shape;
+    hang(node, named, std::move(part));
+  };
+  hang_part(made->shape, wish.blanket.material, name);
+  hang_part(made->tape, wish.tape, name + "_tape");
+  hang_part(made->edge, wish.edge, name + "_edge");
 }
 
 // Gives an instance a node of its own, beside what it covers or below.
@@ -340,14 +367,15 @@ std::optional<Blankets::Made> Blankets::made(const Place& place, const FoilWish&
   if (!any) return std::nullopt;
   const Key key(shape, metric, key_of(how), how.faces == 0 ? std::vector<std::uint32_t>() : faces);
   const auto known = known_.find(key);
-  if (known != known_.end() && is_clear(known->second, room_of(place, in_metres, stand_off))) {
+  if (known != known_.end() &&
+      is_clear(known->second, room_of(place, in_metres, stand_off), corners_of(place, in_metres))) {
     Made shared = known->second;
     shared.triangles = 0;  // which are there already
     return shared;
   }
   Made made = woven(place, stretched(*mesh, in_metres), in_metres, wish, faces, stand_off);
   if (uses_[static_cast<std::size_t>(shape)] < 2) made.reach = nullptr;
-  if (!(made.tally.held > 0)) known_.emplace(key, made);
+  if (!(made.tally.held > 0) && !made.cornered) known_.emplace(key, made);
   return made;
 }
 
@@ -361,8 +389,22 @@ mli::FreeRoom Blankets::room_of(const Place& place, const Mat3& in_metres, doubl
   };
 }
 
+mli::OtherCorners Blankets::corners_of(const Place& place, const Mat3& in_metres) const {
+  const Mat4 world = place.world_from_shape * Mat4(glm::inverse(in_metres));
+  const auto owner = static_cast<std::uint32_t>(place.instance);
+  return {[this, world, owner](const Vec3& from, const Vec3& along, double most) {
+            return corners_.room(owner, Vec3(world * Vec4(from, 1)),
+                                 glm::normalize(Mat3(world) * along), most);
+          },
+          [this, world, owner](const Vec3& a, const Vec3& b, double tolerance) {
+            return corners_.crossed(owner, Vec3(world * Vec4(a, 1)), Vec3(world * Vec4(b, 1)),
+                                    tolerance);
+          }};
+}
+
 // Whether nothing is in the way of a blanket that was made elsewhere.
-bool Blankets::is_clear(const Made& made, const mli::FreeRoom& room) const {
+bool Blankets::is_clear(const Made& made, const mli::FreeRoom& room,
+                        const mli::OtherCorners& others) const {
   if (!made.reach) return true;
   const std::vector<Vec3>&tops = made.reach->tops, &roots = made.reach->roots;
   std::atomic<bool> clear = true;
@@ -373,7 +415,9 @@ bool Blankets::is_clear(const Made& made, const mli::FreeRoom& room) const {
                  for (std::size_t v = block * kBlock; v < end && clear; ++v) {
                    const Vec3 up = tops[v] - roots[v];
                    const double height = glm::length(up), far = height / mli::kWrapReach;
-                   if (height > 0 && room(roots[v], up / height, far) < far) clear = false;
+                   if (height > 0 && (room(roots[v], up / height, far) < far ||
+                                      others.room(roots[v], up / height, far) < far))
+                     clear = false;
                  }
                },
                job_);
@@ -404,9 +448,18 @@ Blankets::Made Blankets::woven(const Place& place, const geometry::Mesh& metres,
   options.max_triangles = room;
   options.tell = false;
   options.tape = how.tape;
+  options.edge = how.edge;
   options.normals = crease_angle_;
   options.levels = kLevels;
   options.room = room_of(place, in_metres, stand_off);
+  std::atomic<bool> cornered = false;
+  options.corners = corners_of(place, in_metres);
+  options.corners.room = [&, room = options.corners.room](const Vec3& from, const Vec3& along,
+                                                          double most) {
+    const double free = room(from, along, most);
+    if (free < most) cornered = true;
+    return free;
+  };
   DiagnosticLog log;
   auto wrap = mli::wrapped(metres, faces, recipe_for(how, cell, seed), options, log, {}, job_);
   job_.poll();
@@ -415,6 +468,7 @@ Blankets::Made Blankets::woven(const Place& place, const geometry::Mesh& metres,
     return out;
   }
   out.tally.add(*wrap);
+  out.cornered = cornered;
   if (how.stand_off == 0 && out.tally.least >= kQuietScale) out.tally.scaled = 0;
   if (wrap->blanket.triangles.empty()) return out;
   out.reach = std::make_shared<const Made::Reach>(
@@ -427,42 +481,29 @@ Blankets::Made Blankets::woven(const Place& place, const geometry::Mesh& metres,
   out.used_cell = cell;
   out.triangles = wrap->blanket.triangles.size();
   const Mat3 back = glm::inverse(in_metres);
-  out.shape = add_shape(*wrap, false, back, foil);
-  out.tape = add_shape(*wrap, true, back, std::move(foil));
+  out.shape = add_shape(*wrap, mli::Cover::foil, back, foil);
+  out.tape = add_shape(*wrap, mli::Cover::tape, back, foil);
+  out.edge = add_shape(*wrap, mli::Cover::edge, back, std::move(foil));
   return out;
 }
 
-// The taped triangles of a wrap and its levels, or the others; kNone: there are none.
-std::int32_t Blankets::add_shape(const mli::Wrap& wrap, bool taped, const Mat3& back,
+// The triangles of a wrap and its levels that show one thing; kNone: there are none.
+std::int32_t Blankets::add_shape(const mli::Wrap& wrap, mli::Cover cover, const Mat3& back,
                                  scene::Foil foil) {
   const Mat3 covector = glm::transpose(glm::inverse(back));
-  const auto part = [&](const geometry::Mesh& all, const std::vector<char>& which) {
-    auto mesh = std::make_shared<geometry::Mesh>();
-    std::vector<std::uint32_t> place(all.positions.size(), kNowhere);
-    for (std::size_t t = 0; t < all.triangles.size(); ++t) {
-      if ((which[t] != 0) != taped) continue;
-      geometry::Triangle corners = all.triangles[t];
-      for (std::uint32_t& v : corners) {
-        std::uint32_t& at = place[v];
-        if (at == kNowhere) {
-          at = static_cast<std::uint32_t>(mesh->positions.size());
-          mesh->positions.push_back(back * all.positions[v]);
-          mesh->normals.push_back(glm::normalize(covector * all.normals[v]));
-          mesh->texcoords.push_back(all.texcoords[v]);
-        }
-        v = at;
-      }
-      mesh->triangles.push_back(corners);
-    }
+  const auto part = [&](const geometry::Mesh& all, const std::vector<mli::Cover>& covers) {
+    auto mesh = std::make_shared<geometry::Mesh>(mli::part_of(all, covers, cover));
+    for (Vec3& p : mesh->positions) p = back * p;
+    for (Vec3& n : mesh->normals) n = glm::normalize(covector * n);
     geometry::set_closed(*mesh);
     vertices_ += static_cast<double>(mesh->positions.size());
     return mesh;
   };
-  auto finest = part(wrap.blanket, wrap.taped);
+  auto finest = part(wrap.blanket, wrap.covers);
   if (finest->triangles.empty()) return scene::kNone;
   const double scale = std::cbrt(std::fabs(glm::determinant(back)));
   for (const mli::WrapLevel& level : wrap.levels)
-    if (auto mesh = part(level.blanket, level.taped); !mesh->triangles.empty())
+    if (auto mesh = part(level.blanket, level.covers); !mesh->triangles.empty())
       foil.levels.push_back({std::move(mesh), scale * level.detail, scale * level.error});
   foil.shape = static_cast<std::int32_t>(scene_.shapes.size());
   scene_.shapes.emplace_back(geometry::MeshShape(std::move(finest)));

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/job.h"
+#include "mli/corners.h"
 #include "mli/wrap.h"
 #include "pxn/build/obstacles.h"
 #include "pxn/build/part.h"
@@ -24,10 +25,11 @@ namespace panwright::pxn {
 struct FoilWish {
   std::vector<std::pair<std::int32_t, std::string>> on;  // and the names of their blankets
   Blanket how;
-  Mat4 axes_from_world{1};           // the frame in which directions of faces are meant
-  std::string faces;                 // these directions as they are written
-  scene::Instance blanket;           // material and source
-  std::int32_t tape = scene::kNone;  // the material of what is taped
+  Mat4 axes_from_world{1};  // the frame in which directions of faces are meant
+  std::string faces;        // these directions as they are written
+  scene::Instance blanket;  // material and source
+  // materials of what is taped, and of cut edges
+  std::int32_t tape = scene::kNone, edge = scene::kNone;
   SourceSpan where;
   const xml::Document* document = nullptr;
   std::uint32_t element = 0;  // wishes of one element are reported as one
@@ -58,11 +60,13 @@ class Blankets {
                          std::vector<std::uint32_t>>;  // shape, metric, blanket, faces
   struct Made {
     std::int32_t shape = scene::kNone;
-    std::int32_t tape = scene::kNone;  // the shape of what is taped
-    double stand_off = 0;              // metres in the world
-    double cell = 0;                   // above 0: larger than the preset's
-    double used_cell = 0;              // metres
+    // shapes of what is taped, and of cut edges
+    std::int32_t tape = scene::kNone, edge = scene::kNone;
+    double stand_off = 0;  // metres in the world
+    double cell = 0;       // above 0: larger than the preset's
+    double used_cell = 0;  // metres
     std::size_t triangles = 0;
+    bool cornered = false;  // lower somewhere, beside another shape's blanket
     mli::WrapTally tally;
     std::string problem;
     // where others may share it: its vertices and the places below them, in metres_of(metric)
@@ -96,9 +100,12 @@ class Blankets {
   Made woven(const Place& place, const geometry::Mesh& metres, const Mat3& in_metres,
              const FoilWish& wish, const std::vector<std::uint32_t>& faces, double stand_off);
   mli::FreeRoom room_of(const Place& place, const Mat3& in_metres, double stand_off) const;
-  bool is_clear(const Made& made, const mli::FreeRoom& room) const;
+  mli::OtherCorners corners_of(const Place& place, const Mat3& in_metres) const;
+  void find_corners();
+  bool is_clear(const Made& made, const mli::FreeRoom& room, const mli::OtherCorners& others) const;
   void hang(std::int32_t node, std::string name, scene::Instance what);
-  std::int32_t add_shape(const mli::Wrap& wrap, bool taped, const Mat3& back, scene::Foil foil);
+  std::int32_t add_shape(const mli::Wrap& wrap, mli::Cover cover, const Mat3& back,
+                         scene::Foil foil);
   static void tell(const Worn& worn, Reporter& reporter);
 
   scene::Scene& scene_;
@@ -109,6 +116,7 @@ class Blankets {
   std::map<Key, Made> known_;      // what nothing is in the way of
   std::vector<std::size_t> uses_;  // of shapes, by instances
   std::optional<Obstacles> obstacles_;
+  mli::Corners corners_;   // faces that wear blankets, in the world, by instance
   double least_cell_ = 0;  // metres, of blankets that say none
 };
 

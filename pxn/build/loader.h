@@ -1,6 +1,7 @@
 // Reads files into parts, with all that they include and use.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -12,6 +13,7 @@
 
 #include "base/hash.h"
 #include "materials/spectra.h"
+#include "mli/trim.h"
 #include "pxn/build/files.h"
 #include "pxn/build/part.h"
 #include "pxn/expression/values.h"
@@ -20,6 +22,9 @@
 #include "scene/scene.h"
 
 namespace panwright::pxn {
+
+// Shapes of a sheet of foil, by mli::Cover; none of what it does not have.
+using FoilShapes = std::array<std::optional<std::uint32_t>, mli::kCovers>;
 
 struct Preset;
 
@@ -121,7 +126,10 @@ class Loader {
   void read_keypoint(Work& work, std::uint32_t element);
   void read_shape(Work& work, std::uint32_t element);
   void read_blanket(Work& work, std::uint32_t element);
-  std::optional<std::uint32_t> foil_shape(Work& work, std::uint32_t element);
+  FoilShapes foil_shapes(Work& work, std::uint32_t element);
+  void add_trim(Work& work, std::uint32_t element, const FoilShapes& shapes,
+                std::uint32_t properties);
+  std::optional<std::uint32_t> material_at(Work& work, std::uint32_t element, std::size_t which);
   std::uint32_t known_shape(geometry::Shape shape);
 
   // ---- import_reader.cpp: CAD files
@@ -175,8 +183,8 @@ class Loader {
   std::map<std::pair<std::string, TextureKind>, std::optional<std::uint32_t>> known_textures_;
   std::map<std::string, std::optional<materials::Conductor>> known_spectra_;
   std::map<Hash128, std::uint32_t> known_shapes_;
-  std::map<std::vector<double>, std::optional<std::uint32_t>> known_foils_;  // by FoilSheet::key()
-  double foil_vertices_ = 0;                                                 // so far
+  std::map<std::vector<double>, FoilShapes> known_foils_;  // by FoilSheet::key()
+  double foil_vertices_ = 0;                               // so far
   std::map<std::pair<const File*, std::uint32_t>, std::uint32_t> known_meshes_;  // in repeats
   std::set<std::string> parameters_;                                             // of all files
   std::set<std::string> inputs_;     // keys of files that count as inputs

@@ -200,6 +200,7 @@ void Loader::read_shape(Work& work, std::uint32_t element) {
       work.file.values->text_or_default(element, attribute::mli_type) == "wrap")
     return read_blanket(work, element);
   std::optional<std::uint32_t> index;
+  FoilShapes foil;
   if (document.elements[element].id == ElementId::mesh) {
     // in a repeat, one without expressions is the same each time
     const xml::Element& e = document.elements[element];
@@ -215,55 +216,91 @@ void Loader::read_shape(Work& work, std::uint32_t element) {
       if (constant) known_meshes_[key] = *index;
     }
   } else if (document.elements[element].id == ElementId::mli) {
-    index = foil_shape(work, element);
+    foil = foil_shapes(work, element);
+    index = foil[0];
   } else if (auto shape = read_exact_shape(document, element, work.file.units, *work.file.values,
                                            reporter_)) {
     index = known_shape(std::move(*shape));
   }
   const std::uint32_t properties = read_properties(work, element);
   if (index) add_item(work, ItemKind::shape, element, *index, properties);
+  add_trim(work, element, foil, properties);
+}
+
+// Nodes of their own beside a sheet: its tape and its edge.
+void Loader::add_trim(Work& work, std::uint32_t element, const FoilShapes& shapes,
+                      std::uint32_t properties) {
+  const auto add = [&](mli::Cover cover, std::size_t which, std::string_view ending) {
+    const auto shape = shapes[static_cast<std::size_t>(cover)];
+    if (!work.file.values->has(element, which)) return;
+    const auto material = material_at(work, element, which);
+    if (!shape || !material) return;
+    NodeProperties own =
+        properties == kNoProperties ? NodeProperties{} : work.part.properties[properties];
+    own.name = (own.name.empty() ? "mli" : own.name) + std::string(ending);
+    own.material = static_cast<std::int32_t>(*material);
+    work.part.properties.push_back(std::move(own));
+    add_item(work, ItemKind::shape, element, *shape,
+             static_cast<std::uint32_t>(work.part.properties.size() - 1));
+  };
+  if (work.file.document.elements[element].id != ElementId::mli) return;
+  add(mli::Cover::tape, attribute::mli_tape, "_tape");
+  add(mli::Cover::edge, attribute::mli_edge, "_edge");
+}
+
+std::optional<std::uint32_t> Loader::material_at(Work& work, std::uint32_t element,
+                                                 std::size_t which) {
+  Definition* material = look_up(work.file, element, which, work.file.materials, "material");
+  return material != nullptr ? material_of(*material) : std::nullopt;
 }
 
 void Loader::read_blanket(Work& work, std::uint32_t element) {
   auto wrap = read_wrap(work.file.document, element, *work.file.values, reporter_);
   const std::uint32_t properties = read_properties(work, element);
-  std::optional<std::uint32_t> tape;
-  if (work.file.values->has(element, attribute::mli_tape))
-    if (Definition* material =
-            look_up(work.file, element, attribute::mli_tape, work.file.materials, "material"))
-      tape = material_of(*material);
+  const auto named = [&](std::size_t which) {
+    const auto material =
+        work.file.values->has(element, which) ? material_at(work, element, which) : std::nullopt;
+    return material ? static_cast<std::int32_t>(*material) : -1;
+  };
+  const std::int32_t tape = named(attribute::mli_tape), edge = named(attribute::mli_edge);
   if (!wrap) return;
-  if (tape) wrap->tape = static_cast<std::int32_t>(*tape);
-  if (!tape) wrap->blanket.tape = 0;
+  wrap->tape = tape;
+  wrap->edge = edge;
+  if (tape < 0) wrap->blanket.tape = 0;
+  wrap->blanket.edge = edge >= 0;
   wrap->run = work.run;
   work.part.wraps.push_back(*std::move(wrap));
   add_item(work, ItemKind::wrap, element, static_cast<std::uint32_t>(work.part.wraps.size() - 1),
            properties);
 }
 
-std::optional<std::uint32_t> Loader::foil_shape(Work& work, std::uint32_t element) {
+FoilShapes Loader::foil_shapes(Work& work, std::uint32_t element) {
   const xml::Document& document = work.file.document;
   const auto foil = read_foil(document, element, *work.file.values, reporter_);
-  if (!foil) return std::nullopt;
+  if (!foil) return {};
   // the same sheet again is not made again
   const auto [known, added] = known_foils_.try_emplace(foil->key());
   if (!added) return known->second;
   auto made = make_foil(document, element, *foil, options_.crease_angle,
                         kMaxFoilVertices - foil_vertices_, reporter_, job_);
-  if (!made) return std::nullopt;
+  if (!made) return {};
   foil_vertices_ += made->vertices;
-  const std::size_t before = scene_.shapes.size();
-  known->second = known_shape(geometry::MeshShape(std::move(made->finest)));
   const auto [line, column] = work.file.positions[element];
-  // note: other numbers may make the same mesh
-  if (scene_.shapes.size() > before)
-    scene_.foils.push_back({static_cast<std::int32_t>(*known->second),
-                            foil->recipe,
-                            foil->form,
-                            made->statistics,
-                            false,
-                            {work.file.found.path, line, column},
-                            std::move(made->levels)});
+  for (std::size_t k = 0; k < mli::kCovers; ++k) {
+    FoilMeshes::Part& part = made->parts[k];
+    if (!part.finest) continue;
+    const std::size_t before = scene_.shapes.size();
+    known->second[k] = known_shape(geometry::MeshShape(std::move(part.finest)));
+    // note: other numbers may make the same mesh
+    if (scene_.shapes.size() > before)
+      scene_.foils.push_back({static_cast<std::int32_t>(*known->second[k]),
+                              foil->recipe,
+                              foil->form,
+                              made->statistics,
+                              false,
+                              {work.file.found.path, line, column},
+                              std::move(part.levels)});
+  }
   return known->second;
 }
 

@@ -103,6 +103,7 @@ struct Blanket {
   double cell = 0;          // metres; 0: what the preset needs
   double stand_off = 0;     // metres; 0: by the shape's size
   double tape = 0;          // metres from borders; 0: none
+  bool edge = false;        // seams are cut edges
   std::uint32_t faces = 0;  // bits of kFaceWords; 0: all
 };
 inline constexpr std::string_view kFaceWords[] = {"+x", "-x", "+y", "-y", "+z", "-z"};
@@ -113,8 +114,9 @@ struct PartWrap {
   std::optional<std::string> on, materials;
   std::uint32_t run = kNoRun;
   Blanket blanket;
-  std::string faces;       // as written
-  std::int32_t tape = -1;  // the tape's material: index into Loader::materials; -1: no tape
+  std::string faces;  // as written
+  // materials of tape and cut edges: indices into Loader::materials; -1: none
+  std::int32_t tape = -1, edge = -1;
 };
 
 struct File;

@@ -1,6 +1,7 @@
 // Readers of single elements: frames, shapes.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "base/job.h"
 #include "geometry/tessellate/shape.h"
 #include "mli/form.h"
+#include "mli/trim.h"
 #include "pxn/build/part.h"
 #include "pxn/expression/values.h"
 #include "pxn/text/reporter.h"
@@ -53,6 +55,7 @@ std::shared_ptr<const geometry::Mesh> read_mesh_shape(const xml::Document& docum
 struct FoilSheet {
   mli::Recipe recipe;
   mli::Form form;
+  mli::Trim trim;
   mli::RecipePlaces places;
 
   // Equal for sheets that are equal.
@@ -82,10 +85,14 @@ inline constexpr double kMaxFoilVertices = 20e6;
 
 // The meshes of a sheet, with normals.
 struct FoilMeshes {
-  std::shared_ptr<const geometry::Mesh> finest;  // at the recipe's own detail
-  mli::Statistics statistics;                    // of the flat sheet
-  std::vector<scene::FoilLevel> levels;
-  double vertices = 0;  // of all
+  struct Part {
+    std::shared_ptr<const geometry::Mesh>
+        finest;  // at the recipe's own detail; null: there is none
+    std::vector<scene::FoilLevel> levels;
+  };
+  std::array<Part, mli::kCovers> parts;  // by mli::Cover
+  mli::Statistics statistics;            // of the flat sheet
+  double vertices = 0;                   // of all
 };
 
 // Nothing where they cannot be made.

@@ -20,7 +20,8 @@ namespace attribute = schemas::attribute;
 
 namespace {
 
-constexpr double kTapeWidth = 0.025;  // metres, where none is given
+// metres, where none is given
+constexpr double kTapeWidth = 0.025, kThickness = 0.005;
 
 class SheetReader {
  public:
@@ -32,6 +33,8 @@ class SheetReader {
     FoilSheet sheet;
     read_recipe(sheet);
     read_form(sheet);
+    sheet.trim.tape = tape_width();
+    sheet.trim.thickness = thickness(std::holds_alternative<mli::Box>(sheet.form));
     if (!ok_) return std::nullopt;
     return sheet;
   }
@@ -266,8 +269,7 @@ class SheetReader {
     for (const std::size_t which :
          {attribute::mli_radius, attribute::mli_top_radius, attribute::mli_length,
           attribute::mli_flange, attribute::mli_size, attribute::mli_on, attribute::mli_materials,
-          attribute::mli_faces, attribute::mli_standoff, attribute::mli_tape,
-          attribute::mli_tape_width}) {
+          attribute::mli_faces, attribute::mli_standoff}) {
       if (!values_.has(element_, which) || std::ranges::find(used, which) != used.end()) continue;
       const auto name =
           schemas::kPxn.elements[static_cast<std::size_t>(ElementId::mli)].attributes[which].name;
@@ -276,12 +278,40 @@ class SheetReader {
     }
   }
 
+  // ---- what closes it
+
+  // Metres; 0: no tape.
+  double tape_width() {
+    return beside(attribute::mli_tape, attribute::mli_tape_width, kTapeWidth,
+                  "tape_width without tape: 'tape' names the tape's material");
+  }
+
+  // Metres; 0: no edge.
+  double thickness(bool closed) {
+    if (closed && values_.has(element_, attribute::mli_edge))
+      wrong(values_.value_place(element_, attribute::mli_edge),
+            "a box has no cut edge: it is closed");
+    return beside(attribute::mli_edge, attribute::mli_thickness, kThickness,
+                  "thickness without edge: 'edge' names the material of what is cut");
+  }
+
+  // A length that goes with a material.
+  double beside(std::size_t material, std::size_t length, double usual, const char* missing) {
+    if (!values_.has(element_, length)) return values_.has(element_, material) ? usual : 0;
+    if (!values_.has(element_, material)) wrong(values_.value_place(element_, length), missing);
+    const auto value = values_.real(element_, length);
+    ok_ = ok_ && value.has_value();
+    return value.value_or(0);
+  }
+
   // ---- what a wrap covers
 
   void read_choice(PartWrap& wrap) {
-    refuse_others("wrap",
-                  {attribute::mli_on, attribute::mli_materials, attribute::mli_faces,
-                   attribute::mli_standoff, attribute::mli_tape, attribute::mli_tape_width});
+    refuse_others("wrap", {attribute::mli_on, attribute::mli_materials, attribute::mli_faces,
+                           attribute::mli_standoff});
+    if (values_.has(element_, attribute::mli_thickness))
+      wrong(values_.value_place(element_, attribute::mli_thickness),
+            "a wrap has no thickness: its cut edge is as high as it stands off");
     for (const std::size_t which :
          {attribute::mli_translate, attribute::mli_rotate, attribute::mli_quat,
           attribute::mli_scale, attribute::mli_tolerance})
@@ -307,17 +337,7 @@ class SheetReader {
       ok_ = ok_ && stand_off.has_value();
       wrap.blanket.stand_off = stand_off.value_or(0);
     }
-    if (values_.has(element_, attribute::mli_tape)) {
-      wrap.blanket.tape = kTapeWidth;
-      if (values_.has(element_, attribute::mli_tape_width)) {
-        const auto width = values_.real(element_, attribute::mli_tape_width);
-        ok_ = ok_ && width.has_value();
-        wrap.blanket.tape = width.value_or(0);
-      }
-    } else if (values_.has(element_, attribute::mli_tape_width)) {
-      wrong(values_.value_place(element_, attribute::mli_tape_width),
-            "tape_width without tape: 'tape' names the tape's material");
-    }
+    wrap.blanket.tape = tape_width();
     if (!values_.has(element_, attribute::mli_faces)) return;
     const auto faces = values_.text(element_, attribute::mli_faces);
     ok_ = ok_ && faces.has_value();
@@ -395,6 +415,7 @@ std::vector<double> FoilSheet::key() const {
   }
   key.push_back(-1 - static_cast<double>(form.index()));
   std::visit(writer, form);
+  writer.all(trim.tape, trim.thickness);
   return key;
 }
 
@@ -417,7 +438,8 @@ std::vector<double> key_of(const Blanket& blanket) {
                           blanket.cell,
                           blanket.stand_off,
                           static_cast<double>(blanket.faces),
-                          blanket.tape};
+                          blanket.tape,
+                          blanket.edge ? 1.0 : 0.0};
   KeyWriter writer{key};
   for (const mli::Operation& operation : blanket.operations) {
     key.push_back(static_cast<double>(operation.index()));
@@ -431,6 +453,35 @@ std::string_view foil_named(std::string_view name) {
     if (preset.name == name) return preset.name;
   return {};
 }
+
+namespace {
+
+// What is tape and edge, cut into the mesh of a sheet.
+std::vector<mli::Cover> trimmed(geometry::Mesh& mesh, mli::Sheet sheet, const FoilSheet& foil,
+                                double crease_angle) {
+  if (foil.trim.tape > 0 || foil.trim.thickness > 0) {
+    DiagnosticLog ignored;  // the sheet itself has been formed
+    std::ranges::fill(sheet.heights, 0.0);
+    if (auto surface = mli::formed(sheet, foil.form, ignored)) {
+      geometry::compute_normals(*surface, crease_angle);
+      return mli::trimmed(mesh, *surface, foil.trim);
+    }
+  }
+  return std::vector<mli::Cover>(mesh.triangles.size(), mli::Cover::foil);
+}
+
+// Null where there is none of it. A mesh that is all of one cover goes on whole.
+std::shared_ptr<const geometry::Mesh> part_of(geometry::Mesh& mesh,
+                                              const std::vector<mli::Cover>& covers,
+                                              mli::Cover cover) {
+  const auto count = std::ranges::count(covers, cover);
+  if (count == 0 || mesh.triangles.empty()) return nullptr;
+  if (static_cast<std::size_t>(count) == covers.size())
+    return std::make_shared<const geometry::Mesh>(std::exchange(mesh, {}));
+  return std::make_shared<const geometry::Mesh>(mli::part_of(mesh, covers, cover));
+}
+
+}  // namespace
 
 std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t element,
                                     const FoilSheet& foil, double crease_angle, double room,
@@ -461,18 +512,24 @@ std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t
     out.statistics = sheet->statistics;
     if (auto mesh = mli::formed(*sheet, foil.form, log, foil.places.recipe)) {
       geometry::compute_normals(*mesh, crease_angle);
+      const std::vector<mli::Cover> covers = trimmed(*mesh, *sheet, foil, crease_angle);
       out.vertices = static_cast<double>(mesh->positions.size());
-      out.finest = std::make_shared<const geometry::Mesh>(*std::move(mesh));
-      for (mli::Level& level :
-           mli::levels_of(*sheet, foil.form, crease_angle, room - out.vertices, job)) {
+      std::vector<mli::Level> levels =
+          mli::levels_of(*sheet, foil.form, crease_angle, room - out.vertices, foil.trim, job);
+      for (const mli::Level& level : levels)
         out.vertices += static_cast<double>(level.mesh.positions.size());
-        out.levels.push_back({std::make_shared<const geometry::Mesh>(std::move(level.mesh)),
-                              level.detail, level.error});
+      for (std::size_t k = 0; k < mli::kCovers; ++k) {
+        const auto cover = static_cast<mli::Cover>(k);
+        out.parts[k].finest = part_of(*mesh, covers, cover);
+        for (mli::Level& level : levels)
+          if (auto part = part_of(level.mesh, level.covers, cover))
+            out.parts[k].levels.push_back({std::move(part), level.detail, level.error});
       }
     }
   }
   pass_on();
-  if (!out.finest) return std::nullopt;
+  if (std::ranges::none_of(out.parts, [](const auto& part) { return part.finest != nullptr; }))
+    return std::nullopt;
   return out;
 }
 

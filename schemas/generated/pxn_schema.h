@@ -554,19 +554,21 @@ inline constexpr std::size_t mli_faces = 3;
 inline constexpr std::size_t mli_standoff = 4;
 inline constexpr std::size_t mli_tape = 5;
 inline constexpr std::size_t mli_tape_width = 6;
-inline constexpr std::size_t mli_seed = 7;
-inline constexpr std::size_t mli_radius = 8;
-inline constexpr std::size_t mli_top_radius = 9;
-inline constexpr std::size_t mli_length = 10;
-inline constexpr std::size_t mli_flange = 11;
-inline constexpr std::size_t mli_size = 12;
-inline constexpr std::size_t mli_name = 13;
-inline constexpr std::size_t mli_material = 14;
-inline constexpr std::size_t mli_tolerance = 15;
-inline constexpr std::size_t mli_translate = 16;
-inline constexpr std::size_t mli_rotate = 17;
-inline constexpr std::size_t mli_quat = 18;
-inline constexpr std::size_t mli_scale = 19;
+inline constexpr std::size_t mli_edge = 7;
+inline constexpr std::size_t mli_thickness = 8;
+inline constexpr std::size_t mli_seed = 9;
+inline constexpr std::size_t mli_radius = 10;
+inline constexpr std::size_t mli_top_radius = 11;
+inline constexpr std::size_t mli_length = 12;
+inline constexpr std::size_t mli_flange = 13;
+inline constexpr std::size_t mli_size = 14;
+inline constexpr std::size_t mli_name = 15;
+inline constexpr std::size_t mli_material = 16;
+inline constexpr std::size_t mli_tolerance = 17;
+inline constexpr std::size_t mli_translate = 18;
+inline constexpr std::size_t mli_rotate = 19;
+inline constexpr std::size_t mli_quat = 20;
+inline constexpr std::size_t mli_scale = 21;
 inline constexpr std::size_t mli_operations_preset = 0;
 inline constexpr std::size_t wrinkle_wavelength = 0;
 inline constexpr std::size_t wrinkle_amplitude = 1;
@@ -2082,6 +2084,9 @@ inline constexpr Number kNumbers_mli_standoff[] = {
 inline constexpr Number kNumbers_mli_tape_width[] = {
     {"tape_width", 0, 1e+30, true, false},
 };
+inline constexpr Number kNumbers_mli_thickness[] = {
+    {"thickness", 0, 1e+30, true, false},
+};
 inline constexpr Number kNumbers_mli_seed[] = {
     {"seed", 0, 4294967295, false, false},
 };
@@ -2105,6 +2110,8 @@ inline constexpr Attribute kAttributes_mli[] = {
     {"standoff", 1, true, false, {ValueKind::real, 1, kNumbers_mli_standoff, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"tape", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tape_width", 1, true, false, {ValueKind::real, 1, kNumbers_mli_tape_width, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"edge", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"thickness", 1, true, false, {ValueKind::real, 1, kNumbers_mli_thickness, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"seed", 1, true, false, {ValueKind::integer, 1, kNumbers_mli_seed, {}, Dimension::none, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"radius", 1, true, false, {ValueKind::real, 1, kNumbers_sphere_1_radius, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"top_radius", 1, true, false, {ValueKind::real, 1, kNumbers_cone_top_radius, {}, Dimension::length, false, false, 1, 0}, kInitial_specular_shine, "", false},

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "geometry/ray/instances.h"
 #include "pxn/build/blankets.h"
 #include "tests/pxn/reading.h"
 
@@ -271,6 +272,73 @@ TEST(Wraps, TapeIsAMaterialAlongBorders) {
   EXPECT_DOUBLE_EQ(half.scene->foils[1].levels.at(0).detail, 0.04);
 }
 
+// Nodes of their own: the seams of a wrap, and what hangs from the borders of a sheet.
+TEST(Wraps, EdgesAndTapeHaveMaterialsOfTheirOwn) {
+  const std::string kMaterials =
+      "<material name='edge' preset='mli_edge'/><material name='tape' preset='mli_kapton_tape'/>";
+  const Reading r = read_1(kMaterials + "<box name='bus' size='1 0.8 0.6'/>" +
+                           wrap("on='bus' name='mli' edge='edge' tape='tape'"));
+  EXPECT_EQ(r.summary(), "");
+  ASSERT_EQ(r.scene->instances.size(), 4u);
+  const auto [low, high] = bounds(*r.scene, 3);
+  EXPECT_NEAR(high.x, 0.51, 1e-9);  // as high as the stand-off
+  const auto name = [&](const Reading& of, std::size_t i) {
+    const scene::Instance& one = of.scene->instances.at(i);
+    return of.scene->nodes[static_cast<std::size_t>(one.node)].name + " " +
+           of.scene->materials[static_cast<std::size_t>(one.material)].name;
+  };
+  EXPECT_EQ(name(r, 2), "mli_tape tape");
+  EXPECT_EQ(name(r, 3), "mli_edge edge");
+  const std::string settings =
+      "<mli_settings><width>1</width><height>0.6</height><xgrid>100</xgrid></mli_settings>"
+      "<mli_operations><random> 1mm </random></mli_operations></mli>";
+  const Reading sheet =
+      read_1(kMaterials +
+             "<mli type='flat' name='door' tape='tape' tape_width='4cm' edge='edge' "
+             "thickness='1cm' translate='0 0 2'>" +
+             settings);
+  EXPECT_EQ(sheet.summary(), "");
+  ASSERT_EQ(sheet.scene->instances.size(), 3u);
+  EXPECT_EQ(name(sheet, 1), "door_tape tape");
+  EXPECT_EQ(name(sheet, 2), "door_edge edge");
+  EXPECT_NEAR(bounds(*sheet.scene, 2).first.z, 1.99, 1.1e-3);
+  EXPECT_NEAR(bounds(*sheet.scene, 0).second.x, 0.46, 0.004);
+  EXPECT_EQ(sheet.scene->foils.size(), 3u);
+}
+
+// A box on a plate, each a shape of its own: their blankets share the corner between them, and no
+// edge of one goes through the other.
+TEST(Wraps, ShapesShareInnerCorners) {
+  const Reading r = read_1(
+      "<box name='plate' size='1 1 0.1'/><box name='unit' size='0.4 0.3 0.3' "
+      "translate='0 0 0.2'/>" +
+      wrap("on='*'", "<random> 1mm </random>", "2cm"));
+  ASSERT_TRUE(r.scene);
+  ASSERT_EQ(r.scene->instances.size(), 4u);
+  const auto mesh = [&](std::size_t i) -> const geometry::Mesh& {
+    return *std::get<geometry::MeshShape>(
+        r.scene->shapes[static_cast<std::size_t>(r.scene->instances[i].shape)]);
+  };
+  std::size_t crossings = 0;
+  for (const auto& [one, other] : {std::pair{2u, 3u}, std::pair{3u, 2u}}) {
+    const Mat4 to_other = glm::inverse(world_from(*r.scene, r.scene->instances[other].node)) *
+                          world_from(*r.scene, r.scene->instances[one].node);
+    geometry::InstanceCaster caster;
+    caster.add(caster.add_mesh(mesh(other).positions, mesh(other).triangles), Mat4(1), false);
+    caster.build();
+    for (const auto& t : mesh(one).triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 a(to_other * Vec4(mesh(one).positions[t[k]], 1)),
+            b(to_other * Vec4(mesh(one).positions[t[(k + 1) % 3]], 1));
+        const double length = glm::length(b - a);
+        // on the plate below the unit's sides both touch it
+        if (length > 0 && std::max(a.z, b.z) > (one == 2 ? 1e-6 : 0.05))
+          crossings += caster.any({a, (b - a) / length, 1e-6, length - 1e-6}) ? 1 : 0;
+      }
+  }
+  EXPECT_EQ(crossings, 0u);
+}
+
 TEST(Wraps, WhatCannotBeIsSaidWhereItStands) {
   const std::string box = "<box name='bus' size='1'/>\n";
   const std::pair<std::string, std::string> cases[] = {
@@ -285,6 +353,14 @@ TEST(Wraps, WhatCannotBeIsSaidWhereItStands) {
       {box + wrap("on='bus' tape_width='1cm'"),
        "3:54 E7001 tape_width without tape: 'tape' names the tape's material"},
       {box + wrap("on='bus' tape='kapton_tape'"), "unknown material 'kapton_tape'"},
+      {box + wrap("on='bus' thickness='1cm' edge='e'"), "E7001 a wrap has no thickness"},
+      {box + wrap("on='bus' edge='e'"), "unknown material 'e'"},
+      {"<mli type='flat' thickness='1cm'><mli_settings><width>1</width><height>1</height><xgrid>9"
+       "</xgrid></mli_settings><mli_operations/></mli>",
+       "E7001 thickness without edge"},
+      {"<material name='e'/><mli type='box' size='0.2' flange='1cm' edge='e'><mli_settings><width>1"
+       "</width><height>1</height><xgrid>99</xgrid></mli_settings><mli_operations/></mli>",
+       "E7001 a box has no cut edge"},
       {box + wrap("on='bus' radius='1'"), "E7001 a sheet of type 'wrap' has no radius"},
       {box + wrap("on='bus' translate='1 0 0'"), "E7001 a wrap has no placement"},
       {box + wrap(""), "3:2 E1103 a wrap covers nothing"},
