@@ -91,7 +91,7 @@ void look(std::uint32_t part, const mli::Wrap& wrap, const geometry::InstanceCas
       }
     }
     out.rays += rays;
-    if (rays >= 20'000 && group.held == 0)
+    if (rays >= 20'000 && group.held + group.cornered == 0)
       out.worst_mean = std::max(out.worst_mean, std::fabs(sum / weight / stand_off - 1));
   }
 }
