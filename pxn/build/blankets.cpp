@@ -88,6 +88,14 @@ double area_of(const geometry::Mesh& mesh, const std::vector<std::uint32_t>& fac
   return twice / 2;
 }
 
+// Those of a sheet that is so high, in metres.
+std::vector<mli::Operation> operations_for(const Blanket& how, double height) {
+  std::vector<mli::Operation> out;
+  if (auto preset = mli::preset_operations(how.preset, height)) out = *std::move(preset);
+  out.insert(out.end(), how.operations.begin(), how.operations.end());
+  return out;
+}
+
 mli::RecipeFor recipe_for(const Blanket& how, double cell, std::uint32_t seed) {
   return [&how, cell, seed](double width, double height, std::uint32_t seed_offset) {
     mli::Recipe recipe;
@@ -95,9 +103,7 @@ mli::RecipeFor recipe_for(const Blanket& how, double cell, std::uint32_t seed) {
     recipe.xgrid = 1;
     recipe.seed = seed;
     recipe = mli::fitted(recipe)(width, height, seed_offset);
-    if (auto preset = mli::preset_operations(how.preset, recipe.height))
-      recipe.operations = *std::move(preset);
-    recipe.operations.insert(recipe.operations.end(), how.operations.begin(), how.operations.end());
+    recipe.operations = operations_for(how, recipe.height);
     return recipe;
   };
 }
@@ -362,8 +368,9 @@ mli::FreeRoom Blankets::room_of(const Place& place, const Mat3& in_metres, doubl
 }
 
 // Whether nothing is in the way of a blanket that was made elsewhere.
-bool Blankets::is_clear(const Made& made, const mli::FreeRoom& room) const {
+bool Blankets::is_clear(const Made& made, const mli::FreeRoom& room) {
   if (!made.reach) return true;
+  obstacles_->build(job_);
   const std::vector<Vec3>&tops = made.reach->tops, &roots = made.reach->roots;
   std::atomic<bool> clear = true;
   constexpr std::size_t kBlock = 1024;
@@ -406,23 +413,44 @@ Blankets::Made Blankets::woven(const Place& place, const geometry::Mesh& metres,
   options.tape = how.tape;
   options.normals = crease_angle_;
   options.levels = kLevels;
-  options.room = room_of(place, in_metres, stand_off);
   DiagnosticLog log;
-  auto wrap = mli::wrapped(metres, faces, recipe_for(how, cell, seed), options, log, {}, job_);
+  const auto make = [&](double& farthest) -> std::optional<WovenFoil> {
+    obstacles_->build(job_);
+    std::atomic<double> most_of_all = 0;
+    const mli::FreeRoom room_here = room_of(place, in_metres, stand_off);
+    options.room = [&](const Vec3& from, const Vec3& along, double most) {
+      for (double known = most_of_all; most > known;)
+        if (most_of_all.compare_exchange_weak(known, most)) break;
+      return room_here(from, along, most);
+    };
+    auto wrap = mli::wrapped(metres, faces, recipe_for(how, cell, seed), options, log, {}, job_);
+    farthest = most_of_all;
+    if (!wrap) return std::nullopt;
+    return woven_from(*std::move(wrap));
+  };
+  WovenFrom from{metres,
+                 faces,
+                 key_of(how),
+                 room,
+                 *obstacles_,
+                 place.instance,
+                 place.world_from_shape * Mat4(glm::inverse(in_metres))};
+  for (const double number : {cell, static_cast<double>(seed), options.stand_off, options.tape,
+                              options.normals, static_cast<double>(options.levels)})
+    from.how.push_back(number);
+  auto wrap = kept_or_woven(cache_, from, make);
   job_.poll();
   if (!wrap) {
     out.problem = log.entries().empty() ? "no blanket" : log.entries()[0].message;
     return out;
   }
-  out.tally.add(*wrap);
+  out.tally.add(wrap->tally);
   if (how.stand_off == 0 && out.tally.least >= kQuietScale) out.tally.scaled = 0;
   if (wrap->blanket.triangles.empty()) return out;
   out.reach = std::make_shared<const Made::Reach>(
       Made::Reach{wrap->blanket.positions, std::move(wrap->roots)});
-  const mli::WrapGroup* largest = nullptr;
-  for (const mli::WrapGroup& g : wrap->groups)
-    if (g.accepted && (largest == nullptr || g.area > largest->area)) largest = &g;
-  scene::Foil foil{scene::kNone, largest->recipe,     mli::Flat{}, largest->statistics,
+  wrap->recipe.operations = operations_for(how, wrap->recipe.height);
+  scene::Foil foil{scene::kNone, wrap->recipe,        mli::Flat{}, wrap->statistics,
                    true,         wish.blanket.source, {}};
   out.used_cell = cell;
   out.triangles = wrap->blanket.triangles.size();
@@ -432,8 +460,8 @@ Blankets::Made Blankets::woven(const Place& place, const geometry::Mesh& metres,
   return out;
 }
 
-// The taped triangles of a wrap and its levels, or the others; kNone: there are none.
-std::int32_t Blankets::add_shape(const mli::Wrap& wrap, bool taped, const Mat3& back,
+// The taped triangles of a blanket and its levels, or the others; kNone: there are none.
+std::int32_t Blankets::add_shape(const WovenFoil& woven, bool taped, const Mat3& back,
                                  scene::Foil foil) {
   const Mat3 covector = glm::transpose(glm::inverse(back));
   const auto part = [&](const geometry::Mesh& all, const std::vector<char>& which) {
@@ -458,10 +486,10 @@ std::int32_t Blankets::add_shape(const mli::Wrap& wrap, bool taped, const Mat3& 
     vertices_ += static_cast<double>(mesh->positions.size());
     return mesh;
   };
-  auto finest = part(wrap.blanket, wrap.taped);
+  auto finest = part(woven.blanket, woven.taped);
   if (finest->triangles.empty()) return scene::kNone;
   const double scale = std::cbrt(std::fabs(glm::determinant(back)));
-  for (const mli::WrapLevel& level : wrap.levels)
+  for (const mli::WrapLevel& level : woven.levels)
     if (auto mesh = part(level.blanket, level.taped); !mesh->triangles.empty())
       foil.levels.push_back({std::move(mesh), scale * level.detail, scale * level.error});
   foil.shape = static_cast<std::int32_t>(scene_.shapes.size());

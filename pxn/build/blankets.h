@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "base/job.h"
+#include "base/work_cache.h"
 #include "mli/wrap.h"
+#include "pxn/build/kept_foil.h"
 #include "pxn/build/obstacles.h"
 #include "pxn/build/part.h"
 #include "pxn/text/reporter.h"
@@ -43,9 +45,10 @@ std::string many_triangles(double triangles, double cell);
 // stretch share one, unless other parts are in its way.
 class Blankets {
  public:
-  // vertices: of all sheets so far
-  Blankets(scene::Scene& scene, double crease_angle, double vertices, const Job& job)
-      : scene_(scene), crease_angle_(crease_angle), vertices_(vertices), job_(job) {}
+  // vertices: of all sheets so far; cache: null: none
+  Blankets(scene::Scene& scene, double crease_angle, double vertices, const WorkCache* cache,
+           const Job& job)
+      : scene_(scene), crease_angle_(crease_angle), vertices_(vertices), cache_(cache), job_(job) {}
 
   void wish(FoilWish wish) { wishes_.push_back(std::move(wish)); }
 
@@ -96,14 +99,15 @@ class Blankets {
   Made woven(const Place& place, const geometry::Mesh& metres, const Mat3& in_metres,
              const FoilWish& wish, const std::vector<std::uint32_t>& faces, double stand_off);
   mli::FreeRoom room_of(const Place& place, const Mat3& in_metres, double stand_off) const;
-  bool is_clear(const Made& made, const mli::FreeRoom& room) const;
+  bool is_clear(const Made& made, const mli::FreeRoom& room);
   void hang(std::int32_t node, std::string name, scene::Instance what);
-  std::int32_t add_shape(const mli::Wrap& wrap, bool taped, const Mat3& back, scene::Foil foil);
+  std::int32_t add_shape(const WovenFoil& woven, bool taped, const Mat3& back, scene::Foil foil);
   static void tell(const Worn& worn, Reporter& reporter);
 
   scene::Scene& scene_;
   double crease_angle_;
   double vertices_;
+  const WorkCache* cache_;
   const Job job_;
   std::vector<FoilWish> wishes_;
   std::map<Key, Made> known_;      // what nothing is in the way of

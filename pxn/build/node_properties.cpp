@@ -249,7 +249,7 @@ std::optional<std::uint32_t> Loader::foil_shape(Work& work, std::uint32_t elemen
   const auto [known, added] = known_foils_.try_emplace(foil->key());
   if (!added) return known->second;
   auto made = make_foil(document, element, *foil, options_.crease_angle,
-                        kMaxFoilVertices - foil_vertices_, reporter_, job_);
+                        kMaxFoilVertices - foil_vertices_, options_.cache, reporter_, job_);
   if (!made) return std::nullopt;
   foil_vertices_ += made->vertices;
   const std::size_t before = scene_.shapes.size();

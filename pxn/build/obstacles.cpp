@@ -14,28 +14,22 @@ namespace {
 // of the reach: how far facets of a curved shape may lie from it
 constexpr double kFacetShare = 0.02;
 
-struct WorldBox {
-  Vec3 low{HUGE_VAL}, high{-HUGE_VAL};
-  bool meets(const WorldBox& other, double reach) const {
-    for (int k = 0; k < 3; ++k)
-      if (low[k] > other.high[k] + reach || other.low[k] > high[k] + reach) return false;
-    return true;
-  }
-};
-
 WorldBox box_of(const geometry::Mesh& mesh, const Mat4& world) {
   WorldBox box;
-  for (const Vec3& p : mesh.positions) {
-    const Vec3 at(world * Vec4(p, 1));
-    box.low = glm::min(box.low, at);
-    box.high = glm::max(box.high, at);
-  }
+  for (const Vec3& p : mesh.positions) box.add(Vec3(world * Vec4(p, 1)));
   return box;
 }
 
 double size_of(const geometry::Mesh& mesh) {
   const WorldBox box = box_of(mesh, Mat4(1));
   return mesh.positions.empty() ? 0 : glm::length(box.high - box.low);
+}
+
+Hash128 hash_of(const geometry::Mesh& mesh) {
+  KeyHasher key;
+  key.list(mesh.positions);
+  key.list(mesh.triangles);
+  return key.key();
 }
 
 struct Self {
@@ -83,6 +77,7 @@ Obstacles::Obstacles(const scene::Scene& scene, std::span<const std::int32_t> wr
     if (mesh->second) boxes[i] = box_of(*mesh->second, worlds[static_cast<std::size_t>(one.node)]);
   }
   std::map<std::int32_t, std::uint32_t> added;
+  std::map<std::int32_t, Hash128> hashes;
   for (std::size_t i = 0; i < count; ++i) {
     const scene::Instance& one = scene.instances[i];
     const geometry::MeshShape& mesh = meshes.at(one.shape);
@@ -92,13 +87,19 @@ Obstacles::Obstacles(const scene::Scene& scene, std::span<const std::int32_t> wr
       continue;
     const auto [known, fresh] = added.try_emplace(one.shape, 0);
     if (fresh) known->second = caster_.add_mesh(mesh->positions, mesh->triangles);
+    if (fresh) hashes[one.shape] = hash_of(*mesh);
     const bool exact = !std::holds_alternative<geometry::MeshShape>(
         scene.shapes[static_cast<std::size_t>(one.shape)]);
     caster_.add(known->second, worlds[static_cast<std::size_t>(one.node)], true);
+    standing_.push_back({hashes[one.shape], worlds[static_cast<std::size_t>(one.node)], boxes[i]});
     instances_.push_back(static_cast<std::int32_t>(i));
     exact_.push_back(exact ? 1 : 0);
   }
-  caster_.build(job);
+}
+
+void Obstacles::build(const Job& job) {
+  if (!built_) caster_.build(job);
+  built_ = true;
 }
 
 double Obstacles::room(std::int32_t of, const Vec3& from, const Vec3& along, double least,
@@ -109,6 +110,19 @@ double Obstacles::room(std::int32_t of, const Vec3& from, const Vec3& along, dou
   const Self self{own ? static_cast<std::uint32_t>(index) : ~std::uint32_t{0}};
   const auto hit = caster_.closest({from, along, least, most}, {is_other, &self});
   return hit ? hit->distance : most;
+}
+
+bool Obstacles::add_near(std::int32_t of, const WorldBox& box, double reach, KeyHasher& key) const {
+  bool any = false;
+  for (std::size_t i = 0; i < standing_.size(); ++i) {
+    const Standing& one = standing_[i];
+    if (!one.box.meets(box, reach) || (instances_[i] == of && exact_[i] != 0)) continue;
+    any = true;
+    key.hash(one.mesh);
+    for (int column = 0; column < 4; ++column)
+      for (int row = 0; row < 4; ++row) key.real(one.world[column][row]);
+  }
+  return any;
 }
 
 }  // namespace panwright::pxn

@@ -1,11 +1,13 @@
 // What lies in the way of blankets: the other parts of a scene.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "base/bytes.h"
 #include "base/job.h"
 #include "geometry/ray/instances.h"
 #include "scene/scene.h"
@@ -18,6 +20,19 @@ inline constexpr double kFinest = 1e-5;
 // A shape as triangles, good to `error` in its own frame; null where it cannot be made.
 geometry::MeshShape mesh_of(const geometry::Shape& shape, double error);
 
+struct WorldBox {
+  Vec3 low{HUGE_VAL}, high{-HUGE_VAL};  // metres
+  void add(const Vec3& point) {
+    low = glm::min(low, point);
+    high = glm::max(high, point);
+  }
+  bool meets(const WorldBox& other, double reach) const {
+    for (int k = 0; k < 3; ++k)
+      if (low[k] > other.high[k] + reach || other.low[k] > high[k] + reach) return false;
+    return true;
+  }
+};
+
 class Obstacles {
  public:
   // Of the instances of a scene those that come within `reach` (metres) of the boxes around some of
@@ -26,6 +41,9 @@ class Obstacles {
   Obstacles(const scene::Scene& scene, std::span<const std::int32_t> wrapped, double reach,
             const Job& job);
 
+  // To be called before room(), which then may be called from any thread. Once is enough.
+  void build(const Job& job);
+
   // Metres that are free from a place along a unit direction, in the world, at most `most`.
   //
   //   of     the instance that the place lies on: it is in its own way only where it is a mesh
@@ -33,8 +51,21 @@ class Obstacles {
   double room(std::int32_t of, const Vec3& from, const Vec3& along, double least,
               double most) const;
 
+  // Adds to a key what room() can find from places in a box, up to `reach` metres. Returns whether
+  // there is anything.
+  bool add_near(std::int32_t of, const WorldBox& box, double reach, KeyHasher& key) const;
+
  private:
+  // What add_near() looks at, of an instance of the caster.
+  struct Standing {
+    Hash128 mesh;
+    Mat4 world{1};
+    WorldBox box;
+  };
+
   geometry::InstanceCaster caster_;
+  bool built_ = false;
+  std::vector<Standing> standing_;
   std::vector<std::int32_t> instances_;  // of the scene, by those of the caster
   std::vector<char> exact_;              // the same: no mesh
 };

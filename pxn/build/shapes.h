@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/job.h"
+#include "base/work_cache.h"
 #include "geometry/tessellate/shape.h"
 #include "mli/form.h"
 #include "pxn/build/part.h"
@@ -90,11 +91,12 @@ struct FoilMeshes {
 
 // Nothing where they cannot be made.
 //
-//   room  vertices that may still be made
+//   room   vertices that may still be made
+//   cache  null: none
 //
 // Reports: E7001, W7002. Throws Cancelled. Cost: O(vertices · operations).
 std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t element,
                                     const FoilSheet& foil, double crease_angle, double room,
-                                    Reporter& reporter, const Job& job);
+                                    const WorkCache* cache, Reporter& reporter, const Job& job);
 
 }  // namespace panwright::pxn

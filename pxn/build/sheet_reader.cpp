@@ -10,6 +10,7 @@
 #include "mli/levels.h"
 #include "mli/preset.h"
 #include "mli/sheet.h"
+#include "pxn/build/kept_foil.h"
 #include "pxn/build/loader.h"
 #include "pxn/build/shapes.h"
 
@@ -434,16 +435,16 @@ std::string_view foil_named(std::string_view name) {
 
 std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t element,
                                     const FoilSheet& foil, double crease_angle, double room,
-                                    Reporter& reporter, const Job& job) {
+                                    const WorkCache* cache, Reporter& reporter, const Job& job) {
   // note: a log of its own, so that what is wrong in a repeat is said once
   DiagnosticLog log;
-  const auto pass_on = [&] {
-    for (const Diagnostic& entry : log.entries())
+  const auto pass_on = [&](const std::vector<Diagnostic>& entries) {
+    for (const Diagnostic& entry : entries)
       reporter.report(entry.code, entry.where, document, element,
                       [&] { return Reporter::Text(entry.message, entry.hint); });
   };
   if (!mli::check(foil.recipe, log, foil.places)) {
-    pass_on();
+    pass_on(log.entries());
     return std::nullopt;
   }
   const double vertices = (foil.recipe.xgrid + 1.0) * (foil.recipe.ygrid() + 1);
@@ -456,24 +457,34 @@ std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t
     });
     return std::nullopt;
   }
-  FoilMeshes out;
-  if (const auto sheet = mli::made(foil.recipe, {}, log, foil.places, job)) {
-    out.statistics = sheet->statistics;
-    if (auto mesh = mli::formed(*sheet, foil.form, log, foil.places.recipe)) {
-      geometry::compute_normals(*mesh, crease_angle);
-      out.vertices = static_cast<double>(mesh->positions.size());
-      out.finest = std::make_shared<const geometry::Mesh>(*std::move(mesh));
-      for (mli::Level& level :
-           mli::levels_of(*sheet, foil.form, crease_angle, room - out.vertices, job)) {
-        out.vertices += static_cast<double>(level.mesh.positions.size());
-        out.levels.push_back({std::make_shared<const geometry::Mesh>(std::move(level.mesh)),
-                              level.detail, level.error});
+  const auto make = [&]() -> std::optional<MadeFoil> {
+    MadeFoil out;
+    FoilMeshes& meshes = out.meshes;
+    if (const auto sheet = mli::made(foil.recipe, {}, log, foil.places, job)) {
+      meshes.statistics = sheet->statistics;
+      if (auto mesh = mli::formed(*sheet, foil.form, log, foil.places.recipe)) {
+        geometry::compute_normals(*mesh, crease_angle);
+        meshes.vertices = static_cast<double>(mesh->positions.size());
+        meshes.finest = std::make_shared<const geometry::Mesh>(*std::move(mesh));
+        for (mli::Level& level :
+             mli::levels_of(*sheet, foil.form, crease_angle, room - meshes.vertices, job)) {
+          meshes.vertices += static_cast<double>(level.mesh.positions.size());
+          meshes.levels.push_back({std::make_shared<const geometry::Mesh>(std::move(level.mesh)),
+                                   level.detail, level.error});
+        }
       }
     }
+    out.said = log.entries();
+    if (!meshes.finest) return std::nullopt;
+    return out;
+  };
+  auto made = kept_or_made(cache, foil, crease_angle, room, make);
+  if (!made) {
+    pass_on(log.entries());
+    return std::nullopt;
   }
-  pass_on();
-  if (!out.finest) return std::nullopt;
-  return out;
+  pass_on(made->said);
+  return std::move(made->meshes);
 }
 
 }  // namespace panwright::pxn
