@@ -59,7 +59,7 @@ bool is_entry(const std::string& name) {
 }  // namespace
 
 FileCache::FileCache(fs::path folder, std::uint64_t max_bytes)
-    : folder_(std::move(folder)), max_bytes_(max_bytes) {}
+    : folder_(std::move(folder)), max_bytes_(max_bytes), sum_(max_bytes) {}
 
 std::optional<std::vector<std::byte>> FileCache::find(const Hash128& key) const {
   const fs::path path = folder_ / key.hex();
@@ -97,7 +97,9 @@ void FileCache::keep(const Hash128& key, std::span<const std::byte> entry) const
   if (!file || !file->write(std::as_bytes(std::span(&header, 1)), ignored) ||
       !file->write(entry, ignored) || !file->publish(ignored))
     return;
-  make_room();
+  const std::uint64_t size = std::max<std::uint64_t>(kBlock, sizeof header + entry.size());
+  constexpr std::uint64_t kLookAfter = 64;
+  if (sum_.fetch_add(size) + size > max_bytes_ || ++kept_ % kLookAfter == 0) make_room();
 }
 
 void FileCache::make_room() const {
@@ -113,14 +115,16 @@ void FileCache::make_room() const {
     entries.emplace_back(used, at->path(), size);
     sum += size;
   }
+  sum_ = sum;
   if (sum <= max_bytes_) return;
   std::sort(entries.begin(), entries.end());
   // so much that the next ones have room too
   for (const auto& [used, path, size] : entries) {
-    if (sum <= max_bytes_ / 4 * 3) return;
+    if (sum <= max_bytes_ / 4 * 3) break;
     fs::remove(path, error);
     sum -= size;
   }
+  sum_ = sum;
 }
 
 }  // namespace panwright

@@ -1,6 +1,7 @@
 // Results of long work, kept between runs: a folder with one file per result.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -27,13 +28,17 @@ class FileCache {
   std::optional<std::vector<std::byte>> find(const Hash128& key) const;
 
   // key: of everything that the result follows from, the version of the work included.
-  // An entry of more than half of max_bytes is not kept. Cost: a look at every entry's size.
+  // An entry of more than half of max_bytes is not kept. Cost: a look at every entry's size at
+  // first, and wherever the folder may have become too large. With several processes it may be
+  // above max_bytes by what 64 entries of each take, until one of them looks.
   void keep(const Hash128& key, std::span<const std::byte> entry) const;
 
  private:
   void make_room() const;
   std::filesystem::path folder_;
   std::uint64_t max_bytes_;
+  mutable std::atomic<std::uint64_t> sum_;       // of all entries; not known: max_bytes_
+  mutable std::atomic<std::uint64_t> kept_ = 0;  // entries of this object
 };
 
 }  // namespace panwright

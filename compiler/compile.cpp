@@ -15,6 +15,7 @@
 #include "compiler/internal/fit.h"
 #include "compiler/internal/foil_levels.h"
 #include "compiler/internal/jobs.h"
+#include "compiler/internal/kept_meshes.h"
 #include "compiler/internal/mesh_levels.h"
 #include "compiler/internal/size_check.h"
 #include "compiler/internal/storage.h"
@@ -56,6 +57,18 @@ pan::PackedMesh packed_shape(const geometry::Shape& shape, geometry::Mesh& mesh,
   return packed;
 }
 
+// Triangles of a shape with the texture coordinates that its instances use; nothing where it cannot
+// be made: reported.
+std::optional<geometry::Mesh> mesh_of(const MeshJob& job,
+                                      const geometry::TessellationOptions& tessellation,
+                                      DiagnosticLog& log) {
+  auto mesh = geometry::tessellated(*job.shape, tessellation, {}, log);
+  if (!mesh) return {};
+  if (job.projected()) geometry::apply_sphere_mapping(*mesh, job.texture_from_shape);
+  if (job.boxed) geometry::apply_box_mapping(*mesh);
+  return *std::move(mesh);
+}
+
 // The results of the jobs. Decals have the indices of the scene's list.
 struct Product {
   std::vector<std::optional<pan::PackedMesh>> meshes;
@@ -76,16 +89,23 @@ void make_job(const scene::Scene& scene, const Plan& plan, std::size_t index,
               const Options& options, Product& out, DiagnosticLog& log) {
   const MeshJob& job = plan.jobs[index];
   const geometry::TessellationOptions tessellation = internal::tessellation_of(job, options);
+  const WorkCache* cache = internal::worth_keeping(job, tessellation) ? options.cache : nullptr;
   const auto* authored = std::get_if<geometry::MeshShape>(job.shape);
   if (authored && !job.projected() && !job.boxed) {  // nothing to change, so nothing to copy
     if (!geometry::within_limits(**authored, tessellation, {}, log)) return;
     out.meshes[index] = pan::packed(**authored, mesh_name(job, index));
     place_decals(scene, job, **authored, out);
+  } else if (job.decals.empty()) {
+    out.meshes[index] = internal::kept_or_packed(cache, job, tessellation, [&] {
+      auto mesh = mesh_of(job, tessellation, log);
+      return mesh ? std::optional(packed_shape(*job.shape, *mesh, {})) : std::nullopt;
+    });
+    if (!out.meshes[index]) return;
+    out.meshes[index]->name = mesh_name(job, index);
   } else {
-    auto mesh = geometry::tessellated(*job.shape, tessellation, {}, log);
+    auto mesh = internal::kept_or_made(cache, job, tessellation,
+                                       [&] { return mesh_of(job, tessellation, log); });
     if (!mesh) return;
-    if (job.projected()) geometry::apply_sphere_mapping(*mesh, job.texture_from_shape);
-    if (job.boxed) geometry::apply_box_mapping(*mesh);
     out.meshes[index] = packed_shape(*job.shape, *mesh, mesh_name(job, index));
     place_decals(scene, job, *mesh, out);
   }
@@ -455,7 +475,7 @@ pan::Contents contents_of(internal::Fitted& fitted, const Options& options, Repo
       if (place[i] != kLeftOut) tolerances.push_back(plan.jobs[plan.job_of[i]].max_error);
     internal::snap_meshes(scene, options.storage, tolerances, out, report.storage, job);
   }
-  if (options.mesh_levels) internal::add_mesh_levels(scene, out, job);
+  if (options.mesh_levels) internal::add_mesh_levels(scene, options.cache, out, job);
   report.parts = parts_of(scene, fitted, plan, product, place, out);
   report.flux_shapes = flux_of_shapes(scene, plan, place, out);
   if (options.storage.streams()) internal::encode_meshes(options.storage, out, report.storage, job);
@@ -488,10 +508,11 @@ Result<Report> compile(const scene::Scene& scene, const Options& options,
                        const std::filesystem::path& output, DiagnosticLog& log, const Job& job) {
   return run_job(job, log, [&]() -> Result<Report> {
     Report report;
-    internal::Fitted fitted = internal::fitted_to_budget(scene, options.max_error, log, job);
-    const auto contents = contents_of(fitted, options, report, log, job);
+    internal::Fitted fitted =
+        internal::fitted_to_budget(scene, options.max_error, options.cache, log, job);
+    auto contents = contents_of(fitted, options, report, log, job);
     const auto start = Clock::now();
-    const auto written = pan::write(contents, output, log, write_options(options), job);
+    const auto written = pan::write(std::move(contents), output, log, write_options(options), job);
     if (!written) return failed;
     report.bytes = written->bytes;
     report.seconds_sync = written->seconds_sync;
@@ -504,7 +525,8 @@ Result<std::vector<std::byte>> compiled(const scene::Scene& scene, const Options
                                         DiagnosticLog& log, const Job& job) {
   return run_job(job, log, [&]() -> Result<std::vector<std::byte>> {
     Report report;
-    internal::Fitted fitted = internal::fitted_to_budget(scene, options.max_error, log, job);
+    internal::Fitted fitted =
+        internal::fitted_to_budget(scene, options.max_error, options.cache, log, job);
     const auto contents = contents_of(fitted, options, report, log, job);
     job.poll();
     return pan::write_to_memory(contents, write_options(options));

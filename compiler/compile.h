@@ -10,6 +10,7 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "base/result.h"
+#include "base/work_cache.h"
 #include "compiler/fit.h"
 #include "pan/storage.h"
 #include "scene/scene.h"
@@ -24,6 +25,8 @@ struct Options {
   bool mesh_levels = false;  // levels of detail of all larger meshes, not of foil alone
   pan::StorageForm storage;  // of the file; streams of meshes are part of the identity
   std::string origin;        // import options that the inputs do not record: " units=mm"
+  // Of what earlier compilations made; null: none. It changes no byte.
+  const WorkCache* cache = nullptr;
 };
 
 // A mesh of the file, all instances together.

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
+#include "geometry/mesh/bytes.h"
 #include "geometry/tessellate/tessellate.h"
 #include "importers/internal/storable.h"
 
@@ -47,23 +48,90 @@ std::string path_of(const scene::Scene& scene, std::int32_t node) {
   return path.empty() && !scene.nodes.empty() ? scene.nodes[0].name : path;
 }
 
+constexpr std::uint64_t CleanReport::*kNumbers[] = {&CleanReport::vertices_before,
+                                                    &CleanReport::vertices_after,
+                                                    &CleanReport::triangles_before,
+                                                    &CleanReport::triangles_after,
+                                                    &CleanReport::welded,
+                                                    &CleanReport::degenerate,
+                                                    &CleanReport::duplicates,
+                                                    &CleanReport::flipped,
+                                                    &CleanReport::normals_turned,
+                                                    &CleanReport::components,
+                                                    &CleanReport::closed_components,
+                                                    &CleanReport::one_sided,
+                                                    &CleanReport::non_manifold_edges,
+                                                    &CleanReport::border_edges,
+                                                    &CleanReport::boundary_loops,
+                                                    &CleanReport::holes,
+                                                    &CleanReport::filled,
+                                                    &CleanReport::t_junctions};
+
 void add(const CleanReport& from, CleanReport& to) {
-  for (const auto member :
-       {&CleanReport::vertices_before, &CleanReport::vertices_after, &CleanReport::triangles_before,
-        &CleanReport::triangles_after, &CleanReport::welded, &CleanReport::degenerate,
-        &CleanReport::duplicates, &CleanReport::flipped, &CleanReport::normals_turned,
-        &CleanReport::components, &CleanReport::closed_components, &CleanReport::one_sided,
-        &CleanReport::non_manifold_edges, &CleanReport::border_edges, &CleanReport::boundary_loops,
-        &CleanReport::holes, &CleanReport::filled, &CleanReport::t_junctions})
-    to.*member += from.*member;
+  for (const auto number : kNumbers) to.*number += from.*number;
   to.largest_move = std::max(to.largest_move, from.largest_move);
   to.hole_length += from.hole_length;
 }
 
+// About a millisecond; smaller meshes are not worth a file.
+constexpr std::size_t kLeastKept = 1000;
+
+struct Cleaned {
+  Mesh mesh;
+  CleanReport report;
+};
+
+// Of all that geometry::clean() follows from.
+Hash128 key_of(const Mesh& mesh, const geometry::CleanOptions& options) {
+  KeyHasher key;
+  geometry::add_to_key(mesh, key);
+  for (const bool flag :
+       {options.weld, options.drop_degenerate, options.drop_duplicates, options.orient,
+        options.fill_holes, options.keep_normals, options.reorder, options.examine})
+    key.number(flag);
+  for (const double length : {options.tolerance, options.crease_angle, options.junction})
+    key.real(length);
+  key.number(options.max_spots);
+  return key.key();
+}
+
+bool write(const Cleaned& cleaned, ByteWriter& to) {
+  geometry::write(cleaned.mesh, to);
+  const CleanReport& report = cleaned.report;
+  for (const auto number : kNumbers) to.number(report.*number);
+  to.real(report.largest_move);
+  to.real(report.hole_length);
+  to.number(report.spots.size());
+  for (const geometry::Spot& spot : report.spots) {
+    to.number(static_cast<std::uint64_t>(spot.kind));
+    for (const double value : {spot.at.x, spot.at.y, spot.at.z, spot.length}) to.real(value);
+    to.number(spot.size);
+  }
+  return true;
+}
+
+Cleaned read(ByteReader& from) {
+  Cleaned out{geometry::read_mesh(from), {}};
+  CleanReport& report = out.report;
+  for (const auto number : kNumbers) report.*number = from.number();
+  report.largest_move = from.real();
+  report.hole_length = from.real();
+  for (std::uint64_t left = from.number(); left > 0 && from.good(); --left) {
+    geometry::Spot& spot = report.spots.emplace_back();
+    const std::uint64_t kind = from.number();
+    if (kind > static_cast<std::uint64_t>(SpotKind::flipped)) from.fail();
+    spot.kind = static_cast<SpotKind>(kind);
+    for (double* value : {&spot.at.x, &spot.at.y, &spot.at.z, &spot.length}) *value = from.real();
+    spot.size = from.number();
+  }
+  return out;
+}
+
 class SceneCleaner {
  public:
-  SceneCleaner(scene::Scene& scene, const geometry::CleanOptions& options, const Job& job)
-      : scene_(scene), options_(options), job_(job) {}
+  SceneCleaner(scene::Scene& scene, const geometry::CleanOptions& options, const WorkCache* cache,
+               const Job& job)
+      : scene_(scene), options_(options), cache_(cache), job_(job) {}
 
   MeshReport run() {
     const std::vector<Mat4> world = scene::world_from_nodes(scene_);
@@ -79,7 +147,7 @@ class SceneCleaner {
       if (stretch > 0) options.tolerance /= stretch;
       if (stretch > 0) options.junction /= stretch;
       CleanReport& report = out_.meshes[i].report;
-      report = geometry::clean(mesh, options, job_);
+      report = clean(mesh, options);
       report.largest_move *= stretch;
       report.hole_length *= stretch;
       shape = std::make_shared<const Mesh>(std::move(mesh));
@@ -96,6 +164,20 @@ class SceneCleaner {
   }
 
  private:
+  CleanReport clean(Mesh& mesh, const geometry::CleanOptions& options) const {
+    if (cache_ == nullptr || mesh.triangles.size() < kLeastKept)
+      return geometry::clean(mesh, options, job_);
+    auto cleaned = *reused_or_made<Cleaned>(
+        cache_, Work::cleaned, [&] { return key_of(mesh, options); },
+        [&] {
+          CleanReport report = geometry::clean(mesh, options, job_);
+          return std::optional(Cleaned{std::move(mesh), std::move(report)});
+        },
+        write, read);
+    mesh = std::move(cleaned.mesh);
+    return std::move(cleaned.report);
+  }
+
   void list_meshes(const std::vector<Mat4>& world) {
     std::vector<std::uint32_t> at(scene_.shapes.size(), kNone);
     stretch_.assign(scene_.shapes.size(), 0);
@@ -137,6 +219,7 @@ class SceneCleaner {
 
   scene::Scene& scene_;
   const geometry::CleanOptions& options_;
+  const WorkCache* cache_;
   const Job& job_;
   std::vector<double> stretch_;  // of shapes into the world: the largest of their instances
   MeshReport out_;
@@ -229,9 +312,9 @@ void insert_model_node(scene::Scene& scene, const scene::Transform& transform) {
 }  // namespace
 
 Result<MeshReport> clean_up(scene::Scene& scene, const geometry::CleanOptions& options,
-                            DiagnosticLog& log, const Job& job) {
+                            DiagnosticLog& log, const Job& job, const WorkCache* cache) {
   return run_job(job, log, [&]() -> Result<MeshReport> {
-    MeshReport mesh_report = SceneCleaner(scene, options, job).run();
+    MeshReport mesh_report = SceneCleaner(scene, options, cache, job).run();
     report(mesh_report, log);
     return mesh_report;
   });

@@ -7,6 +7,7 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "base/result.h"
+#include "base/work_cache.h"
 #include "geometry/mesh/clean.h"
 #include "importers/import.h"
 #include "importers/mesh_report.h"
@@ -18,11 +19,13 @@ namespace panwright::importers {
 //
 //   scene    in its place (see place()): lengths and spots are told in its world
 //   options  lengths in the world; a mesh takes the smallest that its instances ask for
+//   cache    of meshes that were cleaned before; null: none. It changes nothing
 //
 // Reports: N6301, W6302, W6303, W6305, once each for the scene. Fails: E0001, with a scene that is
 // of no more use.
 Result<MeshReport> clean_up(scene::Scene& scene, const geometry::CleanOptions& options,
-                            DiagnosticLog& log, const Job& job = {});
+                            DiagnosticLog& log, const Job& job = {},
+                            const WorkCache* cache = nullptr);
 
 // Bounds in the world, of meshes by their vertices and of exact shapes by their tessellation to
 // a hundredth of their size.

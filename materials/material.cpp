@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <map>
 
 #include "base/text.h"
+#include "materials/kept_fits.h"
 
 namespace panwright::materials {
 namespace {
@@ -128,7 +130,10 @@ void report_energy(const Material& material, const Reporter& report) {
 
 }  // namespace
 
-Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
+namespace {
+
+// All but the fits.
+Material settled(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
   assert(!fields.cook_torrance || fields.cook_torrance->alpha > 0);
   const Reporter report{where, log};
   Material material;
@@ -160,7 +165,55 @@ Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
     material.specular_brdf = NoSpecular{};
   if (fields.specular_model && material.specular_model() == SpecularModel::none)
     material.compensation = Compensation::automatic;
+  return material;
+}
+
+// Of work that WorkCounts do not count.
+constexpr auto kFitting = static_cast<Work>(kWorks);
+
+// Microfacets and coats take milliseconds, other BRDFs less than a file.
+bool is_long(const Material& material) {
+  return material.coat || info_of(material.specular_model()).smith;
+}
+
+bool is_finite(const std::vector<double>& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+}
+
+void fit_or_reuse(Material& material, const WorkCache* cache) {
+  constexpr std::size_t kNumbers = sizeof(Fits) / sizeof(double);
+  static_assert(sizeof(Fits) == kNumbers * sizeof(double));
+  if (cache == nullptr || !is_long(material)) return fit(material);
+  KeyHasher hasher;
+  hasher.list(key_of(material));
+  const Hash128 key = hasher.key();
+  std::vector<double> numbers;
+  if (const auto bytes = cache->find(kFitting, key)) {
+    ByteReader reader(*bytes);
+    reader.list(numbers);
+    if (reader.at_end() && numbers.size() == kNumbers && is_finite(numbers)) {
+      std::memcpy(static_cast<void*>(&material.fits), numbers.data(), sizeof(Fits));
+      return;
+    }
+  }
   fit(material);
+  numbers.resize(kNumbers);
+  std::memcpy(numbers.data(), &material.fits, sizeof(Fits));
+  ByteWriter writer;
+  writer.list(numbers);
+  cache->keep(kFitting, key, writer.bytes());
+}
+
+}  // namespace
+
+Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log) {
+  return resolved(fields, where, log, nullptr);
+}
+
+Material resolved(const Fields& fields, SourceSpan where, DiagnosticLog& log,
+                  const WorkCache* cache) {
+  Material material = settled(fields, where, log);
+  fit_or_reuse(material, cache);
   return material;
 }
 

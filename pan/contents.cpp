@@ -41,9 +41,13 @@ std::uint32_t index_size(const PackedMesh& mesh) {
   return mesh.vertex_count() <= layout::kMaxShortVertices ? 2 : 4;
 }
 
-std::uint64_t index_bytes(const PackedMesh& mesh) {
-  const std::uint64_t bytes = index_size(mesh) * std::uint64_t{mesh.indices.size()};
+std::uint64_t index_bytes(std::uint32_t size, std::size_t count) {
+  const std::uint64_t bytes = std::uint64_t{size} * count;
   return (bytes + 3) / 4 * 4;
+}
+
+std::uint64_t index_bytes(const PackedMesh& mesh) {
+  return index_bytes(index_size(mesh), mesh.indices.size());
 }
 
 // The tables of a model, ready to be written.
@@ -223,36 +227,54 @@ std::span<const std::byte> bytes_of(const std::vector<T>& values) {
   return std::as_bytes(std::span(values));
 }
 
+// What is written, and where its memory may be given back on the way.
+struct Writing {
+  const Contents& contents;
+  Contents* owned = nullptr;  // the same; null: it stays whole
+
+  template <class T>
+  void done(std::size_t mesh, std::vector<T> PackedMesh::*array) const {
+    if (owned != nullptr) std::vector<T>().swap(owned->meshes[mesh].*array);
+  }
+};
+
 // One array of every mesh in turn.
-bool write_array(const Contents& contents, std::vector<float> PackedMesh::*array, SectionKind kind,
+bool write_array(const Writing& writing, std::vector<float> PackedMesh::*array, SectionKind kind,
                  Writer& writer, DiagnosticLog& log, const Job& job) {
   job.poll();
   const auto value = static_cast<std::uint32_t>(kind);
   if (!writer.begin(value, layout::kSections[value - 1].stride, false, log)) return false;
-  for (const PackedMesh& mesh : contents.meshes)
-    if (!writer.append(bytes_of(mesh.*array), log)) return false;
+  for (std::size_t i = 0; i < writing.contents.meshes.size(); ++i) {
+    if (!writer.append(bytes_of(writing.contents.meshes[i].*array), log)) return false;
+    writing.done(i, array);
+  }
   return writer.end(log);
 }
 
-bool write_indices(const Contents& contents, Writer& writer, DiagnosticLog& log, const Job& job) {
+// note: positions, which say how large an index is, may be gone
+bool write_indices(const Writing& writing, const Tables& tables, Writer& writer, DiagnosticLog& log,
+                   const Job& job) {
   job.poll();
   if (!writer.begin(static_cast<std::uint32_t>(SectionKind::indices), 1, false, log)) return false;
   std::vector<std::uint16_t> shorts;
-  for (const PackedMesh& mesh : contents.meshes) {
-    if (index_size(mesh) == 4) {
-      if (!writer.append(bytes_of(mesh.indices), log)) return false;
-      continue;
+  for (std::size_t i = 0; i < writing.contents.meshes.size(); ++i) {
+    const std::vector<std::uint32_t>& indices = writing.contents.meshes[i].indices;
+    if (tables.meshes[i].index_size == 4) {
+      if (!writer.append(bytes_of(indices), log)) return false;
+    } else {
+      shorts.assign(indices.begin(), indices.end());
+      shorts.resize(index_bytes(2, indices.size()) / 2);
+      if (!writer.append(bytes_of(shorts), log)) return false;
     }
-    shorts.assign(mesh.indices.begin(), mesh.indices.end());
-    shorts.resize(index_bytes(mesh) / 2);
-    if (!writer.append(bytes_of(shorts), log)) return false;
+    writing.done(i, &PackedMesh::indices);
   }
   return writer.end(log);
 }
 
 // The streams of meshes, and the sections that are made from them.
-bool write_streams(const Contents& contents, Writer& writer, DiagnosticLog& log, const Job& job) {
+bool write_streams(const Writing& writing, Writer& writer, DiagnosticLog& log, const Job& job) {
   job.poll();
+  const Contents& contents = writing.contents;
   std::vector<layout::MeshStream> records;
   std::uint64_t length = 0, vertices = 0, indices = 0;
   for (const PackedMesh& mesh : contents.meshes) {
@@ -263,30 +285,39 @@ bool write_streams(const Contents& contents, Writer& writer, DiagnosticLog& log,
     vertices += mesh.vertex_count();
     indices += index_bytes(mesh);
   }
+  for (std::size_t i = 0; i < contents.meshes.size(); ++i) {
+    writing.done(i, &PackedMesh::positions);
+    writing.done(i, &PackedMesh::normals);
+    writing.done(i, &PackedMesh::indices);
+  }
   const auto bytes = static_cast<std::uint32_t>(SectionKind::stream_bytes);
   if (!writer.section(SectionKind::mesh_streams, bytes_of(records), log) ||
       !writer.begin(bytes, 1, true, log))
     return false;
-  for (const PackedMesh& mesh : contents.meshes)
-    if (!writer.append(mesh.stream_bytes, log)) return false;
+  for (std::size_t i = 0; i < contents.meshes.size(); ++i) {
+    if (!writer.append(contents.meshes[i].stream_bytes, log)) return false;
+    writing.done(i, &PackedMesh::stream_bytes);
+  }
   return writer.end(log) && writer.derived(SectionKind::positions, vertices, log) &&
          writer.derived(SectionKind::normals, vertices, log) &&
          writer.derived(SectionKind::indices, indices, log);
 }
 
 // Positions, normals and indices, then texcoords and colours.
-bool write_meshes(const Contents& contents, Writer& writer, DiagnosticLog& log, const Job& job) {
-  const bool streams = !contents.meshes.empty() && !contents.meshes.front().stream_bytes.empty();
+bool write_meshes(const Writing& writing, const Tables& tables, Writer& writer, DiagnosticLog& log,
+                  const Job& job) {
+  const std::vector<PackedMesh>& meshes = writing.contents.meshes;
+  const bool streams = !meshes.empty() && !meshes.front().stream_bytes.empty();
   if (streams) {
-    if (!write_streams(contents, writer, log, job)) return false;
-  } else if (!write_array(contents, &PackedMesh::positions, SectionKind::positions, writer, log,
+    if (!write_streams(writing, writer, log, job)) return false;
+  } else if (!write_array(writing, &PackedMesh::positions, SectionKind::positions, writer, log,
                           job) ||
-             !write_array(contents, &PackedMesh::normals, SectionKind::normals, writer, log, job)) {
+             !write_array(writing, &PackedMesh::normals, SectionKind::normals, writer, log, job)) {
     return false;
   }
-  return write_array(contents, &PackedMesh::texcoords, SectionKind::texcoords, writer, log, job) &&
-         write_array(contents, &PackedMesh::colors, SectionKind::colors, writer, log, job) &&
-         (streams || write_indices(contents, writer, log, job));
+  return write_array(writing, &PackedMesh::texcoords, SectionKind::texcoords, writer, log, job) &&
+         write_array(writing, &PackedMesh::colors, SectionKind::colors, writer, log, job) &&
+         (streams || write_indices(writing, tables, writer, log, job));
 }
 
 bool write_texels(const Contents& contents, Writer& writer, DiagnosticLog& log, const Job& job) {
@@ -303,8 +334,9 @@ bool begins_elsewhere(const JointContent& joint) {
   return joint.joint.mimic >= 0 || joint.value != geometry::rest_values(joint.joint.kind);
 }
 
-bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log,
+bool write_sections(const Writing& writing, Writer& writer, DiagnosticLog& log,
                     double* sync_seconds, const Job& job) {
+  const Contents& contents = writing.contents;
   assert(!contents.nodes.empty());
   const Tables tables = tables_of(contents);
   for (const layout::Material& material : tables.materials) writer.require(features_of(material));
@@ -324,7 +356,7 @@ bool write_sections(const Contents& contents, Writer& writer, DiagnosticLog& log
        writer.section(SectionKind::sources, bytes_of(tables.sources), log)) &&
       writer.section(SectionKind::string_offsets, std::as_bytes(tables.strings.offsets()), log) &&
       writer.section(SectionKind::string_bytes, std::as_bytes(std::span(strings)), log) &&
-      write_meshes(contents, writer, log, job) && write_texels(contents, writer, log, job) &&
+      write_meshes(writing, tables, writer, log, job) && write_texels(contents, writer, log, job) &&
       writer.section(SectionKind::budget, bytes_of(tables.budget), log) &&
       writer.section(SectionKind::mesh_tolerances, bytes_of(contents.mesh_tolerances), log) &&
       writer.section(SectionKind::keypoints, bytes_of(tables.keypoints), log) &&
@@ -384,11 +416,13 @@ Hash128 build_identity(std::span<const InputContent> inputs, std::string_view ve
   return hasher.finish(version, options);
 }
 
-Result<WriteReport> write(const Contents& contents, const std::filesystem::path& path,
-                          DiagnosticLog& log, const WriteOptions& options, const Job& job) {
+namespace {
+
+Result<WriteReport> write_to(const std::filesystem::path& path, const Writing& writing,
+                             DiagnosticLog& log, const WriteOptions& options, const Job& job) {
   WriteReport report;
   if (path == "-") {
-    const std::vector<std::byte> bytes = write_to_memory(contents, options);
+    const std::vector<std::byte> bytes = write_to_memory(writing.contents, options);
     report.bytes = bytes.size();
     auto model = Model::from_bytes(bytes, "-", log);
     if (!model || !model->check(log, job) || !write_file(path, bytes, log)) return failed;
@@ -396,17 +430,28 @@ Result<WriteReport> write(const Contents& contents, const std::filesystem::path&
   }
   return run_job(job, log, [&]() -> Result<WriteReport> {
     auto writer = Writer::create(path, log, options);
-    if (!writer || !write_sections(contents, *writer, log, &report.seconds_sync, job))
-      return failed;
+    if (!writer || !write_sections(writing, *writer, log, &report.seconds_sync, job)) return failed;
     report.bytes = writer->bytes();
     return report;
   });
 }
 
+}  // namespace
+
+Result<WriteReport> write(const Contents& contents, const std::filesystem::path& path,
+                          DiagnosticLog& log, const WriteOptions& options, const Job& job) {
+  return write_to(path, {contents}, log, options, job);
+}
+
+Result<WriteReport> write(Contents&& contents, const std::filesystem::path& path,
+                          DiagnosticLog& log, const WriteOptions& options, const Job& job) {
+  return write_to(path, {contents, &contents}, log, options, job);
+}
+
 std::vector<std::byte> write_to_memory(const Contents& contents, const WriteOptions& options) {
   Writer writer = Writer::in_memory(options);
   DiagnosticLog unused;
-  [[maybe_unused]] const bool done = write_sections(contents, writer, unused, nullptr, {});
+  [[maybe_unused]] const bool done = write_sections({contents}, writer, unused, nullptr, {});
   assert(done);
   return std::move(writer).take();
 }

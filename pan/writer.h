@@ -172,6 +172,11 @@ struct WriteOptions {
 Result<WriteReport> write(const Contents& contents, const std::filesystem::path& path,
                           DiagnosticLog& log, const WriteOptions& options = {},
                           const Job& job = {});
+// The same, where nobody needs the contents any more: what is written of a mesh gives its memory
+// back, so that the file is checked without them.
+Result<WriteReport> write(Contents&& contents, const std::filesystem::path& path,
+                          DiagnosticLog& log, const WriteOptions& options = {},
+                          const Job& job = {});
 // The same bytes, in memory.
 std::vector<std::byte> write_to_memory(const Contents& contents, const WriteOptions& options = {});
 

@@ -13,6 +13,7 @@
 #include "base/job.h"
 #include "base/math.h"
 #include "base/result.h"
+#include "base/work_cache.h"
 #include "scene/scene.h"
 
 namespace panwright::pxn {
@@ -38,6 +39,8 @@ struct Options {
   // where given, the names of all <param> are added, and a name in `parameters` that none has is no
   // error: another model may have it
   std::set<std::string>* declared = nullptr;
+  // of materials and cleaned meshes that were made before; null: none. It changes nothing in the scene
+  const WorkCache* cache = nullptr;
 };
 
 // Reads a pxn file and all that it includes.

@@ -55,6 +55,12 @@ STORAGE = ("of positions, normals and indices: --compress", {
     "position_error": "number: metres in the frame of a mesh: no vertex was moved further", "normal_error": "number: degrees: no normal was turned further",
     "meshes_with_more_bits": "integer: than asked, for their tolerance"})
 
+REUSED = {"reused": "integer: from the cache", "made": "integer: anew"}
+CACHE = ("where there is one: results of work that is worth keeping", {
+    "whole": "boolean: the whole file is that of an earlier import, and no part was looked at",
+    "meshes": ("triangles for exact shapes", REUSED), "levels": ("levels of detail of meshes", REUSED), "simplified": ("meshes made coarser for the budget", REUSED),
+    "cleaned": ("meshes of CAD files", REUSED)})
+
 OPTIONAL = lambda fields: {(name if name.endswith("?") else name + "?"): what for name, what in fields.items()}
 
 TOLERANCE = {"tolerance": "number|null: metres that were asked for", "ratio": "number|null: error by tolerance", "reason": "string: what decided it"}
@@ -99,6 +105,7 @@ COMMANDS = {
         "worst_error": "number: metres, largest distance between mesh and shape",
         "budget?": FITTED,
         "storage": STORAGE,
+        "cache?": CACHE,
     },
     "import": {
         "storage?": STORAGE,
@@ -113,6 +120,7 @@ COMMANDS = {
             "triangles_before": "integer: before", "triangles_after": "integer: after", "instances_before": "integer: before", "instances_after": "integer: after",
             "rays": "integer: cast", "open_share_95": "number: 95 % bound of what is visible through a removed triangle", "seconds": "number: it took",
             "cached": "boolean: found by an earlier run"}),
+        "cache?": CACHE,
     },
     "export": {"output": "string: the glTF file", "bytes": "integer: its size"},
     "check": {

@@ -21,6 +21,7 @@ NAVIGATION = [
     ("CAD files", "importing.md"),
     ("glTF", "importing-gltf.md"),
     ("Cleaning", "cleaning.md"),
+    ("Compiling again", "compiling.md"),
     ("Materials", "choosing-a-material.md"),
     ("Joints", "articulation.md"),
     ("Sampling", "sampling.md"),

@@ -119,6 +119,7 @@ int run(const Options& options, const Host& host) {
   if (!scene || (log.has_errors() && options.output.empty())) {
     if (scene) context.left_out();
     context.add_timings(steps.steps);
+    if (!read->cache.empty()) context.add_work(steps.work);
     return context.finish();
   }
   const std::vector<scene::Input> inputs = scene->inputs;
@@ -131,6 +132,7 @@ int run(const Options& options, const Host& host) {
                                             .origin = {}},
                                            log, context.job(), &steps);
   context.add_timings(steps.steps);
+  if (!read->cache.empty()) context.add_work(steps.work);
   // what was cancelled has made nothing that could depend on the inputs
   if (!options.depfile.empty() && !context.job().cancelled() &&
       write_depfile(options, output, inputs, log))

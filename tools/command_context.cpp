@@ -106,6 +106,19 @@ void CommandContext::add_timings(const std::vector<workspace::Step>& steps) {
   for (const workspace::Step& step : steps) add_timing(step.name, step.seconds);
 }
 
+void CommandContext::add_work(const WorkCounts& work, bool whole) {
+  Json& out = (*result_)["cache"];
+  work_ = whole ? "the whole file" : "";
+  out["whole"] = whole;
+  for (std::size_t i = 0; i < kWorks; ++i) {
+    const WorkCounts::Count& count = work.of[i];
+    const std::string name(work_name(static_cast<Work>(i)));
+    out[name] = {{"reused", count.reused}, {"made", count.made}};
+    if (const std::uint64_t all = count.reused + count.made; all > 0)
+      work_ += fmt::format("{}{}: {} of {}", work_.empty() ? "" : ", ", name, count.reused, all);
+  }
+}
+
 void CommandContext::wrote(const std::string& path, std::string detail) {
   if (path.empty() || path == "-") return;
   (*result_)["written"].push_back(path);
@@ -157,6 +170,7 @@ int CommandContext::finish(int clean) {
     if (options_.timings)
       for (const auto& [name, seconds] : timings_)
         print(stderr, "{:>10.3f} ms  {}\n", 1e3 * seconds, name);
+    if (options_.timings && !work_.empty()) print(stderr, "from the cache: {}\n", work_);
   }
   return code;
 }

@@ -46,6 +46,10 @@ class CommandContext {
   // in its CAD files and that leaves the result as it is becomes one line (--json has it all).
   void summarise_imports() { summarises_imports_ = true; }
 
+  // What the cache had and what was made anew: `cache` of the result, and a line of --timings.
+  // whole: it had the whole file.
+  void add_work(const WorkCounts& work, bool whole = false);
+
   // Ends the current step and starts one called `name`, for --timings.
   void step(std::string name);
   // Adds steps whose time was taken elsewhere.
@@ -68,6 +72,7 @@ class CommandContext {
   DiagnosticLog log_;
   std::unique_ptr<nlohmann::ordered_json> result_;
   std::vector<std::pair<std::string, double>> timings_;
+  std::string work_;                                          // of add_work(), in words
   std::vector<std::pair<std::string, std::string>> written_;  // path, detail
   bool left_out_ = false;
   bool summarises_imports_ = false;

@@ -16,6 +16,7 @@
 #include "tools/mesh_report_page.h"
 #include "tools/print.h"
 #include "workspace/budget.h"
+#include "workspace/known_import.h"
 #include "workspace/open.h"
 
 namespace panwright::tools {
@@ -315,6 +316,28 @@ void write_import_template(const importers::Imported& imported, const Options& o
     context.wrote(options.output, counted(imported.materials.size(), "material"));
 }
 
+// What is said of a pan file that was written.
+void describe_written(const Options& options, const workspace::KnownImport& made,
+                      CommandContext& context) {
+  const compiler::Report& report = made.report;
+  if (report.triangles == 0 && !context.log().contains(Code::E6011))
+    context.log().report_file(
+        Code::E6011, options.input,
+        "no surface is left of the model: the file holds none, or none that is seen");
+  context.wrote(
+      options.output,
+      counted(report.triangles, "triangle") +
+          (options.mesh_levels ? fmt::format(", {} of detail", counted(report.levels, "level"))
+                               : "") +
+          storage_words(options.compress, report.storage));
+  context.result()["output"] = options.output;
+  if (made.hidden) context.result()["removed"] = as_json(*made.hidden);
+  context.result()["storage"] = storage_json(options.compress, report.storage);
+  context.result()["bytes"] = report.bytes;
+  context.result()["triangles"] = report.triangles;
+  context.result()["unique_triangles"] = report.unique_triangles;
+}
+
 int run(const Options& options, const Host& host) {
   CommandContext context("import", options.common, host);
   DiagnosticLog& log = context.log();
@@ -335,8 +358,26 @@ int run(const Options& options, const Host& host) {
   open.cache = options.cache.folder();
   if (!open.budget.empty() && !workspace::budget_of_text(open.budget, log)) return context.finish();
   workspace::OpenReport found;
+  const workspace::WriteOptions write{.output = options.output,
+                                      .strip_sources = false,
+                                      .mesh_levels = options.mesh_levels,
+                                      .storage = storage_of(options.compress),
+                                      .check_size = true,
+                                      .origin = origin_of(options.open.cad)};
+  const workspace::ImportMemory memory(options.input, open, write, log);
+  // what is to be reported is found anew
+  if (extension == ".pan" && options.report.empty() && options.budget_report.empty()) {
+    const auto known = memory.recall(log, &found);
+    context.add_timings(std::exchange(found.steps, {}));
+    if (known) {
+      if (!open.cache.empty()) context.add_work({}, true);
+      describe_written(options, *known, context);
+    }
+    if (known || log.has_errors()) return context.finish();
+  }
   auto imported = workspace::read_cad(options.input, open, log, context.job(), &found);
   context.add_timings(std::exchange(found.steps, {}));
+  if (!open.cache.empty()) context.add_work(found.work);
   if (!imported) return context.finish();
   if (!options.report.empty() && !write_report(found.mesh_report.value_or(importers::MeshReport{}),
                                                imported->scene, options, context))
@@ -352,35 +393,22 @@ int run(const Options& options, const Host& host) {
     write_import_template(*imported, options, context);
   } else {
     context.step({});
-    const auto report = workspace::write_pan(imported->scene, open,
-                                             {.output = options.output,
-                                              .strip_sources = false,
-                                              .mesh_levels = options.mesh_levels,
-                                              .storage = storage_of(options.compress),
-                                              .check_size = true,
-                                              .origin = origin_of(options.open.cad)},
-                                             log, context.job(), &found);
+    const auto report =
+        workspace::write_pan(imported->scene, open, write, log, context.job(), &found);
     context.add_timings(found.steps);
-    if (found.hidden) context.result()["removed"] = as_json(*found.hidden);
-    if (!report) return context.finish();
-    if (report->triangles == 0 && !log.contains(Code::E6011))
-      log.report_file(Code::E6011, options.input,
-                      "no surface is left of the model: the file holds none, or none that is seen");
-    context.wrote(
-        options.output,
-        counted(report->triangles, "triangle") +
-            (options.mesh_levels ? fmt::format(", {} of detail", counted(report->levels, "level"))
-                                 : "") +
-            storage_words(options.compress, report->storage));
-    context.result()["storage"] = storage_json(options.compress, report->storage);
+    if (!open.cache.empty()) context.add_work(found.work);
+    if (!report) {
+      if (found.hidden) context.result()["removed"] = as_json(*found.hidden);
+      return context.finish();
+    }
+    const workspace::KnownImport made{*report, found.hidden};
+    memory.keep(imported->scene, made, log);
+    describe_written(options, made, context);
     if (!options.budget_report.empty())
       write_budget_report(options.budget_report, options.input, imported->scene.budget, *report,
                           context);
     if (imported->scene.budget.any())
       context.result()["budget"] = budget_json(imported->scene.budget, *report);
-    context.result()["bytes"] = report->bytes;
-    context.result()["triangles"] = report->triangles;
-    context.result()["unique_triangles"] = report->unique_triangles;
   }
   return context.finish();
 }

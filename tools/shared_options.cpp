@@ -33,8 +33,9 @@ void declare(Arguments& arguments, CommonOptions& common) {
 
 void declare(Arguments& arguments, CacheOption& cache) {
   arguments.flag("--no-cache", cache.off,
-                 "Search hidden parts anew, and do not keep what is found for the next run "
-                 "(otherwise in ~/.cache/panwright)");
+                 "Make everything anew, and do not keep for the next run what took long: meshes, "
+                 "levels, foil, hidden parts (otherwise in ~/.cache/panwright). It changes no "
+                 "result");
 }
 
 std::filesystem::path CacheOption::folder() const {

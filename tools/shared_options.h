@@ -26,7 +26,7 @@ struct CommonOptions {
 };
 void declare(Arguments& arguments, CommonOptions& options);
 
-// Whether results of earlier runs are used: an option of what removes hidden parts.
+// Whether results of earlier runs are used: an option of what compiles models.
 struct CacheOption {
   bool off = false;
   std::filesystem::path folder() const;  // for OpenOptions::cache

@@ -15,6 +15,7 @@
 #include "importers/palette.h"
 #include "pxn/pxn.h"
 #include "workspace/budget.h"
+#include "workspace/internal/kept_work.h"
 #include "workspace/internal/stopwatch.h"
 
 namespace panwright::workspace {
@@ -252,7 +253,8 @@ Result<importers::Imported> read_cad(const std::filesystem::path& path, const Op
     clean.tolerance = cad.weld;
     clean.keep_normals = !cad.crease_normals;
     clean.crease_angle = cad.crease_deg * kDegree;
-    auto found = importers::clean_up(imported->scene, clean, log, job);
+    const KeptWork work(options, report);
+    auto found = importers::clean_up(imported->scene, clean, log, job, work.cache());
     if (!found) return failed;
     if (report != nullptr) report->mesh_report = *std::move(found);
   }
@@ -296,6 +298,8 @@ Result<scene::Scene> read_scene(const std::filesystem::path& path, const OpenOpt
   read.limits.bytes = options.max_input;
   read.parameters = options.parameters;
   read.declared = options.declared;
+  const KeptWork work(options, report);
+  read.cache = work.cache();
   return pxn::read(path, read, log, job);
 }
 
@@ -321,7 +325,9 @@ Result<world::ModelPtr> open(const std::filesystem::path& path, const OpenOption
   if (!replace_budget(*scene, options, log)) return failed;
   if (options.prune && !prune(*scene, options, log, job, report)) return failed;
   const Stopwatch watch(report, "compile " + path.string());
+  const KeptWork work(options, report);
   compiler::Options compile = compile_options(options);
+  compile.cache = work.cache();
   // a guessed unit has been said with the sizes by it; one cause has one warning
   // and what an error has left out, or a unit that was not read, leaves no size to judge
   compile.check_size = guessed_units(log) == guesses && log.errors() == errors;
@@ -337,7 +343,9 @@ Result<compiler::Report> write_pan(scene::Scene& scene, const OpenOptions& optio
                                    OpenReport* report) {
   if (!replace_budget(scene, options, log)) return failed;
   if (options.prune && !prune(scene, options, log, job, report)) return failed;
+  const KeptWork work(options, report);
   compiler::Options compile = compile_options(options);
+  compile.cache = work.cache();
   compile.strip_sources = write.strip_sources;
   compile.mesh_levels = write.mesh_levels;
   compile.storage = write.storage;

@@ -13,6 +13,7 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "base/result.h"
+#include "base/work_cache.h"
 #include "compiler/compile.h"
 #include "compiler/hidden.h"
 #include "importers/import.h"
@@ -58,8 +59,9 @@ struct OpenOptions {
   // Whether hidden geometry is removed from imports with hidden="remove" (the default) and from CAD
   // files unless keep_hidden. A model that is shown once and not stored does not need it.
   bool prune = true;
-  // Folder that keeps what took long, so that the same model does not take it again: today, which
-  // triangles are hidden. It changes no result. Empty: none; user_cache_folder(): the user's own.
+  // Folder that keeps what took long, so that the same model, and what has not changed of another
+  // one, does not take it again: which triangles are hidden, and the results of base/work_cache.h.
+  // It changes no result. Empty: none; user_cache_folder(): the user's own.
   std::filesystem::path cache;
 };
 
@@ -78,6 +80,7 @@ struct OpenReport {
   std::vector<Step> steps;
   std::optional<importers::MeshReport> mesh_report;  // of a CAD file that was cleaned
   std::optional<compiler::HiddenReport> hidden;      // where geometry could be removed
+  WorkCounts work;                                   // where there is a cache: what it had
 };
 
 // The extension in lower case, with its point. Empty: none.

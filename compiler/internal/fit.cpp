@@ -353,7 +353,7 @@ void allot(scene::Scene& scene, Allotment& allotment, FitReport& report, const J
 }
 
 Fitted fitted_to_budget(const scene::Scene& scene, const std::optional<double>& max_error,
-                        DiagnosticLog& log, const Job& job) {
+                        const WorkCache* cache, DiagnosticLog& log, const Job& job) {
   Fitted out;
   out.authored = &scene;
   const scene::Budget& budget = scene.budget;
@@ -365,7 +365,7 @@ Fitted fitted_to_budget(const scene::Scene& scene, const std::optional<double>& 
   out.report.asked = true;
   scene::Scene& fitted = out.changed.emplace(scene);
   allot(fitted, out.allotment, out.report, job);
-  out.made_to = simplify_meshes(fitted, out.allotment, out.report, job);
+  out.made_to = simplify_meshes(fitted, out.allotment, cache, out.report, job);
   reduce_textures(fitted, out.allotment, out.report, job);
   out.report.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -7,6 +7,7 @@
 
 #include "base/diagnostic.h"
 #include "base/job.h"
+#include "base/work_cache.h"
 #include "compiler/fit.h"
 #include "compiler/tolerance.h"
 #include "scene/scene.h"
@@ -34,10 +35,11 @@ struct Fitted {
 // The authored scene must outlive the result. Deterministic, whatever the number of threads.
 // Reports: N2025. Throws Cancelled.
 //
-//   options  max_error: nothing is left out or simplified, the command line decides all
+//   max_error  nothing is left out or simplified, the command line decides all
+//   cache      of meshes that were simplified before; null: none
 // Cost: about 5 µs a triangle for parts; 10 to 200 µs a triangle for meshes that are simplified.
 Fitted fitted_to_budget(const scene::Scene& scene, const std::optional<double>& max_error,
-                        DiagnosticLog& log, const Job& job);
+                        const WorkCache* cache, DiagnosticLog& log, const Job& job);
 
 // Leaves out parts, and allots the budget to the instances that stay. Instances of `scene` go, and
 // of the allotment with them.
@@ -58,7 +60,8 @@ std::vector<double> shares_of(const scene::Scene& scene, const std::vector<doubl
 //
 //   returns  one per shape: what it was made to, metres in its frame; none: as it was
 std::vector<std::optional<Tolerance>> simplify_meshes(scene::Scene& scene,
-                                                      const Allotment& allotment, FitReport& report,
+                                                      const Allotment& allotment,
+                                                      const WorkCache* cache, FitReport& report,
                                                       const Job& job);
 
 // The nearest name above an instance.

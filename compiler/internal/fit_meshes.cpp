@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "compiler/internal/fit.h"
 #include "compiler/internal/shared_borders.h"
+#include "geometry/mesh/bytes.h"
 #include "geometry/mesh/levels.h"
 
 namespace panwright::compiler::internal {
@@ -25,8 +26,9 @@ constexpr double kCoarse = 0.25;      // of the diagonal: the coarsest
 
 class Simplifier {
  public:
-  Simplifier(scene::Scene& scene, const Allotment& allotment, FitReport& report, const Job& job)
-      : scene_(scene), allotment_(allotment), report_(report), job_(job) {}
+  Simplifier(scene::Scene& scene, const Allotment& allotment, const WorkCache* cache,
+             FitReport& report, const Job& job)
+      : scene_(scene), allotment_(allotment), cache_(cache), report_(report), job_(job) {}
 
   std::vector<std::optional<Tolerance>> run() {
     std::vector<std::optional<Tolerance>> made_to(scene_.shapes.size());
@@ -38,7 +40,7 @@ class Simplifier {
     parallel_for(
         chosen_.size(),
         [&](std::size_t i) {
-          made[i] = make(chosen_[i]);
+          made[i] = reused_or_make(chosen_[i]);
           phase.advance();
         },
         job_);
@@ -139,6 +141,50 @@ class Simplifier {
     }
   }
 
+  // Of all that make() follows from.
+  Hash128 key_of(const Chosen& chosen) const {
+    KeyHasher key;
+    geometry::add_to_key(*std::get<MeshShape>(scene_.shapes[chosen.shape]), key);
+    key.real(chosen.tolerance.metres);
+    key.real(chosen.flux);
+    key.real(chosen.slope);
+    key.list(chosen.shared);
+    return key.key();
+  }
+
+  static bool write(const std::optional<Made>& made, ByteWriter& to) {
+    to.number(made.has_value());
+    if (!made) return true;
+    geometry::write(*made->mesh, to);
+    to.number(made->entry.before);
+    for (const double value : {made->entry.error, made->entry.flux, made->entry.normals})
+      to.real(value);
+    return true;
+  }
+
+  static std::optional<Made> read(ByteReader& from) {
+    if (from.number() == 0) return {};
+    Made made;
+    auto mesh = std::make_shared<Mesh>(geometry::read_mesh(from));
+    made.entry.before = from.number();
+    made.entry.after = mesh->triangles.size();
+    for (double* value : {&made.entry.error, &made.entry.flux, &made.entry.normals})
+      *value = from.real();
+    if (mesh->triangles.empty()) from.fail();
+    made.mesh = std::move(mesh);
+    return made;
+  }
+
+  // Whether it can be made coarser is worth keeping too.
+  std::optional<Made> reused_or_make(const Chosen& chosen) const {
+    auto made = *reused_or_made<std::optional<Made>>(
+        cache_, Work::simplified, [&] { return key_of(chosen); },
+        [&] { return std::optional<std::optional<Made>>(std::in_place, make(chosen)); }, write,
+        read);
+    if (made) made->entry.name = name_of(scene_, chosen.user);
+    return made;
+  }
+
   std::optional<Made> make(const Chosen& chosen) const {
     const auto start = std::chrono::steady_clock::now();
     const MeshShape& full = std::get<MeshShape>(scene_.shapes[chosen.shape]);
@@ -168,7 +214,6 @@ class Simplifier {
       geometry::MeshLevel& level = levels[k];
       if (level.distance.high > chosen.tolerance.metres || level.area_error > most_flux) continue;
       Simplified entry;
-      entry.name = name_of(scene_, chosen.user);
       entry.before = full->triangles.size();
       entry.after = level.mesh.triangles.size();
       entry.error = level.distance.high;
@@ -184,6 +229,7 @@ class Simplifier {
 
   scene::Scene& scene_;
   const Allotment& allotment_;
+  const WorkCache* cache_;
   FitReport& report_;
   const Job& job_;
   std::vector<Chosen> chosen_;
@@ -192,9 +238,10 @@ class Simplifier {
 }  // namespace
 
 std::vector<std::optional<Tolerance>> simplify_meshes(scene::Scene& scene,
-                                                      const Allotment& allotment, FitReport& report,
+                                                      const Allotment& allotment,
+                                                      const WorkCache* cache, FitReport& report,
                                                       const Job& job) {
-  return Simplifier(scene, allotment, report, job).run();
+  return Simplifier(scene, allotment, cache, report, job).run();
 }
 
 }  // namespace panwright::compiler::internal

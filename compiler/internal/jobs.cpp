@@ -21,12 +21,12 @@ constexpr double kMostError = 1e30;
 
 using JobKey = std::tuple<Hash128, bool, bool, bool, std::array<double, 16>>;
 
-JobKey key_of(const MeshJob& job, const Hash128& shape) {
+JobKey key_of(const MeshJob& job) {
   std::array<double, 16> matrix{};
   if (job.projected())
     for (int i = 0; i < 16; ++i)
       matrix[static_cast<std::size_t>(i)] = job.texture_from_shape[i / 4][i % 4];
-  return {shape, job.textured, job.projected(), job.boxed, matrix};
+  return {job.hash, job.textured, job.projected(), job.boxed, matrix};
 }
 
 bool needs_texcoords(const scene::Scene& scene, const scene::Instance& instance) {
@@ -62,6 +62,7 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
     const auto shape = static_cast<std::size_t>(instance.shape);
     MeshJob job;
     job.shape = &scene.shapes[shape];
+    job.hash = hashes[shape];
     job.textured = needs_texcoords(scene, instance);
     job.mapping = instance.mapping;
     job.texture_from_shape = instance.texture_from_shape;
@@ -70,7 +71,7 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
       job.boxed = job.textured && instance.texture == scene::kNone && (*mesh)->texcoords.empty();
     job.user = &instance;
     const auto [place, added] =
-        known.emplace(key_of(job, hashes[shape]), static_cast<std::uint32_t>(plan.jobs.size()));
+        known.emplace(key_of(job), static_cast<std::uint32_t>(plan.jobs.size()));
     if (added) plan.jobs.push_back(std::move(job));
     plan.job_of.push_back(place->second);
     const Stretch& stretch = stretches[static_cast<std::size_t>(instance.node)];

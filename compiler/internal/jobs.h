@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/hash.h"
 #include "compiler/compile.h"
 #include "compiler/internal/fit.h"
 #include "compiler/tolerance.h"
@@ -15,6 +16,7 @@ namespace panwright::compiler::internal {
 // One mesh of the file: a shape, with texture coordinates if a material or texture uses them.
 struct MeshJob {
   const geometry::Shape* shape = nullptr;
+  Hash128 hash;  // of the shape
   bool textured = false;
   scene::Mapping mapping = scene::Mapping::texcoords;
   Mat4 texture_from_shape{1};

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "compiler/internal/shared_borders.h"
+#include "geometry/mesh/bytes.h"
 #include "geometry/mesh/levels.h"
 
 namespace panwright::compiler::internal {
@@ -61,10 +62,44 @@ pan::PackedMesh packed_level(const pan::PackedMesh& full, const geometry::Mesh& 
   return out;
 }
 
+// Of all that geometry::mesh_levels() follows from, as it is called here.
+Hash128 key_of(const geometry::Mesh& mesh, const geometry::LevelOptions& options) {
+  KeyHasher key;
+  geometry::add_to_key(mesh, key);
+  key.real(options.unit);
+  key.real(options.least_error);
+  key.list(options.shared);
+  return key.key();
+}
+
+bool write(const std::vector<geometry::MeshLevel>& levels, ByteWriter& to) {
+  to.number(levels.size());
+  for (const geometry::MeshLevel& level : levels) {
+    geometry::write(level.mesh, to);
+    to.real(level.distance.low);
+    to.real(level.distance.high);
+  }
+  return true;
+}
+
+// What is used of them here.
+std::vector<geometry::MeshLevel> read_levels(ByteReader& from) {
+  std::vector<geometry::MeshLevel> out;
+  for (std::uint64_t left = from.number(); left > 0 && from.good(); --left) {
+    geometry::MeshLevel& level = out.emplace_back();
+    level.mesh = geometry::read_mesh(from);
+    level.distance.low = from.real();
+    level.distance.high = from.real();
+    if (level.mesh.triangles.empty() || level.mesh.normals.empty()) from.fail();
+  }
+  return out;
+}
+
 class MeshLevels {
  public:
-  MeshLevels(const scene::Scene& scene, pan::Contents& out, const Job& job)
-      : budget_(scene.budget),
+  MeshLevels(const scene::Scene& scene, const WorkCache* cache, pan::Contents& out, const Job& job)
+      : cache_(cache),
+        budget_(scene.budget),
         pixels_(scene.budget.pixels.value_or(scene::Budget::kDefaultPixels)),
         out_(out),
         job_(job) {
@@ -145,7 +180,11 @@ class MeshLevels {
     options.unit = 1 / chosen.stretch;
     options.least_error = pixels_ / 2 * nearest_pixel(chosen);
     options.shared = chosen.shared;
-    return geometry::mesh_levels(unpacked(out_.meshes[chosen.mesh]), options, job_);
+    const geometry::Mesh mesh = unpacked(out_.meshes[chosen.mesh]);
+    return *reused_or_made<std::vector<geometry::MeshLevel>>(
+        cache_, Work::levels, [&] { return key_of(mesh, options); },
+        [&] { return std::optional(geometry::mesh_levels(mesh, options, job_)); }, write,
+        read_levels);
   }
 
   void store(const Chosen& chosen, const std::vector<geometry::MeshLevel>& levels) {
@@ -164,6 +203,7 @@ class MeshLevels {
     }
   }
 
+  const WorkCache* cache_;
   const scene::Budget& budget_;
   const double pixels_;
   pan::Contents& out_;
@@ -174,8 +214,9 @@ class MeshLevels {
 
 }  // namespace
 
-void add_mesh_levels(const scene::Scene& scene, pan::Contents& out, const Job& job) {
-  MeshLevels(scene, out, job).add();
+void add_mesh_levels(const scene::Scene& scene, const WorkCache* cache, pan::Contents& out,
+                     const Job& job) {
+  MeshLevels(scene, cache, out, job).add();
 }
 
 }  // namespace panwright::compiler::internal

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/job.h"
+#include "base/work_cache.h"
 #include "pan/writer.h"
 #include "scene/scene.h"
 
@@ -14,9 +15,11 @@ namespace panwright::compiler::internal {
 // what the nearest pixel sees, levels are left out that something coarser serves as well; the mesh
 // itself stays, for the reference engine traces it.
 //
-//   out  with meshes, instances and decals, as written by now
+//   out    with meshes, instances and decals, as written by now
+//   cache  of levels that were made before; null: none
 //
 // Cost: 10 to 200 µs a triangle.
-void add_mesh_levels(const scene::Scene& scene, pan::Contents& out, const Job& job);
+void add_mesh_levels(const scene::Scene& scene, const WorkCache* cache, pan::Contents& out,
+                     const Job& job);
 
 }  // namespace panwright::compiler::internal

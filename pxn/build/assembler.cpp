@@ -13,6 +13,7 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "geometry/tessellate/tessellate.h"
+#include "materials/kept_fits.h"
 #include "mli/preset.h"
 #include "pxn/build/attach.h"
 #include "pxn/build/blankets.h"
@@ -634,7 +635,7 @@ class Assembler {
         by_fields_.emplace(std::pair(context.material_name, key_of(context.fields)), 0);
     if (!added) return known->second;
     materials::Material material =
-        materials::resolved(context.fields, context.appearance, reporter_.log());
+        materials::resolved(context.fields, context.appearance, reporter_.log(), options_.cache);
     const auto next = static_cast<std::int32_t>(scene_.materials.size());
     const auto [same, is_new] =
         by_value_.emplace(std::pair(context.material_name, key_of(material)), next);

@@ -123,7 +123,8 @@ std::optional<std::uint32_t> Loader::imported_model(Work& work, std::uint32_t el
   const std::size_t nodes = imported->scene.nodes.size();
   importers::place(*imported, importers::unit_of(units), importers::up_of(up), false,
                    reporter_.log());
-  if (cleaned && !importers::clean_up(imported->scene, clean, reporter_.log(), job_))
+  if (cleaned &&
+      !importers::clean_up(imported->scene, clean, reporter_.log(), job_, options_.cache))
     throw Cancelled();
   importers::split_palettes(*imported, reporter_.log(), job_);
   index = static_cast<std::uint32_t>(models_.size());

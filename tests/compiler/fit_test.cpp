@@ -55,7 +55,7 @@ geometry::Sphere ball(double radius) {
 Fitted fitted(const scene::Scene& scene) {
   EXPECT_EQ(scene::check(scene), "");
   DiagnosticLog log;
-  Fitted out = internal::fitted_to_budget(scene, {}, log, {});
+  Fitted out = internal::fitted_to_budget(scene, {}, nullptr, log, {});
   EXPECT_EQ(scene::check(out.scene()), "");
   return out;
 }
@@ -185,7 +185,7 @@ TEST(Fit, WhatSomebodyAskedForStays) {
   EXPECT_EQ(out.report.left_out.front().name, "plain");
   // and --max-error decides everything
   DiagnosticLog log;
-  EXPECT_FALSE(internal::fitted_to_budget(scene, 1e-3, log, {}).report.asked);
+  EXPECT_FALSE(internal::fitted_to_budget(scene, 1e-3, nullptr, log, {}).report.asked);
 }
 
 Mesh boxes(const std::vector<std::pair<Vec3, double>>& places) {

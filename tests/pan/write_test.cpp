@@ -60,6 +60,19 @@ TEST(Write, FileAndMemoryAndASecondTimeAreTheSame) {
   EXPECT_EQ(folder.files(), 1u);
 }
 
+TEST(Write, ContentsThatAreGivenAwayMakeTheSameFile) {
+  const Folder folder;
+  DiagnosticLog log;
+  for (const bool compress : {false, true})
+    for (Contents contents : {support::small_contents(), support::large_contents(1)}) {
+      const Contents& kept = contents;
+      ASSERT_TRUE(write(kept, folder / "a.pan", log, {.compress = compress})) << to_text(log);
+      EXPECT_FALSE(contents.meshes.back().indices.empty());
+      ASSERT_TRUE(write(std::move(contents), folder / "b.pan", log, {.compress = compress}));
+      EXPECT_TRUE(contents_of(folder / "a.pan") == contents_of(folder / "b.pan"));
+    }
+}
+
 TEST(Write, NothingThatReadersRefuse) {
   const Folder folder;
   DiagnosticLog log;

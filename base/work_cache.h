@@ -1,0 +1,102 @@
+// Long work of compilations, kept between runs: each result by what it follows from.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/file_cache.h"
+#include "base/hash.h"
+
+namespace panwright {
+
+// Kinds of work that are worth keeping.
+enum class Work : std::uint8_t {
+  meshes,      // triangles for exact shapes
+  levels,      // levels of detail of meshes
+  simplified,  // meshes that a budget lets be coarser
+  cleaned,     // meshes of CAD files
+};
+inline constexpr std::size_t kWorks = 4;
+std::string_view work_name(Work work);  // "meshes"
+
+// How many results came from a cache, and how many were made. What is made faster than it is read
+// is not asked for, and not counted.
+struct WorkCounts {
+  struct Count {
+    std::uint64_t reused = 0;
+    std::uint64_t made = 0;
+  };
+  std::array<Count, kWorks> of{};
+
+  const Count& operator[](Work work) const { return of[static_cast<std::size_t>(work)]; }
+  void add(const WorkCounts& other);
+  Count all() const;
+};
+
+// What makes the results of this program: the identities that the linker gave to the program and to
+// those libraries that decide numbers. Nothing: they have none.
+std::optional<Hash128> program_identity();
+
+// A FileCache of results. Keys hold the kind of work and program_identity() besides what they are
+// given: another build makes its results itself, and where there is no identity nothing is kept.
+// No result depends on the cache: an entry is what the same program made of the same numbers.
+class WorkCache {
+ public:
+  static constexpr std::uint64_t kMostBytes = 1ull << 30;
+
+  // max_bytes: of the folder (FileCache). One WorkCache keeps half of it at most, so that a model
+  // that is larger than that does not drive everything out, itself included.
+  explicit WorkCache(std::filesystem::path folder, std::uint64_t max_bytes = kMostBytes);
+
+  std::optional<std::vector<std::byte>> find(Work work, const Hash128& key) const;
+  void keep(Work work, const Hash128& key, std::span<const std::byte> bytes) const;
+
+  void count(Work work, bool reused) const;
+  WorkCounts counts() const;
+
+ private:
+  Hash128 whole_key(Work work, const Hash128& key) const;
+  FileCache files_;
+  std::uint64_t most_;
+  std::optional<Hash128> program_;
+  mutable std::atomic<std::uint64_t> kept_ = 0;
+  mutable std::array<std::atomic<std::uint64_t>, kWorks> reused_{}, made_{};
+};
+
+// A result from a cache; else what is made now, and kept.
+//
+//   cache  null: none
+//   key    () → Hash128, of all that the result follows from
+//   make   () → std::optional<T>; nothing: it failed, which is not kept
+//   write  (const T&, ByteWriter&) → whether it is to be kept
+//   read   (ByteReader&) → T, which need not be sound: fail() says that it is not
+template <class T, class Key, class Make, class Write, class Read>
+std::optional<T> reused_or_made(const WorkCache* cache, Work work, Key&& key, Make&& make,
+                                Write&& write, Read&& read) {
+  if (cache == nullptr) return std::forward<Make>(make)();
+  const Hash128 name = std::forward<Key>(key)();
+  if (const auto bytes = cache->find(work, name)) {
+    ByteReader reader(*bytes);
+    T found = std::forward<Read>(read)(reader);
+    if (reader.at_end()) {
+      cache->count(work, true);
+      return found;
+    }
+  }
+  std::optional<T> made = std::forward<Make>(make)();
+  cache->count(work, false);
+  if (made) {
+    ByteWriter writer;
+    if (std::forward<Write>(write)(*made, writer)) cache->keep(work, name, writer.bytes());
+  }
+  return made;
+}
+
+}  // namespace panwright
