@@ -16,7 +16,7 @@ install(EXPORT panwright NAMESPACE panwright:: DESTINATION "${PANWRIGHT_CONFIG_D
 install(DIRECTORY base geometry mli materials scene pan world importers exporters compiler pxn preview workspace schemas
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/panwright" COMPONENT dev
         FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "internal" EXCLUDE
-        REGEX "/(importers/(vrml|gltf|meshes|step|urdf)|pxn/(text|expression|build)|preview/(gl|image|model|frame))$" EXCLUDE)
+        REGEX "/(importers/(vrml|gltf|meshes|step|urdf|mjcf)|pxn/(text|expression|build)|preview/(gl|image|model|frame))$" EXCLUDE)
 install(FILES schemas/pxn-0.xsd schemas/pxn.xsd schemas/views.schema.json DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright")
 install(DIRECTORY materials/presets DESTINATION "${CMAKE_INSTALL_DATADIR}/panwright"
         FILES_MATCHING PATTERN "*.pxn")

@@ -14,6 +14,7 @@
 #include "importers/internal/import_part.h"
 #include "importers/internal/storable.h"
 #include "importers/meshes/meshes.h"
+#include "importers/mjcf/mjcf.h"
 #include "importers/other_formats.h"
 #include "importers/step/step.h"
 #include "importers/urdf/urdf.h"
@@ -58,12 +59,14 @@ std::optional<Format> format_of(std::string_view bytes, std::string_view path,
   const std::string_view text = first == bytes.npos ? std::string_view() : bytes.substr(first);
   if (text.starts_with("ISO-10303-21")) return Format::step;
   if (urdf::is_robot(text)) return Format::urdf;
+  if (mjcf::is_model(text)) return Format::mjcf;
   if (starts_with_any(bytes, {"ply\n", "ply\r", "ply "})) return Format::ply;
   if (assume) return *assume;
   if (extension == ".obj") return Format::obj;
   if (extension == ".stl") return Format::stl;
   if (extension == ".ply") return Format::ply;
   if (extension == ".urdf") return Format::urdf;
+  if (extension == ".mjcf") return Format::mjcf;
   if (extension == ".stp" || extension == ".step") return Format::step;
   if (starts_with_any(text, {"solid ", "solid\n", "solid\r"})) return Format::stl;
   if (text.starts_with('{')) return Format::gltf;
@@ -123,6 +126,8 @@ Result<Imported> read_as(Format format, Files& files, const InputFile& file, con
       return meshes::read(files, file, format, options, log);
     case Format::urdf:
       return urdf::read(files, file, options, log);
+    case Format::mjcf:
+      return mjcf::read(files, file, options, log);
     case Format::step:
       break;
   }
@@ -131,9 +136,15 @@ Result<Imported> read_as(Format format, Files& files, const InputFile& file, con
 
 }  // namespace
 
+namespace {
+
+bool is_robot(Format format) { return format == Format::urdf || format == Format::mjcf; }
+
+}  // namespace
+
 UpAxis usual_up(Format format) {
-  const bool z = format == Format::stl || format == Format::ply || format == Format::step ||
-                 format == Format::urdf;
+  const bool z =
+      format == Format::stl || format == Format::ply || format == Format::step || is_robot(format);
   return z ? UpAxis::z : UpAxis::y;
 }
 
@@ -168,17 +179,18 @@ Result<Imported> imported_bytes(Files& files, const std::string& path, SharedTex
     return failed;
   }
   const auto format = format_of(text, path, options.assume);
-  if (part && format == Format::urdf) {
+  if (part && format && is_robot(*format)) {
     report(Code::E6001, name, "a robot description is not part of another one, expected a mesh",
            included_at, log);
     return failed;
   }
-  auto other =
-      options.assume || format == Format::urdf ? std::nullopt : other_format_by_bytes(text, path);
+  auto other = options.assume || (format && is_robot(*format)) ? std::nullopt
+                                                               : other_format_by_bytes(text, path);
   if (!other && !format) other = other_format_by_name(path);
   if (other) {
     report(Code::E6001, name,
-           fmt::format("{} is not supported, expected VRML, glTF, GLB, OBJ, STL, PLY, STEP or URDF",
+           fmt::format("{} is not supported, expected VRML, glTF, GLB, OBJ, STL, PLY, STEP, URDF "
+                       "or MJCF",
                        other->name),
            included_at, log, std::string(other->advice));
     return failed;

@@ -1,4 +1,4 @@
-// CAD files → scene: VRML 97, VRML 1.0, glTF 2.0 and GLB, OBJ, STL, PLY, STEP, URDF.
+// CAD files → scene: VRML 97, VRML 1.0, glTF 2.0 and GLB, OBJ, STL, PLY, STEP, URDF, MJCF.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace panwright::importers {
 
-enum class Format : std::uint8_t { vrml97, vrml1, gltf, obj, stl, ply, step, urdf };
+enum class Format : std::uint8_t { vrml97, vrml1, gltf, obj, stl, ply, step, urdf, mjcf };
 
 // What a reading may cost. A file that asks for more gets E6002.
 struct Limits {
@@ -34,7 +34,8 @@ struct Limits {
 // The axis of the file that becomes the scene's +z. y: (x, y, z) → (x, −z, y).
 enum class UpAxis : std::uint8_t { y, z };
 
-// The axis that points up in most files of a format: z in STL, PLY, STEP and URDF, y in the others.
+// The axis that points up in most files of a format: z in STL, PLY, STEP, URDF and MJCF, y in
+// the others.
 UpAxis usual_up(Format format);
 
 // Whether STEP files can be read here: the program `panwright-step` does it, which is built where

@@ -55,7 +55,8 @@ def complete_value(value, where):
     need(value["bare"] in ("", "rad"), where, f"bare is {value['bare']}")
     value.setdefault("words", [])
     complete_default(value, where)
-    need(bool(value["words"]) == (value["kind"] == "word"), where, "words belong to kind = \"word\"")
+    need(bool(value["words"]) <= (value["kind"] in ("word", "real")), where, "words belong to words and numbers")
+    need(value["words"] or value["kind"] != "word", where, "words are missing")
     if value["kind"] not in NUMBER_KINDS:
         value["numbers"] = []
         value["names"] = []
@@ -110,8 +111,12 @@ def complete(language):
         where = element["id"]
         for name in element.get("attributes", []):
             need(name in groups, where, f"no attribute group is called {name}")
-            element.setdefault("attribute", []).extend(copy.deepcopy(groups[name]["attribute"]))
-            element.setdefault("grouped", {}).update({each["name"]: name for each in groups[name]["attribute"]})
+            # its own attribute of a name stands for the group's, in its place
+            own = {each["name"]: each for each in element.setdefault("attribute", [])}
+            shared = [own.get(each["name"]) or copy.deepcopy(each) for each in groups[name]["attribute"]]
+            names = {each["name"] for each in shared}
+            element["attribute"] = [each for each in element["attribute"] if each["name"] not in names] + shared
+            element.setdefault("grouped", {}).update({each: name for each in names})
             element.setdefault("rule", []).extend(copy.deepcopy(groups[name].get("rule", [])))
         unknown = set(element) - ELEMENT_KEYS
         need(not unknown, where, f"unknown keys {sorted(unknown)}")

@@ -38,7 +38,8 @@ def type_words(value, language):
     noun = "whole number" if kind == "integer" else "number"
     if value["count"] == 0:
         return f"{noun}s" + (f", {value['tuple']} by {value['tuple']}" if value["tuple"] > 1 else "")
-    return f"a {noun}" if value["count"] == 1 else f"{value['count']} {noun}s"
+    numbers = f"a {noun}" if value["count"] == 1 else f"{value['count']} {noun}s"
+    return " or ".join([numbers] + [f"`{word}`" for word in value["words"]])
 
 
 def unit_words(value):

@@ -107,6 +107,9 @@ def xsd_value(value, language):
     else:
         plain = xsd_numbers(value, language["level"] > 0 and value["dimension"] != "none")
     members = plain + ([xsd_measured(value)] if language["level"] > 0 else [])
+    if value["words"]:
+        members.append(xsd_simple("xs:string", "".join(f"<xs:enumeration value={quoteattr(word)}/>"
+                                                       for word in value["words"])))
     return members[0] if len(members) == 1 else f'<xs:simpleType><xs:union>{"".join(members)}</xs:union></xs:simpleType>'
 
 

@@ -43,7 +43,7 @@ void declare_all(Arguments& arguments, Options& options) {
   CadOptions& cad = options.open.cad;
   arguments
       .add("input", options.input,
-           "VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY, STEP, URDF, packed or not")
+           "VRML 97, VRML 1.0, glTF 2.0, GLB, OBJ, STL, PLY, STEP, URDF, MJCF, packed or not")
       .required()
       .type("FILE");
   arguments
@@ -139,8 +139,8 @@ Json as_json(const compiler::HiddenReport& hidden) {
           {"cached", hidden.cached}};
 }
 
-constexpr const char* kFormats[] = {"VRML 97", "VRML 1.0", "glTF", "OBJ",
-                                    "STL",     "PLY",      "STEP", "URDF"};
+constexpr const char* kFormats[] = {"VRML 97", "VRML 1.0", "glTF", "OBJ", "STL",
+                                    "PLY",     "STEP",     "URDF", "MJCF"};
 
 // What a material covers: meshes, where they stand.
 struct Covered {
@@ -424,9 +424,10 @@ int run_importer(const Options& typed, const Host& host) {
 }  // namespace
 
 Command import_command() {
-  return command("import",
-                 "Read a CAD file (glTF, VRML, STEP, OBJ, STL, PLY, URDF) into a pan or pxn file",
-                 declare_all, run);
+  return command(
+      "import",
+      "Read a CAD file (glTF, VRML, STEP, OBJ, STL, PLY, URDF, MJCF) into a pan or pxn file",
+      declare_all, run);
 }
 
 Command importer_command(const std::string& name) {

@@ -26,7 +26,7 @@ void declare_all(Arguments& arguments, Options& options) { declare(arguments, op
 Json extensions_read() {
   Json out{".pxn", ".pan"};
   for (const char* extension : {".wrl", ".wrz", ".vrml", ".gltf", ".glb", ".obj", ".stl", ".ply",
-                                ".step", ".stp", ".urdf"}) {
+                                ".step", ".stp", ".urdf", ".mjcf", ".xml"}) {
     const std::string_view name(extension);
     const bool step = name == ".step" || name == ".stp";
     if (workspace::is_cad("model" + std::string(name)) && (!step || importers::reads_step()))

@@ -188,9 +188,9 @@ void declare(Arguments& arguments, workspace::CadOptions& cad) {
       .finite()
       .positive();
   option("--assume", cad.assume, "KIND",
-         "Format to assume when it cannot be detected: vrml97, vrml1, gltf, obj, stl, ply, step or "
-         "urdf")
-      .one_of({"vrml97", "vrml1", "gltf", "obj", "stl", "ply", "step", "urdf"});
+         "Format to assume when it cannot be detected: vrml97, vrml1, gltf, obj, stl, ply, step, "
+         "urdf or mjcf")
+      .one_of({"vrml97", "vrml1", "gltf", "obj", "stl", "ply", "step", "urdf", "mjcf"});
   arguments.flag("--recentre", cad.recentre, "Put the middle of the model at the origin")
       .group(kGroup);
 }

@@ -26,7 +26,8 @@ constexpr std::pair<std::string_view, importers::Format> kFormats[] = {
     {"vrml97", importers::Format::vrml97}, {"vrml1", importers::Format::vrml1},
     {"gltf", importers::Format::gltf},     {"obj", importers::Format::obj},
     {"stl", importers::Format::stl},       {"ply", importers::Format::ply},
-    {"step", importers::Format::step},     {"urdf", importers::Format::urdf}};
+    {"step", importers::Format::step},     {"urdf", importers::Format::urdf},
+    {"mjcf", importers::Format::mjcf}};
 
 void note_unused(const std::vector<std::string_view>& names, const std::string& path,
                  std::string_view kind, DiagnosticLog& log) {
@@ -47,8 +48,8 @@ void note_other_formats(const CadOptions& cad, importers::Format format, const s
   if (cad.deflection > 0 && format != Format::step) unused.push_back("--deflection");
   if (cad.max_seconds != CadOptions().max_seconds && format != Format::step)
     unused.push_back("--max-seconds");
-  constexpr std::string_view kKinds[] = {"VRML", "VRML", "glTF", "OBJ",
-                                         "STL",  "PLY",  "STEP", "URDF"};
+  constexpr std::string_view kKinds[] = {"VRML", "VRML", "glTF", "OBJ", "STL",
+                                         "PLY",  "STEP", "URDF", "MJCF"};
   note_unused(unused, path, kKinds[static_cast<std::size_t>(format)], log);
 }
 
@@ -96,7 +97,7 @@ bool are_known(const CadOptions& cad, DiagnosticLog& log) {
   const bool up =
       require(cad.up == "auto" || importers::up_of(cad.up), "up", cad.up, "auto, y or z");
   return require(format, "assume", cad.assume,
-                 "vrml97, vrml1, gltf, obj, stl, ply, step or urdf") &&
+                 "vrml97, vrml1, gltf, obj, stl, ply, step, urdf or mjcf") &&
          units && up;
 }
 
@@ -211,8 +212,8 @@ std::string extension_of(const std::filesystem::path& path) {
 bool is_cad(const std::filesystem::path& path) {
   std::string extension = extension_of(path);
   if (extension == ".gz") extension = extension_of(path.stem());
-  for (const char* known :
-       {".wrl", ".wrz", ".vrml", ".glb", ".gltf", ".obj", ".stl", ".ply", ".stp", ".step", ".urdf"})
+  for (const char* known : {".wrl", ".wrz", ".vrml", ".glb", ".gltf", ".obj", ".stl", ".ply",
+                            ".stp", ".step", ".urdf", ".mjcf", ".xml"})
     if (extension == known) return true;
   return false;
 }
@@ -221,13 +222,13 @@ void report_unknown_format(const std::filesystem::path& path, DiagnosticLog& log
   if (const auto other = importers::other_format_by_name(path.string()))
     log.report(Code::E0202, {},
                fmt::format("{}: {} is not supported, expected .pan, .pxn, VRML, glTF, GLB, OBJ, "
-                           "STL, PLY, STEP or URDF",
+                           "STL, PLY, STEP, URDF or MJCF",
                            in_quotes(path.string()), other->name),
                std::string(other->advice));
   else
     log.report(Code::E0202, {},
                fmt::format("{} is not a supported model file, expected .pan, .pxn, .wrl, .wrz, "
-                           ".vrml, .glb, .gltf, .obj, .stl, .ply, .step or .urdf",
+                           ".vrml, .glb, .gltf, .obj, .stl, .ply, .step, .urdf or .xml (MJCF)",
                            in_quotes(path.string())));
 }
 

@@ -31,9 +31,9 @@ struct CadOptions {
   std::string scene;           // glTF: name or number; empty: the default one
   std::string animation;       // glTF: name, number or none; empty: importers::Options
   std::optional<double> time;  // glTF: seconds
-  std::string assume;          // fallback format: vrml97, vrml1, gltf, obj, stl, ply, step, urdf
-  bool no_weld = false;        // meshes stay as they are
-  double weld = 0;             // metres in the world
+  std::string assume;    // fallback format: vrml97, vrml1, gltf, obj, stl, ply, step, urdf, mjcf
+  bool no_weld = false;  // meshes stay as they are
+  double weld = 0;       // metres in the world
   double crease_deg = 30;
   std::uint32_t primitives = 0;  // VRML; 0: exact shapes
   double deflection = 0;         // STEP; metres, 0: by the model's size

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "base/text.h"
 
@@ -76,6 +77,75 @@ std::optional<Vec3> pointing_of(const Json& articulation) {
   return v / length;
 }
 
+// Stages that are one joint of several values, as our own exporter writes it: each is called by its
+// type. value: of the joint's, for each stage.
+struct Whole {
+  scene::JointKind kind;
+  std::vector<std::string_view> stages;
+  std::vector<std::size_t> value;
+};
+const Whole kWholes[] = {
+    {scene::JointKind::ball, {"zRotate", "yRotate", "xRotate"}, {2, 1, 0}},
+    {scene::JointKind::general,
+     {"xTranslate", "yTranslate", "zTranslate", "zRotate", "yRotate", "xRotate", "xScale", "yScale",
+      "zScale"},
+     {6, 7, 8, 5, 4, 3, 0, 1, 2}},
+};
+constexpr double kFreeShift = 1000;  // metres and factors: the exporter's word for no limit
+
+bool are_called(const std::vector<Json>& stages, std::span<const std::string_view> types) {
+  return std::ranges::equal(stages, types, [](const Json& stage, std::string_view type) {
+    return !stage.broken && stage.find("type")->text == type && stage.find("name")->text == type;
+  });
+}
+
+// Whether a stage has no limits of its own.
+bool is_free(const scene::Joint& stage) {
+  return stage.lower.empty() || (stage.kind != scene::JointKind::revolute &&
+                                 stage.lower[0] == -kFreeShift && stage.upper[0] == kFreeShift);
+}
+
+// A ball or general joint of all stages; nothing where they are stages of their own.
+std::optional<scene::Joint> whole_of(const std::vector<Json>& stages) {
+  for (const Whole& whole : kWholes) {
+    if (!are_called(stages, whole.stages)) continue;
+    scene::Joint out;
+    out.kind = whole.kind;
+    const std::size_t count = whole.value.size();
+    std::vector<double> lower(count), upper(count), value(count);
+    bool limited = false, moved = false;
+    for (std::size_t k = 0; k < count; ++k) {
+      const scene::Joint stage = joint_of(stages[k]);
+      const std::size_t i = whole.value[k];
+      const double rest = stage.kind == scene::JointKind::scale ? 1 : 0;
+      const double most = stage.lower.empty() ? kPi : kFreeShift;
+      lower[i] = stage.lower.empty() ? -most : stage.lower[0];
+      upper[i] = stage.upper.empty() ? most : stage.upper[0];
+      value[i] = stage.value.empty() ? rest : stage.value[0];
+      limited = limited || !is_free(stage);
+      moved = moved || value[i] != rest;
+    }
+    if (limited) out.lower = lower, out.upper = upper;
+    if (limited || moved) out.value = value;
+    return out;
+  }
+  return std::nullopt;
+}
+
+// One factor along two axes, which the exporter writes as two stages alike.
+std::optional<scene::Joint> flat_scale_of(const std::vector<Json>& stages) {
+  if (stages.size() != 2 || stages[0].broken || stages[1].broken) return std::nullopt;
+  scene::Joint one = joint_of(stages[0]);
+  const scene::Joint other = joint_of(stages[1]);
+  if (one.kind != scene::JointKind::scale || other.kind != one.kind || one.lower != other.lower ||
+      one.upper != other.upper || one.value != other.value || one.axis == other.axis)
+    return std::nullopt;
+  for (const Json& stage : stages)
+    if (stage.find("name")->text != stage.find("type")->text) return std::nullopt;
+  one.axis = glm::normalize(one.axis + other.axis);
+  return one;
+}
+
 }  // namespace
 
 void add_joints(Document& document, const tinygltf::Model& model,
@@ -85,6 +155,13 @@ void add_joints(Document& document, const tinygltf::Model& model,
   if (articulations)
     for (const Json& one : articulations->items)
       if (!one.broken) by_name.emplace(one.find("name")->text, &one);
+  std::map<std::string, std::size_t> users;
+  for (const auto& [index, place] : places) {
+    const auto& extensions = model.nodes[static_cast<std::size_t>(index)].extensions;
+    const auto found = extensions.find("AGI_articulations");
+    if (found != extensions.end() && found->second.Has("articulationName"))
+      ++users[found->second.Get("articulationName").Get<std::string>()];
+  }
   // by articulation and stage: of the first node
   std::map<std::pair<std::string, std::string>, std::int32_t> leaders;
   for (const auto& [index, place] : places) {
@@ -100,6 +177,15 @@ void add_joints(Document& document, const tinygltf::Model& model,
     }
     std::vector<std::int32_t> turning;  // stages of this node that turn
     const auto& stages = articulation->second->list("stages");
+    auto whole = users[name] == 1 ? whole_of(stages) : std::nullopt;
+    if (!whole && users[name] == 1) whole = flat_scale_of(stages);
+    if (whole) {
+      whole->name = name;
+      whole->node = place;
+      whole->source.file = document.file.path;
+      scene.joints.push_back(*std::move(whole));
+      continue;
+    }
     for (const Json& stage : stages) {
       if (stage.broken) continue;
       scene::Joint joint = joint_of(stage);

@@ -8,32 +8,11 @@
 #include <unordered_map>
 
 #include "base/text.h"
-#include "importers/urdf/internal/mesh_parts.h"
+#include "importers/urdf/internal/robot.h"
 
 namespace panwright::importers::urdf {
 
 namespace {
-
-// The rest of a text after what may stand before its first element.
-std::string_view first_element(std::string_view text) {
-  for (;;) {
-    const std::size_t at = text.find_first_not_of(" \t\r\n");
-    if (at == text.npos) return {};
-    text.remove_prefix(at);
-    std::string_view end;
-    if (text.starts_with("<?"))
-      end = "?>";
-    else if (text.starts_with("<!--"))
-      end = "-->";
-    else if (text.starts_with("<!"))
-      end = ">";
-    else
-      return text;
-    const std::size_t stop = text.find(end, 2);
-    if (stop == text.npos) return {};
-    text.remove_prefix(stop + end.size());
-  }
-}
 
 // Two directions across an axis: for z, x and y; and so on in a circle.
 std::array<Vec3, 2> across(const Vec3& axis) {
@@ -53,6 +32,7 @@ class SceneMaker {
         c_(context),
         assembly_(context, Format::urdf),
         meshes_(context, assembly_),
+        painter_(robot.paints, context, assembly_),
         leader_(robot.joints.size(), kNone) {}
 
   Imported made(const std::vector<std::int32_t>& hangs_on) {
@@ -255,48 +235,8 @@ class SceneMaker {
 
   // ---- what is seen
 
-  Cover cover_of(std::int32_t paint) {
-    if (paint == kNone) return {};
-    const auto [known, is_new] = covers_.try_emplace(paint);
-    if (!is_new) return known->second;
-    const Paint& from = robot_.paints[static_cast<std::size_t>(paint)];
-    materials::Material material;
-    material.name = from.name.empty() ? "none" : to_utf8(from.name, Encoding::utf8);
-    CadMaterial cad;
-    cad.name = from.name;
-    Cover& cover = known->second;
-    if (!from.texture.empty()) cover.texture = texture_of(from);
-    cad.textured = cover.texture != kNone;
-    if (cad.textured) material.diffuse = Vec3(1);
-    if (from.rgba) {
-      const auto& rgba = *from.rgba;
-      for (int k = 0; k < 3; ++k)
-        material.diffuse[k] = std::clamp(rgba[static_cast<std::size_t>(k)], 0.0, 1.0);
-      if (Vec3(rgba[0], rgba[1], rgba[2]) != material.diffuse)
-        cad.lost.emplace_back("colours outside of 0 to 1");
-      cad.opacity = std::clamp(rgba[3], 0.0, 1.0);
-      if (cad.opacity < 1) cad.lost.emplace_back("transparency");
-    }
-    cad.base_color = material.diffuse;
-    cover.material = assembly_.add_material(std::move(material), std::move(cad));
-    return cover;
-  }
-
-  std::int32_t texture_of(const Paint& paint) {
-    std::string_view name = paint.texture;
-    for (const std::string_view scheme : {"package://", "model://"}) {
-      if (!name.starts_with(scheme)) continue;
-      name.remove_prefix(scheme.size());
-      const std::size_t slash = name.find('/');
-      if (slash != name.npos && !c_.has_named(name, c_.file.path) &&
-          c_.has_named(name.substr(slash + 1), c_.file.path))
-        name.remove_prefix(slash + 1);
-    }
-    return assembly_.texture(name, c_.file.path, false, paint.texture_at);
-  }
-
   void add_visual(const Visual& visual, std::int32_t node) {
-    Cover cover = cover_of(visual.paint);
+    Cover cover = painter_.cover_of(visual.paint);
     if (const auto* mesh = std::get_if<MeshFile>(&visual.geometry)) {
       transform_of(node).scale = mesh->scale;
       return meshes_.attach(*mesh, node, cover);
@@ -317,19 +257,13 @@ class SceneMaker {
   meshes::ReaderContext& c_;
   meshes::Assembly assembly_;
   MeshParts meshes_;
+  Painter painter_;
   std::vector<std::int32_t> leader_;  // of each joint of the robot, of one value: in the scene
-  std::unordered_map<std::int32_t, Cover> covers_;
 };
 
 }  // namespace
 
-bool is_robot(std::string_view text) {
-  const std::string_view element = first_element(text);
-  constexpr std::string_view kName = "<robot";
-  if (!element.starts_with(kName)) return false;
-  const std::string_view rest = element.substr(kName.size());
-  return !rest.empty() && std::string_view(" \t\r\n/>").find(rest[0]) != std::string_view::npos;
-}
+bool is_robot(std::string_view text) { return first_element_is(text, "robot"); }
 
 Result<Imported> read(Files& files, const InputFile& file, const Options& options,
                       DiagnosticLog& log) {

@@ -1,41 +1,21 @@
 #include "mli/internal/surface.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
+#include "geometry/symmetric.h"
+
 namespace panwright::mli {
 namespace {
+
+using geometry::eigenvectors;
+using geometry::solved;
 
 // facets that a turn needs at least; fewer are a prism
 constexpr double kMostStep = 2 * kPi / 8;
 // of a facet's normal with the surface's: heights over facets are off by no more
 constexpr double kLeastCosine = 0.95;
-
-// Eigenvectors of a symmetric matrix, the one of the smallest value first: Jacobi's rotations.
-Mat3 eigenvectors(Mat3 m) {
-  Mat3 v(1);
-  for (int sweep = 0; sweep < 32; ++sweep) {
-    const double off = std::fabs(m[0][1]) + std::fabs(m[0][2]) + std::fabs(m[1][2]);
-    if (!(off > 1e-300)) break;
-    for (const auto& [p, q] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {
-      if (m[p][q] == 0) continue;
-      const double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
-      const double t = (theta >= 0 ? 1 : -1) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
-      const double c = 1 / std::sqrt(t * t + 1), s = t * c;
-      Mat3 turn(1);
-      turn[p][p] = turn[q][q] = c;
-      turn[q][p] = s;
-      turn[p][q] = -s;
-      m = glm::transpose(turn) * m * turn;
-      v = v * turn;
-    }
-  }
-  std::array<int, 3> order{0, 1, 2};
-  std::ranges::stable_sort(order, [&](int a, int b) { return m[a][a] < m[b][b]; });
-  return {v[order[0]], v[order[1]], v[order[2]]};
-}
 
 // Any two directions across an axis.
 void complete(Surface& s, const Vec3& hint) {
@@ -139,13 +119,6 @@ Vec3 signed_axis(const Faces& faces, const Group& group, Vec3 axis) {
     if (std::fabs(along) > 1e-3 * length) return along > 0 ? axis : -axis;
   }
   return axis;
-}
-
-// Solves a symmetric 3×3 system; nothing where it hangs on rounding.
-std::optional<Vec3> solved(const Mat3& m, const Vec3& b) {
-  const double scale = m[0][0] + m[1][1] + m[2][2];
-  if (!(std::fabs(glm::determinant(m)) > 1e-12 * scale * scale * scale)) return std::nullopt;
-  return glm::inverse(m) * b;
 }
 
 std::optional<Surface> cylinder_through(const Faces& faces, const Group& group,

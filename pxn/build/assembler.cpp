@@ -83,7 +83,7 @@ class Assembler {
         options_(options),
         reporter_(reporter),
         scene_(scene),
-        attached_{{}, CellGrids(scene), {}, {}, {}},
+        attached_{{}, CellGrids(scene), {}, {}, {}, {}},
         blankets_(scene, options.crease_angle, loader.foil_vertices(), loader.job()) {}
 
   bool run(std::uint32_t top) {
@@ -460,6 +460,21 @@ class Assembler {
         {name, context.node, known.origin, known.rotation, source_of(use, item)});
   }
 
+  // Those of the CAD file that was attached last.
+  void import_frames(Use& use, const Item& item) {
+    for (scene::Frame& frame : attached_.frames) {
+      if (labels_.insert(frame.name).second) {
+        scene_.frames.push_back(std::move(frame));
+        continue;
+      }
+      if (!taken_.insert({use.part, item.element}).second) continue;
+      report(Code::E1210, use, item, [&] {
+        return Reporter::Text(fmt::format("duplicate frame {} of the import; this one is left out",
+                                          in_quotes(frame.name)));
+      });
+    }
+  }
+
   void keypoint(Use& use, const Item& item, const Context& context) {
     const PartKeypoint& known = use.part->keypoints[item.data];
     const std::string name = context.prefix + known.name;
@@ -600,6 +615,7 @@ class Assembler {
     attach(model, place, materials, context.node, context.world_from_node, context.prefix,
            attached_, scene_);
     import_joints(use, place, context);
+    import_frames(use, item);
     for (const auto& [instance, of] : attached_.foiled)
       cover(use, place.foils[of].rule, instance, place.foils[of].preset, place.materials[of],
             source_of(use, item));

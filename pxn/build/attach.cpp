@@ -153,6 +153,13 @@ void attach(const ImportedModel& model, const PartImport& place,
         shapes.foiled.emplace_back(static_cast<std::int32_t>(k), static_cast<std::uint32_t>(i));
   }
   attach_joints(from, node_of, prefix, scene);
+  shapes.frames.clear();
+  for (scene::Frame frame : from.frames) {
+    frame.node = node_of[static_cast<std::size_t>(frame.node)];
+    if (frame.node == scene::kNone) continue;
+    frame.name = prefix + frame.name;
+    shapes.frames.push_back(std::move(frame));
+  }
 }
 
 }  // namespace panwright::pxn

@@ -26,6 +26,8 @@ struct AttachedShapes {
   // each node that moves; and those whose axes no node can have, as they are sheared
   std::vector<std::pair<std::size_t, std::int32_t>> moving;
   std::vector<std::size_t> sheared;
+  // of the last attach(): those of the file, on nodes of the scene
+  std::vector<scene::Frame> frames;
 };
 
 // Appends what a CAD file holds below a node, without what is removed: nodes that hold nothing any
@@ -35,7 +37,7 @@ struct AttachedShapes {
 //
 //   materials         of each instance, in the scene
 //   world_from_below  of the node
-//   prefix            of the names of the file's joints
+//   prefix            of the names of the file's joints and frames
 //   shapes            grows
 void attach(const ImportedModel& model, const PartImport& place,
             std::span<const std::int32_t> materials, std::int32_t below,

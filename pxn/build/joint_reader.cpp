@@ -135,7 +135,8 @@ std::optional<PartJoint> Loader::joint_of(Work& work, std::uint32_t element) {
   const auto [line, column] = work.file.positions[element];
   joint.source = {work.file.found.path, line, column};
   Vec3 axis(0, 0, 1);
-  values.numbers(element, which("axis"), std::span(&axis.x, 3));
+  if (!values.is_word(element, which("axis")))
+    values.numbers(element, which("axis"), std::span(&axis.x, 3));
   const std::vector<Dimension> dimensions = dimensions_of(joint.kind);
   bool wrong = false;
   for (auto [word, list] : {std::pair("lower", &joint.lower), std::pair("upper", &joint.upper),
@@ -211,8 +212,10 @@ void Loader::read_import_joint(Work& work, std::uint32_t rule, PartImport& impor
         return;
       }
   Vec3 origin(0);
-  if (values.numbers(rule, schemas::attribute::import_joint_origin, std::span(&origin.x, 3)))
+  if (!values.is_word(rule, schemas::attribute::import_joint_origin) &&
+      values.numbers(rule, schemas::attribute::import_joint_origin, std::span(&origin.x, 3)))
     moved.origin = origin;
+  if (!axis_from_faces(work, rule, import, moved, *joint)) return;
   moved.joint = static_cast<std::uint32_t>(work.part.joints.size());
   work.part.joints.push_back(*std::move(joint));
   import.moved.push_back(std::move(moved));

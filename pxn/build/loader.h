@@ -15,6 +15,7 @@
 #include "materials/spectra.h"
 #include "mli/trim.h"
 #include "pxn/build/files.h"
+#include "pxn/build/joint_axis.h"
 #include "pxn/build/part.h"
 #include "pxn/expression/values.h"
 #include "pxn/pxn.h"
@@ -148,6 +149,13 @@ class Loader {
   std::optional<PartJoint> joint_of(Work& work, std::uint32_t element);
   std::string aim_of(Work& work, std::uint32_t element, PartJoint& joint);
   void read_import_joint(Work& work, std::uint32_t rule, PartImport& import);
+
+  // ---- joint_axis.cpp
+  // Where a rule leaves axis or origin to the faces of nodes, those of the surface of revolution
+  // that is found there. False where there is none that is meant: reported.
+  bool axis_from_faces(Work& work, std::uint32_t rule, const PartImport& import,
+                       PartImport::Moved& moved, PartJoint& joint);
+  std::vector<AxisLine> lines_in(const PartImport& import, const std::vector<char>& nodes);
 
   // ---- spectra_files.cpp
   // n and k of the table that an attribute names, or nothing: reported.

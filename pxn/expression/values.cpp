@@ -142,6 +142,14 @@ bool Values::numbers(std::uint32_t element, std::size_t attribute, std::span<dou
   return false;
 }
 
+bool Values::is_word(std::uint32_t element, std::size_t attribute) {
+  const schemas::Attribute& known = schema(element).attributes[attribute];
+  const xml::Attribute* given = find_attribute(doc_, element, known.name);
+  if (given == nullptr || known.value.words.empty()) return false;
+  const Text text = text_of(*given);
+  return std::ranges::find(known.value.words, trimmed(text).text) != known.value.words.end();
+}
+
 std::optional<Quantity> Values::quantity(std::uint32_t element, std::size_t attribute) {
   const schemas::Attribute& known = schema(element).attributes[attribute];
   assert(known.value.kind == schemas::ValueKind::quantity);

@@ -48,6 +48,10 @@ class Values {
   // a report when the attribute is not there.
   bool numbers(std::uint32_t element, std::size_t attribute, std::span<double> out);
 
+  // Whether an attribute is there and holds one of the words that the tables let stand for its
+  // numbers.
+  bool is_word(std::uint32_t element, std::size_t attribute);
+
   // A list of numbers between the tags; replaces `out`. E1203 also where they make no whole tuples,
   // or too few.
   bool list(std::uint32_t element, std::vector<double>& out);

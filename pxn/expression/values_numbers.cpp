@@ -88,6 +88,11 @@ std::string noun(const schemas::Value& value) {
   return value.kind == schemas::ValueKind::integer ? "whole number" : "number";
 }
 
+// " or auto"
+std::string or_words(const schemas::Value& value) {
+  return value.words.empty() ? "" : fmt::format(" or {}", fmt::join(value.words, " or "));
+}
+
 bool is_expression(std::string_view token) { return token.find('{') != std::string_view::npos; }
 
 // Dimension::none where a kind has none, or may be any.
@@ -547,9 +552,9 @@ void Values::bad_number(Code code, std::uint32_t element, const Text& text, cons
       return {
           fmt::format("{} is 0, which flattens everything below; expected any other number", what)};
     const Encoding encoding = text.offsets == nullptr ? doc_.encoding : Encoding::utf8;
-    return {fmt::format("{} is not a {}, expected {} for {}",
+    return {fmt::format("{} is not a {}, expected {}{} for {}",
                         in_quotes(to_utf8(token.text.substr(0, 256), encoding)), noun(value), takes,
-                        what),
+                        or_words(value), what),
             number_hint(token)};
   });
 }
@@ -618,8 +623,9 @@ void Values::bad_count(std::uint32_t element, const schemas::Value& value, std::
         names += fmt::format("{}{}", names.empty() ? " (" : " ",
                              number.name.substr(0, number.name.find(':')));
     if (!names.empty()) names += ')';
-    return {fmt::format("{}: expected {}{}{}, found {}", subject, counted(value.count, noun(value)),
-                        names, value.one ? " or one for all" : "", count)};
+    return {fmt::format("{}: expected {}{}{}{}, found {}", subject,
+                        counted(value.count, noun(value)), names,
+                        value.one ? " or one for all" : "", or_words(value), count)};
   });
 }
 

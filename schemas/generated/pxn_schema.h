@@ -535,18 +535,19 @@ inline constexpr std::size_t joint_quat = 16;
 inline constexpr std::size_t joint_scale = 17;
 inline constexpr std::size_t import_joint_nodes = 0;
 inline constexpr std::size_t import_joint_origin = 1;
-inline constexpr std::size_t import_joint_name = 2;
-inline constexpr std::size_t import_joint_type = 3;
-inline constexpr std::size_t import_joint_axis = 4;
-inline constexpr std::size_t import_joint_lower = 5;
-inline constexpr std::size_t import_joint_upper = 6;
-inline constexpr std::size_t import_joint_value = 7;
-inline constexpr std::size_t import_joint_mimic = 8;
-inline constexpr std::size_t import_joint_multiplier = 9;
-inline constexpr std::size_t import_joint_offset = 10;
-inline constexpr std::size_t import_joint_pointing = 11;
-inline constexpr std::size_t import_joint_gimbal = 12;
-inline constexpr std::size_t import_joint_point_at = 13;
+inline constexpr std::size_t import_joint_axis_from = 2;
+inline constexpr std::size_t import_joint_name = 3;
+inline constexpr std::size_t import_joint_type = 4;
+inline constexpr std::size_t import_joint_axis = 5;
+inline constexpr std::size_t import_joint_lower = 6;
+inline constexpr std::size_t import_joint_upper = 7;
+inline constexpr std::size_t import_joint_value = 8;
+inline constexpr std::size_t import_joint_mimic = 9;
+inline constexpr std::size_t import_joint_multiplier = 10;
+inline constexpr std::size_t import_joint_offset = 11;
+inline constexpr std::size_t import_joint_pointing = 12;
+inline constexpr std::size_t import_joint_gimbal = 13;
+inline constexpr std::size_t import_joint_point_at = 14;
 inline constexpr std::size_t mli_type = 0;
 inline constexpr std::size_t mli_on = 1;
 inline constexpr std::size_t mli_materials = 2;
@@ -2044,12 +2045,16 @@ inline constexpr Rule kRules_joint[] = {
     {RuleKind::requires_others, kMembers_joint_5},
     {RuleKind::exclusive, kMembers_mesh_0},
 };
+inline constexpr std::string_view kWords_import_joint_origin[] = {
+    "auto",
+};
 inline constexpr Attribute kAttributes_import_joint[] = {
     {"nodes", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
-    {"origin", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"origin", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, kWords_import_joint_origin, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"axis_from", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"type", 1, true, true, {ValueKind::word, 1, {}, kWords_joint_type, Dimension::none, false, false, 1, 0}, {}, "", false},
-    {"axis", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::none, false, false, 1, 0}, kInitial_decal_up, "", false},
+    {"axis", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, kWords_import_joint_origin, Dimension::none, false, false, 1, 0}, kInitial_decal_up, "", false},
     {"lower", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"upper", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"value", 1, true, false, {ValueKind::quantity, 0, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},

@@ -79,7 +79,7 @@ TEST_F(WorkCaches, KindsOfWorkAreApart) {
   const WorkCache cache(folder);
   cache.keep(Work::levels, {1, 2}, as_bytes(std::string_view("levels")));
   EXPECT_TRUE(cache.find(Work::levels, {1, 2}));
-  EXPECT_FALSE(cache.find(Work::foil, {1, 2}));
+  EXPECT_FALSE(cache.find(Work::simplified, {1, 2}));
   EXPECT_FALSE(cache.find(Work::levels, {2, 1}));
 }
 
@@ -160,7 +160,7 @@ TEST_F(WorkCaches, ThreadsAndCachesShareAFolder) {
       const WorkCache cache(folder);
       for (std::uint64_t i = 0; i < 50; ++i) {
         const auto result = reused_or_made<std::uint64_t>(
-            &cache, Work::foil,
+            &cache, Work::simplified,
             [&] {
               return Hash128{i, 1};
             },

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -206,7 +207,21 @@ TEST(GltfExport, ArticulationsComeBack) {
       {JointKind::prismatic, tilted, {0}, {3}, {1}, {2}},
       {JointKind::scale, {0, 1, 0}, {0.5}, {3}, {1.5}, {2}},
       {JointKind::scale, glm::normalize(Vec3(1)), {0.5}, {3}, {1.5}, {2}},
-      {JointKind::ball, {0, 0, 1}, {-3, -1, -3}, {3, 1, 3}, {0.5, 0.4, 0.3}, {-1, 0.8, 2}}};
+      {JointKind::scale, glm::normalize(Vec3(1, 0, 1)), {0.5}, {3}, {1.5}, {2}},
+      {JointKind::ball, {0, 0, 1}, {-3, -1, -3}, {3, 1, 3}, {0.5, 0.4, 0.3}, {-1, 0.8, 2}},
+      {JointKind::ball, {0, 0, 1}, no, no, {0.5, 0.4, 0.3}, {-1, 0.8, 2}},
+      {JointKind::general,
+       {0, 0, 1},
+       no,
+       no,
+       {2, -3, 0.5, 0.1, 0.2, 0.3, 4, 5, 6},
+       {1, 1, 2, 1, -0.5, 0.25, -4, 1, 0}},
+      {JointKind::general,
+       {0, 0, 1},
+       {0.5, 0.5, 0.5, -1, -1, -1, -9, -9, -9},
+       {3, 3, 3, 1, 1, 1, 9, 9, 9},
+       {2, 1, 0.5, 0.1, 0.2, 0.3, 4, 5, 6},
+       {1, 1, 2, 1, -0.5, 0.25, -4, 1, 0}}};
   for (const Case& each : cases) {
     scene::Scene scene = spacecraft();
     scene::Joint joint;
@@ -235,20 +250,56 @@ TEST(GltfExport, ArticulationsComeBack) {
     EXPECT_LE(glm::length(tip_of(back) - expected()), 1e-12) << geometry::kind_name(each.kind);
     // another value of the scene's joint, and the same of what came back
     scene.joints[0].value = each.other;
-    ASSERT_EQ(back.joints.size(), each.value.size());
-    if (back.joints.size() == 1) EXPECT_EQ(back.joints[0].name, "j");
-    for (scene::Joint& stage : back.joints) {
-      // stages of a ball stand from z to x
-      const std::size_t k =
-          back.joints.size() - 1 - static_cast<std::size_t>(&stage - back.joints.data());
-      const double sign = each.axis == Vec3(-1, 0, 0) || each.axis == Vec3(0, 0, -1) ? -1 : 1;
-      stage.value = {sign * each.other[k]};
-      if (each.kind == JointKind::continuous) continue;
-      EXPECT_NEAR(stage.lower.at(0), sign > 0 ? each.lower[k] : -each.upper[k], 1e-15);
-      EXPECT_NEAR(stage.upper.at(0), sign > 0 ? each.upper[k] : -each.lower[k], 1e-15);
+    ASSERT_EQ(back.joints.size(), 1u);
+    scene::Joint& same = back.joints[0];
+    EXPECT_EQ(same.name, "j");
+    EXPECT_EQ(same.kind, each.kind);
+    // what pointed against an axis of the node points along it
+    const double sign = each.axis == Vec3(-1, 0, 0) || each.axis == Vec3(0, 0, -1) ? -1 : 1;
+    same.value = each.other;
+    for (double& value : same.value) value *= sign;
+    ASSERT_EQ(same.lower.size(), each.lower.size());
+    for (std::size_t k = 0; k < same.lower.size(); ++k) {
+      EXPECT_NEAR(same.lower[k], sign > 0 ? each.lower[k] : -each.upper[k], 1e-15);
+      EXPECT_NEAR(same.upper[k], sign > 0 ? each.upper[k] : -each.lower[k], 1e-15);
     }
     EXPECT_LE(glm::length(tip_of(back) - expected()), 1e-12) << geometry::kind_name(each.kind);
   }
+}
+
+// Joints of one node, a chain of them, and stages that somebody else named.
+TEST(GltfExport, ChainsOfJointsKeepTheirNamesAndKinds) {
+  using geometry::JointKind;
+  scene::Scene scene = spacecraft();
+  const auto add = [&](const char* name, std::int32_t node, JointKind kind, const Vec3& axis) {
+    scene::Joint joint;
+    joint.name = name;
+    joint.node = node;
+    joint.kind = kind;
+    joint.axis = axis;
+    if (kind == JointKind::prismatic || kind == JointKind::revolute)
+      joint.lower = {-1}, joint.upper = {2};
+    scene.joints.push_back(joint);
+  };
+  add("boom", 1, JointKind::prismatic, glm::normalize(Vec3(1, 2, 3)));
+  add("boom turn", 1, JointKind::revolute, {0, 1, 0});
+  add("socket", 1, JointKind::ball, {0, 0, 1});
+  add("arm/free", 2, JointKind::general, {0, 0, 1});
+  add("arm/wheel", 2, JointKind::continuous, {1, 0, 0});
+  const auto model = compiled(scene);
+  ASSERT_TRUE(model);
+  DiagnosticLog log;
+  const auto glb = glb_from(*model, log, {}, {.articulations = true, .joint_values = {}});
+  ASSERT_TRUE(glb) << to_text(log);
+  const Loaded out = load({reinterpret_cast<const char*>(glb->data()), glb->size()});
+  ASSERT_TRUE(out.imported) << out.text();
+  const scene::Scene& back = out.imported->scene;
+  EXPECT_EQ(scene::check(back), "");
+  std::map<std::string, JointKind> kinds, wanted;
+  for (const scene::Joint& joint : back.joints) kinds[joint.name] = joint.kind;
+  for (const scene::Joint& joint : scene.joints) wanted[joint.name] = joint.kind;
+  EXPECT_EQ(kinds, wanted);
+  EXPECT_EQ(back.joints.size(), scene.joints.size());
 }
 
 TEST(GltfExport, NamesMaterialsAndPointsComeBack) {

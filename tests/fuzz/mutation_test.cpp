@@ -164,6 +164,9 @@ TEST(Mutations, Ply) {
 TEST(Mutations, Urdf) {
   damage(Source::urdf, {"../examples/cad/arm.urdf", "fuzz/corpus/urdf/robot.urdf"}, kMutations);
 }
+TEST(Mutations, Mjcf) {
+  damage(Source::mjcf, {"../examples/cad/arm_mjcf.xml", "fuzz/corpus/mjcf/model.xml"}, kMutations);
+}
 TEST(Mutations, Step) {
   if (!importers::reads_step()) GTEST_SKIP() << "built without OpenCASCADE";
   damage(Source::step, {"importers/step/data/W6602.step"}, kStepMutations);

@@ -36,15 +36,15 @@ std::optional<scene::Scene> read_pxn(const std::string& text, Files& kept, Diagn
 
 std::optional<scene::Scene> read_cad(Source source, const std::string& bytes, Files& kept,
                                      DiagnosticLog& log) {
-  constexpr const char* kNames[] = {"",      "m.wrl", "m.gltf", "m.obj",
-                                    "m.stl", "m.ply", "m.urdf", "m.step"};
+  constexpr const char* kNames[] = {"",      "m.wrl",  "m.gltf", "m.obj", "m.stl",
+                                    "m.ply", "m.urdf", "m.xml",  "m.step"};
   const std::string name = kNames[static_cast<std::size_t>(source)];
   // a file may be its own part, buffer and library
   kept.cad = {{name, bytes}, {"part.wrl", bytes}, {"data.bin", bytes}, {"m.mtl", bytes}};
   // and the mesh of a robot
   constexpr const char* kCube =
       "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
-  if (source == Source::urdf) kept.cad.push_back({"meshes/a.obj", kCube});
+  if (source == Source::urdf || source == Source::mjcf) kept.cad.push_back({"meshes/a.obj", kCube});
   importers::Options options;
   options.limits.nodes = 2000;
   options.limits.triangles = 20'000;

@@ -9,7 +9,7 @@
 namespace panwright::fuzz {
 
 // Files that a model can come from, in the order of roundtrip()'s first byte.
-enum class Source : std::uint8_t { pxn, vrml, gltf, obj, stl, ply, urdf, step, count };
+enum class Source : std::uint8_t { pxn, vrml, gltf, obj, stl, ply, urdf, mjcf, step, count };
 
 // Reads bytes as a file of one kind, compiles it, writes the pan, plain and compressed, reads both
 // back, and compares: with the scene, with each other, and with what a second run writes. Aborts

@@ -218,6 +218,27 @@ TEST(ImportJoint, PatternsThatFitNothingAreSaid) {
   EXPECT_THAT(twice.summary(), HasSubstr("E1231 joint 'k' moves node 'flap'"));
 }
 
+TEST(ImportJoint, FramesOfTheFileStandOnTheirNodes) {
+  const std::vector<MemoryFile> files{
+      {"m.pxn",
+       "<pangu_model ver='1'>\n<part name='p'><import file='a.xml' translate='1 0 0'/></part>"
+       "<use part='p' name='left'/><use part='p' name='right'/>\n"
+       "<import file='a.xml'/><import file='a.xml'/></pangu_model>"},
+      {"a.xml",
+       "<mujoco><worldbody><body name='arm' pos='0 2 0'><geom size='1'/>"
+       "<site name='port' pos='0 0 3'/></body></worldbody></mujoco>"}};
+  const Reading r = read_files(files);
+  EXPECT_THAT(r.summary(), HasSubstr("3:23 E1210 duplicate frame 'port' of the import"));
+  ASSERT_EQ(r.scene->frames.size(), 3u);
+  EXPECT_EQ(r.scene->frames[0].name, "left/port");
+  EXPECT_EQ(r.scene->frames[1].name, "right/port");
+  EXPECT_EQ(r.scene->frames[2].name, "port");
+  const auto world = scene::world_from_nodes(*r.scene);
+  const scene::Frame& port = r.scene->frames[0];
+  const Vec3 at(world[static_cast<std::size_t>(port.node)] * Vec4(port.origin, 1));
+  EXPECT_LE(glm::length(at - Vec3(1, 2, 3)), 1e-15);
+}
+
 // Written out and read again, every joint is the same.
 TEST(JointElement, ComesBackFromText) {
   const Reading r = read_1(

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "geometry/tessellate/shape.h"
-#include "importers/urdf/internal/xml_text.h"
+#include "importers/internal/mesh_parts.h"
+#include "importers/internal/painter.h"
+#include "importers/internal/xml_text.h"
 #include "scene/scene.h"
 
 namespace panwright::importers::urdf {
@@ -17,21 +19,6 @@ inline constexpr std::int32_t kNone = scene::kNone;
 struct Origin {
   Vec3 xyz{0};
   Quat rotation{1, 0, 0, 0};
-};
-
-struct Paint {
-  std::string name;
-  std::optional<std::array<double, 4>> rgba;
-  std::string texture;  // as written; empty: none
-  SourceSpan where;
-  SourceSpan texture_at;
-  bool has_content() const { return rgba || !texture.empty(); }
-};
-
-struct MeshFile {
-  std::string name;  // as written
-  Vec3 scale{1};
-  SourceSpan where;
 };
 
 struct Visual {

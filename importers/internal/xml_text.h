@@ -7,7 +7,10 @@
 
 #include "importers/meshes/reader_context.h"
 
-namespace panwright::importers::urdf {
+namespace panwright::importers {
+
+// Whether the first element of a text has this name.
+bool first_element_is(std::string_view text, std::string_view name);
 
 class XmlText {
  public:
@@ -27,4 +30,4 @@ class XmlText {
   meshes::ReaderContext* context_ = nullptr;
 };
 
-}  // namespace panwright::importers::urdf
+}  // namespace panwright::importers

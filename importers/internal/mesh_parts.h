@@ -8,14 +8,21 @@
 #include <string_view>
 #include <vector>
 
-#include "importers/urdf/internal/robot.h"
+#include "importers/meshes/reader_context.h"
 
-namespace panwright::importers::urdf {
+namespace panwright::importers {
+
+// A mesh as a robot description names it.
+struct MeshFile {
+  std::string name;  // as written
+  Vec3 scale{1};
+  SourceSpan where;
+};
 
 // What covers a surface that brings no material of its own.
 struct Cover {
-  std::int32_t material = kNone;  // none: what the mesh's file says, or grey
-  std::int32_t texture = kNone;
+  std::int32_t material = scene::kNone;  // none: what the mesh's file says, or grey
+  std::int32_t texture = scene::kNone;
 };
 
 class MeshParts {
@@ -56,4 +63,4 @@ class MeshParts {
   std::uint64_t texture_bytes_ = 0;
 };
 
-}  // namespace panwright::importers::urdf
+}  // namespace panwright::importers

@@ -1,4 +1,4 @@
-#include "importers/urdf/internal/mesh_parts.h"
+#include "importers/internal/mesh_parts.h"
 
 #include <fmt/format.h>
 
@@ -8,10 +8,11 @@
 #include "base/text.h"
 #include "importers/internal/import_part.h"
 
-namespace panwright::importers::urdf {
+namespace panwright::importers {
 
 namespace {
 
+using scene::kNone;
 namespace fs = std::filesystem;
 
 const geometry::Mesh* mesh_in(const geometry::Shape& shape) {
@@ -179,4 +180,4 @@ void MeshParts::attach(const MeshFile& mesh, std::int32_t node, const Cover& cov
     });
 }
 
-}  // namespace panwright::importers::urdf
+}  // namespace panwright::importers

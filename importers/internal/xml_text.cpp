@@ -1,4 +1,4 @@
-#include "importers/urdf/internal/xml_text.h"
+#include "importers/internal/xml_text.h"
 
 #include <fmt/format.h>
 
@@ -6,14 +6,42 @@
 #include <cctype>
 #include <functional>
 
-namespace panwright::importers::urdf {
+namespace panwright::importers {
 
 namespace {
 
 // What the tree takes for a byte of text at most: an element "<a/>" is 64 bytes.
 constexpr std::uint64_t kTreePerByte = 17;
 
+// The rest of a text after what may stand before its first element.
+std::string_view first_element(std::string_view text) {
+  for (;;) {
+    const std::size_t at = text.find_first_not_of(" \t\r\n");
+    if (at == text.npos) return {};
+    text.remove_prefix(at);
+    std::string_view end;
+    if (text.starts_with("<?"))
+      end = "?>";
+    else if (text.starts_with("<!--"))
+      end = "-->";
+    else if (text.starts_with("<!"))
+      end = ">";
+    else
+      return text;
+    const std::size_t stop = text.find(end, 2);
+    if (stop == text.npos) return {};
+    text.remove_prefix(stop + end.size());
+  }
+}
+
 }  // namespace
+
+bool first_element_is(std::string_view text, std::string_view name) {
+  const std::string_view element = first_element(text);
+  if (!element.starts_with('<') || !element.substr(1).starts_with(name)) return false;
+  const std::string_view rest = element.substr(1 + name.size());
+  return !rest.empty() && std::string_view(" \t\r\n/>").find(rest[0]) != std::string_view::npos;
+}
 
 bool XmlText::parse(meshes::ReaderContext& context) {
   context_ = &context;
@@ -53,4 +81,4 @@ SourceSpan XmlText::at(const pugi::xml_attribute& attribute) const {
   return span(name.data(), name.size());
 }
 
-}  // namespace panwright::importers::urdf
+}  // namespace panwright::importers

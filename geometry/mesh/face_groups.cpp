@@ -1,11 +1,11 @@
-#include "mli/internal/groups.h"
+#include "geometry/mesh/face_groups.h"
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <unordered_map>
 
-namespace panwright::mli {
+namespace panwright::geometry {
 namespace {
 
 // The first vertex within the distance of each; a search over cells of that size.
@@ -20,7 +20,7 @@ std::vector<std::uint32_t> first_near(const std::vector<Vec3>& points, const Vec
   std::vector<std::uint32_t> out(points.size());
   for (std::uint32_t v = 0; v < points.size(); ++v) {
     const glm::i64vec3 cell(glm::floor((points[v] - low) / distance));
-    std::uint32_t best = kNone;
+    std::uint32_t best = kNoNeighbour;
     for (int k = 0; k < 27; ++k) {
       const auto found = cells.find(key(cell + glm::i64vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1)));
       if (found == cells.end()) continue;
@@ -28,7 +28,7 @@ std::vector<std::uint32_t> first_near(const std::vector<Vec3>& points, const Vec
         if (other < best && glm::length(points[other] - points[v]) <= distance) best = other;
     }
     out[v] = std::min(best, v);
-    if (best == kNone) cells[key(cell)].push_back(v);
+    if (best == kNoNeighbour) cells[key(cell)].push_back(v);
   }
   return out;
 }
@@ -51,7 +51,7 @@ void join(Faces& faces) {
       edges.push_back({std::min(a, b), std::max(a, b), t, k, a > b});
     }
   std::sort(edges.begin(), edges.end());
-  faces.neighbours.assign(faces.triangles.size(), {kNone, kNone, kNone});
+  faces.neighbours.assign(faces.triangles.size(), {kNoNeighbour, kNoNeighbour, kNoNeighbour});
   faces.non_manifold.assign(faces.triangles.size(), false);
   for (std::size_t i = 0, end; i < edges.size(); i = end) {
     for (end = i + 1;
@@ -69,13 +69,13 @@ void join(Faces& faces) {
 
 }  // namespace
 
-Faces chosen_faces(const geometry::Mesh& mesh, std::span<const std::uint32_t> chosen, double weld) {
+Faces chosen_faces(const Mesh& mesh, std::span<const std::uint32_t> chosen, double weld) {
   Faces faces;
-  std::vector<std::uint32_t> local(mesh.positions.size(), kNone);
+  std::vector<std::uint32_t> local(mesh.positions.size(), kNoNeighbour);
   std::vector<Vec3> used;
   for (const std::uint32_t t : chosen)
     for (const std::uint32_t v : mesh.triangles[t])
-      if (local[v] == kNone) {
+      if (local[v] == kNoNeighbour) {
         local[v] = static_cast<std::uint32_t>(used.size());
         used.push_back(mesh.positions[v]);
       }
@@ -86,7 +86,7 @@ Faces chosen_faces(const geometry::Mesh& mesh, std::span<const std::uint32_t> ch
   const std::vector<std::uint32_t> first = first_near(used, low, distance);
   faces.points = std::move(used);
   for (const std::uint32_t t : chosen) {
-    geometry::Triangle corners;
+    Triangle corners;
     for (std::size_t k = 0; k < 3; ++k) corners[k] = first[local[mesh.triangles[t][k]]];
     const Vec3 a = faces.points[corners[0]], b = faces.points[corners[1]],
                c = faces.points[corners[2]];
@@ -106,17 +106,18 @@ Faces chosen_faces(const geometry::Mesh& mesh, std::span<const std::uint32_t> ch
   return faces;
 }
 
-std::vector<Group> connected(const Faces& faces, const Group& among, double least) {
+std::vector<FaceGroup> connected(const Faces& faces, const FaceGroup& among, double least) {
   std::vector<bool> open(faces.triangles.size(), false);
   for (const std::uint32_t t : among) open[t] = true;
-  std::vector<Group> out;
+  std::vector<FaceGroup> out;
   for (const std::uint32_t seed : among) {
     if (!open[seed]) continue;
-    Group group{seed};
+    FaceGroup group{seed};
     open[seed] = false;
     for (std::size_t i = 0; i < group.size(); ++i)
       for (const std::uint32_t n : faces.neighbours[group[i]])
-        if (n != kNone && open[n] && glm::dot(faces.normals[group[i]], faces.normals[n]) >= least) {
+        if (n != kNoNeighbour && open[n] &&
+            glm::dot(faces.normals[group[i]], faces.normals[n]) >= least) {
           open[n] = false;
           group.push_back(n);
         }
@@ -126,16 +127,16 @@ std::vector<Group> connected(const Faces& faces, const Group& among, double leas
   return out;
 }
 
-std::vector<Group> flat_parts(const Faces& faces, const Group& group, double share,
-                              double tolerance) {
+std::vector<FaceGroup> flat_parts(const Faces& faces, const FaceGroup& group, double share,
+                                  double tolerance) {
   std::vector<bool> open(faces.triangles.size(), false);
   for (const std::uint32_t t : group) open[t] = true;
-  Group seeds = group;
+  FaceGroup seeds = group;
   std::stable_sort(seeds.begin(), seeds.end(), [&](std::uint32_t a, std::uint32_t b) {
     return faces.areas[a] > faces.areas[b];
   });
   const double all = area_of(faces, group);
-  std::vector<Group> out;
+  std::vector<FaceGroup> out;
   for (const std::uint32_t seed : seeds) {
     if (!open[seed]) continue;
     const Vec3 normal = faces.normals[seed], origin = faces.points[faces.triangles[seed][0]];
@@ -145,11 +146,11 @@ std::vector<Group> flat_parts(const Faces& faces, const Group& group, double sha
         return std::fabs(glm::dot(faces.points[v] - origin, normal)) <= tolerance;
       });
     };
-    Group part{seed};
+    FaceGroup part{seed};
     open[seed] = false;
     for (std::size_t i = 0; i < part.size(); ++i)
       for (const std::uint32_t n : faces.neighbours[part[i]])
-        if (n != kNone && open[n] && lies(n)) {
+        if (n != kNoNeighbour && open[n] && lies(n)) {
           open[n] = false;
           part.push_back(n);
         }
@@ -160,13 +161,13 @@ std::vector<Group> flat_parts(const Faces& faces, const Group& group, double sha
   return out;
 }
 
-double area_of(const Faces& faces, const Group& group) {
+double area_of(const Faces& faces, const FaceGroup& group) {
   double sum = 0;
   for (const std::uint32_t t : group) sum += faces.areas[t];
   return sum;
 }
 
-double diagonal_of(const Faces& faces, const Group& group) {
+double diagonal_of(const Faces& faces, const FaceGroup& group) {
   Vec3 low = faces.points[faces.triangles[group[0]][0]], high = low;
   for (const std::uint32_t t : group)
     for (const std::uint32_t v : faces.triangles[t]) {
@@ -176,4 +177,4 @@ double diagonal_of(const Faces& faces, const Group& group) {
   return glm::length(high - low);
 }
 
-}  // namespace panwright::mli
+}  // namespace panwright::geometry

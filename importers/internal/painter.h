@@ -1,0 +1,43 @@
+// Materials of robot descriptions.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "importers/internal/mesh_parts.h"
+
+namespace panwright::importers {
+
+struct Paint {
+  std::string name;
+  std::optional<std::array<double, 4>> rgba;
+  std::string texture;  // as written; empty: none
+  SourceSpan where;
+  SourceSpan texture_at;
+  bool has_content() const { return rgba || !texture.empty(); }
+};
+
+// Makes each paint a material of the scene when it is first asked for.
+class Painter {
+ public:
+  // The paints outlive this.
+  Painter(const std::vector<Paint>& paints, meshes::ReaderContext& context,
+          meshes::Assembly& assembly)
+      : paints_(paints), c_(context), assembly_(assembly) {}
+
+  // Of a paint's index; none for −1. Reports W6004, W6005, W6008.
+  Cover cover_of(std::int32_t paint);
+
+ private:
+  std::int32_t texture_of(const Paint& paint);
+
+  const std::vector<Paint>& paints_;
+  meshes::ReaderContext& c_;
+  meshes::Assembly& assembly_;
+  std::unordered_map<std::int32_t, Cover> covers_;
+};
+
+}  // namespace panwright::importers

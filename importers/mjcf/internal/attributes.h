@@ -1,0 +1,77 @@
+// Values of attributes, with defaults of classes and the units of <compiler>.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "importers/mjcf/internal/classes.h"
+#include "importers/mjcf/internal/model.h"
+
+namespace panwright::importers::mjcf {
+
+// What <compiler> says; later ones go over earlier ones.
+struct Compiler {
+  double angle = kDegree;  // radians of a number
+  std::string euler = "xyz";
+  bool limits_by_range = true;  // autolimits
+  std::string mesh_folder, texture_folder;
+  bool strip_path = false;
+};
+
+class Attributes {
+ public:
+  Attributes(const XmlText& text, meshes::ReaderContext& context)
+      : text_(text), c_(context), classes_(text, context) {}
+
+  Classes& classes() { return classes_; }
+  void read_compiler(const pugi::xml_node& element);
+  const Compiler& compiler() const { return compiler_; }
+
+  void wrong(SourceSpan where, const std::string& message) {
+    c_.log.report(Code::E6220, where, message);
+  }
+  void tolerated(SourceSpan where, const std::string& message) {
+    c_.log.report(Code::W6221, where, message);
+  }
+
+  // An element's attribute with the defaults of its class: least to most numbers. Nothing where it
+  // is not there, or where it is wrong: E6220.
+  std::optional<std::vector<double>> numbers(const pugi::xml_node& element, const char* name,
+                                             std::size_t its_class, std::size_t least,
+                                             std::size_t most);
+  double number_or(const pugi::xml_node& element, const char* name, std::size_t its_class,
+                   double otherwise);
+  std::optional<Vec3> vector(const pugi::xml_node& element, const char* name,
+                             std::size_t its_class);
+  // One of the words, by index; `otherwise` where it is not there or another: E6220.
+  std::size_t word(const pugi::xml_node& element, const char* name, std::size_t its_class,
+                   std::initializer_list<std::string_view> words, std::size_t otherwise);
+  std::string text(const pugi::xml_node& element, const char* name, std::size_t its_class);
+
+  // pos and one of quat, axisangle, xyaxes, zaxis and euler.
+  Pose pose(const pugi::xml_node& element, std::size_t its_class);
+
+  // A direction of length 1; nothing, with E6220 at the attribute, where it has none.
+  std::optional<Vec3> direction(const Vec3& v, SourceSpan where, std::string_view what);
+
+  SourceSpan at(const pugi::xml_node& element) const { return text_.at(element); }
+  // Of an attribute where it is written, else of its element.
+  SourceSpan at(const pugi::xml_node& element, const char* name, std::size_t its_class) const;
+
+ private:
+  std::optional<Quat> rotation(const pugi::xml_node& element);
+  std::optional<Quat> from_euler(const pugi::xml_node& element);
+  std::optional<Quat> from_axes(const pugi::xml_node& element);
+
+  const XmlText& text_;
+  meshes::ReaderContext& c_;
+  Classes classes_;
+  Compiler compiler_;
+};
+
+// The smallest turn from z to a direction; half a turn about x where it is opposite.
+Quat z_towards(const Vec3& unit);
+
+}  // namespace panwright::importers::mjcf
