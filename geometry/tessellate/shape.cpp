@@ -86,8 +86,8 @@ bool closed(const Subdiv& s) { return internal::has_no_border(s); }
 
 std::string_view kind_name(const Shape& shape) {
   static constexpr std::string_view kNames[] = {
-      "sphere", "mesh", "ellipsoid", "box",  "cylinder", "cone",    "disc",
-      "torus",  "dish", "plane",     "tube", "lathe",    "extrude", "polygons", "subdiv"};
+      "sphere", "mesh",  "ellipsoid", "box",   "cylinder", "cone",     "disc",  "torus",
+      "dish",   "plane", "tube",      "lathe", "extrude",  "polygons", "subdiv"};
   static_assert(std::size(kNames) == std::variant_size_v<Shape>);
   return kNames[shape.index()];
 }

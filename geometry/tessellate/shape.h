@@ -206,8 +206,8 @@ inline constexpr double kInfinitelySharp = 10;
 // surfaces on arbitrary topological meshes", 1978), with the semi-sharp creases of DeRose, Kass and
 // Truong ("Subdivision surfaces in character animation", 1998). Two faces or one meet at an edge,
 // all with the same side out, and those at a vertex join along edges. The border is the cubic
-// B-spline of its vertices; vertices of a single face stay corners of it unless smooth_border. u, v:
-// linear over each face between its corners'; without them as a Box has them, over the bounds.
+// B-spline of its vertices; vertices of a single face stay corners of it unless smooth_border. u,
+// v: linear over each face between its corners'; without them as a Box has them, over the bounds.
 struct Subdiv {
   struct Face {
     std::vector<std::uint32_t> outline;    // 3 or more, each < V, none twice
@@ -216,7 +216,7 @@ struct Subdiv {
   };
   // Over so many levels a crease is subdivided as a curve of its own, with a fraction at the last.
   struct Crease {
-    std::vector<std::uint32_t> path;  // 2 or more: each with the next an edge of the cage
+    std::vector<std::uint32_t> path;      // 2 or more: each with the next an edge of the cage
     double sharpness = kInfinitelySharp;  // 0 to kInfinitelySharp; kept in single precision
     bool operator==(const Crease&) const = default;
   };
@@ -248,7 +248,7 @@ std::string_view kind_name(const Shape& shape);
 
 // What is wrong with a shape, and with which of its parts.
 struct ShapeProblem {
-  Code code;              // E2001, E2002, E2010 to E2018, E2026, E2027; W2006, W2007, W2009, W2019, W2028
+  Code code;  // E2001, E2002, E2010 to E2018, E2026, E2027; W2006, W2007, W2009, W2019, W2028
   std::string message;    // one lower-case sentence
   std::string_view part;  // member: "radius", "outline", "faces"…; of counts "segments" or "rings"
   std::size_t item = 0;   // of a list: which point, hole, face, crease or corner
@@ -273,8 +273,8 @@ std::vector<ShapeProblem> shape_warnings_of(const Shape& shape);
 // Whether the surface has no border, by its parameters. A mesh: as it says.
 bool is_closed(const Shape& shape);
 
-// How a cage bends: the area of its faces, m², and its total mean curvature, m: half of the length of
-// each edge times the angle, 0 to π, by which the faces there turn; borders count nothing.
+// How a cage bends: the area of its faces, m², and its total mean curvature, m: half of the length
+// of each edge times the angle, 0 to π, by which the faces there turn; borders count nothing.
 //
 // Expects: no problem_of(shape). Cost: O(corners log corners).
 struct CageTurn {

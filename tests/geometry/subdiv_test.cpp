@@ -48,7 +48,7 @@ double furthest(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
 
 TEST(Subdiv, ACornerOfTheCubeConverges) {
   // corners (1, 1, 1) after 1 to 6 levels, and their limit
-  const double corners[] = {5.0 / 9,       0.5092592593, 0.5015432099,
+  const double corners[] = {5.0 / 9,      0.5092592593, 0.5015432099,
                             0.5002572016, 0.5000428669, 0.5000071445};
   CatmullClark cage(cages::cube());
   for (const double x : corners) {
@@ -99,8 +99,7 @@ TEST(Subdiv, RegularGridsAreBicubicSplines) {
           dy += h * basis(p.x - i) * slope(p.y - j);
         }
       position = std::max(position, std::fabs(p.z - z));
-      normal = std::max(normal,
-                        glm::length(mesh.normals[k] - glm::normalize(Vec3(-dx, -dy, 1))));
+      normal = std::max(normal, glm::length(mesh.normals[k] - glm::normalize(Vec3(-dx, -dy, 1))));
       ++found;
     }
     EXPECT_GE(found, ((n - 2u) << levels) * ((m - 2u) << levels));
@@ -165,7 +164,8 @@ TEST(Subdiv, ErrorsKeepWhatIsAskedWithoutWaste) {
       EXPECT_LE(mesh.error, asked) << name;
       // 0.435 the least measured
       EXPECT_GT(mesh.error, 0.4 * asked) << name << ' ' << asked;
-      // what the fine cage misses is a thousandth of its size at creases of sharpness 3; 0.02 measured
+      // what the fine cage misses is a thousandth of its size at creases of sharpness 3; 0.02
+      // measured
       EXPECT_LT(there, mesh.error + 0.025 * asked) << name << ' ' << asked;
       EXPECT_LT(back, 1.05 * asked) << name << ' ' << asked;
       const double planned = planned_triangles(shape, {.max_error = asked});
@@ -237,8 +237,8 @@ TEST(Subdiv, RigidMotionsMoveTheMesh) {
       ASSERT_EQ(here.triangles, there.triangles) << name;
       double position = 0, normal = 0;
       for (std::size_t v = 0; v < here.positions.size(); ++v) {
-        position = std::max(
-            position, glm::length(rotation * here.positions[v] + shift - there.positions[v]));
+        position = std::max(position,
+                            glm::length(rotation * here.positions[v] + shift - there.positions[v]));
         normal = std::max(normal, glm::length(rotation * here.normals[v] - there.normals[v]));
       }
       EXPECT_LT(position, 1e-12) << name;  // 3e-15 measured
@@ -262,7 +262,8 @@ TEST(Subdiv, MeshesAreTheSameWhateverTheThreads) {
 TEST(Subdiv, TextureCoordinatesAreLinearOverFaces) {
   Subdiv shape = cages::sheet(2, 1);
   // one seam: the second face has coordinates of its own
-  shape.texcoords = {{0, 0}, {0.5, 0}, {0.5, 1}, {0, 1}, {0.1, 0.2}, {0.3, 0.2}, {0.3, 0.4}, {0.1, 0.4}};
+  shape.texcoords = {{0, 0},     {0.5, 0},   {0.5, 1},   {0, 1},
+                     {0.1, 0.2}, {0.3, 0.2}, {0.3, 0.4}, {0.1, 0.4}};
   shape.faces[0].texcoords = {0, 1, 2, 3};
   shape.faces[1].texcoords = {4, 5, 6, 7};
   shape.levels = 2;
@@ -273,8 +274,8 @@ TEST(Subdiv, TextureCoordinatesAreLinearOverFaces) {
     const Vec2& t = mesh.texcoords[v];
     if (std::fabs(mesh.positions[v].x - 1) < 1e-9) continue;
     // quarters of the face's square
-    const Vec2 steps = mesh.positions[v].x < 1 ? Vec2(8 * t.x, 4 * t.y)
-                                               : Vec2(20 * (t.x - 0.1), 20 * (t.y - 0.2));
+    const Vec2 steps =
+        mesh.positions[v].x < 1 ? Vec2(8 * t.x, 4 * t.y) : Vec2(20 * (t.x - 0.1), 20 * (t.y - 0.2));
     EXPECT_LT(std::fabs(steps.x - std::round(steps.x)) + std::fabs(steps.y - std::round(steps.y)),
               1e-12)
         << t.x << ' ' << t.y;
@@ -344,7 +345,8 @@ TEST(Subdiv, Problems) {
 TEST(Subdiv, WarningsOfCages) {
   const auto codes = [](const Subdiv& s) {
     std::string all;
-    for (const ShapeProblem& p : shape_warnings_of(s)) all += std::string(code_info(p.code).name) + ' ';
+    for (const ShapeProblem& p : shape_warnings_of(s))
+      all += std::string(code_info(p.code).name) + ' ';
     return all;
   };
   for (const auto& [name, shape] : cages::all()) EXPECT_EQ(codes(shape), "") << name;
@@ -399,7 +401,8 @@ TEST(Subdiv, HardCagesAreMadeOrRefused) {
   EXPECT_EQ(log.entries()[0].code, Code::E2003);
   // too many triangles, and too many faces along semi-sharp creases
   DiagnosticLog more;
-  EXPECT_FALSE(tessellated(cages::cube(), {.max_error = 1e-4, .max_triangles = 1000}, {}, more).ok());
+  EXPECT_FALSE(
+      tessellated(cages::cube(), {.max_error = 1e-4, .max_triangles = 1000}, {}, more).ok());
   Subdiv sharp = cages::sheet(60, 60);
   for (std::uint32_t j = 1; j < 60; ++j) {
     sharp.creases.push_back({{}, 9.5});

@@ -22,7 +22,8 @@ inline Subdiv cube() {
   Subdiv s;
   for (int i = 0; i < 8; ++i)
     s.positions.push_back({i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0});
-  add_faces(s, {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}});
+  add_faces(s,
+            {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}});
   return s;
 }
 
@@ -133,12 +134,9 @@ inline Subdiv cornered(Subdiv s, std::vector<std::uint32_t> vertices, double sha
 // Irregular vertices, borders of both kinds, creases and corners, finite and not.
 inline std::vector<Named> all() {
   constexpr double kSharp = geometry::kInfinitelySharp;
-  std::vector<Named> out = {{"cube", cube()},
-                            {"wedge", wedge()},
-                            {"prism of 5", prism(5)},
-                            {"bipyramid of 7", bipyramid(7)},
-                            {"sheet", sheet(4, 3)},
-                            {"elbow", elbow()}};
+  std::vector<Named> out = {{"cube", cube()},         {"wedge", wedge()},
+                            {"prism of 5", prism(5)}, {"bipyramid of 7", bipyramid(7)},
+                            {"sheet", sheet(4, 3)},   {"elbow", elbow()}};
   Subdiv smooth = sheet(3, 3);
   smooth.smooth_border = true;
   out.push_back({"sheet with a smooth border", smooth});
@@ -154,17 +152,20 @@ inline std::vector<Named> all() {
   out.push_back({"cube, dart", creased(cube(), {4, 5, 7}, kSharp)});
   out.push_back({"cube, three creases at a corner",
                  creased(creased(cube(), {4, 5, 7, 6, 4}, kSharp), {1, 5}, kSharp)});
-  out.push_back({"cube, mixed creases",
-                 creased(creased(creased(cube(), {4, 5, 7, 6, 4}, 0.75), {1, 5}, 2.25), {0, 1}, 1)});
+  out.push_back(
+      {"cube, mixed creases",
+       creased(creased(creased(cube(), {4, 5, 7, 6, 4}, 0.75), {1, 5}, 2.25), {0, 1}, 1)});
   out.push_back({"cube, sharp corner", cornered(cube(), {7}, kSharp)});
   out.push_back({"cube, corner of 2.5", cornered(cube(), {7}, 2.5)});
   out.push_back({"prism of 5, ring", creased(prism(5), {1, 3, 5, 7, 9, 1}, kSharp)});
   out.push_back({"prism of 6, ring of 0.5", creased(prism(6), {1, 3, 5, 7, 9, 11, 1}, 0.5)});
   out.push_back({"sheet with a crease inside", creased(sheet(4, 4), {7, 12, 17}, kSharp)});
   out.push_back({"sheet with a crease across", creased(sheet(4, 4), {2, 7, 12, 17, 22}, kSharp)});
-  out.push_back({"elbow, creases", creased(elbow(), {elbow().faces[0].outline[0],
-                                                     elbow().faces[0].outline[1],
-                                                     elbow().faces[0].outline[2]}, 2)});
+  out.push_back(
+      {"elbow, creases", creased(elbow(),
+                                 {elbow().faces[0].outline[0], elbow().faces[0].outline[1],
+                                  elbow().faces[0].outline[2]},
+                                 2)});
   return out;
 }
 

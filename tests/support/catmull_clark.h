@@ -24,7 +24,8 @@ class CatmullClark {
     for (const auto& face : shape.faces) faces_.push_back(face.outline);
     const auto sharpness = [](double s) {
       // kept in single precision
-      return s >= geometry::kInfinitelySharp ? kInfinite : static_cast<double>(static_cast<float>(s));
+      return s >= geometry::kInfinitelySharp ? kInfinite
+                                             : static_cast<double>(static_cast<float>(s));
     };
     for (const auto& crease : shape.creases)
       for (std::size_t i = 0; i + 1 < crease.path.size(); ++i) {
@@ -86,8 +87,7 @@ class CatmullClark {
       const std::size_t n = face.size();
       for (std::size_t i = 0; i < n; ++i)
         out.faces_.push_back({face[i], edge_number[key(face[i], face[(i + 1) % n])],
-                              first_centre + f,
-                              edge_number[key(face[(i + n - 1) % n], face[i])]});
+                              first_centre + f, edge_number[key(face[(i + n - 1) % n], face[i])]});
     }
     out.connect();
     return out;
@@ -165,8 +165,8 @@ class CatmullClark {
     return mesh;
   }
 
-  // What remains about a vertex when the faces about it alone are refined again and again, for which
-  // no mask is needed. Expects: sharpness 0 or infinite.
+  // What remains about a vertex when the faces about it alone are refined again and again, for
+  // which no mask is needed. Expects: sharpness 0 or infinite.
   struct Ring {
     Vec3 limit{0};
     std::vector<Vec3> normals;  // of the faces, those between two sharp edges as one
@@ -202,8 +202,8 @@ class CatmullClark {
     std::map<std::uint32_t, Vec3> sums;
     for (const auto& [f, least] : group) {
       const auto& face = ring.faces_[f];
-      const auto at = static_cast<std::size_t>(std::find(face.begin(), face.end(), 0u) -
-                                               face.begin());
+      const auto at =
+          static_cast<std::size_t>(std::find(face.begin(), face.end(), 0u) - face.begin());
       const Vec3& p = ring.positions_[0];
       sums[least] += glm::cross(ring.positions_[face[(at + 1) % 4]] - p,
                                 ring.positions_[face[(at + 3) % 4]] - p);
@@ -263,7 +263,8 @@ class CatmullClark {
     some.sharp_edges_.clear();
     std::map<std::uint32_t, std::uint32_t> number;
     const auto numbered = [&](std::uint32_t w) {
-      const auto [at, added] = number.emplace(w, static_cast<std::uint32_t>(some.positions_.size()));
+      const auto [at, added] =
+          number.emplace(w, static_cast<std::uint32_t>(some.positions_.size()));
       if (added) some.positions_.push_back(positions_[w]);
       return at->second;
     };
@@ -297,7 +298,8 @@ class CatmullClark {
     return count < 2 ? Rule::smooth : count == 2 ? Rule::crease : Rule::corner;
   }
 
-  Vec3 by_rule(std::uint32_t v, Rule rule, bool next_level, const std::vector<Vec3>& centres) const {
+  Vec3 by_rule(std::uint32_t v, Rule rule, bool next_level,
+               const std::vector<Vec3>& centres) const {
     const Vec3& p = positions_[v];
     if (rule == Rule::corner) return p;
     if (rule == Rule::crease) {

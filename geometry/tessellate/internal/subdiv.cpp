@@ -62,8 +62,8 @@ struct Prepared {
   }
 
   int depth_for(std::uint32_t segments) const {
-    // note: errors are sampled down to an eighth of a segment from the corners, and nearest points are
-    // looked for nearer than that; quarters are half a patch
+    // note: errors are sampled down to an eighth of a segment from the corners, and nearest points
+    // are looked for nearer than that; quarters are half a patch
     const int halvings =
         static_cast<int>(std::bit_width(segments - 1)) + 4 + (cage.all_quads ? 0 : 1);
     return std::clamp(std::max(halvings, sharp_levels(cage)), 2, LimitSurface::kMaxDepth);
@@ -75,7 +75,8 @@ struct Prepared {
   double sharp_faces() const {
     double sum = 0;
     for (const Cage::Edge& e : cage.edges)
-      if (!e.splits() && e.sharpness > 0) sum += std::ldexp(4.0, static_cast<int>(std::ceil(e.sharpness)));
+      if (!e.splits() && e.sharpness > 0)
+        sum += std::ldexp(4.0, static_cast<int>(std::ceil(e.sharpness)));
     return sum;
   }
 

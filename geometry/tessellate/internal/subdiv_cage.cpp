@@ -17,9 +17,7 @@ constexpr std::uint32_t kMostSides = 10000;
 
 ShapeProblem cage_problem(Code code, std::string_view part, std::size_t item,
                           const std::string& what, std::size_t sub_item = 0) {
-  const std::string_view one = part == "faces"     ? "face"
-                               : part == "creases" ? "crease"
-                                                   : "corner";
+  const std::string_view one = part == "faces" ? "face" : part == "creases" ? "crease" : "corner";
   return {code, fmt::format("{} {}: {}", one, item + 1, what), part, item, sub_item};
 }
 
@@ -35,10 +33,9 @@ Problem vertex_problem(const Subdiv& shape, const std::vector<std::uint32_t>& li
 
 Problem sharpness_problem(double sharpness, std::string_view part, std::size_t item) {
   if (sharpness >= 0 && sharpness <= kInfinitelySharp) return std::nullopt;
-  return cage_problem(
-      Code::E2011, part, item,
-      fmt::format("a sharpness of {}, expected 0 to {}", format_double(sharpness),
-                  format_double(kInfinitelySharp)));
+  return cage_problem(Code::E2011, part, item,
+                      fmt::format("a sharpness of {}, expected 0 to {}", format_double(sharpness),
+                                  format_double(kInfinitelySharp)));
 }
 
 Problem face_problem(const Subdiv& shape, std::size_t index) {
@@ -60,9 +57,9 @@ Problem face_problem(const Subdiv& shape, std::size_t index) {
                                     face.texcoords.size(), face.outline.size()));
   for (const std::uint32_t t : face.texcoords)
     if (t >= shape.texcoords.size())
-      return cage_problem(Code::E2001, "faces", index,
-                          fmt::format("texture coordinate index {}, expected below {}", t,
-                                      shape.texcoords.size()));
+      return cage_problem(
+          Code::E2001, "faces", index,
+          fmt::format("texture coordinate index {}, expected below {}", t, shape.texcoords.size()));
   return std::nullopt;
 }
 
@@ -82,7 +79,9 @@ std::vector<Side> sorted_sides(const Cage& cage) {
       sides.push_back({std::min(a, b), std::max(a, b), c, f, a < b});
     }
   std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.corner < b.corner;
+    return a.low != b.low     ? a.low < b.low
+           : a.high != b.high ? a.high < b.high
+                              : a.corner < b.corner;
   });
   return sides;
 }
@@ -109,7 +108,8 @@ Problem add_edges(Cage& cage) {
                       one.low, one.high, one.face + 1));
     const auto number = static_cast<std::uint32_t>(cage.edges.size());
     for (std::size_t k = i; k < end; ++k) cage.edge[sides[k].corner] = number;
-    Cage::Edge edge{one.low, one.high, {one.corner, end - i == 2 ? sides[i + 1].corner : kNoCorner}};
+    Cage::Edge edge{
+        one.low, one.high, {one.corner, end - i == 2 ? sides[i + 1].corner : kNoCorner}};
     if (!one.forward) std::swap(edge.a, edge.b);
     cage.edges.push_back(edge);
     i = end;
@@ -251,10 +251,9 @@ Problem problem(const Subdiv& shape) {
   if (auto bad = coordinate_problem(shape.positions, "positions")) return bad;
   if (auto bad = coordinate_problem(shape.texcoords, "texcoords")) return bad;
   if (shape.levels > Subdiv::kMaxLevels)
-    return ShapeProblem{Code::E2011,
-                        fmt::format("{} levels, expected at most {}", shape.levels,
-                                    Subdiv::kMaxLevels),
-                        "levels"};
+    return ShapeProblem{
+        Code::E2011,
+        fmt::format("{} levels, expected at most {}", shape.levels, Subdiv::kMaxLevels), "levels"};
   if (shape.faces.empty())
     return ShapeProblem{Code::E2015, "no faces, expected at least 1", "faces"};
   Cage cage;

@@ -128,8 +128,7 @@ Vec2 on_side(std::uint32_t side, double t) {
 }
 
 bool CellSurface::evaluate(const Cell& cell, const Vec2& at, LimitPoint& out) const {
-  const Vec2 uv =
-      glm::clamp(cell.origin + at.x * cell.along + at.y * cell.up, Vec2(0), Vec2(1));
+  const Vec2 uv = glm::clamp(cell.origin + at.x * cell.along + at.y * cell.up, Vec2(0), Vec2(1));
   LimitPoint p;
   if (!limit_.evaluate(cell.patch, uv.x, uv.y, p)) return false;
   out.position = p.position;
@@ -142,8 +141,9 @@ CornerLimit CellSurface::corner(const Cell& cell, std::uint32_t which) const {
   LimitPoint p;
   if (evaluate(cell, kCorners[which], p)) return {p.position, normal_of(p)};
   // note: middles of sides are regular
-  return cell.quarter && which == 2 ? limit_.at_centre(cell.face, cell.corner)
-                                    : limit_.at_corner(cell.face, cell.quarter ? cell.corner : which);
+  return cell.quarter && which == 2
+             ? limit_.at_centre(cell.face, cell.corner)
+             : limit_.at_corner(cell.face, cell.quarter ? cell.corner : which);
 }
 
 Vec3 normal_of(const LimitPoint& point) {

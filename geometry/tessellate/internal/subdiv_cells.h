@@ -12,13 +12,13 @@ namespace panwright::geometry::internal {
 // The faces of a cage of four-sided ones; else the quarters of faces, each from a corner to the
 // centre. Side i runs from corner i to the next, counter-clockwise.
 struct Cell {
-  std::uint32_t patch;       // of the limit surface
-  Vec2 origin, along, up;    // of its parameters there
-  std::uint32_t face;        // of the cage
-  std::uint32_t corner;      // of that face, where it is a quarter
-  std::uint32_t rail[4];     // of each side
-  std::uint32_t place[4];    // of each corner
-  Vec2 texcoord[4];          // of each corner
+  std::uint32_t patch;     // of the limit surface
+  Vec2 origin, along, up;  // of its parameters there
+  std::uint32_t face;      // of the cage
+  std::uint32_t corner;    // of that face, where it is a quarter
+  std::uint32_t rail[4];   // of each side
+  std::uint32_t place[4];  // of each corner
+  Vec2 texcoord[4];        // of each corner
   bool quarter;
 };
 

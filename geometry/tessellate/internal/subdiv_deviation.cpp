@@ -82,8 +82,8 @@ void CellDeviation::show(const Vec2 (&at)[3], const Vec3 (&p)[3]) {
     const std::size_t k = (i + 1) % 3;
     found = std::max(found, distance(0.5 * (p[i] + p[k]), 0.5 * (at[i] + at[k]), middles[i]));
   }
-  found = std::max(
-      found, distance((p[0] + p[1] + p[2]) / 3.0, (at[0] + at[1] + at[2]) / 3.0, centre));
+  found =
+      std::max(found, distance((p[0] + p[1] + p[2]) / 3.0, (at[0] + at[1] + at[2]) / 3.0, centre));
   const double expected = 4 * (middles[0] + middles[1] + middles[2]) / 9;
   if (std::fabs(centre - expected) > kParabolic * found) {
     found = std::max(found, densely(at, p));

@@ -58,9 +58,9 @@ struct Arrays {
     descriptor.numCorners = static_cast<int>(corners.size());
     descriptor.cornerVertexIndices = corners.data();
     descriptor.cornerWeights = corner_sharpness.data();
-    scheme.SetVtxBoundaryInterpolation(
-        shape.smooth_border ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
-                            : Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
+    scheme.SetVtxBoundaryInterpolation(shape.smooth_border
+                                           ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
+                                           : Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
   }
 
   std::vector<Point> points;
@@ -89,8 +89,8 @@ Vec3 unit_or_zero(const Vec3& v) {
 Vec3 mean_normal(const Fan& fan) {
   Vec3 sum(0);
   for (std::size_t i = 0; i < fan.faces.size(); ++i)
-    sum += glm::cross(fan.edges[i] - fan.centre,
-                      fan.edges[(i + 1) % fan.edges.size()] - fan.centre);
+    sum +=
+        glm::cross(fan.edges[i] - fan.centre, fan.edges[(i + 1) % fan.edges.size()] - fan.centre);
   return unit_or_zero(sum);
 }
 
@@ -124,8 +124,8 @@ CornerLimit smooth_limit(const Fan& fan) {
   return limit;
 }
 
-// The subdivision of the faces about a vertex, about it: borders of a fan are sharp, and one edge of
-// a ring may be; a number past them is none.
+// The subdivision of the faces about a vertex, about it: borders of a fan are sharp, and one edge
+// of a ring may be; a number past them is none.
 struct FanRule {
   FanRule(const Fan& fan, std::size_t sharp_edge)
       : n(fan.faces.size()), count(fan.edges.size()), ring(fan.ring), sharp(sharp_edge) {}
@@ -209,15 +209,15 @@ Vec3 settled_normal(const Fan& fan, const FanRule& rule) {
   Vec3 tangents[2] = {Vec3(0), Vec3(0)};
   for (std::size_t k = 0; k < 2; ++k)
     for (std::size_t i = 0; i < w[k].size(); ++i)
-      tangents[k] += w[k][i] * ((i < rule.count ? fan.edges[i] : fan.faces[i - rule.count]) -
-                                fan.centre);
+      tangents[k] +=
+          w[k][i] * ((i < rule.count ? fan.edges[i] : fan.faces[i - rule.count]) - fan.centre);
   const Vec3 normal = unit_or_zero(glm::cross(tangents[0], tangents[1]));
   const Vec3 about = mean_normal(fan);
   return glm::dot(normal, about) < 0 ? -normal : normal;
 }
 
-// note: the masks for tangents of Biermann, Levin and Zorin, which OpenSubdiv has, are those of their
-// own rules for edges next to creases: of Catmull-Clark's they are off by up to 0.003 rad
+// note: the masks for tangents of Biermann, Levin and Zorin, which OpenSubdiv has, are those of
+// their own rules for edges next to creases: of Catmull-Clark's they are off by up to 0.003 rad
 CornerLimit crease_limit(const Fan& fan) {
   const Vec3 a = fan.edges.front() - fan.centre, b = fan.edges.back() - fan.centre;
   CornerLimit limit;
@@ -308,7 +308,7 @@ Fan LimitSurface::Impl::fan(int number, Far::Index face, Far::Index vertex, bool
   const Far::TopologyLevel& level = refiner->GetLevel(number);
   const Far::ConstIndexArray edges = level.GetVertexEdges(vertex);
   const Far::ConstIndexArray faces = level.GetVertexFaces(vertex);
-  const auto at = [&](Far::Index v) { 
+  const auto at = [&](Far::Index v) {
     return points[offset[static_cast<std::size_t>(number)] + static_cast<std::size_t>(v)];
   };
   const auto end_of = [&](int e) {
@@ -320,9 +320,8 @@ Fan LimitSurface::Impl::fan(int number, Far::Index face, Far::Index vertex, bool
   while (faces[first] != face) ++first;
   int last = first;
   bool ring = edges.size() == n;
-  if (ring && (whole || std::none_of(edges.begin(), edges.end(), [&](Far::Index e) {
-                 return level.IsEdgeInfSharp(e);
-               }))) {
+  if (ring && (whole || std::none_of(edges.begin(), edges.end(),
+                                     [&](Far::Index e) { return level.IsEdgeInfSharp(e); }))) {
     last = first + n - 1;
   } else {
     // edge i stands before face i

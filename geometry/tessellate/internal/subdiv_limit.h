@@ -33,8 +33,8 @@ class LimitSurface {
   //   positions  V, in place of the shape's own
   //   depth      levels of refinement, 1 to kMaxDepth; at least the largest finite sharpness
   //
-  // Expects: no problem(shape). Cost: O(faces), and O(depth) about irregular vertices, O(2^sharpness)
-  // about semi-sharp edges.
+  // Expects: no problem(shape). Cost: O(faces), and O(depth) about irregular vertices,
+  // O(2^sharpness) about semi-sharp edges.
   LimitSurface(const Subdiv& shape, const Cage& cage, std::span<const Vec3> positions, int depth);
   ~LimitSurface();
 

@@ -95,9 +95,7 @@ class CellMesher {
   static std::uint32_t slot(std::size_t cell, std::uint32_t corner) {
     return static_cast<std::uint32_t>(4 * cell + corner % 4);
   }
-  const Vec2& texcoord(std::uint32_t slot) const {
-    return all_.cells[slot / 4].texcoord[slot % 4];
-  }
+  const Vec2& texcoord(std::uint32_t slot) const { return all_.cells[slot / 4].texcoord[slot % 4]; }
 
   void number_corners() {
     Groups sectors(4 * all_.cells.size()), same(4 * all_.cells.size());
@@ -120,8 +118,8 @@ class CellMesher {
     sector_.resize(4 * all_.cells.size());
     for (std::uint32_t i = 0; i < corner_.size(); ++i) {
       sector_[i] = sectors.root(i);
-      corner_[i] = same.root(i) == i ? static_cast<std::uint32_t>(vertices_++)
-                                     : corner_[same.root(i)];
+      corner_[i] =
+          same.root(i) == i ? static_cast<std::uint32_t>(vertices_++) : corner_[same.root(i)];
     }
   }
 
@@ -153,10 +151,9 @@ class CellMesher {
     out_.mesh.positions[vertex] = position;
     out_.mesh.normals[vertex] = normal;
     if (!texcoords_) return;
-    const Vec2 (&t)[4] = cell.texcoord;
-    // note: along a side this is the same from both cells
-    out_.mesh.texcoords[vertex] = (1 - at.y) * ((1 - at.x) * t[0] + at.x * t[1]) +
-                                  at.y * ((1 - at.x) * t[3] + at.x * t[2]);
+    const Vec2(&t)[4] = cell.texcoord;
+    out_.mesh.texcoords[vertex] =
+        (1 - at.y) * ((1 - at.x) * t[0] + at.x * t[1]) + at.y * ((1 - at.x) * t[3] + at.x * t[2]);
   }
 
   void place_corners() {
@@ -239,7 +236,8 @@ class CellMesher {
 
     bool second_is_shorter(const CellNode& a, const CellNode& b, const CellNode& c,
                            const CellNode& d) const {
-      return glm::length(position(d) - position(b)) < kShorter * glm::length(position(c) - position(a));
+      return glm::length(position(d) - position(b)) <
+             kShorter * glm::length(position(c) - position(a));
     }
 
     CellNode inner(std::uint32_t i, std::uint32_t j) const {
@@ -261,9 +259,9 @@ class CellMesher {
           nodes.push_back({mesher.corner_[slot(index, s + (j == 0 ? 0 : 1))], at});
         } else {
           const std::uint32_t along = second ? count - j : j;
-          nodes.push_back(
-              {static_cast<std::uint32_t>(mesher.rail_start_[2 * rail + (second ? 1 : 0)] + along - 1),
-               at});
+          nodes.push_back({static_cast<std::uint32_t>(
+                               mesher.rail_start_[2 * rail + (second ? 1 : 0)] + along - 1),
+                           at});
         }
       }
       return nodes;
@@ -368,11 +366,11 @@ class CellMesher {
   const Cells& all_;
   const std::vector<std::uint32_t>& rates_;
   bool texcoords_;
-  std::vector<char> shared_;                 // rails whose cells share vertices
-  std::vector<std::uint32_t> corner_;        // 4 a cell: vertices
-  std::vector<std::uint32_t> sector_;        // 4 a cell: the first that has the same normal
-  std::vector<std::uint64_t> rail_start_;    // 2 a rail: vertices from the first cell's begin on
-  std::vector<std::uint64_t> inner_start_;   // of each cell
+  std::vector<char> shared_;                // rails whose cells share vertices
+  std::vector<std::uint32_t> corner_;       // 4 a cell: vertices
+  std::vector<std::uint32_t> sector_;       // 4 a cell: the first that has the same normal
+  std::vector<std::uint64_t> rail_start_;   // 2 a rail: vertices from the first cell's begin on
+  std::vector<std::uint64_t> inner_start_;  // of each cell
   std::vector<std::uint64_t> first_triangle_;
   std::uint64_t vertices_ = 0;
   std::uint64_t triangles_ = 0;

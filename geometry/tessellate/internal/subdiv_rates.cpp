@@ -103,7 +103,10 @@ Rates rates_of(const CellBend& b, double tolerance) {
   const double product = (2 * std::sqrt(b.u) * std::sqrt(b.v) + b.twist) / tolerance;
   if (!(product < 4.0 * kMostSegments * kMostSegments))
     return {kMostSegments + 1.0, kMostSegments + 1.0};
-  const double ratio = b.u > 0 && b.v > 0 ? std::sqrt(b.u / b.v) : b.u > 0 ? 1e9 : b.v > 0 ? 1e-9 : 1;
+  const double ratio = b.u > 0 && b.v > 0 ? std::sqrt(b.u / b.v)
+                       : b.u > 0          ? 1e9
+                       : b.v > 0          ? 1e-9
+                                          : 1;
   const double u = whole(std::max(1.0, std::sqrt(product * ratio)));
   const double v = whole(std::max(1.0, std::sqrt(product / ratio)));
   const Rates by_u{u, whole(beside(b.v, b.u, b.twist, u, tolerance))};
@@ -130,8 +133,7 @@ std::vector<std::uint32_t> rates_for(const Cells& cells, const std::vector<CellB
   std::vector<std::uint32_t> rates(cells.rails.size(), 1);
   for (std::size_t i = 0; i < cells.cells.size(); ++i) {
     const double f = factors[i];
-    const Rates r =
-        rates_of({f * bends[i].u, f * bends[i].v, f * bends[i].twist}, tolerance);
+    const Rates r = rates_of({f * bends[i].u, f * bends[i].v, f * bends[i].twist}, tolerance);
     for (std::uint32_t side = 0; side < 4; ++side) {
       std::uint32_t& rate = rates[cells.cells[i].rail[side]];
       rate = std::max(rate, static_cast<std::uint32_t>(side % 2 == 0 ? r.u : r.v));

@@ -19,8 +19,8 @@ struct CellBend {
 // Measured by second differences. Cost: O(cells).
 std::vector<CellBend> bends_of(const CellSurface& surface);
 
-// The most segments of a side: at the depth of LimitSurface::kMaxDepth all their ends are on regular
-// patches, but for the corners of cells.
+// The most segments of a side: at the depth of LimitSurface::kMaxDepth all their ends are on
+// regular patches, but for the corners of cells.
 inline constexpr std::uint32_t kMostSegments = 1024;
 
 // Segments of each rail with which the bends, each cell's times its factor, stay within the

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "base/text.h"
-#include "geometry/internal/weld.h"
 #include "geometry/internal/triangle.h"
+#include "geometry/internal/weld.h"
 #include "geometry/tessellate/internal/subdiv_cage.h"
 
 namespace panwright::geometry::internal {
@@ -52,9 +52,9 @@ void look_at_faces(const Subdiv& shape, bool closed, std::vector<ShapeProblem>& 
                    "faces", first});
   // sheets of two faces enclose nothing, but for rounding
   if (closed && volume < -1e-12 * extent)
-    out.push_back(
-        {Code::W2009,
-         fmt::format("the cage is closed and inside out: it encloses {:.4g} m³", volume), "subdiv"});
+    out.push_back({Code::W2009,
+                   fmt::format("the cage is closed and inside out: it encloses {:.4g} m³", volume),
+                   "subdiv"});
 }
 
 // Borders that lie on each other.
@@ -127,8 +127,8 @@ CageTurn turn_of(const Subdiv& shape) {
   for (const internal::Cage::Edge& e : cage.edges) {
     if (e.border()) continue;
     const Vec3 &one = normals[face_of[e.corner[0]]], &other = normals[face_of[e.corner[1]]];
-    turn.mean_curvature += 0.5 * glm::length(shape.positions[e.b] - shape.positions[e.a]) *
-                           angle_between(one, other);
+    turn.mean_curvature +=
+        0.5 * glm::length(shape.positions[e.b] - shape.positions[e.a]) * angle_between(one, other);
   }
   return turn;
 }

@@ -74,6 +74,9 @@ double planned(const Tube& shape, const TessellationOptions&);
 double planned(const Extrude& shape, const TessellationOptions&);
 double planned(const Polygons& shape, const TessellationOptions&);
 
+std::vector<CircularEdge> circular_edges(const Tube& shape);
+std::uint32_t segments(const Tube& shape, const TessellationOptions&);
+
 // ---- subdiv*.cpp: cages
 
 Problem problem(const Subdiv& shape);
@@ -82,8 +85,5 @@ double planned(const Subdiv& shape, const TessellationOptions&);
 std::vector<ShapeProblem> warnings(const Subdiv& shape);
 // Whether two faces meet at each edge of the cage.
 bool has_no_border(const Subdiv& shape);
-
-std::vector<CircularEdge> circular_edges(const Tube& shape);
-std::uint32_t segments(const Tube& shape, const TessellationOptions&);
 
 }  // namespace panwright::geometry::internal
