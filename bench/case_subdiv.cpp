@@ -96,6 +96,8 @@ void run(Context& context) {
   for (const cages::Named& subject : cages::all()) {
     Row row{.case_name = "subdiv",
             .setting = fmt::format("{}: vertices of levels 1 to 3", subject.name),
+            .speed_unit = "",
+            .error = 0,
             .error_unit = "m",
             .reference = "cages refined by the rules alone, pushed to the limit by masks",
             .reference_error = 1e-15};
