@@ -55,6 +55,13 @@ struct CurvatureOf {
   Answer operator()(const geometry::Plane&) const { return std::nullopt; }
   Answer operator()(const geometry::Extrude&) const { return std::nullopt; }
   Answer operator()(const geometry::Polygons&) const { return std::nullopt; }
+  // Of what the cage's planes turn by at its edges: half the area over the total mean curvature is
+  // the radius of a cylinder, and half that of a sphere.
+  Answer operator()(const geometry::Subdiv& s) const {
+    const geometry::CageTurn turn = geometry::turn_of(s);
+    if (!(turn.mean_curvature > 1e-9 * std::sqrt(turn.area))) return std::nullopt;
+    return 0.5 * turn.area / turn.mean_curvature;
+  }
   Answer operator()(const geometry::MeshShape&) const { return std::nullopt; }
 };
 
@@ -118,6 +125,8 @@ bool has_explicit_counts(const geometry::Shape& shape) {
           return s.counts.has_value();
         else if constexpr (requires { s.counts.around; })
           return s.counts.around > 0 || s.counts.along > 0;
+        else if constexpr (requires { s.levels; })
+          return s.levels > 0;
         else
           return false;
       },

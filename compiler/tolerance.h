@@ -80,7 +80,8 @@ inline constexpr double kNormalFactor = 0.0161;
 // The smallest radius of curvature that carries a share of a shape, metres: the radius of a sphere,
 // cylinder or tube, the tube's radius of a torus, c²/a of an ellipsoid, the smaller of 2·focal
 // length and radius of a dish, half of the mean radius of a cone or lathe; of rounded edges that of
-// a ball in the box, for their share falls with their radius. None: flat faces and meshes.
+// a ball in the box, for their share falls with their radius; half of the area of a cage over its
+// total mean curvature. None: flat faces and meshes.
 std::optional<double> radius_of_curvature(const geometry::Shape& shape);
 
 // Whether the shape has explicit counts, or is a mesh.

@@ -21,6 +21,9 @@ class Sink {
   void operator()(const Vec2& v) { all(v.x, v.y); }
   void operator()(const Vec3& v) { all(v.x, v.y, v.z); }
   void operator()(const Polygons::Face& f) { all(f.outline, f.holes); }
+  void operator()(const Subdiv::Face& f) { all(f.outline, f.texcoords); }
+  void operator()(const Subdiv::Crease& c) { all(c.path, c.sharpness); }
+  void operator()(const Subdiv::Corner& c) { all(c.vertices, c.sharpness); }
   template <class T>
   void operator()(const std::vector<T>& list) {
     (*this)(std::uint64_t{list.size()});
@@ -77,13 +80,14 @@ bool closed(const Lathe& s) {
 }
 bool closed(const Extrude& s) { return s.caps == Caps::both; }
 bool closed(const Polygons&) { return false; }
+bool closed(const Subdiv& s) { return internal::has_no_border(s); }
 
 }  // namespace
 
 std::string_view kind_name(const Shape& shape) {
   static constexpr std::string_view kNames[] = {
-      "sphere", "mesh", "ellipsoid", "box",  "cylinder", "cone",    "disc",
-      "torus",  "dish", "plane",     "tube", "lathe",    "extrude", "polygons"};
+      "sphere", "mesh",  "ellipsoid", "box",   "cylinder", "cone",     "disc",  "torus",
+      "dish",   "plane", "tube",      "lathe", "extrude",  "polygons", "subdiv"};
   static_assert(std::size(kNames) == std::variant_size_v<Shape>);
   return kNames[shape.index()];
 }

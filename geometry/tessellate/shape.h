@@ -199,22 +199,60 @@ struct Polygons {
   bool operator==(const Polygons&) const = default;
 };
 
+// The sharpness from which on creases and corners stay sharp at every level.
+inline constexpr double kInfinitelySharp = 10;
+
+// The limit surface of a cage under Catmull-Clark subdivision ("Recursively generated B-spline
+// surfaces on arbitrary topological meshes", 1978), with the semi-sharp creases of DeRose, Kass and
+// Truong ("Subdivision surfaces in character animation", 1998). Two faces or one meet at an edge,
+// all with the same side out, and those at a vertex join along edges. The border is the cubic
+// B-spline of its vertices; vertices of a single face stay corners of it unless smooth_border. u,
+// v: linear over each face between its corners'; without them as a Box has them, over the bounds.
+struct Subdiv {
+  struct Face {
+    std::vector<std::uint32_t> outline;    // 3 or more, each < V, none twice
+    std::vector<std::uint32_t> texcoords;  // one for each corner, each < the texcoords; or empty
+    bool operator==(const Face&) const = default;
+  };
+  // Over so many levels a crease is subdivided as a curve of its own, with a fraction at the last.
+  struct Crease {
+    std::vector<std::uint32_t> path;      // 2 or more: each with the next an edge of the cage
+    double sharpness = kInfinitelySharp;  // 0 to kInfinitelySharp; kept in single precision
+    bool operator==(const Crease&) const = default;
+  };
+  struct Corner {
+    std::vector<std::uint32_t> vertices;  // stay where they are, over so many levels
+    double sharpness = kInfinitelySharp;
+    bool operator==(const Corner&) const = default;
+  };
+  std::vector<Vec3> positions;  // V; those that no face uses do nothing
+  std::vector<Vec2> texcoords;
+  std::vector<Face> faces;  // 1 or more
+  std::vector<Crease> creases;
+  std::vector<Corner> corners;
+  bool smooth_border = false;
+  // > 0: each edge of the cage in 2^levels segments, whatever error is allowed; ≤ kMaxLevels
+  std::uint32_t levels = 0;
+  static constexpr std::uint32_t kMaxLevels = 10;
+  bool operator==(const Subdiv&) const = default;
+};
+
 // A mesh as written in a file: exact by definition. Never null.
 using MeshShape = std::shared_ptr<const Mesh>;
 
 using Shape = std::variant<Sphere, MeshShape, Ellipsoid, Box, Cylinder, Cone, Disc, Torus, Dish,
-                           Plane, Tube, Lathe, Extrude, Polygons>;
+                           Plane, Tube, Lathe, Extrude, Polygons, Subdiv>;
 
 // "sphere", "mesh", "box"…: the name of its element in the language.
 std::string_view kind_name(const Shape& shape);
 
 // What is wrong with a shape, and with which of its parts.
 struct ShapeProblem {
-  Code code;              // E2001, E2010 to E2018; W2006, W2007, W2009, W2019
+  Code code;  // E2001, E2002, E2010 to E2018, E2026, E2027; W2006, W2007, W2009, W2019, W2028
   std::string message;    // one lower-case sentence
   std::string_view part;  // member: "radius", "outline", "faces"…; of counts "segments" or "rings"
-  std::size_t item = 0;   // of a list: which point, hole or face
-  std::size_t sub_item = 0;  // of a hole: which point
+  std::size_t item = 0;   // of a list: which point, hole, face, crease or corner
+  std::size_t sub_item = 0;  // of a hole or crease: which point
 };
 
 // The first thing that is wrong with a shape by the rules above, or nothing. Meshes are not
@@ -234,6 +272,16 @@ std::vector<ShapeProblem> shape_warnings_of(const Shape& shape);
 
 // Whether the surface has no border, by its parameters. A mesh: as it says.
 bool is_closed(const Shape& shape);
+
+// How a cage bends: the area of its faces, m², and its total mean curvature, m: half of the length
+// of each edge times the angle, 0 to π, by which the faces there turn; borders count nothing.
+//
+// Expects: no problem_of(shape). Cost: O(corners log corners).
+struct CageTurn {
+  double area = 0;
+  double mean_curvature = 0;
+};
+CageTurn turn_of(const Subdiv& shape);
 
 // Equal shapes have equal hashes; 128 bits make others differ.
 Hash128 hash_of(const Shape& shape);

@@ -133,4 +133,15 @@ void visit_parameters(S& s, Visit&& visit) {
   visit("face", s.faces);
 }
 
+template <AnyOf<Subdiv> S, class Visit>
+void visit_parameters(S& s, Visit&& visit) {
+  visit("vertices", s.positions);
+  visit("texcoords", s.texcoords);
+  visit("face", s.faces);
+  visit("crease", s.creases);
+  visit("corner", s.corners);
+  visit("border", s.smooth_border);
+  visit("levels", s.levels);
+}
+
 }  // namespace panwright::geometry

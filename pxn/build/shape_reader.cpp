@@ -108,7 +108,11 @@ class ShapeReader {
     points_ = points.size();
   }
   void parameter(std::string_view name, std::vector<Vec2>& points) {
-    points = points_2d(child_called(name));
+    const std::uint32_t child = child_called(name);
+    // those of cages need not be there
+    if (child == 0 && name == "texcoords") return;
+    points = points_2d(child);
+    texcoords_ = points.size();
   }
   void parameter(std::string_view name, std::vector<std::vector<Vec2>>& lists) {
     each(element_, name, [&](std::uint32_t c) { lists.push_back(points_2d(c)); });
@@ -126,6 +130,35 @@ class ShapeReader {
     });
     // note: none at all has been reported
     if (faces.empty()) ok_ = false;
+  }
+  void parameter(std::string_view name, std::vector<geometry::Subdiv::Face>& faces) {
+    each(element_, name, [&](std::uint32_t face) {
+      geometry::Subdiv::Face& f = faces.emplace_back();
+      if (const std::uint32_t c = child_of(doc_, face, ElementId::face_outline))
+        ok_ = indices(c, points_, f.outline) && ok_;
+      else
+        ok_ = false;
+      if (const std::uint32_t c = child_of(doc_, face, ElementId::face_uv))
+        ok_ = indices(c, texcoords_, f.texcoords, "texture coordinates") && ok_;
+    });
+    if (faces.empty()) ok_ = false;
+  }
+  void parameter(std::string_view name, std::vector<geometry::Subdiv::Crease>& creases) {
+    each(element_, name, [&](std::uint32_t c) { sharp(c, creases.emplace_back()); });
+  }
+  void parameter(std::string_view name, std::vector<geometry::Subdiv::Corner>& corners) {
+    each(element_, name, [&](std::uint32_t c) { sharp(c, corners.emplace_back()); });
+  }
+  // A crease or corner: vertices and their sharpness.
+  template <class Sharp>
+  void sharp(std::uint32_t child, Sharp& out) {
+    auto& [vertices, sharpness] = out;
+    ok_ = indices(child, points_, vertices) && ok_;
+    const auto which = attribute_of(doc_, child, "sharpness");
+    if (!which || !values_.has(child, *which)) return;
+    const auto value = values_.real(child, *which);
+    ok_ = ok_ && value.has_value();
+    sharpness = value.value_or(sharpness);
   }
 
   std::optional<std::size_t> given(std::string_view name) {
@@ -205,14 +238,16 @@ class ShapeReader {
     return points;
   }
 
-  bool indices(std::uint32_t child, std::size_t limit, std::vector<std::uint32_t>& out) {
+  bool indices(std::uint32_t child, std::size_t limit, std::vector<std::uint32_t>& out,
+               std::string_view of = "vertices") {
     if (!values_.integers(child, out)) return false;
     if (!ok_) return true;  // without the vertices nothing can be said
     for (std::size_t i = 0; i < out.size(); ++i) {
       if (out[i] < limit) continue;
       reporter_.report(Code::E2001, values_.place_of(child, i), doc_, child, [&] {
-        return Reporter::Text(
-            fmt::format("index {} of {} vertices, expected at most {}", out[i], limit, limit - 1));
+        return Reporter::Text(limit == 0 ? fmt::format("index {} of no {}", out[i], of)
+                                         : fmt::format("index {} of {} {}, expected at most {}",
+                                                       out[i], limit, of, limit - 1));
       });
       return false;
     }
@@ -233,13 +268,16 @@ class ShapeReader {
     if (problem.part == "profile") place = list(ElementId::profile, 2);
     if (problem.part == "outline") place = list(ElementId::outline, 2);
     if (problem.part == "positions") place = list(ElementId::vertices, 3);
-    if (problem.part == "holes" || problem.part == "faces") {
-      const ElementId id = problem.part == "holes" ? ElementId::hole : ElementId::face;
+    if (problem.part == "texcoords") place = list(ElementId::cage_texcoords, 2);
+    static constexpr std::pair<std::string_view, std::string_view> kChildren[] = {
+        {"holes", "hole"}, {"faces", "face"}, {"creases", "crease"}, {"corners", "corner"}};
+    if (const std::string_view tag = alias(problem.part, kChildren); tag != problem.part) {
       std::size_t number = 0;
-      each(element_, id, [&](std::uint32_t c) {
+      each(element_, tag, [&](std::uint32_t c) {
         if (number++ != problem.item) return;
-        place =
-            id == ElementId::hole ? values_.place_of(c, problem.sub_item * 2) : doc_.tag_span(c);
+        place = tag == "hole"     ? values_.place_of(c, problem.sub_item * 2)
+                : tag == "crease" ? values_.place_of(c, problem.sub_item)
+                                  : doc_.tag_span(c);
       });
     }
     if (place) return *place;
@@ -268,7 +306,8 @@ class ShapeReader {
   const Units& units_;
   Values& values_;
   Reporter& reporter_;
-  std::size_t points_ = 0;  // of the list that faces refer to
+  std::size_t points_ = 0;     // of the list that faces refer to
+  std::size_t texcoords_ = 0;  // the same
   bool ok_ = true;
 };
 

@@ -36,7 +36,8 @@ bool check_name(const xml::Document& document, std::uint32_t element, SourceSpan
 //
 //   returns  sound by geometry::problem_of; nothing where something is missing or wrong
 //
-// Reports: E1201 to E1203, E1212 to E1224, E2001, E2010 to E2018, W2006, W2007, W2009, W2019.
+// Reports: E1201 to E1203, E1212 to E1224, E2001, E2002, E2010 to E2018, E2026, E2027, W2006, W2007, W2009,
+// W2019, W2028.
 std::optional<geometry::Shape> read_exact_shape(const xml::Document& document,
                                                 std::uint32_t element, const Units& units,
                                                 Values& values, Reporter& reporter);

@@ -101,7 +101,10 @@ class ChildWriter {
   }
   template <class Other>
   void list(std::string_view, const Other&) {}
-  void list(std::string_view tag, const std::vector<Vec2>& values) { points(tag, values); }
+  void list(std::string_view tag, const std::vector<Vec2>& values) {
+    // texture coordinates of cages, where there are none
+    if (!values.empty()) points(tag, values);
+  }
   void list(std::string_view tag, const std::vector<Vec3>& values) { points(tag, values); }
   template <class Item>
   void list(std::string_view tag, const std::vector<std::vector<Item>>& values) {
@@ -114,6 +117,26 @@ class ChildWriter {
       for (const auto& hole : face.holes) indices("hole", hole);
       out_.close(tag);
     }
+  }
+  void list(std::string_view tag, const std::vector<geometry::Subdiv::Face>& faces) {
+    for (const geometry::Subdiv::Face& face : faces) {
+      out_.open(tag);
+      indices("outline", face.outline);
+      if (!face.texcoords.empty()) indices("uv", face.texcoords);
+      out_.close(tag);
+    }
+  }
+  void list(std::string_view tag, const std::vector<geometry::Subdiv::Crease>& creases) {
+    for (const auto& crease : creases) sharp(tag, crease.path, crease.sharpness);
+  }
+  void list(std::string_view tag, const std::vector<geometry::Subdiv::Corner>& corners) {
+    for (const auto& corner : corners) sharp(tag, corner.vertices, corner.sharpness);
+  }
+  void sharp(std::string_view tag, const std::vector<std::uint32_t>& vertices, double sharpness) {
+    out_.open(tag);
+    if (sharpness != geometry::kInfinitelySharp) out_.attribute("sharpness", sharpness);
+    for (const std::uint32_t index : vertices) out_.index(index);
+    out_.close(tag);
   }
   template <class Vector>
   void points(std::string_view tag, const std::vector<Vector>& values) {

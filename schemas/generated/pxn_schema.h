@@ -103,6 +103,11 @@ enum class ElementId : std::uint16_t {
   face_outline,
   face_hole,
   subdiv,
+  cage_texcoords,
+  cage_face,
+  face_uv,
+  cage_crease,
+  cage_corner,
   joint,
   import_joint,
   mli,
@@ -515,6 +520,18 @@ inline constexpr std::size_t polygons_translate = 5;
 inline constexpr std::size_t polygons_rotate = 6;
 inline constexpr std::size_t polygons_quat = 7;
 inline constexpr std::size_t polygons_scale = 8;
+inline constexpr std::size_t subdiv_border = 0;
+inline constexpr std::size_t subdiv_levels = 1;
+inline constexpr std::size_t subdiv_name = 2;
+inline constexpr std::size_t subdiv_material = 3;
+inline constexpr std::size_t subdiv_tolerance = 4;
+inline constexpr std::size_t subdiv_foil = 5;
+inline constexpr std::size_t subdiv_translate = 6;
+inline constexpr std::size_t subdiv_rotate = 7;
+inline constexpr std::size_t subdiv_quat = 8;
+inline constexpr std::size_t subdiv_scale = 9;
+inline constexpr std::size_t cage_crease_sharpness = 0;
+inline constexpr std::size_t cage_corner_sharpness = 0;
 inline constexpr std::size_t joint_node = 0;
 inline constexpr std::size_t joint_name = 1;
 inline constexpr std::size_t joint_type = 2;
@@ -1977,6 +1994,60 @@ inline constexpr Slot kSlots_face[] = {
     {kChoice_face_0, "", 1, 1, ""},
     {kChoice_face_1, "", 0, 0, ""},
 };
+inline constexpr std::string_view kWords_subdiv_border[] = {
+    "corners",
+    "smooth",
+};
+inline constexpr Number kNumbers_subdiv_levels[] = {
+    {"levels", 1, 10, false, false},
+};
+inline constexpr ElementId kChoice_subdiv_1[] = {
+    ElementId::cage_texcoords,
+};
+inline constexpr ElementId kChoice_subdiv_2[] = {
+    ElementId::cage_face,
+};
+inline constexpr ElementId kChoice_subdiv_3[] = {
+    ElementId::cage_crease,
+};
+inline constexpr ElementId kChoice_subdiv_4[] = {
+    ElementId::cage_corner,
+};
+inline constexpr Attribute kAttributes_subdiv[] = {
+    {"border", 1, true, false, {ValueKind::word, 1, {}, kWords_subdiv_border, Dimension::none, false, false, 1, 0}, {}, "corners", false},
+    {"levels", 1, true, false, {ValueKind::integer, 1, kNumbers_subdiv_levels, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
+    {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
+    {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},
+    {"quat", 1, true, false, {ValueKind::real, 4, kNumbers_quat, {}, Dimension::none, false, false, 1, 0}, kInitial_mesh_quat, "", false},
+    {"scale", 1, true, false, {ValueKind::real, 3, kNumbers_scaling, {}, Dimension::none, false, true, 1, 0}, kInitial_mesh_scale, "", false},
+};
+inline constexpr Slot kSlots_subdiv[] = {
+    {kChoice_polygons_0, "", 1, 1, ""},
+    {kChoice_subdiv_1, "", 0, 1, ""},
+    {kChoice_subdiv_2, "", 1, 0, ""},
+    {kChoice_subdiv_3, "", 0, 0, ""},
+    {kChoice_subdiv_4, "", 0, 0, ""},
+};
+inline constexpr ElementId kChoice_cage_face_1[] = {
+    ElementId::face_uv,
+};
+inline constexpr Slot kSlots_cage_face[] = {
+    {kChoice_face_0, "", 1, 1, ""},
+    {kChoice_cage_face_1, "", 0, 1, ""},
+};
+inline constexpr Number kNumbers_cage_crease_sharpness[] = {
+    {"sharpness", 0, 10, false, false},
+};
+inline constexpr double kInitial_cage_crease_sharpness[] = {
+    10,
+};
+inline constexpr Attribute kAttributes_cage_crease[] = {
+    {"sharpness", 1, true, false, {ValueKind::real, 1, kNumbers_cage_crease_sharpness, {}, Dimension::none, false, false, 1, 0}, kInitial_cage_crease_sharpness, "", false},
+};
 inline constexpr std::string_view kWords_joint_type[] = {
     "fixed",
     "revolute",
@@ -2584,9 +2655,24 @@ inline constexpr Element kElements[] = {
     {"hole", 1, true,
      {ValueKind::integer, 0, kNumbers_tristrip, {}, Dimension::none, false, false, 1, 3},
      {}, {}, {}, false},
-    {"subdiv", 1, false,
+    {"subdiv", 1, true,
      {},
+     kAttributes_subdiv, kSlots_subdiv, kRules_mesh, true},
+    {"texcoords", 1, true,
+     {ValueKind::real, 0, kNumbers_path, {}, Dimension::none, false, false, 2, 1},
      {}, {}, {}, false},
+    {"face", 1, true,
+     {},
+     {}, kSlots_cage_face, {}, false},
+    {"uv", 1, true,
+     {ValueKind::integer, 0, kNumbers_tristrip, {}, Dimension::none, false, false, 1, 3},
+     {}, {}, {}, false},
+    {"crease", 1, true,
+     {ValueKind::integer, 0, kNumbers_tristrip, {}, Dimension::none, false, false, 1, 2},
+     kAttributes_cage_crease, {}, {}, false},
+    {"corner", 1, true,
+     {ValueKind::integer, 0, kNumbers_tristrip, {}, Dimension::none, false, false, 1, 1},
+     kAttributes_cage_crease, {}, {}, false},
     {"joint", 1, true,
      {},
      kAttributes_joint, kSlots_group, kRules_joint, false},

@@ -51,6 +51,15 @@ const std::map<ElementId, std::string>& models() {
       {ElementId::polygons,
        "<polygons @><vertices>0 0 0 1 0 0 0 1 0</vertices><face><outline>0 1 2</outline></face>"
        "</polygons>"},
+      {ElementId::subdiv,
+       "<subdiv @><vertices>0 0 0 1 0 0 0 1 0</vertices><face><outline>0 1 2</outline></face>"
+       "</subdiv>"},
+      {ElementId::cage_crease,
+       "<subdiv><vertices>0 0 0 1 0 0 0 1 0 1 1 1</vertices><face><outline>0 1 2</outline></face>"
+       "<face><outline>1 3 2</outline></face><crease @>1 2</crease></subdiv>"},
+      {ElementId::cage_corner,
+       "<subdiv><vertices>0 0 0 1 0 0 0 1 0 1 1 1</vertices><face><outline>0 1 2</outline></face>"
+       "<face><outline>1 3 2</outline></face><corner @>1 2</corner></subdiv>"},
       {ElementId::mli, foil("", "@")},
       {ElementId::wrinkle, foil("<wrinkle wavelength='0.1' amplitude='0.01' @/>")},
       {ElementId::crease, foil("<crease density='100' depth='0.01' length='0.1' @/>")},

@@ -92,7 +92,7 @@ TEST(Diagnostics, PlacesAndWords) {
        "6:8 E1104 <child> takes at most one node; this one is left out (put the nodes into "
        "a <group>)\n"},
       {"E1105", "3:11 E1105 <group> takes no text, found 'a sphere:'\n"},
-      {"E1106", "3:10 E1106 <subdiv> is not supported yet; it is left out\n"},
+      {"E1106", "3:4 E1106 'box' belongs to level 1 of the language, and this file says 0\n"},
       {"E1107-root",
        "1:2 E1107 the root element is <pangu>, not <pangu_model> (did you mean "
        "'pangu_model'?)\n"},

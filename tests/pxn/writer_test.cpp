@@ -273,7 +273,7 @@ class Maker {
   }
 
   geometry::Shape random_shape() {
-    switch (below(14)) {
+    switch (below(15)) {
       case 0: {
         geometry::Sphere s;
         s.radius = positive();
@@ -331,6 +331,21 @@ class Maker {
         s.height = positive();
         s.smooth = below(2) * unit();
         s.caps = caps();
+        return s;
+      }
+      case 13: {
+        geometry::Subdiv s;
+        for (std::uint32_t i = 0; i < 6; ++i)
+          s.positions.push_back({i % 3 + unit() / 4, i / 3 + unit() / 4, unit()});
+        s.faces = {{{0, 1, 4, 3}, {}}, {{1, 2, 5, 4}, {}}};
+        if (below(2) == 0) {
+          s.texcoords = {{0, unit()}, {1, 0}, {1, unit()}, {0, 1}};
+          for (auto& face : s.faces) face.texcoords = {0, below(4), 2, 3};
+        }
+        if (below(2) == 0) s.creases.push_back({{2, 1, 4}, below(2) == 0 ? 10 : unit()});
+        if (below(2) == 0) s.corners.push_back({{4, 5}, 9 * unit()});
+        s.smooth_border = below(2) == 0;
+        s.levels = below(3);
         return s;
       }
       default: {

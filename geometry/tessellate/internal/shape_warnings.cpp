@@ -382,6 +382,7 @@ void look_at(const Extrude& s, ShapeWarnings& out) {
 }
 
 void look_at(const Polygons& s, ShapeWarnings& out) { PolygonsReader(s).look(out); }
+void look_at(const Subdiv& s, ShapeWarnings& out) { out = internal::warnings(s); }
 void look_at(const MeshShape&, ShapeWarnings&) {}
 
 }  // namespace

@@ -77,4 +77,13 @@ double planned(const Polygons& shape, const TessellationOptions&);
 std::vector<CircularEdge> circular_edges(const Tube& shape);
 std::uint32_t segments(const Tube& shape, const TessellationOptions&);
 
+// ---- subdiv*.cpp: cages
+
+Problem problem(const Subdiv& shape);
+Result<Mesh> make(const Subdiv& shape, const TessellationOptions&, SourceSpan, DiagnosticLog&);
+double planned(const Subdiv& shape, const TessellationOptions&);
+std::vector<ShapeProblem> warnings(const Subdiv& shape);
+// Whether two faces meet at each edge of the cage.
+bool has_no_border(const Subdiv& shape);
+
 }  // namespace panwright::geometry::internal

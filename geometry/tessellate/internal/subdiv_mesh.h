@@ -1,0 +1,36 @@
+// Triangles over the cells of a cage.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/mesh.h"
+#include "geometry/tessellate/internal/subdiv_cells.h"
+
+namespace panwright::geometry::internal {
+
+// How many a mesh with so many segments on each rail has.
+struct CellCounts {
+  double triangles = 0;
+  double vertices = 0;  // at most
+};
+CellCounts counts_of(const Cells& cells, const std::vector<std::uint32_t>& rates);
+
+struct CellMesh {
+  Mesh mesh;
+  std::vector<double> errors;  // of each cell, measured
+};
+
+// Each cell is a grid of as many segments as the larger of its opposite sides; where a side has
+// fewer, the strip along it joins the two. Vertices stand on the limit. Cells that share a side
+// share its positions, bit for bit, and the vertices unless normals or texture coordinates differ.
+//
+// Errors are the largest distances of sampled points of triangles from the surface, with the peak
+// of the parabola through them, and of borders and sharp edges from their curves. A point's
+// distance is that to the surface at its own parameters, or one step of Gauss and Newton beyond.
+//
+// Expects: kMostSegments at most. Cost: O(triangles), on all cores.
+CellMesh mesh_of(const CellSurface& surface, const std::vector<std::uint32_t>& rates,
+                 bool texcoords);
+
+}  // namespace panwright::geometry::internal
