@@ -107,6 +107,9 @@ void add_engine(const DrawOptions& draw, Json& view) {
       view["levels"] = "off";
     else if (draw.gl.level_pixel)
       view["levels"] = *draw.gl.level_pixel;
+    if (draw.gl.imposters != preview::Imposters::automatic)
+      view["imposters"] = draw.gl.imposters == preview::Imposters::off ? "off" : "always";
+    if (draw.gl.psf_sigma > 0) view["psf"] = draw.gl.psf_sigma;
     return;
   }
   const preview::ReferenceOptions& reference = draw.reference;
