@@ -15,6 +15,8 @@ constexpr Vec2 kCentre(0.31, 0.13);
 
 // Largest side of a target that has an imposter by itself, pixels.
 constexpr double kSmall = 64;
+// So many times the texels of a disc's side are along the side of the box about a round target.
+constexpr double kBoxOfDisc = 1.55;
 // Texels a pixel, at least.
 constexpr double kLeastRate = 4;
 // Targets share an imposter unless one is so many times as large as the other.
@@ -47,7 +49,7 @@ double pixels_of(const world::Camera& camera) { return std::max(camera.focal.x, 
 }  // namespace
 
 std::uint32_t texels_for(double flux_error) {
-  const double texels = 2 * std::pow(kDiscError / flux_error, 2.0 / 3.0);
+  const double texels = 2 * kBoxOfDisc * std::pow(kDiscError / flux_error, 2.0 / 3.0);
   return static_cast<std::uint32_t>(std::ceil(std::clamp(texels, 64.0, 16384.0)));
 }
 

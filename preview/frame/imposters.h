@@ -58,7 +58,8 @@ struct Imposter {
 // Sets the camera and the texels' places.
 void place_imposter(const world::Camera& camera, Imposter& imposter);
 
-// The texels along a side that leave so much of the flux of a disc, relative.
+// The texels along the side of a box that leave so much of the flux of what is round in it,
+// relative.
 std::uint32_t texels_for(double flux_error);
 
 // Which targets become imposters, and how fine.
