@@ -640,8 +640,7 @@ bool Renderer::Impl::submit_state(const world::World& world, const world::Camera
     spare.pop_back();
   }
   std::span<Imposter> imposters;
-  if (options.imposters == Imposters::always ||
-      (options.imposters == Imposters::automatic && options.samples == 0))
+  if (options.imposters == Imposters::always || options.samples == 0 || options.imposter_pixels)
     imposters = imposter_finder.find(camera, *visible, options, most_texels());
   if (!imposters.empty() &&
       !draw_imposters(world, camera, options, levels, imposters, index, log))

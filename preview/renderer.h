@@ -40,7 +40,7 @@ struct SamplingReport {
 // Whether targets are drawn by themselves, finer than pixels, and added by exact areas
 // (docs/imposters.md).
 enum class Imposters {
-  automatic,  // small ones, where samples = 0
+  automatic,  // small ones
   off,
   always,  // all that a framebuffer holds at four texels a pixel
 };
@@ -53,9 +53,12 @@ struct RenderOptions {
   // radiance) and of the flux; > 0. docs/sampling.md
   double pixel_error = 0.05;
   Imposters imposters = Imposters::automatic;
-  // Of the flux of imposters, relative, that their texels may leave; > 0. Reached but where texels
-  // end (SamplingReport).
-  double flux_error = 2e-4;
+  // Of automatic ones: the largest side, pixels, whatever the samples; none: small ones, and only
+  // where samples = 0.
+  std::optional<double> imposter_pixels;
+  // The error of an imposter's flux that is aimed at, relative, > 0: as estimated from its texels
+  // (SamplingReport).
+  double flux_error = 5e-4;
   // Of the camera: the RMS width of a Gaussian that the image plane is folded with before pixels
   // integrate it, pixels; 0: none. Exact in imposters; elsewhere the pixels are folded with the
   // discrete kernel of that variance. Truth layers have none.

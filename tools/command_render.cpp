@@ -31,7 +31,8 @@ struct Options {
   std::optional<std::string> shadow_side;  // texels
   std::optional<std::string> levels;
   std::optional<std::string> imposters;
-  std::optional<std::string> psf;  // pixels
+  std::optional<std::string> flux_error;  // share
+  std::optional<std::string> psf;         // pixels
   bool explain = false;
   std::optional<std::string> max_image_bytes;
 
@@ -136,9 +137,12 @@ void declare_all(Arguments& arguments, Options& options) {
       .add("--imposters", options.imposters,
            "Draw targets by themselves, finer than pixels, and add them by exact areas: auto "
            "(default): those of up to 64 pixels, with --samples auto; off; always: all that are "
-           "not too large")
-      .one_of({"auto", "off", "always"})
-      .type("auto|off|always");
+           "not too large; or those of up to so many pixels")
+      .type("auto|off|always|PIXELS");
+  arguments
+      .add("--flux-error", options.flux_error,
+           "The error of an imposter's flux to aim at (default 0.05%)")
+      .type("SHARE");
   arguments
       .add("--psf", options.psf,
            "Point spread function of the camera: a Gaussian of so many pixels RMS, which pixels "
@@ -178,6 +182,7 @@ Result<workspace::ViewText> typed_view(const Options& options, DiagnosticLog& lo
   typed->shadow_side = options.shadow_side;
   typed->levels = options.levels;
   typed->imposters = options.imposters;
+  typed->flux_error = options.flux_error;
   typed->psf = options.psf;
   typed->until_error = options.until_error;
   typed->max_samples = options.max_samples;

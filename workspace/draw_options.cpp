@@ -96,6 +96,7 @@ const char* stray_option(const ViewText& text, bool traced) {
     if (text.pixel_error) return "pixel-error";
     if (text.levels) return "levels";
     if (text.imposters) return "imposters";
+    if (text.flux_error) return "flux-error";
     return text.shadow_side ? "shadow-side" : nullptr;
   }
   if (text.until_error) return "until-error";
@@ -118,6 +119,20 @@ unsigned read_samples(const ViewText& text, bool traced, Reader& reader) {
   return 1;
 }
 
+void read_imposters(const ViewText& text, Reader& reader, preview::RenderOptions& gl) {
+  reader.share("flux-error", text.flux_error, "0.1%", gl.flux_error);
+  if (!text.imposters || *text.imposters == "auto") return;
+  const auto pixels = parse_numbers(*text.imposters, 1);
+  if (*text.imposters == "off")
+    gl.imposters = preview::Imposters::off;
+  else if (*text.imposters == "always")
+    gl.imposters = preview::Imposters::always;
+  else if (pixels && (*pixels)[0] >= 0)
+    gl.imposter_pixels = (*pixels)[0];
+  else
+    reader.refuse("imposters", text.imposters, "auto, off, always, or a number of pixels");
+}
+
 void read_gl(const ViewText& text, Reader& reader, DrawOptions& draw) {
   preview::RenderOptions& gl = draw.gl;
   gl.samples = draw.samples;
@@ -134,12 +149,7 @@ void read_gl(const ViewText& text, Reader& reader, DrawOptions& draw) {
   if (no_shadows && text.shadow_side)
     reader.fail("--shadow-side cannot be combined with --no-shadows");
   if (no_shadows) gl.shadow_side = 0;
-  if (text.imposters == "off")
-    gl.imposters = preview::Imposters::off;
-  else if (text.imposters == "always")
-    gl.imposters = preview::Imposters::always;
-  else if (text.imposters && *text.imposters != "auto")
-    reader.refuse("imposters", text.imposters, "auto, off or always");
+  read_imposters(text, reader, gl);
   if (!text.levels || *text.levels == "auto") return;
   gl.levels = *text.levels != "off";
   if (!gl.levels) return;

@@ -77,6 +77,8 @@ Field field_of(ViewOption option) {
       return &ViewText::levels;
     case ViewOption::imposters:
       return &ViewText::imposters;
+    case ViewOption::flux_error:
+      return &ViewText::flux_error;
     case ViewOption::psf:
       return &ViewText::psf;
     case ViewOption::until_error:
@@ -313,7 +315,8 @@ constexpr Field kGroups[][4] = {
     {&ViewText::psf, &ViewText::filter, nullptr, nullptr},
 };
 constexpr Field kOfGl[] = {&ViewText::pixel_error, &ViewText::adaptive, &ViewText::no_shadows,
-                           &ViewText::shadow_side, &ViewText::levels,   &ViewText::imposters};
+                           &ViewText::shadow_side, &ViewText::levels,   &ViewText::imposters,
+                           &ViewText::flux_error};
 constexpr Field kOfReference[] = {&ViewText::until_error, &ViewText::max_samples,
                                   &ViewText::bounces,     &ViewText::seed,
                                   &ViewText::filter,      &ViewText::no_sun_disc};

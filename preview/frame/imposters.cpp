@@ -15,8 +15,9 @@ constexpr Vec2 kCentre(0.31, 0.13);
 
 // Largest side of a target that has an imposter by itself, pixels.
 constexpr double kSmall = 64;
-// So many times the texels of a disc's side are along the side of the box about a round target.
-constexpr double kBoxOfDisc = 1.55;
+// So many times the texels of a disc's side are along the side of the box about a round target; a
+// little more, so that few are drawn twice.
+constexpr double kBoxOfDisc = 2;
 // Texels a pixel, at least.
 constexpr double kLeastRate = 4;
 // Targets share an imposter unless one is so many times as large as the other.
@@ -110,7 +111,9 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
   if (options.imposters == Imposters::off) return {};
   const double pixels = pixels_of(camera);
   const double limit = (most_side - 4) / kLeastRate;
-  const double largest = options.imposters == Imposters::always ? limit : kSmall;
+  const double largest = options.imposters == Imposters::always
+                             ? limit
+                             : std::min(limit, options.imposter_pixels.value_or(kSmall));
   for (std::uint32_t v = 0; v < visible.targets.size(); ++v) {
     Imposter one;
     bool before = true;
