@@ -11,11 +11,13 @@
 #include <utility>
 
 #include "preview/frame/ground_truth.h"
+#include "preview/frame/imposters.h"
 #include "preview/frame/level_states.h"
 #include "preview/frame/passes.h"
 #include "preview/frame/read_back.h"
 #include "preview/frame/samples.h"
 #include "preview/frame/sampling.h"
+#include "preview/frame/texel_areas.h"
 
 namespace panwright::preview {
 namespace {
@@ -32,6 +34,7 @@ constexpr std::uint64_t kMostItems = (1u << 24) - 1;
          std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
          std::isfinite(camera.principal.x + camera.principal.y) && unit(camera.world_from_camera) &&
          options.samples <= 64 && options.tile_side >= options.samples &&
+         options.flux_error > 0 && options.psf_sigma >= 0 && options.psf_sigma <= 64 &&
          (options.samples > 0 || (options.pixel_error > 0 && options.tile_side >= 64)) &&
          (options.shadow_side == 0 ||
           (options.shadow_side >= 16 && options.shadow_side <= kMaxSide));
@@ -97,6 +100,8 @@ struct Renderer::Impl {
     // Where levels of detail fade: the weight of `image`, and the sum of the others, weighted.
     double weight = 1;
     std::vector<float> other_radiance, other_coverage;
+    double psf_sigma = 0;
+    std::vector<ImposterPatch> patches;  // of imposters
   };
   // A part of an image on its way.
   struct TileUnderWay {
@@ -121,11 +126,19 @@ struct Renderer::Impl {
   bool update(const world::World& world, const world::Camera& camera, const RenderOptions& options,
               DiagnosticLog& log);
   const VisibleSet* look(const world::World& world, const world::Camera& camera,
-                         const LevelState& levels, DiagnosticLog& log);
+                         const LevelState& levels, VisibleSetFinder& finder, DiagnosticLog& log);
   bool submit(const world::World& world, const world::Camera& camera, const RenderOptions& options,
               DiagnosticLog& log);
   bool submit_state(const world::World& world, const world::Camera& camera,
                     const RenderOptions& options, const LevelState& levels, DiagnosticLog& log);
+  bool draw_imposters(const world::World& world, const world::Camera& camera,
+                      const RenderOptions& options, const LevelState& levels,
+                      std::span<Imposter> imposters, std::size_t frame, DiagnosticLog& log);
+  bool draw_texels(const world::World& world, const RenderOptions& options,
+                   const LevelState& levels, const Imposter& imposter, std::size_t frame,
+                   DiagnosticLog& log);
+  std::uint32_t most_texels() const;
+  static void finish(Frame& frame);
   bool take_all(std::size_t frame, DiagnosticLog& log);
   bool submit_radiance(FrameScene scene, const RenderOptions& options, std::size_t frame,
                        DiagnosticLog& log);
@@ -170,6 +183,10 @@ struct Renderer::Impl {
   std::span<const LevelState> level_choices;      // of level_states
   std::vector<float> sum_radiance, sum_coverage;  // of images that are parts of one
   VisibleSetFinder visible_sets;
+  ImposterFinder imposter_finder;
+  Image other_texels;  // of targets without imposters
+  VisibleSetFinder drawn_sets;       // of what one draw shows, where targets are left out
+  std::vector<std::uint8_t> hidden;  // of the world's targets, which
   TileScene on_tile;
 };
 
@@ -233,11 +250,13 @@ bool Renderer::Impl::update(const world::World& world, const world::Camera& came
         {&world[i].pose(), states[i].bounds ? &*states[i].bounds : nullptr, states[i].steps.get()});
   level_choices = level_states.find(
       camera, leveled, options.levels ? options.level_pixel : std::optional<double>(0));
+  hidden.assign(world.size(), 0);
   return true;
 }
 
 const VisibleSet* Renderer::Impl::look(const world::World& world, const world::Camera& camera,
-                                       const LevelState& levels, DiagnosticLog& log) {
+                                       const LevelState& levels, VisibleSetFinder& finder,
+                                       DiagnosticLog& log) {
   shapes.clear();
   std::uint64_t items = 0;
   for (std::size_t i = 0; i < world.size(); ++i) {
@@ -245,8 +264,8 @@ const VisibleSet* Renderer::Impl::look(const world::World& world, const world::C
     const TargetState& state = states[i];
     const auto count = static_cast<std::uint32_t>(world[i].model()->instances().size() +
                                                   world[i].model()->levels().size());
-    shapes.push_back(
-        {&world[i].pose(), state.bounds ? &*state.bounds : nullptr, state.items(), count});
+    const bool shown = state.bounds && !hidden[i];
+    shapes.push_back({&world[i].pose(), shown ? &*state.bounds : nullptr, state.items(), count});
     items += count;
   }
   if (items > kMostItems) {
@@ -256,7 +275,7 @@ const VisibleSet* Renderer::Impl::look(const world::World& world, const world::C
                                 items, kMostItems));
     return nullptr;
   }
-  return &visible_sets.find(camera, shapes);
+  return &finder.find(camera, shapes);
 }
 
 bool Renderer::Impl::fail(ReadBack::Wait why, DiagnosticLog& log) {
@@ -333,7 +352,8 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
   if (shadows &&
       !shadow_maps.update(shared, scene, {options.shadow_side, options.max_shadow_bytes}, log, job))
     return false;
-  if (shadows) frames[frame].report.shadow_edge = shadow_maps.edge_error();
+  double& shadow_edge = frames[frame].report.shadow_edge;
+  if (shadows) shadow_edge = std::max(shadow_edge, shadow_maps.edge_error());
   if (adaptive) return sampled(scene, options, formats, frame, log);
   for (Tiles whole(image.width, image.height, tile_side); whole; whole.next()) {
     on_tile.find(scene, *whole);
@@ -375,9 +395,10 @@ bool Renderer::Impl::sampled(const FrameScene& scene, const RenderOptions& optio
   Image& image = frames[frame].image;
   clear_around({0, 0, image.width, image.height}, {}, image);
   if (!sampling->render(scene, options, formats, image, job, log)) return false;
-  const double shadow_edge = frames[frame].report.shadow_edge;
-  frames[frame].report = sampling->report();
-  frames[frame].report.shadow_edge = shadow_edge;
+  const SamplingReport sampled_report = sampling->report();
+  frames[frame].report.samples += sampled_report.samples;
+  frames[frame].report.rmse = sampled_report.rmse;
+  frames[frame].report.flux = sampled_report.flux;
   if (shared.went_well(log)) return true;
   shadow_maps.forget();  // what failed may have been one of them
   return false;
@@ -466,7 +487,7 @@ void Renderer::Impl::drop() {
 // Of two images that are parts of one.
 static SamplingReport sum_of(const SamplingReport& a, const SamplingReport& b) {
   return {a.samples + b.samples, std::max(a.rmse, b.rmse), std::max(a.flux, b.flux),
-          std::max(a.shadow_edge, b.shadow_edge)};
+          std::max(a.shadow_edge, b.shadow_edge), b.imposters};
 }
 
 bool Renderer::Impl::submit(const world::World& world, const world::Camera& camera,
@@ -475,7 +496,8 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
   make_passes();
   set_state();
   if (!update(world, camera, options, log)) return false;
-  SamplingReport report;
+  shadow_maps.begin_image();
+  SamplingReport total;
   sum_radiance.clear();
   sum_coverage.clear();
   for (std::size_t i = 0; i + 1 < level_choices.size(); ++i) {
@@ -486,19 +508,20 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
     if (!take_all(index, log)) return false;
     Frame& frame = frames[index];
     --used_frames;
+    finish(frame);
     const auto weight = static_cast<float>(level_choices[i].weight);
     sum_radiance.resize(frame.image.radiance.size());
     sum_coverage.resize(frame.image.coverage.size());
     add_weighted(frame.image.radiance, weight, sum_radiance);
     add_weighted(frame.image.coverage, weight, sum_coverage);
-    report = sum_of(report, frame.report);
+    total = sum_of(total, frame.report);
   }
   if (!submit_state(world, camera, options, level_choices.back(), log)) return false;
   Frame& frame = frames[(first_frame + used_frames - 1) % kFrames];
   frame.weight = level_choices.back().weight;
   frame.other_radiance.swap(sum_radiance);
   frame.other_coverage.swap(sum_coverage);
-  frame.report = sum_of(report, frame.report);
+  frame.report = sum_of(total, frame.report);
   return true;
 }
 
@@ -514,35 +537,136 @@ bool Renderer::Impl::take_all(std::size_t index, DiagnosticLog& log) {
   return true;
 }
 
+// What an imposter shows, into the image of a frame.
+bool Renderer::Impl::draw_texels(const world::World& world, const RenderOptions& options,
+                                 const LevelState& levels, const Imposter& imposter,
+                                 std::size_t frame, DiagnosticLog& log) {
+  const VisibleSet* shown = look(world, imposter.camera, levels, drawn_sets, log);
+  if (!shown) return false;
+  reset(frames[frame].image, imposter.camera, false);
+  FrameScene scene{world, imposter.camera, states, *shown};
+  scene.pixel = imposter.rate();
+  if (submit_radiance(scene, options, frame, log) && take_all(frame, log)) return true;
+  abandon(frame);
+  return false;
+}
+
+// Adds to the frame's patches and report; hides what is in an imposter.
+bool Renderer::Impl::draw_imposters(const world::World& world, const world::Camera& camera,
+                                    const RenderOptions& options, const LevelState& levels,
+                                    std::span<Imposter> imposters, std::size_t index,
+                                    DiagnosticLog& log) {
+  // so much more than asked is worth another draw
+  constexpr double kEnough = 1.5;
+  const std::uint32_t most_side = most_texels();
+  Frame& frame = frames[index];
+  RenderOptions own = options;
+  own.samples = 1;
+  own.adaptive = false;
+  std::vector<PlaneRect> finer;
+  const auto hide = [&](const Imposter& imposter, std::uint8_t how) {
+    for (const std::uint32_t v : imposter.targets)
+      hidden[visible_sets.last().targets[v].target] = how;
+  };
+  for (std::size_t i = 0; i < imposters.size(); ++i) {
+    Imposter& imposter = imposters[i];
+    const auto start = std::chrono::steady_clock::now();
+    finer.clear();
+    for (const Imposter& other : imposters.subspan(i + 1))
+      if (other.rect.overlaps(imposter.rect)) {
+        finer.push_back(other.rect);
+        hide(other, 1);
+      }
+    double flux_error = 0;
+    for (int draw = 0; draw < 2; ++draw) {
+      place_imposter(camera, imposter);
+      if (!draw_texels(world, own, levels, imposter, index, log)) return false;
+      flux_error = flux_error_of(frame.image);
+      if (flux_error <= kEnough * options.flux_error || imposter.texels >= most_side) break;
+      if (draw > 0) break;
+      const double more = std::pow(flux_error / options.flux_error, 2.0 / 3.0);
+      imposter.texels = static_cast<std::uint32_t>(
+          std::min<double>(most_side, std::ceil(more * imposter.texels)));
+    }
+    double texels = static_cast<double>(frame.image.pixels());
+    if (!imposter.alone) {
+      // what it stands before or behind is in the image already
+      std::swap(other_texels, frame.image);
+      for (const Imposter& other : imposters) hide(other, 1);
+      if (!draw_texels(world, own, levels, imposter, index, log)) return false;
+      std::swap(other_texels, frame.image);
+      texels *= 2;
+    }
+    frame.patches.push_back(patch_of(imposter, frame.image, imposter.alone ? nullptr : &other_texels,
+                                     finer, options.psf_sigma, camera.width, camera.height));
+    for (const Imposter& other : imposters) hide(other, 0);
+    frame.report.samples += texels / (static_cast<double>(camera.width) * camera.height);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    ImposterReport done{
+        {}, imposter.extent, imposter.camera.width, imposter.camera.height, flux_error,
+        took.count()};
+    for (const std::uint32_t v : imposter.targets)
+      done.targets.push_back(visible_sets.last().targets[v].target);
+    frame.report.imposters.push_back(std::move(done));
+  }
+  for (const Imposter& imposter : imposters) hide(imposter, 1);
+  return true;
+}
+
+// Texels that a side of an imposter may have.
+std::uint32_t Renderer::Impl::most_texels() const {
+  constexpr std::uint32_t kMost = 2048;  // less the border; all fit into one framebuffer
+  return std::min(kMost, shared.context->limits().framebuffer_side);
+}
+
 bool Renderer::Impl::submit_state(const world::World& world, const world::Camera& camera,
                                   const RenderOptions& options, const LevelState& levels,
                                   DiagnosticLog& log) {
-  const VisibleSet* visible = look(world, camera, levels, log);
+  std::fill(hidden.begin(), hidden.end(), std::uint8_t{0});
+  const VisibleSet* visible = look(world, camera, levels, visible_sets, log);
   if (!visible) return false;
   const std::size_t index = (first_frame + used_frames) % kFrames;
   Frame& frame = frames[index];
   frame.weight = 1;
   frame.other_radiance.clear();
   frame.other_coverage.clear();
+  frame.patches.clear();
+  frame.psf_sigma = options.psf_sigma;
+  frame.tiles = 0;
+  frame.report = {};
+  frame.why_empty = why_empty(world, *visible);
   if (!spare.empty() && frame.image.radiance.empty()) {
     frame.image = std::move(spare.back());
     spare.pop_back();
   }
+  std::span<Imposter> imposters;
+  if (options.imposters == Imposters::always || options.samples == 0 || options.imposter_pixels)
+    imposters = imposter_finder.find(camera, *visible, options, most_texels());
+  if (!imposters.empty() &&
+      !draw_imposters(world, camera, options, levels, imposters, index, log))
+    return false;
+  frame.report.samples += static_cast<double>(options.samples) * options.samples;
   reset(frame.image, camera, options.ground_truth);
   frame.image.unit = world.sun().irradiance ? "W/(m^2 sr)" : "1/sr";
   frame.camera = camera;
   frame.flat = options.flat;
-  frame.tiles = 0;
-  frame.report = {static_cast<double>(options.samples) * options.samples};
-  frame.why_empty = why_empty(world, *visible);
-  const FrameScene scene{world, camera, states, *visible};
-  if (submit_radiance(scene, options, index, log) &&
-      (!options.ground_truth || submit_truth(scene, options, index, log))) {
+  const VisibleSet* rest =
+      imposters.empty() ? visible : look(world, camera, levels, drawn_sets, log);
+  if (rest && submit_radiance({world, camera, states, *rest}, options, index, log) &&
+      (!options.ground_truth ||
+       submit_truth({world, camera, states, *visible}, options, index, log))) {
     ++used_frames;
     return true;
   }
   abandon(index);
   return false;
+}
+
+// Adds to the pixels of a frame what its imposters show.
+void Renderer::Impl::finish(Frame& frame) {
+  if (frame.psf_sigma > 0) convolve(frame.psf_sigma, frame.image);
+  add_patches(frame.patches, frame.image);
+  frame.patches.clear();
 }
 
 bool Renderer::submit(const world::World& world, const world::Camera& camera,
@@ -570,6 +694,7 @@ Result<Image> Renderer::collect(DiagnosticLog& log, const Job& job) {
   impl.first_frame = (impl.first_frame + 1) % Impl::kFrames;
   --impl.used_frames;
   impl.report = frame.report;
+  impl.finish(frame);
   Image image = std::move(frame.image);
   frame.image = {};
   if (!frame.other_radiance.empty()) {
@@ -605,7 +730,7 @@ double Renderer::seconds_of_bare_draw(const world::World& world, const world::Ca
   impl.make_passes();
   impl.set_state();
   if (!impl.update(world, camera, {}, log)) return 0;
-  const VisibleSet* visible = impl.look(world, camera, impl.level_choices.back(), log);
+  const VisibleSet* visible = impl.look(world, camera, impl.level_choices.back(), impl.visible_sets, log);
   const Tile whole{0, 0, camera.width, camera.height};
   constexpr GLenum kFormats[] = {GL_RGBA32F};
   if (!visible ||

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "base/diagnostic.h"
 #include "base/job.h"
@@ -15,6 +16,16 @@
 
 namespace panwright::preview {
 
+// An imposter of an image: targets that were drawn by themselves.
+struct ImposterReport {
+  std::vector<std::uint32_t> targets;  // of the world
+  double extent = 0;                   // of a square that holds them, pixels
+  std::uint32_t width = 0;             // texels
+  std::uint32_t height = 0;            // texels
+  double flux_error = 0;               // as estimated from the texels, relative
+  double seconds = 0;                  // from the first draw to the last texel added
+};
+
 // How an image was sampled.
 struct SamplingReport {
   double samples = 0;  // points a pixel, the mean over the image
@@ -23,6 +34,15 @@ struct SamplingReport {
   double flux = 0;  // relative, of the sum of all pixels
   // Of the edges of shadows, pixels: 99 of 100 are nearer than that; 0 without shadow maps.
   double shadow_edge = 0;
+  std::vector<ImposterReport> imposters;  // from the largest to the smallest
+};
+
+// Whether targets are drawn by themselves, finer than pixels, and added by exact areas
+// (docs/imposters.md).
+enum class Imposters {
+  automatic,  // small ones
+  off,
+  always,  // all that a framebuffer holds at four texels a pixel
 };
 
 struct RenderOptions {
@@ -32,6 +52,17 @@ struct RenderOptions {
   // Of samples = 0: the error that is aimed at, of the pixels that show a target (RMSE over RMS
   // radiance) and of the flux; > 0. docs/sampling.md
   double pixel_error = 0.05;
+  Imposters imposters = Imposters::automatic;
+  // Of automatic ones: the largest side, pixels, whatever the samples; none: small ones, and only
+  // where samples = 0.
+  std::optional<double> imposter_pixels;
+  // The error of an imposter's flux that is aimed at, relative, > 0: as estimated from its texels
+  // (SamplingReport).
+  double flux_error = 5e-4;
+  // Of the camera: the RMS width of a Gaussian that the image plane is folded with before pixels
+  // integrate it, pixels; 0: none. Exact in imposters; elsewhere the pixels are folded with the
+  // discrete kernel of that variance. Truth layers have none.
+  double psf_sigma = 0;
   // Of N > 1: one sample where it is predicted to do (docs/sampling.md), N×N elsewhere.
   bool adaptive = false;
   // Of models with levels of detail (docs/mli.md): the finest, or those that a pixel of the image

@@ -171,6 +171,9 @@ COMMANDS = {
             "output": "string: the file", "width": "integer: pixels", "height": "integer: pixels", "unit": "string: of radiance: W/(m^2 sr) or 1/sr",
             "samples?": "number: mean of a pixel; with the reference engine in all", "pixel_error?": "number: estimated, RMS by RMS",
             "shadow_edge?": "number: pixels: 99 of 100 points of edges of shadows are nearer; with --engine gl",
+            "imposters?": ("targets that were drawn by themselves, with --engine gl", [{
+                "targets": "string[]: by name", "pixels": "number: side of a square that holds them", "texels": "integer[]: columns and rows",
+                "flux_error": "number: estimated, a share", "ms": "number: it took"}]),
             "flux_error?": "any: estimated: a share; with the reference engine three standard errors", "flux?": "vec3: of the image",
             "rays?": "integer: cast", "seconds?": "number: it took"}]),
     },

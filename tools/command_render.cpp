@@ -30,6 +30,10 @@ struct Options {
   // as typed: what is not given is the engine's own, or that of a record
   std::optional<std::string> shadow_side;  // texels
   std::optional<std::string> levels;
+  std::optional<std::string> imposters;
+  std::optional<std::string> flux_error;  // share
+  std::optional<std::string> psf;         // pixels
+  bool explain = false;
   std::optional<std::string> max_image_bytes;
 
   std::optional<std::string> engine;       // gl, or reference, which alone takes what follows
@@ -130,6 +134,24 @@ void declare_all(Arguments& arguments, Options& options) {
            "pixel saw so many metres")
       .type("auto|off|METRES");
   arguments
+      .add("--imposters", options.imposters,
+           "Draw targets by themselves, finer than pixels, and add them by exact areas: auto "
+           "(default): those of up to 64 pixels, with --samples auto; off; always: all that are "
+           "not too large; or those of up to so many pixels")
+      .type("auto|off|always|PIXELS");
+  arguments
+      .add("--flux-error", options.flux_error,
+           "The error of an imposter's flux to aim at (default 0.05%)")
+      .type("SHARE");
+  arguments
+      .add("--psf", options.psf,
+           "Point spread function of the camera: a Gaussian of so many pixels RMS, which pixels "
+           "integrate (default 0: none)")
+      .range(0.0, 64.0)
+      .type("SIGMA");
+  arguments.flag("--explain", options.explain,
+                 "Say how each target was drawn, the error that is estimated and the time it took");
+  arguments
       .add("--max-image-memory", options.max_image_bytes,
            "Most memory of one image, e.g. 2GB (default 12GB)")
       .bytes()
@@ -159,6 +181,9 @@ Result<workspace::ViewText> typed_view(const Options& options, DiagnosticLog& lo
   typed->no_shadows = flag(options.no_shadows);
   typed->shadow_side = options.shadow_side;
   typed->levels = options.levels;
+  typed->imposters = options.imposters;
+  typed->flux_error = options.flux_error;
+  typed->psf = options.psf;
   typed->until_error = options.until_error;
   typed->max_samples = options.max_samples;
   typed->bounces = options.bounces;
@@ -283,7 +308,7 @@ int run(const Options& options, const Host& host) {
   if (std::all_of(targets.begin(), targets.end(), is_text)) context.summarise_imports();
   workspace::ViewSession session(work->open, work->context);
   session.set_recorded_files(work->recorded_files);
-  RenderReport report(context, !options.views.empty());
+  RenderReport report(context, !options.views.empty(), options.explain);
   if (options.views == "-")
     return context.finish(serve_views(session, work->views[0], report.listener(), context));
   if (work->views.size() == 1 && !options.view.text.output && options.views.empty() &&

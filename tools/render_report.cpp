@@ -55,6 +55,13 @@ std::string line_of(const Written& image) {
           100 * sampling.rmse, 100 * sampling.flux);
     else if (image.samples == 0)
       line += " (auto)";
+    if (!sampling.imposters.empty()) {
+      double flux_error = 0;
+      for (const preview::ImposterReport& one : sampling.imposters)
+        flux_error = std::max(flux_error, one.flux_error);
+      line += fmt::format(", {} (flux within {:.1g} %)",
+                          counted(sampling.imposters.size(), "imposter"), 100 * flux_error);
+    }
     if (sampling.shadow_edge > 0)
       line += fmt::format(", edges of shadows within {:.2g} pixels", sampling.shadow_edge);
   }
@@ -75,6 +82,28 @@ std::string line_of(const Written& image) {
   return line + ", " + milliseconds(image.seconds);
 }
 
+// How each target of an image was drawn, a line each.
+std::string explained(const Written& image) {
+  std::string text;
+  if (!image.sampling) return text;
+  std::vector<bool> told(image.targets.size(), false);
+  for (const preview::ImposterReport& one : image.sampling->imposters) {
+    std::vector<std::string> names;
+    for (const std::uint32_t target : one.targets) {
+      names.push_back(image.targets[target]);
+      told[target] = true;
+    }
+    text += fmt::format(
+        "  {}: an imposter of {} x {} texels for {:.3g} pixels, flux within {:.1g} %, {}\n",
+        fmt::join(names, ", "), one.width, one.height, one.extent, 100 * one.flux_error,
+        milliseconds(one.seconds));
+  }
+  for (std::size_t i = 0; i < told.size(); ++i)
+    if (!told[i])
+      text += fmt::format("  {}: with the image's own samples, or not in view\n", image.targets[i]);
+  return text;
+}
+
 }  // namespace
 
 void describe_image(const Written& image, Json& entry) {
@@ -87,6 +116,16 @@ void describe_image(const Written& image, Json& entry) {
   if (image.sampling) entry["samples"] = image.sampling->samples;
   if (image.sampling && image.sampling->shadow_edge > 0)
     entry["shadow_edge"] = image.sampling->shadow_edge;
+  if (image.sampling)
+    for (const preview::ImposterReport& one : image.sampling->imposters) {
+      Json targets = Json::array();
+      for (const std::uint32_t target : one.targets) targets.push_back(image.targets[target]);
+      entry["imposters"].push_back({{"targets", std::move(targets)},
+                                    {"pixels", one.extent},
+                                    {"texels", {one.width, one.height}},
+                                    {"flux_error", one.flux_error},
+                                    {"ms", 1e3 * one.seconds}});
+    }
   if (image.sampling && image.sampling->rmse + image.sampling->flux > 0) {
     entry["pixel_error"] = image.sampling->rmse;
     entry["flux_error"] = image.sampling->flux;
@@ -125,6 +164,7 @@ void RenderReport::image(const Written& image) {
     if (many_ && isatty(STDERR_FILENO) == 1 && isatty(STDOUT_FILENO) == 1)
       print(stderr, "\r\x1b[K");
     print("{}\n", line_of(image));
+    if (explain_) print("{}", explained(image));
     if (many_) std::fflush(stdout);
   }
 }

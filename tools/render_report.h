@@ -12,8 +12,9 @@ namespace panwright::tools {
 // One line per image, and the entries of --json.
 class RenderReport {
  public:
-  // many: of --views, whose end is a summary
-  RenderReport(CommandContext& context, bool many) : context_(context), many_(many) {}
+  // many: of --views, whose end is a summary; explain: how each target was drawn
+  RenderReport(CommandContext& context, bool many, bool explain)
+      : context_(context), many_(many), explain_(explain) {}
   workspace::RunListener listener();
   void summary() const;
 
@@ -21,6 +22,7 @@ class RenderReport {
   void image(const workspace::Written& image);
   CommandContext& context_;
   bool many_;
+  bool explain_;
   std::size_t images_ = 0;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };

@@ -95,6 +95,8 @@ const char* stray_option(const ViewText& text, bool traced) {
     if (given(text.adaptive)) return "adaptive";
     if (text.pixel_error) return "pixel-error";
     if (text.levels) return "levels";
+    if (text.imposters) return "imposters";
+    if (text.flux_error) return "flux-error";
     return text.shadow_side ? "shadow-side" : nullptr;
   }
   if (text.until_error) return "until-error";
@@ -117,6 +119,20 @@ unsigned read_samples(const ViewText& text, bool traced, Reader& reader) {
   return 1;
 }
 
+void read_imposters(const ViewText& text, Reader& reader, preview::RenderOptions& gl) {
+  reader.share("flux-error", text.flux_error, "0.1%", gl.flux_error);
+  if (!text.imposters || *text.imposters == "auto") return;
+  const auto pixels = parse_numbers(*text.imposters, 1);
+  if (*text.imposters == "off")
+    gl.imposters = preview::Imposters::off;
+  else if (*text.imposters == "always")
+    gl.imposters = preview::Imposters::always;
+  else if (pixels && (*pixels)[0] >= 0)
+    gl.imposter_pixels = (*pixels)[0];
+  else
+    reader.refuse("imposters", text.imposters, "auto, off, always, or a number of pixels");
+}
+
 void read_gl(const ViewText& text, Reader& reader, DrawOptions& draw) {
   preview::RenderOptions& gl = draw.gl;
   gl.samples = draw.samples;
@@ -133,6 +149,7 @@ void read_gl(const ViewText& text, Reader& reader, DrawOptions& draw) {
   if (no_shadows && text.shadow_side)
     reader.fail("--shadow-side cannot be combined with --no-shadows");
   if (no_shadows) gl.shadow_side = 0;
+  read_imposters(text, reader, gl);
   if (!text.levels || *text.levels == "auto") return;
   gl.levels = *text.levels != "off";
   if (!gl.levels) return;
@@ -164,6 +181,16 @@ void read_reference(const ViewText& text, Reader& reader, preview::ReferenceOpti
                   fmt::format("box, or gaussian:SIGMA of up to {} pixels", kWidestPsf));
 }
 
+void read_psf(const ViewText& text, Reader& reader, DrawOptions& draw) {
+  const auto sigma = parse_numbers(*text.psf, 1);
+  if (text.filter)
+    reader.fail("--psf cannot be combined with --filter");
+  else if (sigma && (*sigma)[0] >= 0 && (*sigma)[0] <= kWidestPsf)
+    draw.gl.psf_sigma = draw.reference.psf_sigma = (*sigma)[0];
+  else
+    reader.refuse("psf", text.psf, fmt::format("a number from 0 to {} pixels", kWidestPsf));
+}
+
 Result<DrawOptions> read(const ViewText& text, preview::ContextKind context, DiagnosticLog& log) {
   Reader reader(log);
   DrawOptions draw;
@@ -183,6 +210,7 @@ Result<DrawOptions> read(const ViewText& text, preview::ContextKind context, Dia
     read_reference(text, reader, draw.reference);
   else
     read_gl(text, reader, draw);
+  if (text.psf) read_psf(text, reader, draw);
   reader.flag("flat", text.flat, draw.gl.flat);
   draw.reference.flat = draw.gl.flat;
   if (text.max_image_memory) {

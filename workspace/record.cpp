@@ -107,6 +107,12 @@ void add_engine(const DrawOptions& draw, Json& view) {
       view["levels"] = "off";
     else if (draw.gl.level_pixel)
       view["levels"] = *draw.gl.level_pixel;
+    if (draw.gl.imposters != preview::Imposters::automatic)
+      view["imposters"] = draw.gl.imposters == preview::Imposters::off ? "off" : "always";
+    else if (draw.gl.imposter_pixels)
+      view["imposters"] = *draw.gl.imposter_pixels;
+    if (draw.gl.imposters != preview::Imposters::off) view["flux-error"] = draw.gl.flux_error;
+    if (draw.gl.psf_sigma > 0) view["psf"] = draw.gl.psf_sigma;
     return;
   }
   const preview::ReferenceOptions& reference = draw.reference;

@@ -292,6 +292,7 @@ class Run {
     what.ev = drawing.shown_ev;
     what.orthographic = view.camera.projection == world::Projection::orthographic;
     what.seconds = seconds;
+    for (const world::Instance& target : world_.instances()) what.targets.push_back(target.name());
     what.record = image.metadata.back().second;
     what.measured = drawn->measured;
     what.sampling = drawn->sampling;

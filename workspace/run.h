@@ -35,6 +35,7 @@ struct Written {
   bool orthographic = false;  // the camera
   double seconds = 0;         // spent on drawing it
   std::string record;         // JSON: see record_text()
+  std::vector<std::string> targets;  // of the world, by name
 
   std::optional<Measured> measured;                 // by the reference alone
   std::optional<preview::SamplingReport> sampling;  // of OpenGL alone

@@ -93,6 +93,9 @@ struct ViewText {
   std::optional<std::string> no_shadows;        // flag
   std::optional<std::string> shadow_side;       // texels
   std::optional<std::string> levels;            // "auto", "off" or metres
+  std::optional<std::string> imposters;         // "auto", "off", "always" or pixels
+  std::optional<std::string> flux_error;        // share
+  std::optional<std::string> psf;               // pixels
   std::optional<std::string> until_error;       // share
   std::optional<std::string> max_samples;       // of a pixel
   std::optional<std::string> bounces;           // number

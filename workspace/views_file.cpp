@@ -75,6 +75,12 @@ Field field_of(ViewOption option) {
       return &ViewText::shadow_side;
     case ViewOption::levels:
       return &ViewText::levels;
+    case ViewOption::imposters:
+      return &ViewText::imposters;
+    case ViewOption::flux_error:
+      return &ViewText::flux_error;
+    case ViewOption::psf:
+      return &ViewText::psf;
     case ViewOption::until_error:
       return &ViewText::until_error;
     case ViewOption::max_samples:
@@ -306,9 +312,11 @@ constexpr Field kGroups[][4] = {
     {&ViewText::fov, &ViewText::ifov, &ViewText::intrinsics, &ViewText::ortho},
     {&ViewText::pixel_error, &ViewText::samples, nullptr, nullptr},
     {&ViewText::no_shadows, &ViewText::shadow_side, nullptr, nullptr},
+    {&ViewText::psf, &ViewText::filter, nullptr, nullptr},
 };
 constexpr Field kOfGl[] = {&ViewText::pixel_error, &ViewText::adaptive, &ViewText::no_shadows,
-                           &ViewText::shadow_side, &ViewText::levels};
+                           &ViewText::shadow_side, &ViewText::levels,   &ViewText::imposters,
+                           &ViewText::flux_error};
 constexpr Field kOfReference[] = {&ViewText::until_error, &ViewText::max_samples,
                                   &ViewText::bounces,     &ViewText::seed,
                                   &ViewText::filter,      &ViewText::no_sun_disc};

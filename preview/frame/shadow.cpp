@@ -223,7 +223,7 @@ bool ShadowMaps::assign(const ContextLimits& limits, const GladGLContext& gl, st
     // a map that nobody asks for now is drawn anew before memory is taken for another one
     Map* chosen = nullptr;
     for (Map& map : maps_)
-      if (map.last_use != update_ && has_room(group, map) &&
+      if (map.last_use < image_ && has_room(group, map) &&
           (!chosen || map.last_use < chosen->last_use))
         chosen = &map;
     if (!chosen) {
@@ -358,7 +358,7 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
       finder_.find(camera, view.camera_from_model, group.layout.whole, shown_, limits);
   shown_.clear();  // which hold models
   group.layout.texel = finder_.texel();
-  group.layout.pixel = finder_.pixel();
+  group.layout.pixel = finder_.pixel() * scene.pixel;
   group.layout.finest = finder_.finest();
 }
 

@@ -62,6 +62,10 @@ class ShadowMaps {
   bool update(Device::Impl& device, const FrameScene& scene, const Limits& limits,
               DiagnosticLog& log, const Job& job);
 
+  // What is drawn from now on is of another image than what was drawn before: its maps are kept
+  // before theirs.
+  void begin_image() { image_ = update_ + 1; }
+
   // For the geometry and shading steps. receiver: into those of the last update.
   const SunPlace& place(std::size_t receiver) const { return places_[receiver].place; }
   void bind(const GladGLContext& gl, std::size_t receiver) const;
@@ -168,6 +172,7 @@ class ShadowMaps {
   std::size_t stride_ = 0;  // bytes, of blocks_
   std::optional<StreamBuffer> stream_;
   std::uint64_t update_ = 0;
+  std::uint64_t image_ = 0;  // the first update of it
   std::uint64_t drawn_ = 0;
   double edge_error_ = 0;
   // of one update, kept for the next one

@@ -44,6 +44,7 @@ class VisibleSetFinder {
  public:
   // Returns what stays until the next call. Cost: O(targets + items of the targets in view).
   const VisibleSet& find(const world::Camera& camera, std::span<const TargetShape> targets);
+  const VisibleSet& last() const { return set_; }
 
  private:
   // Where the depths of one target lie.

@@ -1,0 +1,163 @@
+#include "preview/frame/imposters.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace panwright::preview {
+namespace {
+
+// The golden angle of a lattice: its slope, and with it those along diagonals, are the numbers that
+// fractions approximate worst.
+const double kTurn = std::atan((std::sqrt(5.0) - 1) / 2);
+
+// Where the centre lies among texels.
+constexpr Vec2 kCentre(0.31, 0.13);
+
+// Largest side of a target that has an imposter by itself, pixels.
+constexpr double kSmall = 64;
+// So many times the texels of a disc's side are along the side of the box about a round target; a
+// little more, so that few are drawn twice.
+constexpr double kBoxOfDisc = 2;
+// Texels a pixel, at least.
+constexpr double kLeastRate = 4;
+// Targets share an imposter unless one is so many times as large as the other.
+constexpr double kMuchLarger = 8;
+// What a disc's boundary leaves of its area, relative, times the radius in texels to 3/2
+// (reference: point lattices; measured by tests/preview/imposters_test.cpp).
+constexpr double kDiscError = 0.29;
+// Of all imposters of an image, and the fewest along a side where there are many.
+constexpr double kMostTexels = 1 << 23;
+constexpr std::uint32_t kFewest = 32;
+
+// Where a box falls on the image plane; nothing where it reaches behind the camera.
+bool add_box(const world::Camera& camera, const PlacedBox& box, PlaneRect& rect) {
+  const double c = std::cos(kTurn);
+  const double s = std::sin(kTurn);
+  for (const Vec3& corner : corners(box.low, box.high)) {
+    Vec3 p(box.camera_from_mesh * Vec4(corner, 1));
+    if (camera.projection == world::Projection::perspective) {
+      if (!(p.z > 0)) return false;
+      p /= p.z;
+    }
+    const Vec2 at(c * p.x + s * p.y, c * p.y - s * p.x);
+    rect.add({at, at});
+  }
+  return true;
+}
+
+double pixels_of(const world::Camera& camera) { return std::max(camera.focal.x, camera.focal.y); }
+
+}  // namespace
+
+std::uint32_t texels_for(double flux_error) {
+  const double texels = 2 * kBoxOfDisc * std::pow(kDiscError / flux_error, 2.0 / 3.0);
+  return static_cast<std::uint32_t>(std::ceil(std::clamp(texels, 64.0, 16384.0)));
+}
+
+void place_imposter(const world::Camera& camera, Imposter& imposter) {
+  const double c = std::cos(kTurn);
+  const double s = std::sin(kTurn);
+  const double focal = imposter.texels / imposter.rect.longer_side();
+  const Vec2 centre = 0.5 * (imposter.rect.low + imposter.rect.high);
+  // Even numbers of texels, one to spare on each side: the centre stands at one place among texels
+  // whatever the numbers are; not on a corner, about which round targets would count fourfold.
+  const Vec2 half =
+      glm::ceil(0.5 * focal * (imposter.rect.high - imposter.rect.low) - 1e-6) + 1.0;
+  world::Camera& own = imposter.camera;
+  own = camera;
+  own.width = static_cast<std::uint32_t>(2 * half.x);
+  own.height = static_cast<std::uint32_t>(2 * half.y);
+  own.focal = Vec2(focal);
+  own.principal = half + kCentre - focal * centre;
+  own.world_from_camera =
+      camera.world_from_camera * Quat(std::cos(kTurn / 2), 0, 0, std::sin(kTurn / 2));
+  imposter.plane = {centre - (half + kCentre) / focal, centre + (half - kCentre) / focal};
+  const Vec2 corner = imposter.plane.low;
+  imposter.origin = camera.focal * Vec2(c * corner.x - s * corner.y, s * corner.x + c * corner.y) +
+                    camera.principal;
+  imposter.along = camera.focal * Vec2(c, s) / focal;
+  imposter.down = camera.focal * Vec2(-s, c) / focal;
+}
+
+// Merges imposters that overlap. Expects: sorted by the left sides of their rectangles.
+bool ImposterFinder::merge_some(double pixels) {
+  bool any = false;
+  for (std::size_t i = 0; i < imposters_.size(); ++i) {
+    Imposter& one = imposters_[i];
+    for (std::size_t k = i + 1; k < imposters_.size() && one.extent > 0; ++k) {
+      Imposter& other = imposters_[k];
+      if (other.extent == 0) continue;  // merged into another one
+      if (other.rect.low.x >= one.rect.high.x) break;
+      if (!one.rect.overlaps(other.rect) ||
+          std::max(one.extent, other.extent) > kMuchLarger * std::min(one.extent, other.extent))
+        continue;
+      const double rate = std::max(one.rate(), other.rate());
+      one.rect.add(other.rect);
+      one.extent = pixels * one.rect.longer_side();
+      one.texels = static_cast<std::uint32_t>(std::ceil(rate * one.extent));
+      one.targets.insert(one.targets.end(), other.targets.begin(), other.targets.end());
+      other.extent = 0;
+      any = true;
+    }
+  }
+  std::erase_if(imposters_, [](const Imposter& one) { return one.extent == 0; });
+  return any;
+}
+
+std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const VisibleSet& visible,
+                                         const RenderOptions& options, std::uint32_t most_side) {
+  imposters_.clear();
+  others_.clear();
+  if (options.imposters == Imposters::off) return {};
+  const double pixels = pixels_of(camera);
+  const double limit = (most_side - 4) / kLeastRate;
+  const double largest = options.imposters == Imposters::always
+                             ? limit
+                             : std::min(limit, options.imposter_pixels.value_or(kSmall));
+  for (std::uint32_t v = 0; v < visible.targets.size(); ++v) {
+    Imposter one;
+    bool before = true;
+    for (const PlacedBox& box : visible.targets[v].boxes)
+      before = before && add_box(camera, box, one.rect);
+    one.extent = before ? pixels * one.rect.longer_side() : INFINITY;
+    if (!before) one.rect = {Vec2(-INFINITY), Vec2(INFINITY)};
+    if (!(one.extent > 0 && one.extent <= largest)) {
+      others_.push_back(one.rect);
+      continue;
+    }
+    one.targets.push_back(v);
+    one.texels = std::max(texels_for(options.flux_error),
+                          static_cast<std::uint32_t>(std::ceil(kLeastRate * one.extent)));
+    imposters_.push_back(std::move(one));
+  }
+  do std::sort(imposters_.begin(), imposters_.end(), [](const Imposter& a, const Imposter& b) {
+      return a.rect.low.x != b.rect.low.x ? a.rect.low.x < b.rect.low.x : a.targets < b.targets;
+    });
+  while (merge_some(pixels));
+  // a row of small ones may be long
+  std::erase_if(imposters_, [&](const Imposter& one) {
+    if (one.extent <= limit) return false;
+    others_.push_back(one.rect);
+    return true;
+  });
+  std::sort(imposters_.begin(), imposters_.end(), [](const Imposter& a, const Imposter& b) {
+    return a.extent != b.extent ? a.extent > b.extent : a.targets < b.targets;
+  });
+  double all = 0;
+  for (Imposter& one : imposters_) {
+    std::sort(one.targets.begin(), one.targets.end());
+    one.texels = std::min(one.texels, most_side - 4);
+    all += static_cast<double>(one.texels) * one.texels;
+  }
+  const double share = std::sqrt(std::min(1.0, kMostTexels / std::max(all, 1.0)));
+  for (Imposter& one : imposters_) {
+    const double least = std::max<double>(kFewest, kLeastRate * one.extent);
+    one.texels = static_cast<std::uint32_t>(
+        std::ceil(std::max(share * one.texels, std::min<double>(least, one.texels))));
+    one.alone = std::none_of(others_.begin(), others_.end(),
+                             [&](const PlaneRect& rect) { return rect.overlaps(one.rect); });
+  }
+  return imposters_;
+}
+
+}  // namespace panwright::preview

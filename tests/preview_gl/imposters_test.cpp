@@ -1,0 +1,403 @@
+// Targets of any size, by imposters. Oracles: closed forms of spheres, discs and plates, integrals
+// of discs over pixels, plain samples.
+#include <algorithm>
+#include <random>
+
+#include "models.h"
+#include "tests/support/oracles.h"
+
+namespace panwright::preview {
+namespace {
+
+using namespace testing_support;
+
+world::ModelPtr shared(const pan::Contents& contents) {
+  return std::make_shared<const pan::Model>(model_of(contents));
+}
+
+// Drawn as targets of any size are by default.
+RenderOptions automatic() {
+  RenderOptions options;
+  options.samples = 0;
+  options.shadow_side = 256;
+  return options;
+}
+
+struct Sums {
+  double flux = 0;
+  double coverage = 0;
+  Vec2 centre{0};
+};
+
+Sums measured(const Image& image) {
+  Sums sums;
+  for (std::size_t i = 0; i < image.pixels(); ++i) {
+    const double light = image.radiance[3 * i];
+    sums.flux += light;
+    sums.coverage += static_cast<double>(image.coverage[i]);
+    sums.centre += light * (Vec2(static_cast<double>(i % image.width),
+                                 static_cast<double>(i / image.width)) +
+                            0.5);
+  }
+  if (sums.flux > 0) sums.centre /= sums.flux;
+  return sums;
+}
+
+class Studio {
+ public:
+  Studio() : renderer_(shared_device()) {}
+
+  Image draw(const world::World& world, const world::Camera& camera, const RenderOptions& options) {
+    DiagnosticLog log;
+    auto image = renderer_.render(world, camera, options, log);
+    EXPECT_TRUE(image) << to_text(log);
+    expect_no_nan(*image);
+    return *std::move(image);
+  }
+  Renderer& renderer() { return renderer_; }
+
+ private:
+  Renderer renderer_;
+};
+
+// A camera far from the origin whose pixels see a sphere of radius 1 as one of `radius` pixels.
+View far_view(double radius, std::uint32_t size, double phase, double distance = 1e6) {
+  View view = looking_from(Vec3(0.3, -1, 0.4), distance, 1e-3, size, phase);
+  view.camera.focal = Vec2(radius * distance);
+  view.camera.principal = Vec2(size / 2.0);
+  return view;
+}
+
+constexpr double kPhase = 60 * kDegree;
+
+const world::ModelPtr& ball() {
+  static const world::ModelPtr model = shared(single(sphere(100, 200), lambert(1)));
+  return model;
+}
+
+// measured: flux 1.5e-4 with a spread of 3e-7 over the offsets (the mesh's own: 4e-5), photocentre
+// 6e-4 of the radius
+TEST(Imposters, SpheresOfAnySize) {
+  Studio studio;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> offset(-0.5, 0.5);
+  for (const double radius : {1e-3, 0.03, 0.3, 1.0, 4.0, 16.0}) {
+    View view = far_view(radius, 64, kPhase);
+    const world::World world = world_of(ball(), view);
+    double low = INFINITY;
+    double high = 0;
+    for (int run = 0; run < 12; ++run) {
+      view.camera.principal = Vec2(32 + offset(random), 32 + offset(random));
+      const Image image = studio.draw(world, view.camera, automatic());
+      const Sums sums = measured(image);
+      const double expected = oracles::lambert_sphere_intensity(kPhase) * radius * radius;
+      EXPECT_NEAR(sums.flux, expected, 5e-4 * expected) << radius;
+      low = std::min(low, sums.flux);
+      high = std::max(high, sums.flux);
+      if (radius > 2) {
+        const Vec2 centre = view.camera.principal +
+                            Vec2(radius * oracles::lambert_sphere_photocentre(kPhase), 0);
+        // pixels' own error is below 1e-3 there
+        EXPECT_NEAR(sums.centre.x, centre.x, 0.02);
+        EXPECT_NEAR(sums.centre.y, centre.y, 0.02);
+      }
+      EXPECT_EQ(studio.renderer().sampling().imposters.size(), 1u);
+    }
+    EXPECT_LE(high - low, 3e-5 * high) << radius;
+  }
+}
+
+// With a PSF the photocentre is the sphere's own.
+TEST(Imposters, PsfShowsWhereTheyAre) {
+  Studio studio;
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> offset(-0.5, 0.5);
+  RenderOptions options = automatic();
+  options.psf_sigma = 0.5;
+  for (const double radius : {0.03, 0.3, 1.0, 3.0}) {
+    View view = far_view(radius, 32, kPhase);
+    const world::World world = world_of(ball(), view);
+    for (int run = 0; run < 8; ++run) {
+      view.camera.principal = Vec2(16 + offset(random), 16 + offset(random));
+      const Sums sums = measured(studio.draw(world, view.camera, options));
+      const Vec2 centre = view.camera.principal +
+                          Vec2(radius * oracles::lambert_sphere_photocentre(kPhase), 0);
+      EXPECT_NEAR(sums.centre.x, centre.x, 5e-3) << radius;
+      EXPECT_NEAR(sums.centre.y, centre.y, 5e-3) << radius;
+      const double expected = oracles::lambert_sphere_intensity(kPhase) * radius * radius;
+      EXPECT_NEAR(sums.flux, expected, 5e-4 * expected) << radius;
+    }
+  }
+}
+
+// A plate of any turn about the boresight, its edges along pixels among them.
+TEST(Imposters, PlatesOfAnyTurn) {
+  Studio studio;
+  const world::ModelPtr model = shared(single(plate(2, 1), lambert(0.5)));
+  View view = looking_from(Vec3(0, 0, 1), 1e6, 1e-3, 64);
+  view.to_sun = Vec3(0, 0, 1);
+  world::World world = world_of(model, view);
+  double worst = 0;
+  for (int degree = 0; degree < 90; degree += 3) {
+    world.set_pose(0, {Vec3(0), glm::angleAxis(degree * kDegree, Vec3(0, 0, 1))});
+    for (const double pixels : {0.2, 5.3}) {  // a metre
+      view.camera.focal = Vec2(pixels * 1e6);
+      const Sums sums = measured(studio.draw(world, view.camera, automatic()));
+      const double area = 2 * pixels * pixels;
+      worst = std::max({worst, std::fabs(sums.coverage / area - 1),
+                        std::fabs(sums.flux / (0.5 / kPi * area) - 1)});
+    }
+  }
+  // measured: 1.5e-3 where edges lie along the texels, which are turned by 31.7 degrees
+  EXPECT_LE(worst, 3e-3);
+}
+
+// Two discs, one before the other: the area of both is that of the lens formula.
+TEST(Imposters, DiscsThatOverlap) {
+  Studio studio;
+  DiagnosticLog log;
+  auto mesh = geometry::tessellated(geometry::Disc{1.0}, {.max_error = 1e-5}, {}, log);
+  ASSERT_TRUE(mesh) << to_text(log);
+  const world::ModelPtr model = shared(single(*mesh, lambert(1)));
+  for (const double apart : {0.5, 1.0, 1.7}) {
+    world::World world;
+    ASSERT_TRUE(world.add("a", model, log) && world.add("b", model, log));
+    world.set_pose(1, {Vec3(apart, 0, 1), Quat(1, 0, 0, 0)});
+    View view = looking_from(Vec3(0, 0, 1), 1e6, 1e-3, 32);
+    for (const double radius : {0.2, 2.0}) {
+      view.camera.focal = Vec2(radius * 1e6);
+      const double lens =
+          2 * std::acos(apart / 2) - 0.5 * apart * std::sqrt(4 - apart * apart);
+      const double expected = (2 * kPi - lens) * radius * radius;
+      const Sums sums = measured(studio.draw(world, view.camera, automatic()));
+      EXPECT_NEAR(sums.coverage, expected, 1e-3 * expected) << apart << ' ' << radius;
+      EXPECT_EQ(studio.renderer().sampling().imposters.size(), 1u);
+    }
+  }
+}
+
+// Small before and behind large: pixels of the large one stay full, and what is hidden is hidden.
+TEST(Imposters, BeforeAndBehindLargeOnes) {
+  Studio studio;
+  DiagnosticLog log;
+  world::World world;
+  ASSERT_TRUE(world.add("wall", shared(single(plate(100, 100), lambert(0.5))), log));
+  ASSERT_TRUE(world.add("ball", ball(), log));
+  View view = looking_from(Vec3(0, 0, 1), 2e3, 1e-3, 96);
+  view.camera.focal = Vec2(2e3);  // a pixel a metre: the wall fills the image
+  world::Sun sun = world.sun();
+  sun.direction = Vec3(0.2, 0, 1);
+  world.set_sun(sun);
+  RenderOptions options = automatic();
+  options.shadow_side = 0;
+  const double wall = 0.5 / kPi / std::sqrt(1.04);
+  for (const double z : {-50.0, 50.0}) {
+    world.set_pose(1, {Vec3(0.37, -0.21, z), Quat(1, 0, 0, 0)});
+    const Image image = studio.draw(world, view.camera, options);
+    const Sums sums = measured(image);
+    EXPECT_NEAR(sums.coverage, 96.0 * 96, 0.01);
+    const double area = std::pow(2e3 / (2e3 - 50), 2);
+    const double ball_flux =
+        area * oracles::lambert_sphere_intensity(std::atan(0.2));
+    const double expected =
+        z < 0 ? 96 * 96 * wall : (96 * 96 - kPi * area) * wall + ball_flux;
+    EXPECT_NEAR(sums.flux, expected, 1e-4 * wall * 96 * 96) << z;
+    for (std::size_t i = 0; z < 0 && i < image.pixels(); ++i)
+      ASSERT_NEAR(image.radiance[3 * i], wall, 1e-5) << i;
+  }
+}
+
+// Beside a large one that shares its pixels, nothing of which is taken away.
+TEST(Imposters, BesideLargeOnes) {
+  Studio studio;
+  DiagnosticLog log;
+  world::World world;
+  ASSERT_TRUE(world.add("wall", shared(single(plate(100, 100), lambert(0.5))), log));
+  ASSERT_TRUE(world.add("bit", shared(single(plate(0.1, 0.1), lambert(1))), log));
+  View view = looking_from(Vec3(0, 0, 1), 2e3, 1e-3, 160);
+  view.camera.focal = Vec2(2e3);
+  view.to_sun = Vec3(0, 0, 1);
+  world::Sun sun = world.sun();
+  sun.direction = Vec3(0, 0, 1);
+  world.set_sun(sun);
+  view.camera.principal = Vec2(80.37, 80.37);
+  world.set_visible(1, false);
+  const Sums without = measured(studio.draw(world, view.camera, automatic()));
+  world.set_visible(1, true);
+  world.set_pose(1, {Vec3(50.1, 3, 0), Quat(1, 0, 0, 0)});
+  const Sums with = measured(studio.draw(world, view.camera, automatic()));
+  EXPECT_NEAR(with.coverage - without.coverage, 0.01, 1e-4);
+  EXPECT_NEAR(with.flux - without.flux, 0.01 / kPi, 5e-5);
+}
+
+// A target of a thousandth of a pixel within the rectangle of one of 20 pixels.
+TEST(Imposters, TinyOnesAmongSmallOnes) {
+  Studio studio;
+  DiagnosticLog log;
+  world::World world;
+  ASSERT_TRUE(world.add("ball", ball(), log));
+  ASSERT_TRUE(world.add("speck", ball(), log));
+  View view = far_view(10, 64, kPhase);
+  world.set_sun([&] {
+    world::Sun sun = world.sun();
+    sun.direction = view.to_sun;
+    return sun;
+  }());
+  RenderOptions options = automatic();
+  options.shadow_side = 0;
+  world.set_visible(1, false);
+  const double alone = measured(studio.draw(world, view.camera, options)).flux;
+  world.set_visible(1, true);
+  // in a corner of the rectangle, where the ball is not; a speck is as large as the ball, and
+  // farther
+  const Quat turn = view.camera.world_from_camera;
+  const double far = 1e4;
+  const Vec3 in_camera = far * 1e6 * Vec3(-1.15e-6, -0.35e-6, 1);
+  world.set_pose(1, {view.camera.position + turn * in_camera, Quat(1, 0, 0, 0)});
+  const Image image = studio.draw(world, view.camera, options);
+  const double expected = oracles::lambert_sphere_intensity(kPhase) * 1e-6;
+  EXPECT_EQ(studio.renderer().sampling().imposters.size(), 2u);
+  const double speck = image.radiance[3 * (28 * 64 + 20)];
+  EXPECT_NEAR(speck, expected, 2e-3 * expected);
+  EXPECT_NEAR(measured(image).flux, alone + expected, 3e-5 * alone);
+}
+
+// Far off the boresight, partly outside, orthographic, at an astronomical unit.
+TEST(Imposters, Anywhere) {
+  Studio studio;
+  View view = far_view(5, 64, kPhase);
+  const double expected = 25 * oracles::lambert_sphere_intensity(kPhase);
+  {
+    // the half towards the Sun's side is cut: the image ends at the centre
+    View cut = view;
+    cut.camera.principal = Vec2(64, 20);
+    const Sums half = measured(studio.draw(world_of(ball(), cut), cut.camera, automatic()));
+    cut.camera.principal = Vec2(0, 20);
+    const Sums other = measured(studio.draw(world_of(ball(), cut), cut.camera, automatic()));
+    EXPECT_NEAR(half.flux + other.flux, expected, 1e-3 * expected);
+    EXPECT_LT(half.flux, 0.4 * expected);
+  }
+  {
+    View flat = view;
+    flat.camera.projection = world::Projection::orthographic;
+    flat.camera.focal = Vec2(5);
+    const Sums sums = measured(studio.draw(world_of(ball(), flat), flat.camera, automatic()));
+    EXPECT_NEAR(sums.flux, expected, 5e-4 * expected);
+  }
+  {
+    // 20 degrees off the axis, a thousandth of a pixel
+    View off = far_view(1e-3, 64, kPhase);
+    const double slope = std::tan(20 * kDegree);
+    off.camera.principal = Vec2(32.3 - slope * off.camera.focal.x, 31.6);
+    const double turned = 20 * kDegree;
+    off.camera.world_from_camera =
+        off.camera.world_from_camera * Quat(std::cos(turned / 2), 0, -std::sin(turned / 2), 0);
+    const Sums sums = measured(studio.draw(world_of(ball(), off), off.camera, automatic()));
+    // off the axis a pixel sees less: 1/cos³
+    const double stretched = 1e-6 * oracles::lambert_sphere_intensity(kPhase) /
+                             std::pow(std::cos(turned), 3);
+    EXPECT_NEAR(sums.flux, stretched, 1e-3 * stretched);
+  }
+  {
+    // moved by a tenth of a millimetre at 1 AU: the image moves by as much as the same doubles say
+    View distant = far_view(3, 64, kPhase, 1.495978707e11);
+    const world::World world = world_of(ball(), distant);
+    const Sums before = measured(studio.draw(world, distant.camera, automatic()));
+    const Vec3 was = distant.camera.position;
+    distant.camera.position += distant.camera.world_from_camera * Vec3(1e-4, 0, 0);
+    const double moved = glm::dot(distant.camera.position - was,
+                                  distant.camera.world_from_camera * Vec3(1, 0, 0));
+    const Sums after = measured(studio.draw(world, distant.camera, automatic()));
+    EXPECT_NEAR(after.centre.x - before.centre.x, -3 * moved, 1e-3);
+  }
+}
+
+// A hundred targets in a pixel; two through each other; a camera inside one; one behind it.
+TEST(Imposters, HardCases) {
+  Studio studio;
+  DiagnosticLog log;
+  {
+    world::World world;
+    View view = far_view(0.02, 16, kPhase);
+    view.camera.principal = Vec2(8.5);
+    world::Sun sun = world.sun();
+    sun.direction = view.to_sun;
+    world.set_sun(sun);
+    for (int i = 0; i < 100; ++i) {
+      ASSERT_TRUE(world.add("t" + std::to_string(i), ball(), log));
+      const Vec3 at(4.0 * (i % 10) - 18, 4.0 * (i / 10) - 18, 0);
+      world.set_pose(static_cast<std::size_t>(i), {view.camera.world_from_camera * at, Quat(1, 0, 0, 0)});
+    }
+    RenderOptions options = automatic();
+    options.shadow_side = 0;
+    const Sums sums = measured(studio.draw(world, view.camera, options));
+    const double expected = 100 * 4e-4 * oracles::lambert_sphere_intensity(kPhase);
+    EXPECT_NEAR(sums.flux, expected, 5e-4 * expected);
+  }
+  {
+    world::World world;
+    ASSERT_TRUE(world.add("a", ball(), log) && world.add("b", ball(), log) &&
+                world.add("c", ball(), log));
+    View view = far_view(3, 32, kPhase);
+    world.set_pose(1, {Vec3(0.4, 0.2, -0.3), Quat(1, 0, 0, 0)});
+    world.set_pose(2, {view.camera.position + view.camera.world_from_camera * Vec3(0, 0, -5),
+                       Quat(1, 0, 0, 0)});
+    const Image small = studio.draw(world, view.camera, automatic());
+    RenderOptions plain = automatic();
+    plain.imposters = Imposters::off;
+    plain.samples = 64;
+    const Image sampled = studio.draw(world, view.camera, plain);
+    EXPECT_NEAR(measured(small).flux, measured(sampled).flux, 1e-3 * measured(sampled).flux);
+    // inside: as without imposters
+    world.set_pose(2, {view.camera.position, Quat(1, 0, 0, 0)});
+    EXPECT_GE(measured(studio.draw(world, view.camera, automatic())).flux, 0);
+  }
+}
+
+// What is drawn does not depend on what was drawn before, and truth layers are there.
+TEST(Imposters, SameBitsAndTruth) {
+  DiagnosticLog log;
+  world::World world;
+  ASSERT_TRUE(world.add("a", ball(), log) && world.add("b", ball(), log));
+  world.set_pose(1, {Vec3(6, 1, 0), Quat(1, 0, 0, 0)});
+  const View view = far_view(3, 64, kPhase);
+  RenderOptions options = automatic();
+  options.ground_truth = true;
+  Studio fresh;
+  const Image first = fresh.draw(world, view.camera, options);
+  Studio used;
+  View other = far_view(200, 64, 0);
+  used.draw(world, other.camera, options);
+  const Image again = used.draw(world, view.camera, options);
+  EXPECT_EQ(first.radiance, again.radiance);
+  EXPECT_EQ(first.coverage, again.coverage);
+  EXPECT_EQ(first.target_id, again.target_id);
+  options.imposters = Imposters::off;
+  const Image plain = fresh.draw(world, view.camera, options);
+  EXPECT_EQ(first.target_id, plain.target_id);
+  EXPECT_EQ(first.depth, plain.depth);
+  EXPECT_NE(first.radiance, plain.radiance);
+}
+
+// Imposters that are drawn beside each other keep each other's shadow maps.
+TEST(Imposters, ShadowMapsStay) {
+  DiagnosticLog log;
+  world::World world;
+  const world::ModelPtr model = shared(single(box(Vec3(1)), lambert(1)));
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_TRUE(world.add("t" + std::to_string(i), model, log));
+    world.set_pose(static_cast<std::size_t>(i), {Vec3(8 * i, 0, 0), Quat(1, 0, 0, 0)});
+  }
+  Studio studio;
+  View view = far_view(0.5, 64, kPhase);
+  studio.draw(world, view.camera, automatic());
+  const std::uint64_t drawn = studio.renderer().counts().shadow_maps;
+  for (int i = 0; i < 3; ++i) {
+    view.camera.principal.x += 0.3;
+    studio.draw(world, view.camera, automatic());
+  }
+  EXPECT_EQ(studio.renderer().counts().shadow_maps, drawn);
+}
+
+}  // namespace
+}  // namespace panwright::preview
