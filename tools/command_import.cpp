@@ -426,7 +426,7 @@ int run_importer(const Options& typed, const Host& host) {
 Command import_command() {
   return command(
       "import",
-      "Read a CAD file (glTF, VRML, STEP, OBJ, STL, PLY, URDF, MJCF) into a pan or pxn file",
+      "Read a CAD file (glTF, VRML, STEP, OBJ, STL, PLY, URDF, MJCF) into pan or pxn",
       declare_all, run);
 }
 

@@ -154,7 +154,7 @@ TEST(TexelAreas, AreasOfDiscsAndPlates) {
     plates = std::max(
         plates, std::fabs(sum_of(patch_of(imposter, plate, nullptr, {}, 0, 32, 32)) / (4 * half * half) - 1));
   }
-  std::printf("DBG %g %g %g\n", std::sqrt(squares), estimates, plates);
+  // measured: 1.3e-3, estimated 7.6e-4, of radii of 50 texels about a corner of theirs; 1.8e-3
   EXPECT_LT(std::sqrt(squares) / estimates, 2);
   EXPECT_GT(std::sqrt(squares) / estimates, 0.3);
   EXPECT_LT(plates, 3e-3);

@@ -96,6 +96,7 @@ TEST_F(Views, AnImageIsMadeAgain) {
   const std::vector<std::string> engines[] = {
       {"--engine", "reference", "--samples", "2", "--seed", "9", "--filter", "gaussian:0.7",
        "--limb-darkening", "0.6"},
+      {"--engine", "gl", "--imposters", "20", "--flux-error", "1%", "--psf", "0.5"},
       {"--engine", "gl"},
       {"--engine", "gl", "--samples", "2", "--adaptive", "--shadow-side", "256"}};
   for (const auto& engine : engines)

@@ -134,9 +134,12 @@ TEST(ReadViews, TakesEveryOption) {
   DiagnosticLog log;
   const auto views = read(R"([{"name": "far", "outputs": ["a.png", "a.npz"], "size": [640, 480],
       "define": {"span": "2m", "n": 3}, "targets": {"b": "b.pan"}, "samples": 4, "adaptive": true,
-      "shadow-side": 512, "flat": false, "limb-darkening": 0.6, "max-image-memory": "2GB"},
+      "shadow-side": 512, "flat": false, "limb-darkening": 0.6, "max-image-memory": "2GB",
+      "imposters": 32, "flux-error": "0.1%", "psf": 0.5},
      {"output": "b.exr", "engine": "reference", "seed": 18446744073709551615, "filter": "box",
-      "no_sun_disc": true, "until-error": 0.01, "max-samples": 64, "bounces": 0}])",
+      "no_sun_disc": true, "until-error": 0.01, "max-samples": 64, "bounces": 0},
+     {"output": "c.exr", "imposters": "off"}, {"output": "d.exr", "imposters": "always"},
+     {"output": "e.exr", "engine": "reference", "psf": "0.7"}])",
                           log);
   ASSERT_TRUE(views) << to_text(log);
   const ViewText& far = (*views)[0];
@@ -162,6 +165,17 @@ TEST(ReadViews, TakesEveryOption) {
   EXPECT_EQ(traced->reference.max_samples, 64u);
   EXPECT_EQ(traced->reference.until_error, 0.01);
   EXPECT_FALSE(traced->reference.sun_disc);
+  EXPECT_EQ(gl->gl.imposters, preview::Imposters::automatic);
+  EXPECT_EQ(gl->gl.imposter_pixels, 32);
+  EXPECT_EQ(gl->gl.flux_error, 1e-3);
+  EXPECT_EQ(gl->gl.psf_sigma, 0.5);
+  const auto none = draw_options((*views)[2], preview::ContextKind::automatic, log);
+  const auto all = draw_options((*views)[3], preview::ContextKind::automatic, log);
+  const auto blurred = draw_options((*views)[4], preview::ContextKind::automatic, log);
+  ASSERT_TRUE(none && all && blurred) << to_text(log);
+  EXPECT_EQ(none->gl.imposters, preview::Imposters::off);
+  EXPECT_EQ(all->gl.imposters, preview::Imposters::always);
+  EXPECT_EQ(blurred->reference.psf_sigma, 0.7);
 }
 
 TEST(ReadViews, NamesTheViewOfAWrongValue) {
@@ -172,6 +186,11 @@ TEST(ReadViews, NamesTheViewOfAWrongValue) {
       {R"("pixel-error": 1, "samples": "auto")", "view 1 ('x'): pixel-error is '1', expected"},
       {R"("engine": "reference", "bounces": 1.5)", "bounces is '1.5', expected a whole number"},
       {R"("shadow-side": 512, "no-shadows": true)", "cannot be combined"},
+      {R"("imposters": "some")", "expected auto, off, always, or a number of pixels"},
+      {R"("imposters": 9, "engine": "reference")", "imposters requires engine gl"},
+      {R"("flux-error": 2)", "flux-error is '2', expected a share"},
+      {R"("psf": -1)", "psf is '-1', expected a number from 0 to 64"},
+      {R"("psf": 1, "filter": "box", "engine": "reference")", "cannot be combined"},
       {R"("max-image-memory": "much")", "expected a number of bytes"},
   };
   for (const auto& [members, words] : cases) {
