@@ -556,8 +556,10 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
                                     const RenderOptions& options, const LevelState& levels,
                                     std::span<Imposter> imposters, std::size_t index,
                                     DiagnosticLog& log) {
-  // so much more than asked is worth another draw
-  constexpr double kEnough = 1.5;
+  // So much more than asked is worth another draw, which aims at that: the estimate is about twice
+  // what is left.
+  constexpr double kEnough = 2;
+  constexpr double kAim = 1.4;
   const std::uint32_t most_side = most_texels();
   Frame& frame = frames[index];
   RenderOptions own = options;
@@ -584,7 +586,7 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
       flux_error = flux_error_of(frame.image);
       if (flux_error <= kEnough * options.flux_error || imposter.texels >= most_side) break;
       if (draw > 0) break;
-      const double more = std::pow(flux_error / options.flux_error, 2.0 / 3.0);
+      const double more = std::pow(flux_error / (kAim * options.flux_error), 2.0 / 3.0);
       imposter.texels = static_cast<std::uint32_t>(
           std::min<double>(most_side, std::ceil(more * imposter.texels)));
     }
