@@ -666,7 +666,10 @@ bool Renderer::Impl::submit_state(const world::World& world, const world::Camera
 
 // Adds to the pixels of a frame what its imposters show.
 void Renderer::Impl::finish(Frame& frame) {
-  if (frame.psf_sigma > 0) convolve(frame.psf_sigma, frame.image);
+  const std::vector<float>& coverage = frame.image.coverage;
+  if (frame.psf_sigma > 0 &&
+      std::any_of(coverage.begin(), coverage.end(), [](float a) { return a > 0; }))
+    convolve(frame.psf_sigma, frame.image);
   add_patches(frame.patches, frame.image);
   frame.patches.clear();
 }
