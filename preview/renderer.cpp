@@ -560,7 +560,8 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
   // what is left.
   constexpr double kEnough = 2;
   constexpr double kAim = 1.4;
-  const std::uint32_t most_side = most_texels();
+  // where glints and foil would take ever more
+  const std::uint32_t most_side = std::min(most_texels(), 1024u);
   Frame& frame = frames[index];
   RenderOptions own = options;
   own.samples = 1;
