@@ -30,7 +30,7 @@ def built(compiler, level, base, folder):
     here = os.path.join(folder, f"{compiler}{level}")
     os.makedirs(here, exist_ok=True)
     sources = sorted(glob.glob(f"{ROOT}/mli/*.cpp") + glob.glob(f"{ROOT}/mli/internal/*.cpp"))
-    sources += [f"{ROOT}/{name}" for name in ("base/math.cpp", "geometry/symmetric.cpp", "geometry/mesh/face_groups.cpp", "geometry/mesh/normals.cpp", "geometry/internal/compressed_rows.cpp", "geometry/internal/triangle.cpp", "geometry/internal/weld.cpp",
+    sources += [f"{ROOT}/{name}" for name in ("base/math.cpp", "geometry/symmetric.cpp", "geometry/mesh/face_groups.cpp", "geometry/ray/box_tree.cpp", "geometry/mesh/normals.cpp", "geometry/internal/compressed_rows.cpp", "geometry/internal/triangle.cpp", "geometry/internal/weld.cpp",
                                              "tests/mli/sheets.cpp")]
     cache = ["ccache"] if shutil.which("ccache") else []
     objects = []
