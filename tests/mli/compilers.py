@@ -50,14 +50,17 @@ def main():
     ways = [(compiler, level) for compiler in ("g++", "clang++") for level in ("-O0", "-O3")]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         programs = list(pool.map(lambda way: built(*way, base, folder), ways))
-    expected = run([sheets, "1"])
+        runs = [(name, program, threads)
+                for name, program in [("the build", sheets), *zip(map(" ".join, ways), programs)]
+                for threads in ("1", "8")]
+        outputs = list(pool.map(lambda each: run([each[1], each[2]]), runs))
+    expected = outputs[0]
     wrong = 0
-    for name, program in [("the build", sheets), *zip(map(" ".join, ways), programs)]:
-        for threads in ("1", "8"):
-            for want, got in zip(expected.splitlines(), run([program, threads]).splitlines()):
-                if want != got:
-                    print(f"{name}, {threads} threads: {got}; the build with one thread: {want}")
-                    wrong += 1
+    for (name, _, threads), output in zip(runs, outputs):
+        for want, got in zip(expected.splitlines(), output.splitlines()):
+            if want != got:
+                print(f"{name}, {threads} threads: {got}; the build with one thread: {want}")
+                wrong += 1
     print(f"{len(expected.splitlines())} sheets by {len(programs)} compilers and the build, "
           f"{wrong} differ")
     return 1 if wrong or not expected else 0
