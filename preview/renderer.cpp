@@ -36,6 +36,7 @@ constexpr std::uint64_t kMostItems = (1u << 24) - 1;
          options.samples <= 64 && options.tile_side >= options.samples &&
          options.flux_error > 0 && options.psf_sigma >= 0 && options.psf_sigma <= 64 &&
          (options.samples > 0 || (options.pixel_error > 0 && options.tile_side >= 64)) &&
+         options.sun_points >= 2 && options.sun_points <= kMostSunPoints &&
          (options.shadow_side == 0 ||
           (options.shadow_side >= 16 && options.shadow_side <= kMaxSide));
 }
@@ -70,6 +71,13 @@ void reset(Image& image, const world::Camera& camera, bool ground_truth) {
   image.target_id.assign(pixels, 0);
   image.node_id.assign(pixels, 0);
   image.material_id.assign(pixels, 0);
+}
+
+void add_shadows(const ShadowMaps& maps, SamplingReport& report) {
+  report.shadow_edge = std::max(report.shadow_edge, maps.edge_error());
+  report.penumbra = std::max(report.penumbra, maps.penumbra());
+  report.sun_points = std::max(report.sun_points, maps.sun_points());
+  report.sun_error = error_of_sun_points(report.sun_points);
 }
 
 void add_weighted(std::span<const float> values, float weight, std::span<float> sum) {
@@ -125,6 +133,7 @@ struct Renderer::Impl {
   void make_passes();
   bool update(const world::World& world, const world::Camera& camera, const RenderOptions& options,
               DiagnosticLog& log);
+  void set_disc(const world::Sun& sun, const RenderOptions& options);
   const VisibleSet* look(const world::World& world, const world::Camera& camera,
                          const LevelState& levels, VisibleSetFinder& finder, DiagnosticLog& log);
   bool submit(const world::World& world, const world::Camera& camera, const RenderOptions& options,
@@ -161,6 +170,7 @@ struct Renderer::Impl {
   const GladGLContext& gl;
   TargetStates states;
   ShadowMaps shadow_maps;
+  SunDisc sun_disc;  // of the image that is drawn
   std::unique_ptr<Passes> passes;      // made when the context is current first
   std::unique_ptr<Sampling> sampling;  // the same
   std::optional<Ring> radiance;        // the same
@@ -350,10 +360,10 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
   if (shadows) scene.shadows = &shadow_maps;
   if (!passes->prepare(scene, pass, log)) return false;
   if (shadows &&
-      !shadow_maps.update(shared, scene, {options.shadow_side, options.max_shadow_bytes}, log, job))
+      !shadow_maps.update(shared, scene, {options.shadow_side, options.max_shadow_bytes, sun_disc},
+                          log, job))
     return false;
-  double& shadow_edge = frames[frame].report.shadow_edge;
-  if (shadows) shadow_edge = std::max(shadow_edge, shadow_maps.edge_error());
+  if (shadows) add_shadows(shadow_maps, frames[frame].report);
   if (adaptive) return sampled(scene, options, formats, frame, log);
   for (Tiles whole(image.width, image.height, tile_side); whole; whole.next()) {
     on_tile.find(scene, *whole);
@@ -484,10 +494,24 @@ void Renderer::Impl::drop() {
   used_frames = 0;
 }
 
+void Renderer::Impl::set_disc(const world::Sun& sun, const RenderOptions& options) {
+  constexpr unsigned kMostAutomatic = 32;
+  sun_disc = {};
+  if (options.shadows == Shadows::hard ||
+      (options.shadows == Shadows::automatic && options.samples > 0))
+    return;
+  sun_disc.tangent = std::tan(std::asin(std::min(world::kSunSineAtOneAu / sun.distance, 0.999)));
+  sun_disc.limb_darkening = sun.limb_darkening;
+  sun_disc.always = options.shadows == Shadows::soft;
+  sun_disc.points =
+      sun_disc.always ? options.sun_points : std::min(options.sun_points, kMostAutomatic);
+}
+
 // Of two images that are parts of one.
 static SamplingReport sum_of(const SamplingReport& a, const SamplingReport& b) {
   return {a.samples + b.samples, std::max(a.rmse, b.rmse), std::max(a.flux, b.flux),
-          std::max(a.shadow_edge, b.shadow_edge), b.imposters};
+          std::max(a.shadow_edge, b.shadow_edge), std::max(a.penumbra, b.penumbra),
+          std::max(a.sun_points, b.sun_points), std::max(a.sun_error, b.sun_error), b.imposters};
 }
 
 bool Renderer::Impl::submit(const world::World& world, const world::Camera& camera,
@@ -497,6 +521,7 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
   set_state();
   if (!update(world, camera, options, log)) return false;
   shadow_maps.begin_image();
+  set_disc(world.sun(), options);
   SamplingReport total;
   sum_radiance.clear();
   sum_coverage.clear();

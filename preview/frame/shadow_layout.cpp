@@ -16,6 +16,33 @@ Vec3 centre_of(const world::Instance& instance, const TargetState& state) {
   return instance.pose().translation + instance.pose().rotation * centre;
 }
 
+// of a layer, texels
+constexpr unsigned kLeastSoftSide = 256;
+
+// What a pixel spans where targets are nearest, metres.
+double nearest_pixel(const world::Camera& camera, const FrameScene& scene,
+                     std::span<const std::uint32_t> receivers) {
+  const double focal = std::max(camera.focal.x, camera.focal.y);
+  if (camera.projection != world::Projection::perspective) return scene.pixel / focal;
+  double near = INFINITY;
+  double far = 0;
+  for (const std::uint32_t receiver : receivers)
+    for (const PlacedBox& box : scene.visible.targets[receiver].boxes)
+      for (const Vec3& corner : corners(box.low, box.high)) {
+        const double depth = Vec3(box.camera_from_mesh * Vec4(corner, 1)).z;
+        near = std::min(near, depth);
+        far = std::max(far, depth);
+      }
+  return std::max(near, far * 0x1p-20) / focal * scene.pixel;
+}
+
+// As many points of the Sun's disc as a penumbra of so many pixels needs, or as there is room for.
+unsigned points_for(double penumbra, const SunDisc& disc, double room) {
+  double points = disc.points;
+  if (!disc.always) points = std::min(points, penumbra > 4 ? 32.0 : penumbra > 2 ? 16.0 : 8.0);
+  return static_cast<unsigned>(std::max(std::min(points, std::floor(room)), 2.0));
+}
+
 }  // namespace
 
 std::vector<std::vector<std::uint32_t>> neighbour_groups(std::span<const Vec3> centres,
@@ -111,7 +138,28 @@ void ShadowMaps::group(const FrameScene& scene, std::size_t most) {
   groups_.resize(count);
 }
 
-// Sets group.layout, as a map has it or anew.
+// How far what may throw a shadow on the receivers of a group stands from them, along the Sun, metres.
+double ShadowMaps::throw_in(const Group& group, const FrameScene& scene,
+                            const LightSpace& whole) const {
+  const world::World& world = scene.world;
+  const world::Pose& anchor = world[group.targets.front().target].pose();
+  const double shear = 2 * disc_.tangent * whole.extent.z / std::min(whole.extent.x, whole.extent.y);
+  double top = 1;
+  for (std::uint32_t i = 0; i < world.size(); ++i) {
+    const std::optional<world::Bounds>& bounds = scene.states[i].bounds;
+    if (!bounds || std::any_of(group.targets.begin(), group.targets.end(),
+                               [&](const Drawn& one) { return one.target == i; }))
+      continue;
+    const Mat4 sun_from_model =
+        whole.sun_from_model * relative_pose(anchor, world[i].pose()).matrix();
+    if (!meets_column(sun_from_model, bounds->min, bounds->max, shear)) continue;
+    for (const Vec3& corner : corners(bounds->min, bounds->max))
+      top = std::max(top, Vec3(sun_from_model * Vec4(corner, 1)).z);
+  }
+  return top * whole.extent.z;
+}
+
+// Sets group.layout, as a map has it or anew, but for the points of the Sun's disc: 1 or more.
 void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits& limits) {
   const Map* kept = nullptr;
   const world::Camera& camera = scene.camera;
@@ -128,7 +176,6 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
     }
   if (kept) {
     group.layout = kept->layout;
-    if (kept->layout.view == view) return;
   } else {
     placed_.clear();
     for (const Drawn& one : group.targets) {
@@ -138,8 +185,18 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
         if (!one.anchor) placed_.back().model_from_mesh = anchor_from_model * item.model_from_mesh;
       }
     }
-    group.layout.whole = fitted_light_space(placed_, group.to_sun, side_);
+    group.layout.bare = fitted_light_space(placed_, group.to_sun, side_);
   }
+  Layout& layout = group.layout;
+  const double pixel = nearest_pixel(camera, scene, group.receivers);
+  layout.penumbra = 0;
+  if (disc_.points > 1)
+    layout.penumbra = 2 * disc_.tangent * throw_in(group, scene, layout.bare) / pixel;
+  const bool soft = disc_.points > 1 && (disc_.always || layout.penumbra > kShownPenumbra);
+  const bool was_soft = kept && kept->layout.points > 1;
+  if (kept && kept->layout.view == view && soft == was_soft) return;
+  layout.points = soft ? 2 : 1;
+  layout.whole = soft ? widened(layout.bare, disc_.tangent) : layout.bare;
   shown_.clear();
   for (const std::uint32_t receiver : group.receivers) {
     const VisibleTarget& visible = scene.visible.targets[receiver];
@@ -148,31 +205,57 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
       shown_.push_back({&visible.boxes[k], state.resources, state.model().model.get(),
                         state.items()[visible.items[k]].mesh});
   }
-  group.layout.view = view;
-  group.layout.tiles =
-      finder_.find(camera, view.camera_from_model, group.layout.whole, shown_, limits);
+  layout.view = view;
+  TileLimits own = limits;
+  own.sun_tangent = soft ? disc_.tangent : 0;
+  layout.tiles = finder_.find(camera, view.camera_from_model, layout.whole, shown_, own);
   shown_.clear();  // which hold models
-  group.layout.texel = finder_.texel();
-  group.layout.pixel = finder_.pixel() * scene.pixel;
-  group.layout.finest = finder_.finest();
+  layout.texel = finder_.texel();
+  layout.pixel = finder_.pixel() * scene.pixel;
+  layout.finest = finder_.finest();
+  layout.side = side_;
+  // many points see edges from as many places: no texel of one need be finer than a pixel
+  while (soft && layout.tiles.tiles.empty() && layout.side > kLeastSoftSide &&
+         2 * layout.texel <= layout.pixel) {
+    layout.side /= 2;
+    layout.texel *= 2;
+  }
 }
 
-void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits,
+void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, std::uint64_t most,
                              DiagnosticLog& log) {
   std::size_t spare = limits.cells - std::min(limits.cells, groups_.size());
   std::size_t left = groups_.size();
-  const Group* worst = nullptr;
-  double most = kMostPixelsATexel;
-  edge_error_ = 0;
+  std::uint64_t hard_texels = 0;
+  std::uint64_t soft_texels = 0;  // of one point
   for (Group& group : groups_) {
     // what one leaves goes to those behind it
-    lay_out(group, scene, {limits.side, 1 + spare / left--, limits.cells_a_row});
+    lay_out(group, scene, {limits.side, 1 + spare / left--, limits.cells_a_row, 0});
     spare -= group.layout.tiles.cells() - 1;
-    const double coarse = group.layout.texel / group.layout.pixel;
+    const bool soft = group.layout.points > 1;
+    group.layout.points = 1;
+    (soft ? soft_texels : hard_texels) += texels_of(group.layout);
+    if (soft) group.layout.points = 2;
+  }
+  edge_error_ = 0;
+  penumbra_ = 0;
+  sun_points_ = 1;
+  const Group* worst = nullptr;
+  double coarsest = kMostPixelsATexel;
+  for (Group& group : groups_) {
+    Layout& layout = group.layout;
+    penumbra_ = std::max(penumbra_, layout.penumbra);
+    if (layout.points > 1) {
+      const auto room = static_cast<double>(most - std::min(most, hard_texels)) /
+                        static_cast<double>(soft_texels);
+      layout.points = points_for(layout.penumbra, disc_, room);
+      sun_points_ = sun_points_ > 1 ? std::min(sun_points_, layout.points) : layout.points;
+    }
+    const double coarse = layout.texel / layout.pixel;
     if (coarse > 0 && std::isfinite(coarse))
       edge_error_ = std::max(edge_error_, kEdgeOfTexel * coarse);
-    if (!(coarse > most)) continue;
-    most = coarse;
+    if (!(coarse > coarsest)) continue;
+    coarsest = coarse;
     worst = &group;
   }
   if (!worst) return;
@@ -183,7 +266,7 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits,
           "of shadows may be off by {:.2g} pixels there, expected at most {:.2g} "
           "({})",
           scene.world[worst->targets.front().target].name(), worst->layout.texel,
-          worst->layout.pixel, kEdgeOfTexel * most, kEdgeOfTexel * kMostPixelsATexel,
+          worst->layout.pixel, kEdgeOfTexel * coarsest, kEdgeOfTexel * kMostPixelsATexel,
           worst->layout.finest > kMostPixelsATexel * worst->layout.pixel
               ? "single precision allows no finer ones for triangles so large: smaller ones help"
               : "a larger --shadow-side may give finer ones"));
