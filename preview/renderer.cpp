@@ -76,7 +76,7 @@ void reset(Image& image, const world::Camera& camera, bool ground_truth) {
 void add_shadows(const ShadowMaps& maps, SamplingReport& report) {
   report.shadow_edge = std::max(report.shadow_edge, maps.edge_error());
   report.penumbra = std::max(report.penumbra, maps.penumbra());
-  report.sun_points = std::max(report.sun_points, maps.sun_points());
+  report.sun_points = std::max(report.sun_points, maps.disc_points());
   report.sun_error = error_of_sun_points(report.sun_points);
 }
 

@@ -366,7 +366,9 @@ void ShadowMaps::set_limits(const GladGLContext& gl, const Map& map) const {
   limits.points = static_cast<std::int32_t>(map.layout.points);
   const std::vector<Vec2> points = sun_points(disc_, map.layout.points);
   for (std::size_t k = 0; k < points.size(); ++k)
-    copy_floats(sun_shear(size, points[k]), limits.sun + 2 * k);
+    for (int axis = 0; axis < 2; ++axis)
+      limits.sun[2 * k + static_cast<std::size_t>(axis)] =
+          static_cast<float>(sun_shear(size, points[k])[axis]);
   gl.NamedBufferSubData(map.limits.id(), 0, sizeof limits, &limits);
 }
 

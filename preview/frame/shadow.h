@@ -90,7 +90,7 @@ class ShadowMaps {
   // Of the last update: the widest penumbra there may be, pixels, and the points of the Sun's disc
   // that stand for it, where they are fewest.
   double penumbra() const { return penumbra_; }
-  unsigned sun_points() const { return sun_points_; }
+  unsigned disc_points() const { return disc_points_; }
 
   static constexpr std::uint64_t kTexelBytes = 8;
 
@@ -197,7 +197,7 @@ class ShadowMaps {
   std::uint64_t drawn_ = 0;
   double edge_error_ = 0;
   double penumbra_ = 0;
-  unsigned sun_points_ = 1;
+  unsigned disc_points_ = 1;
   SunDisc disc_;
   // of one update, kept for the next one
   std::vector<Group> groups_;

@@ -239,7 +239,7 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, 
   }
   edge_error_ = 0;
   penumbra_ = 0;
-  sun_points_ = 1;
+  disc_points_ = 1;
   const Group* worst = nullptr;
   double coarsest = kMostPixelsATexel;
   for (Group& group : groups_) {
@@ -249,7 +249,7 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, 
       const auto room = static_cast<double>(most - std::min(most, hard_texels)) /
                         static_cast<double>(soft_texels);
       layout.points = points_for(layout.penumbra, disc_, room);
-      sun_points_ = sun_points_ > 1 ? std::min(sun_points_, layout.points) : layout.points;
+      disc_points_ = disc_points_ > 1 ? std::min(disc_points_, layout.points) : layout.points;
     }
     const double coarse = layout.texel / layout.pixel;
     if (coarse > 0 && std::isfinite(coarse))
