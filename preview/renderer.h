@@ -87,7 +87,9 @@ struct RenderOptions {
   unsigned shadow_side = 2048;  // texels a side of the maps of what the Sun sees, 16 to 16384 (or
                                 // what the context takes); 0: nothing casts shadows
   Shadows shadows = Shadows::automatic;
-  unsigned sun_points = 64;     // 2 to 256; of automatic ones at most 32
+  // 2 to 256. Of automatic ones at most: as many as pixel_error asks for, half as many where no
+  // penumbra is wider than two pixels
+  unsigned sun_points = 64;
   bool ground_truth = false;    // also depth, range, normal (without bumps) and ids, at the
                                 // pixels' centres
   std::uint32_t tile_side = 2048;         // samples that are drawn at once, a side; ≥ samples

@@ -129,8 +129,8 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("auto|off|hard|soft");
   arguments
       .add("--sun-points", options.sun_points,
-           "Points of the Sun's disc that cast shadows (default 64; auto: up to 32, as the "
-           "penumbra's width asks)")
+           "Points of the Sun's disc that cast shadows (default 64; auto: at most, as "
+           "--pixel-error asks)")
       .range(2u, 256u)
       .type("N");
   const Argument no_shadows =

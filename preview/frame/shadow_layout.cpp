@@ -36,10 +36,11 @@ double nearest_pixel(const world::Camera& camera, const FrameScene& scene,
   return std::max(near, far * 0x1p-20) / focal * scene.pixel;
 }
 
-// As many points of the Sun's disc as a penumbra of so many pixels needs, or as there is room for.
+// As many points of the Sun's disc as are asked for, half of them where pixels are too large to show
+// the steps between them, or as there is room for.
 unsigned points_for(double penumbra, const SunDisc& disc, double room) {
   double points = disc.points;
-  if (!disc.always) points = std::min(points, penumbra > 4 ? 32.0 : penumbra > 2 ? 16.0 : 8.0);
+  if (!disc.always && penumbra <= 2) points = std::ceil(0.5 * points);
   return static_cast<unsigned>(std::max(std::min(points, std::floor(room)), 2.0));
 }
 
@@ -214,9 +215,9 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
   layout.pixel = finder_.pixel() * scene.pixel;
   layout.finest = finder_.finest();
   layout.side = side_;
-  // many points see edges from as many places: no texel of one need be finer than a pixel
+  // there are many of them, so each is as coarse as a map may be
   while (soft && layout.tiles.tiles.empty() && layout.side > kLeastSoftSide &&
-         2 * layout.texel <= layout.pixel) {
+         2 * layout.texel <= kMostPixelsATexel * layout.pixel) {
     layout.side /= 2;
     layout.texel *= 2;
   }

@@ -15,9 +15,16 @@ double light_within(double radius, double limb_darkening) {
          (1 - limb_darkening / 3);
 }
 
+// measured (tests/preview/sun_points_test.cpp): kError · points^-3/4
+constexpr double kError = 0.302;
+
 double error_of_sun_points(unsigned points) {
-  // measured (tests/preview/sun_points_test.cpp)
-  return points > 1 ? 0.3 / std::pow(points, 0.75) : 0;
+  return points > 1 ? kError / std::pow(points, 0.75) : 0;
+}
+
+unsigned sun_points_for(double error) {
+  const double eights = std::ceil(std::pow(kError / error, 4.0 / 3.0) / 8);
+  return 8 * static_cast<unsigned>(std::clamp(eights, 1.0, kMostSunPoints / 8.0));
 }
 
 std::vector<Vec2> sun_points(const SunDisc& disc, unsigned points) {

@@ -28,6 +28,9 @@ std::vector<Vec2> sun_points(const SunDisc& disc, unsigned points);
 // places in the penumbra and all directions of the edge. 1: 0, as nothing is said of penumbrae.
 double error_of_sun_points(unsigned points);
 
+// As many points as leave an error no larger than that, by the eight.
+unsigned sun_points_for(double error);
+
 // The share of the disc's light from within a share of its radius, 0 to 1.
 double light_within(double radius, double limb_darkening);
 

@@ -69,6 +69,18 @@ TEST(SunPoints, EdgesLeaveWhatTheyLeaveOfTheDisc) {
     }
 }
 
+TEST(SunPoints, AsManyAsAnErrorAsksFor) {
+  for (const double error : {0.06, 0.05, 0.02, 0.01, 0.006}) {
+    const unsigned count = sun_points_for(error);
+    EXPECT_EQ(count % 8, 0u);
+    EXPECT_LE(error_of_sun_points(count), error);
+    if (count > 8) EXPECT_GT(error_of_sun_points(count - 8), error);
+  }
+  EXPECT_EQ(sun_points_for(0.05), 16u);
+  EXPECT_EQ(sun_points_for(1), 8u);
+  EXPECT_EQ(sun_points_for(1e-9), kMostSunPoints);
+}
+
 TEST(SunPoints, OneIsTheCentre) {
   const std::vector<Vec2> points = sun_points({0.005, 0.6, 64, true}, 1);
   ASSERT_EQ(points.size(), 1u);

@@ -163,7 +163,6 @@ TEST(Penumbra, OnlyWhereItShows) {
   EXPECT_EQ(points(2, 0, Shadows::automatic), 1u);  // 0.46 pixels
   EXPECT_EQ(points(1.6, 0, Shadows::automatic), 8u);
   EXPECT_EQ(points(0.4, 0, Shadows::automatic), 16u);
-  EXPECT_EQ(points(0.1, 0, Shadows::automatic), 32u);
   EXPECT_EQ(points(0.1, 1, Shadows::automatic), 1u);
   EXPECT_EQ(points(0.1, 0, Shadows::hard), 1u);
   EXPECT_EQ(points(2, 1, Shadows::soft), 64u);
