@@ -70,7 +70,7 @@ int visit(dl_phdr_info* object, std::size_t, void* data) {
 }  // namespace
 
 std::string_view work_name(Work work) {
-  constexpr std::string_view kNames[kWorks] = {"meshes", "levels", "simplified", "cleaned"};
+  constexpr std::string_view kNames[kWorks] = {"meshes", "levels", "simplified", "foil", "cleaned"};
   return kNames[static_cast<std::size_t>(work)];
 }
 

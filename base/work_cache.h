@@ -21,9 +21,10 @@ enum class Work : std::uint8_t {
   meshes,      // triangles for exact shapes
   levels,      // levels of detail of meshes
   simplified,  // meshes that a budget lets be coarser
+  foil,        // sheets and blankets, with their levels
   cleaned,     // meshes of CAD files
 };
-inline constexpr std::size_t kWorks = 4;
+inline constexpr std::size_t kWorks = 5;
 std::string_view work_name(Work work);  // "meshes"
 
 // How many results came from a cache, and how many were made. What is made faster than it is read

@@ -456,6 +456,10 @@ pan::Contents contents_of(internal::Fitted& fitted, const Options& options, Repo
   out.version = "panwright " PANWRIGHT_VERSION;
   out.options = describe(options);
   std::vector<std::uint32_t> mesh_of_job(plan.jobs.size(), kLeftOut);
+  // note: a list that grows copies its meshes
+  std::size_t meshes = plan.jobs.size();
+  for (const scene::Foil& foil : scene.foils) meshes += foil.levels.size();
+  out.meshes.reserve(meshes);
   for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
     if (!product.meshes[i]) continue;
     mesh_of_job[i] = static_cast<std::uint32_t>(out.meshes.size());

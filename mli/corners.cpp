@@ -43,37 +43,44 @@ void Corners::add(const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t own
   if (length > 0) faces_.push_back({a, b, c, cross / length, owner});
 }
 
+geometry::AxisBox Corners::Face::box() const {
+  geometry::AxisBox out;
+  for (const Vec3& p : {a, b, c}) out.add(p);
+  return out;
+}
+
 void Corners::build() {
   std::vector<geometry::AxisBox> boxes;
   boxes.reserve(faces_.size());
-  for (const Face& face : faces_) {
-    geometry::AxisBox box;
-    for (const Vec3& p : {face.a, face.b, face.c}) box.add(p);
-    boxes.push_back(box);
-  }
+  for (const Face& face : faces_) boxes.push_back(face.box());
   tree_.build(std::move(boxes));
 }
 
 double Corners::room(std::uint32_t owner, const Vec3& from, const Vec3& along, double most) const {
-  double free = most, reach = 4 * most * most;
-  tree_.near(from, reach, [&](std::uint32_t index) {
+  std::vector<std::uint32_t> near;
+  tree_.near(from, 4 * most * most, [&](std::uint32_t index) {
+    if (faces_[index].owner != owner) near.push_back(index);
+  });
+  // note: the order in which a tree finds them depends on faces that are far away, and how often
+  // a way is halved on the order
+  std::ranges::sort(near);
+  double free = most;
+  for (const std::uint32_t index : near) {
     const Face& face = faces_[index];
-    if (face.owner == owner) return;
     // note: distances change by no more than the way, so what is farther than the way at its end
     // was farther all along
     const auto nearer = [&](double way) {
       return squared_distance(from + way * along, face.a, face.b, face.c) <
              (1 - kEqual) * way * way;
     };
-    if (!nearer(free)) return;
+    if (!nearer(free)) continue;
     double low = 0;
     for (int step = 0; step < kHalvings; ++step) {
       const double middle = 0.5 * (low + free);
       (nearer(middle) ? free : low) = middle;
     }
     free = low > kOnEdge * most ? low : 0;
-    reach = 4 * free * free;
-  });
+  }
   return free;
 }
 
@@ -91,6 +98,27 @@ bool Corners::crossed(std::uint32_t owner, const Vec3& a, const Vec3& b, double 
     out = squared_distance(a + part * (b - a), face.a, face.b, face.c) <= tolerance * tolerance;
   });
   return out;
+}
+
+bool Corners::add_near(std::uint32_t owner, std::span<const geometry::AxisBox> boxes,
+                       KeyHasher& key) const {
+  std::vector<std::uint32_t> near;
+  std::vector<char> met(faces_.size(), 0);
+  for (const geometry::AxisBox& box : boxes) {
+    const Vec3 half = 0.5 * (box.high - box.low);
+    tree_.near(box.low + half, glm::dot(half, half), [&](std::uint32_t index) {
+      const Face& face = faces_[index];
+      if (face.owner == owner || met[index] != 0 || !box.meets(face.box())) return;
+      met[index] = 1;
+      near.push_back(index);
+    });
+  }
+  std::ranges::sort(near);
+  key.number(near.size());
+  for (const std::uint32_t index : near)
+    for (const Vec3& p : {faces_[index].a, faces_[index].b, faces_[index].c})
+      for (int k = 0; k < 3; ++k) key.real(p[k]);
+  return !near.empty();
 }
 
 }  // namespace panwright::mli

@@ -59,7 +59,7 @@ REUSED = {"reused": "integer: from the cache", "made": "integer: anew"}
 CACHE = ("where there is one: results of work that is worth keeping", {
     "whole": "boolean: the whole file is that of an earlier import, and no part was looked at",
     "meshes": ("triangles for exact shapes", REUSED), "levels": ("levels of detail of meshes", REUSED), "simplified": ("meshes made coarser for the budget", REUSED),
-    "cleaned": ("meshes of CAD files", REUSED)})
+    "foil": ("sheets and blankets", REUSED), "cleaned": ("meshes of CAD files", REUSED)})
 
 OPTIONAL = lambda fields: {(name if name.endswith("?") else name + "?"): what for name, what in fields.items()}
 

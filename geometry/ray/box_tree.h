@@ -31,6 +31,12 @@ struct AxisBox {
     low -= by;
     high += by;
   }
+  // Whether another box comes within a distance along every axis; an empty one never does.
+  bool meets(const AxisBox& other, double within = 0) const {
+    for (int k = 0; k < 3; ++k)
+      if (!(low[k] <= other.high[k] + within && other.low[k] <= high[k] + within)) return false;
+    return true;
+  }
 };
 
 // A tree over boxes, halved by number along the longest side of their centres. Whoever makes the

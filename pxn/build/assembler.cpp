@@ -84,7 +84,8 @@ class Assembler {
         reporter_(reporter),
         scene_(scene),
         attached_{{}, CellGrids(scene), {}, {}, {}, {}},
-        blankets_(scene, options.crease_angle, loader.foil_vertices(), loader.job()) {}
+        blankets_(scene, options.crease_angle, loader.foil_vertices(), options.cache,
+                  loader.job()) {}
 
   bool run(std::uint32_t top) {
     const Part& part = loader_.part(top);

@@ -10,7 +10,6 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
-#include "geometry/mesh/check.h"
 #include "geometry/mesh/strip.h"
 #include "geometry/tessellate/tessellate.h"
 #include "mli/preset.h"
@@ -87,6 +86,20 @@ double area_of(const geometry::Mesh& mesh, const std::vector<std::uint32_t>& fac
   return twice / 2;
 }
 
+// Those of a sheet that is so high, in metres.
+std::vector<mli::Operation> operations_for(const Blanket& how, double height) {
+  std::vector<mli::Operation> out;
+  if (auto preset = mli::preset_operations(how.preset, height)) out = *std::move(preset);
+  out.insert(out.end(), how.operations.begin(), how.operations.end());
+  return out;
+}
+
+// Raises a number that other threads may raise at once.
+void raise(std::atomic<double>& most, double value) {
+  for (double known = most; value > known;)
+    if (most.compare_exchange_weak(known, value)) return;
+}
+
 mli::RecipeFor recipe_for(const Blanket& how, double cell, std::uint32_t seed) {
   return [&how, cell, seed](double width, double height, std::uint32_t seed_offset) {
     mli::Recipe recipe;
@@ -94,9 +107,7 @@ mli::RecipeFor recipe_for(const Blanket& how, double cell, std::uint32_t seed) {
     recipe.xgrid = 1;
     recipe.seed = seed;
     recipe = mli::fitted(recipe)(width, height, seed_offset);
-    if (auto preset = mli::preset_operations(how.preset, recipe.height))
-      recipe.operations = *std::move(preset);
-    recipe.operations.insert(recipe.operations.end(), how.operations.begin(), how.operations.end());
+    recipe.operations = operations_for(how, recipe.height);
     return recipe;
   };
 }
@@ -365,16 +376,19 @@ std::optional<Blankets::Made> Blankets::made(const Place& place, const FoilWish&
   const std::vector<std::uint32_t> faces = chosen_faces(*mesh, how.faces, place.axes_from_shape);
   any = !faces.empty();
   if (!any) return std::nullopt;
+  const geometry::Mesh metres = stretched(*mesh, in_metres);
+  const Surroundings around{
+      metres,         faces,       place.world_from_shape * Mat4(glm::inverse(in_metres)),
+      place.instance, *obstacles_, corners_};
   const Key key(shape, metric, key_of(how), how.faces == 0 ? std::vector<std::uint32_t>() : faces);
   const auto known = known_.find(key);
-  if (known != known_.end() &&
-      is_clear(known->second, room_of(place, in_metres, stand_off), corners_of(place, in_metres))) {
+  if (known != known_.end() && is_clear(known->second, around, room_of(place, in_metres, stand_off),
+                                        corners_of(place, in_metres))) {
     Made shared = known->second;
     shared.triangles = 0;  // which are there already
     return shared;
   }
-  Made made = woven(place, stretched(*mesh, in_metres), in_metres, wish, faces, stand_off);
-  if (uses_[static_cast<std::size_t>(shape)] < 2) made.reach = nullptr;
+  Made made = woven(place, around, in_metres, wish, stand_off);
   if (!(made.tally.held > 0) && !made.cornered) known_.emplace(key, made);
   return made;
 }
@@ -403,9 +417,12 @@ mli::OtherCorners Blankets::corners_of(const Place& place, const Mat3& in_metres
 }
 
 // Whether nothing is in the way of a blanket that was made elsewhere.
-bool Blankets::is_clear(const Made& made, const mli::FreeRoom& room,
-                        const mli::OtherCorners& others) const {
+bool Blankets::is_clear(const Made& made, const Surroundings& around, const mli::FreeRoom& room,
+                        const mli::OtherCorners& others) {
   if (!made.reach) return true;
+  KeyHasher ignored;
+  if (!around.add_near(made.reach->asked, ignored)) return true;
+  obstacles_->build(job_);
   const std::vector<Vec3>&tops = made.reach->tops, &roots = made.reach->roots;
   std::atomic<bool> clear = true;
   constexpr std::size_t kBlock = 1024;
@@ -424,9 +441,8 @@ bool Blankets::is_clear(const Made& made, const mli::FreeRoom& room,
   return clear;
 }
 
-Blankets::Made Blankets::woven(const Place& place, const geometry::Mesh& metres,
-                               const Mat3& in_metres, const FoilWish& wish,
-                               const std::vector<std::uint32_t>& faces, double stand_off) {
+Blankets::Made Blankets::woven(const Place& place, const Surroundings& around,
+                               const Mat3& in_metres, const FoilWish& wish, double stand_off) {
   const Blanket& how = wish.how;
   const auto shape =
       static_cast<std::size_t>(scene_.instances[static_cast<std::size_t>(place.instance)].shape);
@@ -438,8 +454,8 @@ Blankets::Made Blankets::woven(const Place& place, const geometry::Mesh& metres,
                               kMaxFoilVertices);
     return out;
   }
-  const double cell =
-      cell_of(how, diagonal_of(metres), area_of(metres, faces), least_cell_, out.cell);
+  const double cell = cell_of(how, diagonal_of(around.metres), area_of(around.metres, around.faces),
+                              least_cell_, out.cell);
   // other shapes wear other sheets, and the same one after each change of the model
   const auto seed =
       how.seed + static_cast<std::uint32_t>(geometry::hash_of(scene_.shapes[shape]).low);
@@ -451,62 +467,78 @@ Blankets::Made Blankets::woven(const Place& place, const geometry::Mesh& metres,
   options.edge = how.edge;
   options.normals = crease_angle_;
   options.levels = kLevels;
-  options.room = room_of(place, in_metres, stand_off);
-  std::atomic<bool> cornered = false;
-  options.corners = corners_of(place, in_metres);
-  options.corners.room = [&, room = options.corners.room](const Vec3& from, const Vec3& along,
-                                                          double most) {
-    const double free = room(from, along, most);
-    if (free < most) cornered = true;
-    return free;
-  };
   DiagnosticLog log;
-  auto wrap = mli::wrapped(metres, faces, recipe_for(how, cell, seed), options, log, {}, job_);
+  const bool shared = uses_[shape] > 1;
+  WovenFrom from{around, glm::inverse(in_metres), key_of(how), room, shared};
+  for (const double number : {cell, static_cast<double>(seed), stand_off, crease_angle_})
+    from.how.push_back(number);
+  auto woven = kept_or_woven(cache_, from, [&] {
+    return wrapped(place, around, in_metres, recipe_for(how, cell, seed), options, log);
+  });
   job_.poll();
-  if (!wrap) {
+  if (!woven) {
     out.problem = log.entries().empty() ? "no blanket" : log.entries()[0].message;
     return out;
   }
-  out.tally.add(*wrap);
-  out.cornered = cornered;
+  out.tally.add(woven->tally);
+  out.cornered = woven->cornered;
   if (how.stand_off == 0 && out.tally.least >= kQuietScale) out.tally.scaled = 0;
-  if (wrap->blanket.triangles.empty()) return out;
-  out.reach = std::make_shared<const Made::Reach>(
-      Made::Reach{wrap->blanket.positions, std::move(wrap->roots)});
-  const mli::WrapGroup* largest = nullptr;
-  for (const mli::WrapGroup& g : wrap->groups)
-    if (g.accepted && (largest == nullptr || g.area > largest->area)) largest = &g;
-  scene::Foil foil{scene::kNone, largest->recipe,     mli::Flat{}, largest->statistics,
+  if (woven->triangles == 0) return out;
+  if (shared)
+    out.reach = std::make_shared<const Made::Reach>(
+        Made::Reach{std::move(woven->tops), std::move(woven->roots), woven->asked});
+  woven->recipe.operations = operations_for(how, woven->recipe.height);
+  scene::Foil foil{scene::kNone, woven->recipe,       mli::Flat{}, woven->meshes.statistics,
                    true,         wish.blanket.source, {}};
   out.used_cell = cell;
-  out.triangles = wrap->blanket.triangles.size();
-  const Mat3 back = glm::inverse(in_metres);
-  out.shape = add_shape(*wrap, mli::Cover::foil, back, foil);
-  out.tape = add_shape(*wrap, mli::Cover::tape, back, foil);
-  out.edge = add_shape(*wrap, mli::Cover::edge, back, std::move(foil));
+  out.triangles = woven->triangles;
+  vertices_ += woven->meshes.vertices;
+  auto& [cloth, tape, edge] = woven->meshes.parts;
+  out.shape = add_shape(cloth, foil);
+  out.tape = add_shape(tape, foil);
+  out.edge = add_shape(edge, std::move(foil));
   return out;
 }
 
-// The triangles of a wrap and its levels that show one thing; kNone: there are none.
-std::int32_t Blankets::add_shape(const mli::Wrap& wrap, mli::Cover cover, const Mat3& back,
-                                 scene::Foil foil) {
-  const Mat3 covector = glm::transpose(glm::inverse(back));
-  const auto part = [&](const geometry::Mesh& all, const std::vector<mli::Cover>& covers) {
-    auto mesh = std::make_shared<geometry::Mesh>(mli::part_of(all, covers, cover));
-    for (Vec3& p : mesh->positions) p = back * p;
-    for (Vec3& n : mesh->normals) n = glm::normalize(covector * n);
-    geometry::set_closed(*mesh);
-    vertices_ += static_cast<double>(mesh->positions.size());
-    return mesh;
+// A blanket that is made now, and how far it asked.
+std::optional<WovenFoil> Blankets::wrapped(const Place& place, const Surroundings& around,
+                                           const Mat3& in_metres, const mli::RecipeFor& recipe,
+                                           mli::WrapOptions options, DiagnosticLog& log) {
+  obstacles_->build(job_);
+  std::atomic<double> parts = 0, corners = 0;
+  std::atomic<bool> cornered = false;
+  const mli::FreeRoom room = room_of(place, in_metres, options.stand_off);
+  options.room = [&](const Vec3& from, const Vec3& along, double most) {
+    raise(parts, most);
+    return room(from, along, most);
   };
-  auto finest = part(wrap.blanket, wrap.covers);
-  if (finest->triangles.empty()) return scene::kNone;
-  const double scale = std::cbrt(std::fabs(glm::determinant(back)));
-  for (const mli::WrapLevel& level : wrap.levels)
-    if (auto mesh = part(level.blanket, level.covers); !mesh->triangles.empty())
-      foil.levels.push_back({std::move(mesh), scale * level.detail, scale * level.error});
+  const mli::OtherCorners others = corners_of(place, in_metres);
+  options.corners.room = [&](const Vec3& from, const Vec3& along, double most) {
+    raise(corners, 2 * most);
+    const double free = others.room(from, along, most);
+    if (free < most) cornered = true;
+    return free;
+  };
+  options.corners.crossed = [&](const Vec3& a, const Vec3& b, double tolerance) {
+    raise(corners, tolerance);
+    return others.crossed(a, b, tolerance);
+  };
+  auto wrap = mli::wrapped(around.metres, around.faces, recipe, options, log, {}, job_);
+  if (!wrap) return std::nullopt;
+  WovenFoil out = woven_from(*std::move(wrap), glm::inverse(in_metres));
+  out.cornered = cornered;
+  // note: what parts hold down asks less of corners, which shall not make it another blanket; and
+  // is_clear() asks as far for both
+  out.asked = {parts, std::max<double>(corners, 2 * parts)};
+  return out;
+}
+
+// Of a blanket what shows one thing; kNone: there is nothing.
+std::int32_t Blankets::add_shape(FoilMeshes::Part& part, scene::Foil foil) {
+  if (!part.finest) return scene::kNone;
+  foil.levels = std::move(part.levels);
   foil.shape = static_cast<std::int32_t>(scene_.shapes.size());
-  scene_.shapes.emplace_back(geometry::MeshShape(std::move(finest)));
+  scene_.shapes.emplace_back(std::move(part.finest));
   scene_.foils.push_back(std::move(foil));
   return scene_.foils.back().shape;
 }

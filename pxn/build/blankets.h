@@ -12,8 +12,10 @@
 #include <vector>
 
 #include "base/job.h"
+#include "base/work_cache.h"
 #include "mli/corners.h"
 #include "mli/wrap.h"
+#include "pxn/build/kept_foil.h"
 #include "pxn/build/obstacles.h"
 #include "pxn/build/part.h"
 #include "pxn/text/reporter.h"
@@ -45,9 +47,10 @@ std::string many_triangles(double triangles, double cell);
 // stretch share one, unless other parts are in its way.
 class Blankets {
  public:
-  // vertices: of all sheets so far
-  Blankets(scene::Scene& scene, double crease_angle, double vertices, const Job& job)
-      : scene_(scene), crease_angle_(crease_angle), vertices_(vertices), job_(job) {}
+  // vertices: of all sheets so far; cache: null: none
+  Blankets(scene::Scene& scene, double crease_angle, double vertices, const WorkCache* cache,
+           const Job& job)
+      : scene_(scene), crease_angle_(crease_angle), vertices_(vertices), cache_(cache), job_(job) {}
 
   void wish(FoilWish wish) { wishes_.push_back(std::move(wish)); }
 
@@ -72,6 +75,7 @@ class Blankets {
     // where others may share it: its vertices and the places below them, in metres_of(metric)
     struct Reach {
       std::vector<Vec3> tops, roots;
+      Asked asked;
     };
     std::shared_ptr<const Reach> reach;
   };
@@ -97,20 +101,24 @@ class Blankets {
   void share_triangles();
   void cover(std::int32_t instance, const std::string& name, const FoilWish& wish, Worn& worn);
   std::optional<Made> made(const Place& place, const FoilWish& wish, bool& any);
-  Made woven(const Place& place, const geometry::Mesh& metres, const Mat3& in_metres,
-             const FoilWish& wish, const std::vector<std::uint32_t>& faces, double stand_off);
+  Made woven(const Place& place, const Surroundings& around, const Mat3& in_metres,
+             const FoilWish& wish, double stand_off);
+  std::optional<WovenFoil> wrapped(const Place& place, const Surroundings& around,
+                                   const Mat3& in_metres, const mli::RecipeFor& recipe,
+                                   mli::WrapOptions options, DiagnosticLog& log);
   mli::FreeRoom room_of(const Place& place, const Mat3& in_metres, double stand_off) const;
   mli::OtherCorners corners_of(const Place& place, const Mat3& in_metres) const;
   void find_corners();
-  bool is_clear(const Made& made, const mli::FreeRoom& room, const mli::OtherCorners& others) const;
+  bool is_clear(const Made& made, const Surroundings& around, const mli::FreeRoom& room,
+                const mli::OtherCorners& others);
   void hang(std::int32_t node, std::string name, scene::Instance what);
-  std::int32_t add_shape(const mli::Wrap& wrap, mli::Cover cover, const Mat3& back,
-                         scene::Foil foil);
+  std::int32_t add_shape(FoilMeshes::Part& part, scene::Foil foil);
   static void tell(const Worn& worn, Reporter& reporter);
 
   scene::Scene& scene_;
   double crease_angle_;
   double vertices_;
+  const WorkCache* cache_;
   const Job job_;
   std::vector<FoilWish> wishes_;
   std::map<Key, Made> known_;      // what nothing is in the way of

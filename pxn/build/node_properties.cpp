@@ -282,7 +282,7 @@ FoilShapes Loader::foil_shapes(Work& work, std::uint32_t element) {
   const auto [known, added] = known_foils_.try_emplace(foil->key());
   if (!added) return known->second;
   auto made = make_foil(document, element, *foil, options_.crease_angle,
-                        kMaxFoilVertices - foil_vertices_, reporter_, job_);
+                        kMaxFoilVertices - foil_vertices_, options_.cache, reporter_, job_);
   if (!made) return {};
   foil_vertices_ += made->vertices;
   const auto [line, column] = work.file.positions[element];

@@ -14,28 +14,24 @@ namespace {
 // of the reach: how far facets of a curved shape may lie from it
 constexpr double kFacetShare = 0.02;
 
-struct WorldBox {
-  Vec3 low{HUGE_VAL}, high{-HUGE_VAL};
-  bool meets(const WorldBox& other, double reach) const {
-    for (int k = 0; k < 3; ++k)
-      if (low[k] > other.high[k] + reach || other.low[k] > high[k] + reach) return false;
-    return true;
-  }
-};
+using geometry::AxisBox;
 
-WorldBox box_of(const geometry::Mesh& mesh, const Mat4& world) {
-  WorldBox box;
-  for (const Vec3& p : mesh.positions) {
-    const Vec3 at(world * Vec4(p, 1));
-    box.low = glm::min(box.low, at);
-    box.high = glm::max(box.high, at);
-  }
+AxisBox box_of(const geometry::Mesh& mesh, const Mat4& world) {
+  AxisBox box;
+  for (const Vec3& p : mesh.positions) box.add(Vec3(world * Vec4(p, 1)));
   return box;
 }
 
 double size_of(const geometry::Mesh& mesh) {
-  const WorldBox box = box_of(mesh, Mat4(1));
+  const AxisBox box = box_of(mesh, Mat4(1));
   return mesh.positions.empty() ? 0 : glm::length(box.high - box.low);
+}
+
+Hash128 hash_of(const geometry::Mesh& mesh) {
+  KeyHasher key;
+  key.list(mesh.positions);
+  key.list(mesh.triangles);
+  return key.key();
 }
 
 struct Self {
@@ -66,7 +62,7 @@ Obstacles::Obstacles(const scene::Scene& scene, std::span<const std::int32_t> wr
     double& most = largest[static_cast<std::size_t>(one.shape)];
     for (int k = 0; k < 3; ++k) most = std::max(most, glm::length(Vec3(world[k])));
   }
-  std::vector<WorldBox> boxes(count);
+  std::vector<AxisBox> boxes(count);
   for (std::size_t i = 0; i < count; ++i) {
     job.poll();
     const scene::Instance& one = scene.instances[i];
@@ -83,6 +79,7 @@ Obstacles::Obstacles(const scene::Scene& scene, std::span<const std::int32_t> wr
     if (mesh->second) boxes[i] = box_of(*mesh->second, worlds[static_cast<std::size_t>(one.node)]);
   }
   std::map<std::int32_t, std::uint32_t> added;
+  std::map<std::int32_t, Hash128> hashes;
   for (std::size_t i = 0; i < count; ++i) {
     const scene::Instance& one = scene.instances[i];
     const geometry::MeshShape& mesh = meshes.at(one.shape);
@@ -91,14 +88,23 @@ Obstacles::Obstacles(const scene::Scene& scene, std::span<const std::int32_t> wr
         }))
       continue;
     const auto [known, fresh] = added.try_emplace(one.shape, 0);
-    if (fresh) known->second = caster_.add_mesh(mesh->positions, mesh->triangles);
+    if (fresh) {
+      known->second = caster_.add_mesh(mesh->positions, mesh->triangles);
+      hashes[one.shape] = hash_of(*mesh);
+    }
     const bool exact = !std::holds_alternative<geometry::MeshShape>(
         scene.shapes[static_cast<std::size_t>(one.shape)]);
-    caster_.add(known->second, worlds[static_cast<std::size_t>(one.node)], true);
+    const Mat4& world = worlds[static_cast<std::size_t>(one.node)];
+    caster_.add(known->second, world, true);
+    standing_.push_back({hashes[one.shape], world, boxes[i]});
     instances_.push_back(static_cast<std::int32_t>(i));
     exact_.push_back(exact ? 1 : 0);
   }
-  caster_.build(job);
+}
+
+void Obstacles::build(const Job& job) {
+  if (!built_) caster_.build(job);
+  built_ = true;
 }
 
 double Obstacles::room(std::int32_t of, const Vec3& from, const Vec3& along, double least,
@@ -109,6 +115,25 @@ double Obstacles::room(std::int32_t of, const Vec3& from, const Vec3& along, dou
   const Self self{own ? static_cast<std::uint32_t>(index) : ~std::uint32_t{0}};
   const auto hit = caster_.closest({from, along, least, most}, {is_other, &self});
   return hit ? hit->distance : most;
+}
+
+bool Obstacles::add_near(std::int32_t of, std::span<const AxisBox> boxes, KeyHasher& key) const {
+  AxisBox all;
+  for (const AxisBox& box : boxes) all.add(box);
+  std::vector<std::size_t> near;
+  for (std::size_t i = 0; i < standing_.size(); ++i) {
+    const AxisBox& there = standing_[i].box;
+    const bool own = instances_[i] == of && exact_[i] != 0;
+    if (!own && all.meets(there) &&
+        std::ranges::any_of(boxes, [&](const AxisBox& box) { return box.meets(there); }))
+      near.push_back(i);
+  }
+  key.number(near.size());
+  for (const std::size_t i : near) {
+    key.hash(standing_[i].mesh);
+    for (int k = 0; k < 16; ++k) key.real(standing_[i].world[k / 4][k % 4]);
+  }
+  return !near.empty();
 }
 
 }  // namespace panwright::pxn

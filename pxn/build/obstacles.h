@@ -6,7 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "base/bytes.h"
 #include "base/job.h"
+#include "geometry/ray/box_tree.h"
 #include "geometry/ray/instances.h"
 #include "scene/scene.h"
 
@@ -26,6 +28,10 @@ class Obstacles {
   Obstacles(const scene::Scene& scene, std::span<const std::int32_t> wrapped, double reach,
             const Job& job);
 
+  // To be called before room(), which may be called from any thread then. Once is enough. Throws
+  // Cancelled.
+  void build(const Job& job);
+
   // Metres that are free from a place along a unit direction, in the world, at most `most`.
   //
   //   of     the instance that the place lies on: it is in its own way only where it is a mesh
@@ -33,8 +39,22 @@ class Obstacles {
   double room(std::int32_t of, const Vec3& from, const Vec3& along, double least,
               double most) const;
 
+  // Adds to a key what comes into one of some boxes in the world: from places from which nothing
+  // further than a box is asked for, it is all that room() follows from. Returns whether there is
+  // anything. Cost: O(obstacles · boxes) at most.
+  bool add_near(std::int32_t of, std::span<const geometry::AxisBox> boxes, KeyHasher& key) const;
+
  private:
+  // What add_near() looks at, by instances of the caster.
+  struct Standing {
+    Hash128 mesh;
+    Mat4 world;
+    geometry::AxisBox box;
+  };
+
   geometry::InstanceCaster caster_;
+  bool built_ = false;
+  std::vector<Standing> standing_;
   std::vector<std::int32_t> instances_;  // of the scene, by those of the caster
   std::vector<char> exact_;              // the same: no mesh
 };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/job.h"
+#include "base/work_cache.h"
 #include "geometry/tessellate/shape.h"
 #include "mli/form.h"
 #include "mli/trim.h"
@@ -36,8 +37,8 @@ bool check_name(const xml::Document& document, std::uint32_t element, SourceSpan
 //
 //   returns  sound by geometry::problem_of; nothing where something is missing or wrong
 //
-// Reports: E1201 to E1203, E1212 to E1224, E2001, E2002, E2010 to E2018, E2026, E2027, W2006, W2007, W2009,
-// W2019, W2028.
+// Reports: E1201 to E1203, E1212 to E1224, E2001, E2002, E2010 to E2018, E2026, E2027, W2006,
+// W2007, W2009, W2019, W2028.
 std::optional<geometry::Shape> read_exact_shape(const xml::Document& document,
                                                 std::uint32_t element, const Units& units,
                                                 Values& values, Reporter& reporter);
@@ -98,11 +99,12 @@ struct FoilMeshes {
 
 // Nothing where they cannot be made.
 //
-//   room  vertices that may still be made
+//   room   vertices that may still be made
+//   cache  null: none
 //
 // Reports: E7001, W7002. Throws Cancelled. Cost: O(vertices · operations).
 std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t element,
                                     const FoilSheet& foil, double crease_angle, double room,
-                                    Reporter& reporter, const Job& job);
+                                    const WorkCache* cache, Reporter& reporter, const Job& job);
 
 }  // namespace panwright::pxn

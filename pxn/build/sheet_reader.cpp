@@ -10,6 +10,7 @@
 #include "mli/levels.h"
 #include "mli/preset.h"
 #include "mli/sheet.h"
+#include "pxn/build/kept_foil.h"
 #include "pxn/build/loader.h"
 #include "pxn/build/shapes.h"
 
@@ -481,20 +482,46 @@ std::shared_ptr<const geometry::Mesh> part_of(geometry::Mesh& mesh,
   return std::make_shared<const geometry::Mesh>(mli::part_of(mesh, covers, cover));
 }
 
+// Without a finest mesh: it failed.
+FoilMeshes meshes_of(const FoilSheet& foil, double crease_angle, double room, DiagnosticLog& log,
+                     const Job& job) {
+  FoilMeshes out;
+  const auto sheet = mli::made(foil.recipe, {}, log, foil.places, job);
+  if (!sheet) return out;
+  out.statistics = sheet->statistics;
+  auto mesh = mli::formed(*sheet, foil.form, log, foil.places.recipe);
+  if (!mesh) return out;
+  geometry::compute_normals(*mesh, crease_angle);
+  const std::vector<mli::Cover> covers = trimmed(*mesh, *sheet, foil, crease_angle);
+  out.vertices = static_cast<double>(mesh->positions.size());
+  std::vector<mli::Level> levels =
+      mli::levels_of(*sheet, foil.form, crease_angle, room - out.vertices, foil.trim, job);
+  for (const mli::Level& level : levels)
+    out.vertices += static_cast<double>(level.mesh.positions.size());
+  for (std::size_t k = 0; k < mli::kCovers; ++k) {
+    const auto cover = static_cast<mli::Cover>(k);
+    out.parts[k].finest = part_of(*mesh, covers, cover);
+    for (mli::Level& level : levels)
+      if (auto part = part_of(level.mesh, level.covers, cover))
+        out.parts[k].levels.push_back({std::move(part), level.detail, level.error});
+  }
+  return out;
+}
+
 }  // namespace
 
 std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t element,
                                     const FoilSheet& foil, double crease_angle, double room,
-                                    Reporter& reporter, const Job& job) {
+                                    const WorkCache* cache, Reporter& reporter, const Job& job) {
   // note: a log of its own, so that what is wrong in a repeat is said once
   DiagnosticLog log;
-  const auto pass_on = [&] {
-    for (const Diagnostic& entry : log.entries())
+  const auto pass_on = [&](const std::vector<Diagnostic>& entries) {
+    for (const Diagnostic& entry : entries)
       reporter.report(entry.code, entry.where, document, element,
                       [&] { return Reporter::Text(entry.message, entry.hint); });
   };
   if (!mli::check(foil.recipe, log, foil.places)) {
-    pass_on();
+    pass_on(log.entries());
     return std::nullopt;
   }
   const double vertices = (foil.recipe.xgrid + 1.0) * (foil.recipe.ygrid() + 1);
@@ -507,30 +534,16 @@ std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t
     });
     return std::nullopt;
   }
-  FoilMeshes out;
-  if (const auto sheet = mli::made(foil.recipe, {}, log, foil.places, job)) {
-    out.statistics = sheet->statistics;
-    if (auto mesh = mli::formed(*sheet, foil.form, log, foil.places.recipe)) {
-      geometry::compute_normals(*mesh, crease_angle);
-      const std::vector<mli::Cover> covers = trimmed(*mesh, *sheet, foil, crease_angle);
-      out.vertices = static_cast<double>(mesh->positions.size());
-      std::vector<mli::Level> levels =
-          mli::levels_of(*sheet, foil.form, crease_angle, room - out.vertices, foil.trim, job);
-      for (const mli::Level& level : levels)
-        out.vertices += static_cast<double>(level.mesh.positions.size());
-      for (std::size_t k = 0; k < mli::kCovers; ++k) {
-        const auto cover = static_cast<mli::Cover>(k);
-        out.parts[k].finest = part_of(*mesh, covers, cover);
-        for (mli::Level& level : levels)
-          if (auto part = part_of(level.mesh, level.covers, cover))
-            out.parts[k].levels.push_back({std::move(part), level.detail, level.error});
-      }
-    }
-  }
-  pass_on();
-  if (std::ranges::none_of(out.parts, [](const auto& part) { return part.finest != nullptr; }))
-    return std::nullopt;
-  return out;
+  auto made = kept_or_made(cache, foil, crease_angle, room, [&]() -> std::optional<MadeFoil> {
+    MadeFoil fresh{meshes_of(foil, crease_angle, room, log, job), log.entries()};
+    if (std::ranges::none_of(fresh.meshes.parts,
+                             [](const auto& part) { return part.finest != nullptr; }))
+      return std::nullopt;
+    return fresh;
+  });
+  pass_on(made ? made->said : log.entries());
+  if (!made) return std::nullopt;
+  return std::move(made->meshes);
 }
 
 }  // namespace panwright::pxn

@@ -63,14 +63,17 @@ TEST_F(Cache, OneChangedPartIsCompiledAlone) {
   const std::string without = contents(folder / "a.pan");
   const json first = compile(model("2"));
   EXPECT_EQ(first["meshes"], count(0, 5));
+  EXPECT_EQ(first["foil"], count(0, 1));
   EXPECT_TRUE(contents(folder / "a.pan") == without);
   for (const char* threads : {"1", "2", "3"}) {
     const json again = compile(model("2"), {"-j", threads});
     EXPECT_EQ(again["meshes"], count(5, 0));
+    EXPECT_EQ(again["foil"], count(1, 0));
     EXPECT_TRUE(contents(folder / "a.pan") == without);
   }
   const json changed = compile(model("2.5"));
   EXPECT_EQ(changed["meshes"], count(4, 1));
+  EXPECT_EQ(changed["foil"], count(1, 0));
   const std::string other = contents(folder / "a.pan");
   compile(model("2.5"), {"--no-cache"});
   EXPECT_TRUE(contents(folder / "a.pan") == other);
@@ -86,7 +89,7 @@ TEST_F(Cache, TimingsSayWhatWasReused) {
                                        folder / "a.pan",
                                        "--timings"};
   EXPECT_THAT(support::run(words, {here}).err,
-              HasSubstr("from the cache: meshes: 5 of 5\n"));
+              HasSubstr("from the cache: meshes: 5 of 5, foil: 1 of 1\n"));
   EXPECT_THAT(support::run(words).err, Not(HasSubstr("from the cache")));
 }
 
