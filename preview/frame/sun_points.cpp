@@ -16,7 +16,7 @@ double light_within(double radius, double limb_darkening) {
 }
 
 // measured (tests/preview/sun_points_test.cpp): kError · points^-3/4
-constexpr double kError = 0.302;
+constexpr double kError = 0.305;
 
 double error_of_sun_points(unsigned points) {
   return points > 1 ? kError / std::pow(points, 0.75) : 0;
