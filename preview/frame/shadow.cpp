@@ -364,11 +364,10 @@ void ShadowMaps::set_limits(const GladGLContext& gl, const Map& map) const {
   const Vec3 size = tiles.tiles.empty() ? extent
                                         : Vec3(tiles.columns * side, tiles.rows * side, tiles.depth);
   limits.points = static_cast<std::int32_t>(map.layout.points);
-  const std::vector<Vec2> points = sun_points(disc_, map.layout.points);
-  for (std::size_t k = 0; k < points.size(); ++k)
+  for (std::size_t k = 0; k < sun_places_.size(); ++k)
     for (int axis = 0; axis < 2; ++axis)
       limits.sun[2 * k + static_cast<std::size_t>(axis)] =
-          static_cast<float>(sun_shear(size, points[k])[axis]);
+          static_cast<float>(sun_shear(size, sun_places_[k])[axis]);
   gl.NamedBufferSubData(map.limits.id(), 0, sizeof limits, &limits);
 }
 
@@ -377,10 +376,10 @@ bool ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& 
                       const Job& job) {
   const GladGLContext& gl = device.context->gl();
   ++drawn_;
+  find_sun_points(disc_, map.layout.points, sun_places_);
   set_limits(gl, map);
-  const std::vector<Vec2> points = sun_points(disc_, map.layout.points);
-  for (std::size_t layer = 0; layer < points.size(); ++layer) {
-    upload(map, points[layer], states);
+  for (std::size_t layer = 0; layer < sun_places_.size(); ++layer) {
+    upload(map, sun_places_[layer], states);
     show_layer(gl, map.framebuffer.id(), map.depths.id(), map.slopes.id(),
                static_cast<GLint>(layer));
     if (!draw_layer(device, map, states, job)) return false;

@@ -205,6 +205,7 @@ class ShadowMaps {
   std::vector<Member> casters_;  // of these
   std::vector<DrawItem> placed_;
   std::vector<ShownItem> shown_;
+  std::vector<Vec2> sun_places_;    // of one map
   std::vector<LightSpace> frames_;  // of the tiles of one map, or of all of it
   ShadowTileFinder finder_;
   struct Draw {

@@ -27,10 +27,11 @@ unsigned sun_points_for(double error) {
   return 8 * static_cast<unsigned>(std::clamp(eights, 1.0, kMostSunPoints / 8.0));
 }
 
-std::vector<Vec2> sun_points(const SunDisc& disc, unsigned points) {
-  if (points <= 1) return {Vec2(0)};
+void find_sun_points(const SunDisc& disc, unsigned points, std::vector<Vec2>& places) {
+  places.assign(1, Vec2(0));
+  if (points <= 1) return;
+  places.clear();
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-  std::vector<Vec2> places;
   for (unsigned i = 0; i < points; ++i) {
     const double share = (i + 0.5) / points;
     double low = 0;
@@ -42,7 +43,6 @@ std::vector<Vec2> sun_points(const SunDisc& disc, unsigned points) {
     const double radius = disc.tangent * 0.5 * (low + high);
     places.emplace_back(radius * std::cos(golden * i), radius * std::sin(golden * i));
   }
-  return places;
 }
 
 }  // namespace panwright::preview

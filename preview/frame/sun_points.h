@@ -22,7 +22,7 @@ struct SunDisc {
 //
 // The share of the disc that a straight edge leaves is off by what light.md 1.1 gives: 16 points
 // 0.037 rms and 0.14 at most, over all edges of the penumbra; 64: 0.0125 and 0.05.
-std::vector<Vec2> sun_points(const SunDisc& disc, unsigned points);
+void find_sun_points(const SunDisc& disc, unsigned points, std::vector<Vec2>& places);
 
 // Of so many points: what a straight edge leaves of the disc's light is off by this, rms over all
 // places in the penumbra and all directions of the edge. 1: 0, as nothing is said of penumbrae.

@@ -36,6 +36,12 @@ TEST(SunPoints, LightWithinIsThatOfTheDisc) {
   }
 }
 
+std::vector<Vec2> sun_points(const SunDisc& disc, unsigned points) {
+  std::vector<Vec2> places;
+  find_sun_points(disc, points, places);
+  return places;
+}
+
 // Edges in all directions, as far as the share that they leave goes.
 TEST(SunPoints, EdgesLeaveWhatTheyLeaveOfTheDisc) {
   for (const double u : {0.0, 0.6})
@@ -74,7 +80,9 @@ TEST(SunPoints, AsManyAsAnErrorAsksFor) {
     const unsigned count = sun_points_for(error);
     EXPECT_EQ(count % 8, 0u);
     EXPECT_LE(error_of_sun_points(count), error);
-    if (count > 8) EXPECT_GT(error_of_sun_points(count - 8), error);
+    if (count > 8) {
+      EXPECT_GT(error_of_sun_points(count - 8), error);
+    }
   }
   EXPECT_EQ(sun_points_for(0.05), 16u);
   EXPECT_EQ(sun_points_for(1), 8u);

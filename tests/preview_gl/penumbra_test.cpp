@@ -38,7 +38,7 @@ Off off_edge(double height, double about, double tilt, double u, unsigned points
   pan::Contents contents = single(plate(0.6, 0.6), lambert(1));
   const Quat turn = glm::angleAxis(about, Vec3(0, 0, 1));
   const Vec3 across = turn * Vec3(1, 0, 0);
-  add(contents, plate(1, 3), sun * distance - 0.5 * across, turn);
+  add(contents, plate(0.5, 1), sun * distance - 0.25 * across, turn);
   const pan::Model model = model_of(contents);
   View view = above(200, 0.4, sun);
   view.camera.position.z = 0.5 * height;
@@ -109,7 +109,9 @@ TEST(Penumbra, DiscBeforeTheSun) {
       }
     printf("disc of %.2f m before a Sun of %.3f m: %.4f at most\n", radius, sun, worst);
     EXPECT_LE(worst, 0.03);
-    if (radius < sun) EXPECT_GT(pair.sun(std::size_t{100} * 200 + 100), 0.2);
+    if (radius < sun) {
+      EXPECT_GT(pair.sun(std::size_t{100} * 200 + 100), 0.2);
+    }
   }
 }
 
