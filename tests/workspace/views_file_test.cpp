@@ -193,7 +193,7 @@ TEST(ReadViews, NamesTheViewOfAWrongValue) {
       {R"("shadow-side": 512, "no-shadows": true)", "cannot be combined"},
       {R"("shadows": "soft", "no-shadows": true)", "cannot be combined"},
       {R"("shadows": "blurred")", "shadows is 'blurred', expected auto, off, hard or soft"},
-      {R"("shadows": "hard", "sun-points": 8)", "--sun-points needs --shadows auto or soft"},
+      {R"("shadows": "hard", "sun-points": 8)", "sun-points needs shadows auto or soft"},
       {R"("sun-points": 1)", "sun-points is '1', expected a whole number from 2 to 256"},
       {R"("imposters": "some")", "expected auto, off, always, or a number of pixels"},
       {R"("imposters": 9, "engine": "reference")", "imposters requires engine gl"},
