@@ -1,4 +1,5 @@
-// Shadows of the Sun's disc: hard, and as the mean over points of it, against the reference renderer.
+// Shadows of the Sun's disc: hard, and as the mean over points of it, against the reference
+// renderer.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -120,13 +121,15 @@ void run(Context& context) {
       const Errors found = errors(*image, *truths[kWays[i].disc]);
       Row row;
       row.case_name = "penumbra";
-      row.setting = fmt::format("servicer from {:g} m, {}x{}; {}", distance, side, side, kWays[i].name);
+      row.setting =
+          fmt::format("servicer from {:g} m, {}x{}; {}", distance, side, side, kWays[i].name);
       row.speed_unit = "ms/frame";
       set_time(row, timings[i], 1e3);
       row.reference = "reference renderer; 0 bounces";
       row.error = found.flux;
       row.error_unit = "flux";
-      if (kWays[i].shadows == preview::Shadows::soft && kWays[i].points >= 64) row.must_error = 1e-3;
+      if (kWays[i].shadows == preview::Shadows::soft && kWays[i].points >= 64)
+        row.must_error = 1e-3;
       context.add(row);
       row.must_error = 0;
       row.error = found.rmse;

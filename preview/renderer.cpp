@@ -26,8 +26,8 @@ constexpr std::uint64_t kMostItems = (1u << 24) - 1;
   return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
          std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
          std::isfinite(camera.principal.x + camera.principal.y) && unit(camera.world_from_camera) &&
-         options.samples <= 64 && options.tile_side >= options.samples &&
-         options.flux_error > 0 && options.psf_sigma >= 0 && options.psf_sigma <= 64 &&
+         options.samples <= 64 && options.tile_side >= options.samples && options.flux_error > 0 &&
+         options.psf_sigma >= 0 && options.psf_sigma <= 64 &&
          (options.samples > 0 || (options.pixel_error > 0 && options.tile_side >= 64)) &&
          options.sun_points >= 2 && options.sun_points <= kMostSunPoints &&
          (options.shadow_side == 0 ||
@@ -382,16 +382,21 @@ void Renderer::Impl::set_disc(const world::Sun& sun, const RenderOptions& option
   sun_disc.tangent = std::tan(std::asin(std::min(world::kSunSineAtOneAu / sun.distance, 0.999)));
   sun_disc.limb_darkening = sun.limb_darkening;
   sun_disc.always = options.shadows == Shadows::soft;
-  sun_disc.points = sun_disc.always ? options.sun_points
-                                    : std::min(options.sun_points,
-                                               sun_points_for(options.pixel_error));
+  sun_disc.points = sun_disc.always
+                        ? options.sun_points
+                        : std::min(options.sun_points, sun_points_for(options.pixel_error));
 }
 
 // Of two images that are parts of one.
 static SamplingReport sum_of(const SamplingReport& a, const SamplingReport& b) {
-  return {a.samples + b.samples, std::max(a.rmse, b.rmse), std::max(a.flux, b.flux),
-          std::max(a.shadow_edge, b.shadow_edge), std::max(a.penumbra, b.penumbra),
-          std::max(a.sun_points, b.sun_points), std::max(a.sun_error, b.sun_error), b.imposters};
+  return {a.samples + b.samples,
+          std::max(a.rmse, b.rmse),
+          std::max(a.flux, b.flux),
+          std::max(a.shadow_edge, b.shadow_edge),
+          std::max(a.penumbra, b.penumbra),
+          std::max(a.sun_points, b.sun_points),
+          std::max(a.sun_error, b.sun_error),
+          b.imposters};
 }
 
 bool Renderer::Impl::submit(const world::World& world, const world::Camera& camera,
@@ -465,8 +470,7 @@ bool Renderer::Impl::submit_state(const world::World& world, const world::Camera
   std::span<Imposter> imposters;
   if (options.imposters == Imposters::always || options.samples == 0 || options.imposter_pixels)
     imposters = imposter_finder.find(camera, *visible, options, most_texels());
-  if (!imposters.empty() &&
-      !draw_imposters(world, camera, options, levels, imposters, index, log))
+  if (!imposters.empty() && !draw_imposters(world, camera, options, levels, imposters, index, log))
     return false;
   frame.report.samples += static_cast<double>(options.samples) * options.samples;
   reset(frame.image, camera, options.ground_truth);
@@ -546,7 +550,8 @@ double Renderer::seconds_of_bare_draw(const world::World& world, const world::Ca
   impl.make_passes();
   impl.set_state();
   if (!impl.update(world, camera, {}, log)) return 0;
-  const VisibleSet* visible = impl.look(world, camera, impl.level_choices.back(), impl.visible_sets, log);
+  const VisibleSet* visible =
+      impl.look(world, camera, impl.level_choices.back(), impl.visible_sets, log);
   const Tile whole{0, 0, camera.width, camera.height};
   constexpr GLenum kFormats[] = {GL_RGBA32F};
   if (!visible ||

@@ -108,7 +108,7 @@ struct Renderer::Impl {
   const GladGLContext& gl;
   TargetStates states;
   ShadowMaps shadow_maps;
-  SunDisc sun_disc;  // of the image that is drawn
+  SunDisc sun_disc;                    // of the image that is drawn
   std::unique_ptr<Passes> passes;      // made when the context is current first
   std::unique_ptr<Sampling> sampling;  // the same
   std::optional<Ring> radiance;        // the same
@@ -132,7 +132,7 @@ struct Renderer::Impl {
   std::vector<float> sum_radiance, sum_coverage;  // of images that are parts of one
   VisibleSetFinder visible_sets;
   ImposterFinder imposter_finder;
-  Image other_texels;  // of targets without imposters
+  Image other_texels;                // of targets without imposters
   VisibleSetFinder drawn_sets;       // of what one draw shows, where targets are left out
   std::vector<std::uint8_t> hidden;  // of the world's targets, which
   TileScene on_tile;

@@ -70,14 +70,14 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
       std::swap(other_texels, frame.image);
       texels *= 2;
     }
-    frame.patches.push_back(patch_of(imposter, frame.image, imposter.alone ? nullptr : &other_texels,
-                                     finer, options.psf_sigma, camera.width, camera.height));
+    frame.patches.push_back(patch_of(imposter, frame.image,
+                                     imposter.alone ? nullptr : &other_texels, finer,
+                                     options.psf_sigma, camera.width, camera.height));
     for (const Imposter& other : imposters) hide(other, 0);
     frame.report.samples += texels / (static_cast<double>(camera.width) * camera.height);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    ImposterReport done{
-        {}, imposter.extent, imposter.camera.width, imposter.camera.height, flux_error,
-        took.count()};
+    ImposterReport done{{},         imposter.extent, imposter.camera.width, imposter.camera.height,
+                        flux_error, took.count()};
     for (const std::uint32_t v : imposter.targets)
       done.targets.push_back(visible_sets.last().targets[v].target);
     frame.report.imposters.push_back(std::move(done));

@@ -133,8 +133,8 @@ void declare_all(Arguments& arguments, Options& options) {
            "--pixel-error asks)")
       .range(2u, 256u)
       .type("N");
-  const Argument no_shadows =
-      arguments.flag("--no-shadows", options.no_shadows, "Let the Sun shine through everything: --shadows off");
+  const Argument no_shadows = arguments.flag("--no-shadows", options.no_shadows,
+                                             "Let the Sun shine through everything: --shadows off");
   arguments
       .add("--shadow-side", options.shadow_side,
            "Texels a side of a model's shadow map, or of each part of it (default 2048)")

@@ -322,7 +322,7 @@ constexpr Field kGroups[][4] = {
 };
 constexpr Field kOfGl[] = {&ViewText::pixel_error, &ViewText::adaptive, &ViewText::no_shadows,
                            &ViewText::shadow_side, &ViewText::levels,   &ViewText::imposters,
-                           &ViewText::flux_error, &ViewText::shadows,  &ViewText::sun_points};
+                           &ViewText::flux_error,  &ViewText::shadows,  &ViewText::sun_points};
 constexpr Field kOfReference[] = {&ViewText::until_error, &ViewText::max_samples,
                                   &ViewText::bounces,     &ViewText::seed,
                                   &ViewText::filter,      &ViewText::no_sun_disc};

@@ -361,8 +361,8 @@ void ShadowMaps::set_limits(const GladGLContext& gl, const Map& map) const {
     for (int k = 0; k < 4; ++k)
       limits.inside[4 * t + static_cast<std::size_t>(k)] = static_cast<float>(inside[k]);
   }
-  const Vec3 size = tiles.tiles.empty() ? extent
-                                        : Vec3(tiles.columns * side, tiles.rows * side, tiles.depth);
+  const Vec3 size =
+      tiles.tiles.empty() ? extent : Vec3(tiles.columns * side, tiles.rows * side, tiles.depth);
   limits.points = static_cast<std::int32_t>(map.layout.points);
   for (std::size_t k = 0; k < sun_places_.size(); ++k)
     for (int axis = 0; axis < 2; ++axis)

@@ -36,8 +36,8 @@ double nearest_pixel(const world::Camera& camera, const FrameScene& scene,
   return std::max(near, far * 0x1p-20) / focal * scene.pixel;
 }
 
-// As many points of the Sun's disc as are asked for, half of them where pixels are too large to show
-// the steps between them, or as there is room for.
+// As many points of the Sun's disc as are asked for, half of them where pixels are too large to
+// show the steps between them, or as there is room for.
 unsigned points_for(double penumbra, const SunDisc& disc, double room) {
   double points = disc.points;
   if (!disc.always && penumbra <= 2) points = std::ceil(0.5 * points);
@@ -139,12 +139,14 @@ void ShadowMaps::group(const FrameScene& scene, std::size_t most) {
   groups_.resize(count);
 }
 
-// How far what may throw a shadow on the receivers of a group stands from them, along the Sun, metres.
+// How far what may throw a shadow on the receivers of a group stands from them, along the Sun,
+// metres.
 double ShadowMaps::throw_in(const Group& group, const FrameScene& scene,
                             const LightSpace& whole) const {
   const world::World& world = scene.world;
   const world::Pose& anchor = world[group.targets.front().target].pose();
-  const double shear = 2 * disc_.tangent * whole.extent.z / std::min(whole.extent.x, whole.extent.y);
+  const double shear =
+      2 * disc_.tangent * whole.extent.z / std::min(whole.extent.x, whole.extent.y);
   double top = 1;
   for (std::uint32_t i = 0; i < world.size(); ++i) {
     const std::optional<world::Bounds>& bounds = scene.states[i].bounds;

@@ -137,7 +137,8 @@ double ShadowTileFinder::texel_of(const Fit& fit, unsigned side) const {
 unsigned ShadowTileFinder::level_of(const Fit& fit) const {
   const double pixel = pixel_of(fit.all.view_low.z);
   for (unsigned level = kLevels; level > 0; --level)
-    if (side_ >> level >= kLeastSide + 3 * margin_ && texel_of(fit, side_ >> level) <= pixel) return level;
+    if (side_ >> level >= kLeastSide + 3 * margin_ && texel_of(fit, side_ >> level) <= pixel)
+      return level;
   return 0;
 }
 

@@ -30,8 +30,8 @@ struct Off {
   double rms = 0;
 };
 
-// What pixels see of the Sun on a meadow, 0.4 m of it, whose other half lies in the shadow of a plate
-// at a height; the plate's edge is turned by `about`.
+// What pixels see of the Sun on a meadow, 0.4 m of it, whose other half lies in the shadow of a
+// plate at a height; the plate's edge is turned by `about`.
 Off off_edge(double height, double about, double tilt, double u, unsigned points) {
   const Vec3 sun = sun_at(tilt, about + kPi / 2);  // along the edge: the throw alone grows
   const double distance = height / std::cos(tilt * kDegree);
@@ -136,8 +136,7 @@ TEST(Penumbra, BarOverAnEdge) {
     const double open = place(0, kEdge);  // what lies beyond is seen past the edge
     const double low = std::max(place(-0.005, kBar), open);
     const double high = std::max(place(0.005, kBar), open);
-    const double exact =
-        1 - beyond_edge(open, 0) - (beyond_edge(high, 0) - beyond_edge(low, 0));
+    const double exact = 1 - beyond_edge(open, 0) - (beyond_edge(high, 0) - beyond_edge(low, 0));
     for (const std::uint32_t y : {20u, 90u, 170u})
       worst = std::max(worst, std::fabs(pair.sun(std::size_t{y} * 200 + x) - exact));
   }
@@ -145,8 +144,8 @@ TEST(Penumbra, BarOverAnEdge) {
   EXPECT_LE(worst, 0.06);  // measured 0.050; one depth of a map: 0.28
 }
 
-// Hard where a penumbra would be narrower than half a pixel, and never by itself where the number of
-// samples is given.
+// Hard where a penumbra would be narrower than half a pixel, and never by itself where the number
+// of samples is given.
 TEST(Penumbra, OnlyWhereItShows) {
   pan::Contents contents = single(plate(2, 2), lambert(1));
   add(contents, plate(0.4, 0.4), Vec3(0, 0, 1));
@@ -178,7 +177,8 @@ TEST(Penumbra, OnlyWhereItShows) {
 // with all of it far from the world's origin.
 TEST(Penumbra, OfATargetFarAway) {
   const auto meadow = std::make_shared<const pan::Model>(model_of(single(plate(4, 4), lambert(1))));
-  const auto screen = std::make_shared<const pan::Model>(model_of(single(plate(40, 40), lambert(1))));
+  const auto screen =
+      std::make_shared<const pan::Model>(model_of(single(plate(40, 40), lambert(1))));
   constexpr double kThrow = 100;
   Renderer renderer(shared_device());
   std::vector<double> shares[2];

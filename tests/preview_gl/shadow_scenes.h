@@ -39,7 +39,7 @@ inline Vec3 sun_at(double degrees, double turn) {
 inline pan::Contents meadow() { return single(plate(8, 8), lambert(1)); }
 
 inline void add(pan::Contents& contents, const geometry::Mesh& mesh, const Vec3& at,
-         const Quat& turn = Quat(1, 0, 0, 0), const Vec3& scale = Vec3(1)) {
+                const Quat& turn = Quat(1, 0, 0, 0), const Vec3& scale = Vec3(1)) {
   contents.meshes.push_back(pan::packed(mesh, "mesh"));
   contents.nodes.push_back({"node", 0, at, turn, scale});
   contents.instances.push_back({static_cast<std::uint32_t>(contents.nodes.size() - 1),

@@ -1,8 +1,8 @@
 // Shadows against closed forms and rays. A texel is one of the shadow map, an offset is measured
 // across the Sun's rays.
 #include "preview/frame/light_space.h"
-#include "tests/support/sun_rays.h"
 #include "shadow_scenes.h"
+#include "tests/support/sun_rays.h"
 
 namespace panwright::preview {
 namespace {

@@ -99,7 +99,8 @@ TEST_F(Views, AnImageIsMadeAgain) {
       {"--engine", "gl", "--imposters", "20", "--flux-error", "1%", "--psf", "0.5"},
       {"--engine", "gl"},
       {"--engine", "gl", "--shadows", "soft", "--sun-points", "9"},
-      {"--engine", "gl", "--samples", "2", "--adaptive", "--shadow-side", "256", "--shadows", "hard"}};
+      {"--engine", "gl", "--samples", "2", "--adaptive", "--shadow-side", "256", "--shadows",
+       "hard"}};
   for (const auto& engine : engines)
     for (const std::string format : {"png", "exr", "npz"})
       for (const bool ortho : {false, true}) {
