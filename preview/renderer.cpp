@@ -10,14 +10,7 @@
 #include <optional>
 #include <utility>
 
-#include "preview/frame/ground_truth.h"
-#include "preview/frame/imposters.h"
-#include "preview/frame/level_states.h"
-#include "preview/frame/passes.h"
-#include "preview/frame/read_back.h"
-#include "preview/frame/samples.h"
-#include "preview/frame/sampling.h"
-#include "preview/frame/texel_areas.h"
+#include "preview/renderer_impl.h"
 
 namespace panwright::preview {
 namespace {
@@ -33,9 +26,10 @@ constexpr std::uint64_t kMostItems = (1u << 24) - 1;
   return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
          std::isfinite(camera.focal.x + camera.focal.y) && is_finite(camera.position) &&
          std::isfinite(camera.principal.x + camera.principal.y) && unit(camera.world_from_camera) &&
-         options.samples <= 64 && options.tile_side >= options.samples &&
-         options.flux_error > 0 && options.psf_sigma >= 0 && options.psf_sigma <= 64 &&
+         options.samples <= 64 && options.tile_side >= options.samples && options.flux_error > 0 &&
+         options.psf_sigma >= 0 && options.psf_sigma <= 64 &&
          (options.samples > 0 || (options.pixel_error > 0 && options.tile_side >= 64)) &&
+         options.sun_points >= 2 && options.sun_points <= kMostSunPoints &&
          (options.shadow_side == 0 ||
           (options.shadow_side >= 16 && options.shadow_side <= kMaxSide));
 }
@@ -54,8 +48,22 @@ std::array<GLenum, kLayers> layer_formats(LayerSet layers, bool shadows) {
   return formats;
 }
 
-// An image of the camera's size. Radiance and coverage are what was there before; the rest is
-// background.
+void add_shadows(const ShadowMaps& maps, SamplingReport& report) {
+  report.shadow_edge = std::max(report.shadow_edge, maps.edge_error());
+  report.penumbra = std::max(report.penumbra, maps.penumbra());
+  report.sun_points = std::max(report.sun_points, maps.disc_points());
+  report.sun_error = error_of_sun_points(report.sun_points);
+}
+
+void add_weighted(std::span<const float> values, float weight, std::span<float> sum) {
+  for (std::size_t i = 0; i < values.size(); ++i) sum[i] += weight * values[i];
+}
+void mix_in(std::span<const float> sum, float weight, std::span<float> values) {
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = weight * values[i] + sum[i];
+}
+
+}  // namespace
+
 void reset(Image& image, const world::Camera& camera, bool ground_truth) {
   image.width = camera.width;
   image.height = camera.height;
@@ -71,124 +79,6 @@ void reset(Image& image, const world::Camera& camera, bool ground_truth) {
   image.node_id.assign(pixels, 0);
   image.material_id.assign(pixels, 0);
 }
-
-void add_weighted(std::span<const float> values, float weight, std::span<float> sum) {
-  for (std::size_t i = 0; i < values.size(); ++i) sum[i] += weight * values[i];
-}
-void mix_in(std::span<const float> sum, float weight, std::span<float> values) {
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] = weight * values[i] + sum[i];
-}
-
-}  // namespace
-
-struct Renderer::Impl {
-  explicit Impl(std::shared_ptr<Device> device_in)
-      : device(std::move(device_in)), shared(device->impl()), gl(shared.context->gl()) {
-    spare.reserve(kMostInFlight);
-  }
-  ~Impl() { shared.context->make_current(); }  // the members delete their objects
-
-  // A view under way, and one that was, whose memory is used again.
-  struct Frame {
-    Image image;
-    world::Camera camera;
-    bool flat = false;
-    std::vector<GroundTruthTarget> targets;
-    std::size_t tiles = 0;  // that were submitted and not taken
-    SamplingReport report;
-    const char* why_empty = nullptr;  // of W5006
-    // Where levels of detail fade: the weight of `image`, and the sum of the others, weighted.
-    double weight = 1;
-    std::vector<float> other_radiance, other_coverage;
-    double psf_sigma = 0;
-    std::vector<ImposterPatch> patches;  // of imposters
-  };
-  // A part of an image on its way.
-  struct TileUnderWay {
-    std::size_t frame = 0;
-    Tile whole;  // the rest of it is background
-    Tile tile;
-  };
-  // What is read of one kind, with the tile of each slot.
-  struct Ring {
-    Ring(const GladGLContext& gl, const PixelFormat& format, bool through_buffers)
-        : pixels(gl, format, through_buffers) {}
-    ReadBack pixels;
-    std::array<TileUnderWay, ReadBack::kSlots> tiles;
-  };
-
-  void set_state() const;
-  bool ensure_target(RenderTarget& target, std::span<const GLenum> formats, bool depth,
-                     std::uint32_t width, std::uint32_t height, DiagnosticLog& log);
-  bool fits(const world::World& world, const world::Camera& camera, const RenderOptions& options,
-            DiagnosticLog& log) const;
-  void make_passes();
-  bool update(const world::World& world, const world::Camera& camera, const RenderOptions& options,
-              DiagnosticLog& log);
-  const VisibleSet* look(const world::World& world, const world::Camera& camera,
-                         const LevelState& levels, VisibleSetFinder& finder, DiagnosticLog& log);
-  bool submit(const world::World& world, const world::Camera& camera, const RenderOptions& options,
-              DiagnosticLog& log);
-  bool submit_state(const world::World& world, const world::Camera& camera,
-                    const RenderOptions& options, const LevelState& levels, DiagnosticLog& log);
-  bool draw_imposters(const world::World& world, const world::Camera& camera,
-                      const RenderOptions& options, const LevelState& levels,
-                      std::span<Imposter> imposters, std::size_t frame, DiagnosticLog& log);
-  bool draw_texels(const world::World& world, const RenderOptions& options,
-                   const LevelState& levels, const Imposter& imposter, std::size_t frame,
-                   DiagnosticLog& log);
-  std::uint32_t most_texels() const;
-  static void finish(Frame& frame);
-  bool take_all(std::size_t frame, DiagnosticLog& log);
-  bool submit_radiance(FrameScene scene, const RenderOptions& options, std::size_t frame,
-                       DiagnosticLog& log);
-  bool sampled(const FrameScene& scene, const RenderOptions& options,
-               std::span<const GLenum> formats, std::size_t frame, DiagnosticLog& log);
-  bool submit_truth(const FrameScene& scene, const RenderOptions& options, std::size_t frame,
-                    DiagnosticLog& log);
-  bool make_room(Ring& ring, DiagnosticLog& log);
-  bool submit_tile(Ring& ring, const TileUnderWay& tile, DiagnosticLog& log);
-  bool take_tile(Ring& ring, DiagnosticLog& log);
-  void use_tile(const Ring& ring, const TileUnderWay& tile, const void* pixels);
-  bool is_cancelled(DiagnosticLog& log) const;  // reports E0001 then
-  bool fail(ReadBack::Wait why, DiagnosticLog& log);
-  const char* why_empty(const world::World& world, const VisibleSet& visible) const;
-  void abandon(std::size_t frame);
-  void drop();
-
-  std::shared_ptr<Device> device;
-  Device::Impl& shared;
-  const GladGLContext& gl;
-  TargetStates states;
-  ShadowMaps shadow_maps;
-  std::unique_ptr<Passes> passes;      // made when the context is current first
-  std::unique_ptr<Sampling> sampling;  // the same
-  std::optional<Ring> radiance;        // the same
-  std::optional<Ring> ids;             // triangles
-  RenderTarget g_buffer;               // what Layer names
-  RenderTarget color_target;           // radiance of samples, where pixels have several
-  RenderTarget bare_target;            // of seconds_of_bare_draw
-  // one more than are under way, for images that are parts of one
-  static constexpr std::size_t kFrames = kMostInFlight + 1;
-  std::array<Frame, kFrames> frames;
-  std::size_t first_frame = 0;
-  std::size_t used_frames = 0;
-  std::vector<Image> spare;  // at most as many as there are frames
-  SamplingReport report;     // of the image collected last
-  Job job;                   // of the call under way
-  // of one frame, kept for the next one
-  std::vector<TargetShape> shapes;
-  std::vector<LeveledTarget> leveled;
-  LevelStateFinder level_states;
-  std::span<const LevelState> level_choices;      // of level_states
-  std::vector<float> sum_radiance, sum_coverage;  // of images that are parts of one
-  VisibleSetFinder visible_sets;
-  ImposterFinder imposter_finder;
-  Image other_texels;  // of targets without imposters
-  VisibleSetFinder drawn_sets;       // of what one draw shows, where targets are left out
-  std::vector<std::uint8_t> hidden;  // of the world's targets, which
-  TileScene on_tile;
-};
 
 bool Renderer::Impl::is_cancelled(DiagnosticLog& log) const {
   if (job.cancelled()) report_cancelled(log);
@@ -350,10 +240,10 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
   if (shadows) scene.shadows = &shadow_maps;
   if (!passes->prepare(scene, pass, log)) return false;
   if (shadows &&
-      !shadow_maps.update(shared, scene, {options.shadow_side, options.max_shadow_bytes}, log, job))
+      !shadow_maps.update(shared, scene, {options.shadow_side, options.max_shadow_bytes, sun_disc},
+                          log, job))
     return false;
-  double& shadow_edge = frames[frame].report.shadow_edge;
-  if (shadows) shadow_edge = std::max(shadow_edge, shadow_maps.edge_error());
+  if (shadows) add_shadows(shadow_maps, frames[frame].report);
   if (adaptive) return sampled(scene, options, formats, frame, log);
   for (Tiles whole(image.width, image.height, tile_side); whole; whole.next()) {
     on_tile.find(scene, *whole);
@@ -484,10 +374,29 @@ void Renderer::Impl::drop() {
   used_frames = 0;
 }
 
+void Renderer::Impl::set_disc(const world::Sun& sun, const RenderOptions& options) {
+  sun_disc = {};
+  if (options.shadows == Shadows::hard ||
+      (options.shadows == Shadows::automatic && options.samples > 0))
+    return;
+  sun_disc.tangent = std::tan(std::asin(std::min(world::kSunSineAtOneAu / sun.distance, 0.999)));
+  sun_disc.limb_darkening = sun.limb_darkening;
+  sun_disc.always = options.shadows == Shadows::soft;
+  sun_disc.points = sun_disc.always
+                        ? options.sun_points
+                        : std::min(options.sun_points, sun_points_for(options.pixel_error));
+}
+
 // Of two images that are parts of one.
 static SamplingReport sum_of(const SamplingReport& a, const SamplingReport& b) {
-  return {a.samples + b.samples, std::max(a.rmse, b.rmse), std::max(a.flux, b.flux),
-          std::max(a.shadow_edge, b.shadow_edge), b.imposters};
+  return {a.samples + b.samples,
+          std::max(a.rmse, b.rmse),
+          std::max(a.flux, b.flux),
+          std::max(a.shadow_edge, b.shadow_edge),
+          std::max(a.penumbra, b.penumbra),
+          std::max(a.sun_points, b.sun_points),
+          std::max(a.sun_error, b.sun_error),
+          b.imposters};
 }
 
 bool Renderer::Impl::submit(const world::World& world, const world::Camera& camera,
@@ -497,6 +406,7 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
   set_state();
   if (!update(world, camera, options, log)) return false;
   shadow_maps.begin_image();
+  set_disc(world.sun(), options);
   SamplingReport total;
   sum_radiance.clear();
   sum_coverage.clear();
@@ -537,91 +447,6 @@ bool Renderer::Impl::take_all(std::size_t index, DiagnosticLog& log) {
   return true;
 }
 
-// What an imposter shows, into the image of a frame.
-bool Renderer::Impl::draw_texels(const world::World& world, const RenderOptions& options,
-                                 const LevelState& levels, const Imposter& imposter,
-                                 std::size_t frame, DiagnosticLog& log) {
-  const VisibleSet* shown = look(world, imposter.camera, levels, drawn_sets, log);
-  if (!shown) return false;
-  reset(frames[frame].image, imposter.camera, false);
-  FrameScene scene{world, imposter.camera, states, *shown};
-  scene.pixel = imposter.rate();
-  if (submit_radiance(scene, options, frame, log) && take_all(frame, log)) return true;
-  abandon(frame);
-  return false;
-}
-
-// Adds to the frame's patches and report; hides what is in an imposter.
-bool Renderer::Impl::draw_imposters(const world::World& world, const world::Camera& camera,
-                                    const RenderOptions& options, const LevelState& levels,
-                                    std::span<Imposter> imposters, std::size_t index,
-                                    DiagnosticLog& log) {
-  // So much more than asked is worth another draw, which aims at that: the estimate is about twice
-  // what is left.
-  constexpr double kEnough = 2;
-  constexpr double kAim = 1.4;
-  // where glints and foil would take ever more
-  const std::uint32_t most_side = std::min(most_texels(), 1024u);
-  Frame& frame = frames[index];
-  RenderOptions own = options;
-  own.samples = 1;
-  own.adaptive = false;
-  std::vector<PlaneRect> finer;
-  const auto hide = [&](const Imposter& imposter, std::uint8_t how) {
-    for (const std::uint32_t v : imposter.targets)
-      hidden[visible_sets.last().targets[v].target] = how;
-  };
-  for (std::size_t i = 0; i < imposters.size(); ++i) {
-    Imposter& imposter = imposters[i];
-    const auto start = std::chrono::steady_clock::now();
-    finer.clear();
-    for (const Imposter& other : imposters.subspan(i + 1))
-      if (other.rect.overlaps(imposter.rect)) {
-        finer.push_back(other.rect);
-        hide(other, 1);
-      }
-    double flux_error = 0;
-    for (int draw = 0; draw < 2; ++draw) {
-      place_imposter(camera, imposter);
-      if (!draw_texels(world, own, levels, imposter, index, log)) return false;
-      flux_error = flux_error_of(frame.image);
-      if (flux_error <= kEnough * options.flux_error || imposter.texels >= most_side) break;
-      if (draw > 0) break;
-      const double more = std::pow(flux_error / (kAim * options.flux_error), 2.0 / 3.0);
-      imposter.texels = static_cast<std::uint32_t>(
-          std::min<double>(most_side, std::ceil(more * imposter.texels)));
-    }
-    double texels = static_cast<double>(frame.image.pixels());
-    if (!imposter.alone) {
-      // what it stands before or behind is in the image already
-      std::swap(other_texels, frame.image);
-      for (const Imposter& other : imposters) hide(other, 1);
-      if (!draw_texels(world, own, levels, imposter, index, log)) return false;
-      std::swap(other_texels, frame.image);
-      texels *= 2;
-    }
-    frame.patches.push_back(patch_of(imposter, frame.image, imposter.alone ? nullptr : &other_texels,
-                                     finer, options.psf_sigma, camera.width, camera.height));
-    for (const Imposter& other : imposters) hide(other, 0);
-    frame.report.samples += texels / (static_cast<double>(camera.width) * camera.height);
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    ImposterReport done{
-        {}, imposter.extent, imposter.camera.width, imposter.camera.height, flux_error,
-        took.count()};
-    for (const std::uint32_t v : imposter.targets)
-      done.targets.push_back(visible_sets.last().targets[v].target);
-    frame.report.imposters.push_back(std::move(done));
-  }
-  for (const Imposter& imposter : imposters) hide(imposter, 1);
-  return true;
-}
-
-// Texels that a side of an imposter may have.
-std::uint32_t Renderer::Impl::most_texels() const {
-  constexpr std::uint32_t kMost = 2048;  // less the border; all fit into one framebuffer
-  return std::min(kMost, shared.context->limits().framebuffer_side);
-}
-
 bool Renderer::Impl::submit_state(const world::World& world, const world::Camera& camera,
                                   const RenderOptions& options, const LevelState& levels,
                                   DiagnosticLog& log) {
@@ -645,8 +470,7 @@ bool Renderer::Impl::submit_state(const world::World& world, const world::Camera
   std::span<Imposter> imposters;
   if (options.imposters == Imposters::always || options.samples == 0 || options.imposter_pixels)
     imposters = imposter_finder.find(camera, *visible, options, most_texels());
-  if (!imposters.empty() &&
-      !draw_imposters(world, camera, options, levels, imposters, index, log))
+  if (!imposters.empty() && !draw_imposters(world, camera, options, levels, imposters, index, log))
     return false;
   frame.report.samples += static_cast<double>(options.samples) * options.samples;
   reset(frame.image, camera, options.ground_truth);
@@ -663,16 +487,6 @@ bool Renderer::Impl::submit_state(const world::World& world, const world::Camera
   }
   abandon(index);
   return false;
-}
-
-// Adds to the pixels of a frame what its imposters show.
-void Renderer::Impl::finish(Frame& frame) {
-  const std::vector<float>& coverage = frame.image.coverage;
-  if (frame.psf_sigma > 0 &&
-      std::any_of(coverage.begin(), coverage.end(), [](float a) { return a > 0; }))
-    convolve(frame.psf_sigma, frame.image);
-  add_patches(frame.patches, frame.image);
-  frame.patches.clear();
 }
 
 bool Renderer::submit(const world::World& world, const world::Camera& camera,
@@ -736,7 +550,8 @@ double Renderer::seconds_of_bare_draw(const world::World& world, const world::Ca
   impl.make_passes();
   impl.set_state();
   if (!impl.update(world, camera, {}, log)) return 0;
-  const VisibleSet* visible = impl.look(world, camera, impl.level_choices.back(), impl.visible_sets, log);
+  const VisibleSet* visible =
+      impl.look(world, camera, impl.level_choices.back(), impl.visible_sets, log);
   const Tile whole{0, 0, camera.width, camera.height};
   constexpr GLenum kFormats[] = {GL_RGBA32F};
   if (!visible ||

@@ -34,6 +34,11 @@ struct SamplingReport {
   double flux = 0;  // relative, of the sum of all pixels
   // Of the edges of shadows, pixels: 99 of 100 are nearer than that; 0 without shadow maps.
   double shadow_edge = 0;
+  // The widest penumbra that what may throw shadows can have, pixels, and the points of the Sun's
+  // disc that stand for it, where they are fewest; 1: shadows have hard edges.
+  double penumbra = 0;
+  unsigned sun_points = 1;
+  double sun_error = 0;  // of so many points: what an edge leaves of the disc's light, rms
   std::vector<ImposterReport> imposters;  // from the largest to the smallest
 };
 
@@ -43,6 +48,14 @@ enum class Imposters {
   automatic,  // small ones
   off,
   always,  // all that a framebuffer holds at four texels a pixel
+};
+
+// What shadows the Sun's disc casts.
+enum class Shadows {
+  automatic,  // those of several points of it where a penumbra may be wider than half a pixel and
+              // samples = 0; hard ones elsewhere
+  hard,       // those of its centre
+  soft,       // those of as many points of it as options.sun_points
 };
 
 struct RenderOptions {
@@ -73,11 +86,16 @@ struct RenderOptions {
   bool flat = false;            // shade by the triangles' own normals
   unsigned shadow_side = 2048;  // texels a side of the maps of what the Sun sees, 16 to 16384 (or
                                 // what the context takes); 0: nothing casts shadows
+  Shadows shadows = Shadows::automatic;
+  // 2 to 256. Of automatic ones at most: as many as pixel_error asks for, half as many where no
+  // penumbra is wider than two pixels
+  unsigned sun_points = 64;
   bool ground_truth = false;    // also depth, range, normal (without bumps) and ids, at the
                                 // pixels' centres
   std::uint32_t tile_side = 2048;         // samples that are drawn at once, a side; ≥ samples
   std::uint64_t max_bytes = 12ull << 30;  // of the image in memory
-  // of shadow maps, 8 a texel: 16 maps of 2048, which targets that are wide beside what is seen of
+  // of shadow maps, 8 a texel, and four times that where the Sun has several points: 16 maps of 2048,
+  // which targets that are wide beside what is seen of
   // them have several of; targets that are seen share maps beyond, and one map there is always
   std::uint64_t max_shadow_bytes = 1ull << 29;
 };
@@ -88,12 +106,11 @@ struct RenderOptions {
 //
 // What a pixel is (docs/conventions.md): the mean over its square of the radiance towards the
 // camera, one directional Sun; a point is lit where its shading normal faces the Sun and nothing
-// of any target stands in between. The edges of shadows are hard and right to a texel of the shadow
-// map, which spans the target that is lit as the Sun sees it, or, where its texels would be wider
-// than two pixels, consists of tiles that follow the view; a point of a smooth mesh is moved out
-// past the mesh's error before it is asked, so that facets cast no shadows on the shape they stand
-// for. The Sun is a point to shadows: those of targets far off have no penumbra either.
-// The back faces of closed meshes are not drawn; open meshes have two equal sides, and so have
+// of any target stands in between. The edges of shadows are hard, or the mean of those of several points of the
+// Sun's disc (Shadows), and right to a texel of the shadow map, which spans the target that is lit
+// as the Sun sees it, or, where its texels would be wider than two pixels, consists of tiles that
+// follow the view; a point of a smooth mesh is moved out past the mesh's error before it is asked, so
+// that facets cast no shadows on the shape they stand for. The back faces of closed meshes are not drawn; open meshes have two equal sides, and so have
 // those with holes (a cutout map), through which one sees what is behind. A decal lies on the side
 // that is seen: its z must point out of that side. Bumps are an instance's own: mirrored and
 // stretched with it. Whatever decides

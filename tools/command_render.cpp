@@ -26,6 +26,8 @@ struct Options {
   std::optional<std::string> pixel_error;  // "1%" or a fraction; none: the engine's own
   bool adaptive = false;
   bool flat = false;
+  std::optional<std::string> shadows;
+  std::optional<std::string> sun_points;
   bool no_shadows = false;
   // as typed: what is not given is the engine's own, or that of a record
   std::optional<std::string> shadow_side;  // texels
@@ -120,8 +122,19 @@ void declare_all(Arguments& arguments, Options& options) {
                  "With --samples N: N x N only where it changes the pixel");
   declare_reference(arguments, options);
   arguments.flag("--flat", options.flat, "Shade with the triangles' own normals");
-  const Argument no_shadows =
-      arguments.flag("--no-shadows", options.no_shadows, "Let the Sun shine through everything");
+  arguments
+      .add("--shadows", options.shadows,
+           "Shadows of the Sun's disc where its penumbra shows, with --samples auto (auto, the "
+           "default); of its centre (hard); of --sun-points of it (soft); or none (off)")
+      .type("auto|off|hard|soft");
+  arguments
+      .add("--sun-points", options.sun_points,
+           "Points of the Sun's disc that cast shadows (default 64; auto: at most, as "
+           "--pixel-error asks)")
+      .range(2u, 256u)
+      .type("N");
+  const Argument no_shadows = arguments.flag("--no-shadows", options.no_shadows,
+                                             "Let the Sun shine through everything: --shadows off");
   arguments
       .add("--shadow-side", options.shadow_side,
            "Texels a side of a model's shadow map, or of each part of it (default 2048)")
@@ -179,6 +192,8 @@ Result<workspace::ViewText> typed_view(const Options& options, DiagnosticLog& lo
   typed->adaptive = flag(options.adaptive);
   typed->flat = flag(options.flat);
   typed->no_shadows = flag(options.no_shadows);
+  typed->shadows = options.shadows;
+  typed->sun_points = options.sun_points;
   typed->shadow_side = options.shadow_side;
   typed->levels = options.levels;
   typed->imposters = options.imposters;

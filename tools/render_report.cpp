@@ -64,6 +64,8 @@ std::string line_of(const Written& image) {
     }
     if (sampling.shadow_edge > 0)
       line += fmt::format(", edges of shadows within {:.2g} pixels", sampling.shadow_edge);
+    if (sampling.sun_points > 1)
+      line += fmt::format(", penumbra of {} points of the Sun", sampling.sun_points);
   }
   if (image.measured) {
     const workspace::Measured& measured = *image.measured;
@@ -101,6 +103,16 @@ std::string explained(const Written& image) {
   for (std::size_t i = 0; i < told.size(); ++i)
     if (!told[i])
       text += fmt::format("  {}: with the image's own samples, or not in view\n", image.targets[i]);
+  const preview::SamplingReport& sampling = *image.sampling;
+  if (sampling.sun_points > 1)
+    text += fmt::format(
+        "  shadows: {} points of the Sun's disc, penumbra up to {:.3g} pixels, what it leaves "
+        "within "
+        "{:.2g} rms of the disc's light\n",
+        sampling.sun_points, sampling.penumbra, sampling.sun_error);
+  else if (sampling.penumbra > 0)
+    text += fmt::format("  shadows: hard, the penumbra is {:.2g} pixels or narrower\n",
+                        sampling.penumbra);
   return text;
 }
 
@@ -116,6 +128,10 @@ void describe_image(const Written& image, Json& entry) {
   if (image.sampling) entry["samples"] = image.sampling->samples;
   if (image.sampling && image.sampling->shadow_edge > 0)
     entry["shadow_edge"] = image.sampling->shadow_edge;
+  if (image.sampling && image.sampling->penumbra > 0) {
+    entry["penumbra"] = image.sampling->penumbra;
+    entry["sun_points"] = image.sampling->sun_points;
+  }
   if (image.sampling)
     for (const preview::ImposterReport& one : image.sampling->imposters) {
       Json targets = Json::array();

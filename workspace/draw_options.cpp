@@ -92,6 +92,8 @@ const char* stray_option(const ViewText& text, bool traced) {
   const auto given = [](const Text& value) { return value && *value != "false"; };
   if (traced) {
     if (given(text.no_shadows)) return "no-shadows";
+    if (text.shadows) return "shadows";
+    if (text.sun_points) return "sun-points";
     if (given(text.adaptive)) return "adaptive";
     if (text.pixel_error) return "pixel-error";
     if (text.levels) return "levels";
@@ -133,6 +135,26 @@ void read_imposters(const ViewText& text, Reader& reader, preview::RenderOptions
     reader.refuse("imposters", text.imposters, "auto, off, always, or a number of pixels");
 }
 
+void read_shadows(const ViewText& text, Reader& reader, preview::RenderOptions& gl) {
+  bool no_shadows = false;
+  reader.flag("no-shadows", text.no_shadows, no_shadows);
+  if (no_shadows && text.shadows) reader.fail("--shadows cannot be combined with --no-shadows");
+  if (text.shadows) no_shadows = *text.shadows == "off";
+  reader.whole("shadow-side", text.shadow_side, 16u, 16384u, gl.shadow_side);
+  reader.whole("sun-points", text.sun_points, 2u, 256u, gl.sun_points);
+  if (no_shadows && text.shadow_side)
+    reader.fail("--shadow-side cannot be combined with --no-shadows");
+  if (no_shadows) gl.shadow_side = 0;
+  if (text.shadows == "hard")
+    gl.shadows = preview::Shadows::hard;
+  else if (text.shadows == "soft")
+    gl.shadows = preview::Shadows::soft;
+  else if (text.shadows && text.shadows != "auto" && text.shadows != "off")
+    reader.refuse("shadows", text.shadows, "auto, off, hard or soft");
+  if (text.sun_points && (no_shadows || gl.shadows == preview::Shadows::hard))
+    reader.fail("--sun-points needs --shadows auto or soft");
+}
+
 void read_gl(const ViewText& text, Reader& reader, DrawOptions& draw) {
   preview::RenderOptions& gl = draw.gl;
   gl.samples = draw.samples;
@@ -143,12 +165,7 @@ void read_gl(const ViewText& text, Reader& reader, DrawOptions& draw) {
   reader.flag("adaptive", text.adaptive, gl.adaptive);
   if (gl.adaptive && draw.samples == 0)
     reader.fail("--adaptive requires --samples N; auto is adaptive by itself");
-  bool no_shadows = false;
-  reader.flag("no-shadows", text.no_shadows, no_shadows);
-  reader.whole("shadow-side", text.shadow_side, 16u, 16384u, gl.shadow_side);
-  if (no_shadows && text.shadow_side)
-    reader.fail("--shadow-side cannot be combined with --no-shadows");
-  if (no_shadows) gl.shadow_side = 0;
+  read_shadows(text, reader, gl);
   read_imposters(text, reader, gl);
   if (!text.levels || *text.levels == "auto") return;
   gl.levels = *text.levels != "off";

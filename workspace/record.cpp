@@ -103,6 +103,10 @@ void add_engine(const DrawOptions& draw, Json& view) {
       view["no-shadows"] = true;
     else
       view["shadow-side"] = draw.gl.shadow_side;
+    if (draw.gl.shadow_side > 0 && draw.gl.shadows != preview::Shadows::automatic)
+      view["shadows"] = draw.gl.shadows == preview::Shadows::hard ? "hard" : "soft";
+    if (draw.gl.shadow_side > 0 && draw.gl.shadows != preview::Shadows::hard)
+      view["sun-points"] = draw.gl.sun_points;
     if (!draw.gl.levels)
       view["levels"] = "off";
     else if (draw.gl.level_pixel)

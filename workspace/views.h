@@ -91,6 +91,8 @@ struct ViewText {
   std::optional<std::string> adaptive;          // flag
   std::optional<std::string> flat;              // flag
   std::optional<std::string> no_shadows;        // flag
+  std::optional<std::string> shadows;           // "auto", "off", "hard" or "soft"
+  std::optional<std::string> sun_points;
   std::optional<std::string> shadow_side;       // texels
   std::optional<std::string> levels;            // "auto", "off" or metres
   std::optional<std::string> imposters;         // "auto", "off", "always" or pixels

@@ -71,6 +71,10 @@ Field field_of(ViewOption option) {
       return &ViewText::flat;
     case ViewOption::no_shadows:
       return &ViewText::no_shadows;
+    case ViewOption::shadows:
+      return &ViewText::shadows;
+    case ViewOption::sun_points:
+      return &ViewText::sun_points;
     case ViewOption::shadow_side:
       return &ViewText::shadow_side;
     case ViewOption::levels:
@@ -311,12 +315,14 @@ constexpr Field kGroups[][4] = {
     {&ViewText::look_at, &ViewText::quat, &ViewText::camera_frame, nullptr},
     {&ViewText::fov, &ViewText::ifov, &ViewText::intrinsics, &ViewText::ortho},
     {&ViewText::pixel_error, &ViewText::samples, nullptr, nullptr},
+    {&ViewText::no_shadows, &ViewText::shadows, nullptr, nullptr},
     {&ViewText::no_shadows, &ViewText::shadow_side, nullptr, nullptr},
+    {&ViewText::no_shadows, &ViewText::sun_points, nullptr, nullptr},
     {&ViewText::psf, &ViewText::filter, nullptr, nullptr},
 };
 constexpr Field kOfGl[] = {&ViewText::pixel_error, &ViewText::adaptive, &ViewText::no_shadows,
                            &ViewText::shadow_side, &ViewText::levels,   &ViewText::imposters,
-                           &ViewText::flux_error};
+                           &ViewText::flux_error,  &ViewText::shadows,  &ViewText::sun_points};
 constexpr Field kOfReference[] = {&ViewText::until_error, &ViewText::max_samples,
                                   &ViewText::bounces,     &ViewText::seed,
                                   &ViewText::filter,      &ViewText::no_sun_disc};
@@ -332,6 +338,8 @@ ViewText with_defaults(ViewText view, const ViewText& defaults) {
       if (any && field != nullptr) (base.*field).reset();
   }
   if (view.samples == "auto") base.adaptive.reset();
+  if (view.shadows == "hard" || view.shadows == "off") base.sun_points.reset();
+  if (view.shadows == "off") base.shadow_side.reset();
   if (view.engine && *view.engine != base.engine.value_or("gl")) {
     for (const Field field : kOfGl) (base.*field).reset();
     for (const Field field : kOfReference) (base.*field).reset();

@@ -30,6 +30,10 @@ using Stamp = std::uint64_t;
 using ModelPtr = std::shared_ptr<const pan::Model>;
 
 // The Sun, as one directional light from a disc.
+// of the Sun's angular radius at 1 AU: the nominal solar radius (IAU 2015 B3) over the astronomical
+// unit (IAU 2012 B2)
+inline constexpr double kSunSineAtOneAu = 695700e3 / 149597870700.0;
+
 struct Sun {
   Vec3 direction{0, 0, 1};  // world, from the origin to the Sun, any non-zero length
   double distance = 1;      // AU, > 0; sets the disc's angular size, the irradiance stands as given

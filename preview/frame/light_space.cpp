@@ -76,4 +76,28 @@ LightSpace fitted_light_space(std::span<const DrawItem> list, const Vec3& to_sun
   return frame;
 }
 
+LightSpace widened(LightSpace frame, double tangent) {
+  const Vec3 before = frame.extent;
+  frame.extent += Vec3(Vec2(tangent * before.z), 0);
+  const Vec3 ratio = before / frame.extent;
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 2; ++row) frame.sun_from_model[column][row] *= ratio[row];
+  const Vec3 stretch =
+      Vec3(0.5, 0.5, 1) * frame.extent / std::max({frame.extent.x, frame.extent.y, frame.extent.z});
+  for (int column = 0; column < 3; ++column)
+    frame.sun_normal_from_model[column] = stretch * frame.axes_from_model[column];
+  return frame;
+}
+
+Vec2 sun_shear(const Vec3& extent, const Vec2& point) {
+  return 2.0 * point * extent.z / Vec2(extent);
+}
+
+Mat4 sheared(const Vec2& shear) {
+  Mat4 matrix(1);
+  matrix[2] = Vec4(-shear, 1, 0);
+  matrix[3] = Vec4(0.5 * shear, 0, 1);
+  return matrix;
+}
+
 }  // namespace panwright::preview

@@ -24,4 +24,15 @@ struct LightSpace {
 //   side    texels, > 4
 LightSpace fitted_light_space(std::span<const DrawItem> list, const Vec3& to_sun, unsigned side);
 
+// The same box, wider by so much of its depth on each side: there rays to the edge of the Sun's disc
+// leave it.
+LightSpace widened(LightSpace frame, double tangent);
+
+// What takes places to where the ray to a point of the Sun's disc meets the middle of the box, x and
+// y from z − ½: x' = x − shear.x·(z − ½).
+//
+//   point  on the disc, tangents along x and y
+Vec2 sun_shear(const Vec3& extent, const Vec2& point);
+Mat4 sheared(const Vec2& shear);
+
 }  // namespace panwright::preview

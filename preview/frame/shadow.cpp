@@ -6,7 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 
 #include "preview/frame/blocks.h"
 
@@ -20,6 +19,8 @@ struct alignas(16) ShadowBlock {
   float half_height;
   std::int32_t tiles;
   float inside[4 * kMostShadowTiles];
+  float sun[2 * kMostSunPoints];
+  std::int32_t points;
 };
 
 // Software contexts build every program again for textures whose sides are powers of two, and tiles
@@ -29,10 +30,21 @@ GLsizei texture_side(std::size_t texels, std::uint32_t most) {
   return static_cast<GLsizei>(std::has_single_bit(side) && side + 64 <= most ? side + 64 : side);
 }
 
-// Whether a box may throw a shadow into the box of a map: it meets its column, and is not behind
-// all of it.
-bool meets_column(const Mat4& sun_from_box, const Vec3& low, const Vec3& high) {
-  constexpr double kEdge = 1 + 1e-6;
+// The layer of a map that is drawn next.
+void show_layer(const GladGLContext& gl, GLuint framebuffer, GLuint depths, GLuint slopes,
+                GLint layer) {
+  gl.NamedFramebufferTextureLayer(framebuffer, GL_DEPTH_ATTACHMENT, depths, 0, layer);
+  gl.NamedFramebufferTextureLayer(framebuffer, GL_COLOR_ATTACHMENT0, slopes, 0, layer);
+}
+
+// What all rays to the disc are sheared by at most.
+double largest_shear(const LightSpace& frame, const SunDisc& disc) {
+  return 2 * disc.tangent * frame.extent.z / std::min(frame.extent.x, frame.extent.y);
+}
+
+}  // namespace
+
+bool meets_column(const Mat4& sun_from_box, const Vec3& low, const Vec3& high, double shear) {
   Vec3 least(INFINITY);
   Vec3 most(-INFINITY);
   for (const Vec3& corner : corners(low, high)) {
@@ -40,16 +52,10 @@ bool meets_column(const Mat4& sun_from_box, const Vec3& low, const Vec3& high) {
     least = glm::min(least, at);
     most = glm::max(most, at);
   }
-  return least.x <= kEdge && most.x >= -kEdge && least.y <= kEdge && most.y >= -kEdge && most.z > 0;
+  const double edge =
+      1 + 1e-6 + shear * std::max(std::fabs(least.z - 0.5), std::fabs(most.z - 0.5));
+  return least.x <= edge && most.x >= -edge && least.y <= edge && most.y >= -edge && most.z > 0;
 }
-
-// where a target's origin of bounds lies in the world
-Vec3 centre_of(const world::Instance& instance, const TargetState& state) {
-  const Vec3 centre = state.bounds->min + 0.5 * (state.bounds->max - state.bounds->min);
-  return instance.pose().translation + instance.pose().rotation * centre;
-}
-
-}  // namespace
 
 world::Pose relative_pose(const world::Pose& anchor, const world::Pose& model) {
   const Quat turn = glm::conjugate(anchor.rotation);
@@ -113,65 +119,16 @@ void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, co
   block.normal_offset[0] = flat ? 0.0f : static_cast<float>(2 * mesh.error);
 }
 
-std::vector<std::vector<std::uint32_t>> neighbour_groups(std::span<const Vec3> centres,
-                                                         std::size_t most) {
-  struct Group {
-    std::vector<std::uint32_t> members;
-    int axis = 0;
-    double length = 0;
-    double middle = 0;
-  };
-  const auto measured = [&](std::vector<std::uint32_t> members) {
-    Vec3 low(INFINITY);
-    Vec3 high(-INFINITY);
-    for (const std::uint32_t i : members) {
-      low = glm::min(low, centres[i]);
-      high = glm::max(high, centres[i]);
-    }
-    Group group{std::move(members), 0, 0, 0};
-    for (int axis = 0; axis < 3; ++axis)
-      if (high[axis] - low[axis] > group.length) {
-        group.axis = axis;
-        group.length = high[axis] - low[axis];
-        group.middle = low[axis] + 0.5 * group.length;
-      }
-    return group;
-  };
-  std::vector<Group> groups;
-  if (centres.size() <= most) {
-    for (std::uint32_t i = 0; i < centres.size(); ++i) groups.push_back({{i}, 0, 0, 0});
-  } else {
-    std::vector<std::uint32_t> all(centres.size());
-    std::iota(all.begin(), all.end(), 0u);
-    groups.push_back(measured(std::move(all)));
-    while (groups.size() < most) {
-      const auto widest =
-          std::max_element(groups.begin(), groups.end(),
-                           [](const Group& a, const Group& b) { return a.length < b.length; });
-      if (!(widest->length > 0)) break;
-      std::vector<std::uint32_t> near;
-      std::vector<std::uint32_t> far;
-      for (const std::uint32_t i : widest->members)
-        (centres[i][widest->axis] <= widest->middle ? near : far).push_back(i);
-      if (far.empty() || near.empty()) break;  // as near as double tells
-      *widest = measured(std::move(near));
-      groups.push_back(measured(std::move(far)));
-    }
-  }
-  std::vector<std::vector<std::uint32_t>> result;
-  for (Group& group : groups) result.push_back(std::move(group.members));
-  std::sort(result.begin(), result.end());
-  return result;
-}
-
 bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map& map,
                       DiagnosticLog& log) const {
   map.depths = {};  // first, so that memory need not hold both
   map.slopes = {};
-  const GLsizei width = texture_side(map.columns * side_, limits.framebuffer_side);
-  const GLsizei height = texture_side(map.rows * side_, limits.framebuffer_side);
-  map.depths = make_texture_2d(gl, 1, GL_DEPTH_COMPONENT32F, width, height);
-  map.slopes = make_texture_2d(gl, 1, GL_RG16F, width, height);
+  const unsigned side = map.layout.side;
+  const GLsizei width = texture_side(map.columns * side, limits.framebuffer_side);
+  const GLsizei height = texture_side(map.rows * side, limits.framebuffer_side);
+  const auto layers = static_cast<GLsizei>(map.layout.points);
+  map.depths = make_texture_array(gl, GL_DEPTH_COMPONENT32F, width, height, layers);
+  map.slopes = make_texture_array(gl, GL_RG16F, width, height, layers);
   map.limits = make_stream_buffer(gl);
   gl.NamedBufferStorage(map.limits.id(), sizeof(ShadowBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
   for (const GlTexture* texture : {&map.depths, &map.slopes}) {
@@ -181,8 +138,7 @@ bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map&
   GLuint id = 0;
   gl.CreateFramebuffers(1, &id);
   map.framebuffer = GlFramebuffer(gl, id);
-  gl.NamedFramebufferTexture(id, GL_DEPTH_ATTACHMENT, map.depths.id(), 0);
-  gl.NamedFramebufferTexture(id, GL_COLOR_ATTACHMENT0, map.slopes.id(), 0);
+  show_layer(gl, id, map.depths.id(), map.slopes.id(), 0);
   if (gl.CheckNamedFramebufferStatus(id, GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE &&
       gl.GetError() == GL_NO_ERROR)
     return true;
@@ -191,29 +147,37 @@ bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map&
   map.slopes = {};
   log.report_file(
       Code::E5003, {},
-      fmt::format("the context has no memory for a shadow map of {} by {} texels", width, height));
+      fmt::format("the context has no memory for a shadow map of {} by {} texels{}", width, height,
+                  layers > 1 ? fmt::format(" for each of {} points of the Sun", layers) : ""));
   return false;
 }
 
-std::size_t ShadowMaps::stored_cells() const {
-  std::size_t cells = 0;
-  for (const Map& map : maps_) cells += map.columns * map.rows;
-  return cells;
+std::uint64_t ShadowMaps::texels_of(const Layout& layout) const {
+  return std::uint64_t{layout.tiles.cells()} * layout.side * layout.side * layout.points;
 }
 
-bool ShadowMaps::assign(const ContextLimits& limits, const GladGLContext& gl, std::size_t most,
+std::uint64_t ShadowMaps::stored_texels() const {
+  std::uint64_t texels = 0;
+  for (const Map& map : maps_) texels += map.texels;
+  return texels;
+}
+
+bool ShadowMaps::assign(const ContextLimits& limits, const GladGLContext& gl, std::uint64_t most,
                         DiagnosticLog& log) {
   const auto take = [&](Group& group, Map& map) {
     map.last_use = update_;
     group.map = static_cast<std::size_t>(&map - maps_.data());
   };
   const auto has_room = [](const Group& group, const Map& map) {
-    return map.columns == group.layout.tiles.columns && map.rows == group.layout.tiles.rows;
+    return map.columns == group.layout.tiles.columns && map.rows == group.layout.tiles.rows &&
+           map.layout.side == group.layout.side && map.layout.points == group.layout.points;
   };
   for (Group& group : groups_)
     for (Map& map : maps_)
       if (map.last_use != update_ && map.drawn && map.to_sun == group.to_sun &&
-          map.receivers == group.members && map.layout.tiles == group.layout.tiles) {
+          map.receivers == group.members && map.layout.tiles == group.layout.tiles &&
+          map.layout.whole.extent == group.layout.whole.extent &&
+          map.layout.side == group.layout.side && map.layout.points == group.layout.points) {
         take(group, map);
         map.layout = group.layout;
         break;
@@ -228,9 +192,10 @@ bool ShadowMaps::assign(const ContextLimits& limits, const GladGLContext& gl, st
         chosen = &map;
     if (!chosen) {
       for (Map& map : maps_) {
-        if (stored_cells() + group.layout.tiles.cells() <= most) break;
+        if (stored_texels() + texels_of(group.layout) <= most) break;
         if (map.last_use == update_) continue;
         map.columns = 0;
+        map.texels = 0;
         map.drawn = false;
         map.depths = {};
         map.slopes = {};
@@ -240,6 +205,8 @@ bool ShadowMaps::assign(const ContextLimits& limits, const GladGLContext& gl, st
       if (!chosen) chosen = &maps_.emplace_back();
       chosen->columns = group.layout.tiles.columns;
       chosen->rows = group.layout.tiles.rows;
+      chosen->texels = texels_of(group.layout);
+      chosen->layout = group.layout;
       if (!make(limits, gl, *chosen, log)) return false;
     }
     chosen->drawn = false;
@@ -252,7 +219,7 @@ bool ShadowMaps::assign(const ContextLimits& limits, const GladGLContext& gl, st
 }
 
 // Adds to targets_ and casters_. Expects: frames_ are those of the map.
-void ShadowMaps::add_casters(const FrameScene& scene, std::span<const Drawn> receivers) {
+void ShadowMaps::add_casters(const FrameScene& scene, std::span<const Drawn> receivers, bool soft) {
   casters_.clear();
   const world::World& world = scene.world;
   const world::Pose& anchor = world[receivers.front().target].pose();
@@ -265,133 +232,14 @@ void ShadowMaps::add_casters(const FrameScene& scene, std::span<const Drawn> rec
     const world::Pose pose = relative_pose(anchor, world[i].pose());
     const Mat4 anchor_from_model = pose.matrix();
     if (std::none_of(frames_.begin(), frames_.end(), [&](const LightSpace& frame) {
-          return meets_column(frame.sun_from_model * anchor_from_model, bounds->min, bounds->max);
+          return meets_column(frame.sun_from_model * anchor_from_model, bounds->min, bounds->max,
+                              soft ? largest_shear(frame, disc_) : 0);
         }))
       continue;
     targets_.push_back(
         {i, false, true, {scene.states[i].shape_stamp, scene.states[i].level, pose}});
     casters_.push_back(targets_.back().member);
   }
-}
-
-ShadowMaps::Group& ShadowMaps::add_group(std::size_t index) {
-  Group& group = index < groups_.size() ? groups_[index] : groups_.emplace_back();
-  group.receivers.clear();
-  group.targets.clear();
-  group.members.clear();
-  group.map = kNone;
-  return group;
-}
-
-void ShadowMaps::add_to(Group& group, const FrameScene& scene, std::uint32_t receiver) const {
-  const world::World& world = scene.world;
-  const std::uint32_t target = scene.visible.targets[receiver].target;
-  const bool first = group.targets.empty();
-  const std::uint32_t anchor_target = first ? target : group.targets.front().target;
-  const world::Pose& anchor = world[anchor_target].pose();
-  if (first)
-    group.to_sun =
-        glm::normalize(glm::conjugate(anchor.rotation) * glm::normalize(world.sun().direction));
-  const world::Pose pose = first ? world::Pose{} : relative_pose(anchor, world[target].pose());
-  group.targets.push_back(
-      {target, first, false, {scene.states[target].shape_stamp, scene.states[target].level, pose}});
-  group.members.push_back(group.targets.back().member);
-  group.receivers.push_back(receiver);
-}
-
-void ShadowMaps::group(const FrameScene& scene, std::size_t most) {
-  std::size_t count = 0;
-  const std::vector<VisibleTarget>& receivers = scene.visible.targets;
-  if (receivers.size() <= most) {
-    for (std::uint32_t i = 0; i < receivers.size(); ++i) add_to(add_group(count++), scene, i);
-  } else {
-    std::vector<Vec3> centres;
-    for (const VisibleTarget& one : receivers)
-      centres.push_back(centre_of(scene.world[one.target], scene.states[one.target]));
-    for (const std::vector<std::uint32_t>& neighbours : neighbour_groups(centres, most)) {
-      Group& group = add_group(count++);
-      for (const std::uint32_t i : neighbours) add_to(group, scene, i);
-    }
-  }
-  groups_.resize(count);
-}
-
-// Sets group.layout, as a map has it or anew.
-void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits& limits) {
-  const Map* kept = nullptr;
-  const world::Camera& camera = scene.camera;
-  const ViewKey view{camera_from(camera, scene.world[group.targets.front().target].pose().matrix()),
-                     camera.focal,
-                     camera.principal,
-                     Vec2(camera.width, camera.height),
-                     camera.projection,
-                     limits.cells};
-  for (const Map& map : maps_)
-    if (map.drawn && map.to_sun == group.to_sun && map.receivers == group.members) {
-      kept = &map;
-      if (map.layout.view == view) break;
-    }
-  if (kept) {
-    group.layout = kept->layout;
-    if (kept->layout.view == view) return;
-  } else {
-    placed_.clear();
-    for (const Drawn& one : group.targets) {
-      const Mat4 anchor_from_model = one.member.anchor_from_model.matrix();
-      for (const DrawItem& item : scene.states[one.target].items()) {
-        placed_.push_back(item);
-        if (!one.anchor) placed_.back().model_from_mesh = anchor_from_model * item.model_from_mesh;
-      }
-    }
-    group.layout.whole = fitted_light_space(placed_, group.to_sun, side_);
-  }
-  shown_.clear();
-  for (const std::uint32_t receiver : group.receivers) {
-    const VisibleTarget& visible = scene.visible.targets[receiver];
-    const TargetState& state = scene.states[visible.target];
-    for (std::size_t k = 0; k < visible.items.size(); ++k)
-      shown_.push_back({&visible.boxes[k], state.resources, state.model().model.get(),
-                        state.items()[visible.items[k]].mesh});
-  }
-  group.layout.view = view;
-  group.layout.tiles =
-      finder_.find(camera, view.camera_from_model, group.layout.whole, shown_, limits);
-  shown_.clear();  // which hold models
-  group.layout.texel = finder_.texel();
-  group.layout.pixel = finder_.pixel() * scene.pixel;
-  group.layout.finest = finder_.finest();
-}
-
-void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits,
-                             DiagnosticLog& log) {
-  std::size_t spare = limits.cells - std::min(limits.cells, groups_.size());
-  std::size_t left = groups_.size();
-  const Group* worst = nullptr;
-  double most = kMostPixelsATexel;
-  edge_error_ = 0;
-  for (Group& group : groups_) {
-    // what one leaves goes to those behind it
-    lay_out(group, scene, {limits.side, 1 + spare / left--, limits.cells_a_row});
-    spare -= group.layout.tiles.cells() - 1;
-    const double coarse = group.layout.texel / group.layout.pixel;
-    if (coarse > 0 && std::isfinite(coarse))
-      edge_error_ = std::max(edge_error_, kEdgeOfTexel * coarse);
-    if (!(coarse > most)) continue;
-    most = coarse;
-    worst = &group;
-  }
-  if (!worst) return;
-  log.report_file(
-      Code::W5012, {},
-      fmt::format(
-          "the shadow map of '{}' has texels of {:.3g} m where a pixel spans {:.3g} m: edges "
-          "of shadows may be off by {:.2g} pixels there, expected at most {:.2g} "
-          "({})",
-          scene.world[worst->targets.front().target].name(), worst->layout.texel,
-          worst->layout.pixel, kEdgeOfTexel * most, kEdgeOfTexel * kMostPixelsATexel,
-          worst->layout.finest > kMostPixelsATexel * worst->layout.pixel
-              ? "single precision allows no finer ones for triangles so large: smaller ones help"
-              : "a larger --shadow-side may give finer ones"));
 }
 
 bool ShadowMaps::refresh(Device::Impl& device, const FrameScene& scene, Group& group,
@@ -403,7 +251,7 @@ bool ShadowMaps::refresh(Device::Impl& device, const FrameScene& scene, Group& g
     frames_.push_back(light_space_of_tile(tiles, t));
   if (frames_.empty()) frames_.push_back(map.layout.whole);
   targets_.assign(group.targets.begin(), group.targets.end());
-  add_casters(scene, group.targets);
+  add_casters(scene, group.targets, map.layout.points > 1);
   if (map.drawn && map.casters == casters_) return true;
   map.drawn = false;
   for (const Drawn& one : targets_)
@@ -430,17 +278,21 @@ bool ShadowMaps::update(Device::Impl& device, const FrameScene& scene, const Lim
   const GladGLContext& gl = device.context->gl();
   const ContextLimits& context = device.context->limits();
   const unsigned side = std::min(limits.side, context.framebuffer_side);
-  const auto most = static_cast<std::size_t>(
-      std::max<std::uint64_t>(limits.bytes / (kTexelBytes * side * side), 1));
-  if (side != side_ || stored_cells() > most) maps_.clear();
+  const std::uint64_t cell = std::uint64_t{side} * side;
+  const auto cells =
+      static_cast<std::size_t>(std::max<std::uint64_t>(limits.bytes / (kTexelBytes * cell), 1));
+  // points of the disc take up to four times the memory
+  const std::uint64_t most = (limits.disc.points > 1 ? 4 : 1) * cells * cell;
+  if (side != side_ || disc_ != limits.disc || stored_texels() > most) maps_.clear();
   side_ = side;
+  disc_ = limits.disc;
   ++update_;
   if (!stream_) {
     stride_ = block_stride(gl, sizeof(DrawBlock));
     stream_.emplace(gl);
   }
-  group(scene, most);
-  lay_out_all(scene, {side, most, context.framebuffer_side / side}, log);
+  group(scene, cells);
+  lay_out_all(scene, {side, cells, context.framebuffer_side / side, 0}, most, log);
   places_.assign(scene.visible.targets.size(), {});
   if (!assign(context, gl, most, log)) return false;
   for (Group& group : groups_) {
@@ -457,9 +309,10 @@ bool ShadowMaps::update(Device::Impl& device, const FrameScene& scene, const Lim
   return true;
 }
 
-// What is drawn of targets_ in one box.
-void ShadowMaps::add_draws(const LightSpace& frame, std::uint32_t tile, bool all_receivers,
-                           const TargetStates& states) {
+// What a point of the Sun sees of targets_ in one box.
+void ShadowMaps::add_draws(const LightSpace& frame, const Vec2& sun_point, std::uint32_t tile,
+                           bool all_receivers, const TargetStates& states) {
+  const Mat4 sun_from_model = sheared(sun_shear(frame.extent, sun_point)) * frame.sun_from_model;
   for (std::uint32_t t = 0; t < targets_.size(); ++t) {
     const Drawn& target = targets_[t];
     const std::span<const DrawItem> list = states[target.target].items();
@@ -468,9 +321,9 @@ void ShadowMaps::add_draws(const LightSpace& frame, std::uint32_t tile, bool all
       if (!list[i].visible) continue;
       const Mat4 anchor_from_mesh =
           target.anchor ? list[i].model_from_mesh : anchor_from_model * list[i].model_from_mesh;
-      const Mat4 sun_from_mesh = frame.sun_from_model * anchor_from_mesh;
+      const Mat4 sun_from_mesh = sun_from_model * anchor_from_mesh;
       if ((target.caster || !all_receivers) &&
-          !meets_column(sun_from_mesh, list[i].low, list[i].high))
+          !meets_column(sun_from_mesh, list[i].low, list[i].high, 0))
         continue;
       DrawBlock block{};
       copy_floats(sun_from_mesh, block.clip_from_mesh);
@@ -484,11 +337,11 @@ void ShadowMaps::add_draws(const LightSpace& frame, std::uint32_t tile, bool all
 }
 
 // What is drawn of targets_, and its blocks.
-void ShadowMaps::upload(const Map& map, const TargetStates& states) {
+void ShadowMaps::upload(const Map& map, const Vec2& sun_point, const TargetStates& states) {
   draws_.clear();
   blocks_.clear();
   for (std::uint32_t tile = 0; tile < frames_.size(); ++tile)
-    add_draws(frames_[tile], tile, map.layout.tiles.tiles.empty(), states);
+    add_draws(frames_[tile], sun_point, tile, map.layout.tiles.tiles.empty(), states);
   // what is bound of the last blocks reaches beyond them
   first_block_ = stream_->upload(blocks_, kInstancesAtOnce * stride_);
 }
@@ -497,16 +350,24 @@ void ShadowMaps::set_limits(const GladGLContext& gl, const Map& map) const {
   ShadowBlock limits{};
   const ShadowTiles& tiles = map.layout.tiles;
   const Vec3& extent = map.layout.whole.extent;
-  const double texel = std::max(extent.x, extent.y) / side_;
+  const unsigned side = map.layout.side;
+  const double texel = std::max(extent.x, extent.y) / side;
   limits.texel_depth = static_cast<float>(tiles.tiles.empty() ? texel / extent.z : 1 / tiles.depth);
-  limits.half_width = static_cast<float>(tiles.columns * side_) / 2;
-  limits.half_height = static_cast<float>(tiles.rows * side_) / 2;
+  limits.half_width = static_cast<float>(tiles.columns * side) / 2;
+  limits.half_height = static_cast<float>(tiles.rows * side) / 2;
   limits.tiles = static_cast<std::int32_t>(tiles.tiles.size());
   for (std::size_t t = 0; t < tiles.tiles.size(); ++t) {
     const Vec4 inside = inside_of_tile(tiles, t);
     for (int k = 0; k < 4; ++k)
       limits.inside[4 * t + static_cast<std::size_t>(k)] = static_cast<float>(inside[k]);
   }
+  const Vec3 size =
+      tiles.tiles.empty() ? extent : Vec3(tiles.columns * side, tiles.rows * side, tiles.depth);
+  limits.points = static_cast<std::int32_t>(map.layout.points);
+  for (std::size_t k = 0; k < sun_places_.size(); ++k)
+    for (int axis = 0; axis < 2; ++axis)
+      limits.sun[2 * k + static_cast<std::size_t>(axis)] =
+          static_cast<float>(sun_shear(size, sun_places_[k])[axis]);
   gl.NamedBufferSubData(map.limits.id(), 0, sizeof limits, &limits);
 }
 
@@ -515,10 +376,21 @@ bool ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& 
                       const Job& job) {
   const GladGLContext& gl = device.context->gl();
   ++drawn_;
-  upload(map, states);
+  find_sun_points(disc_, map.layout.points, sun_places_);
   set_limits(gl, map);
-  const std::vector<ShadowTile>& tiles = map.layout.tiles.tiles;
+  for (std::size_t layer = 0; layer < sun_places_.size(); ++layer) {
+    upload(map, sun_places_[layer], states);
+    show_layer(gl, map.framebuffer.id(), map.depths.id(), map.slopes.id(),
+               static_cast<GLint>(layer));
+    if (!draw_layer(device, map, states, job)) return false;
+  }
+  return true;
+}
 
+bool ShadowMaps::draw_layer(Device::Impl& device, const Map& map, const TargetStates& states,
+                            const Job& job) {
+  const GladGLContext& gl = device.context->gl();
+  const std::vector<ShadowTile>& tiles = map.layout.tiles.tiles;
   gl.BindFramebuffer(GL_FRAMEBUFFER, map.framebuffer.id());
   gl.Enable(GL_DEPTH_TEST);
   const float nothing = 0;
@@ -547,7 +419,7 @@ bool ShadowMaps::draw(Device::Impl& device, const Map& map, const TargetStates& 
     if (draws_[k].tile != last_tile) {
       last_tile = draws_[k].tile;
       const ShadowTile tile =
-          tiles.empty() ? ShadowTile{Vec3(0), 0, 0, 0, side_} : tiles[last_tile];
+          tiles.empty() ? ShadowTile{Vec3(0), 0, 0, 0, map.layout.side} : tiles[last_tile];
       gl.Viewport(static_cast<GLint>(tile.x), static_cast<GLint>(tile.y),
                   static_cast<GLsizei>(tile.side), static_cast<GLsizei>(tile.side));
     }

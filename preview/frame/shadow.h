@@ -14,6 +14,7 @@
 #include "preview/frame/frame_scene.h"
 #include "preview/frame/light_space.h"
 #include "preview/frame/shadow_tiles.h"
+#include "preview/frame/sun_points.h"
 #include "preview/frame/target_states.h"
 #include "preview/gl/gl_objects.h"
 #include "preview/gl/programs.h"
@@ -47,6 +48,11 @@ void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, co
 // Where the texels of such a map are too wide for the pixels that see the target (a wide model, a
 // camera close by), the map consists of tiles that follow what the camera sees (shadow_tiles.h),
 // and into each is drawn what stands in its column towards the Sun.
+//
+// Where the penumbra of what may shade a target would be wider than half a pixel, the map has a layer
+// for each of several points of the Sun's disc, as hard shadows of that point: sheared, so that
+// one place in light space serves all (shaders/shadow.glsl). What a pixel sees of the disc is the
+// mean over them, whatever stands before what.
 class ShadowMaps {
  public:
   // Draws the maps that are not there already: a map is kept as long as the shape of its receivers,
@@ -58,6 +64,7 @@ class ShadowMaps {
   struct Limits {
     unsigned side = 2048;  // texels of a map or a cell of one, > 4; the context may have less
     std::uint64_t bytes = 0;
+    SunDisc disc;
   };
   bool update(Device::Impl& device, const FrameScene& scene, const Limits& limits,
               DiagnosticLog& log, const Job& job);
@@ -79,6 +86,11 @@ class ShadowMaps {
   // Of the last update: how far off the edges of shadows are where texels are widest, in pixels
   // (99 of 100 are nearer, bench/case_shadows.cpp).
   double edge_error() const { return edge_error_; }
+
+  // Of the last update: the widest penumbra there may be, pixels, and the points of the Sun's disc
+  // that stand for it, where they are fewest.
+  double penumbra() const { return penumbra_; }
+  unsigned disc_points() const { return disc_points_; }
 
   static constexpr std::uint64_t kTexelBytes = 8;
 
@@ -102,7 +114,11 @@ class ShadowMaps {
   };
   // How a map is laid out.
   struct Layout {
-    LightSpace whole;
+    LightSpace bare;  // fitted to the receivers
+    LightSpace whole;  // the same, or wider where the Sun has several points
+    unsigned side = 0;    // texels, of a map without tiles
+    unsigned points = 1;  // of the Sun's disc
+    double penumbra = 0;  // the widest there may be, pixels
     ViewKey view;
     ShadowTiles tiles;  // for this view
     double texel = 0;   // the coarsest beside its pixel, metres
@@ -119,6 +135,7 @@ class ShadowMaps {
     std::uint64_t last_use = 0;  // number of an update
     std::size_t columns = 0;     // cells of its textures; 0: there are none
     std::size_t rows = 0;
+    std::uint64_t texels = 0;  // of these, all layers
     GlTexture depths;
     GlTexture slopes;
     GlFramebuffer framebuffer;
@@ -150,21 +167,25 @@ class ShadowMaps {
   void group(const FrameScene& scene, std::size_t most);
   Group& add_group(std::size_t index);
   void add_to(Group& group, const FrameScene& scene, std::uint32_t receiver) const;
+  double throw_in(const Group& group, const FrameScene& scene, const LightSpace& whole) const;
   void lay_out(Group& group, const FrameScene& scene, const TileLimits& limits);
-  void lay_out_all(const FrameScene& scene, const TileLimits& limits, DiagnosticLog& log);
-  std::size_t stored_cells() const;
-  bool assign(const ContextLimits& limits, const GladGLContext& gl, std::size_t most,
+  void lay_out_all(const FrameScene& scene, const TileLimits& limits, std::uint64_t most,
+                   DiagnosticLog& log);
+  std::uint64_t texels_of(const Layout& layout) const;
+  std::uint64_t stored_texels() const;
+  bool assign(const ContextLimits& limits, const GladGLContext& gl, std::uint64_t most,
               DiagnosticLog& log);
   bool refresh(Device::Impl& device, const FrameScene& scene, Group& group, DiagnosticLog& log,
                const Job& job);
   bool make(const ContextLimits& limits, const GladGLContext& gl, Map& map,
             DiagnosticLog& log) const;
-  void add_casters(const FrameScene& scene, std::span<const Drawn> receivers);
+  void add_casters(const FrameScene& scene, std::span<const Drawn> receivers, bool soft);
   void set_limits(const GladGLContext& gl, const Map& map) const;
   bool draw(Device::Impl& device, const Map& map, const TargetStates& states, const Job& job);
-  void upload(const Map& map, const TargetStates& states);
-  void add_draws(const LightSpace& frame, std::uint32_t tile, bool all_receivers,
-                 const TargetStates& states);
+  bool draw_layer(Device::Impl& device, const Map& map, const TargetStates& states, const Job& job);
+  void upload(const Map& map, const Vec2& sun_point, const TargetStates& states);
+  void add_draws(const LightSpace& frame, const Vec2& sun_point, std::uint32_t tile,
+                 bool all_receivers, const TargetStates& states);
 
   std::vector<Map> maps_;
   std::vector<Place> places_;
@@ -175,12 +196,16 @@ class ShadowMaps {
   std::uint64_t image_ = 0;  // the first update of it
   std::uint64_t drawn_ = 0;
   double edge_error_ = 0;
+  double penumbra_ = 0;
+  unsigned disc_points_ = 1;
+  SunDisc disc_;
   // of one update, kept for the next one
   std::vector<Group> groups_;
   std::vector<Drawn> targets_;   // of one map: its receivers, then what else throws shadows there
   std::vector<Member> casters_;  // of these
   std::vector<DrawItem> placed_;
   std::vector<ShownItem> shown_;
+  std::vector<Vec2> sun_places_;    // of one map
   std::vector<LightSpace> frames_;  // of the tiles of one map, or of all of it
   ShadowTileFinder finder_;
   struct Draw {
@@ -192,6 +217,12 @@ class ShadowMaps {
   std::vector<std::byte> blocks_;
   std::size_t first_block_ = 0;  // bytes, in stream_
 };
+
+// Whether a box may throw a shadow into the box of a map: it meets the cone from there to the Sun's
+// disc, and is not behind all of it.
+//
+//   shear  the largest of the points of the disc
+bool meets_column(const Mat4& sun_from_box, const Vec3& low, const Vec3& high, double shear);
 
 // At most `most` groups of neighbours, each ascending, in the order of their first members.
 std::vector<std::vector<std::uint32_t>> neighbour_groups(std::span<const Vec3> centres,

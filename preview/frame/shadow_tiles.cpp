@@ -18,6 +18,9 @@ constexpr double kLeastTexel = 0x1p-20;
 // the border that no receiver lies on, texels
 constexpr double kBorder = 2;
 
+// of a cell: a tile so deep that the Sun's disc reaches farther has penumbrae of hundreds of texels
+constexpr double kMostMargin = 0.25;
+
 // Depths are cut into so many steps, to which tiles are aligned: one of them stays free on each
 // side. A surface as steep as 128 texels a texel does not leave the tile from one to the next.
 constexpr double kDepthSteps = 16;
@@ -97,7 +100,8 @@ Vec4 inside_of_tile(const ShadowTiles& tiles, std::size_t tile) {
   const ShadowTile& one = tiles.tiles[tile];
   const Vec2 half = 0.5 * map_size(tiles);
   const Vec2 corner(one.x, one.y);
-  return {(corner + 1.0) / half - 1.0, (corner + (one.side - 1.0)) / half - 1.0};
+  const double border = 1 + tiles.margin;
+  return {(corner + border) / half - 1.0, (corner + (one.side - border)) / half - 1.0};
 }
 
 void ShadowTileFinder::Fit::add(const ShownPart& part, const Piece& piece) {
@@ -125,7 +129,7 @@ double ShadowTileFinder::finest_of(const Fit& fit) {
 // of a tile of so many texels, metres
 double ShadowTileFinder::texel_of(const Fit& fit, unsigned side) const {
   const Vec3 extent = fit.all.high - fit.all.low;
-  const double room = side - 2 * kBorder - side / 16;
+  const double room = side - 2 * (kBorder + margin_) - side / 16;
   return std::max(finest_of(fit), stepped(std::max({extent.x / room, extent.y / room, 0x1p-900})));
 }
 
@@ -133,7 +137,8 @@ double ShadowTileFinder::texel_of(const Fit& fit, unsigned side) const {
 unsigned ShadowTileFinder::level_of(const Fit& fit) const {
   const double pixel = pixel_of(fit.all.view_low.z);
   for (unsigned level = kLevels; level > 0; --level)
-    if (side_ >> level >= kLeastSide && texel_of(fit, side_ >> level) <= pixel) return level;
+    if (side_ >> level >= kLeastSide + 3 * margin_ && texel_of(fit, side_ >> level) <= pixel)
+      return level;
   return 0;
 }
 
@@ -284,7 +289,7 @@ void ShadowTileFinder::place(std::span<const Cell> cells, const TileLimits& limi
     tile.texel = texel_of(fit, tile.side);
     const double step = tile.texel * (tile.side / 16);
     for (int axis = 0; axis < 2; ++axis)
-      tile.low[axis] = aligned(fit.all.low[axis] - kBorder * tile.texel, step);
+      tile.low[axis] = aligned(fit.all.low[axis] - (kBorder + margin_) * tile.texel, step);
     tile.low.z = fit.all.low.z;
     const double deep =
         std::max((fit.all.high.z - fit.all.low.z) * (kDepthSteps / (kDepthSteps - 3)), fit.deep);
@@ -362,7 +367,7 @@ const ShadowTiles& ShadowTileFinder::find(const world::Camera& camera,
   frame_.light_from_camera = Mat4(light_turn);
   frame_.light_from_camera[3] = Vec4(-(light_turn * Vec3(camera_from_model[3])), 1);
   side_ = limits.side;
-  tiles_ = {{}, whole.axes_from_model, 0, side_, 1, 1};
+  tiles_ = {{}, whole.axes_from_model, 0, side_, 1, 1, 0};
   texel_ = std::max(whole.extent.x, whole.extent.y) / side_;
   pixel_ = INFINITY;
   finest_ = 0;
@@ -399,6 +404,22 @@ const ShadowTiles& ShadowTileFinder::find(const world::Camera& camera,
   }
   refine(view, texel_ / kMostPixelsATexel / pixel_of(1), items);
 
+  // rays to the edge of the disc leave a tile by as much as it is deep, which its tiles tell
+  const double slope = 0.5 * limits.sun_tangent;
+  const double most = side_ * kMostMargin;
+  const double texel = texel_;
+  margin_ = std::min(slope * kLeastDepth, most);
+  while (find_tiles(view, limits) && slope * tiles_.depth > margin_ && margin_ < most) {
+    margin_ = std::min(slope * tiles_.depth, most);
+    texel_ = texel;
+  }
+  tiles_.margin = margin_;
+  return tiles_;
+}
+
+// Finds tiles_ with margin_; false: none are needed.
+bool ShadowTileFinder::find_tiles(const ViewCell& view, const TileLimits& limits) {
+  tiles_.tiles.clear();
   cells_.clear();
   Cell& all = cells_.emplace_back();
   all.view = view;
@@ -406,13 +427,13 @@ const ShadowTiles& ShadowTileFinder::find(const world::Camera& camera,
     all.parts.push_back({i, pieces_[i].shown});
     all.fit.add(pieces_[i].shown, pieces_[i]);
   }
-  if (all.parts.empty()) return tiles_;
+  if (all.parts.empty()) return false;
   pixel_ = pixel_of(all.fit.all.view_low.z);
-  if (texel_ <= kMostPixelsATexel * pixel_) return tiles_;
+  if (texel_ <= kMostPixelsATexel * pixel_) return false;
 
   cut_up(limits);
   place(cells_, limits);
-  return tiles_;
+  return true;
 }
 
 }  // namespace panwright::preview

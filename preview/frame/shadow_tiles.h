@@ -43,6 +43,7 @@ struct ShadowTiles {
   unsigned side = 0;              // texels, of one cell
   unsigned columns = 1;           // cells
   unsigned rows = 1;
+  double margin = 0;  // texels at the borders of each tile that rays to the Sun's disc may reach
   bool operator==(const ShadowTiles&) const = default;
 
   std::size_t cells() const { return std::size_t{columns} * rows; }
@@ -70,6 +71,7 @@ struct TileLimits {
   unsigned side = 2048;         // texels of a cell
   std::size_t cells = 1;        // at most, of the map
   std::size_t cells_a_row = 1;  // at most
+  double sun_tangent = 0;       // of the angular radius of the Sun's disc; 0: a point
 };
 
 class ShadowTileFinder {
@@ -140,9 +142,11 @@ class ShadowTileFinder {
               Fit& high_fit) const;
   std::size_t cells_of(std::span<const Cell> cells) const;
   void place(std::span<const Cell> cells, const TileLimits& limits);
+  bool find_tiles(const ViewCell& view, const TileLimits& limits);
 
   ViewFrame frame_;
   unsigned side_ = 0;
+  double margin_ = 0;  // texels
   double texel_ = 0;
   double pixel_ = 0;
   double finest_ = 0;

@@ -41,6 +41,14 @@ GlTexture make_texture_2d(const GladGLContext& gl, GLsizei levels, GLenum format
   return {gl, id};
 }
 
+GlTexture make_texture_array(const GladGLContext& gl, GLenum format, GLsizei width, GLsizei height,
+                             GLsizei layers) {
+  GLuint id = 0;
+  gl.CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &id);
+  gl.TextureStorage3D(id, 1, format, width, height, layers);
+  return {gl, id};
+}
+
 GlVertexArray make_vertex_array(const GladGLContext& gl) {
   GLuint id = 0;
   gl.CreateVertexArrays(1, &id);

@@ -57,6 +57,8 @@ GlBuffer make_buffer(const GladGLContext& gl, const void* data, std::size_t byte
 GlBuffer make_stream_buffer(const GladGLContext& gl);
 GlTexture make_texture_2d(const GladGLContext& gl, GLsizei levels, GLenum format, GLsizei width,
                           GLsizei height);
+GlTexture make_texture_array(const GladGLContext& gl, GLenum format, GLsizei width, GLsizei height,
+                             GLsizei layers);
 GlVertexArray make_vertex_array(const GladGLContext& gl);
 
 // A texture that reads a range of a buffer; the range is set later.

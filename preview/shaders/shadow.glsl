@@ -3,13 +3,17 @@ layout(std140, binding = 4) uniform Shadow {
   float texel_depth;  // what one texel measures, as a share of the map's depth
   float half_width;   // texels
   float half_height;
+  int tiles;
+  vec4 inside[12];
+  vec4 sun[128];  // how x and y change along rays to points of the Sun's disc, two a row
+  int points;     // of these; they are layers of the map
 }
 shadow;
 
 layout(binding = 2) uniform sampler2D normal_samples;    // as geometry.frag leaves them
 layout(binding = 12) uniform usampler2D sun_samples;   // as light_space.glsl leaves them
-layout(binding = 13) uniform sampler2D shadow_depths;  // 1 towards the Sun, 0 away from it
-layout(binding = 14) uniform sampler2D shadow_slopes;
+layout(binding = 13) uniform sampler2DArray shadow_depths;  // 1 towards the Sun, 0 away from it
+layout(binding = 14) uniform sampler2DArray shadow_slopes;
 
 // Room for what is rounded: 16 roundings of a depth near 1, and how far across a point may be off,
 // in texels (a context's grid for vertices and half floats for slopes come to 1/100)
@@ -19,14 +23,14 @@ const float kTexelSlack = 1.0 / 16.0;
 // grazes lies something else.
 const float kMostDown = 16.0;
 
-// Whether what the Sun sees at a texel hides a sample from it. Both are planes here: the texel's
+// Whether what a point of the Sun sees at a texel hides a sample from it. Both are planes here: the texel's
 // must lie above the sample, and the texel above the sample's. Along an edge one of the two fails,
 // whichever way it bends, so no bias is needed that grows with the slope.
-bool hides(ivec2 texel, vec3 place, vec2 slope, vec2 half_size) {
+bool hides(ivec3 texel, vec3 place, vec2 slope, vec2 half_size) {
   float depth = texelFetch(shadow_depths, texel, 0).r;
   // sunward of the box: above all that asks here, but for what is on no tile
   if (depth >= 1.0) return place.z <= 1.0;
-  vec2 there = (vec2(texel) + 0.5) / half_size - 1.0;
+  vec2 there = (vec2(texel.xy) + 0.5) / half_size - 1.0;
   vec2 step = there - place.xy;
   vec2 reach = kTexelSlack / half_size;
   float slack = kDepthSlack + dot(abs(slope), reach);
@@ -37,20 +41,35 @@ bool hides(ivec2 texel, vec3 place, vec2 slope, vec2 half_size) {
   return depth - down > place.z + kDepthSlack + dot(abs(its_slope), reach);
 }
 
-// From 0 to 1: the share of four texels around the sample that hide it, weighted by how near they
-// are.
-float sun_visibility(ivec2 sample_at) {
-  uvec4 found = texelFetch(sun_samples, sample_at, 0);
-  vec3 place = uintBitsToFloat(found.xyz);
-  vec2 slope = unpackHalf2x16(found.w);
+// From 0 to 1: the share of four texels around the sample that do not hide it, weighted by how near
+// they are.
+float point_visibility(int layer, vec3 place, vec2 slope) {
   vec2 half_size = vec2(shadow.half_width, shadow.half_height);
   vec2 at = clamp((place.xy + 1.0) * half_size - 0.5, vec2(0.0), 2.0 * half_size - 1.001);
   ivec2 first = ivec2(at);
   vec2 share = at - vec2(first);
   vec4 seen;
   for (int i = 0; i < 4; ++i)
-    seen[i] = hides(first + ivec2(i & 1, i >> 1), place, slope, half_size) ? 0.0 : 1.0;
+    seen[i] = hides(ivec3(first + ivec2(i & 1, i >> 1), layer), place, slope, half_size) ? 0.0 : 1.0;
   // note: a + (b - a)·t is exactly 1 where all four are
   vec2 rows = seen.xz + (seen.yw - seen.xz) * share.x;
   return rows.x + (rows.y - rows.x) * share.y;
+}
+
+// The mean over the points of the Sun's disc, each of which looks along a direction of its own. In
+// light space sheared by it rays to that point run along z.
+float sun_visibility(ivec2 sample_at) {
+  uvec4 found = texelFetch(sun_samples, sample_at, 0);
+  vec3 place = uintBitsToFloat(found.xyz);
+  vec2 slope = unpackHalf2x16(found.w);
+  float sum = 0.0;
+  for (int k = 0; k < shadow.points; ++k) {
+    vec4 pair = shadow.sun[k >> 1];
+    vec2 shear = (k & 1) == 0 ? pair.xy : pair.zw;
+    float facing = 1.0 - dot(slope, shear);
+    if (facing <= 0.0) continue;  // the point is below the surface's horizon
+    vec3 there = vec3(place.xy - shear * (place.z - 0.5), place.z);
+    sum += point_visibility(k, there, slope / facing);
+  }
+  return sum / float(shadow.points);
 }

@@ -168,8 +168,11 @@ int main(int argc, char** argv) {
   const Job job({.threads = write ? 0 : std::strtoul(argv[1], nullptr, 10), .progress = {}});
   DiagnosticLog log;
   bool good = true;
-  for (const Named& each : sheets())
+  for (Named each : sheets()) {
+    // what compilers are compared by is a quarter of the cells: without optimisation they take long
+    if (!write && each.recipe.xgrid > 300) each.recipe.xgrid = 300;
     good = good && show_sheet(each, write ? argv[2] : nullptr, job, log);
+  }
   good = good && show_forms(write ? argv[2] : nullptr, job, log);
   std::fputs(to_text(log).c_str(), stderr);
   return good ? 0 : 1;

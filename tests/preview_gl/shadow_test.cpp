@@ -1,49 +1,19 @@
 // Shadows against closed forms and rays. A texel is one of the shadow map, an offset is measured
 // across the Sun's rays.
 #include "preview/frame/light_space.h"
+#include "shadow_scenes.h"
 #include "tests/support/sun_rays.h"
-#include "textured.h"
 
 namespace panwright::preview {
 namespace {
 
 using namespace testing_support;
 
-// A view with and without shadows.
-struct Pair {
-  Image with;
-  Image without;
-  // how much of the Sun a pixel sees; -1 where it is dark anyway
-  double sun(std::size_t pixel) const {
-    const double whole = without.radiance[3 * pixel];
-    return whole > 0 ? with.radiance[3 * pixel] / whole : -1;
-  }
-};
-
-Pair both(const pan::Model& model, const View& view, RenderOptions options = {}) {
-  DiagnosticLog log;
-  support::ModelRenderer renderer(shared_device(), model);
-  options.ground_truth = true;
-  auto with = renderer.render(view, options, log);
-  options.shadow_side = 0;
-  auto without = renderer.render(view, options, log);
-  EXPECT_TRUE(with && without) << to_text(log);
-  expect_no_nan(*with);
-  EXPECT_EQ(with->coverage, without->coverage);
-  return {*std::move(with), *std::move(without)};
-}
-
 // The longer side of a texel, metres.
 double texel(const pan::Model& model, const View& view, unsigned side) {
   const Vec3 to_sun = glm::conjugate(view.world_from_model.rotation) * glm::normalize(view.to_sun);
   const LightSpace frame = fitted_light_space(draw_list(model), to_sun, side);
   return std::max(frame.extent.x, frame.extent.y) / side;
-}
-
-// The Sun at an angle from +z, turned about it.
-Vec3 sun_at(double degrees, double turn) {
-  const double angle = degrees * kDegree;
-  return {std::sin(angle) * std::cos(turn), std::sin(angle) * std::sin(turn), std::cos(angle)};
 }
 
 // ---- what casts no shadow
@@ -167,16 +137,6 @@ TEST(Shadows, NoneInAValleyThatIsLit) {
 }
 
 // ---- closed forms on a meadow in z = 0
-
-pan::Contents meadow() { return single(plate(8, 8), lambert(1)); }
-
-void add(pan::Contents& contents, const geometry::Mesh& mesh, const Vec3& at,
-         const Quat& turn = Quat(1, 0, 0, 0), const Vec3& scale = Vec3(1)) {
-  contents.meshes.push_back(pan::packed(mesh, "mesh"));
-  contents.nodes.push_back({"node", 0, at, turn, scale});
-  contents.instances.push_back({static_cast<std::uint32_t>(contents.nodes.size() - 1),
-                                static_cast<std::uint32_t>(contents.meshes.size() - 1), 0, -1});
-}
 
 // A plate that floats above the camera throws its outline along the Sun's rays.
 TEST(Shadows, AreaOfAPlate) {

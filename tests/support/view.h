@@ -15,6 +15,7 @@ struct View {
   Vec3 to_sun{0, 0, 1};                // world direction to the Sun, any non-zero length
   std::optional<Vec3> sun_irradiance;  // W/m² per band at the target; none: 1, radiance in 1/sr
   double sun_distance = 1;  // AU; sets the Sun's angular size, the irradiance stands as given
+  double limb_darkening = 0;
 };
 
 // Places target 0 of a world and its Sun as a view says.
@@ -24,6 +25,7 @@ inline void set_view(world::World& world, const View& view) {
   sun.direction = view.to_sun;
   sun.distance = view.sun_distance;
   sun.irradiance = view.sun_irradiance;
+  sun.limb_darkening = view.limb_darkening;
   world.set_sun(sun);
 }
 

@@ -98,7 +98,9 @@ TEST_F(Views, AnImageIsMadeAgain) {
        "--limb-darkening", "0.6"},
       {"--engine", "gl", "--imposters", "20", "--flux-error", "1%", "--psf", "0.5"},
       {"--engine", "gl"},
-      {"--engine", "gl", "--samples", "2", "--adaptive", "--shadow-side", "256"}};
+      {"--engine", "gl", "--shadows", "soft", "--sun-points", "9"},
+      {"--engine", "gl", "--samples", "2", "--adaptive", "--shadow-side", "256", "--shadows",
+       "hard"}};
   for (const auto& engine : engines)
     for (const std::string format : {"png", "exr", "npz"})
       for (const bool ortho : {false, true}) {

@@ -138,7 +138,8 @@ TEST(ReadViews, TakesEveryOption) {
       "imposters": 32, "flux-error": "0.1%", "psf": 0.5},
      {"output": "b.exr", "engine": "reference", "seed": 18446744073709551615, "filter": "box",
       "no_sun_disc": true, "until-error": 0.01, "max-samples": 64, "bounces": 0},
-     {"output": "c.exr", "imposters": "off"}, {"output": "d.exr", "imposters": "always"},
+     {"output": "c.exr", "imposters": "off", "shadows": "soft", "sun-points": 128},
+     {"output": "d.exr", "imposters": "always", "shadows": "off"},
      {"output": "e.exr", "engine": "reference", "psf": "0.7"}])",
                           log);
   ASSERT_TRUE(views) << to_text(log);
@@ -175,6 +176,10 @@ TEST(ReadViews, TakesEveryOption) {
   ASSERT_TRUE(none && all && blurred) << to_text(log);
   EXPECT_EQ(none->gl.imposters, preview::Imposters::off);
   EXPECT_EQ(all->gl.imposters, preview::Imposters::always);
+  EXPECT_EQ(gl->gl.shadows, preview::Shadows::automatic);
+  EXPECT_EQ(none->gl.shadows, preview::Shadows::soft);
+  EXPECT_EQ(none->gl.sun_points, 128u);
+  EXPECT_EQ(all->gl.shadow_side, 0u);
   EXPECT_EQ(blurred->reference.psf_sigma, 0.7);
 }
 
@@ -186,6 +191,10 @@ TEST(ReadViews, NamesTheViewOfAWrongValue) {
       {R"("pixel-error": 1, "samples": "auto")", "view 1 ('x'): pixel-error is '1', expected"},
       {R"("engine": "reference", "bounces": 1.5)", "bounces is '1.5', expected a whole number"},
       {R"("shadow-side": 512, "no-shadows": true)", "cannot be combined"},
+      {R"("shadows": "soft", "no-shadows": true)", "cannot be combined"},
+      {R"("shadows": "blurred")", "shadows is 'blurred', expected auto, off, hard or soft"},
+      {R"("shadows": "hard", "sun-points": 8)", "sun-points needs shadows auto or soft"},
+      {R"("sun-points": 1)", "sun-points is '1', expected a whole number from 2 to 256"},
       {R"("imposters": "some")", "expected auto, off, always, or a number of pixels"},
       {R"("imposters": 9, "engine": "reference")", "imposters requires engine gl"},
       {R"("flux-error": 2)", "flux-error is '2', expected a share"},

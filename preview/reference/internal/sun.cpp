@@ -6,13 +6,6 @@
 #include "preview/reference/internal/sampling.h"
 
 namespace panwright::preview::reference {
-namespace {
-
-// nominal solar radius (IAU 2015 B3) over the astronomical unit (IAU 2012 B2)
-constexpr double kSineAtOneAu = 695700e3 / 149597870700.0;
-
-}  // namespace
-
 Sun::Sun(const world::Sun& sun, const Mat3& world_from_model, bool disc)
     : irradiance_(sun.irradiance.value_or(Vec3(1))), darkening_(sun.limb_darkening) {
   const Vec3 to_sun = sun.direction;
@@ -23,7 +16,7 @@ Sun::Sun(const world::Sun& sun, const Mat3& world_from_model, bool disc)
   across_[0] = frame.x;
   across_[1] = frame.y;
   // closer than its radius the Sun would be more than half the sky
-  if (disc) sine_ = std::min(kSineAtOneAu / sun.distance, 0.999);
+  if (disc) sine_ = std::min(world::kSunSineAtOneAu / sun.distance, 0.999);
 }
 
 double Sun::brightness(double square) const {

@@ -1,0 +1,141 @@
+// What a renderer holds. Private to preview.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "preview/device.h"
+#include "preview/frame/ground_truth.h"
+#include "preview/frame/imposters.h"
+#include "preview/frame/level_states.h"
+#include "preview/frame/passes.h"
+#include "preview/frame/read_back.h"
+#include "preview/frame/samples.h"
+#include "preview/frame/sampling.h"
+#include "preview/frame/shadow.h"
+#include "preview/frame/sun_points.h"
+#include "preview/frame/texel_areas.h"
+#include "preview/renderer.h"
+
+namespace panwright::preview {
+
+// An image of the camera's size. Radiance and coverage are what was there before; the rest is
+// background.
+void reset(Image& image, const world::Camera& camera, bool ground_truth);
+
+struct Renderer::Impl {
+  explicit Impl(std::shared_ptr<Device> device_in)
+      : device(std::move(device_in)), shared(device->impl()), gl(shared.context->gl()) {
+    spare.reserve(kMostInFlight);
+  }
+  ~Impl() { shared.context->make_current(); }  // the members delete their objects
+
+  // A view under way, and one that was, whose memory is used again.
+  struct Frame {
+    Image image;
+    world::Camera camera;
+    bool flat = false;
+    std::vector<GroundTruthTarget> targets;
+    std::size_t tiles = 0;  // that were submitted and not taken
+    SamplingReport report;
+    const char* why_empty = nullptr;  // of W5006
+    // Where levels of detail fade: the weight of `image`, and the sum of the others, weighted.
+    double weight = 1;
+    std::vector<float> other_radiance, other_coverage;
+    double psf_sigma = 0;
+    std::vector<ImposterPatch> patches;  // of imposters
+  };
+  // A part of an image on its way.
+  struct TileUnderWay {
+    std::size_t frame = 0;
+    Tile whole;  // the rest of it is background
+    Tile tile;
+  };
+  // What is read of one kind, with the tile of each slot.
+  struct Ring {
+    Ring(const GladGLContext& gl, const PixelFormat& format, bool through_buffers)
+        : pixels(gl, format, through_buffers) {}
+    ReadBack pixels;
+    std::array<TileUnderWay, ReadBack::kSlots> tiles;
+  };
+
+  void set_state() const;
+  bool ensure_target(RenderTarget& target, std::span<const GLenum> formats, bool depth,
+                     std::uint32_t width, std::uint32_t height, DiagnosticLog& log);
+  bool fits(const world::World& world, const world::Camera& camera, const RenderOptions& options,
+            DiagnosticLog& log) const;
+  void make_passes();
+  bool update(const world::World& world, const world::Camera& camera, const RenderOptions& options,
+              DiagnosticLog& log);
+  void set_disc(const world::Sun& sun, const RenderOptions& options);
+  const VisibleSet* look(const world::World& world, const world::Camera& camera,
+                         const LevelState& levels, VisibleSetFinder& finder, DiagnosticLog& log);
+  bool submit(const world::World& world, const world::Camera& camera, const RenderOptions& options,
+              DiagnosticLog& log);
+  bool submit_state(const world::World& world, const world::Camera& camera,
+                    const RenderOptions& options, const LevelState& levels, DiagnosticLog& log);
+  bool draw_imposters(const world::World& world, const world::Camera& camera,
+                      const RenderOptions& options, const LevelState& levels,
+                      std::span<Imposter> imposters, std::size_t frame, DiagnosticLog& log);
+  bool draw_texels(const world::World& world, const RenderOptions& options,
+                   const LevelState& levels, const Imposter& imposter, std::size_t frame,
+                   DiagnosticLog& log);
+  std::uint32_t most_texels() const;
+  static void finish(Frame& frame);
+  bool take_all(std::size_t frame, DiagnosticLog& log);
+  bool submit_radiance(FrameScene scene, const RenderOptions& options, std::size_t frame,
+                       DiagnosticLog& log);
+  bool sampled(const FrameScene& scene, const RenderOptions& options,
+               std::span<const GLenum> formats, std::size_t frame, DiagnosticLog& log);
+  bool submit_truth(const FrameScene& scene, const RenderOptions& options, std::size_t frame,
+                    DiagnosticLog& log);
+  bool make_room(Ring& ring, DiagnosticLog& log);
+  bool submit_tile(Ring& ring, const TileUnderWay& tile, DiagnosticLog& log);
+  bool take_tile(Ring& ring, DiagnosticLog& log);
+  void use_tile(const Ring& ring, const TileUnderWay& tile, const void* pixels);
+  bool is_cancelled(DiagnosticLog& log) const;  // reports E0001 then
+  bool fail(ReadBack::Wait why, DiagnosticLog& log);
+  const char* why_empty(const world::World& world, const VisibleSet& visible) const;
+  void abandon(std::size_t frame);
+  void drop();
+
+  std::shared_ptr<Device> device;
+  Device::Impl& shared;
+  const GladGLContext& gl;
+  TargetStates states;
+  ShadowMaps shadow_maps;
+  SunDisc sun_disc;                    // of the image that is drawn
+  std::unique_ptr<Passes> passes;      // made when the context is current first
+  std::unique_ptr<Sampling> sampling;  // the same
+  std::optional<Ring> radiance;        // the same
+  std::optional<Ring> ids;             // triangles
+  RenderTarget g_buffer;               // what Layer names
+  RenderTarget color_target;           // radiance of samples, where pixels have several
+  RenderTarget bare_target;            // of seconds_of_bare_draw
+  // one more than are under way, for images that are parts of one
+  static constexpr std::size_t kFrames = kMostInFlight + 1;
+  std::array<Frame, kFrames> frames;
+  std::size_t first_frame = 0;
+  std::size_t used_frames = 0;
+  std::vector<Image> spare;  // at most as many as there are frames
+  SamplingReport report;     // of the image collected last
+  Job job;                   // of the call under way
+  // of one frame, kept for the next one
+  std::vector<TargetShape> shapes;
+  std::vector<LeveledTarget> leveled;
+  LevelStateFinder level_states;
+  std::span<const LevelState> level_choices;      // of level_states
+  std::vector<float> sum_radiance, sum_coverage;  // of images that are parts of one
+  VisibleSetFinder visible_sets;
+  ImposterFinder imposter_finder;
+  Image other_texels;                // of targets without imposters
+  VisibleSetFinder drawn_sets;       // of what one draw shows, where targets are left out
+  std::vector<std::uint8_t> hidden;  // of the world's targets, which
+  TileScene on_tile;
+};
+
+}  // namespace panwright::preview

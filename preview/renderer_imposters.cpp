@@ -1,0 +1,105 @@
+// Targets that are drawn by themselves, finer than pixels.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "preview/renderer_impl.h"
+
+namespace panwright::preview {
+
+// What an imposter shows, into the image of a frame.
+bool Renderer::Impl::draw_texels(const world::World& world, const RenderOptions& options,
+                                 const LevelState& levels, const Imposter& imposter,
+                                 std::size_t frame, DiagnosticLog& log) {
+  const VisibleSet* shown = look(world, imposter.camera, levels, drawn_sets, log);
+  if (!shown) return false;
+  reset(frames[frame].image, imposter.camera, false);
+  FrameScene scene{world, imposter.camera, states, *shown};
+  scene.pixel = imposter.rate();
+  if (submit_radiance(scene, options, frame, log) && take_all(frame, log)) return true;
+  abandon(frame);
+  return false;
+}
+
+// Adds to the frame's patches and report; hides what is in an imposter.
+bool Renderer::Impl::draw_imposters(const world::World& world, const world::Camera& camera,
+                                    const RenderOptions& options, const LevelState& levels,
+                                    std::span<Imposter> imposters, std::size_t index,
+                                    DiagnosticLog& log) {
+  // So much more than asked is worth another draw, which aims at that: the estimate is about twice
+  // what is left.
+  constexpr double kEnough = 2;
+  constexpr double kAim = 1.4;
+  // where glints and foil would take ever more
+  const std::uint32_t most_side = std::min(most_texels(), 1024u);
+  Frame& frame = frames[index];
+  RenderOptions own = options;
+  own.samples = 1;
+  own.adaptive = false;
+  std::vector<PlaneRect> finer;
+  const auto hide = [&](const Imposter& imposter, std::uint8_t how) {
+    for (const std::uint32_t v : imposter.targets)
+      hidden[visible_sets.last().targets[v].target] = how;
+  };
+  for (std::size_t i = 0; i < imposters.size(); ++i) {
+    Imposter& imposter = imposters[i];
+    const auto start = std::chrono::steady_clock::now();
+    finer.clear();
+    for (const Imposter& other : imposters.subspan(i + 1))
+      if (other.rect.overlaps(imposter.rect)) {
+        finer.push_back(other.rect);
+        hide(other, 1);
+      }
+    double flux_error = 0;
+    for (int draw = 0; draw < 2; ++draw) {
+      place_imposter(camera, imposter);
+      if (!draw_texels(world, own, levels, imposter, index, log)) return false;
+      flux_error = flux_error_of(frame.image);
+      if (flux_error <= kEnough * options.flux_error || imposter.texels >= most_side) break;
+      if (draw > 0) break;
+      const double more = std::pow(flux_error / (kAim * options.flux_error), 2.0 / 3.0);
+      imposter.texels = static_cast<std::uint32_t>(
+          std::min<double>(most_side, std::ceil(more * imposter.texels)));
+    }
+    double texels = static_cast<double>(frame.image.pixels());
+    if (!imposter.alone) {
+      // what it stands before or behind is in the image already
+      std::swap(other_texels, frame.image);
+      for (const Imposter& other : imposters) hide(other, 1);
+      if (!draw_texels(world, own, levels, imposter, index, log)) return false;
+      std::swap(other_texels, frame.image);
+      texels *= 2;
+    }
+    frame.patches.push_back(patch_of(imposter, frame.image,
+                                     imposter.alone ? nullptr : &other_texels, finer,
+                                     options.psf_sigma, camera.width, camera.height));
+    for (const Imposter& other : imposters) hide(other, 0);
+    frame.report.samples += texels / (static_cast<double>(camera.width) * camera.height);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    ImposterReport done{{},         imposter.extent, imposter.camera.width, imposter.camera.height,
+                        flux_error, took.count()};
+    for (const std::uint32_t v : imposter.targets)
+      done.targets.push_back(visible_sets.last().targets[v].target);
+    frame.report.imposters.push_back(std::move(done));
+  }
+  for (const Imposter& imposter : imposters) hide(imposter, 1);
+  return true;
+}
+
+// Texels that a side of an imposter may have.
+std::uint32_t Renderer::Impl::most_texels() const {
+  constexpr std::uint32_t kMost = 2048;  // less the border; all fit into one framebuffer
+  return std::min(kMost, shared.context->limits().framebuffer_side);
+}
+
+// Adds to the pixels of a frame what its imposters show.
+void Renderer::Impl::finish(Frame& frame) {
+  const std::vector<float>& coverage = frame.image.coverage;
+  if (frame.psf_sigma > 0 &&
+      std::any_of(coverage.begin(), coverage.end(), [](float a) { return a > 0; }))
+    convolve(frame.psf_sigma, frame.image);
+  add_patches(frame.patches, frame.image);
+  frame.patches.clear();
+}
+
+}  // namespace panwright::preview
