@@ -123,9 +123,8 @@ bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map&
                       DiagnosticLog& log) const {
   map.depths = {};  // first, so that memory need not hold both
   map.slopes = {};
-  const unsigned side = map.layout.side;
-  const GLsizei width = texture_side(map.columns * side, limits.framebuffer_side);
-  const GLsizei height = texture_side(map.rows * side, limits.framebuffer_side);
+  const GLsizei width = texture_side(map.columns * side_, limits.framebuffer_side);
+  const GLsizei height = texture_side(map.rows * side_, limits.framebuffer_side);
   const auto layers = static_cast<GLsizei>(map.layout.points);
   map.depths = make_texture_array(gl, GL_DEPTH_COMPONENT32F, width, height, layers);
   map.slopes = make_texture_array(gl, GL_RG16F, width, height, layers);
@@ -153,7 +152,7 @@ bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map&
 }
 
 std::uint64_t ShadowMaps::texels_of(const Layout& layout) const {
-  return std::uint64_t{layout.tiles.cells()} * layout.side * layout.side * layout.points;
+  return std::uint64_t{layout.tiles.cells()} * side_ * side_ * layout.points;
 }
 
 std::uint64_t ShadowMaps::stored_texels() const {
@@ -170,14 +169,14 @@ bool ShadowMaps::assign(const ContextLimits& limits, const GladGLContext& gl, st
   };
   const auto has_room = [](const Group& group, const Map& map) {
     return map.columns == group.layout.tiles.columns && map.rows == group.layout.tiles.rows &&
-           map.layout.side == group.layout.side && map.layout.points == group.layout.points;
+           map.layout.points == group.layout.points;
   };
   for (Group& group : groups_)
     for (Map& map : maps_)
       if (map.last_use != update_ && map.drawn && map.to_sun == group.to_sun &&
           map.receivers == group.members && map.layout.tiles == group.layout.tiles &&
           map.layout.whole.extent == group.layout.whole.extent &&
-          map.layout.side == group.layout.side && map.layout.points == group.layout.points) {
+          map.layout.points == group.layout.points) {
         take(group, map);
         map.layout = group.layout;
         break;
@@ -350,11 +349,10 @@ void ShadowMaps::set_limits(const GladGLContext& gl, const Map& map) const {
   ShadowBlock limits{};
   const ShadowTiles& tiles = map.layout.tiles;
   const Vec3& extent = map.layout.whole.extent;
-  const unsigned side = map.layout.side;
-  const double texel = std::max(extent.x, extent.y) / side;
+  const double texel = std::max(extent.x, extent.y) / side_;
   limits.texel_depth = static_cast<float>(tiles.tiles.empty() ? texel / extent.z : 1 / tiles.depth);
-  limits.half_width = static_cast<float>(tiles.columns * side) / 2;
-  limits.half_height = static_cast<float>(tiles.rows * side) / 2;
+  limits.half_width = static_cast<float>(tiles.columns * side_) / 2;
+  limits.half_height = static_cast<float>(tiles.rows * side_) / 2;
   limits.tiles = static_cast<std::int32_t>(tiles.tiles.size());
   for (std::size_t t = 0; t < tiles.tiles.size(); ++t) {
     const Vec4 inside = inside_of_tile(tiles, t);
@@ -362,7 +360,7 @@ void ShadowMaps::set_limits(const GladGLContext& gl, const Map& map) const {
       limits.inside[4 * t + static_cast<std::size_t>(k)] = static_cast<float>(inside[k]);
   }
   const Vec3 size =
-      tiles.tiles.empty() ? extent : Vec3(tiles.columns * side, tiles.rows * side, tiles.depth);
+      tiles.tiles.empty() ? extent : Vec3(tiles.columns * side_, tiles.rows * side_, tiles.depth);
   limits.points = static_cast<std::int32_t>(map.layout.points);
   for (std::size_t k = 0; k < sun_places_.size(); ++k)
     for (int axis = 0; axis < 2; ++axis)
@@ -419,7 +417,7 @@ bool ShadowMaps::draw_layer(Device::Impl& device, const Map& map, const TargetSt
     if (draws_[k].tile != last_tile) {
       last_tile = draws_[k].tile;
       const ShadowTile tile =
-          tiles.empty() ? ShadowTile{Vec3(0), 0, 0, 0, map.layout.side} : tiles[last_tile];
+          tiles.empty() ? ShadowTile{Vec3(0), 0, 0, 0, side_} : tiles[last_tile];
       gl.Viewport(static_cast<GLint>(tile.x), static_cast<GLint>(tile.y),
                   static_cast<GLsizei>(tile.side), static_cast<GLsizei>(tile.side));
     }

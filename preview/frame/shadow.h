@@ -116,7 +116,6 @@ class ShadowMaps {
   struct Layout {
     LightSpace bare;  // fitted to the receivers
     LightSpace whole;  // the same, or wider where the Sun has several points
-    unsigned side = 0;    // texels, of a map without tiles
     unsigned points = 1;  // of the Sun's disc
     double penumbra = 0;  // the widest there may be, pixels
     ViewKey view;

@@ -16,9 +16,6 @@ Vec3 centre_of(const world::Instance& instance, const TargetState& state) {
   return instance.pose().translation + instance.pose().rotation * centre;
 }
 
-// of a layer, texels
-constexpr unsigned kLeastSoftSide = 256;
-
 // What a pixel spans where targets are nearest, metres.
 double nearest_pixel(const world::Camera& camera, const FrameScene& scene,
                      std::span<const std::uint32_t> receivers) {
@@ -216,13 +213,6 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
   layout.texel = finder_.texel();
   layout.pixel = finder_.pixel() * scene.pixel;
   layout.finest = finder_.finest();
-  layout.side = side_;
-  // there are many of them, so each is as coarse as a map may be
-  while (soft && layout.tiles.tiles.empty() && layout.side > kLeastSoftSide &&
-         2 * layout.texel <= kMostPixelsATexel * layout.pixel) {
-    layout.side /= 2;
-    layout.texel *= 2;
-  }
 }
 
 void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, std::uint64_t most,
