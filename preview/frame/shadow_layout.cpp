@@ -191,7 +191,9 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
   const double pixel = nearest_pixel(camera, scene, group.receivers);
   layout.penumbra = 0;
   if (disc_.points > 1)
-    layout.penumbra = 2 * disc_.tangent * throw_in(group, scene, layout.bare) / pixel;
+    // no more of it shows than the image is wide
+    layout.penumbra = std::min(2 * disc_.tangent * throw_in(group, scene, layout.bare) / pixel,
+                               glm::length(Vec2(camera.width, camera.height)) / scene.pixel);
   const bool soft = disc_.points > 1 && (disc_.always || layout.penumbra > kShownPenumbra);
   const bool was_soft = kept && kept->layout.points > 1;
   if (kept && kept->layout.view == view && soft == was_soft) return;
