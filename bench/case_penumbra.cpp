@@ -77,7 +77,7 @@ void run(Context& context) {
   const world::ModelPtr model = scene ? compiled_model(*scene, log) : nullptr;
   if (!model) return context.note("the servicer could not be compiled: " + to_text(log));
   support::ModelRenderer renderer(*gl, *model);
-  const std::uint32_t side = context.quick() ? 64 : 512;
+  const std::uint32_t side = context.quick() ? 64 : 256;
   const std::vector<double> distances = context.quick() ? std::vector{5.0} : std::vector{5.0, 13.0};
   const auto ways = std::span(kWays).first(context.quick() ? 3 : std::size(kWays));
   for (const double distance : distances) {
@@ -93,7 +93,7 @@ void run(Context& context) {
       preview::ReferenceOptions exact;
       exact.bounces = 0;
       exact.sun_disc = disc;
-      exact.samples = context.quick() ? 16 : 1024;
+      exact.samples = context.quick() ? 16 : 512;
       auto truth = preview::Reference().render(world, view.camera, exact, log);
       if (!truth) return context.note("the reference could not be drawn: " + to_text(log));
       truths[disc] = *std::move(truth);
