@@ -57,7 +57,7 @@ NOTES = """
 
 - Light between surfaces ("with light between surfaces" above has three bounces in the reference). A concave spacecraft gets a few
   per cent more light than the preview shows.
-- The half shadow at the edges of shadows, 9.3 mm wide for each metre between caster and receiver.
+- With `--samples N`, unless `--shadows soft`: the half shadow at the edges of shadows, 9.3 mm wide for each metre between caster and receiver (`docs/shadows.md`).
 - Lobes wider than a slope of 0.15 (GGX: 0.2) are those of a point Sun, from 0.98 AU on: 2 % of their peak at 85°, 0.1 % at normal incidence.
 - Retroreflectors: their lobe is the mean over the Sun's disc of a Gaussian; what depends on the angle of incidence is taken at the disc's centre.
 """
