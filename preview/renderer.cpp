@@ -10,7 +10,7 @@
 #include <optional>
 #include <utility>
 
-#include "preview/renderer_impl.h"
+#include "preview/frame/renderer_impl.h"
 
 namespace panwright::preview {
 namespace {

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "preview/renderer_impl.h"
+#include "preview/frame/renderer_impl.h"
 
 namespace panwright::preview {
 
