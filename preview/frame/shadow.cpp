@@ -37,12 +37,11 @@ void show_layer(const GladGLContext& gl, GLuint framebuffer, GLuint depths, GLui
   gl.NamedFramebufferTextureLayer(framebuffer, GL_COLOR_ATTACHMENT0, slopes, 0, layer);
 }
 
-// What all rays to the disc are sheared by at most.
+}  // namespace
+
 double largest_shear(const LightSpace& frame, const SunDisc& disc) {
   return 2 * disc.tangent * frame.extent.z / std::min(frame.extent.x, frame.extent.y);
 }
-
-}  // namespace
 
 bool meets_column(const Mat4& sun_from_box, const Vec3& low, const Vec3& high, double shear) {
   Vec3 least(INFINITY);

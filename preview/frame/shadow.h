@@ -217,6 +217,9 @@ class ShadowMaps {
   std::size_t first_block_ = 0;  // bytes, in stream_
 };
 
+// What rays to the disc are sheared by at most.
+double largest_shear(const LightSpace& frame, const SunDisc& disc);
+
 // Whether a box may throw a shadow into the box of a map: it meets the cone from there to the Sun's
 // disc, and is not behind all of it.
 //

@@ -142,8 +142,7 @@ double ShadowMaps::throw_in(const Group& group, const FrameScene& scene,
                             const LightSpace& whole) const {
   const world::World& world = scene.world;
   const world::Pose& anchor = world[group.targets.front().target].pose();
-  const double shear =
-      2 * disc_.tangent * whole.extent.z / std::min(whole.extent.x, whole.extent.y);
+  const double shear = largest_shear(whole, disc_);
   double top = 1;
   for (std::uint32_t i = 0; i < world.size(); ++i) {
     const std::optional<world::Bounds>& bounds = scene.states[i].bounds;
