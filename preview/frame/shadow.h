@@ -39,7 +39,8 @@ void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, co
 
 // The depths of what the Sun sees, and their slopes. A surface casts a shadow on a point where each
 // of the two lies on the far side of the other's plane (shaders/shadow.glsl), so surfaces shadow
-// neither themselves nor their neighbours at edges, and no bias pushes shadows away from contacts.
+// neither themselves nor their neighbours at edges. Room for relief finer than texels, 0.7 of one,
+// is all that pushes shadows away from contacts.
 //
 // Each target that is seen has a map, fitted to it alone; other targets are drawn into it where
 // they may throw a shadow on it. What of these lies sunward of the map's box is kept at its
