@@ -48,6 +48,10 @@ constexpr Example kExamples[] = {
      "cubesat/cubesat.pxn -o truth.exr --engine reference --size 32x32 --samples 2 --seed 1",
      "The same light by path tracing, with error bars."},
 
+    {"view", "servicer/servicer.pxn", "A window: move the camera, the Sun and the joints; edit the text beside it."},
+    {"view", "servicer=servicer/servicer.pxn client/client.pxn --size 1920x1080", "Two targets in a larger window."},
+    {"view", "cubesat/cubesat.pxn --script ../tests/studio/tour.json", "What a script does there, without a hand."},
+
     {"material", "--list", "List the materials of the library."},
     {"material", "white_z93", "What a material does with light: albedo, energy, precision."},
     {"material", "mli_gold_kapton copper --render samples.png --width 120",

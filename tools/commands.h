@@ -14,6 +14,7 @@ Command check_command();
 Command info_command();
 Command joints_command();
 Command render_command();
+Command view_command();
 Command material_command();
 Command mli_command();
 Command diff_command();

@@ -238,7 +238,7 @@ class Run {
       if (!prepare(draw)) return false;
     }
     drawer_->set_options(draw);
-    pose(view);
+    show(view, world_, current_);
     bool ground_truth = false;
     for (const std::string& output : outputs_of(view))
       ground_truth = ground_truth || preview::stores_ground_truth(*preview::image_format(output));
@@ -309,29 +309,6 @@ class Run {
       run_on_threads(Job({1, {}}), [&] { write(ev, writing); });
     });
     return true;
-  }
-
-  // Sets the state of one view. Setters that change nothing keep caches valid.
-  void pose(const View& view) {
-    std::vector<world::Pose> poses;
-    for (const world::Instance& target : world_.instances()) poses.push_back(target.pose());
-    for (const TargetPose& each : view.poses) poses[*world_.find(each.target)] = each.pose;
-    for (std::size_t i = 0; i < poses.size(); ++i) current_.set_pose(i, poses[i]);
-    for (std::size_t i = 0; i < world_.size(); ++i) place_joints(i, view);
-    current_.set_sun(view.sun.value_or(world_.sun()));
-  }
-
-  // Those of the view; all others as in the world.
-  void place_joints(std::size_t target, const View& view) {
-    const std::size_t count = world_[target].model()->joints().size();
-    if (count == 0) return;
-    std::vector<std::optional<geometry::JointValues>> values(count);
-    for (const world::JointState& state : world_[target].joint_states())
-      values[state.joint] = state.values;
-    for (const TargetJoint& each : view.joints)
-      if (each.target == world_[target].name()) values[each.joint] = each.values;
-    for (std::size_t j = 0; j < count; ++j)
-      current_.set_joint(target, static_cast<std::uint32_t>(j), values[j]);
   }
 
   // Waits for the image that is being written. False: it could not be.

@@ -371,4 +371,30 @@ Result<View> ViewMaker::made(const ViewText& text, DiagnosticLog& log) {
   return view;
 }
 
+namespace {
+
+// Those of the view; all others as in the world.
+void place_joints(const View& view, const world::Instance& target, std::size_t index,
+                  world::World& shown) {
+  const std::size_t count = target.model()->joints().size();
+  if (count == 0) return;
+  std::vector<std::optional<geometry::JointValues>> values(count);
+  for (const world::JointState& state : target.joint_states()) values[state.joint] = state.values;
+  for (const TargetJoint& each : view.joints)
+    if (each.target == target.name()) values[each.joint] = each.values;
+  for (std::size_t j = 0; j < count; ++j)
+    shown.set_joint(index, static_cast<std::uint32_t>(j), values[j]);
+}
+
+}  // namespace
+
+void show(const View& view, const world::World& world, world::World& shown) {
+  std::vector<world::Pose> poses;
+  for (const world::Instance& target : world.instances()) poses.push_back(target.pose());
+  for (const TargetPose& each : view.poses) poses[*world.find(each.target)] = each.pose;
+  for (std::size_t i = 0; i < poses.size(); ++i) shown.set_pose(i, poses[i]);
+  for (std::size_t i = 0; i < world.size(); ++i) place_joints(view, world[i], i, shown);
+  shown.set_sun(view.sun.value_or(world.sun()));
+}
+
 }  // namespace panwright::workspace

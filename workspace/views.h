@@ -48,6 +48,13 @@ struct View {
   std::optional<DrawOptions> draw;        // none: those of the run
 };
 
+// Sets the state of a view in a world that is shown: poses, joints and the Sun of the view, all
+// else as in the world it is of. What stays the same keeps its stamps, and with them all that was
+// derived from it.
+//
+// Expects: `shown` was copied from `world`; targets and joints of the world.
+void show(const View& view, const world::World& world, world::World& shown);
+
 // ---- as text
 
 struct PoseText {

@@ -1,0 +1,228 @@
+#include "studio/artist.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "base/srgb.h"
+#include "workspace/drawer.h"
+#include "workspace/exposure.h"
+
+namespace panwright::studio {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Of pictures that follow the mouse: the time they may take, and pixels in parts of the exact
+// picture's, a side.
+constexpr double kFollowSeconds = 0.04;
+constexpr std::array<double, 4> kScales = {1, 0.7, 0.5, 0.35};
+// without orders for so long the picture is drawn exactly
+constexpr auto kStill = std::chrono::milliseconds(120);
+
+// What levels of detail go by while pictures follow the mouse: metres that a pixel sees, in steps
+// between those where levels fade into each other, which draws both.
+double steady_level(const Eye& eye, std::uint32_t width) {
+  const double pixel = 2 * eye.range * std::tan(eye.fov * kDegree / 2) / width;
+  return std::exp2(std::floor(std::log2(pixel)) + 0.25);
+}
+
+// Codes of linear values, finer than codes are apart.
+class Codes {
+ public:
+  Codes() {
+    for (std::size_t i = 0; i < codes_.size(); ++i)
+      codes_[i] = srgb_code((static_cast<double>(i) + 0.5) / static_cast<double>(codes_.size()));
+  }
+  std::uint8_t operator()(double linear) const {
+    if (!(linear > 0)) return 0;
+    if (linear >= 1) return 255;
+    return codes_[static_cast<std::size_t>(linear * static_cast<double>(codes_.size()))];
+  }
+
+ private:
+  std::array<std::uint8_t, 1 << 15> codes_{};
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> shown_pixels(const preview::Image& image, double ev) {
+  static const Codes codes;
+  const double gain = kPi * std::exp2(ev);
+  std::vector<std::uint8_t> out(4 * image.pixels());
+  parallel_for(image.height, [&](std::size_t row) {
+    for (std::size_t i = row * image.width; i < (row + 1) * image.width; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) out[4 * i + k] = codes(gain * image.radiance[3 * i + k]);
+      out[4 * i + 3] = 255;
+    }
+  });
+  return out;
+}
+
+// What lives on the drawing thread.
+struct Artist::Easel {
+  std::optional<workspace::Drawer> drawer;
+  std::shared_ptr<const world::World> of;  // what `shown` was copied from
+  world::World shown;
+  std::vector<std::pair<std::size_t, std::uint32_t>> hidden;
+  std::optional<double> ev;  // of the last exact picture that found it
+
+  void take(const Order& order) {
+    if (of != order.world) {
+      of = order.world;
+      shown = *of;
+      hidden.clear();
+    }
+    if (hidden == order.hidden) return;
+    for (const auto& [target, node] : hidden) shown.set_node_visible(target, node, true);
+    for (const auto& [target, node] : order.hidden) shown.set_node_visible(target, node, false);
+    hidden = order.hidden;
+  }
+};
+
+Artist::Artist(preview::ContextKind context) : context_(context) {
+  thread_ = std::thread([this] { work(); });
+}
+
+Artist::~Artist() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+    if (job_.state()) job_.cancel();
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void Artist::draw(Order order) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (wanted_ ? *wanted_ == order : drawn_ && *drawn_ == order) return;
+    wanted_ = std::move(order);
+    drawn_.reset();
+    if (status_.exact && job_.state()) job_.cancel();
+    status_.drawing = true;
+  }
+  wake_.notify_all();
+}
+
+std::shared_ptr<const Picture> Artist::take() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(done_, nullptr);
+}
+
+Artist::Status Artist::status() const {
+  const std::lock_guard lock(mutex_);
+  return status_;
+}
+
+void Artist::adapt(double seconds) {
+  status_.frame_seconds += (seconds - status_.frame_seconds) * (status_.quick > 1 ? 0.3 : 1);
+  // few sizes: buffers are made for each
+  const auto at = std::find(kScales.begin(), kScales.end(), status_.scale);
+  if (seconds > kFollowSeconds && at + 1 != kScales.end())
+    status_.scale = at[1];
+  else if (seconds < 0.4 * kFollowSeconds && at != kScales.begin())
+    status_.scale = at[-1];
+}
+
+void Artist::work() {
+  Easel easel;
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    const auto anything = [&] { return wanted_ || ending_; };
+    if (!drawn_ || stage_ == Picture::Stage::exact)
+      wake_.wait(lock, anything);
+    else
+      wake_.wait_for(lock, kStill, anything);
+    if (ending_) return;
+    Picture::Stage stage = Picture::Stage::following;
+    if (wanted_)
+      drawn_ = std::exchange(wanted_, std::nullopt);
+    else
+      stage = static_cast<Picture::Stage>(static_cast<int>(stage_) + 1);
+    const Order order = *drawn_;
+    status_.exact = stage == Picture::Stage::exact;
+    status_.drawing = true;
+    job_ = Job(JobOptions{});
+    const Job job = job_;
+    lock.unlock();
+    paint(easel, order, stage, job);
+    lock.lock();
+    job_ = Job();
+    // following pictures that have all pixels are whole
+    stage_ = stage == Picture::Stage::following && status_.scale == 1 ? Picture::Stage::whole : stage;
+    status_.exact = false;
+    status_.drawing = wanted_ || stage_ != Picture::Stage::exact;
+  }
+}
+
+void Artist::paint(Easel& easel, const Order& order, Picture::Stage stage, const Job& job) {
+  const bool exact = stage == Picture::Stage::exact;
+  const auto start = Clock::now();
+  auto picture = std::make_shared<Picture>();
+  picture->order = order;
+  picture->stage = stage;
+  picture->exact = exact;
+  DiagnosticLog log;
+  double scale = 1;
+  if (stage == Picture::Stage::following) {
+    const std::lock_guard lock(mutex_);
+    scale = status_.scale;
+  }
+  const auto side = [&](std::uint32_t whole) {
+    return std::max(1u, static_cast<std::uint32_t>(std::lround(whole * scale)));
+  };
+  const workspace::ViewText text =
+      view_text(order.eye, side(order.width), side(order.height));
+  easel.take(order);
+  const auto view = workspace::ViewMaker(*order.world).view(text, log);
+  auto options = workspace::draw_options(text, context_, log);
+  bool ok = view && options;
+  if (ok && !easel.drawer) {
+    auto made = workspace::Drawer::create(*options, log);
+    if (made) easel.drawer.emplace(*std::move(made));
+    const std::lock_guard lock(mutex_);
+    if (easel.drawer) status_.renderer = easel.drawer->info().renderer;
+    ok = easel.drawer.has_value();
+    if (!ok && !log.entries().empty()) status_.problem = log.entries()[0].message;
+  }
+  std::optional<workspace::Drawn> drawn;
+  if (ok) {
+    if (!exact) {
+      options->samples = 1;
+      options->gl.shadows = preview::Shadows::hard;
+      options->gl.imposters = preview::Imposters::off;
+      options->gl.level_pixel = steady_level(order.eye, side(order.width));
+    }
+    easel.drawer->set_options(*options);
+    workspace::show(*view, *order.world, easel.shown);
+    if (auto result = easel.drawer->draw(easel.shown, view->camera, exact, log, job))
+      drawn = *std::move(result);
+  }
+  if (job.cancelled()) return;
+  picture->failed = !drawn;
+  picture->messages = messages_of(log);
+  if (drawn) {
+    picture->image = std::move(drawn->image);
+    if (drawn->sampling) picture->sampling = *drawn->sampling;
+    if (order.eye.auto_ev && (exact || !easel.ev))
+      easel.ev = workspace::auto_exposure(picture->image, 0);
+    picture->ev = order.eye.auto_ev ? *easel.ev : order.eye.ev;
+    picture->rgba = shown_pixels(picture->image, picture->ev);
+  }
+  picture->seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const std::lock_guard lock(mutex_);
+  if (exact)
+    ++status_.exact_count;
+  if (stage == Picture::Stage::following) {
+    ++status_.quick;
+    adapt(picture->seconds);
+  }
+  if (ending_) return;
+  done_ = std::move(picture);
+}
+
+}  // namespace panwright::studio

@@ -1,0 +1,102 @@
+// Draws pictures on a thread of its own, with the renderer of `panwright render`.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/job.h"
+#include "preview/context.h"
+#include "preview/image.h"
+#include "preview/renderer.h"
+#include "studio/eye.h"
+#include "studio/project.h"
+#include "world/world.h"
+
+namespace panwright::studio {
+
+// What is to be drawn.
+struct Order {
+  std::shared_ptr<const world::World> world;
+  Eye eye;
+  std::uint32_t width = 0;   // pixels
+  std::uint32_t height = 0;  // pixels
+  // nodes that are not shown: target, node
+  std::vector<std::pair<std::size_t, std::uint32_t>> hidden;
+  bool operator==(const Order&) const = default;
+};
+
+// What was drawn.
+struct Picture {
+  Order order;
+  enum class Stage {
+    following,  // pixels with one sample each, and fewer of them
+    whole,      // one sample in each pixel
+    exact,      // what `panwright render` makes of the same options, and its truth layers
+  };
+  Stage stage = Stage::following;
+  bool exact = false;
+  preview::Image image;            // of radiance
+  std::vector<std::uint8_t> rgba;  // 4*H*W of the image, sRGB
+  double ev = 0;                   // that these are shown with
+  preview::SamplingReport sampling;
+  double seconds = 0;
+  std::vector<Message> messages;
+  bool failed = false;  // there is no image
+};
+
+// While orders come one after the other, each is drawn quickly, with fewer pixels where that takes
+// too long. As soon as they stop the last one is drawn with all pixels, then as it will be saved.
+class Artist {
+ public:
+  explicit Artist(preview::ContextKind context);
+  ~Artist();
+  Artist(const Artist&) = delete;
+  Artist& operator=(const Artist&) = delete;
+
+  // The newest order; those before it are given up. One that is being drawn exactly stops.
+  void draw(Order order);
+  // What was drawn last; null: nothing new.
+  std::shared_ptr<const Picture> take();
+
+  struct Status {
+    bool drawing = false;  // or about to
+    bool exact = false;    // what is being drawn
+    std::string renderer;  // of the OpenGL context
+    double frame_seconds = 0;  // of pictures that follow the mouse, a running mean
+    double scale = 1;          // their pixels, in parts of the exact one's, a side
+    std::uint64_t quick = 0;   // drawn so far
+    std::uint64_t exact_count = 0;
+    std::string problem;  // no OpenGL
+  };
+  Status status() const;
+
+ private:
+  struct Easel;
+  void work();
+  void paint(Easel& easel, const Order& order, Picture::Stage stage, const Job& job);
+  void adapt(double seconds);
+
+  preview::ContextKind context_;
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::optional<Order> wanted_;  // newer than what was drawn
+  std::optional<Order> drawn_;   // the last one, up to `stage_`
+  Picture::Stage stage_ = Picture::Stage::exact;
+  std::shared_ptr<const Picture> done_;
+  Status status_;
+  Job job_;  // of what is being drawn
+  bool ending_ = false;
+  std::thread thread_;
+};
+
+// 4·W·H bytes as write_image() has them in a PNG, with alpha 255. ev: stops
+std::vector<std::uint8_t> shown_pixels(const preview::Image& image, double ev);
+
+}  // namespace panwright::studio

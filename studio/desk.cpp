@@ -1,0 +1,331 @@
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "studio/window.h"
+#include "workspace/drawer.h"
+
+namespace panwright::studio {
+namespace {
+
+constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                                    ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
+                                    ImGuiWindowFlags_NoBringToFrontOnFocus |
+                                    ImGuiWindowFlags_NoSavedSettings;
+
+ImVec2 im(const Vec2& v) { return {static_cast<float>(v.x), static_cast<float>(v.y)}; }
+
+void begin(const char* name, const Vec2& at, const Vec2& size, ImGuiWindowFlags more = 0) {
+  ImGui::SetNextWindowPos(im(at));
+  ImGui::SetNextWindowSize(im(size));
+  ImGui::Begin(name, nullptr, kFixed | more);
+}
+
+}  // namespace
+
+Desk::Desk(const Options& options)
+    : options_(options), project_(options.files, options.open), artist_(options.context) {}
+
+void Desk::frame(const Vec2& size, double scale, std::uintptr_t texture) {
+  widgets_.begin_frame();
+  take_models();
+  const double left = std::min(340 * scale, 0.4 * size.x), top = 34 * scale;
+  // the same with and without errors: the picture stays as it is
+  const double low = std::min(104 * scale, 0.3 * size.y);
+  bar({0, 0}, {size.x, top});
+  panel({0, top}, {left, size.y - top});
+  messages({left, size.y - low}, {size.x - left, low});
+  picture({left, top}, {size.x - left, size.y - top - low}, texture);
+  keys();
+  order();
+  if (saving_.valid() &&
+      saving_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+    saved_ = saving_.get();
+}
+
+void Desk::take_models() {
+  const Project::State now = project_.state();
+  const bool other = now.world != models_.world;
+  models_ = now;
+  if (!models_.world) return;
+  if (!framed_ && picture_size_.x > 0) {
+    workspace::BoundingSpheres spheres;
+    eye_.frame_all(spheres.of(*models_.world), picture_size_.y / picture_size_.x);
+    framed_ = true;
+  }
+  if (!other) return;
+  // what the new models do not have any more
+  std::erase_if(eye_.joints, [&](const auto& each) {
+    DiagnosticLog ignored;
+    return !workspace::find_joint(each.first, *models_.world, ignored);
+  });
+}
+
+void Desk::bar(const Vec2& at, const Vec2& size) {
+  begin("bar", at, size, ImGuiWindowFlags_NoScrollbar);
+  std::string names;
+  for (const std::string& file : project_.files()) names += (names.empty() ? "" : "  ") + file;
+  ImGui::TextUnformatted(names.c_str());
+  ImGui::SameLine(0, 24);
+  const Artist::Status status = artist_.status();
+  std::string words;
+  if (models_.reading)
+    words = models_.world ? "reading again" : "reading";
+  else if (!status.problem.empty())
+    words = status.problem;
+  else if (shown_ && shown_->exact && !status.drawing)
+    words = fmt::format("exact: {:.1f} samples a pixel, flux within {:.2g} %, {:.0f} ms",
+                        shown_->sampling.samples, 100 * shown_->sampling.flux,
+                        1e3 * shown_->seconds);
+  else if (shown_ && shown_->exact)
+    words = "drawing";
+  else if (shown_)
+    words = fmt::format("following: {} of {} pixels, one sample each, {:.0f} ms{}",
+                        shown_->image.pixels(), shown_->order.width * shown_->order.height,
+                        1e3 * shown_->seconds, status.exact ? "; exact picture under way" : "");
+  ImGui::TextDisabled("%s", words.c_str());
+  ImGui::End();
+}
+
+void Desk::panel(const Vec2& at, const Vec2& size) {
+  begin("panel", at, size);
+  ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.55f);
+  if (ImGui::BeginTabBar("tabs")) {
+    const auto tab = [&](const char* name, void (Desk::*body)()) {
+      const bool open = ImGui::BeginTabItem(name);
+      widgets_.seen(std::string("tab/") + name);
+      if (!open) return;
+      ImGui::BeginChild(name);
+      ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.55f);
+      (this->*body)();
+      ImGui::PopItemWidth();
+      ImGui::EndChild();
+      ImGui::EndTabItem();
+    };
+    tab("Camera", &Desk::camera_tab);
+    tab("Sun", &Desk::sun_tab);
+    tab("Parts", &Desk::parts_tab);
+    tab("Joints", &Desk::joints_tab);
+    tab("Save", &Desk::save_tab);
+    ImGui::EndTabBar();
+  }
+  ImGui::PopItemWidth();
+  ImGui::End();
+}
+
+void Desk::messages(const Vec2& at, const Vec2& size) {
+  begin("messages", at, size);
+  const std::vector<Message> all = all_messages();
+  const auto count = [&](Severity severity) {
+    return std::count_if(all.begin(), all.end(),
+                         [&](const Message& each) { return each.severity == severity; });
+  };
+  if (models_.failed)
+    ImGui::TextColored({1, 0.6f, 0.2f, 1}, "%s",
+                       models_.world ? "The picture is of the last version without an error."
+                                     : "There is no version without an error yet.");
+  ImGui::TextDisabled("%d errors, %d warnings, %d notes; read in %.0f ms, %d files watched",
+                      static_cast<int>(count(Severity::error)),
+                      static_cast<int>(count(Severity::warning)),
+                      static_cast<int>(count(Severity::note)), 1e3 * models_.seconds,
+                      static_cast<int>(models_.watched));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Message& each = all[i];
+    const char* word = each.severity == Severity::error     ? "error"
+                       : each.severity == Severity::warning ? "warning"
+                                                            : "note";
+    const std::string where =
+        each.file.empty() ? "" : fmt::format("{}:{}:{}: ", each.file, each.line, each.column);
+    const std::string line =
+        fmt::format("{}{}: {} [{}]##{}", where, word, each.text, each.code, i);
+    ImGui::PushStyleColor(ImGuiCol_Text, each.severity == Severity::error
+                                             ? ImVec4(1, 0.6f, 0.2f, 1)
+                                         : each.severity == Severity::warning
+                                             ? ImVec4(0.95f, 0.85f, 0.4f, 1)
+                                             : ImVec4(0.75f, 0.75f, 0.75f, 1));
+    if (ImGui::Selectable(line.c_str())) open_in_editor(each);
+    widgets_.seen(fmt::format("message/{}", i + 1));
+    ImGui::PopStyleColor();
+    if (!each.file.empty() && ImGui::IsItemHovered())
+      ImGui::SetTooltip("Opens the place in $VISUAL or $EDITOR");
+  }
+  ImGui::End();
+}
+
+std::vector<Message> Desk::all_messages() const {
+  std::vector<Message> all = models_.messages;
+  if (shown_ && !models_.reading)
+    all.insert(all.end(), shown_->messages.begin(), shown_->messages.end());
+  return all;
+}
+
+void Desk::picture(const Vec2& at, const Vec2& size, std::uintptr_t texture) {
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+  begin("picture", at, size, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+  const Vec2 whole(std::floor(std::max(size.x, 16.0)), std::floor(std::max(size.y, 16.0)));
+  picture_size_ = whole;
+  widgets_.seen("picture", at, at + whole);
+  picture_place_ = *widgets_.find("picture");
+  if (shown_ && texture != 0) {
+    ImGui::Image(reinterpret_cast<ImTextureID>(texture), im(whole));
+  } else {
+    ImGui::SetCursorPos({24, 24});
+    ImGui::TextDisabled(models_.reading ? "reading…" : "nothing to show");
+  }
+  if (ImGui::IsWindowHovered() || dragging_) hand_on_picture(at, whole);
+  if (show_labels_) labels(at);
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  if (ImGui::IsWindowHovered() && !dragging_) readings({mouse.x, mouse.y}, at, texture);
+  ImGui::End();
+  ImGui::PopStyleVar();
+}
+
+void Desk::hand_on_picture(const Vec2& at, const Vec2& size) {
+  const ImGuiIO& io = ImGui::GetIO();
+  const Vec2 way = Vec2(io.MouseDelta.x, io.MouseDelta.y) / size.y;
+  const bool any = ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
+  if (ImGui::IsWindowHovered() && any) dragging_ = true;
+  if (!any) {
+    // a click without a way: what is there is selected
+    const ImVec2 from = io.MouseClickedPos[0];
+    if (dragging_ && ImGui::IsMouseReleased(0) && shown_ && shown_->exact &&
+        std::hypot(io.MousePos.x - from.x, io.MousePos.y - from.y) < 3) {
+      const auto x = static_cast<std::size_t>(std::max(0.0, io.MousePos.x - at.x));
+      const auto y = static_cast<std::size_t>(std::max(0.0, io.MousePos.y - at.y));
+      const preview::Image& image = shown_->image;
+      selected_.clear();
+      if (x < image.width && y < image.height && image.has_ground_truth()) {
+        const std::size_t i = y * image.width + x;
+        if (image.target_id[i] > 0) {
+          const world::Instance& target = (*shown_->order.world)[image.target_id[i] - 1];
+          selected_ = target.name() + "/" + target.model()->node_path(image.node_id[i] - 1);
+        }
+      }
+    }
+    dragging_ = false;
+  }
+  if (dragging_ && (way.x != 0 || way.y != 0)) {
+    eye_.frame.clear();
+    if (ImGui::IsMouseDown(0) && io.KeyShift)
+      eye_.turn_sun(way.x, way.y);
+    else if (ImGui::IsMouseDown(0))
+      eye_.turn(way.x, way.y);
+    else
+      eye_.shift(way.x, way.y);
+  }
+  if (io.MouseWheel != 0) eye_.zoom(std::pow(1.15, -io.MouseWheel));
+}
+
+void Desk::keys() {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (io.WantTextInput || io.KeyCtrl) return;
+  const double step = 2.0 * std::min(io.DeltaTime, 0.05f);
+  const auto down = [](int key) { return ImGui::IsKeyDown(key); };
+  eye_.fly(step * (down(GLFW_KEY_W) - down(GLFW_KEY_S)),
+           step * (down(GLFW_KEY_D) - down(GLFW_KEY_A)),
+           step * (down(GLFW_KEY_E) - down(GLFW_KEY_Q)));
+  if (ImGui::IsKeyPressed(GLFW_KEY_F, false) && models_.world) {
+    workspace::BoundingSpheres spheres;
+    eye_.frame_all(spheres.of(*models_.world), picture_size_.y / picture_size_.x);
+  }
+  if (ImGui::IsKeyPressed(GLFW_KEY_R, false)) project_.read_again();
+  if (ImGui::IsKeyPressed(GLFW_KEY_L, false)) show_labels_ = !show_labels_;
+  if (ImGui::IsKeyPressed(GLFW_KEY_H, false) && !selected_.empty())
+    if (!hidden_.erase(selected_)) hidden_.insert(selected_);
+}
+
+void Desk::order() {
+  if (!playing_.empty() && models_.world) {
+    DiagnosticLog ignored;
+    const auto place = workspace::find_joint(playing_, *models_.world, ignored);
+    if (place) {
+      const pan::layout::Joint& joint =
+          (*models_.world)[place->target].model()->joints()[place->joint];
+      const double low = joint.upper[0] > joint.lower[0] ? joint.lower[0] : -kPi;
+      const double high = joint.upper[0] > joint.lower[0] ? joint.upper[0] : kPi;
+      const double share = 0.5 - 0.5 * std::cos(2 * kPi * (ImGui::GetTime() - play_start_) / 6);
+      geometry::JointValues values{};
+      values[0] = low + share * (high - low);
+      eye_.joints[playing_] =
+          workspace::exact_value(static_cast<geometry::JointKind>(joint.kind), values);
+    }
+  }
+  if (!models_.world || picture_size_.x < 1) return;
+  Order order{models_.world, eye_, static_cast<std::uint32_t>(picture_size_.x),
+              static_cast<std::uint32_t>(picture_size_.y), {}};
+  for (std::size_t i = 0; i < models_.world->size() && !hidden_.empty(); ++i) {
+    const world::Instance& target = (*models_.world)[i];
+    for (std::uint32_t node = 0; node < target.model()->nodes().size(); ++node)
+      if (hidden_.count(target.name() + "/" + target.model()->node_path(node)))
+        order.hidden.emplace_back(i, node);
+  }
+  artist_.draw(std::move(order));
+}
+
+const Picture* Desk::new_picture() {
+  std::shared_ptr<const Picture> made = artist_.take();
+  if (!made) return nullptr;
+  if (made->failed) {
+    // what went wrong is said beside the picture that there is
+    auto both = std::make_shared<Picture>(shown_ ? *shown_ : *made);
+    both->messages = made->messages;
+    shown_ = both;
+    return nullptr;
+  }
+  shown_ = std::move(made);
+  histogram_.assign(64, 0);
+  saturated_ = 0;
+  for (std::size_t i = 0; i < shown_->image.pixels(); ++i) {
+    const std::uint8_t* p = &shown_->rgba[4 * i];
+    const std::uint8_t most = std::max({p[0], p[1], p[2]});
+    saturated_ += most == 255;
+    if (most > 0) histogram_[most / 4] += 1;
+  }
+  for (float& each : histogram_) each = std::log1p(each);
+  return shown_.get();
+}
+
+bool Desk::settled() const {
+  const Artist::Status status = artist_.status();
+  return !models_.reading && models_.readings > 0 &&
+         (!models_.world || (shown_ && shown_->exact && !status.drawing &&
+                             shown_->order.world == models_.world && shown_->order.eye == eye_));
+}
+
+bool Desk::idle() const { return settled() && playing_.empty() && !saving_.valid(); }
+
+void Desk::drop(const std::vector<std::string>& files) {
+  for (const std::string& file : files) project_.add(file);
+}
+
+std::string Desk::state(const std::string& name) const {
+  const Artist::Status status = artist_.status();
+  if (name == "readings") return std::to_string(models_.readings);
+  if (name == "failed") return models_.failed ? "true" : "false";
+  if (name == "exact") return shown_ && shown_->exact ? "true" : "false";
+  if (name == "range") return fmt::format("{}", eye_.range);
+  if (name == "fov") return fmt::format("{}", eye_.fov);
+  if (name == "selected") return selected_;
+  if (name == "hidden") return std::to_string(hidden_.size());
+  if (name == "saved") return saved_;
+  if (name == "problem") return status.problem;
+  if (name == "targets")
+    return std::to_string(models_.world ? models_.world->size() : std::size_t{0});
+  if (name == "errors")
+    return std::to_string(
+        std::count_if(models_.messages.begin(), models_.messages.end(),
+                      [](const Message& each) { return each.severity == Severity::error; }));
+  if (name == "pixels")
+    return shown_ ? fmt::format("{}x{}", shown_->image.width, shown_->image.height) : "";
+  if (name.starts_with("joint/")) {
+    const auto at = eye_.joints.find(name.substr(6));
+    return at == eye_.joints.end() ? "" : at->second;
+  }
+  return "";
+}
+
+}  // namespace panwright::studio

@@ -1,0 +1,73 @@
+// panwright-studio: the window. `panwright view` starts it.
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "base/text.h"
+#include "studio/window.h"
+
+using namespace panwright;
+
+int main(int argc, char** argv) {
+  studio::Options options;
+  DiagnosticLog log;
+  std::string script;
+  bool good = true;
+  const auto wrong = [&](const std::string& what) {
+    log.report(Code::E0201, {}, what);
+    good = false;
+  };
+  bool names = false;  // only files follow
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
+    if (names)
+      options.files.emplace_back(word);
+    else if (word == "--")
+      names = true;
+    else if (word == "--script")
+      script = value();
+    else if (word == "--size") {
+      const std::string size = value();
+      if (std::sscanf(size.c_str(), "%ux%u", &options.width, &options.height) != 2 ||
+          options.width < 320 || options.height < 240 || options.width > 16384 ||
+          options.height > 16384)
+        wrong("--size is '" + size + "', expected 320x240 to 16384x16384");
+    } else if (word == "--scale") {
+      const std::string scale = value();
+      options.scale = parse_double(scale).value_or(0);
+      if (!(options.scale >= 0.5 && options.scale <= 8))
+        wrong("--scale is '" + scale + "', expected 0.5 to 8");
+    } else if (word == "-D") {
+      const std::string define = value();
+      const auto equals = define.find('=');
+      if (equals == std::string::npos || equals == 0)
+        wrong("--define is '" + define + "', expected NAME=VALUE");
+      else
+        options.open.parameters.emplace_back(define.substr(0, equals), define.substr(equals + 1));
+    } else if (word == "--gl") {
+      const std::string kind = value();
+      options.context = kind == "osmesa" ? preview::ContextKind::osmesa
+                        : kind == "egl"  ? preview::ContextKind::egl
+                                         : preview::ContextKind::automatic;
+    }
+  }
+  if (options.files.empty()) {
+    std::fputs("panwright-studio: part of panwright; `panwright view FILE…` starts it\n", stderr);
+    return 2;
+  }
+  options.open.prune = false;
+  options.open.cache = workspace::user_cache_folder();
+  if (good && !script.empty()) {
+    auto steps = studio::read_script(script, log);
+    good = static_cast<bool>(steps);
+    if (good) options.script = *std::move(steps);
+    options.folder = std::filesystem::path(script).parent_path();
+    options.with_script = true;
+  }
+  good = good && studio::run(options, log);
+  std::fputs(to_text(log).c_str(), stderr);
+  const int code = exit_code(log);
+  return good || code != 0 ? code : 1;
+}

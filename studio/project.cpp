@@ -1,0 +1,191 @@
+#include "studio/project.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+#include <utility>
+
+namespace panwright::studio {
+namespace {
+
+using namespace std::chrono_literals;
+
+// How often files are looked at, and for how long one has to stay as it is before it is read:
+// editors write in several steps.
+constexpr auto kLook = 30ms;
+constexpr auto kSettle = 30ms;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+std::vector<Message> messages_of(const DiagnosticLog& log) {
+  std::vector<Message> out;
+  for (const Diagnostic& each : log.entries()) {
+    Message message;
+    message.severity = each.severity();
+    message.code = code_info(each.code).name;
+    message.text = each.message;
+    if (!each.hint.empty()) message.text += "; " + each.hint;
+    if (each.where.file != kNoFile) {
+      message.file = log.sources().file(each.where.file).name;
+      const Position at = log.sources().position(each.where.file, each.where.begin);
+      message.line = at.line;
+      message.column = at.column;
+    }
+    out.push_back(std::move(message));
+  }
+  std::stable_sort(out.begin(), out.end(), [](const Message& a, const Message& b) {
+    return a.severity > b.severity;
+  });
+  if (log.hidden() > 0)
+    out.push_back({Severity::note, "", fmt::format("and {} more", log.hidden()), "", 0, 0});
+  return out;
+}
+
+Project::Project(std::vector<std::string> files, workspace::OpenOptions open)
+    : files_(std::move(files)), open_(std::move(open)) {
+  state_.reading = true;
+  reader_ = std::thread([this] { read(); });
+  watcher_ = std::thread([this] { watch(); });
+}
+
+Project::~Project() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+    if (job_.state()) job_.cancel();
+  }
+  wake_.notify_all();
+  reader_.join();
+  watcher_.join();
+}
+
+Project::State Project::state() const {
+  const std::lock_guard lock(mutex_);
+  return state_;
+}
+
+void Project::read_again() {
+  {
+    const std::lock_guard lock(mutex_);
+    wanted_ = true;
+    state_.reading = true;
+    if (job_.state()) job_.cancel();
+  }
+  wake_.notify_all();
+}
+
+void Project::add(const std::string& file) {
+  {
+    const std::lock_guard lock(mutex_);
+    files_.push_back(file);
+  }
+  read_again();
+}
+
+Project::Stamp Project::stamp_of(const std::filesystem::path& path) {
+  Stamp stamp{path, 0, -1, 0};
+  struct stat found {};
+  if (::stat(path.c_str(), &found) != 0) return stamp;
+  stamp.time = std::int64_t{found.st_mtim.tv_sec} * 1'000'000'000 + found.st_mtim.tv_nsec;
+  stamp.size = found.st_size;
+  stamp.inode = found.st_ino;
+  return stamp;
+}
+
+std::vector<Project::Stamp> Project::stamps_of(const std::vector<Stamp>& files) {
+  std::vector<Stamp> out;
+  for (const Stamp& each : files) out.push_back(stamp_of(each.path));
+  return out;
+}
+
+void Project::watch() {
+  std::unique_lock lock(mutex_);
+  while (!wake_.wait_for(lock, kLook, [&] { return ending_; })) {
+    const std::vector<Stamp> known = watched_;
+    lock.unlock();
+    std::vector<Stamp> now = stamps_of(known);
+    bool changed = now != known;
+    while (changed) {
+      std::this_thread::sleep_for(kSettle);
+      std::vector<Stamp> later = stamps_of(known);
+      if (later == now) break;
+      now = std::move(later);
+    }
+    lock.lock();
+    if (!changed || watched_ != known) continue;
+    watched_ = std::move(now);
+    wanted_ = true;
+    state_.reading = true;
+    if (job_.state()) job_.cancel();
+    wake_.notify_all();
+  }
+}
+
+void Project::read() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    wake_.wait(lock, [&] { return wanted_ || ending_; });
+    if (ending_) return;
+    wanted_ = false;
+    state_.reading = true;
+    job_ = Job(JobOptions{});
+    const Job job = job_;
+    const std::vector<std::string> files = files_;
+    lock.unlock();
+    read_once(files, job);
+    lock.lock();
+    job_ = Job();
+    state_.reading = wanted_;
+  }
+}
+
+void Project::read_once(const std::vector<std::string>& files, const Job& job) {
+  const auto start = std::chrono::steady_clock::now();
+  // before it is read: what changes meanwhile is noticed
+  std::vector<Stamp> stamps;
+  std::vector<workspace::TargetFile> targets;
+  std::set<std::filesystem::path> paths;
+  for (const std::string& file : files) {
+    targets.push_back(workspace::target_file(file));
+    paths.insert(targets.back().file);
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    for (const Stamp& each : watched_) paths.insert(each.path);
+  }
+  for (const std::filesystem::path& path : paths) stamps.push_back(stamp_of(path));
+  DiagnosticLog log(200);
+  auto world = workspace::open_world(targets, open_, log, job);
+  log.sort_by_place();
+  // what they include: known from good models, and from where something is wrong
+  std::set<std::filesystem::path> more;
+  if (world)
+    for (std::size_t i = 0; i < world->size(); ++i) {
+      const pan::Model& model = *(*world)[i].model();
+      for (const auto& input : model.inputs())
+        more.insert(targets[i].file.parent_path() / std::string(model.string(input.path)));
+    }
+  for (FileId file = 0; file < log.sources().size(); ++file)
+    if (!log.sources().file(file).name.empty()) more.insert(log.sources().file(file).name);
+  for (const std::filesystem::path& path : more)
+    if (paths.insert(path).second) stamps.push_back(stamp_of(path));
+
+  const std::lock_guard lock(mutex_);
+  watched_ = std::move(stamps);
+  if (job.cancelled()) return;
+  state_.messages = messages_of(log);
+  state_.failed = !world || log.has_errors();
+  if (!state_.failed) state_.world = std::make_shared<const world::World>(*std::move(world));
+  ++state_.readings;
+  state_.seconds = seconds_since(start);
+  state_.watched = watched_.size();
+}
+
+}  // namespace panwright::studio

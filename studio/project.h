@@ -1,0 +1,86 @@
+// The models of the window: read on a thread of their own, and again when one of their files changes.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/job.h"
+#include "workspace/targets.h"
+#include "world/world.h"
+
+namespace panwright::studio {
+
+// A diagnostic with its place, for a list.
+struct Message {
+  Severity severity = Severity::note;
+  std::string code;
+  std::string text;  // with its hint
+  std::string file;  // empty: no place
+  std::uint32_t line = 0;
+  std::uint32_t column = 0;
+};
+
+std::vector<Message> messages_of(const DiagnosticLog& log);
+
+// The targets as they were read last without an error.
+class Project {
+ public:
+  // files: FILE or NAME=FILE. Reading begins at once.
+  Project(std::vector<std::string> files, workspace::OpenOptions open);
+  ~Project();
+  Project(const Project&) = delete;
+  Project& operator=(const Project&) = delete;
+
+  struct State {
+    std::shared_ptr<const world::World> world;  // the last good one; null: none yet
+    std::vector<Message> messages;              // of the last reading
+    std::uint64_t readings = 0;                 // that came to an end
+    bool reading = false;
+    bool failed = false;   // the last reading: `world` is of an earlier one
+    double seconds = 0;    // of the last reading
+    std::size_t watched = 0;  // files
+  };
+  State state() const;
+  const std::vector<std::string>& files() const { return files_; }
+
+  void read_again();  // whether anything changed or not
+  void add(const std::string& file);  // another target
+
+ private:
+  // What tells a file from an earlier one of its name.
+  struct Stamp {
+    std::filesystem::path path;
+    std::int64_t time = 0;
+    std::int64_t size = -1;  // −1: not there
+    std::uint64_t inode = 0;
+    bool operator==(const Stamp&) const = default;
+  };
+  static Stamp stamp_of(const std::filesystem::path& path);
+  static std::vector<Stamp> stamps_of(const std::vector<Stamp>& files);
+
+  void watch();
+  void read();
+  void read_once(const std::vector<std::string>& files, const Job& job);
+
+  std::vector<std::string> files_;
+  workspace::OpenOptions open_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any wake_;
+  State state_;
+  std::vector<Stamp> watched_;
+  Job job_;  // of the reading that is under way
+  bool wanted_ = true;
+  bool ending_ = false;
+  std::thread reader_;
+  std::thread watcher_;
+};
+
+}  // namespace panwright::studio

@@ -1,0 +1,123 @@
+#include "studio/script.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "base/file.h"
+#include "base/text.h"
+
+namespace panwright::studio {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::uint64_t kMostBytes = 1 << 20;
+
+struct Wrong {
+  std::string what;
+};
+
+std::string text_of(const Json& json, const char* what) {
+  if (json.is_string()) return json.get<std::string>();
+  if (json.is_number()) return json.dump();
+  throw Wrong{fmt::format("{} is to be a text", what)};
+}
+
+Vec2 pair_of(const Json& json, const char* what) {
+  if (!json.is_array() || json.size() != 2 || !json[0].is_number() || !json[1].is_number())
+    throw Wrong{fmt::format("{} is to be two numbers", what)};
+  return {json[0].get<double>(), json[1].get<double>()};
+}
+
+const Json& member(const Json& json, const char* name) {
+  if (!json.is_object() || !json.contains(name))
+    throw Wrong{fmt::format("'{}' is missing", name)};
+  return json[name];
+}
+
+Step step_of(const std::string& kind, const Json& json) {
+  Step step;
+  if (kind == "click" || kind == "key" || kind == "screenshot") {
+    step.kind = kind == "click" ? Step::Kind::click
+                : kind == "key" ? Step::Kind::key
+                                : Step::Kind::screenshot;
+    step.name = text_of(json, kind.c_str());
+  } else if (kind == "type" || kind == "expect") {
+    step.kind = kind == "type" ? Step::Kind::type : Step::Kind::expect;
+    if (!json.is_array() || json.size() != 2)
+      throw Wrong{fmt::format("'{}' takes a name and a value, as [\"camera/range\", \"12\"]", kind)};
+    step.name = text_of(json[0], "the name");
+    step.value = text_of(json[1], "the value");
+  } else if (kind == "drag") {
+    step.kind = Step::Kind::drag;
+    step.from = pair_of(member(json, "from"), "'from'");
+    step.to = pair_of(member(json, "to"), "'to'");
+    if (json.contains("button")) {
+      const std::string button = text_of(json["button"], "'button'");
+      const auto known = std::string_view("left right middle").find(button);
+      if (known == std::string_view::npos || button.empty())
+        throw Wrong{"'button' is left, right or middle"};
+      step.button = button == "left" ? 0 : button == "right" ? 1 : 2;
+    }
+  } else if (kind == "scroll") {
+    step.kind = Step::Kind::scroll;
+    if (!json.is_number()) throw Wrong{"'scroll' takes the wheel's steps, as 3 or -3"};
+    step.amount = json.get<double>();
+  } else if (kind == "wait") {
+    step.kind = Step::Kind::wait;
+    if (json.is_number())
+      step.amount = json.get<double>();
+    else
+      step.name = text_of(json, "'wait'");
+    if (!step.name.empty() && step.name != "exact" && step.name != "read" &&
+        step.name != "saved")
+      throw Wrong{"'wait' takes exact, read, saved or a number of frames"};
+  } else if (kind == "resize") {
+    step.kind = Step::Kind::resize;
+    step.to = pair_of(json, "'resize'");
+    if (!(step.to.x >= 320 && step.to.y >= 240 && step.to.x <= 16384 && step.to.y <= 16384))
+      throw Wrong{"'resize' takes 320 to 16384 by 240 to 16384 pixels"};
+  } else if (kind == "replace") {
+    step.kind = Step::Kind::replace;
+    step.name = text_of(member(json, "file"), "'file'");
+    step.value = text_of(member(json, "text"), "'text'");
+    step.with = text_of(member(json, "with"), "'with'");
+  } else {
+    throw Wrong{fmt::format("{} is no step; known are click, type, drag, scroll, key, wait, resize, "
+                            "replace, screenshot, expect",
+                            in_quotes(kind))};
+  }
+  return step;
+}
+
+}  // namespace
+
+Result<std::vector<Step>> read_script(const std::filesystem::path& path, DiagnosticLog& log) {
+  const auto bytes = read_file(path, kMostBytes, log);
+  if (!bytes) return failed;
+  const auto wrong = [&](const std::string& what) -> Result<std::vector<Step>> {
+    log.report_file(Code::E0203, path.string(), what);
+    return failed;
+  };
+  const Json json = Json::parse(*bytes, nullptr, false);
+  if (json.is_discarded()) return wrong("the script is not JSON");
+  const Json& list = json.is_object() && json.contains("steps") ? json["steps"] : json;
+  if (!list.is_array()) return wrong("a script is a list of steps, or an object with 'steps'");
+  std::vector<Step> out;
+  for (const Json& each : list) {
+    if (!each.is_object() || each.size() != 1)
+      return wrong(fmt::format("step {} is not an object of one member, as {{\"click\": \"save\"}}",
+                               out.size() + 1));
+    try {
+      out.push_back(step_of(each.begin().key(), each.begin().value()));
+    } catch (const Wrong& what) {
+      return wrong(fmt::format("step {}: {}", out.size() + 1, what.what));
+    }
+  }
+  return out;
+}
+
+}  // namespace panwright::studio

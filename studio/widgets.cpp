@@ -1,0 +1,102 @@
+#include "studio/widgets.h"
+
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <string_view>
+#include <vector>
+
+#include "base/diagnostic.h"
+
+namespace panwright::studio {
+namespace {
+
+std::string label_of(const std::string& name) {
+  const auto label = name.rfind('=');
+  return name.substr((label == std::string::npos ? name.rfind('/') : label) + 1);
+}
+
+// What ImGui goes by: the label is shown, the name tells it from others of that label.
+std::string tag(const std::string& name) { return label_of(name) + "###" + name; }
+
+}  // namespace
+
+void Widgets::seen(const std::string& name) {
+  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  if (ImGui::IsItemVisible()) seen(name, {low.x, low.y}, {high.x, high.y});
+}
+
+void Widgets::seen(const std::string& name, const Vec2& low, const Vec2& high) {
+  places_[name.substr(0, name.rfind('='))] = {low, high, frame_};
+}
+
+const Place* Widgets::find(const std::string& name) const {
+  const auto at = places_.find(name);
+  return at == places_.end() || at->second.frame != frame_ ? nullptr : &at->second;
+}
+
+std::string Widgets::nearest(const std::string& name) const {
+  std::vector<std::string_view> names;
+  for (const auto& [each, place] : places_)
+    if (place.frame == frame_) names.push_back(each);
+  return std::string(nearest_name(name, names).value_or(""));
+}
+
+void Widgets::explain(const std::string& name, const char* help) {
+  seen(name);
+  if (help != nullptr && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", help);
+}
+
+bool Widgets::button(const std::string& name, const char* help) {
+  const bool pressed = ImGui::Button(tag(name).c_str());
+  explain(name, help);
+  return pressed;
+}
+
+bool Widgets::check(const std::string& name, bool& value, const char* help) {
+  const bool changed = ImGui::Checkbox(tag(name).c_str(), &value);
+  explain(name, help);
+  return changed;
+}
+
+bool Widgets::slider(const std::string& name, double& value, double low, double high,
+                     const char* format, bool logarithmic, const char* help) {
+  const bool changed =
+      ImGui::SliderScalar(tag(name).c_str(), ImGuiDataType_Double, &value, &low, &high, format,
+                          ImGuiSliderFlags_AlwaysClamp |
+                              (logarithmic ? ImGuiSliderFlags_Logarithmic : 0));
+  explain(name, help);
+  return changed;
+}
+
+bool Widgets::drag(const std::string& name, double& value, double step, const char* format,
+                   const char* help) {
+  const bool changed = ImGui::DragScalar(tag(name).c_str(), ImGuiDataType_Double, &value,
+                                         static_cast<float>(step), nullptr, nullptr, format);
+  explain(name, help);
+  return changed;
+}
+
+bool Widgets::choice(const std::string& name, std::string& value, const char* const* words,
+                     std::size_t count, const char* help) {
+  bool changed = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0) ImGui::SameLine();
+    const std::string each = name + "/" + words[i];
+    if (ImGui::RadioButton(tag(each).c_str(), value == words[i]) && value != words[i]) {
+      value = words[i];
+      changed = true;
+    }
+    explain(each, help);
+  }
+  return changed;
+}
+
+bool Widgets::text(const std::string& name, std::string& value, const char* hint,
+                   const char* help) {
+  const bool changed = ImGui::InputTextWithHint(tag(name).c_str(), hint, &value);
+  explain(name, help);
+  return changed;
+}
+
+}  // namespace panwright::studio

@@ -1,0 +1,114 @@
+// The window: panels around the picture, and what mouse and keys do there.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "preview/context.h"
+#include "studio/artist.h"
+#include "studio/eye.h"
+#include "studio/project.h"
+#include "studio/script.h"
+#include "studio/widgets.h"
+
+namespace panwright::studio {
+
+struct Options {
+  std::vector<std::string> files;  // FILE or NAME=FILE
+  workspace::OpenOptions open;
+  preview::ContextKind context = preview::ContextKind::automatic;  // of what draws pictures
+  std::uint32_t width = 1280;   // pixels
+  std::uint32_t height = 720;
+  double scale = 0;  // of text and widgets; 0: that of the screen
+  std::vector<Step> script;  // empty: a hand uses the window
+  std::filesystem::path folder;  // of the script's files
+  bool with_script = false;
+};
+
+// Opens the window and returns when it is closed, or the script is at its end.
+//
+//   returns  whether all went well: the script, if there is one, could be followed
+// Fails: E5020 without a display, or OpenGL 3.3 in windows; E0203 where the script goes wrong.
+bool run(const Options& options, DiagnosticLog& log);
+
+// Whatever stands on the screen, apart from how it gets there.
+class Desk {
+ public:
+  Desk(const Options& options);
+
+  // One frame's panels and input. size: pixels of the window; texture: of the picture
+  void frame(const Vec2& size, double scale, std::uintptr_t texture);
+  // The newest picture, where there is another one since the last call; null: none.
+  const Picture* new_picture();
+
+  Widgets& widgets() { return widgets_; }
+  // What scripts expect: words by name.
+  std::string state(const std::string& name) const;
+  bool settled() const;  // the picture is exact, and of the models as they are
+  bool saving() const { return saving_.valid(); }
+  std::string command() const;  // as the Save tab shows it
+  bool idle() const;     // nothing happens unless a hand does something
+  const Artist& artist() const { return artist_; }
+  const Project& project() const { return project_; }
+  const Place& picture_place() const { return picture_place_; }
+  void drop(const std::vector<std::string>& files);  // dropped onto the window
+
+ private:
+  void bar(const Vec2& at, const Vec2& size);
+  void panel(const Vec2& at, const Vec2& size);
+  void camera_tab();
+  void sun_tab();
+  void parts_tab();
+  void joints_tab();
+  void save_tab();
+  void messages(const Vec2& at, const Vec2& size);
+  void picture(const Vec2& at, const Vec2& size, std::uintptr_t texture);
+  void readings(const Vec2& mouse, const Vec2& at, std::uintptr_t texture);
+  void labels(const Vec2& at);
+  void hand_on_picture(const Vec2& at, const Vec2& size);
+  void keys();
+  void node_row(std::size_t target, std::uint32_t node);
+  void joint_row(std::size_t target, std::size_t joint, double now);
+  void save(const std::string& file);
+  void order();
+  void take_models();
+  void open_in_editor(const Message& message);
+  std::vector<Message> all_messages() const;
+
+  Options options_;
+  Project project_;
+  Artist artist_;
+  Widgets widgets_;
+  Project::State models_;
+  Eye eye_;
+  bool framed_ = false;  // the eye has looked at the first model
+  std::shared_ptr<const Picture> shown_;
+  bool is_new_ = false;
+  Place picture_place_;
+  Vec2 picture_size_{0};
+  // parts
+  std::string search_;
+  std::set<std::string> hidden_;  // "TARGET/path"
+  std::string selected_;          // the same
+  bool show_labels_ = false;
+  // joints that play: their "TARGET/JOINT"
+  std::string playing_;
+  double play_start_ = 0;
+  // saving
+  std::string output_ = "picture.png";
+  std::future<std::string> saving_;
+  std::string saved_;  // what came of it
+  std::vector<float> histogram_;
+  std::uint64_t saturated_ = 0;  // pixels
+  bool dragging_ = false;
+  double last_change_ = 0;
+};
+
+}  // namespace panwright::studio

@@ -1,0 +1,60 @@
+// Scripts as text.
+#include "studio/script.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+
+#include "tests/support/process.h"
+
+namespace panwright::studio {
+namespace {
+
+TEST(Script, AllKindsOfSteps) {
+  const support::TemporaryFolder folder;
+  DiagnosticLog log;
+  const auto steps = read_script(
+      folder.write("s.json", R"([{"click": "tab/Sun"}, {"type": ["sun/azimuth", 12.5]},
+        {"drag": {"from": [0, 0.5], "to": [1, 0.25], "button": "middle"}}, {"scroll": -2},
+        {"key": "F"}, {"wait": "read"}, {"wait": 3}, {"resize": [640, 480]},
+        {"replace": {"file": "a.pxn", "text": "x", "with": "y"}}, {"screenshot": "s.png"},
+        {"expect": ["failed", "false"]}])"),
+      log);
+  ASSERT_TRUE(steps) << to_text(log);
+  ASSERT_EQ(steps->size(), 11u);
+  EXPECT_EQ((*steps)[1].value, "12.5");
+  EXPECT_EQ((*steps)[2].button, 2);
+  EXPECT_EQ((*steps)[2].to.y, 0.25);
+  EXPECT_EQ((*steps)[6].amount, 3);
+  EXPECT_EQ((*steps)[8].with, "y");
+}
+
+TEST(Script, MistakesSayWhichStep) {
+  const support::TemporaryFolder folder;
+  for (const auto& [text, what] : {
+           std::pair{"{", "not JSON"},
+           std::pair{"{}", "a list of steps"},
+           std::pair{"[1]", "step 1"},
+           std::pair{R"([{"wait": 1}, {"clik": "a"}])", "step 2: 'clik' is no step"},
+           std::pair{R"([{"click": ["a"]}])", "is to be a text"},
+           std::pair{R"([{"type": ["a"]}])", "takes a name and a value"},
+           std::pair{R"([{"drag": {"from": [0, 1]}}])", "'to' is missing"},
+           std::pair{R"([{"drag": {"from": [0], "to": [0, 1]}}])", "two numbers"},
+           std::pair{R"([{"drag": {"from": [0, 0], "to": [0, 1], "button": "up"}}])", "middle"},
+           std::pair{R"([{"scroll": "up"}])", "the wheel"},
+           std::pair{R"([{"wait": "long"}])", "exact, read"},
+           std::pair{R"([{"resize": [1, 1]}])", "320"},
+           std::pair{R"([{"replace": {"file": "a", "text": "b"}}])", "'with' is missing"},
+       }) {
+    DiagnosticLog log;
+    EXPECT_FALSE(read_script(folder.write("s.json", text), log)) << text;
+    ASSERT_EQ(log.errors(), 1u) << text;
+    EXPECT_EQ(log.entries()[0].code, Code::E0203);
+    EXPECT_THAT(log.entries()[0].message, ::testing::HasSubstr(what)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace panwright::studio

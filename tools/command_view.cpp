@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/command_context.h"
+#include "tools/commands.h"
+
+namespace panwright::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kProgram = "panwright-studio";
+
+struct Options {
+  CommonOptions common;
+  std::vector<std::string> targets;  // FILE or NAME=FILE
+  std::vector<std::string> defines;
+  std::string script;
+  std::string size;
+  std::string scale;
+  std::string gl = "auto";
+};
+
+void declare_all(Arguments& arguments, Options& options) {
+  arguments
+      .add("targets", options.targets,
+           "The targets: .pan, .pxn or CAD files, read again as soon as one of their files changes; "
+           "NAME=FILE gives one another name than its file's")
+      .required()
+      .type("[NAME=]FILE…");
+  arguments
+      .add("-D,--define", options.defines,
+           "Give a <param> of the models another value, as -D span=2.4m; may be repeated")
+      .type("NAME=VALUE")
+      .one_value();
+  arguments
+      .add("--script", options.script,
+           "JSON list of what is done in the window in place of a hand, with screenshots "
+           "(docs/studio.md); the window closes at its end")
+      .type("FILE.json");
+  arguments.add("--size", options.size, "Size of the window in pixels (default 1280x720)")
+      .type("WxH");
+  arguments
+      .add("--scale", options.scale,
+           "Size of text and widgets (default: that of the screen), as 1.5")
+      .type("FACTOR");
+  arguments.add("--gl", options.gl, "OpenGL context that draws pictures: auto, egl or osmesa")
+      .one_of({"auto", "egl", "osmesa"})
+      .type("KIND");
+  declare(arguments, options.common);
+}
+
+// Beside this program, or where it is installed.
+std::optional<fs::path> studio() {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error).parent_path();
+  for (const fs::path& folder : {self, self / PANWRIGHT_LIBEXEC_FROM_BIN})
+    if (fs::is_regular_file(folder / kProgram, error)) return folder / kProgram;
+  return std::nullopt;
+}
+
+int run(const Options& options, const Host& host) {
+  CommandContext context("view", options.common, host);
+  DiagnosticLog& log = context.log();
+  const auto program = studio();
+  if (!program) {
+    log.report(Code::E5001, {},
+               fmt::format("{}, which opens the window, is not there: it is built where GLFW and "
+                           "Dear ImGui are installed",
+                           kProgram));
+    return context.finish();
+  }
+  std::vector<std::string> words{kProgram, "--gl", options.gl};
+  for (const auto& [option, value] : {std::pair{"--script", &options.script},
+                                      std::pair{"--size", &options.size},
+                                      std::pair{"--scale", &options.scale}})
+    if (!value->empty()) words.insert(words.end(), {option, *value});
+  for (const std::string& define : options.defines) words.insert(words.end(), {"-D", define});
+  words.push_back("--");
+  words.insert(words.end(), options.targets.begin(), options.targets.end());
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  ::execv(program->c_str(), arguments.data());
+  log.report(Code::E5001, {},
+             fmt::format("{} cannot be started: {}", program->string(), std::strerror(errno)));
+  return context.finish();
+}
+
+}  // namespace
+
+Command view_command() {
+  return command("view", "Show models in a window that follows their files, and move what they have",
+                 declare_all, run);
+}
+
+}  // namespace panwright::tools
