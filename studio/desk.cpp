@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/text.h"
 #include "studio/window.h"
 #include "workspace/drawer.h"
 
@@ -121,18 +122,19 @@ void Desk::messages(const Vec2& at, const Vec2& size) {
   begin("messages", at, size);
   const std::vector<Message> all = all_messages();
   const auto count = [&](Severity severity) {
-    return std::count_if(all.begin(), all.end(),
-                         [&](const Message& each) { return each.severity == severity; });
+    return static_cast<std::uint64_t>(
+        std::count_if(all.begin(), all.end(),
+                      [&](const Message& each) { return each.severity == severity; }));
   };
   if (models_.failed)
     ImGui::TextColored({1, 0.6f, 0.2f, 1}, "%s",
                        models_.world ? "The picture is of the last version without an error."
                                      : "There is no version without an error yet.");
-  ImGui::TextDisabled("%d errors, %d warnings, %d notes; read in %.0f ms, %d files watched",
-                      static_cast<int>(count(Severity::error)),
-                      static_cast<int>(count(Severity::warning)),
-                      static_cast<int>(count(Severity::note)), 1e3 * models_.seconds,
-                      static_cast<int>(models_.watched));
+  ImGui::TextDisabled("%s, %s, %s; read in %.0f ms, %s watched",
+                      counted(count(Severity::error), "error").c_str(),
+                      counted(count(Severity::warning), "warning").c_str(),
+                      counted(count(Severity::note), "note").c_str(), 1e3 * models_.seconds,
+                      counted(models_.watched, "file").c_str());
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Message& each = all[i];
     const char* word = each.severity == Severity::error     ? "error"
@@ -140,18 +142,24 @@ void Desk::messages(const Vec2& at, const Vec2& size) {
                                                             : "note";
     const std::string where =
         each.file.empty() ? "" : fmt::format("{}:{}:{}: ", each.file, each.line, each.column);
-    const std::string line =
-        fmt::format("{}{}: {} [{}]##{}", where, word, each.text, each.code, i);
+    const std::string line = fmt::format("{}{}: {} [{}]", where, word, each.text, each.code);
+    const ImVec2 start = ImGui::GetCursorPos();
+    const float height =
+        ImGui::CalcTextSize(line.c_str(), nullptr, false, ImGui::GetContentRegionAvail().x).y;
+    const bool chosen =
+        ImGui::Selectable(fmt::format("##message{}", i).c_str(), false, 0, {0, height});
+    widgets_.seen(fmt::format("message/{}", i + 1));
+    if (!each.file.empty() && ImGui::IsItemHovered())
+      ImGui::SetTooltip("Opens the place in $VISUAL or $EDITOR");
+    if (chosen) open_in_editor(each);
+    ImGui::SetCursorPos(start);
     ImGui::PushStyleColor(ImGuiCol_Text, each.severity == Severity::error
                                              ? ImVec4(1, 0.6f, 0.2f, 1)
                                          : each.severity == Severity::warning
                                              ? ImVec4(0.95f, 0.85f, 0.4f, 1)
                                              : ImVec4(0.75f, 0.75f, 0.75f, 1));
-    if (ImGui::Selectable(line.c_str())) open_in_editor(each);
-    widgets_.seen(fmt::format("message/{}", i + 1));
+    ImGui::TextWrapped("%s", line.c_str());
     ImGui::PopStyleColor();
-    if (!each.file.empty() && ImGui::IsItemHovered())
-      ImGui::SetTooltip("Opens the place in $VISUAL or $EDITOR");
   }
   ImGui::End();
 }

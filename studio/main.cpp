@@ -1,6 +1,6 @@
 // panwright-studio: the window. `panwright view` starts it.
 #include <cstdio>
-#include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
@@ -8,6 +8,33 @@
 #include "studio/window.h"
 
 using namespace panwright;
+
+namespace {
+
+// As every command does (docs/json-output.md).
+void print(const studio::Report& report, int code, const DiagnosticLog& log) {
+  nlohmann::ordered_json out;
+  out["schema"] = 1;
+  out["schema_id"] = "panwright/view/1";
+  out["command"] = "view";
+  out["frames"] = report.frames;
+  out["ui_ms"] = {
+      {"median", report.ui_ms[0]}, {"p99", report.ui_ms[1]}, {"most", report.ui_ms[2]}};
+  out["following"] = {{"pictures", report.drawing.quick},
+                      {"ms", 1e3 * report.drawing.frame_seconds},
+                      {"scale", report.drawing.scale}};
+  out["exact"] = report.drawing.exact_count;
+  out["readings"] = report.readings;
+  out["renderer"] = report.drawing.renderer;
+  out["render"] = report.command;
+  out["exit_code"] = code;
+  auto diagnostics = nlohmann::ordered_json::parse(to_json(log));
+  for (const char* key : {"errors", "warnings", "notes", "hidden", "diagnostics"})
+    out[key] = std::move(diagnostics[key]);
+  std::puts(out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   studio::Options options;
@@ -19,6 +46,7 @@ int main(int argc, char** argv) {
     good = false;
   };
   bool names = false;  // only files follow
+  bool json = false;
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
     const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
@@ -26,6 +54,8 @@ int main(int argc, char** argv) {
       options.files.emplace_back(word);
     else if (word == "--")
       names = true;
+    else if (word == "--json")
+      json = true;
     else if (word == "--script")
       script = value();
     else if (word == "--size") {
@@ -66,8 +96,12 @@ int main(int argc, char** argv) {
     options.folder = std::filesystem::path(script).parent_path();
     options.with_script = true;
   }
-  good = good && studio::run(options, log);
-  std::fputs(to_text(log).c_str(), stderr);
+  studio::Report report;
+  good = good && studio::run(options, log, &report);
   const int code = exit_code(log);
+  if (json)
+    print(report, code, log);
+  else
+    std::fputs(to_text(log).c_str(), stderr);
   return good || code != 0 ? code : 1;
 }

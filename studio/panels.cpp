@@ -150,12 +150,10 @@ void Desk::node_row(std::size_t target, std::uint32_t node) {
   const std::string_view name = instance.model()->node_name(node);
   const std::string label =
       std::string(2 * std::min<std::size_t>(depth, 12), ' ') +
-      (!search_.empty() ? path
-       : node == 0       ? instance.name()
-       : name.empty()    ? fmt::format("[{}]", node)
-                         : std::string(name));
+      (node == 0 ? instance.name() : name.empty() ? fmt::format("[{}]", node) : std::string(name));
   if (ImGui::Selectable(label.c_str(), selected_ == path)) selected_ = path;
   widgets_.seen("part/" + path);
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", path.c_str());
   ImGui::PopID();
 }
 

@@ -8,15 +8,15 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <fmt/format.h>
 #include <imgui.h>
-#include <png.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <thread>
 
+#include "base/file.h"
+#include "base/png.h"
 #include "studio/player.h"
 
 namespace panwright::studio {
@@ -122,20 +122,25 @@ class Screen {
     shows_ = true;
   }
 
-  bool screenshot(const std::filesystem::path& path) {
+  bool screenshot(const std::filesystem::path& path, DiagnosticLog& log) {
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     std::vector<std::uint8_t> pixels(4 * static_cast<std::size_t>(width) *
                                      static_cast<std::size_t>(height));
     gl_.ReadBuffer(GL_BACK);
     gl_.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+    // the lowest row comes first
+    const std::size_t row = 4 * static_cast<std::size_t>(width);
+    for (std::size_t y = 0; y < static_cast<std::size_t>(height) / 2; ++y)
+      std::swap_ranges(pixels.begin() + static_cast<std::ptrdiff_t>(y * row),
+                       pixels.begin() + static_cast<std::ptrdiff_t>((y + 1) * row),
+                       pixels.end() - static_cast<std::ptrdiff_t>((y + 1) * row));
     for (std::size_t i = 3; i < pixels.size(); i += 4) pixels[i] = 255;
-    png_image png{};
-    png.version = PNG_IMAGE_VERSION;
-    png.width = static_cast<png_uint_32>(width);
-    png.height = static_cast<png_uint_32>(height);
-    png.format = PNG_FORMAT_RGBA;
-    return png_image_write_to_file(&png, path.c_str(), 0, pixels.data(), -4 * width, nullptr) != 0;
+    PngOptions options;
+    options.says_srgb = true;
+    const std::string file = png_file(static_cast<std::uint32_t>(width),
+                                      static_cast<std::uint32_t>(height), pixels, options);
+    return write_file(path, as_bytes(file), log);
   }
 
   GLFWwindow* window() const { return window_; }
@@ -190,8 +195,21 @@ class Loop {
       if (options_.with_script && !follow(log)) break;
       screen_.swap();
     }
-    if (options_.with_script) report();
     return player_.good();
+  }
+
+  Report report() const {
+    Report out;
+    std::vector<float> times = spent_;
+    std::sort(times.begin(), times.end());
+    out.frames = times.size();
+    const double shares[] = {0.5, 0.99, 1};
+    for (std::size_t k = 0; k < 3 && !times.empty(); ++k)
+      out.ui_ms[k] = double{times[static_cast<std::size_t>(shares[k] * double(times.size() - 1))]};
+    out.drawing = desk_.artist().status();
+    out.readings = desk_.project().state().readings;
+    out.command = desk_.command();
+    return out;
   }
 
  private:
@@ -229,32 +247,8 @@ class Loop {
     if (wish.size)
       glfwSetWindowSize(screen_.window(), static_cast<int>(wish.size->x),
                         static_cast<int>(wish.size->y));
-    if (!wish.screenshot.empty() && !screen_.screenshot(wish.screenshot)) {
-      log.report_file(Code::E0103, wish.screenshot.string(), "the screenshot cannot be written");
-      return false;
-    }
+    if (!wish.screenshot.empty() && !screen_.screenshot(wish.screenshot, log)) return false;
     return !wish.end;
-  }
-
-  void report() const {
-    std::vector<float> times = spent_;
-    std::sort(times.begin(), times.end());
-    const auto at = [&](double share) {
-      return times.empty() ? 0.0f
-                           : times[static_cast<std::size_t>(share * double(times.size() - 1))];
-    };
-    const Artist::Status status = desk_.artist().status();
-    nlohmann::ordered_json out;
-    out["frames"] = times.size();
-    out["ui_ms"] = {{"median", at(0.5)}, {"p99", at(0.99)}, {"most", at(1)}};
-    out["following"] = {{"pictures", status.quick},
-                        {"ms", 1e3 * status.frame_seconds},
-                        {"scale", status.scale}};
-    out["exact"] = status.exact_count;
-    out["readings"] = desk_.project().state().readings;
-    out["renderer"] = status.renderer;
-    out["command"] = desk_.command();
-    fmt::print("{}\n", out.dump());
   }
 
   Screen& screen_;
@@ -268,13 +262,16 @@ class Loop {
 
 }  // namespace
 
-bool run(const Options& options, DiagnosticLog& log) {
+bool run(const Options& options, DiagnosticLog& log, Report* report) {
   Screen screen;
   if (!screen.open(options, log)) return false;
   Desk desk(options);
   glfwSetWindowUserPointer(screen.window(), &desk);
   glfwSetDropCallback(screen.window(), dropped);
-  return Loop(screen, desk, options).run(log);
+  Loop loop(screen, desk, options);
+  const bool good = loop.run(log);
+  if (report != nullptr) *report = loop.report();
+  return good;
 }
 
 }  // namespace panwright::studio

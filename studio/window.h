@@ -32,11 +32,21 @@ struct Options {
   bool with_script = false;
 };
 
+// What happened in the window.
+struct Report {
+  std::uint64_t frames = 0;
+  double ui_ms[3] = {};  // of a frame's work on the window's thread: median, 99 of 100, most
+  Artist::Status drawing;
+  std::uint64_t readings = 0;  // of the models
+  std::string command;         // that makes the last picture
+};
+
 // Opens the window and returns when it is closed, or the script is at its end.
 //
+//   report   may be null
 //   returns  whether all went well: the script, if there is one, could be followed
-// Fails: E5020 without a display, or OpenGL 3.3 in windows; E0203 where the script goes wrong.
-bool run(const Options& options, DiagnosticLog& log);
+// Fails: E5001 without a display, or OpenGL 3.3 in windows; E0203 where the script goes wrong.
+bool run(const Options& options, DiagnosticLog& log, Report* report = nullptr);
 
 // Whatever stands on the screen, apart from how it gets there.
 class Desk {

@@ -50,7 +50,7 @@ constexpr Example kExamples[] = {
 
     {"view", "servicer/servicer.pxn", "A window: move the camera, the Sun and the joints; edit the text beside it."},
     {"view", "servicer=servicer/servicer.pxn client/client.pxn --size 1920x1080", "Two targets in a larger window."},
-    {"view", "cubesat/cubesat.pxn --script ../tests/studio/tour.json", "What a script does there, without a hand."},
+    {"view", "cubesat/cubesat.pxn -D units=6 -D wings=1", "Other values of the model's parameters."},
 
     {"material", "--list", "List the materials of the library."},
     {"material", "white_z93", "What a material does with light: albedo, energy, precision."},

@@ -84,6 +84,7 @@ int run(const Options& options, const Host& host) {
                                       std::pair{"--scale", &options.scale}})
     if (!value->empty()) words.insert(words.end(), {option, *value});
   for (const std::string& define : options.defines) words.insert(words.end(), {"-D", define});
+  if (options.common.json) words.push_back("--json");
   words.push_back("--");
   words.insert(words.end(), options.targets.begin(), options.targets.end());
   std::vector<char*> arguments;
