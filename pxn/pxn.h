@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <set>
 #include <span>
 #include <string>
@@ -42,6 +44,9 @@ struct Options {
   // of foil, materials and cleaned meshes that were made before; null: none. It changes nothing in
   // the scene
   const WorkCache* cache = nullptr;
+  // texts that stand in for what files on disk hold, by their paths, absolute and without links:
+  // what an editor has not saved yet; null: none. The files themselves are there
+  const std::map<std::filesystem::path, std::shared_ptr<const std::string>>* unsaved = nullptr;
 };
 
 // Reads a pxn file and all that it includes.

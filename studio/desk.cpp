@@ -51,6 +51,7 @@ void Desk::frame(const Vec2& size, double scale, std::uintptr_t texture) {
 void Desk::take_models() {
   const Project::State now = project_.state();
   const bool other = now.world != models_.world;
+  if (now.readings != models_.readings) edits_.look(now.watched);
   models_ = now;
   if (!models_.world) return;
   if (!framed_ && picture_size_.x > 0) {
@@ -111,6 +112,7 @@ void Desk::panel(const Vec2& at, const Vec2& size) {
     tab("Sun", &Desk::sun_tab);
     tab("Parts", &Desk::parts_tab);
     tab("Joints", &Desk::joints_tab);
+    tab("Materials", &Desk::materials_tab);
     tab("Save", &Desk::save_tab);
     ImGui::EndTabBar();
   }
@@ -134,7 +136,7 @@ void Desk::messages(const Vec2& at, const Vec2& size) {
                       counted(count(Severity::error), "error").c_str(),
                       counted(count(Severity::warning), "warning").c_str(),
                       counted(count(Severity::note), "note").c_str(), 1e3 * models_.seconds,
-                      counted(models_.watched, "file").c_str());
+                      counted(models_.watched.size(), "file").c_str());
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Message& each = all[i];
     const char* word = each.severity == Severity::error     ? "error"
@@ -320,6 +322,7 @@ std::string Desk::state(const std::string& name) const {
   if (name == "selected") return selected_;
   if (name == "hidden") return std::to_string(hidden_.size());
   if (name == "saved") return saved_;
+  if (name == "edits") return std::to_string(edits_.size());
   if (name == "problem") return status.problem;
   if (name == "targets")
     return std::to_string(models_.world ? models_.world->size() : std::size_t{0});

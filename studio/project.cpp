@@ -89,6 +89,19 @@ void Project::add(const std::string& file) {
   read_again();
 }
 
+void Project::set_unsaved(decltype(workspace::OpenOptions::unsaved) texts) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto same = [](const auto& a, const auto& b) {
+      return a.first == b.first && *a.second == *b.second;
+    };
+    if (std::equal(texts.begin(), texts.end(), open_.unsaved.begin(), open_.unsaved.end(), same))
+      return;
+    open_.unsaved = std::move(texts);
+  }
+  read_again();
+}
+
 Project::Stamp Project::stamp_of(const std::filesystem::path& path) {
   Stamp stamp{path, 0, -1, 0};
   struct stat found {};
@@ -138,15 +151,17 @@ void Project::read() {
     job_ = Job(JobOptions{});
     const Job job = job_;
     const std::vector<std::string> files = files_;
+    const workspace::OpenOptions open = open_;
     lock.unlock();
-    read_once(files, job);
+    read_once(files, open, job);
     lock.lock();
     job_ = Job();
     state_.reading = wanted_;
   }
 }
 
-void Project::read_once(const std::vector<std::string>& files, const Job& job) {
+void Project::read_once(const std::vector<std::string>& files,
+                        const workspace::OpenOptions& open, const Job& job) {
   const auto start = std::chrono::steady_clock::now();
   // before it is read: what changes meanwhile is noticed
   std::vector<Stamp> stamps;
@@ -162,7 +177,7 @@ void Project::read_once(const std::vector<std::string>& files, const Job& job) {
   }
   for (const std::filesystem::path& path : paths) stamps.push_back(stamp_of(path));
   DiagnosticLog log(200);
-  auto world = workspace::open_world(targets, open_, log, job);
+  auto world = workspace::open_world(targets, open, log, job);
   log.sort_by_place();
   // what they include: known from good models, and from where something is wrong
   std::set<std::filesystem::path> more;
@@ -185,7 +200,8 @@ void Project::read_once(const std::vector<std::string>& files, const Job& job) {
   if (!state_.failed) state_.world = std::make_shared<const world::World>(*std::move(world));
   ++state_.readings;
   state_.seconds = seconds_since(start);
-  state_.watched = watched_.size();
+  state_.watched.clear();
+  for (const Stamp& each : watched_) state_.watched.push_back(each.path);
 }
 
 }  // namespace panwright::studio

@@ -46,13 +46,15 @@ class Project {
     bool reading = false;
     bool failed = false;   // the last reading: `world` is of an earlier one
     double seconds = 0;    // of the last reading
-    std::size_t watched = 0;  // files
+    std::vector<std::filesystem::path> watched;
   };
   State state() const;
   const std::vector<std::string>& files() const { return files_; }
 
   void read_again();  // whether anything changed or not
   void add(const std::string& file);  // another target
+  // Texts that are read in place of what files hold: workspace::OpenOptions::unsaved.
+  void set_unsaved(decltype(workspace::OpenOptions::unsaved) texts);
 
  private:
   // What tells a file from an earlier one of its name.
@@ -68,7 +70,8 @@ class Project {
 
   void watch();
   void read();
-  void read_once(const std::vector<std::string>& files, const Job& job);
+  void read_once(const std::vector<std::string>& files, const workspace::OpenOptions& open,
+                 const Job& job);
 
   std::vector<std::string> files_;
   workspace::OpenOptions open_;

@@ -13,6 +13,7 @@
 #include "base/diagnostic.h"
 #include "preview/context.h"
 #include "studio/artist.h"
+#include "studio/edits.h"
 #include "studio/eye.h"
 #include "studio/project.h"
 #include "studio/script.h"
@@ -77,6 +78,9 @@ class Desk {
   void sun_tab();
   void parts_tab();
   void joints_tab();
+  void materials_tab();
+  void material_numbers(const MaterialFile& file, const pxn::EditableMaterial& material);
+  void unsaved_changes();
   void save_tab();
   void messages(const Vec2& at, const Vec2& size);
   void picture(const Vec2& at, const Vec2& size, std::uintptr_t texture);
@@ -111,6 +115,10 @@ class Desk {
   // joints that play: their "TARGET/JOINT"
   std::string playing_;
   double play_start_ = 0;
+  // materials
+  Edits edits_;
+  std::string material_;  // the one that is edited: "FILE/NAME"
+  std::string edited_;    // what came of saving
   // saving
   std::string output_ = "picture.png";
   std::future<std::string> saving_;

@@ -299,6 +299,7 @@ Result<scene::Scene> read_scene(const std::filesystem::path& path, const OpenOpt
   read.limits.bytes = options.max_input;
   read.parameters = options.parameters;
   read.declared = options.declared;
+  read.unsaved = &options.unsaved;
   const KeptWork work(options, report);
   read.cache = work.cache();
   return pxn::read(path, read, log, job);

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -59,6 +61,8 @@ struct OpenOptions {
   // Whether hidden geometry is removed from imports with hidden="remove" (the default) and from CAD
   // files unless keep_hidden. A model that is shown once and not stored does not need it.
   bool prune = true;
+  // pxn::Options::unsaved
+  std::map<std::filesystem::path, std::shared_ptr<const std::string>> unsaved;
   // Folder that keeps what took long, so that the same model, and what has not changed of another
   // one, does not take it again: which triangles are hidden, and the results of base/work_cache.h.
   // It changes no result. Empty: none; user_cache_folder(): the user's own.

@@ -43,7 +43,7 @@ std::string too_large(const FoundFile& file, std::uint64_t limit) {
 class DiskFiles : public Files {
  public:
   DiskFiles(const fs::path& top, const Options& options, FoundFile& found)
-      : limit_(std::min(options.limits.bytes, kMostBytes)) {
+      : limit_(std::min(options.limits.bytes, kMostBytes)), unsaved_(options.unsaved) {
     std::error_code error;
     const fs::path absolute = fs::absolute(top, error);
     top_typed_ = top.parent_path();
@@ -103,6 +103,13 @@ class DiskFiles : public Files {
 
   Result<std::shared_ptr<const std::string>> load(const FoundFile& file, SourceSpan where,
                                                   DiagnosticLog& log) override {
+    if (unsaved_ != nullptr)
+      if (const auto text = unsaved_->find(file.key); text != unsaved_->end()) {
+        used_ += text->second->size();
+        if (used_ <= limit_) return text->second;
+        log.report(Code::E0104, where, too_large(file, limit_));
+        return failed;
+      }
     std::error_code error;
     const std::uint64_t size = fs::file_size(file.key, error);
     if (!error && used_ > 0 && size > limit_ - used_) {
@@ -123,6 +130,7 @@ class DiskFiles : public Files {
   fs::path root_;
   std::uint64_t limit_;
   std::uint64_t used_ = 0;
+  decltype(Options::unsaved) unsaved_;
 };
 
 class MemoryFiles : public Files {

@@ -38,7 +38,7 @@ TEST(Project, FollowsItsFilesAndWhatTheyInclude) {
   ASSERT_TRUE(comes(project, [](const auto& s) { return s.world && !s.reading; }));
   const auto first = project.state();
   EXPECT_FALSE(first.failed);
-  EXPECT_EQ(first.watched, 2u);
+  EXPECT_EQ(first.watched.size(), 2u);
 
   folder.write("part.pxn", "<pangu_model ver=\"1\"><sphere radius=\"2\"/></pangu_model>\n");
   ASSERT_TRUE(comes(project, [&](const auto& s) { return s.world != first.world; }));

@@ -102,6 +102,19 @@ def main():
         {"wait": "exact"}, {"screenshot": "hidden.png"}], "door.pxn")
     expect("the models were read four times", said["readings"] == 4)
 
+    # a number of a material, live, undone, and into its text
+    with open(model, encoding="utf-8") as file:
+        before = file.read()
+    view(program, folder, [
+        {"wait": "exact"}, {"click": "tab/Materials"}, {"click": "material/door.pxn/grey"},
+        {"type": ["number/grey/diffuse/0", "0.9"]}, {"expect": ["edits", "1"]},
+        {"type": ["number/grey/diffuse/1", "0.1"]}, {"expect": ["edits", "2"]},
+        {"click": "materials/undo"}, {"expect": ["edits", "1"]}, {"wait": "exact"},
+        {"expect": ["failed", "false"]}, {"screenshot": "material.png"},
+        {"click": "materials/save"}, {"expect": ["edits", "0"]}, {"wait": 5}, {"wait": "exact"}], "door.pxn")
+    with open(model, encoding="utf-8") as file:
+        expect("one number of the text is another", file.read() == before.replace("0.5 0.5 0.5", "0.9 0.5 0.5"))
+
     # a long tour, at two sizes
     for size in ("1280x720", "2560x1440"):
         with open(os.path.join(source, "tests/studio/tour.json"), encoding="utf-8") as file:

@@ -1,0 +1,142 @@
+#include "pxn/edit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "base/text.h"
+#include "pxn/text/grammar.h"
+#include "pxn/text/xml.h"
+
+namespace panwright::pxn {
+namespace {
+
+using schemas::ElementId;
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == ','; }
+
+class Finder {
+ public:
+  Finder(const xml::Document& document, const DiagnosticLog& log) : doc_(document), log_(log) {}
+
+  std::vector<EditableMaterial> run() {
+    std::vector<EditableMaterial> out;
+    for (std::uint32_t element = 0; element < doc_.size(); ++element) {
+      if (doc_.elements[element].id != ElementId::named_material) continue;
+      EditableMaterial material;
+      material.name = attribute(element, "name");
+      material.preset = attribute(element, "preset");
+      material.base = attribute(element, "base");
+      material.line = log_.sources().position(doc_.file, doc_.elements[element].begin).line;
+      for (std::uint32_t child = element + 1; child < doc_.elements[element].next; ++child)
+        if (doc_.elements[child].id != schemas::kNoElement) add(child, material.numbers);
+      if (!material.name.empty()) out.push_back(std::move(material));
+    }
+    return out;
+  }
+
+ private:
+  std::string attribute(std::uint32_t element, std::string_view name) const {
+    const xml::Attribute* found = find_attribute(doc_, element, name);
+    return found ? xml::decoded(doc_, found->value_begin, found->value_end) : "";
+  }
+
+  void add(std::uint32_t element, std::vector<EditableNumber>& out) const {
+    const xml::Element& e = doc_.elements[element];
+    const schemas::Element& known = schemas::kPxn.elements[static_cast<std::size_t>(e.id)];
+    for (const schemas::Attribute& each : known.attributes)
+      if (const xml::Attribute* found = find_attribute(doc_, element, each.name))
+        add(known.name, each.name, each.value, found->value_begin, found->value_end, out);
+    // of texts in several pieces, with comments between, none is taken
+    const std::uint32_t first = e.first_run, last = doc_.elements[element + 1].first_run;
+    if (last == first + 1 && doc_.runs[first].owner == element)
+      add(known.name, "", known.text, doc_.runs[first].begin, doc_.runs[first].end, out);
+  }
+
+  void add(std::string_view element, std::string_view attribute, const schemas::Value& value,
+           std::uint32_t begin, std::uint32_t end, std::vector<EditableNumber>& out) const {
+    using schemas::ValueKind;
+    if (value.kind != ValueKind::real && value.kind != ValueKind::integer &&
+        value.kind != ValueKind::quantity)
+      return;
+    const std::string_view text = doc_.bytes.substr(begin, end - begin);
+    if (text.find_first_of("{&") != std::string_view::npos) return;
+    std::vector<EditableNumber> numbers;
+    for (std::size_t at = 0; at < text.size();) {
+      if (is_blank(text[at])) {
+        ++at;
+        continue;
+      }
+      std::size_t past = at;
+      while (past < text.size() && !is_blank(text[past])) ++past;
+      // the longest part of it that is a number; what is left is a unit
+      std::size_t digits = past;
+      while (digits > at && !parse_double(text.substr(at, digits - at))) --digits;
+      if (digits == at) return;
+      EditableNumber number;
+      number.element = element;
+      number.attribute = attribute;
+      number.index = numbers.size();
+      number.unit = text.substr(digits, past - digits);
+      number.value = *parse_double(text.substr(at, digits - at));
+      number.integer = value.kind == ValueKind::integer;
+      number.begin = begin + static_cast<std::uint32_t>(at);
+      number.end = begin + static_cast<std::uint32_t>(digits);
+      numbers.push_back(std::move(number));
+      at = past;
+    }
+    for (EditableNumber& number : numbers) {
+      number.count = numbers.size();
+      if (!value.numbers.empty()) {
+        const schemas::Number& known =
+            value.numbers[std::min(number.index, value.numbers.size() - 1)];
+        number.name = known.name;
+        if (number.unit.empty() && value.dimension == schemas::Dimension::none) {
+          number.low = known.min;
+          number.high = known.max;
+          number.above = known.above;
+        }
+      }
+      out.push_back(std::move(number));
+    }
+  }
+
+  const xml::Document& doc_;
+  const DiagnosticLog& log_;
+};
+
+}  // namespace
+
+Result<std::vector<EditableMaterial>> editable_materials(const std::string& name,
+                                                         std::string_view bytes,
+                                                         DiagnosticLog& log) {
+  if (bytes.size() >= 0xffffffffu) {
+    log.report_file(Code::E0104, name, "the file has 4 GiB or more");
+    return failed;
+  }
+  DiagnosticLog own;
+  const auto copy = std::make_shared<const std::string>(bytes);
+  const FileId file = own.sources().add({name, copy, Encoding::utf8, {}, false});
+  xml::Document document = xml::scan(file, {}, own);
+  const bool sound = !own.has_errors() && !document.empty();
+  Reporter reporter(own);
+  const bool read = sound && check_grammar(document, schemas::kPxn, reporter);
+  if (!read) {
+    for (const Diagnostic& each : own.entries())
+      log.report_file(each.code, name, each.message, each.hint);
+    return failed;
+  }
+  return Finder(document, own).run();
+}
+
+std::string with_number(std::string_view bytes, const EditableNumber& number, double value) {
+  std::string out(bytes.substr(0, number.begin));
+  out += number.integer ? fmt::format("{:.0f}", std::round(value)) : fmt::format("{:.6g}", value);
+  out += bytes.substr(number.end);
+  return out;
+}
+
+}  // namespace panwright::pxn

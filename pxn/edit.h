@@ -1,0 +1,58 @@
+// Numbers of materials where they stand in a text, for editors that change one and leave all else.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/diagnostic.h"
+#include "base/result.h"
+
+namespace panwright::pxn {
+
+// A number as it is written: of the text of an element inside a material, or of its attribute.
+struct EditableNumber {
+  std::string element;    // "diffuse"
+  std::string attribute;  // "shine"; empty: of the element's text
+  std::size_t index = 0;  // there
+  std::size_t count = 1;  // numbers there
+  std::string name;       // as the language calls it: "red"; may be empty
+  std::string unit;       // behind it: "deg"; may be empty
+  double value = 0;       // as written, in that unit
+  // what the language takes, where no unit follows
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool above = false;     // low itself is not allowed
+  bool integer = false;
+  std::uint32_t begin = 0;  // bytes of the text, without the unit
+  std::uint32_t end = 0;
+};
+
+// A named material of one file.
+struct EditableMaterial {
+  std::string name;
+  std::string preset;  // that it starts from; may be empty
+  std::string base;    // the same, of another named one
+  std::uint32_t line = 1;
+  std::vector<EditableNumber> numbers;  // in the order of the text
+};
+
+// The named materials of a text, with the numbers that stand there as such: no expressions, and
+// none in texts with references.
+//
+//   name, bytes  of the file
+// Fails: E0104 for 4 GiB or more, E1001 to E1008, E1107. What the grammar finds is not reported.
+// Cost: O(bytes).
+Result<std::vector<EditableMaterial>> editable_materials(const std::string& name,
+                                                         std::string_view bytes,
+                                                         DiagnosticLog& log);
+
+// The text with another number, which is rounded to six digits: nothing else differs.
+//
+// Expects: a number of this text; a finite value.
+std::string with_number(std::string_view bytes, const EditableNumber& number, double value);
+
+}  // namespace panwright::pxn
