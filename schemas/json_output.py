@@ -232,6 +232,7 @@ COMMANDS = {
         "pxn_levels": "integer[]: of the language", "features": "string[]: what this build can do", "reads": "string[]: extensions", "writes": "string[]: extensions",
     },
     "completion": {"shell": "string: bash, zsh or fish", "script": "string: its text"},
+    "new": {"folder": "string: that was made", "files": "string[]: that were written"},
     "view": {
         "frames?": "integer: of the window",
         "ui_ms?": ("once the window is closed", {"median": "number: of the work for a frame, on the window's own thread", "p99": "number: 99 of 100 take no longer", "most": "number"}),

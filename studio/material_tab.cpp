@@ -16,8 +16,13 @@ std::string place_of(const MaterialFile& file, const pxn::EditableMaterial& mate
   return file.path.filename().string() + "/" + material.name;
 }
 
-// What a slider goes to where the language has no bound: a decade beyond the number.
-double far_from(double value) { return std::max(1.0, 10 * std::fabs(value)); }
+// What a slider goes to where the language's bound is none or far away; more may be typed.
+double far_from(double value) { return std::fabs(value) <= 1 ? 1 : 10 * std::fabs(value); }
+
+std::string trimmed(const std::string& line) {
+  const auto begin = line.find_first_not_of(" \t");
+  return begin == std::string::npos ? "" : line.substr(begin);
+}
 
 }  // namespace
 
@@ -61,13 +66,12 @@ void Desk::material_numbers(const MaterialFile& file, const pxn::EditableMateria
     const std::string name = fmt::format("number/{}/{}/{}={}", material.name, of, number.index, label);
     double value = number.value;
     const double low = std::isfinite(number.low) ? number.low : -far_from(number.value);
-    const double high =
-        std::isfinite(number.high) && number.high < 1e6 ? number.high : far_from(number.value);
+    const double high = std::min(number.high, far_from(number.value));
     const std::string format = (number.integer ? "%.0f" : "%.6g") +
                                (number.unit.empty() ? "" : " " + number.unit);
     if (widgets_.slider(name, value, low, high, format.c_str(), false,
-                        "In the text as it stands there. Ctrl and a click: type it") &&
-        !(number.above && value <= number.low)) {
+                        "As it stands in the text. Ctrl and a click: type it, larger ones too", false) &&
+        !(number.above && value <= number.low) && value >= number.low && value <= number.high) {
       edits_.change(file, material, number, value);
       project_.set_unsaved(edits_.unsaved());
     }
@@ -102,8 +106,8 @@ void Desk::unsaved_changes() {
   for (const auto& [path, lines] : difference) {
     ImGui::TextDisabled("%s", path.filename().c_str());
     for (const ChangedLine& line : lines) {
-      ImGui::TextColored({0.95f, 0.6f, 0.3f, 1}, "%u - %s", line.number, line.before.c_str());
-      ImGui::TextColored({0.4f, 0.75f, 1, 1}, "%u + %s", line.number, line.after.c_str());
+      ImGui::TextColored({0.95f, 0.6f, 0.3f, 1}, "%u - %s", line.number, trimmed(line.before).c_str());
+      ImGui::TextColored({0.4f, 0.75f, 1, 1}, "%u + %s", line.number, trimmed(line.after).c_str());
     }
   }
   ImGui::EndChild();

@@ -60,10 +60,10 @@ bool Widgets::check(const std::string& name, bool& value, const char* help) {
 }
 
 bool Widgets::slider(const std::string& name, double& value, double low, double high,
-                     const char* format, bool logarithmic, const char* help) {
+                     const char* format, bool logarithmic, const char* help, bool bounded) {
   const bool changed =
       ImGui::SliderScalar(tag(name).c_str(), ImGuiDataType_Double, &value, &low, &high, format,
-                          ImGuiSliderFlags_AlwaysClamp |
+                          (bounded ? ImGuiSliderFlags_AlwaysClamp : 0) |
                               (logarithmic ? ImGuiSliderFlags_Logarithmic : 0));
   explain(name, help);
   return changed;

@@ -32,9 +32,9 @@ class Widgets {
   // its last '/', or behind a '=' at its end. help: shown when the mouse rests on it.
   bool button(const std::string& name, const char* help = nullptr);
   bool check(const std::string& name, bool& value, const char* help = nullptr);
-  // format: printf's, with its unit
+  // format: printf's, with its unit; not bounded: numbers beyond may be typed
   bool slider(const std::string& name, double& value, double low, double high, const char* format,
-              bool logarithmic = false, const char* help = nullptr);
+              bool logarithmic = false, const char* help = nullptr, bool bounded = true);
   bool drag(const std::string& name, double& value, double step, const char* format,
             const char* help = nullptr);
   bool choice(const std::string& name, std::string& value, const char* const* words,

@@ -5,6 +5,10 @@ namespace panwright::tools {
 namespace {
 
 constexpr Example kExamples[] = {
+    {"new", "probe", "Write probe/probe.pxn, a bus in foil with a wing and a camera, and pxn.xsd for editors."},
+    {"new", "models/lander", "In another folder."},
+    {"new", "rover --json", "The names of the files as JSON."},
+
     {"compile", "cubesat/cubesat.pxn", "Write cubesat.pan into the working directory."},
     {"compile", "servicer/servicer.pxn -D panels=2 -o small.pan",
      "Give a parameter of the model another value."},

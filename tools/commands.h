@@ -7,6 +7,7 @@
 
 namespace panwright::tools {
 
+Command new_command();
 Command compile_command();
 Command import_command();
 Command export_command();

@@ -48,6 +48,34 @@ class FirstHour : public testing::Test {
   support::TemporaryFolder folder_;
 };
 
+// What `new` writes is a model without a word to say against it, laid out as fmt would, that its
+// schema takes; nothing that is there is touched.
+TEST_F(FirstHour, NewWritesAModelToBeginWith) {
+  const std::string folder = (folder_.path() / "models/probe-2").string();
+  const Outcome made = panwright({"new", folder});
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("next: panwright view " + folder + "/probe-2.pxn"));
+  const std::string text = folder + "/probe-2.pxn";
+  const Outcome check = panwright({"check", text});
+  EXPECT_EQ(check.code, 0) << check.err;
+  EXPECT_EQ(check.err, "");
+  EXPECT_EQ(panwright({"fmt", "--check", text}).code, 0);
+  EXPECT_EQ(support::contents(text).find("@NAME@"), std::string::npos);
+  EXPECT_EQ(support::contents(folder + "/pxn.xsd"),
+            support::contents(PANWRIGHT_SOURCE_DIR "/schemas/pxn.xsd"));
+  EXPECT_EQ(support::run({"xmllint", "--noout", "--schema", folder + "/pxn.xsd", text}).code, 0);
+  const Outcome joints = panwright({"joints", text, "--joint", "wing=@sun", "--sun", "1 0 1"});
+  EXPECT_EQ(joints.code, 0) << joints.err;
+
+  const std::string before = support::contents(text);
+  const Outcome again = panwright({"new", folder});
+  EXPECT_EQ(again.code, 3);
+  EXPECT_THAT(again.err, HasSubstr("is there already"));
+  EXPECT_EQ(support::contents(text), before);
+  for (const char* name : {"", ".", "..", "/", "a b", "-x", "a.pxn"})
+    EXPECT_EQ(panwright({"new", "--", name}).code, 2) << name;
+}
+
 TEST_F(FirstHour, AnEditedTextIsNotReplacedByImport) {
   const std::string cad = plates("2"), text = folder_ / "t.pxn";
   const auto import = [&](std::vector<std::string> more) {
