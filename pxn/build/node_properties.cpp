@@ -50,7 +50,8 @@ std::uint32_t Loader::read_properties(Work& work, std::uint32_t element) {
       properties.foil = foil_named(values.text(element, *which).value_or(""));
     const auto translate = given("translate");
     const auto scale = given("scale");
-    const bool turned = given("rotate").has_value() | given("quat").has_value();
+    const bool rotated = given("rotate").has_value(), by_quat = given("quat").has_value();
+    const bool turned = rotated || by_quat;
     if (translate || scale || turned) {
       scene::Transform transform;
       // one with a number that is wrong does nothing

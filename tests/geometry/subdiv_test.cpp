@@ -248,7 +248,9 @@ TEST(Subdiv, RigidMotionsMoveTheMesh) {
 }
 
 TEST(Subdiv, MeshesAreTheSameWhateverTheThreads) {
-  for (const auto& [name, shape] : cages::all()) {
+  for (const auto& cage : cages::all()) {
+    const auto& name = cage.name;
+    const auto& shape = cage.shape;
     const Mesh many = made(shape, 0.01);
     Mesh one;
     run_on_threads(Job(JobOptions{1, {}}), [&] { one = made(shape, 0.01); });

@@ -42,7 +42,7 @@ TEST(Files, links_out_of_the_folder_are_not_followed) {
   std::ofstream(folder / "secret") << "secret";
   std::ofstream(folder / "in/part") << "part";
   fs::create_symlink(folder / "secret", folder / "in/link");
-  const auto files = files_in_folder(folder / "in", 6, {});
+  const auto files = files_in_folder(folder / "in", 6, DiagnosticLog());
   SharedText bytes;
   EXPECT_EQ(files->read("link", bytes), Files::Outcome::outside);
   EXPECT_EQ(files->read("none", bytes), Files::Outcome::missing);
@@ -62,7 +62,7 @@ TEST(Files, large_ones_are_mapped_and_stay_readable_when_forgotten) {
   for (const std::size_t size : {std::size_t{2} << 20, (std::size_t{2} << 20) + 77}) {
     const std::string part = text.substr(0, size);
     std::ofstream(folder / "large", std::ios::binary) << part;
-    const auto files = files_in_folder(folder, 1 << 30, {});
+    const auto files = files_in_folder(folder, 1 << 30, DiagnosticLog());
     SharedText bytes;
     ASSERT_EQ(files->read("large", bytes), Files::Outcome::found);
     EXPECT_TRUE(*bytes == part);
@@ -89,7 +89,7 @@ TEST(Files, one_file_whose_name_differs_in_case_is_found) {
   fs::remove_all(folder);
   fs::create_directories(folder / "Maps");
   for (const char* name : {"Maps/Gold.PNG", "two", "Two"}) std::ofstream(folder / name) << "x";
-  const auto files = files_in_folder(folder, 100, {});
+  const auto files = files_in_folder(folder, 100, DiagnosticLog());
   EXPECT_EQ(files->same_but_for_case("maps/gold.png"), "Maps/Gold.PNG");
   EXPECT_EQ(files->same_but_for_case("Maps/gold.png"), "Maps/Gold.PNG");
   EXPECT_EQ(files->same_but_for_case("maps/silver.png"), std::nullopt);

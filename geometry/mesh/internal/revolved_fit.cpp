@@ -359,7 +359,7 @@ bool is_sphere(const Faces& faces, const FaceGroup& group) {
 }
 
 std::optional<RevolvedFit> circle_through(const Faces& faces, std::span<const std::uint32_t> loop) {
-  Vec3 mean(0), normal(0);
+  Vec3 mean(0);
   const auto count = static_cast<double>(loop.size());
   for (const std::uint32_t v : loop) mean += faces.points[v] / count;
   Mat3 spread(0);

@@ -20,7 +20,7 @@ struct Look {
 
 // B.2 and B.3, written down from the specification.
 Vec3 specified(const Look& look, const Vec3& l, const Vec3& v) {
-  const Vec3 n(0, 0, 1), h = glm::normalize(l + v);
+  const Vec3 h = glm::normalize(l + v);
   const double nl = l.z, nv = v.z, nh = h.z, vh = glm::dot(v, h);
   const double alpha = look.roughness * look.roughness, a2 = alpha * alpha;
   const double d = a2 / (kPi * std::pow(nh * nh * (a2 - 1) + 1, 2));
