@@ -10,6 +10,7 @@
 
 #include "tests/pxn/reading.h"
 #include "tests/support/process.h"
+#include "tests/support/sanitizers.h"
 
 namespace panwright::pxn {
 namespace {
@@ -28,7 +29,7 @@ Reading timed(const std::string& bytes, double seconds, const Options& options =
   const auto start = Clock::now();
   Reading r = read_files({{"m.pxn", bytes}}, options);
   const double took = std::chrono::duration<double>(Clock::now() - start).count();
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef PANWRIGHT_SANITIZED
   seconds *= 20;
 #endif
   // a bound on growth, many times what is measured: a quadratic step would pass it by far

@@ -11,6 +11,7 @@
 #include "tests/support/pan_sample.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
+#include "tests/support/sanitizers.h"
 
 namespace panwright::tools {
 namespace {
@@ -144,7 +145,7 @@ std::vector<std::byte> bomb() {
 }
 
 TEST(Storage, BombsAreRefusedWhereThereIsNoMemory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef PANWRIGHT_SANITIZED
   GTEST_SKIP() << "sanitizers reserve more address space than the limit below";
 #endif
   const TemporaryFolder folder;

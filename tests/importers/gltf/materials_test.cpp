@@ -97,7 +97,7 @@ Sample textured(const nlohmann::json& material, Sample sample = triangle()) {
   nlohmann::json& primitive = sample.json["meshes"][0]["primitives"][0];
   primitive["attributes"]["TEXCOORD_0"] = uv;
   primitive["material"] = 0;
-  sample.json["materials"] = {material};
+  sample.json["materials"] = nlohmann::json::array({material});
   return sample;
 }
 

@@ -293,7 +293,7 @@ TEST(GltfReader, TextureCoordinatesTurnedAndMirroredUpwards) {
   primitive["attributes"]["TEXCOORD_0"] = uv;
   primitive["material"] = 0;
   sample.json["extensionsUsed"] = {"KHR_texture_transform"};
-  sample.json["textures"] = {json::object()};
+  sample.json["textures"] = json::array({json::object()});
   // the example of the extension's page: the lower left quadrant, turned clockwise
   sample.json["materials"] = {
       {{"pbrMetallicRoughness",

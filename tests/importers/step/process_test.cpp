@@ -27,6 +27,7 @@
 #include "tests/importers/step/sample.h"
 #include "tests/support/paths.h"
 #include "tests/support/process.h"
+#include "tests/support/sanitizers.h"
 
 namespace panwright::importers::step {
 namespace {
@@ -210,14 +211,14 @@ TEST(StepProcess, ItsLimitsAreSetBeforeItReads) {
   std::istringstream said(support::contents(stand.out()));
   std::string memory, seconds, core;
   said >> memory >> seconds >> core;
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef PANWRIGHT_SANITIZED
   EXPECT_LE(std::stoull(memory), 2u << 20);  // of 1024 bytes
 #endif
   EXPECT_EQ(seconds, "30");
   EXPECT_EQ(core, "0");
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef PANWRIGHT_SANITIZED
 // The real one, with less than it needs.
 TEST(StepProcess, MemoryIsLimited) {
   const std::string text = text_of(BRepPrimAPI_MakeSphere(254, 0, 1.5).Shape(), "cap");
