@@ -143,7 +143,9 @@ void Desk::messages(const Vec2& at, const Vec2& size) {
                        : each.severity == Severity::warning ? "warning"
                                                             : "note";
     const std::string where =
-        each.file.empty() ? "" : fmt::format("{}:{}:{}: ", each.file, each.line, each.column);
+        each.file.empty() ? ""
+        : each.line == 0  ? each.file + ": "
+                          : fmt::format("{}:{}:{}: ", each.file, each.line, each.column);
     const std::string line = fmt::format("{}{}: {} [{}]", where, word, each.text, each.code);
     const ImVec2 start = ImGui::GetCursorPos();
     const float height =
@@ -184,7 +186,7 @@ void Desk::picture(const Vec2& at, const Vec2& size, std::uintptr_t texture) {
     ImGui::Image(reinterpret_cast<ImTextureID>(texture), im(whole));
   } else {
     ImGui::SetCursorPos({24, 24});
-    ImGui::TextDisabled(models_.reading ? "reading…" : "nothing to show");
+    ImGui::TextDisabled("%s", models_.reading ? "reading" : models_.world ? "drawing" : "nothing to show");
   }
   if (ImGui::IsWindowHovered() || dragging_) hand_on_picture(at, whole);
   if (show_labels_) labels(at);

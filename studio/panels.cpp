@@ -270,8 +270,8 @@ void Desk::save_tab() {
   ImGui::EndDisabled();
   ImGui::TextWrapped("%s", saving_.valid() ? "under way" : saved_.c_str());
   if (!hidden_.empty())
-    ImGui::TextWrapped("%d parts are hidden here; files and the command show them.",
-                       static_cast<int>(hidden_.size()));
+    ImGui::TextWrapped("%s hidden here; files and the command show them.",
+                       counted(hidden_.size(), "part").c_str());
   ImGui::Separator();
   const std::string command = this->command();
   if (widgets_.button("save/copy the command")) ImGui::SetClipboardText(command.c_str());

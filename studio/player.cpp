@@ -75,9 +75,15 @@ bool Player::go(const Step& step, Desk& desk, Wish& wish) {
       if (step.name.empty()) return frame_ >= step.amount;
       if (frame_ > kPatience) wrong(fmt::format("waited in vain for {}", in_quotes(step.name)));
       if (frame_ < 3) return false;
-      return step.name == "read"    ? !desk.project().state().reading
-             : step.name == "saved" ? !desk.saving()
-                                    : desk.settled();
+      if (step.name == "read") return !desk.project().state().reading;
+      if (step.name == "saved") {
+        if (!desk.saving() && !desk.state("saved").starts_with("saved "))
+          wrong(fmt::format("nothing was saved: {}", desk.state("saved")));
+        return !desk.saving();
+      }
+      if (desk.settled() && desk.state("pixels").empty())
+        wrong("there is no picture: no version of the models could be read");
+      return desk.settled();
     case Step::Kind::resize:
       if (frame_ == 0) wish.size = step.to;
       return frame_ == 8;

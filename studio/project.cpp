@@ -34,9 +34,12 @@ std::vector<Message> messages_of(const DiagnosticLog& log) {
     if (!each.hint.empty()) message.text += "; " + each.hint;
     if (each.where.file != kNoFile) {
       message.file = log.sources().file(each.where.file).name;
-      const Position at = log.sources().position(each.where.file, each.where.begin);
-      message.line = at.line;
-      message.column = at.column;
+      // a file as a whole has no place
+      if (each.where.end > 0) {
+        const Position at = log.sources().position(each.where.file, each.where.begin);
+        message.line = at.line;
+        message.column = at.column;
+      }
     }
     out.push_back(std::move(message));
   }

@@ -109,7 +109,7 @@ Result<std::vector<Step>> read_script(const std::filesystem::path& path, Diagnos
   std::vector<Step> out;
   for (const Json& each : list) {
     if (!each.is_object() || each.size() != 1)
-      return wrong(fmt::format("step {} is not an object of one member, as {{\"click\": \"save\"}}",
+      return wrong(fmt::format("step {} is not an object of one member, as {{\"click\": \"tab/Sun\"}}",
                                out.size() + 1));
     try {
       out.push_back(step_of(each.begin().key(), each.begin().value()));
