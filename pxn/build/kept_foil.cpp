@@ -279,7 +279,7 @@ WovenFoil woven_from(mli::Wrap wrap, const Mat3& shape_from_metres) {
       if (mesh->triangles.empty()) return geometry::MeshShape();
       for (Vec3& p : mesh->positions) p = shape_from_metres * p;
       for (Vec3& n : mesh->normals) n = glm::normalize(covector * n);
-      mesh->closed = true;  // its back lies against what it covers, down to its seams
+      geometry::set_closed(*mesh);
       out.meshes.vertices += static_cast<double>(mesh->positions.size());
       return geometry::MeshShape(std::move(mesh));
     };
