@@ -59,12 +59,12 @@ struct Way {
 };
 
 constexpr Way kWays[] = {
-    {"hard; reference without disc", preview::Shadows::hard, 64, 8, false},
-    {"hard", preview::Shadows::hard, 64, 8, true},
-    {"8 points", preview::Shadows::soft, 8, 8, true},
-    {"16 points", preview::Shadows::soft, 16, 8, true},
-    {"32 points", preview::Shadows::soft, 32, 8, true},
-    {"64 points", preview::Shadows::soft, 64, 8, true},
+    {"hard; reference without disc", preview::Shadows::hard, 64, 16, false},
+    {"hard", preview::Shadows::hard, 64, 16, true},
+    {"8 points", preview::Shadows::soft, 8, 16, true},
+    {"16 points", preview::Shadows::soft, 16, 16, true},
+    {"32 points", preview::Shadows::soft, 32, 16, true},
+    {"64 points", preview::Shadows::soft, 64, 16, true},
     {"auto", preview::Shadows::automatic, 64, 0, true},
 };
 
