@@ -236,8 +236,8 @@ COMMANDS = {
     "view": {
         "frames?": "integer: of the window",
         "ui_ms?": ("once the window is closed", {"median": "number: of the work for a frame, on the window's own thread", "p99": "number: 99 of 100 take no longer", "most": "number"}),
-        "following?": ("once the window is closed", {"pictures": "integer: drawn while something moved", "ms": "number: that one took, a running mean", "scale": "number: its pixels, in parts of the exact picture's, a side"}),
-        "exact?": "integer: exact pictures drawn", "readings?": "integer: of the models",
-        "renderer?": "string: by the driver; of what draws pictures", "render?": "string: the command line that makes the last picture",
+        "following?": ("once the window is closed", {"images": "integer: drawn while something moved", "ms": "number: that one took, a running mean", "scale": "number: its pixels, in parts of the exact image's, a side"}),
+        "exact?": "integer: exact images drawn", "readings?": "integer: of the models",
+        "renderer?": "string: by the driver; of what draws images", "render?": "string: the command line that makes the last image",
     },
 }

@@ -15,14 +15,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Of pictures that follow the mouse: the time they may take, and pixels in parts of the exact
-// picture's, a side.
+// Of images that follow the mouse: the time they may take, and pixels in parts of the exact
+// image's, a side.
 constexpr double kFollowSeconds = 0.04;
 constexpr std::array<double, 4> kScales = {1, 0.7, 0.5, 0.35};
-// without orders for so long the picture is drawn exactly
+// without orders for so long the image is drawn exactly
 constexpr auto kStill = std::chrono::milliseconds(120);
 
-// What levels of detail go by while pictures follow the mouse: metres that a pixel sees, in steps
+// What levels of detail go by while images follow the mouse: metres that a pixel sees, in steps
 // between those where levels fade into each other, which draws both.
 double steady_level(const Eye& eye, std::uint32_t width) {
   const double pixel = 2 * eye.range * std::tan(eye.fov * kDegree / 2) / width;
@@ -67,7 +67,7 @@ struct Artist::Easel {
   std::shared_ptr<const world::World> of;  // what `shown` was copied from
   world::World shown;
   std::vector<std::pair<std::size_t, std::uint32_t>> hidden;
-  std::optional<double> ev;  // of the last exact picture that found it
+  std::optional<double> ev;  // of the last exact image that found it
 
   void take(const Order& order) {
     if (of != order.world) {
@@ -152,7 +152,7 @@ void Artist::work() {
     paint(easel, order, stage, job);
     lock.lock();
     job_ = Job();
-    // following pictures that have all pixels are whole
+    // following images that have all pixels are whole
     stage_ = stage == Picture::Stage::following && status_.scale == 1 ? Picture::Stage::whole : stage;
     status_.exact = false;
     status_.drawing = wanted_ || stage_ != Picture::Stage::exact;

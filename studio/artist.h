@@ -1,4 +1,4 @@
-// Draws pictures on a thread of its own, with the renderer of `panwright render`.
+// Draws images on a thread of its own, with the renderer of `panwright render`.
 #pragma once
 
 #include <condition_variable>
@@ -69,7 +69,7 @@ class Artist {
     bool drawing = false;  // or about to
     bool exact = false;    // what is being drawn
     std::string renderer;  // of the OpenGL context
-    double frame_seconds = 0;  // of pictures that follow the mouse, a running mean
+    double frame_seconds = 0;  // of images that follow the mouse, a running mean
     double scale = 1;          // their pixels, in parts of the exact one's, a side
     std::uint64_t quick = 0;   // drawn so far
     std::uint64_t exact_count = 0;

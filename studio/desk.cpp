@@ -35,7 +35,7 @@ void Desk::frame(const Vec2& size, double scale, std::uintptr_t texture) {
   widgets_.begin_frame();
   take_models();
   const double left = std::min(340 * scale, 0.4 * size.x), top = 34 * scale;
-  // the same with and without errors: the picture stays as it is
+  // the same with and without errors: the image stays as it is
   const double low = std::min(104 * scale, 0.3 * size.y);
   bar({0, 0}, {size.x, top});
   panel({0, top}, {left, size.y - top});
@@ -88,7 +88,7 @@ void Desk::bar(const Vec2& at, const Vec2& size) {
   else if (shown_)
     words = fmt::format("following: {} of {} pixels, one sample each, {:.0f} ms{}",
                         shown_->image.pixels(), shown_->order.width * shown_->order.height,
-                        1e3 * shown_->seconds, status.exact ? "; exact picture under way" : "");
+                        1e3 * shown_->seconds, status.exact ? "; exact image under way" : "");
   ImGui::TextDisabled("%s", words.c_str());
   ImGui::End();
 }
@@ -130,7 +130,7 @@ void Desk::messages(const Vec2& at, const Vec2& size) {
   };
   if (models_.failed)
     ImGui::TextColored({1, 0.6f, 0.2f, 1}, "%s",
-                       models_.world ? "The picture is of the last version without an error."
+                       models_.world ? "The image is of the last version without an error."
                                      : "There is no version without an error yet.");
   ImGui::TextDisabled("%s, %s, %s; read in %.0f ms, %s watched",
                       counted(count(Severity::error), "error").c_str(),
@@ -282,7 +282,7 @@ const Picture* Desk::new_picture() {
   std::shared_ptr<const Picture> made = artist_.take();
   if (!made) return nullptr;
   if (made->failed) {
-    // what went wrong is said beside the picture that there is
+    // what went wrong is said beside the image that there is
     auto both = std::make_shared<Picture>(shown_ ? *shown_ : *made);
     both->messages = made->messages;
     shown_ = both;

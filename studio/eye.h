@@ -29,7 +29,7 @@ struct Eye {
   double sun_elevation = 30;
   double sun_distance = 1;      // AU
   double ev = 0;                // stops
-  bool auto_ev = true;          // found from the picture, once it is exact
+  bool auto_ev = true;          // found from the image, once it is exact
   std::string shadows = "auto";    // as --shadows
   std::string imposters = "auto";  // as --imposters
   std::map<std::string, std::string> joints;  // "TARGET/JOINT": value as --joint takes it
@@ -39,15 +39,15 @@ struct Eye {
   double phase() const;    // degrees, the angle between the two
   bool operator==(const Eye&) const = default;
 
-  // Turns by a mouse's way, in parts of the picture's height.
+  // Turns by a mouse's way, in parts of the image's height.
   void turn(double right, double down);
   void turn_sun(double right, double down);
-  // Moves what is looked at by so much of what the picture shows at its distance.
+  // Moves what is looked at by so much of what the image shows at its distance.
   void shift(double right, double down);
   // Moves what is looked at along the boresight, to the right, up, in parts of the range.
   void fly(double ahead, double right, double up);
   void zoom(double factor);  // of the range
-  // So that all of it is in the picture. aspect: height over width
+  // So that all of it is in the image. aspect: height over width
   void frame_all(const workspace::BoundingSphere& sphere, double aspect);
 };
 

@@ -20,7 +20,7 @@ void print(const studio::Report& report, int code, const DiagnosticLog& log) {
   out["frames"] = report.frames;
   out["ui_ms"] = {
       {"median", report.ui_ms[0]}, {"p99", report.ui_ms[1]}, {"most", report.ui_ms[2]}};
-  out["following"] = {{"pictures", report.drawing.quick},
+  out["following"] = {{"images", report.drawing.quick},
                       {"ms", 1e3 * report.drawing.frame_seconds},
                       {"scale", report.drawing.scale}};
   out["exact"] = report.drawing.exact_count;

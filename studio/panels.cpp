@@ -1,4 +1,4 @@
-// The tabs of the panel, and what stands over the picture.
+// The tabs of the panel, and what stands over the image.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <imgui.h>
@@ -50,9 +50,9 @@ Shown shown_of(geometry::JointKind kind) {
 
 void Desk::camera_tab() {
   widgets_.slider("camera/range", eye_.range, kNearest, kFarthest, "%.6g m", true,
-                  "Metres from the point that is looked at. Wheel over the picture. Ctrl and a click: type it");
+                  "Metres from the point that is looked at. Wheel over the image. Ctrl and a click: type it");
   widgets_.slider("camera/azimuth", eye_.azimuth, -180, 180, "%.3f deg", false,
-                  "From +x about +z. Left button over the picture");
+                  "From +x about +z. Left button over the image");
   widgets_.slider("camera/elevation", eye_.elevation, -89.9, 89.9, "%.3f deg");
   widgets_.slider("camera/field of view", eye_.fov, 0.001, 170, "%.5g deg", true,
                       "Full horizontal angle");
@@ -64,7 +64,7 @@ void Desk::camera_tab() {
                       2 * eye_.range * std::tan(eye_.fov * kDegree / 2) / std::max(picture_size_.x, 1.0));
   for (int k = 0; k < 3; ++k)
     widgets_.drag(fmt::format("camera/look at {}", "xyz"[k]), eye_.centre[k], 1e-3 * eye_.range,
-                  "%.6g m", "World axes. Right or middle button over the picture");
+                  "%.6g m", "World axes. Right or middle button over the image");
   if (widgets_.button("camera/all of it", "Key F") && models_.world) {
     workspace::BoundingSpheres spheres;
     eye_.frame_all(spheres.of(*models_.world), picture_size_.y / std::max(picture_size_.x, 1.0));
@@ -87,7 +87,7 @@ void Desk::camera_tab() {
 
 void Desk::sun_tab() {
   widgets_.slider("sun/azimuth", eye_.sun_azimuth, -180, 180, "%.3f deg", false,
-                      "Of the direction to the Sun, from +x about +z. Shift and left button over the picture");
+                      "Of the direction to the Sun, from +x about +z. Shift and left button over the image");
   widgets_.slider("sun/elevation", eye_.sun_elevation, -90, 90, "%.3f deg");
   widgets_.slider("sun/distance", eye_.sun_distance, 0.05, 50, "%.4g AU", true);
   if (eye_.frame.empty()) ImGui::TextDisabled("phase angle %.3f deg", eye_.phase());
@@ -99,7 +99,7 @@ void Desk::sun_tab() {
   ImGui::TextUnformatted("Exposure");
   double stops = eye_.auto_ev && shown_ ? shown_->ev : eye_.ev;
   if (widgets_.check("exposure/auto", eye_.auto_ev,
-                     "99 of 100 lit pixels lie below 0.8 of white, as the exact picture has them"))
+                     "99 of 100 lit pixels lie below 0.8 of white, as the exact image has them"))
     eye_.ev = stops;
   ImGui::BeginDisabled(eye_.auto_ev);
   if (widgets_.slider("exposure/stops", stops, -12, 20, "%.3f")) eye_.ev = stops;
@@ -112,9 +112,9 @@ void Desk::sun_tab() {
   ImGui::Separator();
   static constexpr const char* kShadows[] = {"auto", "off", "hard", "soft"};
   static constexpr const char* kImposters[] = {"auto", "off", "always"};
-  ImGui::TextUnformatted("Shadows, of the exact picture");
+  ImGui::TextUnformatted("Shadows, of the exact image");
   widgets_.choice("shadows", eye_.shadows, kShadows, std::size(kShadows));
-  ImGui::TextUnformatted("Imposters, of the exact picture");
+  ImGui::TextUnformatted("Imposters, of the exact image");
   widgets_.choice("imposters", eye_.imposters, kImposters, std::size(kImposters));
   if (shown_ && shown_->exact) {
     const preview::SamplingReport& report = shown_->sampling;
@@ -264,7 +264,7 @@ void Desk::joints_tab() {
 }
 
 void Desk::save_tab() {
-  widgets_.text("save/file", output_, "picture.png", ".png, .exr, .npy or .npz");
+  widgets_.text("save/file", output_, "image.png", ".png, .exr, .npy or .npz");
   ImGui::BeginDisabled(saving_.valid() || !models_.world);
   if (widgets_.button("save/save", "What panwright render makes of the command below")) save(output_);
   ImGui::EndDisabled();
@@ -364,7 +364,7 @@ void Desk::readings(const Vec2& mouse, const Vec2& at, std::uintptr_t texture) {
   ImGui::EndTooltip();
 }
 
-// Names of frames and keypoints, where they are in the picture.
+// Names of frames and keypoints, where they are in the image.
 void Desk::labels(const Vec2& at) {
   if (!shown_ || !models_.world) return;
   DiagnosticLog ignored;

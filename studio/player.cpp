@@ -82,7 +82,7 @@ bool Player::go(const Step& step, Desk& desk, Wish& wish) {
         return !desk.saving();
       }
       if (desk.settled() && desk.state("pixels").empty())
-        wrong("there is no picture: no version of the models could be read");
+        wrong("there is no image: no version of the models could be read");
       return desk.settled();
     case Step::Kind::resize:
       if (frame_ == 0) wish.size = step.to;

@@ -18,10 +18,10 @@ struct Step {
   enum class Kind {
     click,       // a widget
     type,        // a value into a slider or field of numbers: as with Ctrl and a click
-    drag,        // the mouse over the picture, from place to place
-    scroll,      // the wheel over the picture
+    drag,        // the mouse over the image, from place to place
+    scroll,      // the wheel over the image
     key,         // a key, by its name
-    wait,        // until the picture is exact, the models are read, the file is saved, or for frames
+    wait,        // until the image is exact, the models are read, the file is saved, or for frames
     resize,      // the window
     replace,     // text in a file, as an editor does
     screenshot,  // the window into a PNG
@@ -31,7 +31,7 @@ struct Step {
   std::string name;   // of the widget, key, file, or what is waited for or expected
   std::string value;  // typed; what is replaced; what is expected
   std::string with;   // what it is replaced with
-  Vec2 from{0}, to{0};  // parts of the picture's sides from its upper left; of resize: pixels
+  Vec2 from{0}, to{0};  // parts of the image's sides from its upper left; of resize: pixels
   int button = 0;       // 0: left, 1: right, 2: middle
   double amount = 0;    // of the wheel; frames
 };

@@ -24,7 +24,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Frames a second while nothing moves: models and pictures are asked for so often.
+// Frames a second while nothing moves: models and images are asked for so often.
 constexpr double kIdleWait = 0.02;
 // frames that are drawn after the last input, as ImGui needs some to settle
 constexpr int kFramesAfter = 4;
@@ -50,7 +50,7 @@ class Screen {
     const auto refused = [&](const std::string& why) {
       log.report(Code::E5001, {},
                  fmt::format("no window can be opened: {}", why),
-                 "`panwright render` makes pictures without one; Xvfb is a display without a screen");
+                 "`panwright render` makes images without one; Xvfb is a display without a screen");
       return false;
     };
     glfwSetErrorCallback([](int, const char* what) { glfw_problem = what; });
@@ -108,7 +108,7 @@ class Screen {
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   }
 
-  // Pixels as they are: one of the picture is one of the screen, once it is exact.
+  // Pixels as they are: one of the image is one of the screen, once it is exact.
   void show(const Picture& picture) {
     gl_.BindTexture(GL_TEXTURE_2D, texture_);
     gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
@@ -241,7 +241,7 @@ class Loop {
 
   // False: the script is at its end, or cannot go on.
   bool follow(DiagnosticLog& log) {
-    // the picture has its own thread: this one leaves it the processor
+    // the image has its own thread: this one leaves it the processor
     std::this_thread::sleep_for(std::chrono::milliseconds(4));
     const Player::Wish wish = player_.next(desk_, log);
     if (wish.size)

@@ -1,4 +1,4 @@
-// The window: panels around the picture, and what mouse and keys do there.
+// The window: panels around the image, and what mouse and keys do there.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ namespace panwright::studio {
 struct Options {
   std::vector<std::string> files;  // FILE or NAME=FILE
   workspace::OpenOptions open;
-  preview::ContextKind context = preview::ContextKind::automatic;  // of what draws pictures
+  preview::ContextKind context = preview::ContextKind::automatic;  // of what draws images
   std::uint32_t width = 1280;   // pixels
   std::uint32_t height = 720;
   double scale = 0;  // of text and widgets; 0: that of the screen
@@ -39,7 +39,7 @@ struct Report {
   double ui_ms[3] = {};  // of a frame's work on the window's thread: median, 99 of 100, most
   Artist::Status drawing;
   std::uint64_t readings = 0;  // of the models
-  std::string command;         // that makes the last picture
+  std::string command;         // that makes the last image
 };
 
 // Opens the window and returns when it is closed, or the script is at its end.
@@ -54,15 +54,15 @@ class Desk {
  public:
   Desk(const Options& options);
 
-  // One frame's panels and input. size: pixels of the window; texture: of the picture
+  // One frame's panels and input. size: pixels of the window; texture: of the image
   void frame(const Vec2& size, double scale, std::uintptr_t texture);
-  // The newest picture, where there is another one since the last call; null: none.
+  // The newest image, where there is another one since the last call; null: none.
   const Picture* new_picture();
 
   Widgets& widgets() { return widgets_; }
   // What scripts expect: words by name.
   std::string state(const std::string& name) const;
-  bool settled() const;  // the picture is exact, and of the models as they are
+  bool settled() const;  // the image is exact, and of the models as they are
   bool saving() const { return saving_.valid(); }
   std::string command() const;  // as the Save tab shows it
   bool idle() const;     // nothing happens unless a hand does something
@@ -120,7 +120,7 @@ class Desk {
   std::string material_;  // the one that is edited: "FILE/NAME"
   std::string edited_;    // what came of saving
   // saving
-  std::string output_ = "picture.png";
+  std::string output_ = "image.png";
   std::future<std::string> saving_;
   std::string saved_;  // what came of it
   std::vector<float> histogram_;

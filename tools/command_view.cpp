@@ -52,7 +52,7 @@ void declare_all(Arguments& arguments, Options& options) {
       .add("--scale", options.scale,
            "Size of text and widgets (default: that of the screen), as 1.5")
       .type("FACTOR");
-  arguments.add("--gl", options.gl, "OpenGL context that draws pictures: auto, egl or osmesa")
+  arguments.add("--gl", options.gl, "OpenGL context that draws images: auto, egl or osmesa")
       .one_of({"auto", "egl", "osmesa"})
       .type("KIND");
   declare(arguments, options.common);

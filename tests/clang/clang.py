@@ -10,7 +10,6 @@ Exit code 77: clang++ is not installed (scripts/setup --test installs it).
 """
 import concurrent.futures
 import filecmp
-import glob
 import json
 import os
 import shlex
@@ -18,6 +17,9 @@ import shutil
 import subprocess
 import sys
 import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "compilers"))
+from models import models
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
 # of gcc alone
@@ -28,17 +30,6 @@ LINKED = ("base", "geometry", "materials", "mli", "scene", "pan", "world", "impo
 STEP_READER = tuple(f"importers/step/{name}.cpp" for name in (
     "main", "internal/bodies", "internal/document", "internal/exact", "internal/read",
     "internal/text"))
-EXAMPLES = ("examples/*/*.pxn", "examples/*/*.wrl")
-# a minute of foil even when optimised: mli_compilers compares what makes it
-SLOW = ("operations.pxn",)
-# small files of each format, and ten of the corpus where it is there
-IMPORTS = (
-    "tests/importers/data/bad/[NW]6*", "spacecraft-gltf/hubble-draco-webp.glb",
-    "spacecraft-gltf/hubble-meshopt.glb", "spacecraft-gltf/newhorizons-draco-webp.glb",
-    "spacecraft-gltf/ulysses-draco-webp.glb", "spacecraft-gltf/tdrs-a-blender.glb",
-    "spacecraft-gltf/space-shuttle-d-draco.glb", "spacecraft-vrml/derived/tdrs-a-vtk.wrl",
-    "spacecraft-vrml/derived/cubesat6u-freecad-gui.wrl",
-    "spacecraft-vrml/derived/ISS_MainBody-meshlab.wrl", "small-bodies/bennu.obj")
 
 
 class Build:
@@ -128,18 +119,6 @@ class Build:
 
     def program(self):
         return os.path.join(self.folder, "pans")
-
-
-def models(corpus):
-    """Of each model its name and its file."""
-    roots = [(ROOT, EXAMPLES + IMPORTS[:1])]
-    if corpus and os.path.isdir(corpus):
-        roots.append((corpus, IMPORTS[1:]))
-    for root, patterns in roots:
-        for pattern in patterns:
-            for path in sorted(glob.glob(os.path.join(root, pattern))):
-                if os.path.basename(path) not in SLOW and path.endswith((".pxn", ".wrl", ".glb", ".gltf", ".obj", ".stl", ".ply")):
-                    yield path
 
 
 def outputs(folder, files):

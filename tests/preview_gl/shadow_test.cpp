@@ -1,8 +1,5 @@
 // Shadows against closed forms and rays. A texel is one of the shadow map, an offset is measured
 // across the Sun's rays.
-#include <random>
-
-#include "geometry/mesh/strip.h"
 #include "preview/frame/light_space.h"
 #include "shadow_scenes.h"
 #include "tests/support/sun_rays.h"
@@ -496,57 +493,6 @@ TEST(Shadows, TerminatorsOfImportedMeshesAgreeWithRays) {
       EXPECT_LE(percent * (all.leak + all.shade_turned), 1e-4);             // measured 0
       EXPECT_LE(all.leak_turned, rings == 12 ? 0.5 * all.dark : all.dark);  // measured 0.35, 0.73
     }
-}
-
-// ---- relief finer than texels
-
-// A meter of crumpled sheet with cells of 10 mm and slopes of 0.25 RMS. Its valleys lie lower than
-// what texels of 4 to 16 mm hold of them; shadows that these throw are few, and the sum of light stays.
-TEST(Shadows, ReliefFinerThanTexelsKeepsItsLight) {
-  std::mt19937 random(5);
-  std::normal_distribution<double> height(0, 0.0023);
-  geometry::Mesh sheet;
-  constexpr unsigned kCells = 100;
-  for (unsigned y = 0; y <= kCells; ++y)
-    for (unsigned x = 0; x <= kCells; ++x)
-      sheet.positions.push_back({x / 100.0 - 0.5, y / 100.0 - 0.5, height(random)});
-  for (unsigned y = 0; y < kCells; ++y)
-    for (unsigned x = 0; x < kCells; ++x) {
-      const unsigned a = y * (kCells + 1) + x, b = a + kCells + 1;
-      sheet.triangles.push_back({a, a + 1, b + 1});
-      sheet.triangles.push_back({a, b + 1, b});
-    }
-  geometry::compute_normals(sheet, 30 * kDegree);
-  pan::Contents contents = single(sheet, lambert(1));
-  // makes the map wide: its texels are those of a target of 8 m
-  for (const double end : {-4.0, 4.0}) add(contents, plate(0.01, 0.01), {end, 0, 0});
-  const pan::Model model = model_of(contents);
-  for (const double angle : {30.0, 60.0}) {
-    const View view = above(300, 1, sun_at(angle, 0.4));
-    const support::SunRays rays(model, view);
-    std::vector<char> lit(300 * 300);
-    for (std::uint32_t y = 0; y < 300; ++y)
-      for (std::uint32_t x = 0; x < 300; ++x) {
-        const auto point = rays.seen({x + 0.5, y + 0.5}, true);
-        lit[std::size_t{y} * 300 + x] = point && rays.lit(point->start);
-      }
-    for (const unsigned side : {512u, 1024u, 2048u}) {
-      RenderOptions options;
-      options.shadow_side = side;
-      options.flat = true;
-      const Pair pair = both(model, view, options);
-      double light = 0;
-      double by_rays = 0;
-      for (std::size_t i = 0; i < lit.size(); ++i) {
-        light += pair.with.radiance[3 * i];
-        by_rays += lit[i] != 0 ? pair.without.radiance[3 * i] : 0;
-      }
-      printf("Sun at %.0f deg, texels of %.0f mm: %.4f of the light\n", angle, 8000.0 / side,
-             light / by_rays);
-      // measured 0 to 0.0049; without room for relief 0.0018 to 0.0144
-      EXPECT_NEAR(light / by_rays, 1, angle < 45 ? 5e-4 : 6e-3);
-    }
-  }
 }
 
 // ---- the rest

@@ -77,14 +77,14 @@ def main():
         {"click": "tab/Camera"}, {"type": ["camera/range", "5"]}, {"type": ["camera/azimuth", "-60"]},
         {"type": ["camera/elevation", "20"]}, {"expect": ["range", "5"]},
         {"click": "tab/Save"}, {"wait": "exact"}, {"click": "save/save"}, {"wait": 20},
-        {"wait": "saved"}, {"expect": ["saved", f"saved {folder}/picture.png"]},
+        {"wait": "saved"}, {"expect": ["saved", f"saved {folder}/image.png"]},
         {"screenshot": "saved.png"}], "door.pxn")
-    expect("an exact picture was drawn", said["exact"] >= 1)
-    saved = os.path.join(folder, "picture.png")
+    expect("an exact image was drawn", said["exact"] >= 1)
+    saved = os.path.join(folder, "image.png")
     same = os.path.join(folder, "same.png")
     words = said["render"]
     subprocess.run(["sh", "-c", words.replace("panwright", program, 1).replace(
-        "-o picture.png", f"-o {same}") + " --gl osmesa --quiet"], cwd=folder, check=True)
+        "-o image.png", f"-o {same}") + " --gl osmesa --quiet"], cwd=folder, check=True)
     with open(saved, "rb") as a, open(same, "rb") as b:
         expect("the file is that of the command", a.read() == b.read())
 
@@ -124,7 +124,7 @@ def main():
                 step["screenshot"] = f"{size}-{step['screenshot']}"
         view(program, folder, steps, os.path.join(source, "examples/cubesat/cubesat.pxn"), size=size)
     for name in sorted(os.listdir(folder)):
-        if name.endswith(".png") and name not in ("picture.png", "same.png"):
+        if name.endswith(".png") and name not in ("image.png", "same.png"):
             count, width, height = colours(os.path.join(folder, name))
             expect(f"{name} shows something", count > 40 and width in (1280, 2560)
                    and height in (720, 1440))
