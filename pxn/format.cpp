@@ -64,7 +64,9 @@ class Formatter {
       case PieceKind::instruction:
         place(piece.kind);
         put(piece.bytes);
-        wrote(out_.size() == piece.bytes.size() ? Last::declaration : Last::other_markup);
+        wrote(out_.size() == piece.bytes.size() ? Last::declaration
+              : last_ == Last::text && !blank_  ? Last::text
+                                                : Last::other_markup);
         break;
       case PieceKind::start_tag:
         take_element(piece.bytes);
@@ -117,6 +119,8 @@ class Formatter {
     const bool text = kind == PieceKind::text || kind == PieceKind::cdata;
     if (last_ == Last::nothing) return;
     if ((text || last_ == Last::text) && !blank_) return;
+    const bool aside = kind == PieceKind::comment || kind == PieceKind::instruction;
+    if (aside && last_ == Last::other_markup && !blank_ && touches_text()) return;
     const bool follows = kind == PieceKind::comment && lines_ == 0 && last_ != Last::declaration;
     if (follows) {
       put(" ");
@@ -124,6 +128,20 @@ class Formatter {
     }
     if (lines_ > 1 && last_ != Last::start_tag && kind != PieceKind::end_tag) out_.push_back('\n');
     new_line(indent());
+  }
+  // Whether text follows, with no blank before it, what has been read and comments behind that.
+  bool touches_text() {
+    if (markup_.at() <= asides_end_) return asides_touch_text_;  // one look for a row of comments
+    Markup ahead = markup_;
+    while (true) {
+      asides_end_ = ahead.at();
+      const Piece piece = ahead.next();
+      if (piece.kind == PieceKind::comment || piece.kind == PieceKind::instruction) continue;
+      asides_touch_text_ =
+          piece.kind == PieceKind::cdata ||
+          (piece.kind == PieceKind::text && kBlanks.find(piece.bytes[0]) == kBlanks.npos);
+      return asides_touch_text_;
+    }
   }
   void wrote(Last last) {
     last_ = last;
@@ -438,6 +456,8 @@ class Formatter {
   std::vector<xml::TagAttribute> attributes_;
   // of a long text: words that are not written yet, and what stands before them
   enum class Gap { none, blank, two_blanks, line };
+  std::size_t asides_end_ = 0;  // of the row of comments and instructions last looked at
+  bool asides_touch_text_ = false;
   Gap gap_ = Gap::none;
   std::string group_;
   std::vector<std::size_t> breaks_;  // blanks in it

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Sheets have the same bits whatever compiler, optimisation and number of threads: what decides them,
-mli/, base/math.cpp and the normals of meshes, is compiled by g++ and clang++ without optimisation and with all of it.
+mli/, base/math.cpp and the normals of meshes, is compiled by g++ without optimisation and by clang++ with all of it.
 
     compilers.py SHEETS BASE FOLDER    mli_sheets and libpanwright_base.a of the build, a folder to work in
 
@@ -47,7 +47,7 @@ def main():
         print("clang++ is not installed: nothing was compared")
         return 77
     sheets, base, folder = sys.argv[1:4]
-    ways = [(compiler, level) for compiler in ("g++", "clang++") for level in ("-O0", "-O3")]
+    ways = [("g++", "-O0"), ("clang++", "-O3")]  # the build is g++'s with all of it
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         programs = list(pool.map(lambda way: built(*way, base, folder), ways))
         runs = [(name, program, threads)

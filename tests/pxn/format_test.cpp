@@ -315,6 +315,16 @@ TEST(Format, RandomDocumentsKeepTheirTree) {
   }
 }
 
+// words that touch an element stay one with those behind it, whatever stands between
+TEST(Format, WordsAroundElementsStayTogether) {
+  for (const char* aside : {"", "<?p?>", "<!-- c -->", "<![CDATA[]]>"})
+    for (const bool before : {false, true}) {
+      const std::string text = std::string("<a><vec3>1") + (before ? aside : "") + "<face/>" +
+                               (before ? "" : aside) + "2 3</vec3></a>";
+      EXPECT_EQ(tree_of(canonical(text)), tree_of(text)) << text << "\n" << canonical(text);
+    }
+}
+
 TEST(Format, DamagedDocumentsAreRefusedOrKept) {
   std::mt19937 random(11);
   std::size_t kept = 0;
