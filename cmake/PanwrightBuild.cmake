@@ -10,8 +10,12 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
 find_program(CCACHE ccache)
 if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   # one cache serves every checkout of the project on a machine
-  set(CMAKE_CXX_COMPILER_LAUNCHER env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1
-      CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime "${CCACHE}")
+  set(CMAKE_CXX_COMPILER_LAUNCHER env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1)
+  if(PANWRIGHT_PRECOMPILE)  # what it says of precompiled headers, which are as new as what they are used for
+    list(APPEND CMAKE_CXX_COMPILER_LAUNCHER
+         CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime)
+  endif()
+  list(APPEND CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE}")
   set(CMAKE_C_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
 endif()
 
@@ -59,7 +63,7 @@ function(panwright_precompile name)
 endfunction()
 
 # panwright_library(name SOURCES ... PUBLIC ... PRIVATE ... [OPTIMISED]): folder = namespace = target. OPTIMISED: it
-# computes much, and is optimised with sanitizers too.
+# computes much, and is optimised under AddressSanitizer too.
 function(panwright_library name)
   cmake_parse_arguments(ARG "OPTIMISED" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(panwright_${name} STATIC ${ARG_SOURCES})
@@ -67,7 +71,7 @@ function(panwright_library name)
   set_target_properties(panwright_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_compile_options(panwright_${name} PRIVATE ${PANWRIGHT_WARNINGS})
   target_link_libraries(panwright_${name} PUBLIC panwright_flags ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
-  if(PANWRIGHT_SANITIZE AND ARG_OPTIMISED)
+  if(PANWRIGHT_SANITIZE MATCHES "address" AND ARG_OPTIMISED)
     target_compile_options(panwright_${name} PRIVATE -O2)
   endif()
   panwright_precompile(panwright_${name})
@@ -76,13 +80,13 @@ endfunction()
 
 # panwright_test(name SOURCES ... LINK ... LABELS ... [TIMEOUT s] [OPTIMISED] [PARALLEL] [SLOW_SANITIZED ...]): one executable,
 # one ctest entry. OPTIMISED: the test itself computes much; the others compile faster without.
-# PARALLEL: of the preset tsan too. SLOW_SANITIZED: tests that are left out under AddressSanitizer, where they take a
-# minute and touch no memory that others do not.
+# PARALLEL: of the preset tsan too. SLOW_SANITIZED: tests that take long under AddressSanitizer and run
+# code that others run too; they are left out there unless PANWRIGHT_SLOW_SANITIZED is set (scripts/test --fuzz).
 function(panwright_test name)
   cmake_parse_arguments(ARG "OPTIMISED;PARALLEL" "TIMEOUT" "SOURCES;LINK;LABELS;SLOW_SANITIZED" ${ARGN})
   add_executable(${name}_tests ${ARG_SOURCES})
   target_compile_options(${name}_tests PRIVATE ${PANWRIGHT_WARNINGS})
-  if(PANWRIGHT_SANITIZE AND NOT ARG_OPTIMISED)
+  if(PANWRIGHT_SANITIZE MATCHES "address" AND NOT ARG_OPTIMISED)
     target_compile_options(${name}_tests PRIVATE -O0)
   elseif(NOT ARG_OPTIMISED)
     target_compile_options(${name}_tests PRIVATE $<$<CONFIG:Release>:-O1>)
@@ -96,7 +100,9 @@ function(panwright_test name)
   endif()
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT
     "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/leaks.supp:print_suppressions=0;TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/races.supp:print_suppressions=0")
-  if(ARG_SLOW_SANITIZED AND PANWRIGHT_SANITIZE MATCHES "address")
+  if(PANWRIGHT_SLOW_SANITIZED)
+    set_tests_properties(${name} PROPERTIES TIMEOUT 5000)
+  elseif(ARG_SLOW_SANITIZED AND PANWRIGHT_SANITIZE MATCHES "address")
     string(REPLACE ";" ":" slow "${ARG_SLOW_SANITIZED}")
     set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT "GTEST_FILTER=-${slow}")
   endif()

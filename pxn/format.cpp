@@ -64,9 +64,10 @@ class Formatter {
       case PieceKind::instruction:
         place(piece.kind);
         put(piece.bytes);
-        wrote(out_.size() == piece.bytes.size() ? Last::declaration
-              : last_ == Last::text && !blank_  ? Last::text
-                                                : Last::other_markup);
+        if (out_.size() == piece.bytes.size())
+          wrote(Last::declaration);
+        else
+          wrote_aside();
         break;
       case PieceKind::start_tag:
         take_element(piece.bytes);
@@ -148,6 +149,8 @@ class Formatter {
     blank_ = false;
     lines_ = 0;
   }
+  // A comment or an instruction: what touches text goes on with it.
+  void wrote_aside() { wrote(last_ == Last::text && !blank_ ? Last::text : Last::other_markup); }
 
   // ---- text beside elements, comments
 
@@ -179,7 +182,7 @@ class Formatter {
   void take_comment(std::string_view comment) {
     place(PieceKind::comment);
     put_comment(comment);
-    wrote(last_ == Last::text && !blank_ ? Last::text : Last::other_markup);
+    wrote_aside();
   }
 
   // The lines of a comment move with its first one, if that was indented by blanks alone.
@@ -454,10 +457,10 @@ class Formatter {
   std::size_t lines_ = 0;  // line ends since then
   std::string tag_;
   std::vector<xml::TagAttribute> attributes_;
-  // of a long text: words that are not written yet, and what stands before them
-  enum class Gap { none, blank, two_blanks, line };
   std::size_t asides_end_ = 0;  // of the row of comments and instructions last looked at
   bool asides_touch_text_ = false;
+  // of a long text: words that are not written yet, and what stands before them
+  enum class Gap { none, blank, two_blanks, line };
   Gap gap_ = Gap::none;
   std::string group_;
   std::vector<std::size_t> breaks_;  // blanks in it
