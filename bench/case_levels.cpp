@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -199,6 +200,9 @@ void run_approach(Context& context, preview::Renderer& renderer, const Wear& wea
   DiagnosticLog log;
   const auto model = crinkled(512, wear, log);
   if (!model) return context.note("the crinkled sheet was refused");
+  const auto range_of = [&](std::size_t frame) {
+    return 26 * std::pow(400.0 / 26, static_cast<double>(frame) / (frames - 1));
+  };
   struct Draw {
     bool levels;
     unsigned samples;  // 0: as many as pixel_error asks for
@@ -212,7 +216,7 @@ void run_approach(Context& context, preview::Renderer& renderer, const Wear& wea
     std::vector<double> flux;
     std::vector<double> seconds;
     for (int i = 0; i < frames; ++i) {
-      const double range = 26 * std::pow(400.0 / 26, static_cast<double>(i) / (frames - 1));
+      const double range = range_of(static_cast<std::size_t>(i));
       preview::View view = view_from(0, 0, 1, 128);
       world::set_pixel_angle(view.camera, 128, 128, 0.5e-3);
       view.camera.position = range * glm::normalize(Vec3(0.1, -0.2, 0.97));
@@ -233,9 +237,17 @@ void run_approach(Context& context, preview::Renderer& renderer, const Wear& wea
     if (flux.size() != static_cast<std::size_t>(frames)) return context.note("no image");
     // beyond the trend: half the second difference of the logarithm
     double step = 0;
-    for (std::size_t i = 1; i + 1 < flux.size(); ++i)
-      step =
-          std::max(step, std::fabs(std::log(flux[i - 1] * flux[i + 1] / (flux[i] * flux[i]))) / 2);
+    std::size_t at = 0;
+    for (std::size_t i = 1; i + 1 < flux.size(); ++i) {
+      const double one =
+          std::fabs(std::log(flux[i - 1] * flux[i + 1] / (flux[i] * flux[i]))) / 2;
+      if (one > step) at = i;
+      step = std::max(step, one);
+    }
+    const auto slowest = std::max_element(seconds.begin(), seconds.end());
+    context.note(fmt::format("{}: the largest step at {:.0f} m; all frames {:.1f} s, the slowest {:.2f} s at {:.0f} m",
+                             draw.name, range_of(at), std::accumulate(seconds.begin(), seconds.end(), 0.0),
+                             *slowest, range_of(static_cast<std::size_t>(slowest - seconds.begin()))));
     std::nth_element(seconds.begin(), seconds.begin() + frames / 2, seconds.end());
     Row row{.case_name = "levels",
             .setting = fmt::format("approach of {} frames, 400 to 26 m; {}; {}", frames, wear.name,

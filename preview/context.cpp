@@ -85,6 +85,30 @@ struct ContextHooks {
   }
 };
 
+namespace {
+
+bool has_extension(const GladGLContext& gl, std::string_view name) {
+  GLint count = 0;
+  gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
+  for (GLint i = 0; i < count; ++i) {
+    const auto* one = gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i));
+    if (one && name == reinterpret_cast<const char*>(one)) return true;
+  }
+  return false;
+}
+
+// Shaders on as many threads as the driver likes; without being asked some use none.
+void compile_on_threads(const Context& context) {
+  using MaxThreads = void(GLAD_API_PTR*)(GLuint);
+  for (const std::string suffix : {"KHR", "ARB"})
+    if (has_extension(context.gl(), "GL_" + suffix + "_parallel_shader_compile"))
+      if (const auto most = reinterpret_cast<MaxThreads>(
+              context.get_proc(("glMaxShaderCompilerThreads" + suffix).c_str())))
+        return most(0xFFFFFFFFu);
+}
+
+}  // namespace
+
 Context::Context()
     : gl_(std::make_unique<GladGLContext>()), driver_(std::make_unique<GladGLContext>()) {}
 
@@ -133,6 +157,7 @@ std::string Context::load() {
     gl_->GetIntegerv(name, &value);
     return static_cast<std::uint32_t>(std::max(value, 0));
   };
+  compile_on_threads(*this);
   std::array<GLint, 2> viewport{};
   gl_->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport.data());
   limits_.texture_side = integer(GL_MAX_TEXTURE_SIZE);

@@ -65,6 +65,14 @@ bool Device::Impl::ready(DiagnosticLog& log) {
   return false;
 }
 
+bool Device::Impl::programs_ready(DiagnosticLog& log) {
+  std::string problem;
+  if (programs.settle(&problem)) return true;
+  log.report_file(Code::E5001, {},
+                  fmt::format("{} refuses a shader: {}", context->renderer(), problem));
+  return false;
+}
+
 bool Device::Impl::went_well(DiagnosticLog& log) {
   const GladGLContext& gl = context->gl();
   if (gl.GetGraphicsResetStatus && gl.GetGraphicsResetStatus() != GL_NO_ERROR) {

@@ -396,12 +396,16 @@ static SamplingReport sum_of(const SamplingReport& a, const SamplingReport& b) {
           std::max(a.penumbra, b.penumbra),
           std::max(a.sun_points, b.sun_points),
           std::max(a.sun_error, b.sun_error),
-          b.imposters};
+          b.imposters,
+          0,
+          0};
 }
 
 bool Renderer::Impl::submit(const world::World& world, const world::Camera& camera,
                             const RenderOptions& options, DiagnosticLog& log) {
   if (!fits(world, camera, options, log) || !shared.ready(log)) return false;
+  const std::uint64_t programs = shared.programs.built();
+  const double program_seconds = shared.programs.seconds();
   make_passes();
   set_state();
   if (!update(world, camera, options, log)) return false;
@@ -432,6 +436,8 @@ bool Renderer::Impl::submit(const world::World& world, const world::Camera& came
   frame.other_radiance.swap(sum_radiance);
   frame.other_coverage.swap(sum_coverage);
   frame.report = sum_of(total, frame.report);
+  frame.report.programs = shared.programs.built() - programs;
+  frame.report.program_seconds = shared.programs.seconds() - program_seconds;
   return true;
 }
 

@@ -40,6 +40,10 @@ struct SamplingReport {
   unsigned sun_points = 1;
   double sun_error = 0;  // of so many points: what an edge leaves of the disc's light, rms
   std::vector<ImposterReport> imposters;  // from the largest to the smallest
+  // Shader programs that this image was the first to need, and what they took of its time; some
+  // drivers go on with their work at the first drawing.
+  std::uint64_t programs = 0;
+  double program_seconds = 0;
 };
 
 // Whether targets are drawn by themselves, finer than pixels, and added by exact areas

@@ -112,6 +112,9 @@ std::string explained(const Written& image) {
   else if (sampling.penumbra > 0)
     text += fmt::format("  shadows: hard, the penumbra is {:.2g} pixels or narrower\n",
                         sampling.penumbra);
+  if (sampling.programs > 0)
+    text += fmt::format("  {} shader programs built, {}\n", sampling.programs,
+                        milliseconds(sampling.program_seconds));
   return text;
 }
 
@@ -141,6 +144,10 @@ void describe_image(const Written& image, Json& entry) {
                                     {"flux_error", one.flux_error},
                                     {"ms", 1e3 * one.seconds}});
     }
+  if (image.sampling && image.sampling->programs > 0) {
+    entry["programs"] = image.sampling->programs;
+    entry["programs_ms"] = 1e3 * image.sampling->program_seconds;
+  }
   if (image.sampling && image.sampling->rmse + image.sampling->flux > 0) {
     entry["pixel_error"] = image.sampling->rmse;
     entry["flux_error"] = image.sampling->flux;

@@ -120,16 +120,16 @@ Passes::Passes(Device::Impl& device)
       draw_stride_(block_stride(gl_, sizeof(DrawBlock))) {}
 
 GLuint Passes::program(const ModelResources::Impl& model, const Variant& variant, Pass pass,
-                       bool shadows, bool instanced, std::string* problem) {
+                       bool shadows, bool instanced) {
   switch (pass) {
     case Pass::geometry:
-      return device_.programs.geometry(variant, false, model.layers, shadows, instanced, problem);
+      return device_.programs.geometry(variant, false, model.layers, shadows, instanced);
     case Pass::flat_geometry:
-      return device_.programs.geometry(variant, true, model.layers, shadows, instanced, problem);
+      return device_.programs.geometry(variant, true, model.layers, shadows, instanced);
     case Pass::ids:
-      return device_.programs.ids(variant.cutout, instanced, problem);
+      return device_.programs.ids(variant.cutout, instanced);
     case Pass::bare:
-      return device_.programs.bare(problem);
+      return device_.programs.bare();
   }
   return 0;
 }
@@ -160,30 +160,27 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
       if (last && is_drawn_alike(*last, item)) continue;
       const bool same = last && item.variant == last->variant && item.material == last->material;
       last = &item;
-      std::string problem;
-      bool good = program(model, item.variant, pass, shadows, false, &problem) != 0;
+      program(model, item.variant, pass, shadows, false);
       // those of a tile may be fewer, and are drawn one by one then
       if (pass != Pass::bare && drawn_at_once(k, items.size(), item_at) > 1)
-        good = good && program(model, item.variant, pass, shadows, true, &problem) != 0;
-      if (same && good) continue;
+        program(model, item.variant, pass, shadows, true);
+      if (same) continue;
       if (is_shaded(pass)) {
-        if (!model.gpu.decals().empty()) good = good && device_.programs.decal(&problem) != 0;
+        if (!model.gpu.decals().empty()) device_.programs.decal();
         const ShadingModel& shading =
             model.brdf_models.all[model.brdf_models.of_material[item.material]];
-        good = good && device_.programs.classes(&problem) != 0;
+        device_.programs.classes();
         const bool one =
             model.brdf_models.materials[model.brdf_models.of_material[item.material]] == 1;
-        good = good &&
-               device_.programs.shading(shading.brdf, model.layers, one, shadows,
-                                        shading.wide && is_far(scene.world.sun()), &problem) != 0;
+        device_.programs.shading(shading.brdf, model.layers, one, shadows,
+                                 shading.wide && is_far(scene.world.sun()));
+        if (shadows)
+          for (const bool instanced : {false, true})
+            device_.programs.shadow(item.variant.cutout, instanced);
       }
-      if (good) continue;
-      log.report_file(Code::E5001, {},
-                      fmt::format("{} refuses a shader: {}", device_.context->renderer(), problem));
-      return false;
     }
   }
-  return true;
+  return device_.programs_ready(log);
 }
 
 void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat,
@@ -302,7 +299,7 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
     const DrawItem& item = item_at(k);
     const pan::layout::Mesh& mesh = model.model->meshes()[item.mesh];
     if (!last || item.variant != last->variant || instanced != were_instanced)
-      gl_.UseProgram(program(model, item.variant, pass, shadows, instanced, nullptr));
+      gl_.UseProgram(program(model, item.variant, pass, shadows, instanced));
     if (!last || item.closed != last->closed)
       item.closed ? gl_.Enable(GL_CULL_FACE) : gl_.Disable(GL_CULL_FACE);
     // note: rows grow downwards in the window, which turns every triangle round once
@@ -330,7 +327,7 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target, cons
   places_.assign(state.items().size(), ~0u);  // of an item in target.drawn
   for (std::uint32_t k = 0; k < target.drawn.size(); ++k)
     places_[visible.items[target.drawn[k]]] = k;
-  gl_.UseProgram(device_.programs.decal(nullptr));
+  gl_.UseProgram(device_.programs.decal());
   // whose the sample is, is read from a layer of the framebuffer: the barrier makes that sound
   gl_.BindTextureUnit(kNormalUnit, seen.id());
   gl_.TextureBarrier();
@@ -393,7 +390,7 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
   GLuint first_class = 0;
   first_classes_.clear();
   gl_.DepthFunc(GL_ALWAYS);
-  gl_.UseProgram(device_.programs.classes(nullptr));
+  gl_.UseProgram(device_.programs.classes());
   for (const TileTarget& target : tile.targets) {
     const ModelResources::Impl& model = scene.state(target.visible).model();
     const bool first = first_classes_.empty();
@@ -421,7 +418,7 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
       const ShadingModel& shading = model.brdf_models.all[one.brdf_model];
       gl_.UseProgram(device_.programs.shading(shading.brdf, model.layers, one.one_material,
                                               scene.shadows != nullptr,
-                                              shading.wide && is_far(scene.world.sun()), nullptr));
+                                              shading.wide && is_far(scene.world.sun())));
       gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);
       gl_.Uniform2ui(kBlocksLocation, samples, blocks.a_row);
       gl_.Uniform1f(kDepthLocation, static_cast<float>(first_classes_[t] + one.brdf_model + 1) *

@@ -84,7 +84,7 @@ class Passes {
 
  private:
   GLuint program(const ModelResources::Impl& model, const Variant& variant, Pass pass, bool shadows,
-                 bool instanced, std::string* problem);
+                 bool instanced);
   bool draw_items(const FrameScene& scene, const TileTarget& target, Pass pass, const Job& job);
   void bind_blocks(std::size_t first, std::size_t instances) const;
   void scissor(const Tile& tile, const Tile& part, unsigned samples) const;

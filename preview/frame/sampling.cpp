@@ -121,13 +121,8 @@ Sampling::Sampling(Device::Impl& device, Passes& passes, RenderTarget& seen, Ren
 
 bool Sampling::resolve(const RenderTarget& means, std::uint32_t width, std::uint32_t height,
                        unsigned samples, bool spread, DiagnosticLog& log) {
-  std::string problem;
-  const GLuint program = device_.programs.resolve(spread, &problem);
-  if (program == 0) {
-    log.report_file(Code::E5001, {},
-                    fmt::format("{} refuses a shader: {}", device_.context->renderer(), problem));
-    return false;
-  }
+  const GLuint program = device_.programs.resolve(spread);
+  if (!device_.programs_ready(log)) return false;
   gl_.BindFramebuffer(GL_FRAMEBUFFER, means.framebuffer.id());
   gl_.Viewport(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height));
   gl_.Disable(GL_DEPTH_TEST);
@@ -155,12 +150,8 @@ bool Sampling::render(const FrameScene& scene, const RenderOptions& options,
   const double aspect = static_cast<double>(frame.part.width) / frame.part.height;
   frame.width = aspect > 2 ? longer : aspect < 0.5 ? shorter : side;
   frame.height = aspect > 2 ? shorter : aspect < 0.5 ? longer : side;
-  std::string problem;
-  if (device_.programs.runs(&problem) == 0) {
-    log.report_file(Code::E5001, {},
-                    fmt::format("{} refuses a shader: {}", device_.context->renderer(), problem));
-    return false;
-  }
+  device_.programs.runs();
+  if (!device_.programs_ready(log)) return false;
   if (!one_sample_each(frame, image, patternless_)) return false;
   report_.samples = 1;
   if (options.samples == 0) return look_at_corners(frame) && until_error(frame);
@@ -444,7 +435,7 @@ void Sampling::clear_runs(const Tile& tile, unsigned samples, GLsizei count, boo
     const GLboolean on = first && layer == kNormalLayer;
     gl_.ColorMaski(layer, on, on, on, on);
   }
-  gl_.UseProgram(device_.programs.runs(nullptr));
+  gl_.UseProgram(device_.programs.runs());
   gl_.Uniform2f(1, 2.0f / static_cast<float>(tile.width * samples),
                 2.0f / static_cast<float>(tile.height * samples));
   const float nearest = 1;

@@ -253,15 +253,10 @@ bool ShadowMaps::refresh(Device::Impl& device, const FrameScene& scene, Group& g
   if (map.drawn && map.casters == casters_) return true;
   map.drawn = false;
   for (const Drawn& one : targets_)
-    for (const DrawItem& item : scene.states[one.target].items()) {
-      std::string problem;
-      if (device.programs.shadow(item.variant.cutout, false, &problem) &&
-          device.programs.shadow(item.variant.cutout, true, &problem))
-        continue;
-      log.report_file(Code::E5001, {},
-                      fmt::format("{} refuses a shader: {}", device.context->renderer(), problem));
-      return false;
-    }
+    for (const DrawItem& item : scene.states[one.target].items())
+      for (const bool instanced : {false, true})
+        device.programs.shadow(item.variant.cutout, instanced);
+  if (!device.programs_ready(log)) return false;
   if (!draw(device, map, scene.states, job)) {
     report_cancelled(log);
     return false;
@@ -426,7 +421,7 @@ bool ShadowMaps::draw_layer(Device::Impl& device, const Map& map, const TargetSt
       if (target.caster || !tiles.empty()) gl.Enable(GL_DEPTH_CLAMP);
     }
     if (!last || item.variant.cutout != last->variant.cutout || instanced != were_instanced)
-      gl.UseProgram(device.programs.shadow(item.variant.cutout, instanced, nullptr));
+      gl.UseProgram(device.programs.shadow(item.variant.cutout, instanced));
     if (!last || item.closed != last->closed)
       item.closed ? gl.Enable(GL_CULL_FACE) : gl.Disable(GL_CULL_FACE);
     if (!last || item.mirrored != last->mirrored) gl.FrontFace(item.mirrored ? GL_CW : GL_CCW);

@@ -38,6 +38,8 @@ struct Device::Impl {
   bool ready(DiagnosticLog& log);
   // Whether all went well since the last call. Fails: E5001 when the context is lost, E5003.
   bool went_well(DiagnosticLog& log);
+  // Waits for the programs that were asked for. Fails: E5001 when the driver refuses a shader.
+  bool programs_ready(DiagnosticLog& log);
 
   std::unique_ptr<Context> context;
   Programs programs;

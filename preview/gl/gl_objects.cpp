@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <vector>
 
@@ -179,36 +180,41 @@ ClearRegion::~ClearRegion() {
   if (is_part_) gl_.Disable(GL_SCISSOR_TEST);
 }
 
-GlProgram make_program(const GladGLContext& gl, const std::string& vertex,
-                       const std::string& fragment, std::string* problem) {
+GlProgram request_program(const GladGLContext& gl, const std::string& vertex,
+                          const std::string& fragment) {
   GlProgram program(gl, gl.CreateProgram());
   const auto attach = [&](GLenum stage, const std::string& text) {
     const GLuint shader = gl.CreateShader(stage);
     const char* source = text.c_str();
     gl.ShaderSource(shader, 1, &source, nullptr);
     gl.CompileShader(shader);
-    GLint good = 0;
-    gl.GetShaderiv(shader, GL_COMPILE_STATUS, &good);
-    if (!good) {
-      std::string words(4096, '\0');
-      GLsizei length = 0;
-      gl.GetShaderInfoLog(shader, static_cast<GLsizei>(words.size()), &length, words.data());
-      *problem = words.substr(0, static_cast<std::size_t>(length));
-    }
     gl.AttachShader(program.id(), shader);
-    gl.DeleteShader(shader);
-    return good != 0;
+    gl.DeleteShader(shader);  // lives on as long as the program
   };
-  if (!attach(GL_VERTEX_SHADER, vertex) || !attach(GL_FRAGMENT_SHADER, fragment)) return {};
+  attach(GL_VERTEX_SHADER, vertex);
+  attach(GL_FRAGMENT_SHADER, fragment);
   gl.LinkProgram(program.id());
+  return program;
+}
+
+std::string problem_of_program(const GladGLContext& gl, GLuint program) {
   GLint good = 0;
-  gl.GetProgramiv(program.id(), GL_LINK_STATUS, &good);
-  if (good) return program;
+  gl.GetProgramiv(program, GL_LINK_STATUS, &good);
+  if (good) return {};
   std::string words(4096, '\0');
   GLsizei length = 0;
-  gl.GetProgramInfoLog(program.id(), static_cast<GLsizei>(words.size()), &length, words.data());
-  *problem = words.substr(0, static_cast<std::size_t>(length));
-  return {};
+  std::array<GLuint, 2> shaders{};
+  GLsizei count = 0;
+  gl.GetAttachedShaders(program, 2, &count, shaders.data());
+  for (GLsizei i = 0; i < count && length == 0; ++i) {
+    gl.GetShaderiv(shaders[static_cast<std::size_t>(i)], GL_COMPILE_STATUS, &good);
+    if (!good)
+      gl.GetShaderInfoLog(shaders[static_cast<std::size_t>(i)], static_cast<GLsizei>(words.size()),
+                          &length, words.data());
+  }
+  if (length == 0)
+    gl.GetProgramInfoLog(program, static_cast<GLsizei>(words.size()), &length, words.data());
+  return length > 0 ? words.substr(0, static_cast<std::size_t>(length)) : "it does not link";
 }
 
 }  // namespace panwright::preview

@@ -124,9 +124,12 @@ class ClearRegion {
   bool is_part_ = false;
 };
 
-// Compiles and links. Our shaders are part of the program, so a failure is a bug or a broken
-// driver: an empty program, and the compiler's words in *problem.
-GlProgram make_program(const GladGLContext& gl, const std::string& vertex,
-                       const std::string& fragment, std::string* problem);
+// Asks the driver for a program and does not wait for it: drivers that compile on threads of their
+// own take several at once as long as nothing asks about one.
+GlProgram request_program(const GladGLContext& gl, const std::string& vertex,
+                          const std::string& fragment);
+// Waits for a program. Our shaders are part of it, so a failure is a bug or a broken driver: what
+// the driver says; empty: it is well.
+std::string problem_of_program(const GladGLContext& gl, GLuint program);
 
 }  // namespace panwright::preview

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <utility>
 
 #include "materials/cells.h"
 #include "materials/formula_text.h"
@@ -28,16 +30,51 @@ std::string cutout_text(bool cutout) {
   return cutout ? std::string("#define CUTOUT\n") + cutout_glsl : std::string();
 }
 
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 }  // namespace
 
-GlProgram Programs::made(const std::string& vertex, const std::string& fragment,
-                         std::string* problem) {
+GlProgram Programs::requested(const std::string& vertex, const std::string& fragment) {
+  const auto start = std::chrono::steady_clock::now();
   ++built_;
-  return make_program(gl_, vertex, fragment, problem);
+  GlProgram program = request_program(gl_, vertex, fragment);
+  waiting_.push_back(program.id());
+  seconds_ += seconds_since(start);
+  return program;
+}
+
+void Programs::forget(GLuint program) {
+  const auto reset = [&](GlProgram& one) {
+    if (one && one.id() == program) one = {};
+  };
+  for (auto& [key, one] : geometry_) reset(one);
+  for (auto& [key, one] : shading_) reset(one);
+  for (auto* few : {&shadow_, &ids_})
+    for (GlProgram& one : *few) reset(one);
+  for (GlProgram& one : resolve_) reset(one);
+  for (GlProgram* one : {&classes_, &decal_, &bare_, &runs_}) reset(*one);
+}
+
+bool Programs::settle(std::string* problem) {
+  if (waiting_.empty()) return true;
+  const auto start = std::chrono::steady_clock::now();
+  bool good = true;
+  for (const GLuint program : waiting_) {
+    std::string words = problem_of_program(gl_, program);
+    if (words.empty()) continue;
+    forget(program);
+    if (good) *problem = std::move(words);
+    good = false;
+  }
+  waiting_.clear();
+  seconds_ += seconds_since(start);
+  return good;
 }
 
 GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool shadows,
-                          bool instanced, std::string* problem) {
+                          bool instanced) {
   unsigned key = layers;
   for (const bool bit :
        {v.textured, v.colored, v.albedo_map, v.normal_map, v.roughness_map, v.reflectance_map,
@@ -58,14 +95,14 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
     const std::string pattern = v.cells ? materials::glsl_cells() : std::string();
     const std::string place = shadows ? light_space_glsl : "";
     program =
-        made(version + defined("VERTEX", true) + head + model_vert,
-             version + head + pattern + cutout_text(v.cutout) + place + geometry_frag, problem);
+        requested(version + defined("VERTEX", true) + head + model_vert,
+             version + head + pattern + cutout_text(v.cutout) + place + geometry_frag);
   }
   return program.id();
 }
 
 GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
-                         bool shadows, bool point_sun, std::string* problem) {
+                         bool shadows, bool point_sun) {
   GlProgram& program =
       shading_[{brdf_model, ((layers * 2 + one_material) * 2 + shadows) * 2 + point_sun}];
   if (!program) {
@@ -76,65 +113,64 @@ GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers
             defined("ONE_MATERIAL", one_material) + defined("POINT_SUN", point_sun);
     head += materials::glsl_formulas(brdf_model) + materials::glsl_material_loader();
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
-    program = made(std::string(kVersion) + screen_vert, head + shading_frag, problem);
+    program = requested(std::string(kVersion) + screen_vert, head + shading_frag);
   }
   return program.id();
 }
 
-GLuint Programs::classes(std::string* problem) {
+GLuint Programs::classes() {
   if (!classes_)
-    classes_ = made(std::string(kVersion) + screen_vert,
-                    std::string(kVersion) + sample_place_glsl + classes_frag, problem);
+    classes_ = requested(std::string(kVersion) + screen_vert,
+                    std::string(kVersion) + sample_place_glsl + classes_frag);
   return classes_.id();
 }
 
-GLuint Programs::shadow(bool cutout, bool instanced, std::string* problem) {
+GLuint Programs::shadow(bool cutout, bool instanced) {
   GlProgram& program = shadow_[2 * cutout + instanced];
   if (!program) {
     const std::string version = kVersion + defined("INSTANCED", instanced);
     const std::string head = defined("MAPPED", cutout) + draw_glsl;
-    program = made(version + defined("VERTEX", true) + head + model_vert,
-                   version + head + cutout_text(cutout) + shadow_frag, problem);
+    program = requested(version + defined("VERTEX", true) + head + model_vert,
+                   version + head + cutout_text(cutout) + shadow_frag);
   }
   return program.id();
 }
 
-GLuint Programs::ids(bool cutout, bool instanced, std::string* problem) {
+GLuint Programs::ids(bool cutout, bool instanced) {
   GlProgram& program = ids_[2 * cutout + instanced];
   if (!program) {
     const std::string version = kVersion + defined("INSTANCED", instanced);
     const std::string head = defined("MAPPED", cutout) + draw_glsl;
-    program = made(version + defined("VERTEX", true) + head + model_vert,
-                   version + head + cutout_text(cutout) + ids_frag, problem);
+    program = requested(version + defined("VERTEX", true) + head + model_vert,
+                   version + head + cutout_text(cutout) + ids_frag);
   }
   return program.id();
 }
 
-GLuint Programs::decal(std::string* problem) {
+GLuint Programs::decal() {
   if (!decal_)
-    decal_ = made(kVersion + defined("DECAL", true) + draw_glsl + model_vert,
-                  std::string(kVersion) + draw_glsl + decal_frag, problem);
+    decal_ = requested(kVersion + defined("DECAL", true) + draw_glsl + model_vert,
+                  std::string(kVersion) + draw_glsl + decal_frag);
   return decal_.id();
 }
 
-GLuint Programs::resolve(bool spread, std::string* problem) {
+GLuint Programs::resolve(bool spread) {
   GlProgram& program = resolve_[spread];
   if (!program)
-    program = made(std::string(kVersion) + screen_vert,
-                   kVersion + defined("SPREAD", spread) + resolve_frag, problem);
+    program = requested(std::string(kVersion) + screen_vert,
+                   kVersion + defined("SPREAD", spread) + resolve_frag);
   return program.id();
 }
 
-GLuint Programs::runs(std::string* problem) {
+GLuint Programs::runs() {
   if (!runs_)
-    runs_ = made(std::string(kVersion) + runs_vert, std::string(kVersion) + nothing_frag, problem);
+    runs_ = requested(std::string(kVersion) + runs_vert, std::string(kVersion) + nothing_frag);
   return runs_.id();
 }
 
-GLuint Programs::bare(std::string* problem) {
+GLuint Programs::bare() {
   if (!bare_)
-    bare_ = made(std::string(kVersion) + draw_glsl + model_vert, std::string(kVersion) + bare_frag,
-                 problem);
+    bare_ = requested(std::string(kVersion) + draw_glsl + model_vert, std::string(kVersion) + bare_frag);
   return bare_.id();
 }
 

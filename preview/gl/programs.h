@@ -94,29 +94,36 @@ class Programs {
  public:
   explicit Programs(const GladGLContext& gl) : gl_(gl) {}
 
-  // Each returns 0 when the driver refuses a shader: *problem says why.
+  // Each asks for a program on first use and does not wait for it: settle() does.
   //
   // instanced: draws up to kInstancesAtOnce instances of one mesh and material at once
-  GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows, bool instanced,
-                  std::string* problem);
+  GLuint geometry(const Variant& variant, bool flat, LayerSet layers, bool shadows,
+                  bool instanced);
   // point_sun: its disc shows nowhere
   GLuint shading(const materials::BrdfModel& brdf_model, LayerSet layers, bool one_material,
-                 bool shadows, bool point_sun, std::string* problem);
-  GLuint classes(std::string* problem);
-  GLuint shadow(bool cutout, bool instanced, std::string* problem);
-  GLuint ids(bool cutout, bool instanced, std::string* problem);
-  GLuint decal(std::string* problem);
-  GLuint bare(std::string* problem);
+                 bool shadows, bool point_sun);
+  GLuint classes();
+  GLuint shadow(bool cutout, bool instanced);
+  GLuint ids(bool cutout, bool instanced);
+  GLuint decal();
+  GLuint bare();
   // of sampling.h
-  GLuint resolve(bool spread, std::string* problem);
-  GLuint runs(std::string* problem);
+  GLuint resolve(bool spread);
+  GLuint runs();
+
+  // Waits for what was asked for. False when the driver refuses a shader: *problem says why, and
+  // the next use asks for it again.
+  bool settle(std::string* problem);
 
   std::uint64_t built() const { return built_; }
+  double seconds() const { return seconds_; }  // that this thread spent on all of them
 
  private:
-  GlProgram made(const std::string& vertex, const std::string& fragment, std::string* problem);
+  GlProgram requested(const std::string& vertex, const std::string& fragment);
+  void forget(GLuint program);
 
   const GladGLContext& gl_;
+  std::vector<GLuint> waiting_;
   std::map<unsigned, GlProgram> geometry_;
   std::map<std::pair<materials::BrdfModel, unsigned>, GlProgram> shading_;
   GlProgram classes_;
@@ -127,6 +134,7 @@ class Programs {
   std::array<GlProgram, 2> resolve_;
   GlProgram runs_;
   std::uint64_t built_ = 0;
+  double seconds_ = 0;
 };
 
 }  // namespace panwright::preview

@@ -73,8 +73,9 @@ TEST(Brushed, SpheresAsPlaced) {
         std::printf("BRDF %d texcoords %d: %zu pixels, worst %.1e, isotropic %.1e\n",
                     static_cast<int>(brdf), texcoords, pixels, worst / peak, isotropic / peak);
         EXPECT_GT(pixels, 3000u);
-        // measured 2.4e-6 around z and 4.4e-4 along u, which runs over facets of 3 degrees
-        EXPECT_LE(worst / peak, texcoords ? 8e-4 : 5e-6);
+        // measured 2.4e-6 around z and 4.4e-4 along u, which runs over facets of 3 degrees;
+        // an H100: 3.4e-4, 4.5e-4
+        EXPECT_LE(worst / peak, texcoords ? 8e-4 : bound(5e-6, 8e-4));
         EXPECT_GE(isotropic / peak, 0.1);
       }
 }

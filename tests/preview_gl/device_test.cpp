@@ -30,7 +30,7 @@ class FaultyContext final : public Context {
     refuses = was_reset = false;
     errors_to_report = 0;
     DiagnosticLog log;
-    auto inner = Context::create(ContextKind::osmesa, log);
+    auto inner = Context::create(tested_context(), log);
     EXPECT_TRUE(inner) << to_text(log);
     inner_ = std::move(*inner);
     inner_->release();

@@ -64,7 +64,7 @@ struct Scene {
 
 std::shared_ptr<Device> own_device(bool through_buffers) {
   DiagnosticLog log;
-  auto device = Device::create(ContextKind::osmesa, log);
+  auto device = Device::create(tested_context(), log);
   EXPECT_TRUE(device) << to_text(log);
   (*device)->impl().read_through_buffers = through_buffers;
   return *device;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,15 +18,30 @@
 
 namespace panwright::preview::testing_support {
 
-// OSMesa, so that every machine draws the same bits.
+// OSMesa, so that every machine draws the same bits; PANWRIGHT_TEST_GL=egl tries a GPU instead.
+inline ContextKind tested_context() {
+  const char* name = std::getenv("PANWRIGHT_TEST_GL");
+  if (!name || !*name) return ContextKind::osmesa;
+  const auto kind = context_kind_from_name(name);
+  EXPECT_TRUE(kind) << "PANWRIGHT_TEST_GL=" << name << ": auto, egl or osmesa";
+  return kind.value_or(ContextKind::osmesa);
+}
+
 inline const std::shared_ptr<Device>& shared_device() {
   static const std::shared_ptr<Device> device = [] {
     DiagnosticLog log;
-    auto created = Device::create(ContextKind::osmesa, log);
+    auto created = Device::create(tested_context(), log);
     EXPECT_TRUE(created) << to_text(log);
     return created ? std::move(*created) : nullptr;
   }();
   return device;
+}
+
+// Hardware puts vertices on a grid of 1/256 pixel and interpolates from there, and weighs texels in
+// steps of 1/256; Mesa's software does both in float.
+inline double bound(double software, double hardware) {
+  const auto& device = shared_device();
+  return device && device->context().is_hardware() ? hardware : software;
 }
 
 inline geometry::Mesh sphere(std::uint32_t rings, std::uint32_t quads, bool texcoords = false) {
