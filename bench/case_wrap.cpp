@@ -173,7 +173,7 @@ void spacecraft(Context& context, const std::string& name, std::uint64_t rays) {
 }
 
 void run(Context& context) {
-  const std::uint64_t rays = context.quick() ? 10'000 : 1'000'000;
+  const std::uint64_t rays = context.quick() ? 10'000 : 1'500'000;
   for (const char* name : {"cassini-draco-webp", "hubble-draco-webp", "mro-draco-webp",
                            "juno-draco-webp", "spitzer-blender"}) {
     spacecraft(context, name, rays);

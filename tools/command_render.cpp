@@ -149,7 +149,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("--imposters", options.imposters,
            "Draw targets by themselves, finer than pixels, and add them by exact areas: auto "
-           "(default): those of up to 80 pixels, with --samples auto; off; always: all that are "
+           "(default): those of up to 100 pixels, with --samples auto; off; always: all that are "
            "not too large; or those of up to so many pixels")
       .type("auto|off|always|PIXELS");
   arguments

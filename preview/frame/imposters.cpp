@@ -13,10 +13,10 @@ const double kTurn = std::atan((std::sqrt(5.0) - 1) / 2);
 // Where the centre lies among texels.
 constexpr Vec2 kCentre(0.31, 0.13);
 
-// Largest side of a target that has an imposter by itself, pixels: the texels that glossy foil needs
-// there are 13 in a pixel's side, which leaves 4 % of a pixel's light (RMS; 5 % at 100 pixels) in a
-// third of the time that samples take.
-constexpr double kSmall = 80;
+// Largest side of a target that has an imposter by itself, pixels. Glossy foil has ten texels in a
+// pixel's side there, which leave 5 % of a pixel's light (RMS) and 0.1 % of the flux; samples to that
+// error take two to five times as long, and leave 0.3 % of the flux.
+constexpr double kSmall = 100;
 // So many times the texels of a disc's side are along the side of the box about a round target; a
 // little more, so that few are drawn twice.
 constexpr double kBoxOfDisc = 2;
