@@ -173,6 +173,8 @@ COMMANDS = {
             "shadow_edge?": "number: pixels: 99 of 100 points of edges of shadows are nearer; with --engine gl",
             "penumbra?": "number: pixels: the widest that what may throw shadows can have; with --engine gl, shadows of the Sun's disc",
             "sun_points?": "integer: points of the Sun's disc that stand for it, where they are fewest; 1: shadows have hard edges",
+            "programs?": "integer: shader programs that this image was the first to need; with --engine gl",
+            "programs_ms?": "number: that building them took",
             "imposters?": ("targets that were drawn by themselves, with --engine gl", [{
                 "targets": "string[]: by name", "pixels": "number: side of a square that holds them", "texels": "integer[]: columns and rows",
                 "flux_error": "number: estimated, a share", "ms": "number: it took"}]),
