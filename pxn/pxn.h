@@ -41,6 +41,8 @@ struct Options {
   // where given, the names of all <param> are added, and a name in `parameters` that none has is no
   // error: another model may have it
   std::set<std::string>* declared = nullptr;
+  // false: sheets of foil have their finest mesh alone, for who asks about the sheets
+  bool foil_levels = true;
   // of foil, materials and cleaned meshes that were made before; null: none. It changes nothing in
   // the scene
   const WorkCache* cache = nullptr;

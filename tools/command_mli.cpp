@@ -507,6 +507,7 @@ std::vector<Subject> subjects(const Options& options, CommandContext& context) {
   auto opening = options.read.opening(context.log());
   if (!opening) return {};
   opening->prune = false;
+  opening->foil_levels = false;
   context.step("read " + options.input);
   auto scene = workspace::read_scene(options.input, *opening, context.log(), context.job());
   if (!scene) return {};

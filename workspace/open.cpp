@@ -300,6 +300,7 @@ Result<scene::Scene> read_scene(const std::filesystem::path& path, const OpenOpt
   read.parameters = options.parameters;
   read.declared = options.declared;
   read.unsaved = &options.unsaved;
+  read.foil_levels = options.foil_levels;
   const KeptWork work(options, report);
   read.cache = work.cache();
   return pxn::read(path, read, log, job);

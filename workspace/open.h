@@ -61,6 +61,7 @@ struct OpenOptions {
   // Whether hidden geometry is removed from imports with hidden="remove" (the default) and from CAD
   // files unless keep_hidden. A model that is shown once and not stored does not need it.
   bool prune = true;
+  bool foil_levels = true;  // pxn::Options::foil_levels
   // pxn::Options::unsaved
   std::map<std::filesystem::path, std::shared_ptr<const std::string>> unsaved;
   // Folder that keeps what took long, so that the same model, and what has not changed of another

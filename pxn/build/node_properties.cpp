@@ -277,8 +277,9 @@ void Loader::read_blanket(Work& work, std::uint32_t element) {
 
 FoilShapes Loader::foil_shapes(Work& work, std::uint32_t element) {
   const xml::Document& document = work.file.document;
-  const auto foil = read_foil(document, element, *work.file.values, reporter_);
+  auto foil = read_foil(document, element, *work.file.values, reporter_);
   if (!foil) return {};
+  foil->levels = options_.foil_levels;
   // the same sheet again is not made again
   const auto [known, added] = known_foils_.try_emplace(foil->key());
   if (!added) return known->second;

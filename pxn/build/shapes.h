@@ -59,6 +59,7 @@ struct FoilSheet {
   mli::Form form;
   mli::Trim trim;
   mli::RecipePlaces places;
+  bool levels = true;
 
   // Equal for sheets that are equal.
   std::vector<double> key() const;

@@ -494,8 +494,9 @@ FoilMeshes meshes_of(const FoilSheet& foil, double crease_angle, double room, Di
   geometry::compute_normals(*mesh, crease_angle);
   const std::vector<mli::Cover> covers = trimmed(*mesh, *sheet, foil, crease_angle);
   out.vertices = static_cast<double>(mesh->positions.size());
-  std::vector<mli::Level> levels =
-      mli::levels_of(*sheet, foil.form, crease_angle, room - out.vertices, foil.trim, job);
+  std::vector<mli::Level> levels;
+  if (foil.levels)
+    levels = mli::levels_of(*sheet, foil.form, crease_angle, room - out.vertices, foil.trim, job);
   for (const mli::Level& level : levels)
     out.vertices += static_cast<double>(level.mesh.positions.size());
   for (std::size_t k = 0; k < mli::kCovers; ++k) {
@@ -534,7 +535,7 @@ std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t
     });
     return std::nullopt;
   }
-  auto made = kept_or_made(cache, foil, crease_angle, room, [&]() -> std::optional<MadeFoil> {
+  auto made = kept_or_made(foil.levels ? cache : nullptr, foil, crease_angle, room, [&]() -> std::optional<MadeFoil> {
     MadeFoil fresh{meshes_of(foil, crease_angle, room, log, job), log.entries()};
     if (std::ranges::none_of(fresh.meshes.parts,
                              [](const auto& part) { return part.finest != nullptr; }))
