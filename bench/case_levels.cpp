@@ -239,15 +239,15 @@ void run_approach(Context& context, preview::Renderer& renderer, const Wear& wea
     double step = 0;
     std::size_t at = 0;
     for (std::size_t i = 1; i + 1 < flux.size(); ++i) {
-      const double one =
-          std::fabs(std::log(flux[i - 1] * flux[i + 1] / (flux[i] * flux[i]))) / 2;
+      const double one = std::fabs(std::log(flux[i - 1] * flux[i + 1] / (flux[i] * flux[i]))) / 2;
       if (one > step) at = i;
       step = std::max(step, one);
     }
     const auto slowest = std::max_element(seconds.begin(), seconds.end());
-    context.note(fmt::format("{}: the largest step at {:.0f} m; all frames {:.1f} s, the slowest {:.2f} s at {:.0f} m",
-                             draw.name, range_of(at), std::accumulate(seconds.begin(), seconds.end(), 0.0),
-                             *slowest, range_of(static_cast<std::size_t>(slowest - seconds.begin()))));
+    context.note(fmt::format(
+        "{}: the largest step at {:.0f} m; all frames {:.1f} s, the slowest {:.2f} s at {:.0f} m",
+        draw.name, range_of(at), std::accumulate(seconds.begin(), seconds.end(), 0.0), *slowest,
+        range_of(static_cast<std::size_t>(slowest - seconds.begin()))));
     std::nth_element(seconds.begin(), seconds.begin() + frames / 2, seconds.end());
     Row row{.case_name = "levels",
             .setting = fmt::format("approach of {} frames, 400 to 26 m; {}; {}", frames, wear.name,

@@ -94,9 +94,8 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
         defined("SHADOWED", shadows) + draw_glsl;
     const std::string pattern = v.cells ? materials::glsl_cells() : std::string();
     const std::string place = shadows ? light_space_glsl : "";
-    program =
-        requested(version + defined("VERTEX", true) + head + model_vert,
-             version + head + pattern + cutout_text(v.cutout) + place + geometry_frag);
+    program = requested(version + defined("VERTEX", true) + head + model_vert,
+                        version + head + pattern + cutout_text(v.cutout) + place + geometry_frag);
   }
   return program.id();
 }
@@ -121,7 +120,7 @@ GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers
 GLuint Programs::classes() {
   if (!classes_)
     classes_ = requested(std::string(kVersion) + screen_vert,
-                    std::string(kVersion) + sample_place_glsl + classes_frag);
+                         std::string(kVersion) + sample_place_glsl + classes_frag);
   return classes_.id();
 }
 
@@ -131,7 +130,7 @@ GLuint Programs::shadow(bool cutout, bool instanced) {
     const std::string version = kVersion + defined("INSTANCED", instanced);
     const std::string head = defined("MAPPED", cutout) + draw_glsl;
     program = requested(version + defined("VERTEX", true) + head + model_vert,
-                   version + head + cutout_text(cutout) + shadow_frag);
+                        version + head + cutout_text(cutout) + shadow_frag);
   }
   return program.id();
 }
@@ -142,7 +141,7 @@ GLuint Programs::ids(bool cutout, bool instanced) {
     const std::string version = kVersion + defined("INSTANCED", instanced);
     const std::string head = defined("MAPPED", cutout) + draw_glsl;
     program = requested(version + defined("VERTEX", true) + head + model_vert,
-                   version + head + cutout_text(cutout) + ids_frag);
+                        version + head + cutout_text(cutout) + ids_frag);
   }
   return program.id();
 }
@@ -150,7 +149,7 @@ GLuint Programs::ids(bool cutout, bool instanced) {
 GLuint Programs::decal() {
   if (!decal_)
     decal_ = requested(kVersion + defined("DECAL", true) + draw_glsl + model_vert,
-                  std::string(kVersion) + draw_glsl + decal_frag);
+                       std::string(kVersion) + draw_glsl + decal_frag);
   return decal_.id();
 }
 
@@ -158,7 +157,7 @@ GLuint Programs::resolve(bool spread) {
   GlProgram& program = resolve_[spread];
   if (!program)
     program = requested(std::string(kVersion) + screen_vert,
-                   kVersion + defined("SPREAD", spread) + resolve_frag);
+                        kVersion + defined("SPREAD", spread) + resolve_frag);
   return program.id();
 }
 
@@ -170,7 +169,8 @@ GLuint Programs::runs() {
 
 GLuint Programs::bare() {
   if (!bare_)
-    bare_ = requested(std::string(kVersion) + draw_glsl + model_vert, std::string(kVersion) + bare_frag);
+    bare_ = requested(std::string(kVersion) + draw_glsl + model_vert,
+                      std::string(kVersion) + bare_frag);
   return bare_.id();
 }
 
