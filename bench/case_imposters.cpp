@@ -150,7 +150,9 @@ std::optional<Spread> spread_of(preview::Renderer& renderer, const Target& targe
   if (!good) return std::nullopt;
   spread.flux_rms = std::sqrt(squares / offsets);
   const double mean = sum / offsets;
-  spread.flicker = std::sqrt(std::max(squares / offsets - mean * mean, 0.0)) / (1 + mean);
+  // where no sample met the target there is no flux to flicker
+  spread.flicker =
+      mean > -1 ? std::sqrt(std::max(squares / offsets - mean * mean, 0.0)) / (1 + mean) : 0;
   spread.centre_rms = std::sqrt(spread.centre_rms / std::max(lit, 1));
   spread.timing = timed(draw, 5);
   return spread;

@@ -535,13 +535,14 @@ std::optional<FoilMeshes> make_foil(const xml::Document& document, std::uint32_t
     });
     return std::nullopt;
   }
-  auto made = kept_or_made(foil.levels ? cache : nullptr, foil, crease_angle, room, [&]() -> std::optional<MadeFoil> {
-    MadeFoil fresh{meshes_of(foil, crease_angle, room, log, job), log.entries()};
-    if (std::ranges::none_of(fresh.meshes.parts,
-                             [](const auto& part) { return part.finest != nullptr; }))
-      return std::nullopt;
-    return fresh;
-  });
+  auto made = kept_or_made(
+      foil.levels ? cache : nullptr, foil, crease_angle, room, [&]() -> std::optional<MadeFoil> {
+        MadeFoil fresh{meshes_of(foil, crease_angle, room, log, job), log.entries()};
+        if (std::ranges::none_of(fresh.meshes.parts,
+                                 [](const auto& part) { return part.finest != nullptr; }))
+          return std::nullopt;
+        return fresh;
+      });
   pass_on(made ? made->said : log.entries());
   if (!made) return std::nullopt;
   return std::move(made->meshes);

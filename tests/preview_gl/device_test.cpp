@@ -4,11 +4,26 @@
 #include <thread>
 
 #include "models.h"
+#include "preview/gl/gl_objects.h"
 
 namespace panwright::preview {
 namespace {
 
 using namespace testing_support;
+
+TEST(Programs, ARefusedShaderSaysWhy) {
+  const auto& device = shared_device();
+  ASSERT_TRUE(device && device->context().make_current());
+  const GladGLContext& gl = device->context().gl();
+  const std::string vertex = "#version 450 core\nvoid main() { gl_Position = vec4(0.0); }\n";
+  const std::string good =
+      "#version 450 core\nout vec4 color;\nvoid main() { color = vec4(1.0); }\n";
+  const std::string bad = "#version 450 core\nvoid main() { no_such_name = 1.0; }\n";
+  const GlProgram fine = request_program(gl, vertex, good);
+  const GlProgram refused = request_program(gl, vertex, bad);
+  EXPECT_EQ(problem_of_program(gl, fine.id()), "");
+  EXPECT_NE(problem_of_program(gl, refused.id()).find("no_such_name"), std::string::npos);
+}
 
 // ---- a context that fails when it is told to
 
