@@ -302,6 +302,37 @@ pan::layout::MeshTolerance mesh_tolerance(const MeshJob& job) {
 
 constexpr std::uint32_t kLeftOut = 0xffffffffu;
 
+// Whether the back of an instance is a material of its own that is ever seen.
+bool shows_back(const scene::Scene& scene, const scene::Instance& instance,
+                const pan::PackedMesh& mesh) {
+  return instance.back != scene::kNone &&
+         (!mesh.closed ||
+          scene.materials[static_cast<std::size_t>(instance.material)].maps.cutout >= 0);
+}
+
+// Leaves out the materials of backs that nobody sees.
+void drop_unseen_backs(const scene::Scene& scene, pan::Contents& out) {
+  std::vector<char> unseen(out.materials.size());
+  for (const scene::Instance& instance : scene.instances)
+    if (instance.back != scene::kNone) unseen[static_cast<std::size_t>(instance.back)] = 1;
+  for (const scene::Instance& instance : scene.instances)
+    unseen[static_cast<std::size_t>(instance.material)] = 0;
+  for (const pan::InstanceContent& instance : out.instances)
+    if (instance.back >= 0) unseen[static_cast<std::size_t>(instance.back)] = 0;
+  std::vector<std::uint32_t> place(unseen.size());
+  std::vector<materials::Material> kept;
+  for (std::size_t i = 0; i < unseen.size(); ++i) {
+    place[i] = static_cast<std::uint32_t>(kept.size());
+    if (!unseen[i]) kept.push_back(std::move(out.materials[i]));
+  }
+  out.materials = std::move(kept);
+  for (pan::InstanceContent& instance : out.instances) {
+    instance.material = place[instance.material];
+    if (instance.back >= 0)
+      instance.back = static_cast<std::int32_t>(place[static_cast<std::size_t>(instance.back)]);
+  }
+}
+
 // Instances with their sources and decals. Those without a mesh are left out: kLeftOut in what is
 // returned.
 std::vector<std::uint32_t> place_instances(const scene::Scene& scene, const Plan& plan,
@@ -315,7 +346,8 @@ std::vector<std::uint32_t> place_instances(const scene::Scene& scene, const Plan
     if (mesh == kLeftOut) continue;  // reported
     place[i] = static_cast<std::uint32_t>(out.instances.size());
     out.instances.push_back({static_cast<std::uint32_t>(instance.node), mesh,
-                             static_cast<std::uint32_t>(instance.material), instance.texture});
+                             static_cast<std::uint32_t>(instance.material), instance.texture,
+                             shows_back(scene, instance, out.meshes[mesh]) ? instance.back : -1});
     if (!options.strip_sources)
       out.sources.push_back(
           {text(instance.source.file), instance.source.line, instance.source.column});
@@ -472,6 +504,7 @@ pan::Contents contents_of(internal::Fitted& fitted, const Options& options, Repo
   describe_sheets(scene, plan, mesh_of_job, out);
   certify(scene, log, job);
   const auto place = place_instances(scene, plan, options, mesh_of_job, product, out);
+  drop_unseen_backs(scene, out);
   internal::add_foil_levels(scene, plan, mesh_of_job, place, out, log, job);
   if (options.storage.lossy()) {
     std::vector<double> tolerances;

@@ -104,6 +104,15 @@ std::optional<double> microfacet_slope(const materials::Material& material) {
   return least;
 }
 
+std::optional<double> microfacet_slope(const scene::Scene& scene, const scene::Instance& instance) {
+  const auto of_side = [&](std::int32_t material) {
+    return microfacet_slope(scene.materials[static_cast<std::size_t>(material)]);
+  };
+  const auto front = of_side(instance.material);
+  const auto back = instance.back == scene::kNone ? std::nullopt : of_side(instance.back);
+  return front && back ? std::min(*front, *back) : front ? front : back;
+}
+
 double tolerance_of_pixels(double pixels, double ifov, double nearest) {
   return pixels * ifov * nearest;
 }

@@ -72,6 +72,8 @@ double tolerance_of_centroid(double pixels, double ifov, double nearest);
 // smooth coats. None: nothing glossy.
 inline constexpr double kLeastSlope = 0.01;
 std::optional<double> microfacet_slope(const materials::Material& material);
+// The same of both sides of an instance.
+std::optional<double> microfacet_slope(const scene::Scene& scene, const scene::Instance& instance);
 
 // Normals that are linear between two vertices on a circle, θ radians apart, are off by at most
 // kNormalFactor·θ³: atan(t·sin θ/(1 − t + t·cos θ)) − t·θ at t = 1/2 ∓ 1/√12.

@@ -23,8 +23,10 @@ using nlohmann::ordered_json;
 constexpr int kFloat = 5126, kShorts = 5123, kLongs = 5125;
 constexpr int kVertices = 34962, kElements = 34963;
 
-// Surfaces of one glTF mesh: a pan mesh, material and texture each.
-using Parts = std::vector<std::array<std::int64_t, 3>>;
+// Surfaces of one glTF mesh: a pan mesh, material, texture, and the side that wears them, each.
+using Part = std::array<std::int64_t, 4>;
+using Parts = std::vector<Part>;
+constexpr std::int64_t kBoth = 0, kFront = 1, kBack = 2;
 
 class Exporter {
  public:
@@ -120,16 +122,37 @@ class Exporter {
     return colors_[index] = add_vertices(model_.mesh(index).colors, "VEC3");
   }
 
-  ordered_json primitive(const std::array<std::int64_t, 3>& part) {
+  // The same mesh turned inside out: what is seen of its back.
+  const ordered_json& turned(std::size_t index) {
+    const auto known = turned_.find(index);
+    if (known != turned_.end()) return known->second;
+    ordered_json out = geometry(index);
+    const pan::MeshView mesh = model_.mesh(index);
+    std::vector<pan::layout::Float3> normals(mesh.normals.begin(), mesh.normals.end());
+    for (auto& n : normals) n = {-n.x, -n.y, -n.z};
+    out["attributes"]["NORMAL"] =
+        add_vertices(std::span<const pan::layout::Float3>(normals), "VEC3");
+    std::vector<std::uint32_t> indices(mesh.indices.size());
+    for (std::size_t i = 0; i < indices.size(); ++i)
+      indices[i] = mesh.indices[i % 3 == 0 ? i : i % 3 == 1 ? i + 1 : i - 1];
+    const std::size_t view =
+        add_view(indices.data(), indices.size() * sizeof(std::uint32_t), 0, kElements);
+    out["indices"] = add_accessor(view, kLongs, indices.size(), "SCALAR");
+    return turned_[index] = std::move(out);
+  }
+
+  ordered_json primitive(const Part& part) {
     const auto index = static_cast<std::size_t>(part[0]);
     const auto material = static_cast<std::size_t>(part[1]);
-    ordered_json out = geometry(index);
+    const std::int64_t side = part[3];
+    ordered_json out = side == kBack ? turned(index) : geometry(index);
     // our back faces are drawn but where nobody can see one
-    const bool two_sided = (model_.meshes()[index].flags & pan::layout::kMeshClosed) == 0 ||
-                           model_.materials()[material].cutout_map >= 0;
+    const bool closed = (model_.meshes()[index].flags & pan::layout::kMeshClosed) != 0 &&
+                        model_.materials()[material].cutout_map < 0;
+    const Faces faces = side != kBoth ? Faces::one_side : closed ? Faces::front : Faces::both;
     const std::size_t place = materials_.place(material, static_cast<std::int32_t>(part[2]),
-                                               out["attributes"].contains("TEXCOORD_0"), two_sided);
-    if (!model_.mesh(index).colors.empty() && materials_.takes_colors(place)) {
+                                               out["attributes"].contains("TEXCOORD_0"), faces);
+    if (side != kBack && !model_.mesh(index).colors.empty() && materials_.takes_colors(place)) {
       out["attributes"]["COLOR_0"] = colors(index);
       materials_.note_colors(place);
     }
@@ -243,7 +266,10 @@ class Exporter {
     Parts parts;
     for (const std::size_t i : list) {
       const pan::layout::Instance& instance = model_.instances()[i];
-      parts.push_back({instance.mesh, instance.material, instance.texture});
+      const std::int32_t back = model_.back_of(static_cast<std::uint32_t>(i));
+      parts.push_back(
+          {instance.mesh, instance.material, instance.texture, back < 0 ? kBoth : kFront});
+      if (back >= 0) parts.push_back({instance.mesh, back, -1, kBack});
     }
     const Vec3 at(origins_[origin][0], origins_[origin][1], origins_[origin][2]);
     if (at != Vec3(0)) {
@@ -386,6 +412,7 @@ class Exporter {
   std::vector<std::array<double, 3>> origins_;
   std::map<std::array<double, 3>, std::size_t> origin_places_;
   std::map<std::size_t, ordered_json> geometries_;
+  std::map<std::size_t, ordered_json> turned_;
   std::map<Parts, std::size_t> meshes_;
   std::map<std::size_t, std::size_t> colors_;  // accessors of meshes
   MaterialWriter materials_;

@@ -66,6 +66,7 @@ struct Tables {
   std::vector<layout::Keypoint> keypoints;
   std::vector<layout::Decal> decals;
   std::vector<layout::Joint> joints;
+  std::vector<layout::Back> backs;
 };
 
 void add_meshes(const std::vector<PackedMesh>& meshes, Tables& tables) {
@@ -197,8 +198,12 @@ Tables tables_of(const Contents& contents) {
     tables.nodes.push_back(record);
   }
   add_meshes(contents.meshes, tables);
-  for (const InstanceContent& instance : contents.instances)
+  for (const InstanceContent& instance : contents.instances) {
+    if (instance.back >= 0)
+      tables.backs.push_back({static_cast<std::uint32_t>(tables.instances.size()),
+                              static_cast<std::uint32_t>(instance.back)});
     tables.instances.push_back({instance.node, instance.mesh, instance.material, instance.texture});
+  }
   const std::vector<std::uint32_t> variants = materials::variants_of(contents.materials);
   for (std::size_t i = 0; i < variants.size(); ++i) {
     const materials::Material& material = contents.materials[i];
@@ -342,6 +347,7 @@ bool write_sections(const Writing& writing, Writer& writer, DiagnosticLog& log,
   for (const layout::Material& material : tables.materials) writer.require(features_of(material));
   if (std::ranges::any_of(contents.joints, begins_elsewhere))
     writer.require(layout::kFeatureJointValues);
+  if (!tables.backs.empty()) writer.require(layout::kFeatureBacks);
   const auto strings = tables.strings.bytes();
   const bool sections =
       writer.section(SectionKind::build, bytes_of(tables.build), log) &&
@@ -365,7 +371,9 @@ bool write_sections(const Writing& writing, Writer& writer, DiagnosticLog& log,
        writer.section(SectionKind::sheets, bytes_of(contents.sheets), log)) &&
       (contents.levels.empty() ||
        writer.section(SectionKind::levels, bytes_of(contents.levels), log)) &&
-      (tables.joints.empty() || writer.section(SectionKind::joints, bytes_of(tables.joints), log));
+      (tables.joints.empty() ||
+       writer.section(SectionKind::joints, bytes_of(tables.joints), log)) &&
+      (tables.backs.empty() || writer.section(SectionKind::backs, bytes_of(tables.backs), log));
   job.poll();
   return sections &&
          writer.finish(build_identity(contents.inputs, contents.version, contents.options), log,

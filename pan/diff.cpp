@@ -274,6 +274,11 @@ std::string level_words(const Model& model, std::size_t i) {
   return fmt::format("level {} of {}", mesh_words(model, level.mesh),
                      instance_words(model, level.instance));
 }
+// A material of a back, which may be -1.
+std::string back_words(const Model& model, std::int32_t material) {
+  return material < 0 ? "that of the front"
+                      : material_words(model, static_cast<std::size_t>(material));
+}
 // A reference to a texture, which may be -1.
 std::string image_words(const Model& model, std::int32_t texture) {
   return texture < 0 ? "no texture" : texture_words(model, texture);
@@ -373,6 +378,15 @@ void Comparison::instances() {
       add(instance_words(a_.model, i),
           fmt::format("{} in a, {} in b", material_words(a_.model, a.material),
                       material_words(b_.model, b.material)));
+    const std::int32_t back_a = a_.model.back_of(static_cast<std::uint32_t>(i));
+    const std::int32_t back_b = b_.model.back_of(static_cast<std::uint32_t>(j));
+    const bool both = back_a >= 0 && back_b >= 0;
+    if (both ? a_.materials[static_cast<std::size_t>(back_a)] !=
+                   b_.materials[static_cast<std::size_t>(back_b)]
+             : back_a != back_b)
+      add(instance_words(a_.model, i),
+          fmt::format("on its back {} in a, {} in b", back_words(a_.model, back_a),
+                      back_words(b_.model, back_b)));
     if (other_image(a.texture, b.texture))
       add(instance_words(a_.model, i),
           fmt::format("{} in a, {} in b", image_words(a_.model, a.texture),

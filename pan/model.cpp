@@ -84,6 +84,15 @@ std::span<const layout::Sheet> Model::sheets() const {
 std::span<const layout::Level> Model::levels() const {
   return array<layout::Level>(SectionKind::levels);
 }
+std::span<const layout::Back> Model::backs() const {
+  return array<layout::Back>(SectionKind::backs);
+}
+std::int32_t Model::back_of(std::uint32_t instance) const {
+  const std::span<const layout::Back> all = backs();
+  const auto found = std::ranges::lower_bound(all, instance, {}, &layout::Back::instance);
+  if (found == all.end() || found->instance != instance) return -1;
+  return static_cast<std::int32_t>(found->material);
+}
 std::span<const layout::Level> Model::levels(std::uint32_t instance) const {
   const std::span<const layout::Level> all = levels();
   const auto before = [](const layout::Level& level, std::uint32_t value) {

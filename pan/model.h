@@ -136,6 +136,7 @@ class Model {
   std::span<const layout::Sheet> sheets() const;             // meshes that are sheets of foil
   std::span<const layout::Level> levels() const;             // by instance, then by detail
   std::span<const layout::Joint> joints() const;             // by node
+  std::span<const layout::Back> backs() const;               // by instance
   std::span<const layout::MeshStream> mesh_streams() const;  // one per mesh, or empty
   std::span<const std::byte> stream_bytes() const;
   std::span<const layout::Input> inputs() const;
@@ -153,6 +154,8 @@ class Model {
   // Expects, all of these: checked(), and indices below their count.
   std::string_view string(std::uint32_t id) const;
   std::span<const layout::Level> levels(std::uint32_t instance) const;  // from the finest
+  // The material of an instance's back where it has one of its own; −1: both sides are alike.
+  std::int32_t back_of(std::uint32_t instance) const;
   MeshView mesh(std::size_t index) const;
   std::span<const std::uint8_t> texels(std::size_t texture) const;  // 4*W*H, row 0 the top row
   std::string_view node_name(std::size_t index) const { return string(nodes()[index].name); }

@@ -61,6 +61,7 @@ struct InstanceContent {
   std::uint32_t mesh = 0;
   std::uint32_t material = 0;
   std::int32_t texture = -1;  // -1: none
+  std::int32_t back = -1;     // the material of its back; -1: both sides are alike
 };
 
 struct TextureContent {

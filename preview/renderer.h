@@ -114,8 +114,9 @@ struct RenderOptions {
 // Sun's disc (Shadows), and right to a texel of the shadow map, which spans the target that is lit
 // as the Sun sees it, or, where its texels would be wider than two pixels, consists of tiles that
 // follow the view; a point of a smooth mesh is moved out past the mesh's error before it is asked, so
-// that facets cast no shadows on the shape they stand for. The back faces of closed meshes are not drawn; open meshes have two equal sides, and so have
-// those with holes (a cutout map), through which one sees what is behind. A decal lies on the side
+// that facets cast no shadows on the shape they stand for. The back faces of closed meshes are not drawn; open meshes have two sides, and so have
+// those with holes (a cutout map), through which one sees what is behind: alike, or each of a
+// material of its own (pan::Model::back_of). A decal lies on the side
 // that is seen: its z must point out of that side. Bumps are an instance's own: mirrored and
 // stretched with it. Whatever decides
 // where something is, is formed in double and camera-relative and rounded to float once, so the

@@ -155,6 +155,9 @@ class Comparison {
         }))
       return "its shape";
     if (!material(x.material, y.material)) return "its material";
+    if ((x.back == scene::kNone) != (y.back == scene::kNone) ||
+        (x.back != scene::kNone && !material(x.back, y.back)))
+      return "its back";
     if (!texture(x.texture, y.texture) || x.mapping != y.mapping ||
         !(x.texture_from_shape == y.texture_from_shape))
       return "its texture";

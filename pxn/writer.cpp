@@ -449,6 +449,8 @@ class Writer {
     write_shape_attributes(shape, out_);
     if (place != nullptr) transform(*place);
     out_.attribute("material", materials_[static_cast<std::size_t>(instance.material)]);
+    if (instance.back != scene::kNone)
+      out_.attribute("back", materials_[static_cast<std::size_t>(instance.back)]);
     if (instance.tolerance) out_.attribute("tolerance", *instance.tolerance);
     write_shape_children(shape, out_);
     out_.close(tag);

@@ -101,6 +101,14 @@ std::string check_instances(const Scene& scene) {
     if (instance.texture != kNone && !in_range(instance.texture, scene.textures.size()))
       return fmt::format("instance {} refers to the texture {}, which does not exist", i,
                          instance.texture);
+    if (instance.back != kNone) {
+      if (!in_range(instance.back, scene.materials.size()))
+        return fmt::format("instance {} has a back of material {}, which does not exist", i,
+                           instance.back);
+      if (!same_holes(scene.materials[static_cast<std::size_t>(instance.material)],
+                      scene.materials[static_cast<std::size_t>(instance.back)]))
+        return fmt::format("instance {} has other holes on its back", i);
+    }
     if (!is_finite(instance.texture_from_shape))
       return fmt::format("instance {} has a texture matrix that is not finite", i);
   }
@@ -244,6 +252,12 @@ std::string check_maps(const Scene& scene) {
 }
 
 }  // namespace
+
+bool same_holes(const materials::Material& a, const materials::Material& b) {
+  return a.maps.cutout == b.maps.cutout &&
+         (a.maps.cutout < 0 ||
+          (a.maps.threshold == b.maps.threshold && a.maps.repeat == b.maps.repeat));
+}
 
 bool can_move(const Joint& joint) {
   return joint.kind != JointKind::fixed && (joint.lower.empty() || joint.lower != joint.upper);

@@ -81,6 +81,9 @@ struct Instance {
   std::int32_t shape = 0;
   std::int32_t material = 0;
   std::int32_t texture = kNone;
+  // The material of its back, by itself: texture and colours of vertices are the front's. It has
+  // the holes of the front's. kNone: both sides are alike.
+  std::int32_t back = kNone;
   Mapping mapping = Mapping::texcoords;
   Mat4 texture_from_shape{1};       // for Mapping::sphere
   std::optional<double> tolerance;  // metres in the world: overrides the budget
@@ -204,6 +207,9 @@ struct Decomposed {
   bool sheared = false;
 };
 std::optional<Decomposed> decomposed(const Mat4& matrix);
+
+// Whether the cut-outs of two materials make the same holes.
+bool same_holes(const materials::Material& a, const materials::Material& b);
 
 // Whether a joint can take more than one value.
 bool can_move(const Joint& joint);

@@ -138,7 +138,7 @@ COMMANDS = {
                                      "rotation": "number[]: as stored", "scale": "number[]: x y z"}]),
         "joints": JOINTS,
         "instances": ("of meshes", [{"node": "integer: index", "mesh": "integer: index", "material": "integer: index", "texture": "integer|null: index",
-                                     "source?": "string: file:line:column"}]),
+                                     "back?": "integer: index of the material of its back", "source?": "string: file:line:column"}]),
         "budget": "object|null: what the model asks for, as `gives` and by term", "need": "object|null: the same, as it was called",
         "materials": "object[]: name, models, parameters as schemas/material.toml names them, maps",
         "meshes": ("as stored", [{"name": "string: its own", "triangles": "integer: how many", "vertices": "integer: how many", "error": "number: metres, own frame",

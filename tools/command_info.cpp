@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <set>
@@ -273,6 +274,8 @@ Json instances_json(const pan::Model& model) {
     const auto& instance = model.instances()[i];
     Json item{{"node", instance.node}, {"mesh", instance.mesh}, {"material", instance.material}};
     item["texture"] = instance.texture < 0 ? Json(nullptr) : Json(instance.texture);
+    if (const std::int32_t back = model.back_of(static_cast<std::uint32_t>(i)); back >= 0)
+      item["back"] = back;
     if (!model.sources().empty() && model.sources()[i].line > 0) {
       const auto& source = model.sources()[i];
       item["source"] =
@@ -491,6 +494,16 @@ void print_materials(const pan::Model& model) {
   }
 }
 
+// "backs     foil: mli_aluminised (3 instances)": one line for each pair of materials.
+void print_backs(const pan::Model& model) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> pairs;
+  for (const pan::layout::Back& back : model.backs())
+    ++pairs[{model.instances()[back.instance].material, back.material}];
+  for (const auto& [sides, count] : pairs)
+    print("backs     {}: {} ({})\n", model.material_name(sides.first),
+          model.material_name(sides.second), plural(count, "instance", "instances"));
+}
+
 // "levels    mesh1: 57600 triangles, 14400 within 2.5 mm from 0.01 m, … a pixel": one line for each
 // mesh.
 void print_levels(const pan::Model& model) {
@@ -621,6 +634,7 @@ void print_text(const std::string& path, const world::Instance& target, const To
   print_need(model);
   print_meshes(model, totals, all_meshes);
   print_materials(model);
+  print_backs(model);
   for (std::size_t i = 0; i < model.textures().size(); ++i)
     print("texture   {}: {}x{}\n", model.texture_name(i), model.textures()[i].width,
           model.textures()[i].height);

@@ -120,9 +120,13 @@ class Allotter {
     for (std::size_t i = 0; i < stays.size(); ++i) {
       const scene::Instance& instance = scene_.instances[i];
       const auto shape = static_cast<std::size_t>(instance.shape);
-      const auto& material = scene_.materials[static_cast<std::size_t>(instance.material)];
-      if (foil[shape] || !surfaces_[shape] || instance.tolerance ||
-          std::holds_alternative<materials::Retroreflector>(material.specular_brdf))
+      const auto sends_back = [&](std::int32_t index) {
+        return index != scene::kNone &&
+               std::holds_alternative<materials::Retroreflector>(
+                   scene_.materials[static_cast<std::size_t>(index)].specular_brdf);
+      };
+      if (foil[shape] || !surfaces_[shape] || instance.tolerance || sends_back(instance.material) ||
+          sends_back(instance.back))
         stays[i] = 1;
     }
     return stays;

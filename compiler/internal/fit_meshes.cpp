@@ -92,9 +92,12 @@ class Simplifier {
       const auto shape = static_cast<std::size_t>(instance.shape);
       const auto* mesh = std::get_if<MeshShape>(&scene_.shapes[shape]);
       const Stretch stretch = stretch_of(world[static_cast<std::size_t>(instance.node)]);
-      const materials::Material& material =
-          scene_.materials[static_cast<std::size_t>(instance.material)];
-      const bool textured = material.maps.any() || material.cells.has_value();
+      const auto is_textured = [&](std::int32_t index) {
+        if (index == scene::kNone) return false;
+        const materials::Material& material = scene_.materials[static_cast<std::size_t>(index)];
+        return material.maps.any() || material.cells.has_value();
+      };
+      const bool textured = is_textured(instance.material) || is_textured(instance.back);
       if (mesh == nullptr || stays[shape] || (*mesh)->triangles.size() < kLeastTriangles ||
           !(stretch.largest > 0) || (textured && (*mesh)->texcoords.empty())) {
         stays[shape] = 1;
@@ -112,7 +115,7 @@ class Simplifier {
       Chosen& chosen = chosen_[place[shape]];
       if (tolerance.metres < chosen.tolerance.metres) chosen.tolerance = tolerance;
       chosen.flux = std::min(chosen.flux, budget.flux.value_or(HUGE_VAL));
-      chosen.slope = std::min(chosen.slope, microfacet_slope(material).value_or(HUGE_VAL));
+      chosen.slope = std::min(chosen.slope, microfacet_slope(scene_, instance).value_or(HUGE_VAL));
     }
     std::erase_if(chosen_, [&](const Chosen& chosen) { return stays[chosen.shape] != 0; });
   }

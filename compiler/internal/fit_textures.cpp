@@ -223,10 +223,14 @@ void reduce_textures(scene::Scene& scene, const Allotment& allotment, FitReport&
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     job.poll();
     const scene::Instance& instance = scene.instances[i];
-    const materials::Maps& all = scene.materials[static_cast<std::size_t>(instance.material)].maps;
-    const std::pair<std::int32_t, Vec2> maps[] = {
-        {instance.texture, Vec2(1)}, {all.albedo, all.repeat}, {all.reflectance, all.repeat}};
-    if (instance.texture < 0 && all.albedo < 0 && all.reflectance < 0) continue;
+    std::vector<std::pair<std::int32_t, Vec2>> maps{{instance.texture, Vec2(1)}};
+    for (const std::int32_t side : {instance.material, instance.back}) {
+      if (side == scene::kNone) continue;
+      const materials::Maps& all = scene.materials[static_cast<std::size_t>(side)].maps;
+      maps.insert(maps.end(), {{all.albedo, all.repeat}, {all.reflectance, all.repeat}});
+    }
+    std::erase_if(maps, [](const auto& map) { return map.first < 0; });
+    if (maps.empty()) continue;
     const auto shape = static_cast<std::size_t>(instance.shape);
     if (!made[shape]) surfaces[shape] = textured_surface(scene.shapes[shape]);
     made[shape] = 1;
@@ -234,7 +238,6 @@ void reduce_textures(scene::Scene& scene, const Allotment& allotment, FitReport&
     const scene::Budget budget = allotment.of(scene.budget, i);
     const double pixel = *budget.nearest * *budget.ifov;
     for (const auto& [map, repeat] : maps) {
-      if (map < 0) continue;
       const scene::Texture& texture = scene.textures[static_cast<std::size_t>(map)];
       const bool known = surfaces[shape] && instance.mapping == scene::Mapping::texcoords;
       const double size =

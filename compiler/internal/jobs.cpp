@@ -30,11 +30,13 @@ JobKey key_of(const MeshJob& job) {
 }
 
 bool needs_texcoords(const scene::Scene& scene, const scene::Instance& instance) {
-  const materials::Material& material =
-      scene.materials[static_cast<std::size_t>(instance.material)];
-  // anisotropic microfacets lie along u and v
-  return instance.texture != scene::kNone || material.maps.any() || material.cells ||
-         materials::is_anisotropic(material);
+  const auto needs = [&](std::int32_t index) {
+    const materials::Material& material = scene.materials[static_cast<std::size_t>(index)];
+    // anisotropic microfacets lie along u and v
+    return material.maps.any() || material.cells || materials::is_anisotropic(material);
+  };
+  return instance.texture != scene::kNone || needs(instance.material) ||
+         (instance.back != scene::kNone && needs(instance.back));
 }
 
 // Lowers the job's error to what one of its instances asks for.
@@ -76,11 +78,9 @@ Plan plan_of(const scene::Scene& scene, const std::vector<Mat4>& world, const Op
     plan.job_of.push_back(place->second);
     const Stretch& stretch = stretches[static_cast<std::size_t>(instance.node)];
     const scene::Budget budget = allotment.of(scene.budget, plan.job_of.size() - 1);
-    const materials::Material& material =
-        scene.materials[static_cast<std::size_t>(instance.material)];
     const Tolerance tolerance =
         tolerance_for(budget, scene.shapes[shape], stretch,
-                      {instance.tolerance, options.max_error, microfacet_slope(material)});
+                      {instance.tolerance, options.max_error, microfacet_slope(scene, instance)});
     refine(plan.jobs[place->second], tolerance, stretch);
     plan.asked |= instance.tolerance.has_value();
     if (tolerance.reason != pan::layout::ToleranceReason::explicit_counts)

@@ -190,7 +190,8 @@ std::vector<double> reflectances(const scene::Scene& scene, const Job& job) {
   std::vector<double> of_material(scene.materials.size());
   std::vector<char> used(scene.materials.size());
   for (const scene::Instance& instance : scene.instances)
-    used[static_cast<std::size_t>(instance.material)] = 1;
+    for (const std::int32_t side : {instance.material, instance.back})
+      if (side != scene::kNone) used[static_cast<std::size_t>(side)] = 1;
   parallel_for(
       of_material.size(),
       [&](std::size_t i) {
@@ -204,12 +205,17 @@ std::vector<double> reflectances(const scene::Scene& scene, const Job& job) {
       of_texture.size(), [&](std::size_t i) { of_texture[i] = mean_of(scene.textures[i]); }, job);
   std::vector<double> out;
   for (const scene::Instance& instance : scene.instances) {
-    const auto material = static_cast<std::size_t>(instance.material);
-    double value = of_material[material];
-    const std::int32_t map = scene.materials[material].maps.albedo;
-    if (map >= 0) value *= of_texture[static_cast<std::size_t>(map)];
+    const auto of_side = [&](std::int32_t side) {
+      const auto material = static_cast<std::size_t>(side);
+      const std::int32_t map = scene.materials[material].maps.albedo;
+      return map < 0 ? of_material[material]
+                     : of_material[material] * of_texture[static_cast<std::size_t>(map)];
+    };
+    double value = of_side(instance.material);
     if (instance.texture != scene::kNone)
       value *= of_texture[static_cast<std::size_t>(instance.texture)];
+    // the side that shows more
+    if (instance.back != scene::kNone) value = std::max(value, of_side(instance.back));
     out.push_back(value);
   }
   return out;

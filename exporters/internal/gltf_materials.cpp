@@ -530,9 +530,9 @@ class Translation {
 }  // namespace
 
 std::size_t MaterialWriter::place(std::size_t material, std::int32_t texture, bool has_texcoords,
-                                  bool two_sided) {
-  const auto [known, is_new] =
-      places_.try_emplace({material, texture, has_texcoords}, json_.size());
+                                  Faces faces) {
+  const auto [known, is_new] = places_.try_emplace(
+      {material, texture, has_texcoords, faces == Faces::one_side}, json_.size());
   const std::size_t at = known->second;
   if (is_new) {
     job_.poll();
@@ -546,7 +546,7 @@ std::size_t MaterialWriter::place(std::size_t material, std::int32_t texture, bo
     extensions_.merge(done.extensions);
     for (const auto& [what, share] : done.lost) lose(what, share, model_.material_name(material));
   }
-  if (two_sided) json_[at]["doubleSided"] = true;
+  if (faces == Faces::both) json_[at]["doubleSided"] = true;
   return at;
 }
 

@@ -19,6 +19,10 @@ struct Loss {
   std::string worst;  // its name
 };
 
+// Which faces of a surface are drawn with a material: all of them; the front's, as nobody sees the
+// others; or those of one side, as the other has its own.
+enum class Faces : std::uint8_t { both, front, one_side };
+
 // Writes the materials that the surfaces of a pan ask for, each once.
 class MaterialWriter {
  public:
@@ -31,8 +35,8 @@ class MaterialWriter {
   //   material       of the pan
   //   texture        of the instance, over the diffuse colour; −1: none
   //   has_texcoords  whether the mesh has texture coordinates
-  //   two_sided      whether the back of the surface is drawn
-  std::size_t place(std::size_t material, std::int32_t texture, bool has_texcoords, bool two_sided);
+  //   faces          that are drawn
+  std::size_t place(std::size_t material, std::int32_t texture, bool has_texcoords, Faces faces);
 
   // Whether colours of vertices change what a material reflects: a metal without diffuse light has
   // its own colour.
@@ -56,7 +60,7 @@ class MaterialWriter {
   std::map<std::string, Loss> losses_;
   std::vector<bool> takes_colors_;
   std::vector<bool> mixes_colors_;  // reflects light that vertex colours leave alone here
-  std::map<std::tuple<std::size_t, std::int32_t, bool>, std::size_t> places_;
+  std::map<std::tuple<std::size_t, std::int32_t, bool, bool>, std::size_t> places_;
 };
 
 }  // namespace panwright::exporters

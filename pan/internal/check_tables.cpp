@@ -331,6 +331,30 @@ bool has_maps(const layout::Material& material) {
          material.reflectance_map >= 0 || material.cutout_map >= 0;
 }
 
+std::optional<Problem> back_problem(const Model& model, std::size_t index) {
+  const layout::Back& back = model.backs()[index];
+  if (index > 0 && back.instance <= model.backs()[index - 1].instance)
+    return Problem{Code::E4012,
+                   fmt::format("backs[{}] is out of order, expected them ascending by instance, "
+                               "each once",
+                               index)};
+  const layout::Instance& instance = model.instances()[back.instance];
+  const layout::Material& front = model.materials()[instance.material];
+  const layout::Material& behind = model.materials()[back.material];
+  const bool alike =
+      front.cutout_map == behind.cutout_map &&
+      (front.cutout_map < 0 || (front.cutout_threshold == behind.cutout_threshold &&
+                                std::ranges::equal(front.map_repeat, behind.map_repeat)));
+  if (!alike)
+    return Problem{Code::E4012, fmt::format("backs[{}].material has other holes than that of "
+                                            "instances[{}]",
+                                            index, back.instance)};
+  if ((model.meshes()[instance.mesh].flags & layout::kMeshClosed) != 0 && front.cutout_map < 0)
+    return Problem{Code::E4012,
+                   fmt::format("backs[{}] is of a closed mesh, whose back is not seen", index)};
+  return {};
+}
+
 std::optional<Problem> instance_problem(const Model& model) {
   const auto instances = model.instances();
   const auto lacks_texcoords = [&](std::string_view what, std::size_t i, std::uint32_t mesh,
@@ -355,6 +379,13 @@ std::optional<Problem> instance_problem(const Model& model) {
     if (auto problem = lacks_texcoords("levels", i, levels[i].mesh, levels[i].material,
                                        instances[levels[i].instance].texture))
       return problem;
+  for (std::size_t i = 0; i < model.backs().size(); ++i) {
+    const layout::Back& back = model.backs()[i];
+    if (auto problem = back_problem(model, i)) return problem;
+    if (auto problem =
+            lacks_texcoords("backs", i, instances[back.instance].mesh, back.material, -1))
+      return problem;
+  }
   const std::uint64_t sources = model.sources().size();
   if (model.entry(SectionKind::sources) && sources != instances.size())
     return Problem{Code::E4010,

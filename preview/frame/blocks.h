@@ -29,11 +29,17 @@ inline void copy_floats(const Vec3& from, float* to) {
   to[3] = 0;
 }
 
-// How often an item's maps repeat.
+// What is drawn of the triangles to come: those of some sides alone.
+inline void cull(const GladGLContext& gl, Sides drawn) {
+  drawn == Sides::both ? gl.Disable(GL_CULL_FACE) : gl.Enable(GL_CULL_FACE);
+  gl.CullFace(drawn == Sides::back ? GL_FRONT : GL_BACK);
+}
+
+// How often an item's maps repeat, and which way their bumps lean: a back's own stand out of it.
 inline void copy_repeat(const DrawItem& item, DrawBlock& block) {
   for (int axis = 0; axis < 2; ++axis) {
     block.repeat[axis] = static_cast<float>(item.repeat[axis]);
-    block.repeat[axis + 2] = item.repeat[axis] < 0 ? -1.0f : 1.0f;
+    block.repeat[axis + 2] = (item.repeat[axis] < 0) != (item.sides == Sides::back) ? -1.0f : 1.0f;
   }
 }
 

@@ -36,17 +36,17 @@ void place(DrawItem& item, const pan::Model& model, const Mat4& model_from_node)
   item.set_pixel(0);
 }
 
-// What is drawn of an instance: its own mesh and material, or those of a level.
+// What is drawn of an instance: its own mesh and material, or those of a level; of its back alone.
 DrawItem item_of(const pan::Model& model, std::uint32_t index, std::uint32_t mesh_index,
-                 std::uint32_t material_index) {
+                 std::uint32_t material_index, bool back) {
   namespace layout = pan::layout;
   const layout::Instance& instance = model.instances()[index];
   const layout::Mesh& mesh = model.meshes()[mesh_index];
   const layout::Material& material = model.materials()[material_index];
   DrawItem item;
   item.variant.shading = material.variant;
-  item.variant.textured = instance.texture >= 0;
-  item.variant.colored = (mesh.flags & layout::kMeshColors) != 0;
+  item.variant.textured = instance.texture >= 0 && !back;
+  item.variant.colored = (mesh.flags & layout::kMeshColors) != 0 && !back;
   item.variant.albedo_map = material.albedo_map >= 0;
   item.variant.normal_map = material.normal_map >= 0;
   item.variant.roughness_map = material.roughness_map >= 0;
@@ -57,8 +57,11 @@ DrawItem item_of(const pan::Model& model, std::uint32_t index, std::uint32_t mes
   item.variant.brushed = is_brushed(material);
   item.variant.tangents = item.variant.normal_map ||
                           (item.variant.brushed && !model.mesh(mesh_index).texcoords.empty());
-  item.closed = (mesh.flags & layout::kMeshClosed) != 0 && !item.variant.cutout;
-  item.texture = instance.texture;
+  const bool closed = (mesh.flags & layout::kMeshClosed) != 0 && !item.variant.cutout;
+  item.sides = back                                  ? Sides::back
+               : closed || model.back_of(index) >= 0 ? Sides::front
+                                                     : Sides::both;
+  item.texture = back ? -1 : instance.texture;
   item.material = material_index;
   item.mesh = mesh_index;
   item.instance = index;
@@ -75,7 +78,7 @@ DrawItem item_of(const pan::Model& model, std::uint32_t index, std::uint32_t mes
 }
 
 auto order(const DrawItem& item) {
-  return std::tie(item.variant, item.closed, item.mirrored, item.texture, item.material, item.mesh,
+  return std::tie(item.variant, item.sides, item.mirrored, item.texture, item.material, item.mesh,
                   item.instance);
 }
 
@@ -130,7 +133,7 @@ Families families_of(const pan::Model& model) {
 }
 
 bool is_drawn_alike(const DrawItem& a, const DrawItem& b) {
-  return a.variant == b.variant && a.closed == b.closed && a.mirrored == b.mirrored &&
+  return a.variant == b.variant && a.sides == b.sides && a.mirrored == b.mirrored &&
          a.texture == b.texture && a.material == b.material && a.mesh == b.mesh;
 }
 
@@ -141,12 +144,19 @@ std::vector<DrawItem> draw_list(const pan::Model& model) {
   for (std::uint32_t i = 0; i < model.instances().size(); ++i) {
     const pan::layout::Instance& instance = model.instances()[i];
     const std::size_t first = list.size();
-    list.push_back(item_of(model, i, instance.mesh, instance.material));
-    for (const pan::layout::Level& level : model.levels(i)) {
-      list.back().next_detail = level.detail;
-      list.push_back(item_of(model, i, level.mesh, level.material));
-      list.back().detail = level.detail;
-    }
+    const auto add = [&](std::int32_t back) {
+      const auto material = [&](std::uint32_t front) {
+        return back < 0 ? front : static_cast<std::uint32_t>(back);
+      };
+      list.push_back(item_of(model, i, instance.mesh, material(instance.material), back >= 0));
+      for (const pan::layout::Level& level : model.levels(i)) {
+        list.back().next_detail = level.detail;
+        list.push_back(item_of(model, i, level.mesh, material(level.material), back >= 0));
+        list.back().detail = level.detail;
+      }
+    };
+    add(-1);
+    if (const std::int32_t back = model.back_of(i); back >= 0) add(back);
     for (std::size_t k = first; k < list.size(); ++k)
       place(list[k], model, world_from_nodes[instance.node]);
   }

@@ -49,10 +49,14 @@ struct Variant {
   auto operator<=>(const Variant&) const = default;
 };
 
-// One instance of the model.
+enum class Sides : std::uint8_t { both, front, back };
+
+// One instance of the model, or one side of it.
 struct DrawItem {
   Variant variant;
-  bool closed = false;    // its back faces are not drawn: closed, and without holes to see them
+  // which faces are drawn: the front's alone where it is closed, without holes to see the others;
+  // a surface whose back has another material is drawn once for each
+  Sides sides = Sides::both;
   bool mirrored = false;  // triangles are clockwise from outside, once placed
   std::int32_t texture = -1;
   std::uint32_t material = 0;

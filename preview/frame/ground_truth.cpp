@@ -27,7 +27,7 @@ class Patch {
  public:
   Patch(const pan::Model& model, const world::Camera& camera, bool flat, const DrawItem& item,
         const Placement& placement, std::uint32_t triangle)
-      : flat_(flat), closed_(item.closed) {
+      : flat_(flat), front_(item.sides == Sides::front) {
     const pan::MeshView mesh = model.mesh(item.mesh);
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t index = mesh.indices[std::size_t{3} * triangle + k];
@@ -72,7 +72,7 @@ class Patch {
     const Vec3 smooth =
         flat_ ? geometric_
               : unit_or_zero(weight.x * normal_[0] + weight.y * normal_[1] + weight.z * normal_[2]);
-    const bool away = !closed_ && glm::dot(outward_, line.direction) > 0;
+    const bool away = !front_ && glm::dot(outward_, line.direction) > 0;
     return away ? -smooth : smooth;
   }
 
@@ -83,7 +83,7 @@ class Patch {
   }
 
   bool flat_;
-  bool closed_;
+  bool front_;      // the back is not seen
   Vec3 corner_[3];  // camera frame
   Vec3 normal_[3];  // world
   Vec3 edge_1_, edge_2_;
@@ -151,7 +151,10 @@ void fill_ground_truth(const world::Camera& camera, bool flat,
       // at any level of detail
       const pan::layout::Instance& instance = target->model->instances()[item->instance];
       image.node_id[pixel] = instance.node + 1;
-      image.material_id[pixel] = instance.material + 1;
+      const std::int32_t back = item->sides == Sides::back
+                                    ? target->model->back_of(item->instance)
+                                    : static_cast<std::int32_t>(instance.material);
+      image.material_id[pixel] = static_cast<std::uint32_t>(back) + 1;
     }
   };
   parallel_for(tile.height, std::ref(fill_row));

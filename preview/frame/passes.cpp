@@ -300,8 +300,7 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
     const pan::layout::Mesh& mesh = model.model->meshes()[item.mesh];
     if (!last || item.variant != last->variant || instanced != were_instanced)
       gl_.UseProgram(program(model, item.variant, pass, shadows, instanced));
-    if (!last || item.closed != last->closed)
-      item.closed ? gl_.Enable(GL_CULL_FACE) : gl_.Disable(GL_CULL_FACE);
+    if (!last || item.sides != last->sides) cull(gl_, item.sides);
     // note: rows grow downwards in the window, which turns every triangle round once
     if (!last || item.mirrored != last->mirrored) gl_.FrontFace(item.mirrored ? GL_CCW : GL_CW);
     if (!last || item.texture != last->texture || item.material != last->material)
@@ -346,7 +345,7 @@ void Passes::draw_decals(const FrameScene& scene, const TileTarget& target, cons
     if (k == ~0u) continue;
     const DrawItem& item = state.items()[model.gpu.decals()[i].item];
     if (&item != last) {
-      item.closed ? gl_.Enable(GL_CULL_FACE) : gl_.Disable(GL_CULL_FACE);
+      cull(gl_, item.sides);
       gl_.FrontFace(item.mirrored ? GL_CCW : GL_CW);
       model.gpu.bind_vertices(model.model->meshes()[item.mesh], item.mesh);
       bind_blocks(target.first_block + k, 1);

@@ -422,8 +422,7 @@ bool ShadowMaps::draw_layer(Device::Impl& device, const Map& map, const TargetSt
     }
     if (!last || item.variant.cutout != last->variant.cutout || instanced != were_instanced)
       gl.UseProgram(device.programs.shadow(item.variant.cutout, instanced));
-    if (!last || item.closed != last->closed)
-      item.closed ? gl.Enable(GL_CULL_FACE) : gl.Disable(GL_CULL_FACE);
+    if (!last || item.sides != last->sides) cull(gl, item.sides);
     if (!last || item.mirrored != last->mirrored) gl.FrontFace(item.mirrored ? GL_CW : GL_CCW);
     if (item.variant.cutout) gpu.bind_maps(draws_[k].item);
     if (!last || item.mesh != last->mesh) gpu.bind_vertices(mesh, item.mesh);

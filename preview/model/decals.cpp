@@ -57,20 +57,26 @@ std::vector<std::uint32_t> touched(const pan::MeshView& mesh, const PlacedDecal&
 }  // namespace
 
 std::vector<PlacedDecal> placed_decals(const pan::Model& model, std::span<const DrawItem> list) {
-  std::vector<std::uint32_t> item_of(model.instances().size());
-  for (std::uint32_t i = 0; i < list.size(); ++i) item_of[list[i].instance] = i;
-  std::vector<PlacedDecal> decals(model.decals().size());
+  // of an instance, one or one for each side
+  std::vector<std::vector<std::uint32_t>> items_of(model.instances().size());
+  for (std::uint32_t i = 0; i < list.size(); ++i) items_of[list[i].instance].push_back(i);
+  std::vector<PlacedDecal> decals;
+  std::vector<std::size_t> records;
+  for (std::size_t i = 0; i < model.decals().size(); ++i)
+    for (const std::uint32_t item : items_of[model.decals()[i].instance]) {
+      decals.emplace_back().item = item;
+      records.push_back(i);
+    }
   parallel_for(decals.size(), [&](std::size_t i) {
-    const layout::Decal& record = model.decals()[i];
+    const layout::Decal& record = model.decals()[records[i]];
     PlacedDecal& decal = decals[i];
-    decal.item = item_of[record.instance];
     decal.texture = record.texture;
     const DrawItem& item = list[decal.item];
     decal.place = place_rows(record, model.meshes()[item.mesh]);
     decal.outwards =
         Quat(record.rotation[0], record.rotation[1], record.rotation[2], record.rotation[3]) *
         Vec3(0, 0, 1);
-    decal.indices = touched(model.mesh(item.mesh), decal, item.closed);
+    decal.indices = touched(model.mesh(item.mesh), decal, item.sides == Sides::front);
   });
   std::erase_if(decals, [](const PlacedDecal& decal) { return decal.indices.empty(); });
   return decals;

@@ -128,9 +128,12 @@ void add_ground_truth(const TraceScene& scene, const world::World& world,
       const Vec3 normal = placed.frame.world_from * placed.target->normal(hit->hit, flat);
       for (std::size_t k = 0; k < 3; ++k)
         image.normal[3 * pixel + k] = static_cast<float>(normal[static_cast<int>(k)]);
-      const pan::layout::Instance& instance = world[placed.index].model()->instances()[part];
+      const pan::Model& model = *world[placed.index].model();
+      const pan::layout::Instance& instance = model.instances()[part];
       image.node_id[pixel] = instance.node + 1;
-      image.material_id[pixel] = instance.material + 1;
+      const std::int32_t back = hit->hit.front ? -1 : model.back_of(part);
+      image.material_id[pixel] =
+          (back < 0 ? instance.material : static_cast<std::uint32_t>(back)) + 1;
       image.target_id[pixel] = placed.index + 1;
     }
   };

@@ -13,13 +13,11 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "geometry/tessellate/tessellate.h"
-#include "materials/kept_fits.h"
-#include "mli/preset.h"
 #include "pxn/build/attach.h"
 #include "pxn/build/blankets.h"
 #include "pxn/build/joints.h"
 #include "pxn/build/pattern.h"
-#include "pxn/build/presets.h"
+#include "pxn/build/surfaces.h"
 #include "pxn/text/grammar.h"
 
 namespace panwright::pxn {
@@ -29,13 +27,11 @@ namespace {
 // What is around an item.
 struct Context {
   std::int32_t node = 0;
-  materials::Fields fields;
-  std::string material_name;  // of the named material, when nothing around changes it
+  Surface surface;
   std::string prefix;         // of names of frames and keypoints: the uses around
   std::int32_t texture = scene::kNone;
   Mat4 texture_from_node{1};
   Mat4 world_from_node{1};
-  SourceSpan appearance;  // the innermost one, for what is said about its material
 };
 
 // One use of a part. The first one shares its file id with the part; others get theirs when
@@ -83,6 +79,7 @@ class Assembler {
         options_(options),
         reporter_(reporter),
         scene_(scene),
+        surfaces_(loader, options, reporter, scene),
         attached_{{}, CellGrids(scene), {}, {}, {}, {}},
         blankets_(scene, options.crease_angle, loader.foil_vertices(), options.cache,
                   loader.job()) {}
@@ -126,9 +123,10 @@ class Assembler {
     Context inner = context;
     switch (item.kind) {
       case ItemKind::appearance:
-        inner.fields = context.fields.overridden_by(use.part->fields[item.data]);
-        inner.material_name.clear();
-        inner.appearance = material_place(use, item);
+        inner.surface = {context.surface.fields.overridden_by(use.part->fields[item.data]),
+                         {},
+                         {},
+                         material_place(use, item)};
         break;
       case ItemKind::texture:
         inner.texture = static_cast<std::int32_t>(item.data);
@@ -265,12 +263,8 @@ class Assembler {
     scene_.nodes.push_back(std::move(node));
     context.node = static_cast<std::int32_t>(scene_.nodes.size() - 1);
     if (const NodeProperties* properties = properties_of(use, item);
-        properties && properties->material >= 0) {
-      const NamedMaterial& material = loader_.material(properties->material);
-      context.fields = material.fields;
-      context.material_name = material.name;
-      context.appearance = material.place;
-    }
+        properties && properties->material >= 0)
+      context.surface = surfaces_.named(properties->material);
     return true;
   }
 
@@ -280,14 +274,19 @@ class Assembler {
     scene::Instance instance;
     instance.node = context.node;
     instance.shape = static_cast<std::int32_t>(item.data);
-    instance.material = material(context);
+    instance.material = surfaces_.material(context.surface);
     instance.texture = context.texture;
     if (context.texture != scene::kNone) {
       instance.mapping = scene::Mapping::sphere;
       instance.texture_from_shape = context.texture_from_node;
     }
     instance.source = source_of(use, item);
-    if (const NodeProperties* properties = properties_of(use, item)) {
+    const NodeProperties* const own = properties_of(use, item);
+    instance.back =
+        surfaces_.back_of(instance.material, own && own->back ? *own->back : context.surface.back,
+                          [&] { return place_in(use, item); });
+    if (own) {
+      const NodeProperties* properties = own;
       instance.tolerance = properties->tolerance;
       if (!properties->name.empty())
         use.shapes[properties->name].emplace_back(
@@ -354,18 +353,10 @@ class Assembler {
     FoilWish wish = wish_of(use, element);
     wish.on = {{instance, scene_.nodes[node].name + "_foil"}};
     wish.how.preset = preset;
-    wish.blanket.material = named >= 0 ? named_material(named) : usual_material(preset);
+    wish.blanket.material =
+        named >= 0 ? surfaces_.named_material(named) : surfaces_.usual_material(preset);
     wish.blanket.source = source;
     blankets_.wish(std::move(wish));
-  }
-
-  // The library's material that a preset of foil is usual with.
-  std::int32_t usual_material(std::string_view preset) {
-    Context context;
-    for (const mli::Preset& known : mli::presets())
-      if (known.name == preset) context.material_name = known.material;
-    if (const Preset* found = find_preset(context.material_name)) context.fields = found->fields;
-    return material(context);
   }
 
   // Once all nodes of the part are there. first: of its nodes.
@@ -377,11 +368,14 @@ class Assembler {
     if (on.empty()) return report_no_match(use, item, known, first);
     const NodeProperties* properties = properties_of(use, item);
     scene::Instance blanket;
-    const bool bare = around.material_name.empty() && around.appearance.file == kNoFile;
+    const bool bare = around.surface.name.empty() && around.surface.place.file == kNoFile;
     blanket.material =
-        properties && properties->material >= 0 ? named_material(properties->material)
-        : bare && !known.blanket.preset.empty() ? usual_material(known.blanket.preset)
-                                                : material(around);
+        properties && properties->material >= 0 ? surfaces_.named_material(properties->material)
+        : bare && !known.blanket.preset.empty() ? surfaces_.usual_material(known.blanket.preset)
+                                                : surfaces_.material(around.surface);
+    if (properties && properties->back)
+      blanket.back = surfaces_.back_of(blanket.material, *properties->back,
+                                       [&] { return place_in(use, item); });
     blanket.source = source_of(use, item);
     const std::string name = properties && !properties->name.empty() ? properties->name : "foil";
     FoilWish wish = wish_of(use, item.element);
@@ -390,8 +384,8 @@ class Assembler {
     wish.how = known.blanket;
     wish.axes_from_world = glm::inverse(around.world_from_node);
     wish.faces = known.faces;
-    if (known.tape >= 0) wish.tape = named_material(known.tape);
-    if (known.edge >= 0) wish.edge = named_material(known.edge);
+    if (known.tape >= 0) wish.tape = surfaces_.named_material(known.tape);
+    if (known.edge >= 0) wish.edge = surfaces_.named_material(known.edge);
     wish.blanket = std::move(blanket);
     blankets_.wish(std::move(wish));
   }
@@ -603,67 +597,27 @@ class Assembler {
       return;
     }
     std::vector<std::int32_t> materials(place.materials.size(), -1);
+    std::vector<std::int32_t> backs(place.materials.size(), scene::kNone);
     for (std::size_t i = 0; i < materials.size(); ++i) {
       if (place.removed[i]) continue;
       materials[i] = place.materials[i] < 0
-                         ? cad_material(place.model, model, from.instances[i].material)
-                         : named_material(place.materials[i]);
+                         ? surfaces_.cad_material(place.model, model, from.instances[i].material)
+                         : surfaces_.named_material(place.materials[i]);
+      if (place.materials[i] >= 0)
+        backs[i] = surfaces_.back_of(materials[i], surfaces_.named(place.materials[i]).back,
+                                     [&] { return place_in(use, item); });
     }
     if (first_import_.file == kNoFile) {
       first_import_ = Assembler::place(use, item);
       first_import_.file = file_of(use);
     }
-    attach(model, place, materials, context.node, context.world_from_node, context.prefix,
+    attach(model, place, {materials, backs}, context.node, context.world_from_node, context.prefix,
            attached_, scene_);
     import_joints(use, place, context);
     import_frames(use, item);
     for (const auto& [instance, of] : attached_.foiled)
       cover(use, place.foils[of].rule, instance, place.foils[of].preset, place.materials[of],
             source_of(use, item));
-  }
-
-  std::int32_t named_material(std::int32_t index) {
-    const NamedMaterial& named = loader_.material(index);
-    Context context;
-    context.fields = named.fields;
-    context.material_name = named.name;
-    context.appearance = named.place;
-    return material(context);
-  }
-
-  // A material of a CAD file, once for each file.
-  std::int32_t cad_material(std::uint32_t model_index, const ImportedModel& model,
-                            std::int32_t index) {
-    const auto [known, added] = cad_materials_.emplace(std::pair(model_index, index), 0);
-    if (!added) return known->second;
-    known->second = static_cast<std::int32_t>(scene_.materials.size());
-    materials::Material copy = model.imported.scene.materials[static_cast<std::size_t>(index)];
-    for (std::int32_t* map : {&copy.maps.albedo, &copy.maps.normal, &copy.maps.roughness,
-                              &copy.maps.reflectance, &copy.maps.cutout})
-      if (*map >= 0) *map = model.textures[static_cast<std::size_t>(*map)];
-    scene_.materials.push_back(std::move(copy));
-    return known->second;
-  }
-
-  // ---- materials
-
-  std::int32_t material(const Context& context) {
-    const auto [known, added] =
-        by_fields_.emplace(std::pair(context.material_name, key_of(context.fields)), 0);
-    if (!added) return known->second;
-    materials::Material material =
-        materials::resolved(context.fields, context.appearance, reporter_.log(), options_.cache);
-    const auto next = static_cast<std::int32_t>(scene_.materials.size());
-    const auto [same, is_new] =
-        by_value_.emplace(std::pair(context.material_name, key_of(material)), next);
-    known->second = same->second;
-    if (is_new) {
-      material.name = !context.material_name.empty()       ? context.material_name
-                      : context.appearance.file == kNoFile ? "default"
-                                                           : numbered("material");
-      scene_.materials.push_back(std::move(material));
-    }
-    return same->second;
   }
 
   // ---- reports
@@ -684,6 +638,11 @@ class Assembler {
   static SourceSpan place(const Use& use, const Item& item) {
     return use.part->file->document.tag_span(item.element);
   }
+  SourceSpan place_in(Use& use, const Item& item) {
+    SourceSpan where = place(use, item);
+    where.file = file_of(use);
+    return where;
+  }
   static SourceSpan material_place(const Use& use, const Item& item) {
     const xml::Document& document = use.part->file->document;
     const std::uint32_t material = child_of(document, item.element, schemas::ElementId::material);
@@ -692,9 +651,7 @@ class Assembler {
 
   template <class Compose>
   void report(Code code, Use& use, const Item& item, const Compose& compose) {
-    SourceSpan where = place(use, item);
-    where.file = file_of(use);
-    reporter_.report(code, where, use.part->file->document, item.element, compose);
+    reporter_.report(code, place_in(use, item), use.part->file->document, item.element, compose);
   }
 
   const Loader& loader_;
@@ -702,8 +659,6 @@ class Assembler {
   Reporter& reporter_;
   scene::Scene& scene_;
   std::map<std::string, std::uint32_t> counters_;
-  std::map<std::pair<std::string, std::vector<double>>, std::int32_t> by_fields_;
-  std::map<std::pair<std::string, std::vector<double>>, std::int32_t> by_value_;
   std::set<std::string> labels_;
   std::set<std::string> keypoints_;
   std::set<std::pair<const Part*, std::uint32_t>> missing_;  // decals without a shape, said once
@@ -711,7 +666,7 @@ class Assembler {
   std::set<std::string> made_;                               // by named()
   std::map<const Part*, std::set<std::string>> written_;     // by written_in()
   std::set<std::uint32_t> used_;
-  std::map<std::pair<std::uint32_t, std::int32_t>, std::int32_t> cad_materials_;
+  Surfaces surfaces_;
   AttachedShapes attached_;
   Blankets blankets_;
   Joints joints_;

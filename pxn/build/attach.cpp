@@ -79,10 +79,9 @@ void attach_joints(const scene::Scene& from, const std::vector<std::int32_t>& no
 
 }  // namespace
 
-void attach(const ImportedModel& model, const PartImport& place,
-            std::span<const std::int32_t> materials, std::int32_t below,
-            const Mat4& world_from_below, const std::string& prefix, AttachedShapes& shapes,
-            scene::Scene& scene) {
+void attach(const ImportedModel& model, const PartImport& place, const AttachedSides& sides,
+            std::int32_t below, const Mat4& world_from_below, const std::string& prefix,
+            AttachedShapes& shapes, scene::Scene& scene) {
   const scene::Scene& from = model.imported.scene;
   const std::vector<char> kept = kept_nodes(from, place);
   std::vector<std::int32_t> node_of(from.nodes.size(), scene::kNone);
@@ -132,7 +131,8 @@ void attach(const ImportedModel& model, const PartImport& place,
     scene::Instance instance = from.instances[i];
     instance.node = node_of[static_cast<std::size_t>(instance.node)];
     instance.shape = model.shapes[static_cast<std::size_t>(instance.shape)];
-    instance.material = materials[i];
+    instance.material = sides.materials[i];
+    instance.back = sides.backs[i];
     if (place.materials[i] >= 0 && !place.keeps_texture[i])
       instance.shape = plain_shape(instance.shape, shapes.plain, scene);
     // a texture may stand in the material that goes

@@ -30,18 +30,23 @@ struct AttachedShapes {
   std::vector<scene::Frame> frames;
 };
 
+// Materials of the scene for each instance of a file: of its front, and of its back, or kNone.
+struct AttachedSides {
+  std::span<const std::int32_t> materials;
+  std::span<const std::int32_t> backs;
+};
+
 // Appends what a CAD file holds below a node, without what is removed: nodes that hold nothing any
 // more stay out. What is assigned a material loses the colours of its vertices with its texture.
 //
 // Cells are laid out over faces as CellGrids does.
 //
-//   materials         of each instance, in the scene
+//   sides             what each instance wears, in the scene
 //   world_from_below  of the node
 //   prefix            of the names of the file's joints and frames
 //   shapes            grows
-void attach(const ImportedModel& model, const PartImport& place,
-            std::span<const std::int32_t> materials, std::int32_t below,
-            const Mat4& world_from_below, const std::string& prefix, AttachedShapes& shapes,
-            scene::Scene& scene);
+void attach(const ImportedModel& model, const PartImport& place, const AttachedSides& sides,
+            std::int32_t below, const Mat4& world_from_below, const std::string& prefix,
+            AttachedShapes& shapes, scene::Scene& scene);
 
 }  // namespace panwright::pxn

@@ -92,13 +92,18 @@ std::string faces(std::size_t count, double area) {
 }  // namespace
 
 void CellGrids::append(scene::Instance instance, const Mat4& world_from_node) {
-  const materials::Material& material =
-      scene_.materials[static_cast<std::size_t>(instance.material)];
-  if (!material.cells) {
+  const auto of_side = [&](std::int32_t material) {
+    if (material == scene::kNone) return std::pair(false, false);
+    const materials::Material& side = scene_.materials[static_cast<std::size_t>(material)];
+    return std::pair(side.cells.has_value(), side.maps.any());
+  };
+  const auto [front_has_cells, front_has_maps] = of_side(instance.material);
+  const auto [back_has_cells, back_has_maps] = of_side(instance.back);
+  if (!front_has_cells && !back_has_cells) {
     scene_.instances.push_back(std::move(instance));
     return;
   }
-  const bool textured = instance.texture != scene::kNone || material.maps.any();
+  const bool textured = instance.texture != scene::kNone || front_has_maps || back_has_maps;
   const Laid& laid = this->laid(instance.shape, textured, world_from_node);
   const auto add = [](Faces& to, const Faces& from) {
     to.count += from.count;
@@ -112,7 +117,8 @@ void CellGrids::append(scene::Instance instance, const Mat4& world_from_node) {
   if (laid.without != scene::kNone) {
     scene::Instance plain = instance;
     plain.shape = laid.without;
-    plain.material = without_cells(instance.material);
+    if (front_has_cells) plain.material = without_cells(instance.material);
+    if (back_has_cells) plain.back = without_cells(instance.back);
     if (laid.with_cells == scene::kNone) {
       scene_.instances.push_back(std::move(plain));
       return;

@@ -243,6 +243,7 @@ void Loader::read_definitions(File& file) {
                                                          in_quotes(definition.name)));
                      });
   }
+  read_backs(file);
 }
 
 std::optional<std::uint32_t> Loader::part_of(Definition& definition, const Arguments& arguments,
@@ -353,6 +354,7 @@ std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
   definition.reading = true;
   materials::Fields fields;
   Provenance provenance;
+  BackMaterial back;
   if (file.values->has(element, attribute::named_material_base)) {
     Definition* const base =
         look_up(file, element, attribute::named_material_base, file.materials, "material");
@@ -383,6 +385,7 @@ std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
   if (const Preset* given = preset_of(file, element)) {
     fields = given->fields;
     provenance = given->provenance;
+    back = {-1, given->back};
   }
   // note: files are read on the file's main part, which is there by now
   Work work{file, parts_[*known_files_.at(file.found.key)], &file.scope};
@@ -395,8 +398,50 @@ std::optional<std::uint32_t> Loader::material_of(Definition& definition) {
   definition.reading = false;
   definition.index = static_cast<std::uint32_t>(materials_.size());
   read_provenance(document, element, *file.values, provenance);
-  materials_.push_back({definition.name, fields, document.tag_span(element), provenance});
+  materials_.push_back({definition.name, fields, document.tag_span(element), provenance, back});
   return definition.index;
+}
+
+// The backs of the file's materials, all of which have been read: two may be each other's.
+void Loader::read_backs(File& file) {
+  std::map<std::uint32_t, std::uint32_t> elements;  // by index: bases come first
+  for (const Definition& definition : file.definitions)
+    if (definition.index) elements[*definition.index] = definition.element;
+  for (const auto& [index, element] : elements) {
+    if (file.values->has(element, attribute::named_material_back)) {
+      materials_[index].back = back_of(file, element, attribute::named_material_back);
+    } else if (!file.values->has(element, attribute::named_material_preset)) {
+      const auto base = file.values->text(element, attribute::named_material_base);
+      const auto found = base ? file.materials.find(*base) : file.materials.end();
+      if (found != file.materials.end() && found->second->index)
+        materials_[index].back = materials_[*found->second->index].back;
+    }
+  }
+}
+
+// A named material of the file, or else one of the library.
+BackMaterial Loader::back_of(File& file, std::uint32_t element, std::size_t which) {
+  const auto name = file.values->text(element, which);
+  if (!name) return {};
+  if (const auto found = file.materials.find(*name); found != file.materials.end()) {
+    const auto index = material_of(*found->second);
+    return {index ? static_cast<std::int32_t>(*index) : -1, {}};
+  }
+  if (*name == "none") return {};
+  const std::vector<std::string_view> library = preset_names();
+  if (const auto found = std::ranges::find(library, *name); found != library.end())
+    return {-1, *found};
+  reporter_.report(Code::E1311, file.values->value_place(element, which), file.document, element,
+                   [&]() -> Reporter::Text {
+                     std::vector<std::string_view> names = library;
+                     for (const auto& [other, definition] : file.materials) names.push_back(other);
+                     const auto near = nearest_name(*name, names);
+                     return {fmt::format("unknown material {}", in_quotes(*name)),
+                             near ? fmt::format("did you mean '{}'?", *near)
+                                  : "it is none of the file's, nor of the library's, which "
+                                    "`panwright material --list` lists"};
+                   });
+  return {};
 }
 
 // The library's material that a named one starts from; nullptr where it names none.

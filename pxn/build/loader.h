@@ -111,6 +111,8 @@ class Loader {
                       Arguments& arguments);
   std::optional<std::uint32_t> material_of(Definition& definition);
   const Preset* preset_of(File& file, std::uint32_t element);
+  void read_backs(File& file);
+  BackMaterial back_of(File& file, std::uint32_t element, std::size_t which);
   // The definition that an attribute names, or nothing: reported as E1311.
   Definition* look_up(File& file, std::uint32_t element, std::size_t attribute,
                       const Definitions& known, std::string_view what);

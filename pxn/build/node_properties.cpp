@@ -45,6 +45,7 @@ std::uint32_t Loader::read_properties(Work& work, std::uint32_t element) {
               look_up(work.file, element, *which, work.file.materials, "material"))
         if (const auto index = material_of(*material))
           properties.material = static_cast<std::int32_t>(*index);
+    if (const auto which = given("back")) properties.back = back_of(work.file, element, *which);
     if (const auto which = given("tolerance")) properties.tolerance = values.real(element, *which);
     if (const auto which = given("foil"))
       properties.foil = foil_named(values.text(element, *which).value_or(""));
@@ -240,6 +241,7 @@ void Loader::add_trim(Work& work, std::uint32_t element, const FoilShapes& shape
         properties == kNoProperties ? NodeProperties{} : work.part.properties[properties];
     own.name = (own.name.empty() ? "mli" : own.name) + std::string(ending);
     own.material = static_cast<std::int32_t>(*material);
+    own.back.reset();
     work.part.properties.push_back(std::move(own));
     add_item(work, ItemKind::shape, element, *shape,
              static_cast<std::uint32_t>(work.part.properties.size() - 1));

@@ -52,11 +52,18 @@ struct Item {
   std::uint32_t properties;  // index into details, or kNoProperties
 };
 
+// What a back is made of. All empty: of what the front is.
+struct BackMaterial {
+  std::int32_t named = -1;   // index into Loader::materials
+  std::string_view library;  // or one of the library
+};
+
 // What nodes, shapes and uses may say about themselves.
 struct NodeProperties {
   std::string name;  // as written; empty: after the kind
   std::optional<scene::Transform> transform;
   std::int32_t material = -1;       // index into Loader::materials
+  std::optional<BackMaterial> back;  // none: what the material says
   std::optional<double> tolerance;  // metres
   std::string_view foil;            // of mli::presets(), over all faces; empty: none
 };
@@ -185,6 +192,7 @@ struct NamedMaterial {
   materials::Fields fields;
   SourceSpan place;
   Provenance provenance;
+  BackMaterial back;
 };
 
 }  // namespace panwright::pxn

@@ -24,7 +24,7 @@ Preset read_preset(const PresetText& text) {
   // note: a test reads every one of them without a diagnostic
   assert(loader.materials().size() == 1);
   const NamedMaterial& material = loader.materials().front();
-  return {material.fields, material.provenance};
+  return {material.fields, material.provenance, material.back.library};
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ extern const std::size_t kPresetCount;
 struct Preset {
   materials::Fields fields;
   Provenance provenance;
+  std::string_view back;  // another one of the library; empty: none
 };
 
 // One of the library, read on first use and kept; nullptr for another name. Any thread.

@@ -109,7 +109,8 @@ inline constexpr std::uint32_t kFeatureRecordSizes = 1u << 1;  // records have o
 inline constexpr std::uint32_t kFeatureBrdfRetroreflector = 1u << 2;  // a material has the BRDF retroreflector
 inline constexpr std::uint32_t kFeatureJointValues = 1u << 3;  // joints begin with values that move something: a reader that does not know them would draw another model
 inline constexpr std::uint32_t kFeatureMeshStreams = 1u << 4;  // positions, normals and indices are stored as streams, mesh by mesh
-inline constexpr std::uint64_t kKnownRequiredFeatures = 0x0000001fu;
+inline constexpr std::uint32_t kFeatureBacks = 1u << 5;  // instances have another material on their backs: a reader that does not know them would draw another model
+inline constexpr std::uint64_t kKnownRequiredFeatures = 0x0000003fu;
 
 // Bits of DirectoryEntry.flags.
 inline constexpr std::uint32_t kSectionOptional = 1u << 0;  // a reader that does not know the kind ignores the section
@@ -645,6 +646,17 @@ static_assert(offsetof(MeshStream, exact_positions) == 76);
 static_assert(offsetof(MeshStream, exact_normals) == 80);
 static_assert(offsetof(MeshStream, reserved) == 84);
 
+// What an instance is on its back: where its triangles are seen clockwise, and mirrored ones
+// counter-clockwise.
+struct Back {
+  std::uint32_t instance;
+  // of the back, by itself: colours of vertices and the instance's texture are of the front
+  std::uint32_t material;
+};
+static_assert(sizeof(Back) == 8);
+static_assert(offsetof(Back, instance) == 0);
+static_assert(offsetof(Back, material) == 4);
+
 // What made the file.
 struct Build {
   std::uint32_t version;  // name and version of the program
@@ -684,8 +696,9 @@ enum class SectionKind : std::uint32_t {
   joints = 24,
   mesh_streams = 25,
   stream_bytes = 26,
+  backs = 27,
 };
-inline constexpr std::size_t kSectionKinds = 26;
+inline constexpr std::size_t kSectionKinds = 27;
 
 struct SectionInfo {
   SectionKind kind;
@@ -725,6 +738,7 @@ inline constexpr SectionInfo kSections[kSectionKinds] = {
     {SectionKind::joints, "joints", 304, 304, 8, true, true},
     {SectionKind::mesh_streams, "mesh_streams", 88, 88, 8, true, true},
     {SectionKind::stream_bytes, "stream_bytes", 1, 1, 1, false, true},
+    {SectionKind::backs, "backs", 8, 8, 4, true, true},
 };
 
 // A kind that a later format will define: a file may hold it as one that readers may ignore.
@@ -734,7 +748,7 @@ struct ReservedKind {
 };
 
 inline constexpr std::array<ReservedKind, 1> kReservedKinds{{
-    {27, "lights"},
+    {28, "lights"},
 }};
 
 enum class FieldType { u8, u16, u32, i32, u64, f32, f64 };
@@ -1100,6 +1114,10 @@ inline constexpr FieldRule kFieldRules[] = {
      FieldRuleKind::any, SectionKind::build, 0, 0},
     {SectionKind::mesh_streams, "reserved", 84, FieldType::u32, 1,
      FieldRuleKind::zero, SectionKind::build, 0, 0},
+    {SectionKind::backs, "instance", 0, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::instances, 0, 0},
+    {SectionKind::backs, "material", 4, FieldType::u32, 1,
+     FieldRuleKind::reference, SectionKind::materials, 0, 0},
 };
 
 // A required feature and the minor version that added it.
@@ -1109,12 +1127,13 @@ struct FeatureInfo {
   const char* name;
 };
 
-inline constexpr std::array<FeatureInfo, 5> kRequiredFeatures{{
+inline constexpr std::array<FeatureInfo, 6> kRequiredFeatures{{
     {kFeatureCompressed, 1, "Compressed"},
     {kFeatureRecordSizes, 1, "RecordSizes"},
     {kFeatureBrdfRetroreflector, 1, "BrdfRetroreflector"},
     {kFeatureJointValues, 1, "JointValues"},
     {kFeatureMeshStreams, 1, "MeshStreams"},
+    {kFeatureBacks, 1, "Backs"},
 }};
 
 // What a field is taken for where the records of a file are too short to hold it; exact.

@@ -228,12 +228,13 @@ inline constexpr std::size_t sphere_rings = 0;
 inline constexpr std::size_t sphere_quads = 1;
 inline constexpr std::size_t mesh_name = 0;
 inline constexpr std::size_t mesh_material = 1;
-inline constexpr std::size_t mesh_tolerance = 2;
-inline constexpr std::size_t mesh_foil = 3;
-inline constexpr std::size_t mesh_translate = 4;
-inline constexpr std::size_t mesh_rotate = 5;
-inline constexpr std::size_t mesh_quat = 6;
-inline constexpr std::size_t mesh_scale = 7;
+inline constexpr std::size_t mesh_back = 2;
+inline constexpr std::size_t mesh_tolerance = 3;
+inline constexpr std::size_t mesh_foil = 4;
+inline constexpr std::size_t mesh_translate = 5;
+inline constexpr std::size_t mesh_rotate = 6;
+inline constexpr std::size_t mesh_quat = 7;
+inline constexpr std::size_t mesh_scale = 8;
 inline constexpr std::size_t tristrip_count = 0;
 inline constexpr std::size_t param_name = 0;
 inline constexpr std::size_t param_value = 1;
@@ -241,12 +242,13 @@ inline constexpr std::size_t param_doc = 2;
 inline constexpr std::size_t named_material_name = 0;
 inline constexpr std::size_t named_material_base = 1;
 inline constexpr std::size_t named_material_preset = 2;
-inline constexpr std::size_t named_material_sides = 3;
-inline constexpr std::size_t named_material_albedo_map = 4;
-inline constexpr std::size_t named_material_normal_map = 5;
-inline constexpr std::size_t named_material_roughness_map = 6;
-inline constexpr std::size_t named_material_reflectance_map = 7;
-inline constexpr std::size_t named_material_map_repeat = 8;
+inline constexpr std::size_t named_material_back = 3;
+inline constexpr std::size_t named_material_sides = 4;
+inline constexpr std::size_t named_material_albedo_map = 5;
+inline constexpr std::size_t named_material_normal_map = 6;
+inline constexpr std::size_t named_material_roughness_map = 7;
+inline constexpr std::size_t named_material_reflectance_map = 8;
+inline constexpr std::size_t named_material_map_repeat = 9;
 inline constexpr std::size_t cutout_image = 0;
 inline constexpr std::size_t cutout_threshold = 1;
 inline constexpr std::size_t beckmann_energy = 0;
@@ -371,34 +373,37 @@ inline constexpr std::size_t sphere_1_quads = 3;
 inline constexpr std::size_t sphere_1_sector = 4;
 inline constexpr std::size_t sphere_1_name = 5;
 inline constexpr std::size_t sphere_1_material = 6;
-inline constexpr std::size_t sphere_1_tolerance = 7;
-inline constexpr std::size_t sphere_1_foil = 8;
-inline constexpr std::size_t sphere_1_translate = 9;
-inline constexpr std::size_t sphere_1_rotate = 10;
-inline constexpr std::size_t sphere_1_quat = 11;
-inline constexpr std::size_t sphere_1_scale = 12;
+inline constexpr std::size_t sphere_1_back = 7;
+inline constexpr std::size_t sphere_1_tolerance = 8;
+inline constexpr std::size_t sphere_1_foil = 9;
+inline constexpr std::size_t sphere_1_translate = 10;
+inline constexpr std::size_t sphere_1_rotate = 11;
+inline constexpr std::size_t sphere_1_quat = 12;
+inline constexpr std::size_t sphere_1_scale = 13;
 inline constexpr std::size_t ellipsoid_radii = 0;
 inline constexpr std::size_t ellipsoid_segments = 1;
 inline constexpr std::size_t ellipsoid_rings = 2;
 inline constexpr std::size_t ellipsoid_name = 3;
 inline constexpr std::size_t ellipsoid_material = 4;
-inline constexpr std::size_t ellipsoid_tolerance = 5;
-inline constexpr std::size_t ellipsoid_foil = 6;
-inline constexpr std::size_t ellipsoid_translate = 7;
-inline constexpr std::size_t ellipsoid_rotate = 8;
-inline constexpr std::size_t ellipsoid_quat = 9;
-inline constexpr std::size_t ellipsoid_scale = 10;
+inline constexpr std::size_t ellipsoid_back = 5;
+inline constexpr std::size_t ellipsoid_tolerance = 6;
+inline constexpr std::size_t ellipsoid_foil = 7;
+inline constexpr std::size_t ellipsoid_translate = 8;
+inline constexpr std::size_t ellipsoid_rotate = 9;
+inline constexpr std::size_t ellipsoid_quat = 10;
+inline constexpr std::size_t ellipsoid_scale = 11;
 inline constexpr std::size_t box_size = 0;
 inline constexpr std::size_t box_bevel = 1;
 inline constexpr std::size_t box_edges = 2;
 inline constexpr std::size_t box_name = 3;
 inline constexpr std::size_t box_material = 4;
-inline constexpr std::size_t box_tolerance = 5;
-inline constexpr std::size_t box_foil = 6;
-inline constexpr std::size_t box_translate = 7;
-inline constexpr std::size_t box_rotate = 8;
-inline constexpr std::size_t box_quat = 9;
-inline constexpr std::size_t box_scale = 10;
+inline constexpr std::size_t box_back = 5;
+inline constexpr std::size_t box_tolerance = 6;
+inline constexpr std::size_t box_foil = 7;
+inline constexpr std::size_t box_translate = 8;
+inline constexpr std::size_t box_rotate = 9;
+inline constexpr std::size_t box_quat = 10;
+inline constexpr std::size_t box_scale = 11;
 inline constexpr std::size_t cylinder_radius = 0;
 inline constexpr std::size_t cylinder_height = 1;
 inline constexpr std::size_t cylinder_caps = 2;
@@ -406,12 +411,13 @@ inline constexpr std::size_t cylinder_sector = 3;
 inline constexpr std::size_t cylinder_segments = 4;
 inline constexpr std::size_t cylinder_name = 5;
 inline constexpr std::size_t cylinder_material = 6;
-inline constexpr std::size_t cylinder_tolerance = 7;
-inline constexpr std::size_t cylinder_foil = 8;
-inline constexpr std::size_t cylinder_translate = 9;
-inline constexpr std::size_t cylinder_rotate = 10;
-inline constexpr std::size_t cylinder_quat = 11;
-inline constexpr std::size_t cylinder_scale = 12;
+inline constexpr std::size_t cylinder_back = 7;
+inline constexpr std::size_t cylinder_tolerance = 8;
+inline constexpr std::size_t cylinder_foil = 9;
+inline constexpr std::size_t cylinder_translate = 10;
+inline constexpr std::size_t cylinder_rotate = 11;
+inline constexpr std::size_t cylinder_quat = 12;
+inline constexpr std::size_t cylinder_scale = 13;
 inline constexpr std::size_t cone_radius = 0;
 inline constexpr std::size_t cone_top_radius = 1;
 inline constexpr std::size_t cone_height = 2;
@@ -420,24 +426,26 @@ inline constexpr std::size_t cone_sector = 4;
 inline constexpr std::size_t cone_segments = 5;
 inline constexpr std::size_t cone_name = 6;
 inline constexpr std::size_t cone_material = 7;
-inline constexpr std::size_t cone_tolerance = 8;
-inline constexpr std::size_t cone_foil = 9;
-inline constexpr std::size_t cone_translate = 10;
-inline constexpr std::size_t cone_rotate = 11;
-inline constexpr std::size_t cone_quat = 12;
-inline constexpr std::size_t cone_scale = 13;
+inline constexpr std::size_t cone_back = 8;
+inline constexpr std::size_t cone_tolerance = 9;
+inline constexpr std::size_t cone_foil = 10;
+inline constexpr std::size_t cone_translate = 11;
+inline constexpr std::size_t cone_rotate = 12;
+inline constexpr std::size_t cone_quat = 13;
+inline constexpr std::size_t cone_scale = 14;
 inline constexpr std::size_t disc_radius = 0;
 inline constexpr std::size_t disc_inner_radius = 1;
 inline constexpr std::size_t disc_sector = 2;
 inline constexpr std::size_t disc_segments = 3;
 inline constexpr std::size_t disc_name = 4;
 inline constexpr std::size_t disc_material = 5;
-inline constexpr std::size_t disc_tolerance = 6;
-inline constexpr std::size_t disc_foil = 7;
-inline constexpr std::size_t disc_translate = 8;
-inline constexpr std::size_t disc_rotate = 9;
-inline constexpr std::size_t disc_quat = 10;
-inline constexpr std::size_t disc_scale = 11;
+inline constexpr std::size_t disc_back = 6;
+inline constexpr std::size_t disc_tolerance = 7;
+inline constexpr std::size_t disc_foil = 8;
+inline constexpr std::size_t disc_translate = 9;
+inline constexpr std::size_t disc_rotate = 10;
+inline constexpr std::size_t disc_quat = 11;
+inline constexpr std::size_t disc_scale = 12;
 inline constexpr std::size_t torus_radius = 0;
 inline constexpr std::size_t torus_tube_radius = 1;
 inline constexpr std::size_t torus_sector = 2;
@@ -445,12 +453,13 @@ inline constexpr std::size_t torus_segments = 3;
 inline constexpr std::size_t torus_rings = 4;
 inline constexpr std::size_t torus_name = 5;
 inline constexpr std::size_t torus_material = 6;
-inline constexpr std::size_t torus_tolerance = 7;
-inline constexpr std::size_t torus_foil = 8;
-inline constexpr std::size_t torus_translate = 9;
-inline constexpr std::size_t torus_rotate = 10;
-inline constexpr std::size_t torus_quat = 11;
-inline constexpr std::size_t torus_scale = 12;
+inline constexpr std::size_t torus_back = 7;
+inline constexpr std::size_t torus_tolerance = 8;
+inline constexpr std::size_t torus_foil = 9;
+inline constexpr std::size_t torus_translate = 10;
+inline constexpr std::size_t torus_rotate = 11;
+inline constexpr std::size_t torus_quat = 12;
+inline constexpr std::size_t torus_scale = 13;
 inline constexpr std::size_t dish_diameter = 0;
 inline constexpr std::size_t dish_focal_length = 1;
 inline constexpr std::size_t dish_thickness = 2;
@@ -458,21 +467,23 @@ inline constexpr std::size_t dish_segments = 3;
 inline constexpr std::size_t dish_rings = 4;
 inline constexpr std::size_t dish_name = 5;
 inline constexpr std::size_t dish_material = 6;
-inline constexpr std::size_t dish_tolerance = 7;
-inline constexpr std::size_t dish_foil = 8;
-inline constexpr std::size_t dish_translate = 9;
-inline constexpr std::size_t dish_rotate = 10;
-inline constexpr std::size_t dish_quat = 11;
-inline constexpr std::size_t dish_scale = 12;
+inline constexpr std::size_t dish_back = 7;
+inline constexpr std::size_t dish_tolerance = 8;
+inline constexpr std::size_t dish_foil = 9;
+inline constexpr std::size_t dish_translate = 10;
+inline constexpr std::size_t dish_rotate = 11;
+inline constexpr std::size_t dish_quat = 12;
+inline constexpr std::size_t dish_scale = 13;
 inline constexpr std::size_t plane_size = 0;
 inline constexpr std::size_t plane_name = 1;
 inline constexpr std::size_t plane_material = 2;
-inline constexpr std::size_t plane_tolerance = 3;
-inline constexpr std::size_t plane_foil = 4;
-inline constexpr std::size_t plane_translate = 5;
-inline constexpr std::size_t plane_rotate = 6;
-inline constexpr std::size_t plane_quat = 7;
-inline constexpr std::size_t plane_scale = 8;
+inline constexpr std::size_t plane_back = 3;
+inline constexpr std::size_t plane_tolerance = 4;
+inline constexpr std::size_t plane_foil = 5;
+inline constexpr std::size_t plane_translate = 6;
+inline constexpr std::size_t plane_rotate = 7;
+inline constexpr std::size_t plane_quat = 8;
+inline constexpr std::size_t plane_scale = 9;
 inline constexpr std::size_t tube_radius = 0;
 inline constexpr std::size_t tube_inner_radius = 1;
 inline constexpr std::size_t tube_curve = 2;
@@ -482,54 +493,59 @@ inline constexpr std::size_t tube_segments = 5;
 inline constexpr std::size_t tube_rings = 6;
 inline constexpr std::size_t tube_name = 7;
 inline constexpr std::size_t tube_material = 8;
-inline constexpr std::size_t tube_tolerance = 9;
-inline constexpr std::size_t tube_foil = 10;
-inline constexpr std::size_t tube_translate = 11;
-inline constexpr std::size_t tube_rotate = 12;
-inline constexpr std::size_t tube_quat = 13;
-inline constexpr std::size_t tube_scale = 14;
+inline constexpr std::size_t tube_back = 9;
+inline constexpr std::size_t tube_tolerance = 10;
+inline constexpr std::size_t tube_foil = 11;
+inline constexpr std::size_t tube_translate = 12;
+inline constexpr std::size_t tube_rotate = 13;
+inline constexpr std::size_t tube_quat = 14;
+inline constexpr std::size_t tube_scale = 15;
 inline constexpr std::size_t lathe_curve = 0;
 inline constexpr std::size_t lathe_sector = 1;
 inline constexpr std::size_t lathe_segments = 2;
 inline constexpr std::size_t lathe_rings = 3;
 inline constexpr std::size_t lathe_name = 4;
 inline constexpr std::size_t lathe_material = 5;
-inline constexpr std::size_t lathe_tolerance = 6;
-inline constexpr std::size_t lathe_foil = 7;
-inline constexpr std::size_t lathe_translate = 8;
-inline constexpr std::size_t lathe_rotate = 9;
-inline constexpr std::size_t lathe_quat = 10;
-inline constexpr std::size_t lathe_scale = 11;
+inline constexpr std::size_t lathe_back = 6;
+inline constexpr std::size_t lathe_tolerance = 7;
+inline constexpr std::size_t lathe_foil = 8;
+inline constexpr std::size_t lathe_translate = 9;
+inline constexpr std::size_t lathe_rotate = 10;
+inline constexpr std::size_t lathe_quat = 11;
+inline constexpr std::size_t lathe_scale = 12;
 inline constexpr std::size_t extrude_height = 0;
 inline constexpr std::size_t extrude_smooth = 1;
 inline constexpr std::size_t extrude_caps = 2;
 inline constexpr std::size_t extrude_name = 3;
 inline constexpr std::size_t extrude_material = 4;
-inline constexpr std::size_t extrude_tolerance = 5;
-inline constexpr std::size_t extrude_foil = 6;
-inline constexpr std::size_t extrude_translate = 7;
-inline constexpr std::size_t extrude_rotate = 8;
-inline constexpr std::size_t extrude_quat = 9;
-inline constexpr std::size_t extrude_scale = 10;
+inline constexpr std::size_t extrude_back = 5;
+inline constexpr std::size_t extrude_tolerance = 6;
+inline constexpr std::size_t extrude_foil = 7;
+inline constexpr std::size_t extrude_translate = 8;
+inline constexpr std::size_t extrude_rotate = 9;
+inline constexpr std::size_t extrude_quat = 10;
+inline constexpr std::size_t extrude_scale = 11;
 inline constexpr std::size_t polygons_smooth = 0;
 inline constexpr std::size_t polygons_name = 1;
 inline constexpr std::size_t polygons_material = 2;
-inline constexpr std::size_t polygons_tolerance = 3;
-inline constexpr std::size_t polygons_foil = 4;
-inline constexpr std::size_t polygons_translate = 5;
-inline constexpr std::size_t polygons_rotate = 6;
-inline constexpr std::size_t polygons_quat = 7;
-inline constexpr std::size_t polygons_scale = 8;
+inline constexpr std::size_t polygons_back = 3;
+inline constexpr std::size_t polygons_tolerance = 4;
+inline constexpr std::size_t polygons_foil = 5;
+inline constexpr std::size_t polygons_translate = 6;
+inline constexpr std::size_t polygons_rotate = 7;
+inline constexpr std::size_t polygons_quat = 8;
+inline constexpr std::size_t polygons_scale = 9;
 inline constexpr std::size_t subdiv_border = 0;
 inline constexpr std::size_t subdiv_levels = 1;
 inline constexpr std::size_t subdiv_name = 2;
 inline constexpr std::size_t subdiv_material = 3;
-inline constexpr std::size_t subdiv_tolerance = 4;
-inline constexpr std::size_t subdiv_foil = 5;
-inline constexpr std::size_t subdiv_translate = 6;
-inline constexpr std::size_t subdiv_rotate = 7;
-inline constexpr std::size_t subdiv_quat = 8;
-inline constexpr std::size_t subdiv_scale = 9;
+inline constexpr std::size_t subdiv_back = 4;
+inline constexpr std::size_t subdiv_tolerance = 5;
+inline constexpr std::size_t subdiv_foil = 6;
+inline constexpr std::size_t subdiv_translate = 7;
+inline constexpr std::size_t subdiv_rotate = 8;
+inline constexpr std::size_t subdiv_quat = 9;
+inline constexpr std::size_t subdiv_scale = 10;
 inline constexpr std::size_t cage_crease_sharpness = 0;
 inline constexpr std::size_t cage_corner_sharpness = 0;
 inline constexpr std::size_t joint_node = 0;
@@ -582,11 +598,12 @@ inline constexpr std::size_t mli_flange = 13;
 inline constexpr std::size_t mli_size = 14;
 inline constexpr std::size_t mli_name = 15;
 inline constexpr std::size_t mli_material = 16;
-inline constexpr std::size_t mli_tolerance = 17;
-inline constexpr std::size_t mli_translate = 18;
-inline constexpr std::size_t mli_rotate = 19;
-inline constexpr std::size_t mli_quat = 20;
-inline constexpr std::size_t mli_scale = 21;
+inline constexpr std::size_t mli_back = 17;
+inline constexpr std::size_t mli_tolerance = 18;
+inline constexpr std::size_t mli_translate = 19;
+inline constexpr std::size_t mli_rotate = 20;
+inline constexpr std::size_t mli_quat = 21;
+inline constexpr std::size_t mli_scale = 22;
 inline constexpr std::size_t mli_operations_preset = 0;
 inline constexpr std::size_t wrinkle_wavelength = 0;
 inline constexpr std::size_t wrinkle_amplitude = 1;
@@ -1004,6 +1021,7 @@ inline constexpr std::string_view kMembers_mesh_0[] = {
 inline constexpr Attribute kAttributes_mesh[] = {
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1140,6 +1158,7 @@ inline constexpr Attribute kAttributes_named_material[] = {
     {"name", 1, true, true, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"base", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"preset", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"sides", 1, false, false, {ValueKind::word, 1, {}, kWords_named_material_sides, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"albedo_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"normal_map", 1, true, false, {ValueKind::path, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
@@ -1708,6 +1727,7 @@ inline constexpr Attribute kAttributes_sphere_1[] = {
     {"sector", 1, true, false, {ValueKind::real, 2, kNumbers_sphere_1_sector, {}, Dimension::angle, false, false, 1, 0}, kInitial_sphere_1_sector, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1736,6 +1756,7 @@ inline constexpr Attribute kAttributes_ellipsoid[] = {
     {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1756,6 +1777,7 @@ inline constexpr Attribute kAttributes_box[] = {
     {"edges", 1, true, false, {ValueKind::word, 1, {}, kWords_box_edges, Dimension::none, false, false, 1, 0}, {}, "flat", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1780,6 +1802,7 @@ inline constexpr Attribute kAttributes_cylinder[] = {
     {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1802,6 +1825,7 @@ inline constexpr Attribute kAttributes_cone[] = {
     {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1819,6 +1843,7 @@ inline constexpr Attribute kAttributes_disc[] = {
     {"segments", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_segments, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1837,6 +1862,7 @@ inline constexpr Attribute kAttributes_torus[] = {
     {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1861,6 +1887,7 @@ inline constexpr Attribute kAttributes_dish[] = {
     {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1876,6 +1903,7 @@ inline constexpr Attribute kAttributes_plane[] = {
     {"size", 1, true, true, {ValueKind::real, 2, kNumbers_plane_size, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1904,6 +1932,7 @@ inline constexpr Attribute kAttributes_tube[] = {
     {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1924,6 +1953,7 @@ inline constexpr Attribute kAttributes_lathe[] = {
     {"rings", 1, true, false, {ValueKind::integer, 1, kNumbers_ellipsoid_rings, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1949,6 +1979,7 @@ inline constexpr Attribute kAttributes_extrude[] = {
     {"caps", 1, true, false, {ValueKind::word, 1, {}, kWords_cylinder_caps, Dimension::none, false, false, 1, 0}, {}, "both", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -1970,6 +2001,7 @@ inline constexpr Attribute kAttributes_polygons[] = {
     {"smooth", 1, true, false, {ValueKind::real, 1, kNumbers_extrude_smooth, {}, Dimension::angle, false, false, 1, 0}, kInitial_specular_shine, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -2018,6 +2050,7 @@ inline constexpr Attribute kAttributes_subdiv[] = {
     {"levels", 1, true, false, {ValueKind::integer, 1, kNumbers_subdiv_levels, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"foil", 1, true, false, {ValueKind::word, 1, {}, kWords_mesh_foil, Dimension::none, false, false, 1, 0}, {}, "none", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
@@ -2196,6 +2229,7 @@ inline constexpr Attribute kAttributes_mli[] = {
     {"size", 1, true, false, {ValueKind::real, 3, kNumbers_ellipsoid_radii, {}, Dimension::length, false, true, 1, 0}, {}, "", false},
     {"name", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"material", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
+    {"back", 1, true, false, {ValueKind::label, 1, {}, {}, Dimension::none, false, false, 1, 0}, {}, "", false},
     {"tolerance", 1, true, false, {ValueKind::real, 1, kNumbers_mesh_tolerance, {}, Dimension::length, false, false, 1, 0}, {}, "", false},
     {"translate", 1, true, false, {ValueKind::real, 3, kNumbers_translation, {}, Dimension::length, false, false, 1, 0}, kInitial_mesh_translate, "", false},
     {"rotate", 1, true, false, {ValueKind::real, 3, kNumbers_rotation, {}, Dimension::angle, false, false, 1, 0}, kInitial_mesh_translate, "", false},

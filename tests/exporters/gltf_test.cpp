@@ -512,6 +512,53 @@ TEST(GltfExport, OpenMeshesAndCutoutsHaveTwoSides) {
   }
 }
 
+// A surface with two materials becomes two that are seen from one side each; where one of them is
+// on both sides of another surface too, it is written once more.
+TEST(GltfExport, BacksAreSurfacesOfTheirOwn) {
+  scene::Scene scene = spacecraft();
+  scene.shapes.push_back(geometry::Plane{});
+  scene.instances.resize(2);
+  for (scene::Instance& one : scene.instances) {
+    one.shape = 2;
+    one.material = 1;
+    one.texture = scene::kNone;
+    one.mapping = scene::Mapping::texcoords;
+  }
+  scene.decals.clear();
+  scene.instances[0].back = 0;
+  const auto model = compiled(scene);
+  ASSERT_TRUE(model);
+  DiagnosticLog log;
+  const auto glb = glb_from(*model, log);
+  ASSERT_TRUE(glb);
+  const std::string text(reinterpret_cast<const char*>(glb->data()) + 20, glb->size() - 20);
+  std::uint32_t size = 0;
+  std::memcpy(&size, glb->data() + 12, 4);
+  const auto root = nlohmann::json::parse(text.substr(0, size));
+  std::multiset<std::pair<std::string, bool>> materials;
+  for (const auto& material : root["materials"])
+    materials.emplace(material["name"], material.value("doubleSided", false));
+  EXPECT_EQ(materials, (std::multiset<std::pair<std::string, bool>>{
+                           {"gold", false}, {"paint", false}, {"paint", true}}));
+  const Loaded out = load({reinterpret_cast<const char*>(glb->data()), glb->size()});
+  ASSERT_TRUE(out.imported) << out.text();
+  ASSERT_EQ(out.imported->scene.instances.size(), 3u);
+  std::size_t turned = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const geometry::Mesh& mesh = mesh_of(*out.imported, i);
+    for (const geometry::Triangle& t : mesh.triangles) {
+      const Vec3 normal = glm::cross(mesh.positions[t[1]] - mesh.positions[t[0]],
+                                     mesh.positions[t[2]] - mesh.positions[t[0]]);
+      EXPECT_GT(glm::dot(normal, mesh.normals[t[0]]), 0);
+    }
+    turned += mesh.normals[0].z < 0;
+    const auto& material = out.imported->scene.materials[static_cast<std::size_t>(
+        out.imported->scene.instances[i].material)];
+    EXPECT_EQ(material.name == "gold", mesh.normals[0].z < 0);
+  }
+  EXPECT_EQ(turned, 1u);
+}
+
 TEST(GltfExport, SameModelSameBytes) {
   const auto model = compiled(spacecraft());
   ASSERT_TRUE(model);

@@ -21,7 +21,7 @@ Scene sound_scene() {
   scene.shapes = {geometry::Sphere{}, geometry::MeshShape(mesh)};
   scene.materials.emplace_back();
   scene.textures.push_back({"t", 1, 1, {1, 2, 3, 255}, false});
-  scene.instances.push_back({2, 1, 0, 0, Mapping::texcoords, Mat4(1), {}, {}});
+  scene.instances.push_back({2, 1, 0, 0, kNone, Mapping::texcoords, Mat4(1), {}, {}});
   scene.frames.push_back({"camera", 1, Vec3(0), {1, 0, 0, 0}, {}});
   return scene;
 }
@@ -69,6 +69,12 @@ TEST(Check, NamesEachDefect) {
       {"does not exist", [](Scene& s) { s.instances[0].material = 1; }},
       {"does not exist", [](Scene& s) { s.instances[0].node = -1; }},
       {"texture 5", [](Scene& s) { s.instances[0].texture = 5; }},
+      {"a back of material 7", [](Scene& s) { s.instances[0].back = 7; }},
+      {"other holes on its back",
+       [](Scene& s) {
+         s.materials.emplace_back().maps.cutout = 0;
+         s.instances[0].back = 1;
+       }},
       {"texture matrix", [&](Scene& s) { s.instances[0].texture_from_shape[0][0] = nan; }},
       {"bytes", [](Scene& s) { s.textures[0].rgba.pop_back(); }},
       {"frame 0 has an unknown node", [](Scene& s) { s.frames[0].node = 9; }},

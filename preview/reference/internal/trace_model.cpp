@@ -50,30 +50,33 @@ TraceModel::TraceModel(world::ModelPtr model, const Job& job) : model_(std::move
   add_parts();
   add_meshes(job);
   add_decals();
-  for (Part& part : parts_) {
-    if (part.decals.empty()) continue;
-    part.diffuse_in_tint = true;
-    materials::Material white = materials_[part.material];
-    const auto first = static_cast<std::uint32_t>(scatters_.size());
-    if (part.cell_parts == 0) {
+  for (std::vector<Part>* sides : {&parts_, &backs_})
+    for (Part& part : *sides)
+      if (!part.decals.empty()) lay_decals_over(part);
+}
+
+void TraceModel::lay_decals_over(Part& part) {
+  part.diffuse_in_tint = true;
+  materials::Material white = materials_[part.material];
+  const auto first = static_cast<std::uint32_t>(scatters_.size());
+  if (part.cell_parts == 0) {
+    white.diffuse = Vec3(1);
+    part.scatter = first;
+    scatters_.emplace_back(white);
+    return;
+  }
+  // a decal has the weight of a grid line, on cells too
+  const std::array parts = materials::cell_parts(white);
+  part.cell_parts = first;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    white = parts[i];
+    if (i < 2) {
+      part.part_diffuse[i] = white.weights.x * white.diffuse;
+      white.weights.x = 1;
       white.diffuse = Vec3(1);
-      part.scatter = first;
-      scatters_.emplace_back(white);
-      continue;
+      materials::fit(white);
     }
-    // a decal has the weight of a grid line, on cells too
-    const std::array parts = materials::cell_parts(white);
-    part.cell_parts = first;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      white = parts[i];
-      if (i < 2) {
-        part.part_diffuse[i] = white.weights.x * white.diffuse;
-        white.weights.x = 1;
-        white.diffuse = Vec3(1);
-        materials::fit(white);
-      }
-      scatters_.emplace_back(white);
-    }
+    scatters_.emplace_back(white);
   }
 }
 
@@ -82,12 +85,10 @@ void TraceModel::add_parts() {
   for (const layout::Instance& instance : model_->instances()) {
     const layout::Mesh& mesh = model_->meshes()[instance.mesh];
     const layout::Material& record = model_->materials()[instance.material];
-    const materials::Material& material = materials_[instance.material];
     Part& part = parts_.emplace_back();
     part.mesh = model_->mesh(instance.mesh);
     part.mesh_index = instance.mesh;
     part.node = instance.node;
-    part.material = instance.material;
     part.origin = vec3(mesh.origin);
     part.low = vec3(mesh.bounds_min);
     part.high = vec3(mesh.bounds_max);
@@ -98,32 +99,49 @@ void TraceModel::add_parts() {
     part.flat_offset = 0x1p-22 * std::max({far.x, far.y, far.z});
     // a chord is as deep below the smooth surface as others stand out of it
     part.offset = 2 * mesh.error + part.flat_offset;
-    part.diffuse = material.diffuse;
-    part.emitted = material.emissive * (material.weights.z / kPi);
-    part.scatter = instance.material;
-    if (part.mesh.texcoords.empty()) continue;
-    part.cell_parts = parts_of_[instance.material];
-    part.repeat = Vec2(record.map_repeat[0], record.map_repeat[1]);
-    part.texture = instance.texture;
-    part.albedo = record.albedo_map;
-    part.normal = record.normal_map;
-    part.roughness = record.roughness_map;
-    part.reflectance = record.reflectance_map;
-    part.cutout = record.cutout_map;
-    part.threshold = record.cutout_threshold;
+    wear(part, instance, instance.material, false);
   }
+  for (const layout::Back& record : model_->backs()) {
+    Part& front = parts_[record.instance];
+    front.back = static_cast<std::int32_t>(backs_.size());
+    Part& back = backs_.emplace_back(front);
+    wear(back, model_->instances()[record.instance], record.material, true);
+  }
+}
+
+void TraceModel::wear(Part& part, const layout::Instance& instance, std::uint32_t index,
+                      bool back) {
+  const layout::Material& record = model_->materials()[index];
+  const materials::Material& material = materials_[index];
+  part.material = index;
+  part.diffuse = material.diffuse;
+  part.emitted = material.emissive * (material.weights.z / kPi);
+  part.scatter = index;
+  part.is_back = back;
+  if (back) part.mesh.colors = {};
+  if (part.mesh.texcoords.empty()) return;
+  part.cell_parts = parts_of_[index];
+  part.repeat = Vec2(record.map_repeat[0], record.map_repeat[1]);
+  part.texture = back ? -1 : instance.texture;
+  part.albedo = record.albedo_map;
+  part.normal = record.normal_map;
+  part.roughness = record.roughness_map;
+  part.reflectance = record.reflectance_map;
+  part.cutout = record.cutout_map;
+  part.threshold = record.cutout_threshold;
 }
 
 // every mesh that is placed, once
 void TraceModel::add_meshes(const Job& job) {
   const std::size_t count = model_->meshes().size();
   std::vector<std::uint8_t> placed(count), directed(count);
-  for (const Part& part : parts_) {
-    placed[part.mesh_index] = 1;
-    if (!part.mesh.texcoords.empty() &&
-        (part.normal >= 0 || materials::is_anisotropic(materials_[part.material])))
-      directed[part.mesh_index] = 1;
-  }
+  for (const std::vector<Part>* sides : {&parts_, &backs_})
+    for (const Part& part : *sides) {
+      placed[part.mesh_index] = 1;
+      if (!part.mesh.texcoords.empty() &&
+          (part.normal >= 0 || materials::is_anisotropic(materials_[part.material])))
+        directed[part.mesh_index] = 1;
+    }
   meshes_.resize(count);
   tangents_.resize(count);
   parallel_for(
@@ -141,7 +159,8 @@ void TraceModel::add_meshes(const Job& job) {
         if (directed[i]) tangents_[i] = std::make_unique<TangentField>(mesh);
       },
       job);
-  for (Part& part : parts_) part.tangents = tangents_[part.mesh_index].get();
+  for (std::vector<Part>* sides : {&parts_, &backs_})
+    for (Part& part : *sides) part.tangents = tangents_[part.mesh_index].get();
 }
 
 void TraceModel::add_decals() {
@@ -150,7 +169,9 @@ void TraceModel::add_decals() {
     decals_.push_back({glm::inverse(pan::mesh_from_decal(record)),
                        {record.width, record.height, record.depth},
                        record.texture});
-    parts_[record.instance].decals.push_back(i);
+    Part& part = parts_[record.instance];
+    part.decals.push_back(i);
+    if (part.back >= 0) backs_[static_cast<std::size_t>(part.back)].decals.push_back(i);
   }
 }
 
@@ -211,8 +232,9 @@ bool TraceModel::is_there(std::uint32_t index, const geometry::InstanceHit& hit)
 Vec3 TraceModel::bumped(const Part& part, const TangentField::At& tangent, const Vec3& normal,
                         const Vec2& at, double& length) const {
   Vec3 bump = textures_[static_cast<std::size_t>(part.normal)].normal(at);
-  if (part.repeat.x < 0) bump.x = -bump.x;
-  if (part.repeat.y < 0) bump.y = -bump.y;
+  // those of a back that is a material by itself stand out of it
+  if ((part.repeat.x < 0) != part.is_back) bump.x = -bump.x;
+  if ((part.repeat.y < 0) != part.is_back) bump.y = -bump.y;
   length = std::min(glm::length(bump), 1.0);
   const Vec3 along = unit_or(tangent.tangent - normal * glm::dot(normal, tangent.tangent), Vec3(0));
   const Vec3 across = glm::cross(normal, along) * tangent.handed;
@@ -271,7 +293,8 @@ Vec3 TraceModel::normal(std::uint32_t index, const Placement& placement,
 
 Point TraceModel::point(std::uint32_t index, const Placement& placement,
                         const geometry::InstanceHit& hit, bool flat) const {
-  const Part& part = parts_[index];
+  const bool seen_outside = parts_[index].closed || hit.front;
+  const Part& part = seen(index, seen_outside);
   const Place where = place(part, hit);
   const Surface here = surface(part, where, flat);
   const Vec3 outwards = unit_or(here.smooth, here.facet);
@@ -284,7 +307,6 @@ Point TraceModel::point(std::uint32_t index, const Placement& placement,
   TangentField::At along;
   if (part.tangents) along = (*part.tangents)(hit.triangle, where.weight);
   if (part.normal >= 0) shaded = bumped(part, along, outwards, at, length);
-  const bool seen_outside = part.closed || hit.front;
   const double side = seen_outside ? 1.0 : -1.0;
   const Vec3 start = here.position + outwards * (side * (flat ? part.flat_offset : part.offset));
   result.start = placement.model_from_mesh(start);

@@ -66,6 +66,8 @@ class TraceModel {
                  cutout = -1;           // textures
     double threshold = 0;               // of the cutout
     std::vector<std::uint32_t> decals;  // from the lowest
+    std::int32_t back = -1;             // into backs_; -1: both sides are alike
+    bool is_back = false;               // a material by itself
   };
 
   // Expects: checked. Cost: about 150 bytes a triangle; textures are read where they lie.
@@ -109,6 +111,13 @@ class TraceModel {
   };
 
   void add_parts();
+  void wear(Part& part, const pan::layout::Instance& instance, std::uint32_t material, bool back);
+  void lay_decals_over(Part& part);
+  // What of a part is seen.
+  const Part& seen(std::uint32_t part, bool front) const {
+    const Part& outside = parts_[part];
+    return front || outside.back < 0 ? outside : backs_[static_cast<std::size_t>(outside.back)];
+  }
   void add_meshes(const Job& job);
   void add_decals();
   Place place(const Part& part, const geometry::InstanceHit& hit) const;
@@ -130,6 +139,7 @@ class TraceModel {
   std::vector<Scatter> scatters_;
   std::vector<std::uint32_t> parts_of_;  // Part::cell_parts of each of materials_
   std::vector<Part> parts_;
+  std::vector<Part> backs_;
   std::vector<Decal> decals_;                            // the model's
   std::vector<std::unique_ptr<TangentField>> tangents_;  // one per mesh; null: none
   std::vector<geometry::SearchMesh> meshes_;             // one per mesh
