@@ -223,7 +223,7 @@ TEST(ShapeParameters, AreThoseOfTheSchema) {
         for (const ElementId child : slot.elements)
           unknown.insert(schemas::kPxn.elements[static_cast<std::size_t>(child)].name);
       for (const std::string_view common :
-           {"name", "material", "tolerance", "translate", "rotate", "quat", "scale"})
+           {"name", "material", "back", "tolerance", "translate", "rotate", "quat", "scale"})
         EXPECT_EQ(unknown.erase(common), 1u) << kind << " " << common;
       geometry::visit_parameters(shape, [&](std::string_view name, const auto&... members) {
         const bool known = unknown.erase(name) > 0;
