@@ -146,6 +146,8 @@ class SceneCleaner {
       const double stretch = stretch_[out_.meshes[i].shape];
       if (stretch > 0) options.tolerance /= stretch;
       if (stretch > 0) options.junction /= stretch;
+      // which side is which has been said
+      if (sided_[out_.meshes[i].shape]) options.orient = false;
       CleanReport& report = out_.meshes[i].report;
       report = clean(mesh, options);
       report.largest_move *= stretch;
@@ -181,6 +183,7 @@ class SceneCleaner {
   void list_meshes(const std::vector<Mat4>& world) {
     std::vector<std::uint32_t> at(scene_.shapes.size(), kNone);
     stretch_.assign(scene_.shapes.size(), 0);
+    sided_.assign(scene_.shapes.size(), 0);
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
       const auto shape = static_cast<std::uint32_t>(scene_.instances[i].shape);
       if (!std::holds_alternative<MeshShape>(scene_.shapes[shape])) continue;
@@ -189,6 +192,7 @@ class SceneCleaner {
         out_.meshes.push_back({shape, i, 0, path_of(scene_, scene_.instances[i].node), {}});
       }
       ++out_.meshes[at[shape]].instances;
+      if (scene_.instances[i].back != scene::kNone) sided_[shape] = 1;
       const Mat4& matrix = world[static_cast<std::size_t>(scene_.instances[i].node)];
       stretch_[shape] = std::max(stretch_[shape], stretch_of(matrix).largest);
     }
@@ -221,6 +225,7 @@ class SceneCleaner {
   const geometry::CleanOptions& options_;
   const WorkCache* cache_;
   const Job& job_;
+  std::vector<char> sided_;      // of shapes: another material is on the back
   std::vector<double> stretch_;  // of shapes into the world: the largest of their instances
   MeshReport out_;
 };

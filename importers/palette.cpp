@@ -226,7 +226,8 @@ class Splitter {
     std::vector<char> keep(scene_.materials.size(), 1);
     for (const auto& [key, index] : materials_) keep[static_cast<std::size_t>(key.first)] = 0;
     for (const scene::Instance& one : scene_.instances)
-      keep[static_cast<std::size_t>(one.material)] = 1;
+      for (const std::int32_t side : {one.material, one.back})
+        if (side != scene::kNone) keep[static_cast<std::size_t>(side)] = 1;
     std::vector<std::int32_t> place(keep.size());
     std::int32_t next = 0;
     for (std::size_t i = 0; i < keep.size(); ++i) {
@@ -240,7 +241,8 @@ class Splitter {
     scene_.materials.resize(static_cast<std::size_t>(next));
     imported_.materials.resize(static_cast<std::size_t>(next));
     for (scene::Instance& one : scene_.instances)
-      one.material = place[static_cast<std::size_t>(one.material)];
+      for (std::int32_t* side : {&one.material, &one.back})
+        if (*side != scene::kNone) *side = place[static_cast<std::size_t>(*side)];
   }
 
   Imported& imported_;

@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "pxn/build/pattern.h"
+#include "pxn/build/presets.h"
 #include "pxn/material_guess.h"
 #include "pxn/text/reference.h"
 
@@ -110,7 +111,10 @@ std::string import_template(const importers::Imported& imported, std::string_vie
       continue;
     }
     const std::string name = own_name(names[i], taken);
-    materials += fmt::format("  <material name=\"{}\" preset=\"{}\"/>\n", name, guess.preset);
+    // which side of a sheet is its front, files of CAD leave to chance
+    const Preset* const preset = find_preset(guess.preset);
+    materials += fmt::format("  <material name=\"{}\" preset=\"{}\"{}/>\n", name, guess.preset,
+                             preset && !preset->back.empty() ? " back=\"none\"" : "");
     assigns +=
         fmt::format("    <!-- {}, {}: {}; {} -->\n", in_comment(in_quotes(pattern_of(names[i]))),
                     seen, guess.preset, in_comment(guess.reason));

@@ -32,7 +32,8 @@ Result<DescribedMaterial> preset(std::string_view name, DiagnosticLog& log) {
                near ? fmt::format("did you mean '{}'?", *near) : "");
     return failed;
   }
-  DescribedMaterial described{materials::resolved(found->fields, {}, log), found->provenance, {}};
+  DescribedMaterial described{
+      materials::resolved(found->fields, {}, log), found->provenance, {}, std::string(found->back)};
   described.material.name = name;
   return described;
 }
@@ -50,7 +51,9 @@ Result<std::vector<DescribedMaterial>> read_materials(const std::filesystem::pat
     std::vector<DescribedMaterial> all;
     for (const NamedMaterial& material : loader.materials()) {
       all.push_back(
-          {materials::resolved(material.fields, material.place, log), material.provenance, {}});
+          {materials::resolved(material.fields, material.place, log), material.provenance, {}, {}});
+      all.back().back = material.back.named >= 0 ? loader.material(material.back.named).name
+                                                 : std::string(material.back.library);
       all.back().material.name = material.name;
     }
     const auto textures =

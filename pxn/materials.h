@@ -35,6 +35,7 @@ struct DescribedMaterial {
   Provenance provenance;
   // of its file, which its maps are numbers of; null: it has none
   std::shared_ptr<const std::vector<scene::Texture>> textures;
+  std::string back;  // the material of its back; empty: as it is itself
 };
 
 // The names of the library's materials, in alphabetical order.

@@ -37,6 +37,7 @@ MATERIAL = {
     "name": "string: as in its file",
     "brdf": "string: its BRDF models in words",
     "laws": "string: the same, as it was called",
+    "back": "string|null: the material of its back; null: as itself",
     "directional_albedo": ("by cosine", [{"mu": "number: cosine of the angle to the normal", "rgb": "vec3: mean over the azimuth, at 650, 550, 450 nm",
                                         "least": "vec3: least over the azimuth", "largest": "vec3: largest over the azimuth"}]),
     "hemispherical_albedo": "vec3: at 650, 550, 450 nm",

@@ -202,6 +202,7 @@ Json report_json(const DescribedMaterial& described, const materials::MaterialRe
   Json out;
   out["name"] = described.material.name;
   out["brdf"] = materials::brdf_in_words(described.material);
+  out["back"] = described.back.empty() ? Json(nullptr) : Json(described.back);
   out["laws"] = out["brdf"];  // as it was called
   out["verdict"] = {{"text", materials::verdict(c)},
                     {"energy_conserved", c.gain.albedo <= materials::kConserved},
@@ -245,6 +246,7 @@ void print_report(const DescribedMaterial& described, const materials::MaterialR
   print("{}: {}\n", described.material.name, materials::brdf_in_words(described.material));
   print("{}\n\n", materials::verdict(c));
   print_provenance(described.provenance);
+  if (!described.back.empty()) print("{:<21} {}\n", "back", described.back);
   const bool anisotropic = materials::is_anisotropic(described.material);
   print("cosine  angle   directional albedo in red, green, blue{}\n",
         anisotropic ? ", least and largest over the azimuth" : "");

@@ -33,15 +33,21 @@ std::string path_of(const pan::Model& model, std::size_t node) {
 std::string node_list(const pan::Model& model) {
   struct Surface {
     std::uint64_t triangles = 0;
-    std::vector<std::uint32_t> materials;  // in the order of the instances, each once
+    std::vector<std::uint32_t>
+        materials;  // of both sides, in the order of the instances, each once
   };
   std::vector<Surface> surfaces(model.nodes().size());
-  for (const auto& instance : model.instances()) {
+  for (std::uint32_t i = 0; i < model.instances().size(); ++i) {
+    const auto& instance = model.instances()[i];
     Surface& surface = surfaces[instance.node];
     surface.triangles += model.meshes()[instance.mesh].triangle_count;
     auto& known = surface.materials;
-    if (std::find(known.begin(), known.end(), instance.material) == known.end())
-      known.push_back(instance.material);
+    for (const std::int64_t side :
+         {std::int64_t{instance.material}, static_cast<std::int64_t>(model.back_of(i))}) {
+      const auto material = static_cast<std::uint32_t>(side);
+      if (side >= 0 && std::find(known.begin(), known.end(), material) == known.end())
+        known.push_back(material);
+    }
   }
   std::string out;
   for (std::size_t i = 1; i < surfaces.size(); ++i) {

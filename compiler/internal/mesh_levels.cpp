@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -16,6 +18,10 @@ namespace panwright::compiler::internal {
 namespace {
 
 constexpr std::size_t kLeastTriangles = 512;
+
+// Levels change where they leave at most this share of the triangles of the whole model: frames in
+// between are drawn with both.
+constexpr double kWorth = 0.7;
 
 Vec3 position(const pan::PackedMesh& mesh, std::size_t vertex) {
   const float* p = &mesh.positions[3 * vertex];
@@ -121,7 +127,9 @@ class MeshLevels {
           phase.advance();
         },
         job_);
-    for (std::size_t i = 0; i < chosen_.size(); ++i) store(chosen_[i], levels[i]);
+    for (std::size_t i = 0; i < chosen_.size(); ++i) leave_out_finer(chosen_[i], levels[i]);
+    const std::vector<int> changes = worthwhile(levels);
+    for (std::size_t i = 0; i < chosen_.size(); ++i) store(chosen_[i], levels[i], changes);
     std::stable_sort(out_.levels.begin(), out_.levels.end(),
                      [](const pan::layout::Level& a, const pan::layout::Level& b) {
                        return a.instance < b.instance;
@@ -187,19 +195,89 @@ class MeshLevels {
         read_levels);
   }
 
-  void store(const Chosen& chosen, const std::vector<geometry::MeshLevel>& levels) {
+  // Those that nothing nearer than the budget's nearest pixel needs.
+  void leave_out_finer(const Chosen& chosen, std::vector<geometry::MeshLevel>& levels) const {
     const double pixel = nearest_pixel(chosen);
     std::size_t first = 0;
-    while (first + 1 < levels.size() && levels[first + 1].distance.high / pixels_ <= pixel) ++first;
-    for (std::size_t k = first; k < levels.size(); ++k) {
-      const auto mesh = static_cast<std::uint32_t>(out_.meshes.size());
-      out_.meshes.push_back(packed_level(out_.meshes[chosen.mesh], levels[k].mesh, k - first));
+    while (first + 1 < levels.size() && detail(levels[first + 1]) <= pixel) ++first;
+    levels.erase(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(first));
+  }
+
+  // The least that a pixel may see of a level, metres of its mesh.
+  double detail(const geometry::MeshLevel& level) const { return level.distance.high / pixels_; }
+
+  // Levels change where a pixel sees a power of two metres (preview/frame/level_states.h): the
+  // exponent of the first from which an instance shows a level.
+  int change_to(const geometry::MeshLevel& level, std::uint32_t instance) const {
+    int exponent = 0;
+    const double part = std::frexp(detail(level) * stretch_of(world_[instance]).largest, &exponent);
+    return part > 0.5 ? exponent : exponent - 1;
+  }
+
+  // Which of the levels an instance shows from a change on; as many as there are: none.
+  std::size_t shown(const std::vector<geometry::MeshLevel>& levels, std::uint32_t instance,
+                    int change) const {
+    std::size_t out = levels.size();
+    for (std::size_t k = 0; k < levels.size(); ++k)
+      if (change_to(levels[k], instance) <= change) out = k;
+    return out;
+  }
+
+  // The changes that leave few enough triangles of what the one before left, ascending.
+  std::vector<int> worthwhile(const std::vector<std::vector<geometry::MeshLevel>>& levels) const {
+    double all = 0;
+    for (const pan::InstanceContent& instance : out_.instances)
+      all += static_cast<double>(out_.meshes[instance.mesh].triangle_count());
+    std::map<int, double> left_out;  // triangles that a change takes away
+    for (std::size_t i = 0; i < chosen_.size(); ++i)
+      for (const std::uint32_t instance : chosen_[i].instances) {
+        auto before = static_cast<double>(out_.meshes[chosen_[i].mesh].triangle_count());
+        for (const geometry::MeshLevel& level : levels[i]) {
+          const auto triangles = static_cast<double>(level.mesh.triangles.size());
+          left_out[change_to(level, instance)] += before - triangles;
+          before = triangles;
+        }
+      }
+    std::vector<int> out;
+    double shown = all;
+    for (const auto& [change, fewer] : left_out) {
+      all -= fewer;
+      if (all > kWorth * shown) continue;
+      shown = all;
+      out.push_back(change);
+    }
+    return out;
+  }
+
+  void store(const Chosen& chosen, const std::vector<geometry::MeshLevel>& levels,
+             const std::vector<int>& changes) {
+    std::vector<std::optional<std::uint32_t>> mesh_of(levels.size());
+    std::size_t made = 0;
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+      const bool used = std::ranges::any_of(chosen.instances, [&](std::uint32_t instance) {
+        return std::ranges::any_of(
+            changes, [&](int change) { return shown(levels, instance, change) == k; });
+      });
+      if (!used) continue;
+      mesh_of[k] = static_cast<std::uint32_t>(out_.meshes.size());
+      out_.meshes.push_back(packed_level(out_.meshes[chosen.mesh], levels[k].mesh, made++));
       if (!out_.mesh_tolerances.empty())
         out_.mesh_tolerances.push_back(
             {0, static_cast<std::uint32_t>(pan::layout::ToleranceReason::explicit_counts), 0});
-      const double error = levels[k].distance.high;
-      for (const std::uint32_t i : chosen.instances)
-        out_.levels.push_back({error / pixels_, error, i, mesh, out_.instances[i].material, 0});
+    }
+    for (const std::uint32_t i : chosen.instances) {
+      std::size_t last = levels.size();
+      for (const int change : changes) {
+        const std::size_t k = shown(levels, i, change);
+        if (k == last) continue;
+        last = k;
+        // one that was put off comes at the change, and not a rounding after it
+        const bool late = change_to(levels[k], i) < change;
+        const double from = late ? 0.75 * std::ldexp(1.0, change) / stretch_of(world_[i]).largest
+                                 : detail(levels[k]);
+        out_.levels.push_back(
+            {from, levels[k].distance.high, i, *mesh_of[k], out_.instances[i].material, 0});
+      }
     }
   }
 

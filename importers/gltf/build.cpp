@@ -31,6 +31,17 @@ Vec3 vec3_of(const std::vector<double>& numbers, Vec3 otherwise) {
   return numbers.size() == 3 ? Vec3(numbers[0], numbers[1], numbers[2]) : otherwise;
 }
 
+// Whether b is a with every triangle turned round, corner by corner.
+bool is_turned_round(const geometry::Mesh& a, const geometry::Mesh& b) {
+  if (a.positions != b.positions || a.triangles.size() != b.triangles.size()) return false;
+  for (std::size_t i = 0; i < a.triangles.size(); ++i) {
+    const geometry::Triangle &s = a.triangles[i], &t = b.triangles[i];
+    const auto first = static_cast<std::size_t>(std::find(t.begin(), t.end(), s[0]) - t.begin());
+    if (first == 3 || t[(first + 1) % 3] != s[2] || t[(first + 2) % 3] != s[1]) return false;
+  }
+  return true;
+}
+
 // A primitive's triangles, once read.
 struct Loaded {
   std::int32_t shape = scene::kNone;  // in the scene; kNone: nothing to see, or not used yet
@@ -199,6 +210,7 @@ class SceneBuilder {
                                      [](const Primitive& p) { return !p.targets.empty(); });
     if (morphed) ++morphed_;
     std::int32_t skinned_place = scene::kNone;
+    std::vector<Side> sides;
     for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
       const Primitive& primitive = mesh.primitives[p];
       Loaded& loaded = load(node.mesh, p, weights);
@@ -215,12 +227,50 @@ class SceneBuilder {
         add_skinned(node, loaded, skinned_place, material);
         continue;
       }
+      if (is_back_of(sides, primitive, loaded, material)) continue;
       if (loaded.shape < 0) {
         loaded.shape = static_cast<std::int32_t>(out_.scene.shapes.size());
         out_.scene.shapes.emplace_back(with_normals(loaded.mesh));
       }
+      sides.push_back({&primitive, loaded.mesh, out_.scene.instances.size(), places.size()});
       for (const std::int32_t place : places) add_instance(place, loaded.shape, material);
     }
+  }
+
+  // A primitive of a mesh, with its instances.
+  struct Side {
+    const Primitive* primitive;
+    geometry::MeshShape mesh;
+    std::size_t first, count;
+  };
+
+  // Two primitives over the same positions, seen from one side each and turned against each other,
+  // are the two sides of one surface: the later one is the back of the instances of the earlier.
+  bool is_back_of(const std::vector<Side>& sides, const Primitive& primitive, const Loaded& loaded,
+                  std::int32_t material) {
+    const auto position = [](const Primitive& one) {
+      const auto found = one.attributes.find("POSITION");
+      return found == one.attributes.end() ? -1 : found->second;
+    };
+    const auto one_sided = [&](const Primitive& one) {
+      return one.material >= 0 &&
+             !model_.materials[static_cast<std::size_t>(one.material)].doubleSided;
+    };
+    if (!one_sided(primitive)) return false;
+    std::vector<scene::Instance>& instances = out_.scene.instances;
+    for (const Side& side : sides) {
+      if (position(*side.primitive) != position(primitive) || !one_sided(*side.primitive) ||
+          side.count == 0 || instances[side.first].back != scene::kNone)
+        continue;
+      const auto& front =
+          out_.scene.materials[static_cast<std::size_t>(instances[side.first].material)];
+      if (!scene::same_holes(front, out_.scene.materials[static_cast<std::size_t>(material)]) ||
+          !is_turned_round(*side.mesh, *loaded.mesh))
+        continue;
+      for (std::size_t i = 0; i < side.count; ++i) instances[side.first + i].back = material;
+      return true;
+    }
+    return false;
   }
 
   // What a material loses on a mesh: vertex colours multiply the diffuse colour alone, and textures

@@ -106,6 +106,7 @@ MeshParts::Part MeshParts::taken(Imported& imported) {
     out.texcoords.push_back(!mesh || !mesh->texcoords.empty());
     one.shape += shapes;
     one.material += materials;
+    if (one.back != kNone) one.back += materials;
     if (one.texture != kNone) one.texture += textures;
   }
   for (geometry::Shape& shape : from.shapes) {

@@ -125,7 +125,7 @@ class Assembler {
       case ItemKind::appearance:
         inner.surface = {context.surface.fields.overridden_by(use.part->fields[item.data]),
                          {},
-                         {},
+                         context.surface.back,
                          material_place(use, item)};
         break;
       case ItemKind::texture:
@@ -281,23 +281,21 @@ class Assembler {
       instance.texture_from_shape = context.texture_from_node;
     }
     instance.source = source_of(use, item);
-    const NodeProperties* const own = properties_of(use, item);
+    const NodeProperties* const properties = properties_of(use, item);
     instance.back =
-        surfaces_.back_of(instance.material, own && own->back ? *own->back : context.surface.back,
+        surfaces_.back_of(&scene_.shapes[item.data], instance.material,
+                          properties && properties->back ? *properties->back : context.surface.back,
                           [&] { return place_in(use, item); });
-    if (own) {
-      const NodeProperties* properties = own;
+    if (properties) {
       instance.tolerance = properties->tolerance;
       if (!properties->name.empty())
         use.shapes[properties->name].emplace_back(
             index, static_cast<std::int32_t>(scene_.instances.size()));
     }
     scene_.instances.push_back(std::move(instance));
-    if (const NodeProperties* properties = properties_of(use, item);
-        properties && !properties->foil.empty()) {
+    if (properties && !properties->foil.empty())
       cover(use, item.element, static_cast<std::int32_t>(scene_.instances.size() - 1),
             properties->foil, properties->material, source_of(use, item));
-    }
   }
 
   // ---- joints
@@ -374,7 +372,7 @@ class Assembler {
         : bare && !known.blanket.preset.empty() ? surfaces_.usual_material(known.blanket.preset)
                                                 : surfaces_.material(around.surface);
     if (properties && properties->back)
-      blanket.back = surfaces_.back_of(blanket.material, *properties->back,
+      blanket.back = surfaces_.back_of(nullptr, blanket.material, *properties->back,
                                        [&] { return place_in(use, item); });
     blanket.source = source_of(use, item);
     const std::string name = properties && !properties->name.empty() ? properties->name : "foil";
@@ -603,9 +601,13 @@ class Assembler {
       materials[i] = place.materials[i] < 0
                          ? surfaces_.cad_material(place.model, model, from.instances[i].material)
                          : surfaces_.named_material(place.materials[i]);
+      const auto shape = static_cast<std::size_t>(from.instances[i].shape);
       if (place.materials[i] >= 0)
-        backs[i] = surfaces_.back_of(materials[i], surfaces_.named(place.materials[i]).back,
+        backs[i] = surfaces_.back_of(&scene_.shapes[static_cast<std::size_t>(model.shapes[shape])],
+                                     materials[i], surfaces_.named(place.materials[i]).back,
                                      [&] { return place_in(use, item); });
+      else if (from.instances[i].back != scene::kNone)
+        backs[i] = surfaces_.cad_material(place.model, model, from.instances[i].back);
     }
     if (first_import_.file == kNoFile) {
       first_import_ = Assembler::place(use, item);

@@ -327,6 +327,7 @@ void Blankets::cover(std::int32_t instance, const std::string& name, const FoilW
     if (shape == scene::kNone) return;
     scene::Instance part = wish.blanket;
     part.material = material;
+    if (shape != made->shape) part.back = scene::kNone;  // tape and edges have none
     part.shape = shape;
     hang(node, named, std::move(part));
   };

@@ -103,7 +103,11 @@ void CellGrids::append(scene::Instance instance, const Mat4& world_from_node) {
     scene_.instances.push_back(std::move(instance));
     return;
   }
-  const bool textured = instance.texture != scene::kNone || front_has_maps || back_has_maps;
+  const auto* mesh =
+      std::get_if<geometry::MeshShape>(&scene_.shapes[static_cast<std::size_t>(instance.shape)]);
+  const bool has_texcoords = mesh && !(*mesh)->texcoords.empty();
+  const bool textured =
+      instance.texture != scene::kNone || front_has_maps || (back_has_maps && has_texcoords);
   const Laid& laid = this->laid(instance.shape, textured, world_from_node);
   const auto add = [](Faces& to, const Faces& from) {
     to.count += from.count;

@@ -422,18 +422,18 @@ void Loader::read_backs(File& file) {
 // A named material of the file, or else one of the library.
 BackMaterial Loader::back_of(File& file, std::uint32_t element, std::size_t which) {
   const auto name = file.values->text(element, which);
-  if (!name) return {};
+  if (!name || *name == "none") return {};
   if (const auto found = file.materials.find(*name); found != file.materials.end()) {
     const auto index = material_of(*found->second);
     return {index ? static_cast<std::int32_t>(*index) : -1, {}};
   }
-  if (*name == "none") return {};
   const std::vector<std::string_view> library = preset_names();
   if (const auto found = std::ranges::find(library, *name); found != library.end())
     return {-1, *found};
   reporter_.report(Code::E1311, file.values->value_place(element, which), file.document, element,
                    [&]() -> Reporter::Text {
                      std::vector<std::string_view> names = library;
+                     names.push_back("none");
                      for (const auto& [other, definition] : file.materials) names.push_back(other);
                      const auto near = nearest_name(*name, names);
                      return {fmt::format("unknown material {}", in_quotes(*name)),

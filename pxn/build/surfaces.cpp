@@ -32,16 +32,16 @@ std::int32_t Surfaces::material(const Surface& surface) {
   return same->second;
 }
 
-std::int32_t Surfaces::library_material(std::string_view name) {
+Surface Surfaces::library(std::string_view name) {
   Surface surface;
   surface.name = name;
   surface.fields = find_preset(name)->fields;
-  return material(surface);
+  return surface;
 }
 
 std::int32_t Surfaces::usual_material(std::string_view foil_preset) {
   for (const mli::Preset& known : mli::presets())
-    if (known.name == foil_preset) return library_material(known.material);
+    if (known.name == foil_preset) return material(library(known.material));
   return material({});
 }
 
@@ -58,20 +58,30 @@ std::int32_t Surfaces::cad_material(std::uint32_t model_index, const ImportedMod
   return known->second;
 }
 
-std::int32_t Surfaces::back_of(std::int32_t front, const BackMaterial& back,
-                               const std::function<SourceSpan()>& where) {
+std::int32_t Surfaces::back_of(const geometry::Shape* shape, std::int32_t front,
+                               const BackMaterial& back, const std::function<SourceSpan()>& where) {
   if (back.named < 0 && back.library.empty()) return scene::kNone;
-  const std::int32_t index =
-      back.named >= 0 ? named_material(back.named) : library_material(back.library);
+  const materials::Material outside = scene_.materials[static_cast<std::size_t>(front)];
+  const bool has_holes = outside.maps.cutout >= 0;
+  if (shape && !has_holes && geometry::is_closed(*shape)) return scene::kNone;
+  Surface inside = back.named >= 0 ? named(back.named) : library(back.library);
+  materials::Maps maps = inside.fields.maps.value_or(materials::Maps{});
+  if (has_holes && maps.cutout < 0 && (!maps.any() || maps.repeat == outside.maps.repeat)) {
+    maps.cutout = outside.maps.cutout;
+    maps.threshold = outside.maps.threshold;
+    maps.repeat = outside.maps.repeat;
+    inside.fields.maps = maps;
+  }
+  const std::int32_t index = material(inside);
   if (index == front) return scene::kNone;
-  const materials::Material& outside = scene_.materials[static_cast<std::size_t>(front)];
-  const materials::Material& inside = scene_.materials[static_cast<std::size_t>(index)];
-  if (scene::same_holes(outside, inside)) return index;
+  const materials::Material& made = scene_.materials[static_cast<std::size_t>(index)];
+  if (scene::same_holes(outside, made)) return index;
   if (unlike_.emplace(front, index).second)
     reporter_.log().report(Code::W1410, where(),
                            fmt::format("the holes of {} are not those of its back {}; the back "
                                        "looks as the front does",
-                                       in_quotes(outside.name), in_quotes(inside.name)));
+                                       in_quotes(outside.name), in_quotes(made.name)),
+                           "leave out <cutout> of the back, which then has the holes of the front");
   return scene::kNone;
 }
 

@@ -36,17 +36,20 @@ class Surfaces {
   std::int32_t material(const Surface& surface);
   std::int32_t named_material(std::int32_t index) { return material(named(index)); }
   // One of the library. Expects: a name that it has.
-  std::int32_t library_material(std::string_view name);
+  static Surface library(std::string_view name);
   // The one that a preset of foil is usual with.
   std::int32_t usual_material(std::string_view foil_preset);
   // A material of a CAD file, once for each file.
   std::int32_t cad_material(std::uint32_t model_index, const ImportedModel& model,
                             std::int32_t index);
 
-  // The material of a back, for a front of the scene; kNone where both sides are alike: nothing
-  // else is named, or it does not have the holes of the front, W1410 at `where()`, once for each
+  // The material of a back, for a front of the scene, with the front's holes unless it has its own;
+  // kNone where both sides are alike or nobody sees the back: nothing else is named, the shape is
+  // closed and has no holes, or the two have different holes, W1410 at `where()`, once for each
   // pair.
-  std::int32_t back_of(std::int32_t front, const BackMaterial& back,
+  //
+  //   shape  null: an open one
+  std::int32_t back_of(const geometry::Shape* shape, std::int32_t front, const BackMaterial& back,
                        const std::function<SourceSpan()>& where);
 
  private:

@@ -102,23 +102,56 @@ TEST(Backs, UnknownNamesAreReported) {
             "2:30 E1311 unknown material 'iner' (did you mean 'inner'?)\n");
 }
 
-TEST(Backs, HolesMustBeThoseOfTheFront) {
+// A back has the holes of the front; others of its own are refused.
+TEST(Backs, HolesAreThoseOfTheFront) {
   const std::string image = std::string("P6 1 1 255\n") + "\xff\x80\x40";
-  const auto with = [&](const std::string& inner) {
-    return read_files({{"m.pxn",
-                        "<pangu_model ver=\"1\">\n<material name=\"mesh\" back=\"inner\"><cutout "
-                        "image=\"p.ppm\"/></material>\n<material name=\"inner\">" +
-                            inner +
-                            "</material>\n<plane size=\"1\" material=\"mesh\"/><plane size=\"1\" "
-                            "material=\"mesh\"/></pangu_model>"},
-                       {"p.ppm", image}});
+  const auto with = [&](const std::string& outer, const std::string& inner,
+                        const std::string& back = "inner") {
+    return read_files(
+        {{"m.pxn", "<pangu_model ver=\"1\">\n<material name=\"outer\" back=\"" + back + "\">" +
+                       outer + "</material>\n<material name=\"inner\">" + inner +
+                       "</material>\n<plane size=\"1\" material=\"outer\"/><plane "
+                       "size=\"1\" material=\"outer\"/></pangu_model>"},
+         {"p.ppm", image}});
   };
-  const Reading other = with("");
+  const std::string holes = "<cutout image=\"p.ppm\"/>";
+  const Reading other = with("", holes);
   EXPECT_EQ(other.codes(), (std::multiset<std::string>{"W1410"})) << other.summary();
-  EXPECT_EQ(sides(other), "mesh/-, mesh/-") << "said once";
-  const Reading same = with("<diffuse>0.1 0.2 0.3</diffuse><cutout image=\"p.ppm\"/>");
-  EXPECT_EQ(same.summary(), "");
-  EXPECT_EQ(sides(same), "mesh/inner, mesh/inner");
+  EXPECT_EQ(sides(other), "outer/-, outer/-") << "said once";
+  for (const std::string& inner : {std::string(), holes, "<diffuse>0.1 0.2 0.3</diffuse>" + holes})
+    for (const std::string back : {"inner", "mli_aluminised"}) {
+      const Reading same = with(holes, inner, back);
+      EXPECT_EQ(same.summary(), "");
+      const std::int32_t index = same.scene->instances[0].back;
+      ASSERT_NE(index, scene::kNone);
+      const materials::Material& made = same.scene->materials[static_cast<std::size_t>(index)];
+      EXPECT_EQ(made.name, back);
+      EXPECT_EQ(made.maps.cutout, same.scene->materials[0].maps.cutout);
+    }
+}
+
+// Nobody sees the back of what is closed: nothing of it is made.
+TEST(Backs, NotOfClosedShapes) {
+  const Reading r = read_model(R"(
+<material name="outer" back="inner"/>
+<material name="inner"><diffuse>0.1 0.2 0.3</diffuse></material>
+<sphere radius="1" material="outer"/>
+<box size="1" material="outer"/>
+<cylinder radius="1" height="1" caps="none" material="outer"/>)");
+  EXPECT_EQ(r.summary(), "");
+  EXPECT_EQ(sides(r), "outer/-, outer/-, outer/inner");
+}
+
+// What an appearance changes is the front.
+TEST(Backs, StayWhereAnAppearanceChangesTheFront) {
+  const Reading r = read_model(R"(
+<material name="outer" back="inner"/>
+<material name="inner"><diffuse>0.1 0.2 0.3</diffuse></material>
+<node material="outer">
+<appearance><material><diffuse>0.9 0.9 0.9</diffuse></material><child><plane size="1"/></child></appearance>
+</node>)");
+  EXPECT_EQ(r.summary(), "");
+  EXPECT_EQ(sides(r), "material1/inner");
 }
 
 // Sheets have backs; blankets over faces lie on what they cover.
@@ -128,9 +161,12 @@ TEST(Backs, OfSheetsAndNotOfBlankets) {
 <material name="edge" preset="mli_edge"/>
 <mli type="flat" material="gold" edge="edge"><mli_settings><width>0.2</width><height>0.2</height><xgrid>20</xgrid></mli_settings>
 <mli_operations preset="smooth"/></mli>
-<box size="0.5" material="gold" foil="smooth"/>)");
+<box size="0.5" material="gold" foil="smooth"/>
+<plane name="sheet" size="0.5" material="edge"/>
+<mli name="cover" type="wrap" on="sheet" material="gold" back="mli_black" edge="edge"><mli_operations preset="smooth"/></mli>)");
   EXPECT_EQ(r.summary(), "");
-  EXPECT_EQ(sides(r), "gold/mli_aluminised, edge/-, gold/mli_aluminised, gold/-");
+  EXPECT_EQ(sides(r),
+            "gold/mli_aluminised, edge/-, gold/-, gold/-, edge/-, gold/mli_black, edge/-");
 }
 
 }  // namespace
