@@ -163,10 +163,10 @@ TEST(Backs, OfSheetsAndNotOfBlankets) {
 <mli_operations preset="smooth"/></mli>
 <box size="0.5" material="gold" foil="smooth"/>
 <plane name="sheet" size="0.5" material="edge"/>
-<mli name="cover" type="wrap" on="sheet" material="gold" back="mli_black" edge="edge"><mli_operations preset="smooth"/></mli>)");
+<mli name="cover" type="wrap" on="sheet" material="gold" back="mli_black" tape="edge"><mli_operations preset="smooth"/></mli>)");
   EXPECT_EQ(r.summary(), "");
   EXPECT_EQ(sides(r),
-            "gold/mli_aluminised, edge/-, gold/-, gold/-, edge/-, gold/mli_black, edge/-");
+            "gold/mli_aluminised, edge/-, gold/-, edge/-, gold/-, gold/mli_black, edge/-");
 }
 
 }  // namespace
