@@ -42,6 +42,11 @@ std::string milliseconds(double seconds) {
   return ms < 99.95 ? fmt::format("{:.3g} ms", ms) : fmt::format("{:.0f} ms", ms);
 }
 
+// "0.03", "20": one digit, and whole percents.
+std::string percent(double share) {
+  return share < 0.1 ? fmt::format("{:.1g}", 100 * share) : fmt::format("{:.0f}", 100 * share);
+}
+
 // "a.png: 640 x 480, gl, 9.4 samples a pixel (auto …), EV 0, 35 ms"
 std::string line_of(const Written& image) {
   std::string line = fmt::format("{}: {} x {}, {}", outputs_of(image), image.width, image.height,
@@ -59,8 +64,8 @@ std::string line_of(const Written& image) {
       double flux_error = 0;
       for (const preview::ImposterReport& one : sampling.imposters)
         flux_error = std::max(flux_error, one.flux_error);
-      line += fmt::format(", {} (flux within {:.1g} %)",
-                          counted(sampling.imposters.size(), "imposter"), 100 * flux_error);
+      line += fmt::format(", {} (flux within {} %)", counted(sampling.imposters.size(), "imposter"),
+                          percent(flux_error));
     }
     if (sampling.shadow_edge > 0)
       line += fmt::format(", edges of shadows within {:.2g} pixels", sampling.shadow_edge);
@@ -95,10 +100,10 @@ std::string explained(const Written& image) {
       names.push_back(image.targets[target]);
       told[target] = true;
     }
-    text += fmt::format(
-        "  {}: an imposter of {} x {} texels for {:.3g} pixels, flux within {:.1g} %, {}\n",
-        fmt::join(names, ", "), one.width, one.height, one.extent, 100 * one.flux_error,
-        milliseconds(one.seconds));
+    text +=
+        fmt::format("  {}: an imposter of {} x {} texels for {:.3g} pixels, flux within {} %, {}\n",
+                    fmt::join(names, ", "), one.width, one.height, one.extent,
+                    percent(one.flux_error), milliseconds(one.seconds));
   }
   for (std::size_t i = 0; i < told.size(); ++i)
     if (!told[i])

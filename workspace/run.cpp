@@ -185,11 +185,13 @@ class Run {
     } catch (const Cancelled&) {
       (void)retire();
       warn_of_empty_views();
+      warn_of_imposters();
       throw;
     }
     // note: first, so that the last image is reported in any case
     const bool last = retire();
     warn_of_empty_views();
+    warn_of_imposters();
     if (!last || done_ < views_.size()) return failed;
     return done_;
   }
@@ -273,7 +275,10 @@ class Run {
     const double seconds = drawing.seconds + seconds_since(start);
     if (drawn) tell({"render " + view.output, seconds});
     if (!retire() || !drawn) return false;
-    if (drawn->sampling) warn_of_error(view, *drawn->sampling);
+    if (drawn->sampling) {
+      warn_of_error(view, *drawn->sampling);
+      note_imposters(view, *drawn->sampling);
+    }
     phase.advance();
     preview::Image& image = drawn->image;
     drawing.shown_ev = view.auto_ev ? auto_exposure(image, -drawing.ev) : view.ev;
@@ -350,6 +355,34 @@ class Run {
     empty_.clear();
   }
 
+  // Imposters whose flux is far from what was asked: dark but for a few glints, mostly.
+  void note_imposters(const View& view, const preview::SamplingReport& report) {
+    constexpr double kFar = 0.01, kTimes = 4;
+    double worst = 0;
+    for (const preview::ImposterReport& one : report.imposters)
+      worst = std::max(worst, one.flux_error);
+    const double asked = options_of(view, options_).gl.flux_error;
+    if (worst <= std::max(kFar, kTimes * asked)) return;
+    ++uncertain_.views;
+    if (worst <= uncertain_.flux_error) return;
+    uncertain_ = {uncertain_.views, worst, asked, view.label, view.output};
+  }
+
+  // One warning for all views.
+  void warn_of_imposters() {
+    if (uncertain_.views > 0)
+      log_.report_file(
+          Code::W5008, uncertain_.output,
+          fmt::format(
+              "{}{}the flux of an imposter is estimated to be off by {:.2g} %, more than the "
+              "{:.2g} % that --flux-error asks for",
+              uncertain_.views > 1 ? fmt::format("{} views, the worst ", uncertain_.views) : "",
+              uncertain_.label.empty() ? "" : uncertain_.label + ": ", 100 * uncertain_.flux_error,
+              100 * uncertain_.asked),
+          "little of it is lit, or in narrow glints: the error is relative to that");
+    uncertain_ = {};
+  }
+
   void warn_of_error(const View& view, const preview::SamplingReport& report) const {
     const DrawOptions& draw = options_of(view, options_);
     const double asked = draw.gl.pixel_error;
@@ -376,7 +409,12 @@ class Run {
   Drawer* drawer_ = nullptr;  // in use
   std::size_t done_ = 0;
   std::map<std::string, std::vector<std::string>> empty_;  // labels of views, by W5006's reasons
-  std::deque<Drawing> drawing_;                            // those begun and not ended
+  struct Uncertain {
+    std::size_t views = 0;
+    double flux_error = 0, asked = 0;  // of the worst
+    std::string label, output;
+  } uncertain_;
+  std::deque<Drawing> drawing_;  // those begun and not ended
   std::unique_ptr<Writing> writing_;
   std::future<void> pending_;  // after writing_: it is waited for first
 };
