@@ -6,6 +6,8 @@
 #include <cctype>
 #include <functional>
 
+#include "base/text.h"
+
 namespace panwright::importers {
 
 namespace {
@@ -34,6 +36,12 @@ std::string_view first_element(std::string_view text) {
   }
 }
 
+std::string not_well_formed(const pugi::xml_parse_result& result) {
+  std::string problem = result.description();
+  if (!problem.empty()) problem[0] = static_cast<char>(std::tolower(problem[0]));
+  return fmt::format("the XML text is not well-formed: {}; what stands before is read", problem);
+}
+
 }  // namespace
 
 bool first_element_is(std::string_view text, std::string_view name) {
@@ -41,6 +49,51 @@ bool first_element_is(std::string_view text, std::string_view name) {
   if (!element.starts_with('<') || !element.substr(1).starts_with(name)) return false;
   const std::string_view rest = element.substr(1 + name.size());
   return !rest.empty() && std::string_view(" \t\r\n/>").find(rest[0]) != std::string_view::npos;
+}
+
+pugi::xml_node XmlText::include(pugi::xml_node element, const std::string& path,
+                                const SharedText& bytes, SourceSpan where,
+                                std::initializer_list<std::string_view> names) {
+  pugi::xml_node parent = element.parent();
+  const auto without = [&] {
+    const pugi::xml_node next = element.next_sibling();
+    parent.remove_child(element);
+    return next;
+  };
+  if (!context_->charge((kTreePerByte + 1) * bytes->size())) return without();
+  const FileId file = context_->log.sources().add({path, bytes, Encoding::utf8, where});
+  const auto place = [&](std::size_t begin, std::size_t size) {
+    return SourceSpan{file, static_cast<std::uint32_t>(std::min(begin, bytes->size())),
+                      static_cast<std::uint32_t>(std::min(begin + size, bytes->size()))};
+  };
+  const pugi::xml_parse_result result =
+      element.append_buffer(bytes->data(), bytes->size(), pugi::parse_default, pugi::encoding_utf8);
+  if (!result)
+    context_->log.report(
+        Code::E6220, place(static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0)), 1),
+        not_well_formed(result));
+  const pugi::xml_node top = element.find_child(
+      [](const pugi::xml_node& child) { return child.type() == pugi::node_element; });
+  if (!top) return without();
+  // where its memory begins follows from where its first element's name does
+  const std::string_view rest = first_element(*bytes);
+  const auto offset = static_cast<std::size_t>(rest.data() - bytes->data()) + 1;
+  included_.push_back({top.name() - offset, bytes->size(), file});
+  if (std::ranges::find(names, std::string_view(top.name())) == names.end()) {
+    context_->log.report(Code::E6220, at(top),
+                         fmt::format("the element {} stands where {} is expected; nothing of the "
+                                     "file is read",
+                                     in_quotes(top.name()), fmt::join(names, " or ")));
+    return without();
+  }
+  pugi::xml_node first;
+  for (pugi::xml_node child = top.first_child(), next; child; child = next) {
+    next = child.next_sibling();
+    const pugi::xml_node moved = parent.insert_move_before(child, element);
+    if (!first) first = moved;
+  }
+  const pugi::xml_node next = without();
+  return first ? first : next;
 }
 
 bool XmlText::parse(meshes::ReaderContext& context) {
@@ -53,18 +106,23 @@ bool XmlText::parse(meshes::ReaderContext& context) {
   if (result) return true;
   const std::size_t offset =
       std::min(static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0)), bytes.size());
-  std::string problem = result.description();
-  if (!problem.empty()) problem[0] = static_cast<char>(std::tolower(problem[0]));
-  context.log.report(
-      Code::E6220, context.at(offset, std::min(offset + 1, bytes.size())),
-      fmt::format("the XML text is not well-formed: {}; what stands before is read", problem));
+  context.log.report(Code::E6220, context.at(offset, std::min(offset + 1, bytes.size())),
+                     not_well_formed(result));
   return true;
 }
 
 SourceSpan XmlText::span(const char* begin, std::size_t size) const {
   const std::less<> before;
   const char* const first = text_.data();
-  if (before(begin, first) || before(first + text_.size(), begin)) return context_->at(0, 0);
+  if (before(begin, first) || before(first + text_.size(), begin)) {
+    for (const Piece& piece : included_) {
+      if (before(begin, piece.begin) || before(piece.begin + piece.size, begin)) continue;
+      const auto offset = static_cast<std::size_t>(begin - piece.begin);
+      return {piece.file, static_cast<std::uint32_t>(offset),
+              static_cast<std::uint32_t>(std::min(offset + size, piece.size))};
+    }
+    return context_->at(0, 0);
+  }
   const auto offset = static_cast<std::size_t>(begin - first);
   return context_->at(offset, std::min(offset + size, text_.size()));
 }

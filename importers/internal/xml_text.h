@@ -1,9 +1,11 @@
 // The tree of an XML text whose elements and attributes know their places.
 #pragma once
 
+#include <initializer_list>
 #include <pugixml.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "importers/meshes/reader_context.h"
 
@@ -19,12 +21,29 @@ class XmlText {
   bool parse(meshes::ReaderContext& context);
 
   pugi::xml_node top() const { return document_.document_element(); }
+
+  // Reads another text into the tree: what stands in its first element comes to stand where
+  // `element` does, which goes. Reports E6220 at its place where the text is not well-formed, and
+  // what stands before is read, or where its first element has none of the names; E6002.
+  //
+  //   path, bytes  of the other text; it is included at `where`
+  //   names        that its first element may have
+  //   returns      the first that came, or what stood behind `element`; null: nothing
+  pugi::xml_node include(pugi::xml_node element, const std::string& path, const SharedText& bytes,
+                         SourceSpan where, std::initializer_list<std::string_view> names);
   SourceSpan at(const pugi::xml_node& element) const;         // its name
   SourceSpan at(const pugi::xml_attribute& attribute) const;  // its value
 
  private:
+  // A text of the tree: its names and values are parts of memory that is as long.
+  struct Piece {
+    const char* begin;
+    std::size_t size;
+    FileId file;
+  };
   SourceSpan span(const char* begin, std::size_t size) const;
 
+  std::vector<Piece> included_;
   std::string text_;  // parsed in place: names and values are parts of it
   pugi::xml_document document_;
   meshes::ReaderContext* context_ = nullptr;

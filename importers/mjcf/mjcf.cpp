@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <set>
 #include <unordered_map>
 
 #include "base/text.h"
@@ -318,6 +319,46 @@ class SceneMaker {
   std::vector<Outside> outside_;
 };
 
+// Puts in the place of every <include> what stands in the file that it names, from the folder of
+// the model. Each file comes once, as MuJoCo has it.
+void add_included(XmlText& text, meshes::ReaderContext& context) {
+  std::set<std::string> known{context.file.name};
+  const auto wrong = [&](SourceSpan where, const std::string& message) {
+    context.log.report(Code::E6220, where, message);
+  };
+  const auto in_place_of = [&](pugi::xml_node element) {
+    const pugi::xml_attribute file = element.attribute("file");
+    const SourceSpan where = file ? text.at(file) : text.at(element);
+    std::string path;
+    SharedText bytes;
+    if (!file) {
+      wrong(where, "<include> has no file; it is left out");
+    } else if (context.read_named(file.value(), context.file.name, where, path, bytes)) {
+      if (known.insert(path).second)
+        return text.include(element, path, bytes, where, {"mujoco", "mujocoinclude"});
+      wrong(where, fmt::format("{} is included already; a file comes once", in_quotes(path)));
+    }
+    const pugi::xml_node next = element.next_sibling();
+    element.parent().remove_child(element);
+    return next;
+  };
+  const pugi::xml_node top = text.top();
+  pugi::xml_node at = top.first_child();
+  pugi::xml_node around = top;  // of `at`
+  for (;;) {
+    if (!at) {
+      if (around == top) return;
+      at = around.next_sibling();
+      around = around.parent();
+    } else if (std::string_view(at.name()) == "include") {
+      at = in_place_of(at);
+    } else {
+      around = at;
+      at = at.first_child();
+    }
+  }
+}
+
 }  // namespace
 
 bool is_model(std::string_view text) { return first_element_is(text, "mujoco"); }
@@ -328,6 +369,7 @@ Result<Imported> read(Files& files, const InputFile& file, const Options& option
   const std::size_t errors = log.errors();
   XmlText text;
   if (!text.parse(context)) return failed;
+  add_included(text, context);
   const Model model = read_model(text, context);
   if (model.bodies.size() < 2 && model.bodies[0].geoms.empty()) {
     if (log.errors() == errors)

@@ -61,8 +61,7 @@ class ModelReader {
   // Macros hold parts of the model; other elements have no surface.
   void skip(const xml_node& element) {
     const std::string_view name = element.name();
-    for (const std::string_view macro :
-         {"include", "replicate", "attach", "composite", "flexcomp", "model"})
+    for (const std::string_view macro : {"attach", "composite", "flexcomp", "model"})
       if (name == macro)
         return c_.trouble(Code::E6220, macro, text_.at(element), [&] {
           return fmt::format(
@@ -195,6 +194,8 @@ class ModelReader {
       } else if (name == "frame") {
         const std::size_t inner = a_.classes().of(child, around, "childclass");
         read_inside(child, body, frame * a_.pose(child, 0), inner, depth + 1);
+      } else if (name == "replicate") {
+        read_replicas(child, body, frame, around, depth);
       } else if (name == "joint" || name == "freejoint") {
         read_joint(child, body, frame, around);
       } else if (name == "geom") {
@@ -207,11 +208,43 @@ class ModelReader {
     }
   }
 
+  // What stands in it several times: copy n is placed by the n-th power of its step. Names get
+  // `sep` and n, with as many digits as the last one has.
+  void read_replicas(const xml_node& element, std::size_t body, const Pose& frame,
+                     std::size_t around, std::uint32_t depth) {
+    const std::size_t inner = a_.classes().of(element, around, "childclass");
+    const double count = a_.number_or(element, "count", 0, 0);
+    if (!(count >= 1 && count == std::floor(count)))
+      return a_.wrong(a_.at(element, "count", 0),
+                      "<replicate> needs a count of 1 or more; what is in it is left out");
+    Pose step = a_.pose(element, 0);
+    step.position = a_.vector(element, "offset", 0).value_or(Vec3(0));
+    const std::string before = suffix_;
+    const std::string separator = element.attribute("sep").value();
+    const std::size_t digits = fmt::format("{:.0f}", count - 1).size();
+    Pose at = frame;
+    for (std::uint64_t i = 0; static_cast<double>(i) < count && !c_.full; ++i) {
+      if (++replicas_ > c_.options.limits.nodes)
+        return c_.limit(fmt::format("more than {} copies", c_.options.limits.nodes),
+                        text_.at(element));
+      suffix_ = fmt::format("{}{:0{}}{}", separator, i, digits, before);
+      read_inside(element, body, at, inner, depth + 1);
+      at = at * step;
+      at.rotation = glm::normalize(at.rotation);
+    }
+    suffix_ = before;
+  }
+
+  std::string name_of(const xml_node& element) const {
+    const std::string name = element.attribute("name").value();
+    return name.empty() ? name : name + suffix_;
+  }
+
   void read_body(const xml_node& element, std::size_t parent, const Pose& frame, std::size_t around,
                  std::uint32_t depth) {
     const std::size_t inner = a_.classes().of(element, around, "childclass");
     Body body;
-    body.name = element.attribute("name").value();
+    body.name = name_of(element);
     body.where = text_.at(element);
     body.parent = static_cast<std::int32_t>(parent);
     body.pose = frame * a_.pose(element, 0);
@@ -227,7 +260,7 @@ class ModelReader {
   void read_mark(const xml_node& element, std::size_t body, const Pose& frame, std::size_t around) {
     const bool camera = std::string_view(element.name()) == "camera";
     Mark mark;
-    mark.name = element.attribute("name").value();
+    mark.name = name_of(element);
     mark.where = text_.at(element);
     if (mark.name.empty())
       return c_.skipped(camera ? "camera without a name" : "site without a name");
@@ -250,7 +283,7 @@ class ModelReader {
                       "a joint stands in the world, which does not move; "
                       "expected in a body");
     ModelJoint joint;
-    joint.name = element.attribute("name").value();
+    joint.name = name_of(element);
     joint.where = text_.at(element);
     std::vector<ModelJoint>& joints = out_.bodies[body].joints;
     const bool is_free = std::string_view(element.name()) == "freejoint";
@@ -357,7 +390,7 @@ class ModelReader {
         {"plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf"},
         mesh ? kMesh : kSphere);
     Geom geom;
-    geom.name = element.attribute("name").value();
+    geom.name = name_of(element);
     geom.where = text_.at(element);
     geom.pose = a_.pose(element, its_class);
     if (type == kHeightField || type == kDistance)
@@ -503,6 +536,8 @@ class ModelReader {
   Attributes a_;
   Model out_;
   Named meshes_, textures_, materials_, body_names_, joint_names_, mark_names_;
+  std::string suffix_;          // of names, by the <replicate>s around
+  std::uint64_t replicas_ = 0;  // so far
   std::vector<std::pair<std::string, SourceSpan>> texture_files_;  // empty: none that is read
   std::map<std::pair<std::int32_t, std::array<double, 4>>, std::int32_t> colored_;
 };
