@@ -24,7 +24,15 @@ double linear_from_srgb(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : det::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-double srgb_decoded(std::uint8_t code) { return linear_from_srgb(code / 255.0); }
+double srgb_decoded(std::uint8_t code) {
+  static const std::array<double, 256> values = [] {
+    std::array<double, 256> all{};
+    for (std::size_t i = 0; i < all.size(); ++i)
+      all[i] = linear_from_srgb(static_cast<double>(i) / 255);
+    return all;
+  }();
+  return values[code];
+}
 
 std::uint8_t srgb_code(double linear) {
   static const std::array<double, 255> thresholds = made_thresholds();

@@ -73,23 +73,40 @@ double texel_size(const Mesh& mesh, double stretch, const scene::Texture& textur
   return 0;
 }
 
-// Bilinear between the middles of texels, repeated: the mean of the channels' light.
-double light_at(const scene::Texture& texture, const Vec2& at) {
-  const auto texel = [&](double x, double y) {
-    const auto i = static_cast<std::size_t>(x - texture.width * std::floor(x / texture.width));
-    const auto j = static_cast<std::size_t>(y - texture.height * std::floor(y / texture.height));
-    const std::uint8_t* code =
-        &texture.rgba[4 * (std::min<std::size_t>(j, texture.height - 1) * texture.width +
-                           std::min<std::size_t>(i, texture.width - 1))];
-    double sum = 0;
-    for (int k = 0; k < 3; ++k) sum += texture.linear ? code[k] / 255.0 : srgb_decoded(code[k]);
-    return sum / 3;
-  };
-  const double x = at.x * texture.width - 0.5, y = (1 - at.y) * texture.height - 0.5;
-  const double x0 = std::floor(x), y0 = std::floor(y), u = x - x0, v = y - y0;
-  return (1 - v) * ((1 - u) * texel(x0, y0) + u * texel(x0 + 1, y0)) +
-         v * ((1 - u) * texel(x0, y0 + 1) + u * texel(x0 + 1, y0 + 1));
-}
+// The mean of the channels' light in each texel.
+struct LightMap {
+  std::size_t width = 0, height = 0;
+  std::vector<float> texels;
+
+  explicit LightMap(const scene::Texture& texture) : width(texture.width), height(texture.height) {
+    texels.reserve(width * height);
+    for (std::size_t i = 0; i < texture.rgba.size(); i += 4) {
+      double sum = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint8_t code = texture.rgba[i + k];
+        sum += texture.linear ? code / 255.0 : srgb_decoded(code);
+      }
+      texels.push_back(static_cast<float>(sum / 3));
+    }
+  }
+
+  // Bilinear between the middles of texels, repeated.
+  double at(const Vec2& place) const {
+    const double x = place.x * static_cast<double>(width) - 0.5;
+    const double y = (1 - place.y) * static_cast<double>(height) - 0.5;
+    const double x0 = std::floor(x), y0 = std::floor(y), u = x - x0, v = y - y0;
+    const auto wrapped = [](double from, std::size_t count) {
+      const auto size = static_cast<double>(count);
+      return std::min(static_cast<std::size_t>(from - size * std::floor(from / size)), count - 1);
+    };
+    const std::size_t i0 = wrapped(x0, width), i1 = i0 + 1 == width ? 0 : i0 + 1;
+    const std::size_t j0 = wrapped(y0, height), j1 = j0 + 1 == height ? 0 : j0 + 1;
+    const float* const upper = &texels[j0 * width];
+    const float* const lower = &texels[j1 * width];
+    return (1 - v) * ((1 - u) * double{upper[i0]} + u * double{upper[i1]}) +
+           v * ((1 - u) * double{lower[i0]} + u * double{lower[i1]});
+  }
+};
 
 bool opaque(const scene::Texture& texture) {
   for (std::size_t i = 3; i < texture.rgba.size(); i += 4)
@@ -143,59 +160,71 @@ struct User {
   Vec2 repeat{1};
 };
 
+// The mean light on each triangle of a mesh, by so many samples as it has texels of a texture of
+// `fine` by fine.
+std::vector<double> means_on(const User& user, const LightMap& light, const scene::Texture& fine,
+                             const Job& job) {
+  const Mesh& mesh = *user.mesh;
+  const double most =
+      std::max(kLeastSamples, kSamples / static_cast<double>(mesh.triangles.size()));
+  std::vector<double> means(mesh.triangles.size());
+  parallel_for(
+      means.size(),
+      [&](std::size_t index) {
+        const geometry::Triangle& t = mesh.triangles[index];
+        const Vec2 p = mesh.texcoords[t[1]] - mesh.texcoords[t[0]];
+        const Vec2 q = mesh.texcoords[t[2]] - mesh.texcoords[t[0]];
+        const double texels = std::fabs(p.x * q.y - p.y * q.x) / 2 * user.repeat.x * user.repeat.y *
+                              fine.width * fine.height;
+        const auto samples = static_cast<std::size_t>(std::clamp(texels, kLeastSamples, most));
+        double sum = 0;
+        for (std::size_t i = 0; i < samples; ++i) {
+          // an even set of the square, folded into the triangle (plastic number)
+          double u = 0.5 + 0.7548776662466927 * static_cast<double>(i);
+          double v = 0.5 + 0.5698402909980532 * static_cast<double>(i);
+          u -= std::floor(u);
+          v -= std::floor(v);
+          if (u + v > 1) u = 1 - u, v = 1 - v;
+          sum += light.at(user.repeat * ((1 - u - v) * mesh.texcoords[t[0]] +
+                                         u * mesh.texcoords[t[1]] + v * mesh.texcoords[t[2]]));
+        }
+        means[index] = sum / static_cast<double>(samples);
+      },
+      job);
+  return means;
+}
+
 // The largest share by which the mean light of a texture changes, of the faces of a mesh that look
 // along one axis; relative to the mean over all of it. Texels of an atlas belong to many pieces,
 // and those of a coarse one to several of them.
-double light_difference(const std::vector<User>& users, const scene::Texture& fine,
-                        const scene::Texture& coarse) {
-  double largest = 0;
-  for (const User& user : users) {
-    std::array<double, 6> areas{}, before{}, after{};
-    const Mesh& mesh = *user.mesh;
-    const double most =
-        std::max(kLeastSamples, kSamples / static_cast<double>(mesh.triangles.size()));
-    for (const geometry::Triangle& t : mesh.triangles) {
-      const Vec3& a = mesh.positions[t[0]];
-      const Vec3 cross = glm::cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
-      std::size_t axis = 0;
-      for (std::size_t k = 1; k < 3; ++k)
-        if (std::fabs(cross[static_cast<int>(k)]) > std::fabs(cross[static_cast<int>(axis)]))
-          axis = k;
-      const std::size_t face = 2 * axis + (cross[static_cast<int>(axis)] < 0 ? 1 : 0);
-      const double area = glm::length(cross) / 2;
-      const Vec2 p = mesh.texcoords[t[1]] - mesh.texcoords[t[0]];
-      const Vec2 q = mesh.texcoords[t[2]] - mesh.texcoords[t[0]];
-      const double texels = std::fabs(p.x * q.y - p.y * q.x) / 2 * user.repeat.x * user.repeat.y *
-                            fine.width * fine.height;
-      const auto samples = static_cast<std::size_t>(std::clamp(texels, kLeastSamples, most));
-      double sums[2] = {0, 0};
-      for (std::size_t i = 0; i < samples; ++i) {
-        // an even set of the square, folded into the triangle (plastic number)
-        double u = 0.5 + 0.7548776662466927 * static_cast<double>(i);
-        double v = 0.5 + 0.5698402909980532 * static_cast<double>(i);
-        u -= std::floor(u);
-        v -= std::floor(v);
-        if (u + v > 1) u = 1 - u, v = 1 - v;
-        const Vec2 at = user.repeat * ((1 - u - v) * mesh.texcoords[t[0]] +
-                                       u * mesh.texcoords[t[1]] + v * mesh.texcoords[t[2]]);
-        sums[0] += light_at(fine, at);
-        sums[1] += light_at(coarse, at);
-      }
-      areas[face] += area;
-      before[face] += area * sums[0] / static_cast<double>(samples);
-      after[face] += area * sums[1] / static_cast<double>(samples);
-    }
-    double area = 0, light = 0;
-    for (std::size_t face = 0; face < 6; ++face) {
-      area += areas[face];
-      light += before[face];
-    }
-    if (!(light > 0)) continue;
-    for (std::size_t face = 0; face < 6; ++face)
-      if (areas[face] > kFineShare * area)
-        largest =
-            std::max(largest, std::fabs(after[face] - before[face]) / areas[face] * area / light);
+double light_difference(const Mesh& mesh, const std::vector<double>& fine,
+                        const std::vector<double>& coarse) {
+  std::array<double, 6> areas{}, before{}, after{};
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const geometry::Triangle& t = mesh.triangles[i];
+    const Vec3& a = mesh.positions[t[0]];
+    const Vec3 cross = glm::cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
+    std::size_t axis = 0;
+    for (std::size_t k = 1; k < 3; ++k)
+      if (std::fabs(cross[static_cast<int>(k)]) > std::fabs(cross[static_cast<int>(axis)]))
+        axis = k;
+    const std::size_t face = 2 * axis + (cross[static_cast<int>(axis)] < 0 ? 1 : 0);
+    const double area = glm::length(cross) / 2;
+    areas[face] += area;
+    before[face] += area * fine[i];
+    after[face] += area * coarse[i];
   }
+  double area = 0, light = 0;
+  for (std::size_t face = 0; face < 6; ++face) {
+    area += areas[face];
+    light += before[face];
+  }
+  double largest = 0;
+  if (!(light > 0)) return largest;
+  for (std::size_t face = 0; face < 6; ++face)
+    if (areas[face] > kFineShare * area)
+      largest =
+          std::max(largest, std::fabs(after[face] - before[face]) / areas[face] * area / light);
   return largest;
 }
 
@@ -254,6 +283,19 @@ void reduce_textures(scene::Scene& scene, const Allotment& allotment, FitReport&
         scene::Texture& texture = scene.textures[i];
         if (!(halvings[i] >= 1) || halvings[i] == HUGE_VAL || !opaque(texture)) return;
         const double most = scene.budget.flux ? kTextureShare * *scene.budget.flux : kMostLight;
+        std::vector<std::vector<double>> fine;
+        {
+          const LightMap light(texture);
+          for (const User& user : users[i]) fine.push_back(means_on(user, light, texture, job));
+        }
+        const auto looks_alike = [&](const scene::Texture& smaller) {
+          const LightMap light(smaller);
+          for (std::size_t u = 0; u < users[i].size(); ++u)
+            if (light_difference(*users[i][u].mesh, fine[u],
+                                 means_on(users[i][u], light, texture, job)) > most)
+              return false;
+          return true;
+        };
         for (int k = static_cast<int>(std::min(halvings[i], 32.0)); k > 0; --k) {
           const auto side = [&](std::uint32_t texels) {
             return static_cast<std::uint32_t>(std::max(1.0, std::ceil(std::ldexp(texels, -k))));
@@ -261,7 +303,7 @@ void reduce_textures(scene::Scene& scene, const Allotment& allotment, FitReport&
           const std::uint32_t width = side(texture.width), height = side(texture.height);
           if (width == texture.width && height == texture.height) continue;
           scene::Texture smaller = reduced(texture, width, height);
-          if (light_difference(users[i], texture, smaller) > most) continue;
+          if (!looks_alike(smaller)) continue;
           texture = std::move(smaller);
           return;
         }
