@@ -96,7 +96,7 @@ TEST(Storage, CompressedModelsAreEqualModels) {
 TEST(Storage, SectionsThatAreIgnoredAreNamed) {
   const TemporaryFolder folder;
   support::OpenPan file(support::small_pan());
-  file.add_section(27, true, 64, std::vector<std::byte>(64));
+  file.add_section(pan::layout::kReservedKinds[0].value, true, 64, std::vector<std::byte>(64));
   file.add_section(1000, true, 64, std::vector<std::byte>(64));
   const auto& bytes = file.seal().bytes();
   const std::string path =
