@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 
 #include "base/srgb.h"
 #include "compiler/compile.h"
@@ -28,6 +29,14 @@ std::optional<pan::Model> compiled(const scene::Scene& scene) {
   auto model = pan::Model::from_bytes(*bytes, "test.pan", log);
   if (!model || !model->check(log)) return std::nullopt;
   return *std::move(model);
+}
+
+// The JSON chunk of a GLB file.
+nlohmann::json json_of(std::span<const std::byte> glb) {
+  std::uint32_t size = 0;
+  std::memcpy(&size, glb.data() + 12, 4);
+  const char* const text = reinterpret_cast<const char*>(glb.data()) + 20;
+  return nlohmann::json::parse(text, text + size);
 }
 
 // A sphere, a box twice, mirrored once, with a texture, a coat, a frame and a keypoint.
@@ -501,10 +510,7 @@ TEST(GltfExport, OpenMeshesAndCutoutsHaveTwoSides) {
   DiagnosticLog log;
   const auto glb = glb_from(*model, log);
   ASSERT_TRUE(glb);
-  const std::string text(reinterpret_cast<const char*>(glb->data()) + 20, glb->size() - 20);
-  std::uint32_t size = 0;
-  std::memcpy(&size, glb->data() + 12, 4);
-  const auto root = nlohmann::json::parse(text.substr(0, size));
+  const auto root = json_of(*glb);
   for (const auto& material : root["materials"]) {
     const std::string name = material["name"];
     EXPECT_EQ(material.value("doubleSided", false), name != "gold") << name;
@@ -531,10 +537,7 @@ TEST(GltfExport, BacksAreSurfacesOfTheirOwn) {
   DiagnosticLog log;
   const auto glb = glb_from(*model, log);
   ASSERT_TRUE(glb);
-  const std::string text(reinterpret_cast<const char*>(glb->data()) + 20, glb->size() - 20);
-  std::uint32_t size = 0;
-  std::memcpy(&size, glb->data() + 12, 4);
-  const auto root = nlohmann::json::parse(text.substr(0, size));
+  const auto root = json_of(*glb);
   std::multiset<std::pair<std::string, bool>> materials;
   for (const auto& material : root["materials"])
     materials.emplace(material["name"], material.value("doubleSided", false));

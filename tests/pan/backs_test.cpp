@@ -14,6 +14,7 @@
 namespace panwright::pan {
 namespace {
 
+using support::problems;
 using testing::HasSubstr;
 
 // The first instance with another material on its back.
@@ -25,13 +26,6 @@ Contents sided() {
   contents.materials[1] = contents.materials[0];
   contents.materials[1].name = "inner";
   return contents;
-}
-
-std::string problems(const Contents& contents) {
-  DiagnosticLog log;
-  auto model = Model::from_bytes(write_to_memory(contents), "test.pan", log);
-  if (model && model->check(log)) return "";
-  return to_text(log);
 }
 
 Model model_of(const Contents& contents) {

@@ -12,6 +12,7 @@ namespace panwright::pan {
 namespace {
 
 using geometry::JointKind;
+using support::problems;
 using ::testing::HasSubstr;
 
 // Three nodes in a line: the second turns, the third slides after it.
@@ -37,13 +38,6 @@ Contents jointed() {
   slide.joint.offset = 0.25;
   contents.joints = {turn, slide};
   return contents;
-}
-
-std::string problems(const Contents& contents) {
-  DiagnosticLog log;
-  auto model = Model::from_bytes(write_to_memory(contents), "test.pan", log);
-  if (!model || !model->check(log)) return to_text(log);
-  return {};
 }
 
 TEST(Joints, ComeBack) {

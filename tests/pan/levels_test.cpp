@@ -15,6 +15,7 @@
 namespace panwright::pan {
 namespace {
 
+using support::problems;
 using testing::HasSubstr;
 
 Contents leveled() {
@@ -22,14 +23,6 @@ Contents leveled() {
   contents.decals.clear();
   contents.levels = {{0.5, 0.25, 0, 1, 1, 0}, {0.125, 0.5, 1, 1, 0, 0}, {0.75, 1, 1, 1, 1, 0}};
   return contents;
-}
-
-// What check() says, "" for a sound file.
-std::string problems(const Contents& contents) {
-  DiagnosticLog log;
-  auto model = Model::from_bytes(write_to_memory(contents), "test.pan", log);
-  if (model && model->check(log)) return "";
-  return to_text(log);
 }
 
 TEST(Levels, ComeBackByInstance) {

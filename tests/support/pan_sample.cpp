@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "base/hash.h"
+#include "pan/model.h"
 
 namespace panwright::support {
 
@@ -99,6 +100,13 @@ pan::Contents small_contents() {
   dish.joint.axis = {1, 0, 0};
   contents.joints = {hinge, dish};
   return contents;
+}
+
+std::string problems(const pan::Contents& contents) {
+  DiagnosticLog log;
+  auto model = pan::Model::from_bytes(pan::write_to_memory(contents), "test.pan", log);
+  if (model && model->check(log)) return "";
+  return to_text(log);
 }
 
 std::vector<std::byte> small_pan() { return pan::write_to_memory(small_contents()); }

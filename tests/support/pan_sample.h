@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace panwright::support {
 // a 2 x 3 texture, a frame, sources, inputs, a budget, two keypoints and two decals.
 pan::Contents small_contents();
 std::vector<std::byte> small_pan();
+// What check() says of a file with these contents; "" where it is sound.
+std::string problems(const pan::Contents& contents);
 // Sections of it: all kinds but those of mesh streams and backs, which are no part of format 1.0.
 inline constexpr std::size_t kSampleSections = pan::layout::kSectionKinds - 3;
 
