@@ -15,7 +15,7 @@ LayerSet layers_of(const Variant& variant) {
   if (variant.textured || variant.colored || variant.albedo_map) set |= 1u << kAlbedoLayer;
   if (variant.normal_map || variant.roughness_map || variant.cells)
     set |= 1u << kAlbedoLayer | 1u << kRoughnessLayer;
-  if (variant.brushed || variant.normal_map)
+  if (variant.brushed || variant.normal_map || variant.curved)
     set |= 1u << kAlbedoLayer | 1u << kRoughnessLayer | 1u << kTangentLayer;
   if (variant.reflectance_map) set |= 1u << kReflectanceLayer;
   return set;

@@ -34,6 +34,7 @@ struct Options {
   std::optional<std::string> levels;
   std::optional<std::string> imposters;
   std::optional<std::string> flux_error;  // share
+  std::optional<std::string> specular_filter;
   std::optional<std::string> psf;         // pixels
   bool explain = false;
   std::optional<std::string> max_image_bytes;
@@ -157,6 +158,11 @@ void declare_all(Arguments& arguments, Options& options) {
            "The error of an imposter's flux to aim at (default 0.05%)")
       .type("SHARE");
   arguments
+      .add("--specular-filter", options.specular_filter,
+           "Narrow highlights on curved surfaces: auto (default): averaged from sample to sample "
+           "where samples are too far apart to show them; off: as points show them")
+      .type("auto|off");
+  arguments
       .add("--psf", options.psf,
            "Point spread function of the camera: a Gaussian of so many pixels RMS, which pixels "
            "integrate (default 0: none)")
@@ -199,6 +205,7 @@ Result<workspace::ViewText> typed_view(const Options& options, DiagnosticLog& lo
   typed->imposters = options.imposters;
   typed->flux_error = options.flux_error;
   typed->psf = options.psf;
+  typed->specular_filter = options.specular_filter;
   typed->until_error = options.until_error;
   typed->max_samples = options.max_samples;
   typed->bounces = options.bounces;

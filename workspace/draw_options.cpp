@@ -99,6 +99,7 @@ const char* stray_option(const ViewText& text, bool traced) {
     if (text.levels) return "levels";
     if (text.imposters) return "imposters";
     if (text.flux_error) return "flux-error";
+    if (text.specular_filter) return "specular-filter";
     return text.shadow_side ? "shadow-side" : nullptr;
   }
   if (text.until_error) return "until-error";
@@ -165,6 +166,9 @@ void read_gl(const ViewText& text, Reader& reader, DrawOptions& draw) {
   reader.flag("adaptive", text.adaptive, gl.adaptive);
   if (gl.adaptive && draw.samples == 0)
     reader.fail("--adaptive requires --samples N; auto is adaptive by itself");
+  gl.specular_filter = text.specular_filter != "off";
+  if (text.specular_filter && gl.specular_filter && *text.specular_filter != "auto")
+    reader.refuse("specular-filter", text.specular_filter, "auto or off");
   read_shadows(text, reader, gl);
   read_imposters(text, reader, gl);
   if (!text.levels || *text.levels == "auto") return;

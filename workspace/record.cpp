@@ -99,6 +99,7 @@ void add_engine(const DrawOptions& draw, Json& view) {
     if (samples == 0) view["pixel-error"] = draw.gl.pixel_error;
     if (draw.gl.adaptive && samples > 0) view["adaptive"] = true;
     if (draw.gl.flat) view["flat"] = true;
+    if (!draw.gl.specular_filter) view["specular-filter"] = "off";
     if (draw.gl.shadow_side == 0)
       view["no-shadows"] = true;
     else

@@ -97,6 +97,7 @@ struct ViewText {
   std::optional<std::string> pixel_error;       // share
   std::optional<std::string> adaptive;          // flag
   std::optional<std::string> flat;              // flag
+  std::optional<std::string> specular_filter;   // "auto" or "off"
   std::optional<std::string> no_shadows;        // flag
   std::optional<std::string> shadows;           // "auto", "off", "hard" or "soft"
   std::optional<std::string> sun_points;

@@ -69,6 +69,8 @@ Field field_of(ViewOption option) {
       return &ViewText::adaptive;
     case ViewOption::flat:
       return &ViewText::flat;
+    case ViewOption::specular_filter:
+      return &ViewText::specular_filter;
     case ViewOption::no_shadows:
       return &ViewText::no_shadows;
     case ViewOption::shadows:
@@ -322,7 +324,8 @@ constexpr Field kGroups[][4] = {
 };
 constexpr Field kOfGl[] = {&ViewText::pixel_error, &ViewText::adaptive, &ViewText::no_shadows,
                            &ViewText::shadow_side, &ViewText::levels,   &ViewText::imposters,
-                           &ViewText::flux_error,  &ViewText::shadows,  &ViewText::sun_points};
+                           &ViewText::flux_error,  &ViewText::shadows,  &ViewText::sun_points,
+                           &ViewText::specular_filter};
 constexpr Field kOfReference[] = {&ViewText::until_error, &ViewText::max_samples,
                                   &ViewText::bounces,     &ViewText::seed,
                                   &ViewText::filter,      &ViewText::no_sun_disc};

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 #include <variant>
 
@@ -21,6 +22,49 @@ bool is_brushed(const pan::layout::Material& material) {
   return materials::is_anisotropic(pan::material_from(material, {}));
 }
 
+// The squared slope of a material's narrowest lobe; none: it has none that is narrower than normals may
+// turn from sample to sample (geometry.frag).
+std::optional<double> narrow_lobe(const materials::Material& material) {
+  constexpr double kWidest = 0.25;
+  double alpha = HUGE_VAL;
+  using materials::SpecularModel;
+  switch (material.specular_model()) {
+    case SpecularModel::none:
+    case SpecularModel::retroreflector:  // whose lobe does not stand about the normal
+      break;
+    case SpecularModel::mirror:
+      alpha = 0;
+      break;
+    case SpecularModel::blinn_phong:
+      alpha = std::sqrt(2 / std::get<materials::BlinnPhong>(material.specular_brdf).shine);
+      break;
+    case SpecularModel::cook_torrance:
+    case SpecularModel::beckmann:
+    case SpecularModel::ggx:
+      if (const auto slopes = materials::slopes_of(material)) alpha = std::min(slopes->x, slopes->y);
+      break;
+  }
+  if (material.coat) alpha = std::min(alpha, material.coat->alpha);
+  // a map makes lobes narrower
+  if (!(alpha < (material.maps.roughness >= 0 ? HUGE_VAL : kWidest))) return std::nullopt;
+  return alpha * alpha;
+}
+
+// Whether normals differ within a triangle.
+bool is_smooth(const pan::MeshView& mesh) {
+  if (mesh.normals.empty()) return false;
+  const auto normal = [&](std::size_t i) {
+    const auto& n = mesh.normals[mesh.indices[i]];
+    return glm::vec3(n.x, n.y, n.z);
+  };
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const glm::vec3 n = normal(i);
+    for (const std::size_t k : {i + 1, i + 2})
+      if (const glm::vec3 apart = normal(k) - n; glm::dot(apart, apart) > 1e-8f) return true;
+  }
+  return false;
+}
+
 void place(DrawItem& item, const pan::Model& model, const Mat4& model_from_node) {
   const pan::layout::Mesh& mesh = model.meshes()[item.mesh];
   const Vec3 origin(mesh.origin[0], mesh.origin[1], mesh.origin[2]);
@@ -36,8 +80,30 @@ void place(DrawItem& item, const pan::Model& model, const Mat4& model_from_node)
   item.set_pixel(0);
 }
 
+// What is asked of meshes and materials once, however many instances they have.
+class Shapes {
+ public:
+  explicit Shapes(const pan::Model& model)
+      : model_(model), smooth_(model.meshes().size()), lobes_(model.materials().size()) {}
+
+  // The squared slope of the narrowest lobe on a mesh whose normals turn; none: none is narrow.
+  std::optional<double> curved_lobe(std::uint32_t mesh, std::uint32_t material) {
+    auto& lobe = lobes_[material];
+    if (!lobe) lobe = narrow_lobe(pan::material_from(model_.materials()[material], {}));
+    if (!*lobe) return std::nullopt;
+    auto& smooth = smooth_[mesh];
+    if (!smooth) smooth = is_smooth(model_.mesh(mesh));
+    return *smooth ? *lobe : std::nullopt;
+  }
+
+ private:
+  const pan::Model& model_;
+  std::vector<std::optional<bool>> smooth_;
+  std::vector<std::optional<std::optional<double>>> lobes_;
+};
+
 // What is drawn of an instance: its own mesh and material, or those of a level; of its back alone.
-DrawItem item_of(const pan::Model& model, std::uint32_t index, std::uint32_t mesh_index,
+DrawItem item_of(const pan::Model& model, Shapes& shapes, std::uint32_t index, std::uint32_t mesh_index,
                  std::uint32_t material_index, bool back) {
   namespace layout = pan::layout;
   const layout::Instance& instance = model.instances()[index];
@@ -57,6 +123,10 @@ DrawItem item_of(const pan::Model& model, std::uint32_t index, std::uint32_t mes
   item.variant.brushed = is_brushed(material);
   item.variant.tangents = item.variant.normal_map ||
                           (item.variant.brushed && !model.mesh(mesh_index).texcoords.empty());
+  if (const auto lobe = shapes.curved_lobe(mesh_index, material_index)) {
+    item.variant.curved = true;
+    item.lobe = *lobe;
+  }
   const bool closed = (mesh.flags & layout::kMeshClosed) != 0 && !item.variant.cutout;
   item.sides = back                                  ? Sides::back
                : closed || model.back_of(index) >= 0 ? Sides::front
@@ -139,6 +209,7 @@ bool is_drawn_alike(const DrawItem& a, const DrawItem& b) {
 
 std::vector<DrawItem> draw_list(const pan::Model& model) {
   const std::vector<Mat4> world_from_nodes = model.world_from_nodes();
+  Shapes shapes(model);
   std::vector<DrawItem> list;
   list.reserve(model.instances().size() + model.levels().size());
   for (std::uint32_t i = 0; i < model.instances().size(); ++i) {
@@ -148,10 +219,10 @@ std::vector<DrawItem> draw_list(const pan::Model& model) {
       const auto material = [&](std::uint32_t front) {
         return back < 0 ? front : static_cast<std::uint32_t>(back);
       };
-      list.push_back(item_of(model, i, instance.mesh, material(instance.material), back >= 0));
+      list.push_back(item_of(model, shapes, i, instance.mesh, material(instance.material), back >= 0));
       for (const pan::layout::Level& level : model.levels(i)) {
         list.back().next_detail = level.detail;
-        list.push_back(item_of(model, i, level.mesh, material(level.material), back >= 0));
+        list.push_back(item_of(model, shapes, i, level.mesh, material(level.material), back >= 0));
         list.back().detail = level.detail;
       }
     };

@@ -46,6 +46,9 @@ struct Variant {
   bool cells = false;
   bool brushed = false;   // its light depends on the direction along u
   bool tangents = false;  // of each vertex: a normal map, or brushed with texture coordinates
+  // a narrow lobe on a mesh whose normals turn within triangles: where they turn by more than the
+  // lobe is wide from sample to sample, its mean is taken
+  bool curved = false;
   auto operator<=>(const Variant&) const = default;
 };
 
@@ -68,6 +71,7 @@ struct DrawItem {
   Mat3 model_normal_from_mesh{1};
   Vec2 repeat{1};          // of the texture coordinates, for maps
   Vec3 diffuse{0};         // colour; of cells, times its weight
+  double lobe = 0;         // where the variant is curved: the squared slope of the narrowest lobe
   materials::Cells cells;  // where the variant has them
   Vec3 low{0};             // bounds in the mesh's frame
   Vec3 high{0};

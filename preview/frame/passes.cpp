@@ -279,6 +279,17 @@ bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned sampl
   return !job.cancelled();
 }
 
+namespace {
+
+// What the Sun's disc adds to the squared slope of a lobe; without the filter none is narrow.
+float disc_width(const FrameScene& scene) {
+  if (!scene.specular_filter) return HUGE_VALF;
+  const double distance = scene.world.sun().distance;
+  return static_cast<float>(materials::kSunAlpha2 / (distance * distance));
+}
+
+}  // namespace
+
 bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass pass,
                         const Job& job) {
   const TargetState& state = scene.state(target.visible);
@@ -298,8 +309,10 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
     const std::uint32_t index = visible.items[target.drawn[k]];
     const DrawItem& item = item_at(k);
     const pan::layout::Mesh& mesh = model.model->meshes()[item.mesh];
-    if (!last || item.variant != last->variant || instanced != were_instanced)
-      gl_.UseProgram(program(model, item.variant, pass, shadows, instanced));
+    const bool other_program = !last || item.variant != last->variant || instanced != were_instanced;
+    if (other_program) gl_.UseProgram(program(model, item.variant, pass, shadows, instanced));
+    if (pass == Pass::geometry && item.variant.curved && (other_program || item.material != last->material))
+      gl_.Uniform2f(kLobeLocation, static_cast<float>(item.lobe), disc_width(scene));
     if (!last || item.sides != last->sides) cull(gl_, item.sides);
     // note: rows grow downwards in the window, which turns every triangle round once
     if (!last || item.mirrored != last->mirrored) gl_.FrontFace(item.mirrored ? GL_CCW : GL_CW);

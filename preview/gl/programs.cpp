@@ -78,7 +78,7 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
   unsigned key = layers;
   for (const bool bit :
        {v.textured, v.colored, v.albedo_map, v.normal_map, v.roughness_map, v.reflectance_map,
-        v.cutout, v.cells, v.tangents, flat, shadows, instanced})
+        v.cutout, v.cells, v.tangents, v.curved && !flat, flat, shadows, instanced})
     key = 2 * key + bit;
   GlProgram& program = geometry_[key];
   if (!program) {
@@ -91,11 +91,13 @@ GLuint Programs::geometry(const Variant& v, bool flat, LayerSet layers, bool sha
         defined("BUMPED", v.normal_map) + defined("ROUGHNESS_MAP", v.roughness_map) +
         defined("REFLECTANCE_MAP", v.reflectance_map) + defined("MAPPED", mapped) +
         defined("CELLS", v.cells) + defined("TANGENTS", v.tangents) + defined("FLAT", flat) +
+        defined("CURVED", v.curved && !flat) +
         defined("SHADOWED", shadows) + draw_glsl;
     const std::string pattern = v.cells ? materials::glsl_cells() : std::string();
     const std::string place = shadows ? light_space_glsl : "";
     program = requested(version + defined("VERTEX", true) + head + model_vert,
-                        version + head + pattern + cutout_text(v.cutout) + place + geometry_frag);
+                        version + head + pattern + cutout_text(v.cutout) + place +
+                            (v.curved && !flat ? turning_glsl : "") + geometry_frag);
   }
   return program.id();
 }
@@ -111,6 +113,7 @@ GLuint Programs::shading(const materials::BrdfModel& brdf_model, LayerSet layers
                                       brdf_model.specular == materials::SpecularModel::ggx) +
             defined("ONE_MATERIAL", one_material) + defined("POINT_SUN", point_sun);
     head += materials::glsl_formulas(brdf_model) + materials::glsl_material_loader();
+    if (has(layers, kTangentLayer)) head += turning_glsl;
     if (shadows) head += std::string("#define SHADOWED\n") + shadow_glsl;
     program = requested(std::string(kVersion) + screen_vert, head + shading_frag);
   }

@@ -42,6 +42,7 @@ inline constexpr GLuint kSlopeMapUnit = 20;
 inline constexpr GLint kRangeLocation = 0;  // uniforms
 inline constexpr GLint kDepthLocation = 1;
 inline constexpr GLint kBlocksLocation = 2;
+inline constexpr GLint kLobeLocation = 0;  // of geometry.frag
 
 // What is kept of each sample between the two steps of a drawing.
 enum Layer : unsigned {

@@ -17,6 +17,7 @@ extern const char* const shadow_glsl;
 extern const char* const light_space_glsl;
 extern const char* const shadow_frag;
 extern const char* const sample_place_glsl;
+extern const char* const turning_glsl;
 extern const char* const resolve_frag;
 extern const char* const runs_vert;
 extern const char* const nothing_frag;

@@ -3,7 +3,7 @@
 // front: version, draw.glsl, any of PAINTED ROUGH BRUSHED (the layers there are), TEXTURED COLOURED
 // FLAT, ALBEDO_MAP BUMPED ROUGHNESS_MAP REFLECTANCE_MAP (MAPPED with each of these), TANGENTS (BUMPED has them, and
 // BRUSHED), CELLS
-// with its formulas, CUTOUT with cutout.glsl, and SHADOWED with light_space.glsl.
+// with its formulas, CUTOUT with cutout.glsl, CURVED with turning.glsl (BRUSHED is defined then), and SHADOWED with light_space.glsl.
 
 #ifdef FLAT
 layout(binding = 1) uniform samplerBuffer triangle_normals;
@@ -39,14 +39,19 @@ layout(binding = 16) uniform sampler2D reflectance_map;
 #ifdef CELLS
 layout(location = 9) in vec2 cell_place;  // in pitches
 #endif
+#ifdef CURVED
+layout(location = 0) uniform vec2 narrowest_lobe;  // squared slopes: its own, and what the Sun's disc adds
+#endif
 
-// xyz: world normal of any length, on the side that is seen; w: item + 1, exact in a float
+// xyz: world normal of any length, on the side that is seen (where it turns: as long as the squared slope of the narrowest
+// lobe); w: item + 1, exact in a float
 layout(location = 0) out vec4 normal_sample;
 #ifdef PAINTED
 layout(location = 1) out vec4 albedo;  // diffuse colour; a: length of the mean normal
 #endif
 #ifdef ROUGH
-// factor of the roughness; squared slope of unseen bumps along the brush, 0: there are none; share of
+// factor of the roughness; squared slope of unseen bumps along the brush, 0: there are none, below 0: there are none, but the
+// normal turns from sample to sample, by as much (turning.glsl); share of
 // cells with their fingers, and in these of cells without
 layout(location = 2) out vec4 roughness_sample;
 #endif
@@ -66,12 +71,24 @@ vec3 color_of(vec4 texel) { return texel.a > 0.0 ? texel.rgb / texel.a : texel.r
 vec3 color_of(vec4 texel) { return texel.rgb; }
 #endif
 
-#ifdef BUMPED
+#if defined(BUMPED) || defined(CURVED)
 vec3 unit_or_zero(vec3 v) {
   float square = dot(v, v);
   return square > 0.0 ? v * inversesqrt(square) : vec3(0.0);
 }
+#endif
 
+#ifdef CURVED
+// How far the unit normal turns from sample to sample: squares xx, xy, yy along two axes of the surface.
+// turning, falling: its change to the right and down
+vec3 turned_squares(vec3 turning, vec3 falling, vec3 along, vec3 across) {
+  vec2 a = vec2(dot(turning, along), dot(turning, across));
+  vec2 b = vec2(dot(falling, along), dot(falling, across));
+  return vec3(a.x * a.x + b.x * b.x, a.x * a.y + b.x * b.y, a.y * a.y + b.y * b.y);
+}
+#endif
+
+#ifdef BUMPED
 // The bumps are the mesh's: an instance mirrors and stretches them with it. Columns: along u, along v,
 // outwards.
 mat3 bump_frame(vec3 normal) {
@@ -133,18 +150,41 @@ void main() {
   vec3 along = cross(draw.world_normal_from_mesh * across, draw.world_normal_from_mesh * normal);
   brush = vec4(determinant(draw.world_normal_from_mesh) < 0.0 ? -along : along, 0.0);
 #endif
+#ifdef CURVED
+  vec3 smooth_normal = unit_or_zero(draw.world_normal_from_mesh * mesh_normal);
+#endif
   normal = draw.world_normal_from_mesh * normal;
   // the back of an open mesh is as good as its front
   normal_sample = vec4(gl_FrontFacing ? normal : -normal, float(draw.id.x));
+#if defined(BUMPED) || defined(CURVED)
+  vec3 facing = unit_or_zero(normal_sample.xyz);
+  vec3 direction = unit_or_zero(brush.xyz - facing * (dot(facing, brush.xyz) / max(dot(facing, facing), 1e-30)));
+  vec3 slopes = vec3(0.0);
 #ifdef BUMPED
   vec2 squares = texture(slope_map, map_texcoord).rg;
-  if (squares.x + squares.y > 0.0) {
-    vec3 facing = unit_or_zero(normal_sample.xyz);
-    vec3 direction = unit_or_zero(brush.xyz - facing * (dot(facing, brush.xyz) / max(dot(facing, facing), 1e-30)));
-    vec3 slopes = world_slopes(vec3(squares.x, bump.a * draw.repeat.z * draw.repeat.w, squares.y), frame, normal,
-                               bump.z, direction, cross(facing, direction));
-    roughness.y = max(slopes.x, 1e-12);
-    brush = vec4(direction * max(slopes.z, 1e-12), slopes.y);
+  if (squares.x + squares.y > 0.0)
+    slopes = max(world_slopes(vec3(squares.x, bump.a * draw.repeat.z * draw.repeat.w, squares.y), frame, normal,
+                              bump.z, direction, cross(facing, direction)), vec3(1e-12, -1e30, 1e-12));
+#endif
+#ifdef CURVED
+  // an axis of the surface, where nothing brushes it
+  if (dot(direction, direction) == 0.0)
+    direction = unit_or_zero(cross(facing, abs(facing.x) < 0.7 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0)));
+  vec3 turned = kTurningSlopes *
+                turned_squares(dFdx(smooth_normal), dFdy(smooth_normal), direction, cross(facing, direction));
+  float lobe = max(narrowest_lobe.x * roughness.x * roughness.x, min(narrowest_lobe.x, 1e-8)) + narrowest_lobe.y;
+  if (slopes.x > 0.0) {
+    // note: lobes over bumps are wide, so what they take of the turn is not told apart
+    slopes = max(slopes + turning_slopes(turned, 1.0, lobe), vec3(1e-12, -1e30, 1e-12));
+  } else if (kMostTurning * (turned.x + turned.z) > lobe) {
+    roughness.y = -max(turned.x, 1e-12);
+    brush = vec4(direction * max(turned.z, 1e-12), turned.y);
+    normal_sample.xyz = facing * lobe;
+  }
+#endif
+  if (slopes.x > 0.0) {
+    roughness.y = slopes.x;
+    brush = vec4(direction * slopes.z, slopes.y);
   }
 #endif
 #ifdef PAINTED

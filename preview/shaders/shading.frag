@@ -1,5 +1,5 @@
 // The radiance of what is seen, towards the camera. Defined in front: version, any of PAINTED
-// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL POINT_SUN, sample_place.glsl, SHADOWED (with shadow.glsl), and the
+// ROUGH BRUSHED TWO_SLOPES (the microfacets have) REFLECTING ONE_MATERIAL POINT_SUN, sample_place.glsl, turning.glsl with BRUSHED, SHADOWED (with shadow.glsl), and the
 // formulas of its BRDF model (materials/formulas), with what reads a material (materials/formula_text.h).
 
 layout(std140, binding = 0) uniform View {
@@ -104,6 +104,19 @@ void add_bumps(inout Surface surface, vec3 bumps, vec3 normal) {
 }
 #endif
 
+#ifdef BRUSHED
+// A normal that turns from sample to sample (turning.glsl).
+void add_turning(inout Surface surface, vec3 squares, float lobe, vec3 to_sun, vec3 to_viewer, vec3 normal) {
+  // both cosines are to the viewer: here, and where the normal is the bisector
+  float ratio = max(dot(normal, to_viewer), 0.0) / max(0.5 * length(to_sun + to_viewer), 1e-3);
+  vec3 slopes = turning_slopes(squares, min(ratio * ratio, kMostTurning), lobe);
+  if (!(slopes.x + slopes.z > 0.0)) return;
+  add_bumps(surface, max(slopes, vec3(1e-12, -1e30, 1e-12)), normal);
+  // a Gaussian of slopes holds more of the directions about its mean than one of angles, by its variance
+  surface.specular /= 1.0 + 0.5 * max(surface.bump_x, surface.bump_y);
+}
+#endif
+
 #ifdef ROUGH
 // What geometry.frag leaves of solar cells where a sample is as large as many: the paint, the share of
 // cells without fingers, and that of cells with theirs.
@@ -162,6 +175,9 @@ void main() {
   surface.tangent = unit_or_zero(brush - facing * dot(facing, brush));
   if (roughness_sample.y > 0.0)
     add_bumps(surface, vec3(roughness_sample.y, brush_sample.w, length(brush_sample.xyz)), facing);
+  else if (roughness_sample.y < 0.0)
+    add_turning(surface, vec3(-roughness_sample.y, brush_sample.w, length(brush_sample.xyz)), length(normal_sample.xyz),
+                view.to_sun.xyz, to_viewer, facing);
 #endif
 
   // where the normal faces away from the viewer, at the limb of a smooth mesh, surface_brdf takes

@@ -123,7 +123,7 @@ TEST_F(Views, AnImageIsMadeAgain) {
       {"--engine", "gl"},
       {"--engine", "gl", "--shadows", "soft", "--sun-points", "9"},
       {"--engine", "gl", "--samples", "2", "--adaptive", "--shadow-side", "256", "--shadows",
-       "hard"}};
+       "hard", "--specular-filter", "off"}};
   for (const auto& engine : engines)
     for (const std::string format : {"png", "exr", "npz"})
       for (const bool ortho : {false, true}) {

@@ -138,7 +138,8 @@ TEST(ReadViews, TakesEveryOption) {
       "imposters": 32, "flux-error": "0.1%", "psf": 0.5},
      {"output": "b.exr", "engine": "reference", "seed": 18446744073709551615, "filter": "box",
       "no_sun_disc": true, "until-error": 0.01, "max-samples": 64, "bounces": 0},
-     {"output": "c.exr", "imposters": "off", "shadows": "soft", "sun-points": 128},
+     {"output": "c.exr", "imposters": "off", "shadows": "soft", "sun-points": 128,
+      "specular-filter": "off"},
      {"output": "d.exr", "imposters": "always", "shadows": "off"},
      {"output": "e.exr", "engine": "reference", "psf": "0.7"}])",
                           log);
@@ -179,6 +180,8 @@ TEST(ReadViews, TakesEveryOption) {
   EXPECT_EQ(gl->gl.shadows, preview::Shadows::automatic);
   EXPECT_EQ(none->gl.shadows, preview::Shadows::soft);
   EXPECT_EQ(none->gl.sun_points, 128u);
+  EXPECT_FALSE(none->gl.specular_filter);
+  EXPECT_TRUE(all->gl.specular_filter);
   EXPECT_EQ(all->gl.shadow_side, 0u);
   EXPECT_EQ(blurred->reference.psf_sigma, 0.7);
 }
@@ -197,6 +200,8 @@ TEST(ReadViews, NamesTheViewOfAWrongValue) {
       {R"("sun-points": 1)", "sun-points is '1', expected a whole number from 2 to 256"},
       {R"("imposters": "some")", "expected auto, off, always, or a number of pixels"},
       {R"("imposters": 9, "engine": "reference")", "imposters requires engine gl"},
+      {R"("specular-filter": "on")", "specular-filter is 'on', expected auto or off"},
+      {R"("specular-filter": "off", "engine": "reference")", "specular-filter requires engine gl"},
       {R"("flux-error": 2)", "flux-error is '2', expected a share"},
       {R"("psf": -1)", "psf is '-1', expected a number from 0 to 64"},
       {R"("psf": 1, "filter": "box", "engine": "reference")", "cannot be combined"},
