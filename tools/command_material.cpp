@@ -19,9 +19,9 @@
 #include "tools/command_context.h"
 #include "tools/commands.h"
 #include "tools/material_plots.h"
-#include "tools/material_scene.h"
 #include "tools/overlay_text.h"
 #include "tools/print.h"
+#include "workspace/material_scene.h"
 #include "workspace/drawer.h"
 #include "workspace/open.h"
 #include "workspace/views.h"
@@ -331,16 +331,16 @@ void lay(const preview::Image& image, std::uint32_t x, std::uint32_t y, preview:
 Result<preview::Image> sample_image(const DescribedMaterial& material, const Options& options,
                                     workspace::Drawer& drawer, CommandContext& context) {
   DiagnosticLog& log = context.log();
-  const SampleLight light = options.light == "sun" ? SampleLight::sun : SampleLight::studio;
-  const auto bytes = compiler::compiled(sample_scene(material, light), {}, log, context.job());
+  const auto light = options.light == "sun" ? workspace::SampleLight::sun : workspace::SampleLight::studio;
+  const auto bytes = compiler::compiled(workspace::sample_scene(material, light), {}, log, context.job());
   if (!bytes) return failed;
   auto model = pan::Model::from_bytes(*bytes, material.material.name, log);
   if (!model || !model->check(log)) return failed;
   world::World world;
   if (!world.add("samples", std::make_shared<const pan::Model>(*std::move(model)), log))
     return failed;
-  world.set_sun(sample_sun());
-  auto drawn = drawer.draw(world, sample_camera(options.width), false, log, context.job());
+  world.set_sun(workspace::sample_sun());
+  auto drawn = drawer.draw(world, workspace::sample_camera(options.width), false, log, context.job());
   if (!drawn) return failed;
   return std::move(drawn->image);
 }

@@ -341,7 +341,7 @@ bool write_image(const Subject& subject, const mli::Sheet& sheet, const Options&
                            options.width, height, kMostPixels / 1'000'000));
     return false;
   }
-  const SampleLight light = options.light == "sun" ? SampleLight::sun : SampleLight::studio;
+  const auto light = options.light == "sun" ? workspace::SampleLight::sun : workspace::SampleLight::studio;
   const auto scene = foil_scene(shown, subject.material, light, log);
   if (!scene) return false;
   const auto bytes = compiler::compiled(*scene, {}, log, context.job());
@@ -353,7 +353,7 @@ bool write_image(const Subject& subject, const mli::Sheet& sheet, const Options&
   world.set_sun(foil_sun());
   workspace::DrawOptions draw;
   draw.engine = workspace::Engine::reference;
-  draw.reference.samples = light == SampleLight::sun ? 16 : 64;
+  draw.reference.samples = light == workspace::SampleLight::sun ? 16 : 64;
   draw.reference.bounces = 1;
   auto drawer = workspace::Drawer::create(draw, log);
   if (!drawer) return false;

@@ -48,7 +48,7 @@ Quat facing(const Vec3& normal) {
 }  // namespace
 
 Result<scene::Scene> foil_scene(const mli::Sheet& sheet, const materials::Material& material,
-                                SampleLight light, DiagnosticLog& log) {
+                                workspace::SampleLight light, DiagnosticLog& log) {
   auto mesh = mli::formed(sheet, mli::Flat{}, log);
   if (!mesh) return failed;
   geometry::compute_normals(*mesh, kCrease * kDegree);
@@ -58,9 +58,9 @@ Result<scene::Scene> foil_scene(const mli::Sheet& sheet, const materials::Materi
   scene::Node root;
   root.name = "root";
   scene.nodes.push_back(root);
-  add_shape(scene, "sheet", std::make_shared<const geometry::Mesh>(*std::move(mesh)), Vec3(0),
+  workspace::add_shape(scene, "sheet", std::make_shared<const geometry::Mesh>(*std::move(mesh)), Vec3(0),
             Quat(1, 0, 0, 0), 0);
-  if (light == SampleLight::sun) return scene;
+  if (light == workspace::SampleLight::sun) return scene;
   const Vec2 size = sides(sheet);
   const double unit = std::max(size.x, size.y);
   for (const Glow& glow : kStudio) {
@@ -71,7 +71,7 @@ Result<scene::Scene> foil_scene(const mli::Sheet& sheet, const materials::Materi
     lamp.weights = {0, 0, glow.brightness};
     const auto number = static_cast<std::int32_t>(scene.materials.size());
     scene.materials.push_back(std::move(lamp));
-    add_shape(scene, glow.name, geometry::Plane{unit * glow.width, unit * glow.height},
+    workspace::add_shape(scene, glow.name, geometry::Plane{unit * glow.width, unit * glow.height},
               unit * glow.place, facing(-glow.place), number);
   }
   return scene;

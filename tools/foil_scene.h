@@ -7,7 +7,7 @@
 #include "materials/material.h"
 #include "mli/sheet.h"
 #include "scene/scene.h"
-#include "tools/material_scene.h"
+#include "workspace/material_scene.h"
 #include "world/world.h"
 
 namespace panwright::tools {
@@ -18,7 +18,7 @@ namespace panwright::tools {
 //   material  its maps are left out
 // Fails: as mli::formed().
 Result<scene::Scene> foil_scene(const mli::Sheet& sheet, const materials::Material& material,
-                                SampleLight light, DiagnosticLog& log);
+                                workspace::SampleLight light, DiagnosticLog& log);
 
 // What sees it: +y up, so that the sheet fills an image `width` pixels across and as high as its
 // own sides ask for.

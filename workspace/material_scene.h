@@ -8,7 +8,7 @@
 #include "scene/scene.h"
 #include "world/world.h"
 
-namespace panwright::tools {
+namespace panwright::workspace {
 
 // What lights the samples.
 enum class SampleLight {
@@ -29,4 +29,4 @@ scene::Scene sample_scene(const pxn::DescribedMaterial& material, SampleLight li
 world::Camera sample_camera(std::uint32_t width);
 world::Sun sample_sun();
 
-}  // namespace panwright::tools
+}  // namespace panwright::workspace

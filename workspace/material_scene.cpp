@@ -1,4 +1,4 @@
-#include "tools/material_scene.h"
+#include "workspace/material_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "geometry/mesh/strip.h"
 
-namespace panwright::tools {
+namespace panwright::workspace {
 namespace {
 
 constexpr double kDistance = 9;  // metres from the camera to the samples
@@ -162,7 +162,7 @@ scene::Scene sample_scene(const pxn::DescribedMaterial& material, SampleLight li
   scene::Node root;
   root.name = "root";
   scene.nodes.push_back(root);
-  add_shape(scene, "sphere", geometry::Sphere{kSide / 2}, {-kPitch, 0, 0}, Quat(1, 0, 0, 0), 0);
+  add_shape(scene, "sphere", geometry::Sphere{.radius = kSide / 2, .counts = {}}, {-kPitch, 0, 0}, Quat(1, 0, 0, 0), 0);
   // halfway between the Sun and the viewer, and 12 degrees back towards the viewer: a mirror's
   // glint misses the tile, a rough surface shows the flank of its highlight
   const Vec3 to_viewer(0, -1, 0);
@@ -190,4 +190,4 @@ world::Sun sample_sun() {
   return sun;
 }
 
-}  // namespace panwright::tools
+}  // namespace panwright::workspace
