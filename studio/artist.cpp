@@ -21,6 +21,8 @@ constexpr double kFollowSeconds = 0.04;
 constexpr std::array<double, 4> kScales = {1, 0.7, 0.5, 0.35};
 // without orders for so long the image is drawn exactly
 constexpr auto kStill = std::chrono::milliseconds(120);
+// of the reference, for each pixel
+constexpr std::array<std::uint32_t, 5> kPasses = {8, 32, 128, 512, 2048};
 
 // What levels of detail go by while images follow the mouse: metres that a pixel sees, in steps
 // between those where levels fade into each other, which draws both.
@@ -68,6 +70,8 @@ struct Artist::Easel {
   world::World shown;
   std::vector<std::pair<std::size_t, std::uint32_t>> hidden;
   std::optional<double> ev;  // of the last exact image that found it
+  preview::Reference reference;
+  std::shared_ptr<const Picture> exact;  // the last one
 
   void take(const Order& order) {
     if (of != order.world) {
@@ -102,7 +106,7 @@ void Artist::draw(Order order) {
     if (wanted_ ? *wanted_ == order : drawn_ && *drawn_ == order) return;
     wanted_ = std::move(order);
     drawn_.reset();
-    if (status_.exact && job_.state()) job_.cancel();
+    if ((status_.exact || status_.comparing) && job_.state()) job_.cancel();
     status_.drawing = true;
   }
   wake_.notify_all();
@@ -133,11 +137,27 @@ void Artist::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
     const auto anything = [&] { return wanted_ || ending_; };
-    if (!drawn_ || stage_ == Picture::Stage::exact)
+    const bool still = !drawn_ || stage_ == Picture::Stage::exact;
+    const bool compares = still && drawn_ && drawn_->reference_bounces && traced_ < kPasses.size();
+    status_.comparing = compares;
+    if (still && !compares)
       wake_.wait(lock, anything);
-    else
+    else if (!compares)
       wake_.wait_for(lock, kStill, anything);
     if (ending_) return;
+    if (compares && !wanted_) {
+      const Order order = *drawn_;
+      job_ = Job(JobOptions{});
+      const Job job = job_;
+      lock.unlock();
+      trace(easel, order, job);
+      lock.lock();
+      job_ = Job();
+      ++traced_;
+      continue;
+    }
+    traced_ = 0;
+    status_.comparing = false;
     Picture::Stage stage = Picture::Stage::following;
     if (wanted_)
       drawn_ = std::exchange(wanted_, std::nullopt);
@@ -222,7 +242,29 @@ void Artist::paint(Easel& easel, const Order& order, Picture::Stage stage, const
     adapt(picture->seconds);
   }
   if (ending_) return;
+  if (exact) easel.exact = picture;
   done_ = std::move(picture);
+}
+
+// One more pass over the last exact image.
+void Artist::trace(Easel& easel, const Order& order, const Job& job) {
+  if (!easel.exact || easel.exact->failed) return;
+  const auto start = Clock::now();
+  DiagnosticLog log;
+  const auto view = workspace::ViewMaker(*order.world).view(view_text(order.eye, order.width, order.height), log);
+  if (!view) return;
+  preview::ReferenceOptions options;
+  options.samples = kPasses[traced_];
+  options.bounces = *order.reference_bounces;
+  auto image = easel.reference.render(easel.shown, view->camera, options, log, job);
+  if (!image || job.cancelled()) return;
+  auto picture = std::make_shared<Picture>(*easel.exact);
+  picture->reference_samples = options.samples;
+  picture->reference_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  picture->comparison = compared(picture->image, *image);
+  picture->reference = std::make_shared<const preview::ReferenceImage>(*std::move(image));
+  const std::lock_guard lock(mutex_);
+  if (!ending_ && !wanted_) done_ = std::move(picture);
 }
 
 }  // namespace panwright::studio

@@ -16,6 +16,7 @@
 #include "preview/image.h"
 #include "preview/renderer.h"
 #include "studio/eye.h"
+#include "studio/layers.h"
 #include "studio/project.h"
 #include "world/world.h"
 
@@ -29,6 +30,8 @@ struct Order {
   std::uint32_t height = 0;  // pixels
   // nodes that are not shown: target, node
   std::vector<std::pair<std::size_t, std::uint32_t>> hidden;
+  // where the exact image is compared with the reference renderer's: its bounces of light
+  std::optional<std::uint32_t> reference_bounces = {};
   bool operator==(const Order&) const = default;
 };
 
@@ -49,10 +52,16 @@ struct Picture {
   double seconds = 0;
   std::vector<Message> messages;
   bool failed = false;  // there is no image
+  // of an exact image that is compared: the same view by the reference renderer, ever finer
+  std::shared_ptr<const preview::ReferenceImage> reference;
+  std::uint32_t reference_samples = 0;  // of a pixel
+  double reference_seconds = 0;
+  Comparison comparison;
 };
 
 // While orders come one after the other, each is drawn quickly, with fewer pixels where that takes
-// too long. As soon as they stop the last one is drawn with all pixels, then as it will be saved.
+// too long. As soon as they stop the last one is drawn with all pixels, then as it will be saved, then, where it
+// asks for that, by the reference renderer, with four times as many samples each time.
 class Artist {
  public:
   explicit Artist(preview::ContextKind context);
@@ -68,6 +77,7 @@ class Artist {
   struct Status {
     bool drawing = false;  // or about to
     bool exact = false;    // what is being drawn
+    bool comparing = false;  // the reference is being drawn, or about to
     std::string renderer;  // of the OpenGL context
     double frame_seconds = 0;  // of images that follow the mouse, a running mean
     double scale = 1;          // their pixels, in parts of the exact one's, a side
@@ -81,6 +91,7 @@ class Artist {
   struct Easel;
   void work();
   void paint(Easel& easel, const Order& order, Picture::Stage stage, const Job& job);
+  void trace(Easel& easel, const Order& order, const Job& job);
   void adapt(double seconds);
 
   preview::ContextKind context_;
@@ -89,6 +100,7 @@ class Artist {
   std::optional<Order> wanted_;  // newer than what was drawn
   std::optional<Order> drawn_;   // the last one, up to `stage_`
   Picture::Stage stage_ = Picture::Stage::exact;
+  std::size_t traced_ = 0;  // passes of the reference over the last exact image
   std::shared_ptr<const Picture> done_;
   Status status_;
   Job job_;  // of what is being drawn

@@ -31,16 +31,17 @@ void begin(const char* name, const Vec2& at, const Vec2& size, ImGuiWindowFlags 
 Desk::Desk(const Options& options)
     : options_(options), project_(options.files, options.open), artist_(options.context) {}
 
-void Desk::frame(const Vec2& size, double scale, std::uintptr_t texture) {
+void Desk::frame(const Vec2& size, double scale, const Textures& textures) {
+  sample_texture_ = textures.sample;
   widgets_.begin_frame();
   take_models();
-  const double left = std::min(340 * scale, 0.4 * size.x), top = 34 * scale;
+  const double left = std::min(384 * scale, 0.4 * size.x), top = 34 * scale;
   // the same with and without errors: the image stays as it is
   const double low = std::min(104 * scale, 0.3 * size.y);
   bar({0, 0}, {size.x, top});
   panel({0, top}, {left, size.y - top});
   messages({left, size.y - low}, {size.x - left, low});
-  picture({left, top}, {size.x - left, size.y - top - low}, texture);
+  picture({left, top}, {size.x - left, size.y - top - low}, textures.image);
   keys();
   order();
   if (saving_.valid() &&
@@ -110,6 +111,7 @@ void Desk::panel(const Vec2& at, const Vec2& size) {
     };
     tab("Camera", &Desk::camera_tab);
     tab("Sun", &Desk::sun_tab);
+    tab("Image", &Desk::image_tab);
     tab("Parts", &Desk::parts_tab);
     tab("Joints", &Desk::joints_tab);
     tab("Materials", &Desk::materials_tab);
@@ -268,25 +270,26 @@ void Desk::order() {
   }
   if (!models_.world || picture_size_.x < 1) return;
   Order order{models_.world, eye_, static_cast<std::uint32_t>(picture_size_.x),
-              static_cast<std::uint32_t>(picture_size_.y), {}};
+              static_cast<std::uint32_t>(picture_size_.y), {}, {}};
   for (std::size_t i = 0; i < models_.world->size() && !hidden_.empty(); ++i) {
     const world::Instance& target = (*models_.world)[i];
     for (std::uint32_t node = 0; node < target.model()->nodes().size(); ++node)
       if (hidden_.count(target.name() + "/" + target.model()->node_path(node)))
         order.hidden.emplace_back(i, node);
   }
+  if (compare_ != "off") order.reference_bounces = bounces_ ? 3u : 0u;
   artist_.draw(std::move(order));
 }
 
-const Picture* Desk::new_picture() {
+bool Desk::take_picture() {
   std::shared_ptr<const Picture> made = artist_.take();
-  if (!made) return nullptr;
+  if (!made) return false;
   if (made->failed) {
     // what went wrong is said beside the image that there is
     auto both = std::make_shared<Picture>(shown_ ? *shown_ : *made);
     both->messages = made->messages;
     shown_ = both;
-    return nullptr;
+    return false;
   }
   shown_ = std::move(made);
   histogram_.assign(64, 0);
@@ -298,7 +301,7 @@ const Picture* Desk::new_picture() {
     if (most > 0) histogram_[most / 4] += 1;
   }
   for (float& each : histogram_) each = std::log1p(each);
-  return shown_.get();
+  return true;
 }
 
 bool Desk::settled() const {
@@ -308,7 +311,9 @@ bool Desk::settled() const {
                              shown_->order.world == models_.world && shown_->order.eye == eye_));
 }
 
-bool Desk::idle() const { return settled() && playing_.empty() && !saving_.valid(); }
+bool Desk::idle() const {
+  return settled() && playing_.empty() && !saving_.valid() && !samples_.busy() && !artist_.status().comparing && compare_ != "flicker";
+}
 
 void Desk::drop(const std::vector<std::string>& files) {
   for (const std::string& file : files) project_.add(file);
@@ -322,6 +327,12 @@ std::string Desk::state(const std::string& name) const {
   if (name == "range") return fmt::format("{}", eye_.range);
   if (name == "fov") return fmt::format("{}", eye_.fov);
   if (name == "selected") return selected_;
+  if (name == "layer") return layer_;
+  if (name == "compare") return compare_;
+  if (name == "reference samples")
+    return shown_ && shown_->reference ? std::to_string(shown_->reference_samples) : "";
+  if (name == "sample") return samples_.last() ? samples_.last()->name : "";
+  if (name == "white") return std::to_string(saturated_);
   if (name == "hidden") return std::to_string(hidden_.size());
   if (name == "saved") return saved_;
   if (name == "edits") return std::to_string(edits_.size());

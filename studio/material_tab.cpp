@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "base/text.h"
+#include "studio/plot.h"
 #include "studio/window.h"
 
 namespace panwright::studio {
@@ -27,25 +29,196 @@ std::string trimmed(const std::string& line) {
 }  // namespace
 
 void Desk::materials_tab() {
+  material_list();
+  if (!ImGui::BeginTabBar("of the material")) return;
+  const auto tab = [&](const char* name) {
+    const bool open = ImGui::BeginTabItem(name);
+    widgets_.seen(std::string("materials/") + name);
+    return open;
+  };
+  in_library_ = false;
+  if (tab("Numbers")) {
+    unsaved_changes();
+    bool found = false;
+    // a copy: a change reads the texts anew
+    for (const MaterialFile& file : edits_.files())
+      for (const pxn::EditableMaterial& material : file.materials)
+        if (!found && place_of(file, material) == material_) {
+          found = true;
+          material_numbers(MaterialFile(file), pxn::EditableMaterial(material));
+        }
+    if (!found && !material_.empty())
+      ImGui::TextWrapped("Its numbers stand in no text of these models: its curves can be looked at.");
+    ImGui::EndTabItem();
+  }
+  if (tab("Curves")) {
+    ask_for_sample();
+    material_curves();
+    ImGui::EndTabItem();
+  }
+  if (tab("Library")) {
+    in_library_ = true;
+    material_library();
+    ImGui::EndTabItem();
+  }
+  ImGui::EndTabBar();
+}
+
+void Desk::material_list() {
   std::size_t count = 0;
-  ImGui::BeginChild("list", {0, 0.34f * ImGui::GetWindowHeight()}, true);
+  std::set<std::string> in_texts;
+  ImGui::BeginChild("list", {0, 0.26f * ImGui::GetWindowHeight()}, true);
+  const auto row = [&](const std::string& name, const std::string& key, const std::string& where) {
+    if (ImGui::Selectable((name + "###" + key).c_str(), material_ == key)) material_ = key;
+    widgets_.seen("material/" + key);
+    widgets_.tip(where.c_str());
+    ++count;
+  };
   for (const MaterialFile& file : edits_.files())
     for (const pxn::EditableMaterial& material : file.materials) {
-      const std::string name = place_of(file, material);
-      if (ImGui::Selectable((material.name + "###" + name).c_str(), material_ == name))
-        material_ = name;
-      widgets_.seen("material/" + name);
-      if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s:%u", file.path.c_str(), material.line);
-      ++count;
+      row(material.name, place_of(file, material), fmt::format("{}:{}", file.path.string(), material.line));
+      in_texts.insert(material.name);
     }
-  if (count == 0) ImGui::TextDisabled("no named materials in these files");
+  for (std::size_t i = 0; models_.world && i < models_.world->size(); ++i) {
+    const pan::Model& model = *(*models_.world)[i].model();
+    for (std::size_t k = 0; k < model.materials().size(); ++k) {
+      const std::string name(model.material_name(k));
+      if (!name.empty() && in_texts.insert(name).second) row(name, "model/" + name, "of a model alone");
+    }
+  }
+  if (count == 0) ImGui::TextDisabled("no named materials");
   ImGui::EndChild();
-  unsaved_changes();
-  // a copy: a change reads the texts anew
-  for (const MaterialFile& file : edits_.files())
-    for (const pxn::EditableMaterial& material : file.materials)
-      if (place_of(file, material) == material_)
-        return material_numbers(MaterialFile(file), pxn::EditableMaterial(material));
+}
+
+// The material that is selected, as the models have it, or the preset; once.
+void Desk::ask_for_sample() {
+  const std::string name = in_library_ ? preset_ : material_.substr(material_.rfind('/') + 1);
+  if (name.empty()) return;
+  const std::string asked = fmt::format("{} {} {}", in_library_, name, in_library_ ? 0 : models_.readings);
+  if (asked == sampled_) return;
+  // the same with and without a bar to scroll
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const auto width = static_cast<std::uint32_t>(
+      std::max(96.0f, std::floor(ImGui::GetWindowWidth() - style.ScrollbarSize - 2 * style.WindowPadding.x)));
+  DiagnosticLog log;
+  if (in_library_) {
+    auto described = pxn::preset(name, log);
+    if (described) {
+      provenance_ = described->provenance;
+      samples_.ask(*std::move(described), width);
+    }
+    sampled_ = asked;
+    return;
+  }
+  for (std::size_t i = 0; models_.world && i < models_.world->size(); ++i) {
+    const pan::Model& model = *(*models_.world)[i].model();
+    for (std::size_t k = 0; k < model.materials().size(); ++k)
+      if (model.material_name(k) == name) {
+        pxn::DescribedMaterial described;
+        described.material = pan::material_from(model.materials()[k], name);
+        described.material.maps = {};
+        samples_.ask(std::move(described), width);
+        sampled_ = asked;
+        return;
+      }
+  }
+}
+
+void Desk::material_curves() {
+  const auto& sample = samples_.last();
+  if (!sample) {
+    ImGui::TextDisabled("%s", samples_.busy() ? "under way" : "select a material");
+    return;
+  }
+  ImGui::Text("%s%s", sample->name.c_str(), samples_.busy() ? " (another is under way)" : "");
+  if (widgets_.button("curves/hold", "Keep this one beside what comes next")) {
+    held_ = *sample;
+    sample_is_new_ = true;
+  }
+  if (held_) {
+    ImGui::SameLine();
+    if (widgets_.button("curves/let go")) {
+      held_.reset();
+      sample_is_new_ = true;
+    } else {
+      ImGui::SameLine();
+      ImGui::TextDisabled("faint and below: %s", held_->name.c_str());
+    }
+  }
+  if (sample_texture_ != 0)
+    ImGui::Image(reinterpret_cast<ImTextureID>(sample_texture_),
+                 {static_cast<float>(sample_canvas_.width), static_cast<float>(sample_canvas_.height)});
+  widgets_.seen("curves/image");
+  widgets_.tip("A sphere, a tilted tile and a wrinkled tile under the Sun, path traced, without maps");
+  ImGui::TextWrapped("%s. %s", sample->words.c_str(), sample->verdict.c_str());
+  ImGui::TextDisabled("hemispherical albedo %.3f %.3f %.3f", sample->hemispherical[0], sample->hemispherical[1],
+                      sample->hemispherical[2]);
+  double peak = 1e-6;
+  std::vector<Curve> lobes, albedos;
+  double most = 1;
+  std::vector<const Sample*> both{&*sample};
+  if (held_) both.insert(both.begin(), &*held_);
+  for (const Sample* each : both) {
+    const bool faint = each != &*sample;
+    for (std::size_t i = 0; i < kSampleLights.size(); ++i) {
+      for (const Vec2& point : each->lobes[i]) peak = std::max(peak, point.y);
+      lobes.push_back({faint ? "" : fmt::format("light {} deg", kSampleLights[i]), &each->lobes[i],
+                       static_cast<int>(i), faint});
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (const Vec2& point : each->albedo[k]) most = std::max(most, point.y);
+      constexpr const char* kChannels[] = {"650 nm", "550 nm", "450 nm"};
+      constexpr int kColors[] = {0, 2, 1};
+      albedos.push_back({faint ? "" : kChannels[k], &each->albedo[k], kColors[k], faint});
+    }
+  }
+  const double top = std::pow(10, std::ceil(std::log10(peak)));
+  plot({.title = "pi f in the plane of incidence", .x_name = "viewed from, degrees", .left = -90, .right = 90,
+        .x_ticks = {-90, -60, -30, 0, 30, 60, 90}, .bottom = top * 1e-5, .top = top, .logarithmic = true},
+       lobes);
+  widgets_.seen("curves/lobes");
+  plot({.title = "directional albedo", .x_name = "from the normal, degrees", .left = 0, .right = 90,
+        .x_ticks = {0, 15, 30, 45, 60, 75, 90}, .bottom = 0, .top = most > 1 ? 1.25 * most : 1},
+       albedos);
+  widgets_.seen("curves/albedo");
+}
+
+void Desk::material_library() {
+  widgets_.text("library/search", preset_search_, "part of a name");
+  ImGui::BeginChild("presets", {0, 0.3f * ImGui::GetWindowHeight()}, true);
+  for (const std::string_view name : pxn::preset_names()) {
+    if (name.find(preset_search_) == std::string_view::npos) continue;
+    if (ImGui::Selectable(std::string(name).c_str(), preset_ == name)) preset_ = name;
+    widgets_.seen("preset/" + std::string(name));
+  }
+  ImGui::EndChild();
+  if (preset_.empty()) return;
+  ask_for_sample();
+  const std::string wears = fmt::format("material=\"{}\"", preset_);
+  if (widgets_.button("library/copy", "What a shape or node wears it with")) ImGui::SetClipboardText(wears.c_str());
+  ImGui::SameLine();
+  ImGui::TextDisabled("%s", wears.c_str());
+  const std::pair<const char*, const std::string*> lines[] = {{"source", &provenance_.source},
+                                                              {"published", &provenance_.published},
+                                                              {"fitted", &provenance_.fitted},
+                                                              {"indicative", &provenance_.indicative}};
+  for (const auto& [what, words] : lines)
+    if (!words->empty()) ImGui::TextWrapped("%s: %s", what, words->c_str());
+  ImGui::Separator();
+  material_curves();
+}
+
+const Desk::Canvas* Desk::new_sample_canvas() {
+  if (samples_.look()) sample_is_new_ = true;
+  if (!sample_is_new_ || !samples_.last() || samples_.last()->rgba.empty()) return nullptr;
+  sample_is_new_ = false;
+  const Sample& sample = *samples_.last();
+  sample_canvas_ = {sample.width, sample.height, sample.rgba};
+  if (held_ && held_->width == sample.width) {
+    sample_canvas_.height += held_->height;
+    sample_canvas_.rgba.insert(sample_canvas_.rgba.end(), held_->rgba.begin(), held_->rgba.end());
+  }
+  return &sample_canvas_;
 }
 
 void Desk::material_numbers(const MaterialFile& file, const pxn::EditableMaterial& material) {

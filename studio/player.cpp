@@ -81,6 +81,14 @@ bool Player::go(const Step& step, Desk& desk, Wish& wish) {
           wrong(fmt::format("nothing was saved: {}", desk.state("saved")));
         return !desk.saving();
       }
+      if (step.name == "sampled") {
+        if (!desk.sampling() && desk.state("sample").empty()) wrong("no material's curves are on the screen");
+        return !desk.sampling();
+      }
+      if (step.name == "compared" && desk.settled()) {
+        if (desk.state("compare") == "off") wrong("nothing is compared: see compare/split");
+        return !desk.state("reference samples").empty();
+      }
       if (desk.settled() && desk.state("pixels").empty())
         wrong("there is no image: no version of the models could be read");
       return desk.settled();

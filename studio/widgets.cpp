@@ -44,7 +44,15 @@ std::string Widgets::nearest(const std::string& name) const {
 
 void Widgets::explain(const std::string& name, const char* help) {
   seen(name);
-  if (help != nullptr && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", help);
+  if (help != nullptr) tip(help);
+}
+
+void Widgets::tip(const char* help) {
+  if (!ImGui::IsItemHovered()) return;
+  // beside the panel: it hides no widget
+  const ImVec2 low = ImGui::GetItemRectMin();
+  ImGui::SetNextWindowPos({ImGui::GetWindowPos().x + ImGui::GetWindowWidth() + 8, low.y});
+  ImGui::SetTooltip("%s", help);
 }
 
 bool Widgets::button(const std::string& name, const char* help) {
@@ -81,8 +89,11 @@ bool Widgets::choice(const std::string& name, std::string& value, const char* co
                      std::size_t count, const char* help) {
   bool changed = false;
   for (std::size_t i = 0; i < count; ++i) {
-    if (i > 0) ImGui::SameLine();
     const std::string each = name + "/" + words[i];
+    // on the same line while there is room
+    const float wide = ImGui::CalcTextSize(words[i]).x + ImGui::GetFrameHeight() + 2 * ImGui::GetStyle().ItemSpacing.x;
+    if (i > 0 && ImGui::GetItemRectMax().x + wide < ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x)
+      ImGui::SameLine();
     if (ImGui::RadioButton(tag(each).c_str(), value == words[i]) && value != words[i]) {
       value = words[i];
       changed = true;

@@ -42,6 +42,9 @@ class Widgets {
   bool text(const std::string& name, std::string& value, const char* hint,
             const char* help = nullptr);
 
+  // Words beside the panel while the mouse is over what was drawn last.
+  void tip(const char* help);
+
  private:
   void explain(const std::string& name, const char* help);
   std::map<std::string, Place> places_;

@@ -70,7 +70,7 @@ class Screen {
     glfwGetWindowContentScale(window_, &across, &down);
     scale_ = options.scale > 0 ? options.scale : std::max(1.0, double{across});
     start_gui(options.with_script);
-    gl_.GenTextures(1, &texture_);
+    gl_.GenTextures(2, textures_);
     return true;
   }
 
@@ -109,17 +109,17 @@ class Screen {
   }
 
   // Pixels as they are: one of the image is one of the screen, once it is exact.
-  void show(const Picture& picture) {
-    gl_.BindTexture(GL_TEXTURE_2D, texture_);
+  void show(const Desk::Canvas& canvas, bool sample) {
+    gl_.BindTexture(GL_TEXTURE_2D, textures_[sample]);
     gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<GLsizei>(picture.image.width),
-                   static_cast<GLsizei>(picture.image.height), 0, GL_RGBA, GL_UNSIGNED_BYTE,
-                   picture.rgba.data());
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<GLsizei>(canvas.width),
+                   static_cast<GLsizei>(canvas.height), 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                   canvas.rgba.data());
     for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
       gl_.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
     for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
       gl_.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
-    shows_ = true;
+    shows_[sample] = true;
   }
 
   bool screenshot(const std::filesystem::path& path, DiagnosticLog& log) {
@@ -145,7 +145,7 @@ class Screen {
 
   GLFWwindow* window() const { return window_; }
   double scale() const { return scale_; }
-  std::uintptr_t texture() const { return shows_ ? texture_ : 0; }
+  Desk::Textures textures() const { return {shows_[0] ? textures_[0] : 0u, shows_[1] ? textures_[1] : 0u}; }
   void swap() { glfwSwapBuffers(window_); }
 
  private:
@@ -154,8 +154,8 @@ class Screen {
   bool gui_ = false;
   GladGLContext gl_{};
   double scale_ = 1;
-  GLuint texture_ = 0;
-  bool shows_ = false;
+  GLuint textures_[2] = {};
+  bool shows_[2] = {};
 };
 
 // A hand of a script in place of the real one.
@@ -185,8 +185,12 @@ class Loop {
     while (glfwWindowShouldClose(screen_.window()) == 0) {
       wait();
       const auto start = Clock::now();
-      if (const Picture* picture = desk_.new_picture()) {
-        screen_.show(*picture);
+      if (const Desk::Canvas* canvas = desk_.new_canvas()) {
+        screen_.show(*canvas, false);
+        left_ = kFramesAfter;
+      }
+      if (const Desk::Canvas* canvas = desk_.new_sample_canvas()) {
+        screen_.show(*canvas, true);
         left_ = kFramesAfter;
       }
       frame();
@@ -235,7 +239,7 @@ class Loop {
     ImGui::NewFrame();
     int width = 0, height = 0;
     glfwGetWindowSize(screen_.window(), &width, &height);
-    desk_.frame({width, height}, screen_.scale(), screen_.texture());
+    desk_.frame({width, height}, screen_.scale(), screen_.textures());
     screen_.end_frame();
   }
 

@@ -16,6 +16,7 @@
 #include "studio/edits.h"
 #include "studio/eye.h"
 #include "studio/project.h"
+#include "studio/samples.h"
 #include "studio/script.h"
 #include "studio/widgets.h"
 
@@ -54,16 +55,25 @@ class Desk {
  public:
   Desk(const Options& options);
 
-  // One frame's panels and input. size: pixels of the window; texture: of the image
-  void frame(const Vec2& size, double scale, std::uintptr_t texture);
-  // The newest image, where there is another one since the last call; null: none.
-  const Picture* new_picture();
+  struct Textures {
+    std::uintptr_t image = 0, sample = 0;  // 0: there is none
+  };
+  // One frame's panels and input. size: pixels of the window
+  void frame(const Vec2& size, double scale, const Textures& textures);
+  // The pixels to show, where they are others since the last call; null: the same.
+  struct Canvas {
+    std::uint32_t width = 0, height = 0;
+    std::vector<std::uint8_t> rgba;
+  };
+  const Canvas* new_canvas();
+  const Canvas* new_sample_canvas();  // of the material's samples
 
   Widgets& widgets() { return widgets_; }
   // What scripts expect: words by name.
   std::string state(const std::string& name) const;
   bool settled() const;  // the image is exact, and of the models as they are
   bool saving() const { return saving_.valid(); }
+  bool sampling() const { return samples_.busy(); }
   std::string command() const;  // as the Save tab shows it
   bool idle() const;     // nothing happens unless a hand does something
   const Artist& artist() const { return artist_; }
@@ -76,9 +86,17 @@ class Desk {
   void panel(const Vec2& at, const Vec2& size);
   void camera_tab();
   void sun_tab();
+  void image_tab();
+  void comparison();
+  bool take_picture();
+  void paint_canvas();
   void parts_tab();
   void joints_tab();
   void materials_tab();
+  void material_list();
+  void material_curves();
+  void material_library();
+  void ask_for_sample();
   void material_numbers(const MaterialFile& file, const pxn::EditableMaterial& material);
   void unsaved_changes();
   void save_tab();
@@ -104,7 +122,16 @@ class Desk {
   Eye eye_;
   bool framed_ = false;  // the eye has looked at the first model
   std::shared_ptr<const Picture> shown_;
-  bool is_new_ = false;
+  // what of it is shown
+  std::string layer_ = "light";
+  bool mark_white_ = false;
+  std::string compare_ = "off";
+  double split_ = 0.5;          // of the image's width, from where the reference is shown
+  double difference_ = 0.1;     // at the ends of its colours, of the RMS radiance
+  bool bounces_ = true;         // light between surfaces, of the reference
+  Canvas canvas_;
+  Pixels scale_;                // of the canvas, without pixels
+  std::string shown_as_;        // what the canvas was painted with
   Place picture_place_;
   Vec2 picture_size_{0};
   // parts
@@ -117,8 +144,18 @@ class Desk {
   double play_start_ = 0;
   // materials
   Edits edits_;
-  std::string material_;  // the one that is edited: "FILE/NAME"
+  std::string material_;  // the one that is edited: "FILE/NAME", or of models alone "model/NAME"
   std::string edited_;    // what came of saving
+  std::string preset_;    // of the library, that is looked at
+  std::string preset_search_;
+  pxn::Provenance provenance_;   // of the preset
+  bool in_library_ = false;
+  Samples samples_;
+  std::string sampled_;          // what was asked for last
+  std::optional<Sample> held_;   // to compare with
+  Canvas sample_canvas_;
+  bool sample_is_new_ = false;
+  std::uintptr_t sample_texture_ = 0;
   // saving
   std::string output_ = "image.png";
   std::future<std::string> saving_;

@@ -44,7 +44,7 @@ TEST(Script, MistakesSayWhichStep) {
            std::pair{R"([{"drag": {"from": [0], "to": [0, 1]}}])", "two numbers"},
            std::pair{R"([{"drag": {"from": [0, 0], "to": [0, 1], "button": "up"}}])", "middle"},
            std::pair{R"([{"scroll": "up"}])", "the wheel"},
-           std::pair{R"([{"wait": "long"}])", "exact, read"},
+           std::pair{R"([{"wait": "long"}])", "exact, compared"},
            std::pair{R"([{"resize": [1, 1]}])", "320"},
            std::pair{R"([{"replace": {"file": "a", "text": "b"}}])", "'with' is missing"},
        }) {

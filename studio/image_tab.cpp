@@ -1,0 +1,147 @@
+// The tab of the image: which of what is known of its pixels is shown, and how far it is from the reference.
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "studio/window.h"
+
+namespace panwright::studio {
+namespace {
+
+// of a flicker, one image
+constexpr double kFlickerSeconds = 0.6;
+
+bool shows_reference() { return std::fmod(ImGui::GetTime(), 2 * kFlickerSeconds) >= kFlickerSeconds; }
+
+// The colours from end to end with what they stand for.
+void legend(const Pixels& scale, bool of_difference) {
+  if (scale.low == 0 && scale.high == 0) return;
+  const float wide = ImGui::GetContentRegionAvail().x, tall = ImGui::GetFontSize();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  constexpr int kSteps = 64;
+  for (int i = 0; i < kSteps; ++i) {
+    const double share = (i + 0.5) / kSteps;
+    std::uint8_t rgb[3];
+    scale_color(share, rgb);
+    ImU32 color = IM_COL32(rgb[0], rgb[1], rgb[2], 255);
+    if (of_difference) {
+      const double far = std::fabs(2 * share - 1);
+      const auto mix = [&](int end) { return static_cast<int>(std::lround(240 + far * (end - 240))); };
+      color = share < 0.5 ? IM_COL32(mix(0), mix(114), mix(178), 255) : IM_COL32(mix(213), mix(94), mix(0), 255);
+    }
+    ImGui::GetWindowDrawList()->AddRectFilled({at.x + wide * static_cast<float>(i) / kSteps, at.y},
+                                              {at.x + wide * static_cast<float>(i + 1) / kSteps + 1, at.y + tall}, color);
+  }
+  ImGui::Dummy({wide, tall});
+  // near is bright
+  const bool turned = scale.unit == "m";
+  const std::string right = fmt::format("{:.4g} {}", turned ? scale.low : scale.high, scale.unit);
+  ImGui::TextDisabled("%s%s", fmt::format("{:.4g}", turned ? scale.high : scale.low).c_str(),
+                      scale.logarithmic ? " (logarithmic)" : "");
+  ImGui::SameLine(std::max(0.0f, wide - ImGui::CalcTextSize(right.c_str()).x));
+  ImGui::TextDisabled("%s", right.c_str());
+}
+
+}  // namespace
+
+void Desk::image_tab() {
+  ImGui::TextUnformatted("What is shown of each pixel");
+  widgets_.choice("layer", layer_, kLayers, std::size(kLayers),
+                  "Depth, normals, parts and materials are those of the exact image");
+  if (layer_ == "light") {
+    widgets_.check("layer/mark white", mark_white_, "Stripes over pixels at white in a channel");
+    ImGui::SameLine();
+    ImGui::TextDisabled("%llu pixels", static_cast<unsigned long long>(saturated_));
+  }
+  if (layer_ != "light" && layer_ != "false colours" && shown_ && !shown_->exact)
+    ImGui::TextDisabled("once the image is exact");
+  if (compare_ == "off" || !shown_ || !shown_->reference) legend(scale_, false);
+  ImGui::Separator();
+  comparison();
+}
+
+void Desk::comparison() {
+  ImGui::TextUnformatted("Beside the reference renderer");
+  widgets_.choice("compare", compare_, kComparisons, std::size(kComparisons),
+                  "The same view path traced, with ever more samples while nothing moves");
+  if (compare_ == "off") return;
+  widgets_.check("compare/light between surfaces", bounces_,
+                 "Of the reference: three bounces, which the preview does not have; else light straight from the Sun");
+  if (compare_ == "split")
+    widgets_.slider("compare/at", split_, 0, 1, "%.3f", false,
+                    "Left of it the preview, right of it the reference; in parts of the image's width");
+  if (compare_ == "difference") {
+    widgets_.slider("compare/range", difference_, 1e-4, 1, "%.3g of the RMS", true,
+                    "At the ends of the colours");
+    if (shown_ && shown_->reference) legend(scale_, true);
+  }
+  if (compare_ == "flicker" && shown_ && shown_->reference)
+    ImGui::TextUnformatted(shows_reference() ? "now: reference" : "now: preview");
+  if (!shown_ || !shown_->reference) {
+    ImGui::TextDisabled("%s", shown_ && shown_->exact ? "under way" : "once the image is exact");
+    return;
+  }
+  const Comparison& c = shown_->comparison;
+  ImGui::TextWrapped("%s", fmt::format("{} samples a pixel, {:.1f} s{}", shown_->reference_samples,
+                                       shown_->reference_seconds,
+                                       artist_.status().comparing ? "; more are under way" : "")
+                               .c_str());
+  ImGui::TextWrapped("%s", fmt::format("flux of the preview {:+.3f} % off, the reference's standard error {:.3f} %", 100 * c.flux,
+                                       100 * c.flux_error)
+                               .c_str());
+  ImGui::TextWrapped("%s", fmt::format("RMSE {:.2f} % of the RMS radiance; the reference's own noise {:.2f} %", 100 * c.rmse,
+                                       100 * c.noise)
+                               .c_str());
+}
+
+void Desk::paint_canvas() {
+  const Picture& picture = *shown_;
+  canvas_.width = picture.image.width;
+  canvas_.height = picture.image.height;
+  scale_ = {};
+  if (compare_ == "difference" && picture.reference) {
+    scale_ = difference_pixels(picture.image, picture.reference->image, picture.comparison.rms, difference_);
+    canvas_.rgba = std::move(scale_.rgba);
+    return;
+  }
+  const bool known = layer_ == "false colours" || picture.image.has_ground_truth();
+  if (layer_ != "light" && known) {
+    scale_ = layer_pixels(picture.image, layer_);
+    canvas_.rgba = std::move(scale_.rgba);
+  } else {
+    canvas_.rgba = picture.rgba;
+  }
+  const bool both = (compare_ == "split" || compare_ == "flicker") && picture.reference;
+  if (both && (layer_ == "light" || layer_ == "false colours")) {
+    const preview::Image& traced = picture.reference->image;
+    const std::vector<std::uint8_t> other =
+        layer_ == "light" ? shown_pixels(traced, picture.ev) : layer_pixels(traced, layer_).rgba;
+    const std::size_t from = compare_ == "flicker" ? (shows_reference() ? 0 : canvas_.width)
+                                                   : static_cast<std::size_t>(split_ * canvas_.width);
+    for (std::size_t y = 0; y < canvas_.height; ++y) {
+      for (std::size_t x = from; x < canvas_.width; ++x)
+        std::copy_n(&other[4 * (y * canvas_.width + x)], 4, &canvas_.rgba[4 * (y * canvas_.width + x)]);
+      if (compare_ == "split" && from > 0 && from < canvas_.width) {
+        std::uint8_t* line = &canvas_.rgba[4 * (y * canvas_.width + from)];
+        line[0] = line[1] = line[2] = 160;
+      }
+    }
+  }
+  if (mark_white_ && layer_ == "light") mark_white(canvas_.width, canvas_.rgba);
+}
+
+const Desk::Canvas* Desk::new_canvas() {
+  const bool other = take_picture();
+  if (!shown_ || shown_->rgba.empty()) return nullptr;
+  const std::string as =
+      fmt::format("{} {} {} {} {} {}", layer_, mark_white_, compare_, split_, difference_,
+                  compare_ == "flicker" && shows_reference());
+  if (!other && as == shown_as_) return nullptr;
+  shown_as_ = as;
+  paint_canvas();
+  return &canvas_;
+}
+
+}  // namespace panwright::studio

@@ -1,0 +1,99 @@
+#include "studio/samples.h"
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include "compiler/compile.h"
+#include "materials/brdf.h"
+#include "materials/energy.h"
+#include "materials/report.h"
+#include "preview/reference/reference.h"
+#include "studio/artist.h"
+#include "workspace/material_scene.h"
+
+namespace panwright::studio {
+namespace {
+
+Vec3 direction(double degrees) { return {std::sin(degrees * kDegree), 0, std::cos(degrees * kDegree)}; }
+
+void add_curves(const materials::Material& material, Sample& sample) {
+  const materials::f64::CompiledBrdf brdf(material);
+  const materials::ShadingContext local{Vec3(1, 0, 0), materials::kSunAlpha2};
+  for (std::size_t i = 0; i < kSampleLights.size(); ++i)
+    // degrees, and tenths about the mirrored direction and the light
+    for (int step = -890; step <= 890; ++step) {
+      const double angle = 0.1 * step;
+      const double glint = std::min(std::fabs(angle - kSampleLights[i]), std::fabs(angle + kSampleLights[i]));
+      if (step % 10 != 0 && glint > 4) continue;
+      const Vec3 f = brdf.brdf(direction(-kSampleLights[i]), direction(angle), Vec3(0, 0, 1), Vec3(1), local);
+      sample.lobes[i].emplace_back(angle, kPi * (f.x + f.y + f.z) / 3);
+    }
+  for (int degrees = 0; degrees <= 88; degrees += degrees < 70 ? 5 : 3) {
+    const Vec3 albedo = materials::directional_albedo(material, std::cos(degrees * kDegree));
+    for (std::size_t k = 0; k < 3; ++k) sample.albedo[k].emplace_back(degrees, albedo[static_cast<int>(k)]);
+  }
+  const Vec3 mean = materials::hemispherical_albedo(material);
+  for (std::size_t k = 0; k < 3; ++k) sample.hemispherical[k] = mean[static_cast<int>(k)];
+  const double mus[] = {1};
+  sample.verdict = materials::verdict(materials::material_report(material, mus));
+  sample.words = materials::brdf_in_words(material);
+}
+
+void add_image(const pxn::DescribedMaterial& material, std::uint32_t width, const Job& job, Sample& sample) {
+  DiagnosticLog log;
+  const auto bytes =
+      compiler::compiled(workspace::sample_scene(material, workspace::SampleLight::sun), {}, log, job);
+  if (!bytes) return;
+  auto model = pan::Model::from_bytes(*bytes, "samples", log);
+  world::World world;
+  if (!model || !model->check(log) ||
+      !world.add("samples", std::make_shared<const pan::Model>(*std::move(model)), log))
+    return;
+  world.set_sun(workspace::sample_sun());
+  preview::ReferenceOptions options;
+  options.samples = 32;
+  const auto drawn =
+      preview::Reference().render(world, workspace::sample_camera(width), options, log, job);
+  if (!drawn) return;
+  sample.width = drawn->image.width;
+  sample.height = drawn->image.height;
+  sample.rgba = shown_pixels(drawn->image, 0);
+}
+
+}  // namespace
+
+Sample sample_of(const pxn::DescribedMaterial& material, std::uint32_t width, const Job& job) {
+  Sample sample;
+  sample.name = material.material.name;
+  add_curves(material.material, sample);
+  add_image(material, width, job, sample);
+  return sample;
+}
+
+Samples::~Samples() {
+  if (job_.state()) job_.cancel();
+  if (running_.valid()) running_.wait();
+}
+
+void Samples::ask(pxn::DescribedMaterial material, std::uint32_t width) {
+  wanted_.emplace(std::move(material), width);
+  if (!running_.valid()) start();
+}
+
+void Samples::start() {
+  job_ = Job(JobOptions{});
+  running_ = std::async(std::launch::async, [work = std::move(*wanted_), job = job_] {
+    return sample_of(work.first, work.second, job);
+  });
+  wanted_.reset();
+}
+
+bool Samples::look() {
+  if (!running_.valid() || running_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
+  last_ = running_.get();
+  if (wanted_) start();
+  return true;
+}
+
+}  // namespace panwright::studio

@@ -1,0 +1,171 @@
+// What the window shows of pixels in place of their light, and how it compares images.
+#include "studio/layers.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "studio/samples.h"
+
+namespace panwright::studio {
+namespace {
+
+preview::Image image_of(std::uint32_t width, std::uint32_t height) {
+  preview::Image image;
+  image.width = width;
+  image.height = height;
+  const std::size_t n = image.pixels();
+  image.radiance.assign(3 * n, 0);
+  image.coverage.assign(n, 1);
+  image.depth.assign(n, 0);
+  image.range.assign(n, 0);
+  image.normal.assign(3 * n, 0);
+  image.target_id.assign(n, 1);
+  image.node_id.assign(n, 1);
+  image.material_id.assign(n, 1);
+  return image;
+}
+
+std::uint32_t rgb(const Pixels& pixels, std::size_t i) {
+  return std::uint32_t{pixels.rgba[4 * i]} << 16 | std::uint32_t{pixels.rgba[4 * i + 1]} << 8 | pixels.rgba[4 * i + 2];
+}
+
+TEST(Layers, FalseColoursAreFourDecades) {
+  preview::Image image = image_of(5, 1);
+  const float light[] = {0, 1e-5f, 1e-4f, 1e-2f, 1};
+  for (std::size_t i = 0; i < 5; ++i)
+    for (std::size_t k = 0; k < 3; ++k) image.radiance[3 * i + k] = 7 * light[i];
+  const Pixels pixels = layer_pixels(image, "false colours");
+  EXPECT_NEAR(pixels.high, 7, 1e-6);
+  EXPECT_NEAR(pixels.low, 7e-4, 1e-9);
+  EXPECT_TRUE(pixels.logarithmic);
+  std::uint8_t ends[3][3];
+  for (int i = 0; i < 3; ++i) scale_color(0.5 * i, ends[i]);
+  const auto is = [&](std::size_t i, const std::uint8_t* color) {
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(pixels.rgba[4 * i + k], color[k], 1) << i;
+  };
+  is(1, ends[0]);  // below the scale
+  is(2, ends[0]);
+  is(3, ends[1]);  // half of it
+  is(4, ends[2]);
+  EXPECT_NE(rgb(pixels, 0), rgb(pixels, 1));  // no light is no faint light
+}
+
+TEST(Layers, TruthOfPixels) {
+  preview::Image image = image_of(4, 1);
+  image.target_id[3] = 0;
+  image.depth = {10, 20, 15, 0};
+  image.normal = {0, 0, 1, 0, 0, -1, 1, 0, 0, 0, 0, 0};
+  image.node_id = {1, 2, 1, 0};
+  image.material_id = {5, 5, 6, 0};
+  const Pixels depth = layer_pixels(image, "depth");
+  EXPECT_EQ(depth.low, 10);
+  EXPECT_EQ(depth.high, 20);
+  std::uint8_t near[3], far[3];
+  scale_color(1, near);
+  scale_color(0, far);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(depth.rgba[k], near[k]);
+    EXPECT_EQ(depth.rgba[4 + k], far[k]);
+  }
+  const Pixels normals = layer_pixels(image, "normals");
+  EXPECT_EQ(rgb(normals, 0), 0x8080ffu);
+  EXPECT_EQ(rgb(normals, 1), 0x808000u);
+  EXPECT_EQ(rgb(normals, 2), 0xff8080u);
+  const Pixels parts = layer_pixels(image, "parts");
+  EXPECT_EQ(rgb(parts, 0), rgb(parts, 2));
+  EXPECT_NE(rgb(parts, 0), rgb(parts, 1));
+  EXPECT_NE(rgb(parts, 0), rgb(parts, 3));
+  const Pixels materials = layer_pixels(image, "materials");
+  EXPECT_EQ(rgb(materials, 0), rgb(materials, 1));
+  EXPECT_NE(rgb(materials, 0), rgb(materials, 2));
+}
+
+TEST(Layers, AnImageWithoutAnything) {
+  preview::Image image = image_of(3, 2);
+  image.target_id.assign(6, 0);
+  image.coverage.assign(6, 0);
+  for (const char* layer : kLayers)
+    if (std::string(layer) != "light") {
+      const Pixels pixels = layer_pixels(image, layer);
+      ASSERT_EQ(pixels.rgba.size(), 24u);
+      for (std::size_t i = 1; i < 6; ++i) EXPECT_EQ(rgb(pixels, i), rgb(pixels, 0));
+    }
+  preview::ReferenceImage reference{image, std::vector<float>(18, 0.0f)};
+  const Comparison same = compared(image, reference);
+  EXPECT_EQ(same.flux, 0);
+  EXPECT_EQ(same.rmse, 0);
+  EXPECT_EQ(difference_pixels(image, image, same.rms, 0.1).rgba.size(), 24u);
+}
+
+TEST(Layers, WhiteIsStriped) {
+  std::vector<std::uint8_t> rgba(4 * 16 * 2, 100);
+  for (std::size_t i = 0; i < 16; ++i) rgba[4 * i + 1] = 255;
+  mark_white(16, rgba);
+  int striped = 0;
+  for (std::size_t i = 0; i < 16; ++i) striped += rgba[4 * i + 1] != 255;
+  EXPECT_EQ(striped, 8);
+  for (std::size_t i = 64; i < rgba.size(); ++i) EXPECT_EQ(rgba[i], 100);
+}
+
+TEST(Layers, ComparedWithTheReference) {
+  preview::Image image = image_of(2, 1);
+  image.radiance = {1, 2, 4, 1, 2, 4};
+  preview::ReferenceImage reference{image_of(2, 1), std::vector<float>(6, 0.1f)};
+  reference.image.radiance = {1, 2, 5, 1, 2, 5};
+  reference.flux = Vec3(2, 4, 10);
+  reference.flux_error = Vec3(0, 0, 0.05);
+  const Comparison c = compared(image, reference);
+  EXPECT_NEAR(c.flux, -0.2, 1e-12);  // of the worst channel
+  EXPECT_NEAR(c.flux_error, 0.005, 1e-12);
+  EXPECT_NEAR(c.rmse, std::sqrt(2.0 / 60), 1e-12);
+  EXPECT_NEAR(c.noise, std::sqrt(0.06 / 60), 1e-8);
+  EXPECT_NEAR(c.rms, std::sqrt(60.0 / 6), 1e-12);
+  // darker is blue, brighter orange, beyond the range no more so
+  const Pixels darker = difference_pixels(image, reference.image, c.rms, 0.01);
+  const Pixels brighter = difference_pixels(reference.image, image, c.rms, 0.01);
+  EXPECT_EQ(rgb(darker, 0), 0x0072b2u);
+  EXPECT_EQ(rgb(brighter, 0), 0xd55e00u);
+  EXPECT_EQ(rgb(difference_pixels(image, image, c.rms, 0.01), 0), 0xf0f0f0u);
+}
+
+// A Lambert plate has one reflectance in all directions, and that albedo.
+TEST(Samples, OfALambertMaterial) {
+  pxn::DescribedMaterial grey;
+  grey.material.name = "grey";
+  grey.material.diffuse = Vec3(0.5, 0.25, 0.1);
+  const Sample sample = sample_of(grey, 96);
+  EXPECT_EQ(sample.name, "grey");
+  EXPECT_NE(sample.verdict.find("conserved"), std::string::npos);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(sample.hemispherical[k], grey.material.diffuse[static_cast<int>(k)], 1e-4);
+    for (const Vec2& point : sample.albedo[k]) EXPECT_NEAR(point.y, grey.material.diffuse[static_cast<int>(k)], 1e-4);
+  }
+  for (const auto& lobe : sample.lobes) {
+    ASSERT_GT(lobe.size(), 100u);
+    for (const Vec2& point : lobe) EXPECT_NEAR(point.y, (0.5 + 0.25 + 0.1) / 3, 1e-6);
+  }
+  ASSERT_EQ(sample.width, 96u);
+  ASSERT_EQ(sample.rgba.size(), std::size_t{4} * sample.width * sample.height);
+  std::uint64_t sum[3] = {};
+  for (std::size_t i = 0; i < sample.rgba.size(); ++i)
+    if (i % 4 < 3) sum[i % 4] += sample.rgba[i];
+  EXPECT_GT(sum[0], sum[1]);
+  EXPECT_GT(sum[1], sum[2]);
+  EXPECT_GT(sum[2], 0u);
+}
+
+// The last of several that are asked for at once comes, whatever came before it.
+TEST(Samples, TheLastOneCounts) {
+  Samples samples;
+  pxn::DescribedMaterial one;
+  for (const char* name : {"a", "b", "c"}) {
+    one.material.name = name;
+    samples.ask(one, 32);
+  }
+  while (!samples.last() || samples.last()->name != "c") samples.look();
+  EXPECT_FALSE(samples.busy());
+}
+
+}  // namespace
+}  // namespace panwright::studio
