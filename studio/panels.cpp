@@ -27,23 +27,31 @@ bool holds(std::string_view name, std::string_view wanted) {
   return std::search(name.begin(), name.end(), wanted.begin(), wanted.end(), same) != name.end();
 }
 
-// One number with a unit, of a joint of one value.
+// How a value of a joint is shown.
 struct Shown {
   double factor = 1;  // of what is stored
   const char* format = "%.6g";
+  double reach = 1;  // of its slider to both sides, where the joint has no limits
 };
 
-Shown shown_of(geometry::JointKind kind) {
-  if (geometry::value_count(kind) != 1) return {};
-  switch (geometry::unit_of(kind, 0)) {
+Shown shown_of(geometry::JointUnit unit) {
+  switch (unit) {
     case geometry::JointUnit::radians:
-      return {1 / kDegree, "%.3f deg"};
+      return {1 / kDegree, "%.3f deg", 180};
     case geometry::JointUnit::metres:
-      return {1, "%.4f m"};
+      return {1, "%.4f m", 10};
     case geometry::JointUnit::factor:
-      return {1, "%.4f"};
+      return {1, "%.4f", 4};
   }
   return {};
+}
+
+// Of joints of several values.
+const char* part_of(geometry::JointKind kind, std::size_t index) {
+  constexpr const char* kBall[] = {"about x", "about y", "about z"};
+  constexpr const char* kGeneral[] = {"scale x", "scale y", "scale z", "about x", "about y",
+                                      "about z", "along x", "along y", "along z"};
+  return kind == geometry::JointKind::ball ? kBall[index] : kGeneral[index];
 }
 
 }  // namespace
@@ -201,36 +209,45 @@ void Desk::parts_tab() {
   ImGui::EndChild();
 }
 
-void Desk::joint_row(std::size_t target, std::size_t index, double now) {
+void Desk::joint_row(std::size_t target, std::size_t index, const geometry::JointValues& now) {
   const world::Instance& instance = (*models_.world)[target];
   const pan::layout::Joint& joint = instance.model()->joints()[index];
   const auto kind = static_cast<geometry::JointKind>(joint.kind);
+  const std::size_t count = geometry::value_count(kind);
   const std::string name = instance.name() + "/" + std::string(instance.model()->joint_name(index));
-  if (geometry::value_count(kind) != 1 || joint.mimic >= 0) {
+  if (count == 0 || joint.mimic >= 0) {
     ImGui::TextDisabled("%s: %s%s", name.c_str(), std::string(geometry::kind_name(kind)).c_str(),
                         joint.mimic >= 0 ? ", follows another one" : "");
     return;
   }
-  const Shown shown = shown_of(kind);
-  const bool limited = joint.upper[0] > joint.lower[0];
-  double value = now * shown.factor;
-  const double low = limited ? joint.lower[0] * shown.factor : -180;
-  const double high = limited ? joint.upper[0] * shown.factor : 180;
   ImGui::TextUnformatted(name.c_str());
   ImGui::PushID(name.c_str());
-  if (widgets_.slider("joint/" + name + "=", value, low, high, shown.format)) {
-    geometry::JointValues values{};
-    values[0] = value / shown.factor;
-    eye_.joints[name] = workspace::exact_value(kind, values);
-    playing_.clear();
+  for (std::size_t k = 0; k < count; ++k) {
+    const Shown shown = shown_of(geometry::unit_of(kind, k));
+    const bool limited = joint.upper[k] > joint.lower[k];
+    const bool factor = geometry::unit_of(kind, k) == geometry::JointUnit::factor;
+    double value = now[k] * shown.factor;
+    const double low = limited ? joint.lower[k] * shown.factor : factor ? 0 : -shown.reach;
+    const double high = limited ? joint.upper[k] * shown.factor : shown.reach;
+    const std::string widget =
+        count == 1 ? "joint/" + name + "=" : fmt::format("joint/{}/{}={}", name, k, part_of(kind, k));
+    // what has no limits may be typed beyond the slider's ends
+    if (widgets_.slider(widget, value, low, high, shown.format, false, nullptr, limited)) {
+      geometry::JointValues values = now;
+      values[k] = value / shown.factor;
+      eye_.joints[name] = workspace::exact_value(kind, values);
+      playing_.clear();
+    }
   }
-  ImGui::SameLine();
-  bool plays = playing_ == name;
-  if (widgets_.check("play/" + name + "=play", plays, "Through its range and back in 6 s")) {
-    playing_ = plays ? name : "";
-    play_start_ = ImGui::GetTime();
+  if (count == 1) {
+    ImGui::SameLine();
+    bool plays = playing_ == name;
+    if (widgets_.check("play/" + name + "=play", plays, "Through its range and back in 6 s")) {
+      playing_ = plays ? name : "";
+      play_start_ = ImGui::GetTime();
+    }
+    ImGui::SameLine();
   }
-  ImGui::SameLine();
   if (widgets_.button("reset/" + name + "=reset")) {
     eye_.joints.erase(name);
     if (playing_ == name) playing_.clear();
@@ -248,7 +265,7 @@ void Desk::joints_tab() {
   for (const auto& [joint, value] : eye_.joints) setter.set({joint, value}, ignored);
   for (std::size_t i = 0; i < posed.size(); ++i) {
     const auto values = posed[i].joint_values();
-    for (std::size_t k = 0; k < values.size(); ++k, ++count) joint_row(i, k, values[k][0]);
+    for (std::size_t k = 0; k < values.size(); ++k, ++count) joint_row(i, k, values[k]);
   }
   if (count == 0) ImGui::TextDisabled("no joints");
   if (count > 0 && widgets_.button("joints/reset all")) {

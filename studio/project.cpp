@@ -1,7 +1,6 @@
 #include "studio/project.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,10 +12,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// How often files are looked at, and for how long one has to stay as it is before it is read:
-// editors write in several steps.
+// how often files are looked at
 constexpr auto kLook = 30ms;
-constexpr auto kSettle = 30ms;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -105,35 +102,13 @@ void Project::set_unsaved(decltype(workspace::OpenOptions::unsaved) texts) {
   read_again();
 }
 
-Project::Stamp Project::stamp_of(const std::filesystem::path& path) {
-  Stamp stamp{path, 0, -1, 0};
-  struct stat found {};
-  if (::stat(path.c_str(), &found) != 0) return stamp;
-  stamp.time = std::int64_t{found.st_mtim.tv_sec} * 1'000'000'000 + found.st_mtim.tv_nsec;
-  stamp.size = found.st_size;
-  stamp.inode = found.st_ino;
-  return stamp;
-}
-
-std::vector<Project::Stamp> Project::stamps_of(const std::vector<Stamp>& files) {
-  std::vector<Stamp> out;
-  for (const Stamp& each : files) out.push_back(stamp_of(each.path));
-  return out;
-}
-
 void Project::watch() {
   std::unique_lock lock(mutex_);
   while (!wake_.wait_for(lock, kLook, [&] { return ending_; })) {
-    const std::vector<Stamp> known = watched_;
+    const std::vector<workspace::FileStamp> known = watched_;
     lock.unlock();
-    std::vector<Stamp> now = stamps_of(known);
-    bool changed = now != known;
-    while (changed) {
-      std::this_thread::sleep_for(kSettle);
-      std::vector<Stamp> later = stamps_of(known);
-      if (later == now) break;
-      now = std::move(later);
-    }
+    std::vector<workspace::FileStamp> now = known;
+    const bool changed = workspace::have_changed(now);
     lock.lock();
     if (!changed || watched_ != known) continue;
     watched_ = std::move(now);
@@ -167,7 +142,7 @@ void Project::read_once(const std::vector<std::string>& files,
                         const workspace::OpenOptions& open, const Job& job) {
   const auto start = std::chrono::steady_clock::now();
   // before it is read: what changes meanwhile is noticed
-  std::vector<Stamp> stamps;
+  std::vector<workspace::FileStamp> stamps;
   std::vector<workspace::TargetFile> targets;
   std::set<std::filesystem::path> paths;
   for (const std::string& file : files) {
@@ -176,24 +151,20 @@ void Project::read_once(const std::vector<std::string>& files,
   }
   {
     const std::lock_guard lock(mutex_);
-    for (const Stamp& each : watched_) paths.insert(each.path);
+    for (const workspace::FileStamp& each : watched_) paths.insert(each.path);
   }
-  for (const std::filesystem::path& path : paths) stamps.push_back(stamp_of(path));
+  for (const std::filesystem::path& path : paths) stamps.push_back(workspace::stamp_of(path));
   DiagnosticLog log(200);
   auto world = workspace::open_world(targets, open, log, job);
   log.sort_by_place();
   // what they include: known from good models, and from where something is wrong
   std::set<std::filesystem::path> more;
   if (world)
-    for (std::size_t i = 0; i < world->size(); ++i) {
-      const pan::Model& model = *(*world)[i].model();
-      for (const auto& input : model.inputs())
-        more.insert(targets[i].file.parent_path() / std::string(model.string(input.path)));
-    }
-  for (FileId file = 0; file < log.sources().size(); ++file)
-    if (!log.sources().file(file).name.empty()) more.insert(log.sources().file(file).name);
+    for (std::size_t i = 0; i < world->size(); ++i)
+      workspace::add_inputs(*(*world)[i].model(), targets[i].file, more);
+  workspace::add_sources(log, more);
   for (const std::filesystem::path& path : more)
-    if (paths.insert(path).second) stamps.push_back(stamp_of(path));
+    if (paths.insert(path).second) stamps.push_back(workspace::stamp_of(path));
 
   const std::lock_guard lock(mutex_);
   watched_ = std::move(stamps);
@@ -204,7 +175,7 @@ void Project::read_once(const std::vector<std::string>& files,
   ++state_.readings;
   state_.seconds = seconds_since(start);
   state_.watched.clear();
-  for (const Stamp& each : watched_) state_.watched.push_back(each.path);
+  for (const workspace::FileStamp& each : watched_) state_.watched.push_back(each.path);
 }
 
 }  // namespace panwright::studio

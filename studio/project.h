@@ -14,6 +14,7 @@
 #include "base/diagnostic.h"
 #include "base/job.h"
 #include "workspace/targets.h"
+#include "workspace/watch.h"
 #include "world/world.h"
 
 namespace panwright::studio {
@@ -57,17 +58,6 @@ class Project {
   void set_unsaved(decltype(workspace::OpenOptions::unsaved) texts);
 
  private:
-  // What tells a file from an earlier one of its name.
-  struct Stamp {
-    std::filesystem::path path;
-    std::int64_t time = 0;
-    std::int64_t size = -1;  // −1: not there
-    std::uint64_t inode = 0;
-    bool operator==(const Stamp&) const = default;
-  };
-  static Stamp stamp_of(const std::filesystem::path& path);
-  static std::vector<Stamp> stamps_of(const std::vector<Stamp>& files);
-
   void watch();
   void read();
   void read_once(const std::vector<std::string>& files, const workspace::OpenOptions& open,
@@ -78,7 +68,7 @@ class Project {
   mutable std::mutex mutex_;
   std::condition_variable_any wake_;
   State state_;
-  std::vector<Stamp> watched_;
+  std::vector<workspace::FileStamp> watched_;
   Job job_;  // of the reading that is under way
   bool wanted_ = true;
   bool ending_ = false;

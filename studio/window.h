@@ -107,7 +107,7 @@ class Desk {
   void hand_on_picture(const Vec2& at, const Vec2& size);
   void keys();
   void node_row(std::size_t target, std::uint32_t node);
-  void joint_row(std::size_t target, std::size_t joint, double now);
+  void joint_row(std::size_t target, std::size_t joint, const geometry::JointValues& now);
   void save(const std::string& file);
   void order();
   void take_models();

@@ -1,6 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
 
 #include "base/text.h"
 #include "compiler/size.h"
@@ -8,6 +14,7 @@
 #include "tools/commands.h"
 #include "tools/print.h"
 #include "workspace/open.h"
+#include "workspace/watch.h"
 
 namespace panwright::tools {
 
@@ -17,17 +24,20 @@ struct Options {
   CommonOptions common;
   ReadOptions read;
   std::vector<std::string> inputs;
+  bool watch = false;
 };
 
 void declare_all(Arguments& arguments, Options& options) {
   arguments.add("inputs", options.inputs, "Files to check").required().type("FILE…");
   declare(arguments, options.read);
   declare(arguments, options.read.open.cad);
+  arguments.flag("--watch", options.watch,
+                 "Check again whenever a file or what it includes changes, until interrupted");
   declare(arguments, options.common);
 }
 
 void check_one(const std::string& path, const workspace::OpenOptions& read,
-               CommandContext& context) {
+               CommandContext& context, std::set<std::filesystem::path>& files) {
   DiagnosticLog& log = context.log();
   const std::string extension = workspace::extension_of(path);
   const std::size_t errors = log.errors(), warnings = log.warnings();
@@ -38,6 +48,7 @@ void check_one(const std::string& path, const workspace::OpenOptions& read,
     // a text is compiled too, to find it all
     const auto model = workspace::open(path, read, log, context.job(), &report);
     context.add_timings(report.steps);
+    if (model) workspace::add_inputs(**model, path, files);
     if (const auto bounds = model ? (*model)->world_bounds() : std::nullopt)
       size = compiler::size_in_words(bounds->max - bounds->min);
     if (model && extension == ".pan") {
@@ -61,12 +72,47 @@ void check_one(const std::string& path, const workspace::OpenOptions& read,
     print("{}: ok{}{}\n", path, how, size.empty() ? "" : ", " + size);
 }
 
-int run(const Options& options, const Host& host) {
+// One round over all files. files: what they consist of, more and more of it
+int check_all(const Options& options, const Host& host, std::set<std::filesystem::path>& files, bool& cancelled) {
   CommandContext context("check", options.common, host);
   auto read = options.read.opening(context.log());
   if (!read) return context.finish();
   read->prune = false;
-  for (const std::string& path : options.inputs) check_one(path, *read, context);
+  for (const std::string& path : options.inputs) check_one(path, *read, context, files);
+  workspace::add_sources(context.log(), files);
+  cancelled = context.job().cancelled();
+  return context.finish();
+}
+
+int watch(const Options& options, const Host& host) {
+  std::set<std::filesystem::path> files(options.inputs.begin(), options.inputs.end());
+  for (;;) {
+    // before they are read: what changes meanwhile is noticed
+    std::vector<workspace::FileStamp> known;
+    for (const std::filesystem::path& file : files) known.push_back(workspace::stamp_of(file));
+    bool cancelled = false;
+    const int code = check_all(options, host, files, cancelled);
+    if (cancelled) return code;
+    for (const std::filesystem::path& file : files)
+      if (std::none_of(known.begin(), known.end(), [&](const auto& stamp) { return stamp.path == file; }))
+        known.push_back(workspace::stamp_of(file));
+    print("watching {}\n", counted(known.size(), "file"));
+    std::fflush(stdout);
+    while (!workspace::have_changed(known)) {
+      if (host.job.cancelled()) return code;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    print("\n");
+  }
+}
+
+int run(const Options& options, const Host& host) {
+  if (options.watch && !options.common.json) return watch(options, host);
+  std::set<std::filesystem::path> files;
+  bool cancelled = false;
+  if (!options.watch) return check_all(options, host, files, cancelled);
+  CommandContext context("check", options.common, host);
+  context.log().report(Code::E0201, {}, "--watch cannot be combined with --json");
   return context.finish();
 }
 

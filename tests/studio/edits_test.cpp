@@ -1,10 +1,17 @@
 // Changes that are not saved yet.
 #include "studio/edits.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <random>
 
+#include "compiler/compile.h"
+#include "pxn/edit.h"
+#include "pxn/pxn.h"
 #include "tests/support/process.h"
 
 namespace panwright::studio {
@@ -88,6 +95,55 @@ TEST_F(EditsTest, FileThatCannotBeWritten) {
   EXPECT_FALSE(edits_.save(log));
   EXPECT_TRUE(log.has_errors());
   EXPECT_TRUE(edits_.any());
+}
+
+// A thousand numbers typed into a text: each makes the pan file that the scene makes whose material has that number.
+TEST(EditedTexts, CompileAsIfSetDirectly) {
+  const std::string text =
+      "<pangu_model ver=\"1\">\n<material name=\"m\">\n  <diffuse> 0.3 0.2 0.1 </diffuse> <!-- paint -->\n"
+      "  <specular>0.9\t0.8 0.7</specular>\n  <emissive> 0.01 .02 3e-2 </emissive>\n  <reflect> 0.5 0.4 0.1 </reflect>\n"
+      "  <ggx> 0.2 </ggx>\n  <coat n=\"1.5\" slope=\"0.1\"/>\n</material>\n"
+      "<sphere radius=\"1\" rings=\"5\" quads=\"6\" material=\"m\"/>\n</pangu_model>\n";
+  const auto read = [](const std::string& bytes, DiagnosticLog& log) {
+    const std::vector<pxn::MemoryFile> files = {{"a.pxn", bytes}};
+    return pxn::read_memory(files, {}, log);
+  };
+  DiagnosticLog log;
+  const auto found = pxn::editable_materials("a.pxn", text, log);
+  auto direct = read(text, log);
+  ASSERT_TRUE(found && direct) << to_text(log);
+  ASSERT_EQ(found->size(), 1u);
+  const std::vector<pxn::EditableNumber>& numbers = (*found)[0].numbers;
+  ASSERT_EQ(numbers.size(), 15u);
+  const materials::Material before = direct->materials[0];
+  std::mt19937 random(11);
+  for (int change = 0; change < 1000; ++change) {
+    const pxn::EditableNumber& number = numbers[random() % numbers.size()];
+    double value = std::ldexp(static_cast<double>(1 + random() % 4095), -12);
+    if (number.element == "coat" && number.attribute == "n") value += 1;
+    if (number.element == "reflect") value *= 0.1;  // more than 1 in all is refused
+    // as the text has it
+    value = std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr);
+    materials::Material& material = direct->materials[0];
+    material = before;
+    const auto k = static_cast<int>(number.index);
+    if (number.element == "diffuse") material.diffuse[k] = value;
+    if (number.element == "specular") material.specular[k] = value;
+    if (number.element == "emissive") material.emissive[k] = value;
+    if (number.element == "reflect") material.weights[k] = value;
+    if (number.element == "ggx") material.specular_brdf = materials::with_slopes(materials::SpecularModel::ggx, Vec2(value));
+    if (number.element == "coat") (number.attribute == "n" ? material.coat->index : material.coat->alpha) = value;
+    materials::fit(material);
+    DiagnosticLog ignored;
+    auto edited = read(pxn::with_number(text, number, value), ignored);
+    ASSERT_TRUE(edited && !ignored.has_errors()) << to_text(ignored);
+    // what the text was is in the file
+    edited->inputs = direct->inputs;
+    const auto a = compiler::compiled(*edited, {}, ignored);
+    const auto b = compiler::compiled(*direct, {}, ignored);
+    ASSERT_TRUE(a && b) << to_text(ignored);
+    EXPECT_TRUE(*a == *b) << number.element << ' ' << number.attribute << ' ' << number.index << ' ' << value;
+  }
 }
 
 }  // namespace

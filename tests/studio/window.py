@@ -19,6 +19,7 @@ MODEL = """<pangu_model ver="1">
   <joint name="hinge" type="revolute" axis="0 0 1" lower="0deg" upper="90deg">
     <box name="door" size="1 0.2 1" material="grey"/>
   </joint>
+  <joint name="swivel" type="ball"> <box name="horn" size="0.2 0.2 0.4" translate="0 0.6 1" material="grey"/> </joint>
   <sphere name="ball" radius="0.4" translate="0 0 1.2" material="grey"/>
 </pangu_model>
 """
@@ -77,6 +78,7 @@ def main():
         {"wait": "exact"}, {"screenshot": "first.png"},
         {"click": "tab/Joints"}, {"type": ["joint/door/hinge", "30"]},
         {"expect": ["joint/door/hinge", "0.5235987755982988rad"]},
+        {"type": ["joint/door/swivel/1", "90"]}, {"expect": ["joint/door/swivel", "0rad 1.5707963267948966rad 0rad"]},
         {"click": "tab/Camera"}, {"type": ["camera/range", "5"]}, {"type": ["camera/azimuth", "-60"]},
         {"type": ["camera/elevation", "20"]}, {"expect": ["range", "5"]},
         {"click": "tab/Save"}, {"wait": "exact"}, {"click": "save/save"}, {"wait": 20},
