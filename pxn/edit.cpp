@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -22,7 +23,39 @@ class Finder {
  public:
   Finder(const xml::Document& document, const DiagnosticLog& log) : doc_(document), log_(log) {}
 
-  std::vector<EditableMaterial> run() {
+  std::vector<EditableMaterial> foils() {
+    std::vector<EditableMaterial> out;
+    std::map<std::string, int> names;
+    for (std::uint32_t element = 0; element < doc_.size(); ++element) {
+      if (doc_.elements[element].id != ElementId::mli) continue;
+      EditableMaterial foil;
+      foil.name = attribute(element, "name");
+      if (foil.name.empty()) foil.name = "foil";
+      if (const int count = ++names[foil.name]; count > 1) foil.name += fmt::format(" {}", count);
+      foil.line = log_.sources().position(doc_.file, doc_.elements[element].begin).line;
+      add(element, foil.numbers);
+      std::erase_if(foil.numbers, [](const EditableNumber& number) {
+        for (const char* place : {"translate", "rotate", "quat", "scale"})
+          if (number.attribute == place) return true;
+        return false;
+      });
+      std::map<std::string, int> operations;
+      for (std::uint32_t child = element + 1; child < doc_.elements[element].next; ++child) {
+        if (doc_.elements[child].id == schemas::kNoElement) continue;
+        const std::size_t first = foil.numbers.size();
+        add(child, foil.numbers);
+        if (first == foil.numbers.size()) continue;
+        const std::string name = foil.numbers[first].element;
+        if (const int count = ++operations[name]; count > 1)
+          for (std::size_t i = first; i < foil.numbers.size(); ++i)
+            foil.numbers[i].element = fmt::format("{} {}", name, count);
+      }
+      out.push_back(std::move(foil));
+    }
+    return out;
+  }
+
+  std::vector<EditableMaterial> materials() {
     std::vector<EditableMaterial> out;
     for (std::uint32_t element = 0; element < doc_.size(); ++element) {
       if (doc_.elements[element].id != ElementId::named_material) continue;
@@ -108,11 +141,9 @@ class Finder {
   const DiagnosticLog& log_;
 };
 
-}  // namespace
-
-Result<std::vector<EditableMaterial>> editable_materials(const std::string& name,
-                                                         std::string_view bytes,
-                                                         DiagnosticLog& log) {
+// What `find` finds in a text.
+Result<std::vector<EditableMaterial>> found_in(const std::string& name, std::string_view bytes, DiagnosticLog& log,
+                                               std::vector<EditableMaterial> (Finder::*find)()) {
   if (bytes.size() >= 0xffffffffu) {
     log.report_file(Code::E0104, name, "the file has 4 GiB or more");
     return failed;
@@ -129,7 +160,21 @@ Result<std::vector<EditableMaterial>> editable_materials(const std::string& name
       log.report_file(each.code, name, each.message, each.hint);
     return failed;
   }
-  return Finder(document, own).run();
+  Finder finder(document, own);
+  return (finder.*find)();
+}
+
+}  // namespace
+
+Result<std::vector<EditableMaterial>> editable_materials(const std::string& name,
+                                                         std::string_view bytes,
+                                                         DiagnosticLog& log) {
+  return found_in(name, bytes, log, &Finder::materials);
+}
+
+Result<std::vector<EditableMaterial>> editable_foils(const std::string& name, std::string_view bytes,
+                                                     DiagnosticLog& log) {
+  return found_in(name, bytes, log, &Finder::foils);
 }
 
 std::string with_number(std::string_view bytes, const EditableNumber& number, double value) {

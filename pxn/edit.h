@@ -1,4 +1,4 @@
-// Numbers of materials where they stand in a text, for editors that change one and leave all else.
+// Numbers of materials and foil where they stand in a text, for editors that change one and leave all else.
 #pragma once
 
 #include <cstddef>
@@ -31,7 +31,7 @@ struct EditableNumber {
   std::uint32_t end = 0;
 };
 
-// A named material of one file.
+// A named material of one file, or a sheet of foil.
 struct EditableMaterial {
   std::string name;
   std::string preset;  // that it starts from; may be empty
@@ -49,6 +49,11 @@ struct EditableMaterial {
 Result<std::vector<EditableMaterial>> editable_materials(const std::string& name,
                                                          std::string_view bytes,
                                                          DiagnosticLog& log);
+
+// The same of sheets of foil: the numbers of <mli>, but for where it stands, of its settings and of its operations, in
+// order; the second <crease> is called "crease 2". name: that of the sheet, else "foil", "foil 2" …
+Result<std::vector<EditableMaterial>> editable_foils(const std::string& name, std::string_view bytes,
+                                                     DiagnosticLog& log);
 
 // The text with another number, which is rounded to six digits: nothing else differs.
 //

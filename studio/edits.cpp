@@ -37,7 +37,13 @@ const pxn::EditableNumber* find(const MaterialFile& file, const Edit& edit) {
 bool read_materials(MaterialFile& file) {
   DiagnosticLog ignored;
   auto found = pxn::editable_materials(file.path.string(), file.text, ignored);
+  auto foils = pxn::editable_foils(file.path.string(), file.text, ignored);
   file.materials = found ? *std::move(found) : std::vector<pxn::EditableMaterial>();
+  file.foils = foils ? foils->size() : 0;
+  for (std::size_t i = 0; i < file.foils; ++i) {
+    file.materials.push_back(std::move((*foils)[i]));
+    file.materials.back().name = "foil " + file.materials.back().name;
+  }
   return static_cast<bool>(found);
 }
 
@@ -53,7 +59,7 @@ void Edits::look(const std::vector<fs::path>& files) {
   for (const fs::path& path : files) {
     if (path.extension() != ".pxn") continue;
     std::error_code error;
-    MaterialFile file{fs::weakly_canonical(path, error), "", "", {}};
+    MaterialFile file{fs::weakly_canonical(path, error), "", "", {}, 0};
     if (std::any_of(now.begin(), now.end(),
                     [&](const MaterialFile& other) { return other.path == file.path; }))
       continue;

@@ -1,4 +1,4 @@
-// Numbers of materials that were changed in the window and are not saved yet.
+// Numbers of materials and foil that were changed in the window and are not saved yet.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,8 @@ struct MaterialFile {
   std::filesystem::path path;     // absolute, without links
   std::string saved;              // on disk, when it was looked at
   std::string text;               // with all edits
-  std::vector<pxn::EditableMaterial> materials;  // of `text`
+  std::vector<pxn::EditableMaterial> materials;  // of `text`; sheets of foil behind them, as "foil NAME"
+  std::size_t foils = 0;                         // how many of them are that
 };
 
 // One number of a material, found again in a file that somebody else has changed meanwhile.

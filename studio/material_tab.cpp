@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <string_view>
 
 #include "base/text.h"
 #include "studio/plot.h"
@@ -26,6 +27,10 @@ std::string trimmed(const std::string& line) {
   return begin == std::string::npos ? "" : line.substr(begin);
 }
 
+// What the names of sheets begin with.
+constexpr std::string_view kFoil = "foil ";
+bool is_foil(const pxn::EditableMaterial& material) { return material.name.starts_with(kFoil); }
+
 }  // namespace
 
 void Desk::materials_tab() {
@@ -45,6 +50,7 @@ void Desk::materials_tab() {
       for (const pxn::EditableMaterial& material : file.materials)
         if (!found && place_of(file, material) == material_) {
           found = true;
+          if (is_foil(material)) foil_seed(file, material);
           material_numbers(MaterialFile(file), pxn::EditableMaterial(material));
         }
     if (!found && !material_.empty())
@@ -52,8 +58,13 @@ void Desk::materials_tab() {
     ImGui::EndTabItem();
   }
   if (tab("Curves")) {
-    ask_for_sample();
-    material_curves();
+    const std::string name = material_.substr(material_.rfind('/') + 1);
+    if (name.starts_with(kFoil)) {
+      foil_curves(name.substr(kFoil.size()));
+    } else {
+      ask_for_sample();
+      material_curves();
+    }
     ImGui::EndTabItem();
   }
   if (tab("Library")) {
@@ -181,6 +192,53 @@ void Desk::material_curves() {
         .x_ticks = {0, 15, 30, 45, 60, 75, 90}, .bottom = 0, .top = most > 1 ? 1.25 * most : 1},
        albedos);
   widgets_.seen("curves/albedo");
+}
+
+// Another sheet of the same kind.
+void Desk::foil_seed(const MaterialFile& file, const pxn::EditableMaterial& foil) {
+  for (const pxn::EditableNumber& number : foil.numbers) {
+    if (number.attribute != "seed") continue;
+    if (widgets_.button("foil/another seed", "Another sheet of the same kind: the next number")) {
+      edits_.change(MaterialFile(file), pxn::EditableMaterial(foil), pxn::EditableNumber(number),
+                    number.value < 4294967295.0 ? number.value + 1 : 0);
+      edits_.close();
+      project_.set_unsaved(edits_.unsaved());
+    }
+    return;
+  }
+  ImGui::TextDisabled("Its seed is not written as a number.");
+}
+
+void Desk::foil_curves(const std::string& name) {
+  const std::string of = fmt::format("{} {}", name, models_.readings);
+  if (of != sloped_ && models_.world) {
+    slopes_ = {};
+    for (std::size_t i = 0; i < models_.world->size(); ++i) {
+      SheetSlopes each = slopes_of(*(*models_.world)[i].model(), name);
+      if (slopes_.sheets.empty()) slopes_ = std::move(each);
+    }
+    sloped_ = of;
+  }
+  if (slopes_.sheets.empty()) ImGui::TextWrapped("No sheet of the models is at a node of that name.");
+  for (const std::string& words : slopes_.sheets) ImGui::TextWrapped("%s", words.c_str());
+  if (slopes_.density[0].empty()) {
+    if (!slopes_.sheets.empty()) ImGui::TextDisabled("slopes are counted of flat sheets");
+    return;
+  }
+  std::vector<Vec2> gaussian;
+  double most = 0;
+  for (const Vec2& point : slopes_.density[0]) {
+    const double over = point.x / slopes_.rms;
+    gaussian.emplace_back(point.x, std::exp(-0.5 * over * over) / (slopes_.rms * std::sqrt(2 * kPi)));
+    most = std::max({most, point.y, gaussian.back().y});
+  }
+  const double reach = slopes_.density[0].back().x;
+  plot({.title = "slopes", .x_name = "slope", .left = -reach, .right = reach,
+        .x_ticks = {-0.5 * reach, 0, 0.5 * reach}, .bottom = 1e-3 * most, .top = 1.1 * most, .logarithmic = true},
+       {{"along x", &slopes_.density[0], 0, false},
+        {"along y", &slopes_.density[1], 1, false},
+        {"Gaussian of that RMS", &gaussian, 3, true}});
+  widgets_.seen("curves/slopes");
 }
 
 void Desk::material_library() {

@@ -72,7 +72,7 @@ void plot(const Axes& axes, const std::vector<Curve>& curves) {
     }
   for (const double x : axes.x_ticks) {
     list->AddLine({x_of(x), static_cast<float>(low.y)}, {x_of(x), static_cast<float>(high.y)}, kGrid);
-    const std::string words = fmt::format("{:g}", x);
+    const std::string words = fmt::format("{:.3g}", x);
     list->AddText({x_of(x) - 0.5f * ImGui::CalcTextSize(words.c_str()).x, static_cast<float>(low.y) + 2}, kWords,
                   words.c_str());
   }

@@ -1,5 +1,8 @@
 #include "studio/samples.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -69,6 +72,58 @@ Sample sample_of(const pxn::DescribedMaterial& material, std::uint32_t width, co
   add_curves(material.material, sample);
   add_image(material, width, job, sample);
   return sample;
+}
+
+SheetSlopes slopes_of(const pan::Model& model, const std::string& name) {
+  constexpr int kBins = 80;
+  constexpr const char* kForms[] = {"flat", "tube", "cone", "disc", "box", "wrap"};
+  SheetSlopes out;
+  std::array<std::vector<double>, 2> counts;
+  for (auto& each : counts) each.assign(2 * kBins + 1, 0);
+  double total = 0, squares = 0, widest = 0;
+  std::vector<const pan::layout::Sheet*> flat;
+  for (const pan::layout::Sheet& sheet : model.sheets()) {
+    bool known = name.empty();
+    for (const pan::layout::Instance& instance : model.instances())
+      if (instance.mesh == sheet.mesh)
+        for (std::int32_t node = static_cast<std::int32_t>(instance.node); node >= 0 && !known;
+             node = model.nodes()[static_cast<std::size_t>(node)].parent)
+          known = model.node_name(static_cast<std::size_t>(node)) == name;
+    if (!known) continue;
+    out.sheets.push_back(fmt::format("{} {:.3g} x {:.3g} m, {} x {} cells, seed {}: slope {:.3f} RMS, heights {:.3g} mm RMS",
+                                     kForms[std::min(sheet.form, 5u)], sheet.width, sheet.height, sheet.columns, sheet.rows,
+                                     sheet.seed, sheet.slope_rms, 1e3 * sheet.height_rms));
+    if (sheet.form != 0) continue;
+    flat.push_back(&sheet);
+    widest = std::max(widest, 4 * sheet.slope_rms / std::sqrt(2));
+  }
+  if (flat.empty() || !(widest > 0)) return out;
+  for (const pan::layout::Sheet* sheet : flat) {
+    const pan::MeshView mesh = model.mesh(sheet->mesh);
+    const auto corner = [&](std::size_t i) {
+      const auto& p = mesh.positions[mesh.indices[i]];
+      return Vec3(p.x, p.y, p.z);
+    };
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+      const Vec3 twice = glm::cross(corner(i + 1) - corner(i), corner(i + 2) - corner(i));
+      if (!(std::fabs(twice.z) > 0)) continue;
+      const double area = std::fabs(twice.z);
+      for (int axis = 0; axis < 2; ++axis) {
+        const double slope = -twice[axis] / twice.z;
+        squares += 0.5 * area * slope * slope;
+        const double bin = std::round(slope / widest * kBins);
+        if (std::fabs(bin) <= kBins) counts[static_cast<std::size_t>(axis)][static_cast<std::size_t>(bin + kBins)] += area;
+      }
+      total += area;
+    }
+  }
+  if (!(total > 0)) return out;
+  out.rms = std::sqrt(squares / total);
+  for (std::size_t axis = 0; axis < 2; ++axis)
+    for (int bin = -kBins; bin <= kBins; ++bin)
+      out.density[axis].emplace_back(bin * widest / kBins,
+                                     counts[axis][static_cast<std::size_t>(bin + kBins)] / total * kBins / widest);
+  return out;
 }
 
 Samples::~Samples() {

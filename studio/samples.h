@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/job.h"
+#include "pan/model.h"
 #include "pxn/materials.h"
 
 namespace panwright::studio {
@@ -34,6 +35,17 @@ struct Sample {
 
 // Cost: about a second.
 Sample sample_of(const pxn::DescribedMaterial& material, std::uint32_t width, const Job& job = {});
+
+// Slopes of sheets of foil, along x and y of each: (slope, density), even steps, and numbers of the sheets in words.
+struct SheetSlopes {
+  std::array<std::vector<Vec2>, 2> density;
+  double rms = 0;  // along one axis
+  std::vector<std::string> sheets;
+};
+
+// Of a model's sheets whose nodes or parts have a name; empty: all. Slopes are those of flat sheets' facets, by area.
+// Cost: O(triangles).
+SheetSlopes slopes_of(const pan::Model& model, const std::string& name);
 
 // Makes one sample after the other; of what is asked for while one is made, the last.
 class Samples {

@@ -95,6 +95,8 @@ class Desk {
   void materials_tab();
   void material_list();
   void material_curves();
+  void foil_seed(const MaterialFile& file, const pxn::EditableMaterial& foil);
+  void foil_curves(const std::string& name);
   void material_library();
   void ask_for_sample();
   void material_numbers(const MaterialFile& file, const pxn::EditableMaterial& material);
@@ -152,6 +154,8 @@ class Desk {
   bool in_library_ = false;
   Samples samples_;
   std::string sampled_;          // what was asked for last
+  SheetSlopes slopes_;           // of the foil that is looked at
+  std::string sloped_;           // what they are of
   std::optional<Sample> held_;   // to compare with
   Canvas sample_canvas_;
   bool sample_is_new_ = false;

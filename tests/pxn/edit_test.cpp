@@ -116,6 +116,38 @@ TEST(Edit, UnsavedTextsStandInForFiles) {
   EXPECT_EQ(scene->inputs.size(), after->inputs.size());
 }
 
+TEST(Edit, FoilsByTheirOperations) {
+  const std::string text =
+      "<pangu_model ver=\"1\"><mli name=\"door\" type=\"flat\" seed=\"7\" translate=\"1 2 3\"><mli_settings> <width> 0.5m </width>"
+      " <xgrid> 20 </xgrid> </mli_settings><mli_operations> <crease density=\"300\" depth=\"2mm\" length=\"{1mm*9}\"/>"
+      "<smooth> 4 </smooth><crease density=\"50\" depth=\"1mm\" length=\"9mm\"/></mli_operations></mli>"
+      "<mli type=\"flat\"><mli_operations preset=\"crinkled\"/></mli><mli type=\"flat\"><mli_operations preset=\"smooth\"/></mli>"
+      "</pangu_model>";
+  DiagnosticLog log;
+  const auto found = editable_foils("a.pxn", text, log);
+  ASSERT_TRUE(found) << to_text(log);
+  ASSERT_EQ(found->size(), 3u);
+  EXPECT_EQ((*found)[0].name, "door");
+  EXPECT_EQ((*found)[1].name, "foil");
+  EXPECT_EQ((*found)[2].name, "foil 2");
+  EXPECT_TRUE((*found)[1].numbers.empty());
+  std::vector<std::string> names;
+  for (const EditableNumber& number : (*found)[0].numbers)
+    names.push_back(number.element + " " + number.attribute + "=" + text.substr(number.begin, number.end - number.begin) +
+                    number.unit);
+  EXPECT_THAT(names, ::testing::ElementsAre("mli seed=7", "width =0.5m", "xgrid =20", "crease density=300", "crease depth=2mm",
+                                            "smooth =4", "crease 2 density=50", "crease 2 depth=1mm", "crease 2 length=9mm"));
+  EXPECT_EQ(with_number(text, (*found)[0].numbers[7], 2.5), [&] {
+    std::string other = text;
+    return other.replace(other.find("depth=\"1mm") + 7, 1, "2.5");
+  }());
+  EXPECT_TRUE((*found)[0].numbers[0].integer);
+  // materials are not foil, and foil is no material
+  const auto materials = editable_materials("a.pxn", text, log);
+  ASSERT_TRUE(materials);
+  EXPECT_TRUE(materials->empty());
+}
+
 TEST(Edit, NoNumbersWhereNoneStand) {
   DiagnosticLog log;
   const auto found = editable_materials(
