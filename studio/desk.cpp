@@ -132,7 +132,8 @@ void Desk::messages(const Vec2& at, const Vec2& size) {
   };
   if (models_.failed)
     ImGui::TextColored({1, 0.6f, 0.2f, 1}, "%s",
-                       models_.world ? "The image is of the last version without an error."
+                       models_.partial ? "The image is of those targets that can be read."
+                       : models_.world ? "The image is of the last version without an error."
                                      : "There is no version without an error yet.");
   ImGui::TextDisabled("%s, %s, %s; read in %.0f ms, %s watched",
                       counted(count(Severity::error), "error").c_str(),

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -157,11 +158,26 @@ void Project::read_once(const std::vector<std::string>& files,
   DiagnosticLog log(200);
   auto world = workspace::open_world(targets, open, log, job);
   log.sort_by_place();
+  // at first, what can be read stands for all
+  std::optional<world::World> some;
+  std::vector<workspace::TargetFile> good;
+  if ((!world || log.has_errors()) && targets.size() > 1 && !state().world) {
+    for (const workspace::TargetFile& each : targets) {
+      DiagnosticLog alone;
+      const std::vector<workspace::TargetFile> one{each};
+      if (workspace::open_world(one, open, alone, job) && !alone.has_errors()) good.push_back(each);
+    }
+    DiagnosticLog ignored;
+    if (!good.empty())
+      if (auto part = workspace::open_world(good, open, ignored, job)) some = *std::move(part);
+  }
   // what they include: known from good models, and from where something is wrong
   std::set<std::filesystem::path> more;
   if (world)
     for (std::size_t i = 0; i < world->size(); ++i)
       workspace::add_inputs(*(*world)[i].model(), targets[i].file, more);
+  for (std::size_t i = 0; some && i < some->size(); ++i)
+    workspace::add_inputs(*(*some)[i].model(), good[i].file, more);
   workspace::add_sources(log, more);
   for (const std::filesystem::path& path : more)
     if (paths.insert(path).second) stamps.push_back(workspace::stamp_of(path));
@@ -171,7 +187,13 @@ void Project::read_once(const std::vector<std::string>& files,
   if (job.cancelled()) return;
   state_.messages = messages_of(log);
   state_.failed = !world || log.has_errors();
-  if (!state_.failed) state_.world = std::make_shared<const world::World>(*std::move(world));
+  if (!state_.failed) {
+    state_.world = std::make_shared<const world::World>(*std::move(world));
+    state_.partial = false;
+  } else if (some) {
+    state_.world = std::make_shared<const world::World>(*std::move(some));
+    state_.partial = true;
+  }
   ++state_.readings;
   state_.seconds = seconds_since(start);
   state_.watched.clear();

@@ -46,6 +46,7 @@ class Project {
     std::uint64_t readings = 0;                 // that came to an end
     bool reading = false;
     bool failed = false;   // the last reading: `world` is of an earlier one
+    bool partial = false;  // or of those targets that can be read: there was none before
     double seconds = 0;    // of the last reading
     std::vector<std::filesystem::path> watched;
   };

@@ -45,6 +45,27 @@ TEST(Project, FollowsItsFilesAndWhatTheyInclude) {
   EXPECT_NE((*project.state().world)[0].model()->build_id(), (*first.world)[0].model()->build_id());
 }
 
+// Where one of several cannot be read from the beginning, the others are shown; once it can, all.
+TEST(Project, ShowsThoseThatCanBeRead) {
+  const TemporaryFolder folder;
+  folder.write("part.pxn", kPart);
+  const std::string good = folder.write("good.pxn", model("1"));
+  const std::string bad = folder.write("bad.pxn", "<pangu_model ver=\"1\"><boxx/></pangu_model>\n");
+  Project project({bad, good}, {});
+  ASSERT_TRUE(comes(project, [](const auto& s) { return s.world && !s.reading; }));
+  const auto state = project.state();
+  EXPECT_TRUE(state.failed);
+  EXPECT_TRUE(state.partial);
+  ASSERT_EQ(state.world->size(), 1u);
+  EXPECT_EQ((*state.world)[0].name(), "good");
+  EXPECT_EQ(state.watched.size(), 3u);
+  EXPECT_FALSE(state.messages.empty());
+  folder.write("bad.pxn", "<pangu_model ver=\"1\"><box size=\"1\"/></pangu_model>\n");
+  ASSERT_TRUE(comes(project, [](const auto& s) { return s.world && s.world->size() == 2; }));
+  EXPECT_FALSE(project.state().failed);
+  EXPECT_FALSE(project.state().partial);
+}
+
 // A broken edit keeps what there was and says what is wrong, until it is mended.
 TEST(Project, KeepsTheLastGoodOne) {
   const TemporaryFolder folder;
