@@ -26,13 +26,28 @@ struct Way {
   unsigned samples;
   preview::Imposters imposters;
   int offsets;  // that are drawn
+  bool cropped = false;  // to the target's own pixels
 };
 constexpr Way kWays[] = {{"imposter", 0, preview::Imposters::automatic, 200},
                          {"1 sample", 1, preview::Imposters::off, 200},
                          {"4x4", 4, preview::Imposters::off, 100},
                          {"8x8", 8, preview::Imposters::off, 60},
                          {"16x16", 16, preview::Imposters::off, 40},
-                         {"auto, no imposters", 0, preview::Imposters::off, 40}};
+                         {"auto, no imposters", 0, preview::Imposters::off, 40},
+                         {"16x16, cropped", 16, preview::Imposters::off, 40, true},
+                         {"64x64, cropped", 64, preview::Imposters::off, 40, true}};
+
+// Software takes seconds where hardware takes milliseconds: fewer shifts and times of what is full of samples.
+struct Effort {
+  int offsets;
+  int runs;
+};
+Effort effort_of(const Context& context, const Way& way, bool imposter) {
+  if (context.quick()) return {8, 2};
+  const bool software = context.renderer().find("llvmpipe") != std::string::npos;
+  if (!software || imposter || way.cropped) return {way.offsets, 5};
+  return {std::max(way.offsets / 5, 8), way.samples >= 8 ? 2 : 5};
+}
 
 preview::RenderOptions options_of(const Way& way) {
   preview::RenderOptions options;
@@ -118,10 +133,12 @@ struct Target {
   double flux = 0;  // expected
 };
 
+// Needs another expected place where the camera is another one.
 template <class Centre>
 std::optional<Spread> spread_of(preview::Renderer& renderer, const Target& target,
-                                const preview::RenderOptions& options, int offsets,
+                                const preview::RenderOptions& options, const Effort& effort,
                                 const Centre& expected, DiagnosticLog& log) {
+  const int offsets = effort.offsets;
   std::mt19937 random(7);
   std::uniform_real_distribution<double> offset(-0.5, 0.5);
   world::Camera camera = target.camera;
@@ -154,8 +171,43 @@ std::optional<Spread> spread_of(preview::Renderer& renderer, const Target& targe
   spread.flicker =
       mean > -1 ? std::sqrt(std::max(squares / offsets - mean * mean, 0.0)) / (1 + mean) : 0;
   spread.centre_rms = std::sqrt(spread.centre_rms / std::max(lit, 1));
-  spread.timing = timed(draw, 5);
+  spread.timing = timed(draw, effort.runs);
   return spread;
+}
+
+// The same target by a camera of its own pixels alone.
+Target cropped(const Target& target, double radius) {
+  Target out = target;
+  out.camera.width = out.camera.height = 2 * static_cast<std::uint32_t>(std::ceil(radius)) + 4;
+  out.camera.principal = Vec2(out.camera.width / 2.0);
+  return out;
+}
+
+// Frames of a camera that turns by a third of a pixel each: what the flux does.
+template <class Turn>
+void add_drift(Context& context, preview::Renderer& renderer, const Target& target, const std::string& setting,
+               const preview::RenderOptions& options, const Turn& turn, DiagnosticLog& log) {
+  const int frames = context.quick() ? 5 : 100;
+  double sum = 0, squares = 0;
+  for (int i = 0; i < frames; ++i) {
+    world::Camera camera = target.camera;
+    camera.world_from_camera = turn(camera, 0.37 * (i - frames / 2) / camera.focal.x);
+    const auto image = renderer.render(target.world, camera, options, log);
+    if (!image) return context.note("a drift could not be drawn");
+    const double off = sums_of(*image).flux / target.flux - 1;
+    sum += off;
+    squares += off * off;
+  }
+  const double mean = sum / frames;
+  context.add({.case_name = "imposters",
+               .setting = fmt::format("{}, {} frames, a third of a pixel each", setting, frames),
+               .speed = 0,
+               .speed_unit = "-",
+               .error = std::sqrt(std::max(squares / frames - mean * mean, 0.0)),
+               .error_unit = "relative flux, standard deviation",
+               .reference = "the mean of the frames",
+               .runs = frames,
+               .must_error = 1e-5});
 }
 
 void add_rows(Context& context, const std::string& case_name, const std::string& setting,
@@ -214,19 +266,28 @@ void run_spheres(Context& context, preview::Renderer& renderer, DiagnosticLog& l
     for (const Way& way : kWays) {
       const bool own = way.imposters != preview::Imposters::off;
       if (context.quick() && !own && way.samples != 8) continue;
-      const int offsets = context.quick() ? 8 : way.offsets;
-      const auto spread = spread_of(renderer, target, options_of(way), offsets, box, log);
+      if (way.cropped && radius > 4) continue;
+      if (way.samples == 16 && !way.cropped && radius > 4 && effort_of(context, way, own).runs < 5) continue;
+      const Effort effort = effort_of(context, way, own);
+      const Target seen = way.cropped ? cropped(target, radius) : target;
+      const auto spread = spread_of(renderer, seen, options_of(way), effort, box, log);
       if (!spread) return context.note("a sphere could not be drawn");
       add_rows(context, "imposters", fmt::format("Lambert sphere r={}px {}", radius, way.name), *spread,
                own ? 5e-4 : 0, own ? 1e-5 : 0, own ? 0.02 : 0, "closed form, box image", 4e-5);
       if (!own) continue;
       preview::RenderOptions options = options_of(way);
       options.psf_sigma = 0.5;
-      const auto blurred = spread_of(renderer, target, options, offsets, truth, log);
+      const auto blurred = spread_of(renderer, target, options, effort, truth, log);
       if (blurred)
         add_rows(context, "imposters", fmt::format("Lambert sphere r={}px imposter, PSF 0.5px", radius),
                  *blurred, 5e-4, 1e-5, 5e-3, "closed form", 4e-5);
     }
+    if (radius >= 0.3 && radius <= 4)
+      add_drift(context, renderer, target, fmt::format("Lambert sphere r={}px imposter", radius), options_of(kWays[0]),
+                [](const world::Camera& camera, double angle) {
+                  return camera.world_from_camera * glm::angleAxis(angle, Vec3(0, 1, 0));
+                },
+                log);
   }
 }
 
@@ -247,7 +308,7 @@ void run_glossy(Context& context, preview::Renderer& renderer, DiagnosticLog& lo
       const bool own = way.imposters != preview::Imposters::off;
       if (!own && way.samples != 8) continue;
       const auto middle = [](const world::Camera& camera) { return camera.principal; };
-      const auto spread = spread_of(renderer, target, options_of(way), context.quick() ? 4 : 40,
+      const auto spread = spread_of(renderer, target, options_of(way), {context.quick() ? 4 : 40, 5},
                                     middle, log);
       if (!spread) return context.note("a glossy sphere could not be drawn");
       Row row{.case_name = "imposters",
@@ -322,8 +383,10 @@ void run_spacecraft(Context& context, preview::Renderer& renderer, DiagnosticLog
       preview::RenderOptions options = options_of(way);
       options.levels = false;
       if (own) options.psf_sigma = 0.5;
-      const auto spread = spread_of(renderer, *target, options,
-                                    context.quick() ? 4 : std::min(way.offsets, 40), expected, log);
+      if (way.cropped) continue;
+      Effort effort = effort_of(context, way, own);
+      effort.offsets = context.quick() ? 4 : std::min(effort.offsets, 40);
+      const auto spread = spread_of(renderer, *target, options, effort, expected, log);
       if (!spread) return context.note("the servicer could not be drawn");
       add_rows(context, "imposters_craft",
                fmt::format("servicer {} px {}{}", pixels, way.name, own ? ", PSF 0.5px" : ""),

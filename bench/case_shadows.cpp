@@ -12,6 +12,7 @@
 #include "pxn/pxn.h"
 #include "tests/support/model_renderer.h"
 #include "tests/support/sun_rays.h"
+#include "workspace/open.h"
 
 namespace panwright::bench {
 
@@ -124,6 +125,75 @@ void run_side(Context& context, std::array<support::ModelRenderer, 2>& renderers
   }
 }
 
+// Scanned ground: pixels that are dark by themselves, among lit ones, where a ray to the Sun is free; and the same of
+// pixels that are lit among dark ones.
+void run_ground(Context& context, const std::shared_ptr<preview::Device>& gl, DiagnosticLog& log) {
+  const std::filesystem::path file = context.source("../shared/data/small-bodies/67P-CG.obj");
+  if (file.empty()) return context.note("67P-CG.obj is not at hand");
+  workspace::OpenOptions open;
+  open.cad.units = "m";
+  const auto model = workspace::open(file, open, log);
+  if (!model) return context.note("67P-CG.obj could not be read");
+  support::ModelRenderer renderer(gl, **model);
+  const auto bounds = (*model)->world_bounds();
+  const Vec3 middle = 0.5 * (bounds->min + bounds->max);
+  const double size = glm::length(bounds->max - bounds->min);
+  std::size_t dark = 0, bright = 0, lit = 0;
+  Timing timing;
+  const int suns = context.quick() ? 2 : 12;
+  for (int i = 0; i < suns; ++i) {
+    preview::View view;
+    const std::uint32_t pixels = context.quick() ? 128 : 384;
+    world::set_field_of_view(view.camera, pixels, pixels, 24 * kDegree);
+    const double around = 2.4 * i;
+    view.camera.position = middle + 2.4 * size * glm::normalize(Vec3(std::cos(around), std::sin(around), 0.3));
+    const auto turn = world::looking_at(view.camera.position, middle, {}, log);
+    if (turn) view.camera.world_from_camera = *turn;
+    // phase angles from 20 to 140 degrees
+    const double phase = (20 + 120.0 * i / std::max(suns - 1, 1)) * kDegree;
+    view.to_sun = view.camera.world_from_camera * Vec3(std::sin(phase), 0.2, -std::cos(phase));
+    preview::RenderOptions options;
+    const auto image = renderer.render(view, options, log);
+    options.shadow_side = 0;
+    const auto without = renderer.render(view, options, log);
+    if (!image || !without) return context.note("67P could not be drawn");
+    const support::SunRays rays(**model, view);
+    const auto is_lit = [&](std::size_t p) { return image->radiance[3 * p + 1] > 0.5f * without->radiance[3 * p + 1]; };
+    for (std::uint32_t y = 1; y + 1 < pixels; ++y)
+      for (std::uint32_t x = 1; x + 1 < pixels; ++x) {
+        const std::size_t p = std::size_t{y} * pixels + x;
+        int neighbours = 0, lit_ones = 0;
+        for (int dy = -1; dy <= 1; ++dy)
+          for (int dx = -1; dx <= 1; ++dx) {
+            const std::size_t q = p + static_cast<std::size_t>(dy) * pixels + static_cast<std::size_t>(dx);
+            if (q == p || !(without->radiance[3 * q + 1] > 0)) continue;
+            ++neighbours;
+            lit_ones += is_lit(q);
+          }
+        if (!(without->radiance[3 * p + 1] > 0) || neighbours < 8) continue;
+        lit += is_lit(p);
+        const bool alone = is_lit(p) ? lit_ones == 0 : lit_ones == 8;
+        if (!alone) continue;
+        const auto point = rays.seen({x + 0.5, y + 0.5});
+        if (!point || rays.lit(point->start) == is_lit(p)) continue;
+        (is_lit(p) ? bright : dark) += 1;
+      }
+    if (i == 0) timing = timed([&] { static_cast<void>(renderer.render(view, {}, log)); }, context.runs());
+  }
+  Row row{.case_name = "shadows",
+          .setting = fmt::format("67P, {} views, phase 20 to 140 deg, {} lit pixels", suns, lit),
+          .speed_unit = "ms/frame",
+          .error = static_cast<double>(dark),
+          .error_unit = "pixels that are dark alone",
+          .reference = "one ray to the Sun a pixel",
+          .must_error = 0.5};
+  set_time(row, timing, 1e3);
+  context.add(row);
+  row.error = static_cast<double>(bright);
+  row.error_unit = "pixels that are lit alone";
+  context.add(row);
+}
+
 void run(Context& context) {
   DiagnosticLog log;
   auto gl = preview::Device::create(preview::ContextKind::automatic, log);
@@ -139,9 +209,10 @@ void run(Context& context) {
   for (const Side& side : {Side{"front", {8, -8.5, 5.5}, {1, -0.6, 0.6}},
                            Side{"back", {-8, 8.5, 3.5}, {-1, 1.2, 1.6}}})
     run_side(context, renderers, *model, side, log);
+  run_ground(context, *gl, log);
 }
 
-const bool kAdded = add_case({"shadows", "Sun shadows of the servicer against rays", run});
+const bool kAdded = add_case({"shadows", "Sun shadows of the servicer and of scanned ground against rays", run});
 
 }  // namespace
 
