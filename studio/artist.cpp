@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/srgb.h"
+#include "studio/edges.h"
 #include "workspace/drawer.h"
 #include "workspace/exposure.h"
 
@@ -232,6 +233,7 @@ void Artist::paint(Easel& easel, const Order& order, Picture::Stage stage, const
       easel.ev = workspace::auto_exposure(picture->image, 0);
     picture->ev = order.eye.auto_ev ? *easel.ev : order.eye.ev;
     picture->rgba = shown_pixels(picture->image, picture->ev);
+    if (exact && order.edges) picture->edges = edges_of(easel.shown, view->camera, picture->image, job);
   }
   picture->seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const std::lock_guard lock(mutex_);

@@ -32,6 +32,7 @@ struct Order {
   std::vector<std::pair<std::size_t, std::uint32_t>> hidden;
   // where the exact image is compared with the reference renderer's: its bounces of light
   std::optional<std::uint32_t> reference_bounces = {};
+  bool edges = false;  // of triangles, over the exact image
   bool operator==(const Order&) const = default;
 };
 
@@ -48,6 +49,7 @@ struct Picture {
   preview::Image image;            // of radiance
   std::vector<std::uint8_t> rgba;  // 4*H*W of the image, sRGB
   double ev = 0;                   // that these are shown with
+  std::vector<std::uint8_t> edges;  // edges_of(), where the order asks for them
   preview::SamplingReport sampling;
   double seconds = 0;
   std::vector<Message> messages;

@@ -271,13 +271,14 @@ void Desk::order() {
   }
   if (!models_.world || picture_size_.x < 1) return;
   Order order{models_.world, eye_, static_cast<std::uint32_t>(picture_size_.x),
-              static_cast<std::uint32_t>(picture_size_.y), {}, {}};
+              static_cast<std::uint32_t>(picture_size_.y), {}, {}, false};
   for (std::size_t i = 0; i < models_.world->size() && !hidden_.empty(); ++i) {
     const world::Instance& target = (*models_.world)[i];
     for (std::uint32_t node = 0; node < target.model()->nodes().size(); ++node)
       if (hidden_.count(target.name() + "/" + target.model()->node_path(node)))
         order.hidden.emplace_back(i, node);
   }
+  order.edges = show_edges_;
   if (compare_ != "off") order.reference_bounces = bounces_ ? 3u : 0u;
   artist_.draw(std::move(order));
 }
@@ -330,6 +331,8 @@ std::string Desk::state(const std::string& name) const {
   if (name == "selected") return selected_;
   if (name == "layer") return layer_;
   if (name == "compare") return compare_;
+  if (name == "edges")
+    return std::to_string(shown_ ? std::count(shown_->edges.begin(), shown_->edges.end(), 255) : 0);
   if (name == "reference samples")
     return shown_ && shown_->reference ? std::to_string(shown_->reference_samples) : "";
   if (name == "sample") return samples_.last() ? samples_.last()->name : "";

@@ -55,6 +55,7 @@ void Desk::image_tab() {
     ImGui::SameLine();
     ImGui::TextDisabled("%llu pixels", static_cast<unsigned long long>(saturated_));
   }
+  widgets_.check("layer/edges of triangles", show_edges_, "Of the finest level, over the exact image");
   if (layer_ != "light" && layer_ != "false colours" && shown_ && !shown_->exact)
     ImGui::TextDisabled("once the image is exact");
   if (compare_ == "off" || !shown_ || !shown_->reference) legend(scale_, false);
@@ -129,6 +130,13 @@ void Desk::paint_canvas() {
       }
     }
   }
+  if (picture.edges.size() == picture.image.pixels())
+    for (std::size_t i = 0; i < picture.edges.size(); ++i) {
+      std::uint8_t* p = &canvas_.rgba[4 * i];
+      constexpr std::uint8_t kLine[] = {0, 220, 220};
+      for (std::size_t k = 0; k < 3 && picture.edges[i] != 0; ++k)
+        p[k] = static_cast<std::uint8_t>((p[k] + kLine[k]) / 2);
+    }
   if (mark_white_ && layer_ == "light") mark_white(canvas_.width, canvas_.rgba);
 }
 

@@ -127,6 +127,7 @@ class Desk {
   // what of it is shown
   std::string layer_ = "light";
   bool mark_white_ = false;
+  bool show_edges_ = false;
   std::string compare_ = "off";
   double split_ = 0.5;          // of the image's width, from where the reference is shown
   double difference_ = 0.1;     // at the ends of its colours, of the RMS radiance

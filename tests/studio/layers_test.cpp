@@ -7,6 +7,7 @@
 
 #include "compiler/compile.h"
 #include "pxn/pxn.h"
+#include "studio/edges.h"
 #include "studio/samples.h"
 
 namespace panwright::studio {
@@ -155,6 +156,51 @@ TEST(Samples, OfALambertMaterial) {
   EXPECT_GT(sum[0], sum[1]);
   EXPECT_GT(sum[1], sum[2]);
   EXPECT_GT(sum[2], 0u);
+}
+
+// Edges of a box seen along an axis and aslant, against where its corners are; what is behind is not drawn.
+TEST(Edges, OfABox) {
+  const std::vector<pxn::MemoryFile> files = {{"a.pxn", "<pangu_model ver=\"1\"><box size=\"2 2 2\"/></pangu_model>"}};
+  DiagnosticLog log;
+  const auto scene = pxn::read_memory(files, {}, log);
+  ASSERT_TRUE(scene) << to_text(log);
+  const auto bytes = compiler::compiled(*scene, {}, log);
+  ASSERT_TRUE(bytes) << to_text(log);
+  auto model = pan::Model::from_bytes(*bytes, "a", log);
+  ASSERT_TRUE(model && model->check(log)) << to_text(log);
+  world::World world;
+  ASSERT_TRUE(world.add("box", std::make_shared<const pan::Model>(*std::move(model)), log));
+  for (const bool ortho : {false, true}) {
+    world::Camera camera;
+    if (ortho)
+      world::set_orthographic(camera, 64, 64, 4);
+    else
+      world::set_field_of_view(camera, 64, 64, 2 * std::atan(4.0 / 18));  // 4 m wide at the near face
+    camera.position = Vec3(0, 0, 10);
+    camera.world_from_camera = *world::looking_at(camera.position, Vec3(0), Vec3(0, 1, 0), log);
+    preview::ReferenceOptions options;
+    options.samples = 8;
+    options.ground_truth = true;
+    const auto drawn = preview::Reference().render(world, camera, options, log);
+    ASSERT_TRUE(drawn) << to_text(log);
+    const std::vector<std::uint8_t> edges = edges_of(world, camera, drawn->image);
+    ASSERT_EQ(edges.size(), 64u * 64);
+    std::size_t on = 0, inside = 0;
+    for (std::size_t y = 0; y < 64; ++y)
+      for (std::size_t x = 0; x < 64; ++x) {
+        if (edges[64 * y + x] == 0) continue;
+        ++on;
+        // the near face fills pixels 16 to 48: its sides, and one diagonal of it
+        const auto off = [](double a, double b) { return std::fabs(a - b); };
+        const double u = static_cast<double>(x) + 0.5, v = static_cast<double>(y) + 0.5;
+        const bool side = (off(u, 16) < 1 || off(u, 48) < 1 || off(v, 16) < 1 || off(v, 48) < 1) && u > 15 && u < 49 &&
+                          v > 15 && v < 49;
+        const bool diagonal = std::min(off(u, v), off(u, 64 - v)) < 1.5 && u > 15 && u < 49;
+        inside += side || diagonal;
+      }
+    EXPECT_EQ(on, inside) << ortho;
+    EXPECT_GT(on, 4u * 32);
+  }
 }
 
 // Slopes of facets, against what the compiler measured of them.
