@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
-"""Writes docs/accuracy.md from bench/results (accuracy, error_bars, glint, moments, wide), or with --check says whether it is as it would write it."""
+"""Writes docs/accuracy.md and its curves from bench/results (accuracy, error_bars, glint, imposters, imposters_craft, moments, wide), or with --check says whether they are as it would write them."""
 
 import csv
 import pathlib
+import re
 import sys
+
+import curves
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
@@ -29,6 +32,25 @@ seen is lit: the errors there are those of few pixels.
 
 | from | phase | flux | ± | RMSE | ± | FLIP | ms a frame |
 |---|---|---|---|---|---|---|---|
+"""
+
+FAR = """## Targets of any size: error, speed and range
+
+A Lambert sphere at a phase of 60° against closed forms, in 1024 × 1024 pixels, over shifts of the grid of pixels (rms); times are those of whole images with OSMesa on two cores, read back. *Cropped*: by a camera
+that sees the sphere's own pixels alone. `panwright-bench imposters` and `imposters_craft` measure them; the same on a GPU stand in `bench/results/h100`.
+
+![flux error over the radius](images/far-flux.svg)
+
+![flux error over the time](images/far-speed.svg)
+
+"""
+
+CRAFT = """
+The servicer with the finest foil, on an approach from 1,000 km to 20 m, against an image of a thousand pixels with 4 × 4 samples each (whose own error is about 1e-3: such an image of 16 × 16 samples
+differs from one of 24 × 24 by 0.1 to 1.1e-3, as glints of foil are narrower than a sample). Imposters end at 100 pixels. Measured on a GPU (`bench/results/h100/imposters_craft.csv`).
+
+![flux error over the range](images/far-range.svg)
+
 """
 
 BARS = """
@@ -149,6 +171,50 @@ def rows(case):
     return list(csv.DictReader(header))
 
 
+def spheres():
+    """{way: [(radius, flux error, ms)]} of the Lambert sphere without PSF."""
+    ways = {}
+    for row in rows("imposters"):
+        known = re.match(r"Lambert sphere r=([\d.]+)px ([^,]*(?:, no imposters|, cropped)?)$", row["setting"])
+        if known and row["error_unit"] == "relative flux, rms":
+            ways.setdefault(known[2], []).append((float(known[1]), float(row["error"]), float(row["speed"])))
+    return ways
+
+
+def far_curves():
+    """{name of a file of docs/images: SVG}"""
+    ways = spheres()
+    out = {"far-flux.svg": curves.chart(
+        "Flux of a Lambert sphere, phase 60°", "radius, pixels", "relative error of the flux, rms",
+        [(way, [(radius, error) for radius, error, _ in points]) for way, points in ways.items()],
+        (0.01, 100), (1e-5, 10), [("asked: 5e-4", 5e-4)])}
+    out["far-speed.svg"] = curves.chart(
+        "Error and time of the sphere at 1 pixel", "milliseconds an image", "relative error of the flux, rms",
+        [(way, [(ms, error) for radius, error, ms in points if radius == 1]) for way, points in ways.items()],
+        (1, 1e3), (1e-4, 1), [("asked: 5e-4", 5e-4)])
+    ranges = {"imposter": [], "samples, auto": []}
+    for row in rows("h100/imposters_craft"):
+        known = re.match(r"servicer at ([\d.e+]+) m, [\d.e+-]+ px(, samples)?$", row["setting"])
+        if known:
+            ranges["samples, auto" if known[2] else "imposter"].append((float(known[1]), float(row["error"])))
+    out["far-range.svg"] = curves.chart(
+        "Flux of the servicer on an approach", "range, metres", "relative error of the flux",
+        list(ranges.items()), (10, 1e6), (1e-5, 1e-1), [("asked: 1e-3", 1e-3)])
+    return out
+
+
+def far():
+    ways = spheres()
+    radii = sorted({radius for points in ways.values() for radius, _, _ in points})
+    shown = [radius for radius in radii if radius <= 16]
+    out = FAR + "| | " + " | ".join(f"{radius:g} px" for radius in shown) + " |\n|---|" + "---|" * len(shown) + "\n"
+    for way, points in ways.items():
+        cells = {radius: f"{error:.1e}, {ms:.0f} ms" for radius, error, ms in points}
+        out += f"| {way} | " + " | ".join(cells.get(radius, "") for radius in shown) + " |\n"
+    steps = [row for row in rows("h100/imposters_craft") if "largest step" in row["setting"]]
+    return out + CRAFT + "".join(f"Largest step from one range to the next: {float(row['error']):.1e}.\n\n" for row in steps)
+
+
 def bars():
     table = {}
     for row in rows("error_bars"):
@@ -202,17 +268,17 @@ def page():
             out += (f"| {setting[len(subject) + 2:]} | {flux[0]:.1e} | {flux[1]:.0e} | {rmse[0]:.1e} | {rmse[1]:.0e} "
                     f"| {flip[0]:.4f} | {values['ms']:.0f} |\n")
         out += "\n"
-    return (out + sides(table) + glint() + "\n" + moments() + wide()).rstrip("\n") + "\n" + bars() + NOTES
+    return (out + sides(table) + far() + glint() + "\n" + moments() + wide()).rstrip("\n") + "\n" + bars() + NOTES
 
 
 def main():
-    target = ROOT / "docs/accuracy.md"
-    text = page()
-    if sys.argv[1:] == ["--check"]:
-        if not target.exists() or target.read_text(encoding="utf-8") != text:
-            sys.exit("docs/accuracy.md is not what bench/accuracy_table.py makes of bench/results; run it")
-        return
-    target.write_text(text, encoding="utf-8")
+    files = {ROOT / "docs/accuracy.md": page()}
+    files |= {ROOT / "docs/images" / name: text for name, text in far_curves().items()}
+    for target, text in files.items():
+        if sys.argv[1:] != ["--check"]:
+            target.write_text(text, encoding="utf-8")
+        elif not target.exists() or target.read_text(encoding="utf-8") != text:
+            sys.exit(f"{target.relative_to(ROOT)} is not what bench/accuracy_table.py makes of bench/results; run it")
 
 
 if __name__ == "__main__":
