@@ -221,7 +221,8 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
     clear_around(whole, {}, frames[frame].image);
     return true;
   }
-  scene.specular_filter = options.specular_filter;
+  // where samples go by their errors, errors are to be seen
+  scene.specular_filter = options.specular_filter && options.samples > 0 && !options.adaptive;
   const Pass pass = options.flat ? Pass::flat_geometry : Pass::geometry;
   const std::uint32_t side = std::min(options.tile_side, shared.context->limits().framebuffer_side);
   // note: 0 samples never come as far as the tiles below

@@ -80,10 +80,16 @@ void Desk::bar(const Vec2& at, const Vec2& size) {
     words = models_.world ? "reading again" : "reading";
   else if (!status.problem.empty())
     words = status.problem;
-  else if (shown_ && shown_->exact && !status.drawing)
-    words = fmt::format("exact: {:.1f} samples a pixel, flux within {:.2g} %, {:.0f} ms",
-                        shown_->sampling.samples, 100 * shown_->sampling.flux,
-                        1e3 * shown_->seconds);
+  else if (shown_ && shown_->exact && !status.drawing) {
+    double flux = shown_->sampling.flux;
+    for (const preview::ImposterReport& each : shown_->sampling.imposters) flux = std::max(flux, each.flux_error);
+    words = fmt::format("exact: {}{}flux within {:.2g} %, {:.0f} ms",
+                        shown_->sampling.samples >= 1 ? fmt::format("{:.1f} samples a pixel, ", shown_->sampling.samples) : "",
+                        shown_->sampling.imposters.empty()
+                            ? ""
+                            : counted(shown_->sampling.imposters.size(), "imposter") + ", ",
+                        100 * flux, 1e3 * shown_->seconds);
+  }
   else if (shown_ && shown_->exact)
     words = "drawing";
   else if (shown_)
@@ -187,6 +193,12 @@ void Desk::picture(const Vec2& at, const Vec2& size, std::uintptr_t texture) {
   picture_place_ = *widgets_.find("picture");
   if (shown_ && texture != 0) {
     ImGui::Image(reinterpret_cast<ImTextureID>(texture), im(whole));
+    if (const std::string words = canvas_words(); !words.empty()) {
+      const ImVec2 place = im(at + Vec2(10, 8)), size_of = ImGui::CalcTextSize(words.c_str());
+      ImDrawList* list = ImGui::GetWindowDrawList();
+      list->AddRectFilled({place.x - 4, place.y - 2}, {place.x + size_of.x + 4, place.y + size_of.y + 2}, IM_COL32(0, 0, 0, 170));
+      list->AddText(place, IM_COL32(230, 230, 230, 255), words.c_str());
+    }
   } else {
     ImGui::SetCursorPos({24, 24});
     ImGui::TextDisabled("%s", models_.reading ? "reading" : models_.world ? "drawing" : "nothing to show");

@@ -48,8 +48,12 @@ void legend(const Pixels& scale, bool of_difference) {
 
 void Desk::image_tab() {
   ImGui::TextUnformatted("What is shown of each pixel");
-  widgets_.choice("layer", layer_, kLayers, std::size(kLayers),
-                  "Depth, normals, parts and materials are those of the exact image");
+  // of a layer and a comparison that do not go together the last one counts
+  const auto of_light = [&] { return layer_ == "light" || layer_ == "false colours"; };
+  if (widgets_.choice("layer", layer_, kLayers, std::size(kLayers),
+                      "Depth, normals, parts and materials are those of the exact image") &&
+      (!of_light() || compare_ == "difference"))
+    compare_ = "off";
   if (layer_ == "light") {
     widgets_.check("layer/mark white", mark_white_, "Stripes over pixels at white in a channel");
     ImGui::SameLine();
@@ -65,8 +69,10 @@ void Desk::image_tab() {
 
 void Desk::comparison() {
   ImGui::TextUnformatted("Beside the reference renderer");
-  widgets_.choice("compare", compare_, kComparisons, std::size(kComparisons),
-                  "The same view path traced, with ever more samples while nothing moves");
+  if (widgets_.choice("compare", compare_, kComparisons, std::size(kComparisons),
+                      "The same view path traced, with ever more samples while nothing moves") &&
+      compare_ != "off" && layer_ != "false colours")
+    layer_ = "light";
   if (compare_ == "off") return;
   widgets_.check("compare/light between surfaces", bounces_,
                  "Of the reference: three bounces, which the preview does not have; else light straight from the Sun");
@@ -105,10 +111,7 @@ void Desk::paint_canvas() {
   if (compare_ == "difference" && picture.reference) {
     scale_ = difference_pixels(picture.image, picture.reference->image, picture.comparison.rms, difference_);
     canvas_.rgba = std::move(scale_.rgba);
-    return;
-  }
-  const bool known = layer_ == "false colours" || picture.image.has_ground_truth();
-  if (layer_ != "light" && known) {
+  } else if (layer_ != "light" && (layer_ == "false colours" || picture.image.has_ground_truth())) {
     scale_ = layer_pixels(picture.image, layer_);
     canvas_.rgba = std::move(scale_.rgba);
   } else {
@@ -137,7 +140,20 @@ void Desk::paint_canvas() {
       for (std::size_t k = 0; k < 3 && picture.edges[i] != 0; ++k)
         p[k] = static_cast<std::uint8_t>((p[k] + kLine[k]) / 2);
     }
-  if (mark_white_ && layer_ == "light") mark_white(canvas_.width, canvas_.rgba);
+  if (mark_white_ && layer_ == "light" && compare_ != "difference") mark_white(canvas_.width, canvas_.rgba);
+}
+
+// What the canvas shows, where that is not the light that is saved.
+std::string Desk::canvas_words() const {
+  if (!shown_ || shown_->rgba.empty()) return "";
+  if (compare_ == "difference" && shown_->reference)
+    return fmt::format("preview less reference: blue {:.3g} %, orange +{:.3g} % of the RMS radiance", -100 * difference_,
+                       100 * difference_);
+  std::string words = layer_ == "light" ? "" : layer_;
+  if ((compare_ == "split" || compare_ == "flicker") && shown_->reference)
+    words += (words.empty() ? "" : ", ") +
+             std::string(compare_ == "split" ? "left preview, right reference" : shows_reference() ? "reference" : "preview");
+  return words;
 }
 
 const Desk::Canvas* Desk::new_canvas() {

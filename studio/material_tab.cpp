@@ -44,6 +44,11 @@ void Desk::materials_tab() {
   in_library_ = false;
   if (tab("Numbers")) {
     unsaved_changes();
+    for (const std::string& file : project_.files())
+      if (file.ends_with(".pan")) {
+        ImGui::TextWrapped("%s is a pan file: what changes in its text is seen once it is compiled again.", file.c_str());
+        break;
+      }
     bool found = false;
     // a copy: a change reads the texts anew
     for (const MaterialFile& file : edits_.files())

@@ -118,7 +118,8 @@ bool Player::press(const Step& step, Desk& desk) {
     }
     const std::string near = desk.widgets().nearest(step.name);
     wrong(fmt::format("{} is not on the screen{}", in_quotes(step.name),
-                      near.empty() ? "" : fmt::format("; {} is", in_quotes(near))));
+                      near.empty() ? "; what is further down a list comes with its search, or in a higher window"
+                                   : fmt::format("; {} is", in_quotes(near))));
     return true;
   }
   const bool types = step.kind == Step::Kind::type;

@@ -90,6 +90,7 @@ class Desk {
   void comparison();
   bool take_picture();
   void paint_canvas();
+  std::string canvas_words() const;
   void parts_tab();
   void joints_tab();
   void materials_tab();

@@ -159,8 +159,8 @@ void declare_all(Arguments& arguments, Options& options) {
       .type("SHARE");
   arguments
       .add("--specular-filter", options.specular_filter,
-           "Narrow highlights on curved surfaces: auto (default): averaged from sample to sample "
-           "where samples are too far apart to show them; off: as points show them")
+           "With --samples N, of narrow highlights on curved surfaces: auto (default): averaged from "
+           "sample to sample where samples are too far apart to show them; off: as points show them")
       .type("auto|off");
   arguments
       .add("--psf", options.psf,

@@ -36,6 +36,7 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
   RenderOptions own = options;
   own.samples = 1;
   own.adaptive = false;
+  own.specular_filter = false;  // texels are many, and their grid is turned
   std::vector<PlaneRect> finer;
   const auto hide = [&](const Imposter& imposter, std::uint8_t how) {
     for (const std::uint32_t v : imposter.targets)

@@ -173,10 +173,8 @@ void main() {
   vec3 turned = kTurningSlopes *
                 turned_squares(dFdx(smooth_normal), dFdy(smooth_normal), direction, cross(facing, direction));
   float lobe = max(narrowest_lobe.x * roughness.x * roughness.x, min(narrowest_lobe.x, 1e-8)) + narrowest_lobe.y;
-  if (slopes.x > 0.0) {
-    // note: lobes over bumps are wide, so what they take of the turn is not told apart
-    slopes = max(slopes + turning_slopes(turned, 1.0, lobe), vec3(1e-12, -1e30, 1e-12));
-  } else if (kMostTurning * (turned.x + turned.z) > lobe) {
+  // note: lobes over bumps are wide by them
+  if (!(slopes.x > 0.0) && kMostTurning * (turned.x + turned.z) > lobe) {
     roughness.y = -max(turned.x, 1e-12);
     brush = vec4(direction * max(turned.z, 1e-12), turned.y);
     normal_sample.xyz = facing * lobe;

@@ -7,16 +7,19 @@
 // antialiasing", 2019.
 
 const float kTurningSlopes = 2.0 * 0.25;  // slopes of lobes are sqrt(2) times as wide as a Gaussian
-const float kMostTurn = 0.36;             // squared; a Gaussian says nothing beyond
 const float kMostTurning = 4.0;           // of the step as mirrors have it, squared
+// What spreads beyond the limb or the terminator would be lost: the Gaussian is a third as wide at most as the
+// surface that mirrors the Sun is away from either.
+const float kFromLimb = 2.0 / 9.0;
 
 // What is added to squared slopes xx, xy, yy of which a lobe has some by itself.
-// foreshortening: squared ratio of the steps along the larger axis, where the surface mirrors the Sun and here
-vec3 turning_slopes(vec3 squares, float foreshortening, float lobe) {
+// foreshortening: squared ratio of the steps along the larger axis, where the surface mirrors the Sun and here;
+// mirroring: cosine to the viewer there
+vec3 turning_slopes(vec3 squares, float foreshortening, float mirroring, float lobe) {
   float middle = 0.5 * (squares.x + squares.z);
   float apart = 0.5 * (squares.x - squares.z);
   float radius = sqrt(apart * apart + squares.y * squares.y);
-  const float most = kTurningSlopes * kMostTurn;
+  float most = kFromLimb * mirroring * mirroring;
   float wide = max(min((middle + radius) * foreshortening, most) - lobe, 0.0);
   float narrow = max(min(middle - radius, most) - lobe, 0.0);
   float share = radius > 0.0 ? 0.5 * (wide - narrow) / radius : 0.0;
