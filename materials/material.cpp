@@ -101,7 +101,12 @@ void report_idle_fields(const Material& material, const Fields& fields, const Re
   }
   if (fields.reflect) return;
   if (material.weights.y == 0 && !dark)
-    idle("specular", "diffuse is given as well and reflect defaults to 1 0 0");
+    // by what the text has of it
+    idle(fields.specular        ? "specular"
+         : fields.cook_torrance ? "cook"
+         : fields.blinn_phong   ? "shine"
+                                : info_of(material.specular_model()).name,
+         "diffuse is given as well and reflect defaults to 1 0 0");
   if (!is_zero(fields.emissive))
     idle("emissive", "reflect is not given and defaults to an emissive weight of 0");
   if (material.weights.x == 0 && (fields.oren_nayar || fields.hapke))

@@ -155,6 +155,9 @@ TEST(Material, FieldsWithoutTheirPartner) {
   f.diffuse = Vec3(0.5);
   f.specular = Vec3(0.5);
   one_note(f, "specular has no effect, because diffuse is given as well");
+  f.specular.reset();
+  f.specular_model = SpecularModel::ggx;
+  one_note(f, "ggx has no effect, because diffuse is given as well");
   f = {};
   f.emissive = Vec3(1);
   one_note(f, "emissive has no effect");
