@@ -83,7 +83,7 @@ std::optional<Subject> subject_of(Context& context, const Shape& shape, const Pa
   subject.camera.position = {0, -kRange, 0};
   subject.camera.world_from_camera = *world::looking_at(subject.camera.position, Vec3(0), {}, log);
   world::Sun sun = subject.world.sun();
-  // the bisector stands on the rod's axis, 22 degrees from the line of sight
+  // the half vector stands upright on the rod's axis, 22 degrees from the line of sight
   sun.direction = {std::cos(37 * kDegree), -1, -std::sin(37 * kDegree)};
   subject.world.set_sun(sun);
   return subject;

@@ -88,8 +88,9 @@ struct RenderOptions {
   // In place of what a pixel of the image sees: metres, ≥ 0.
   std::optional<double> level_pixel;
   bool flat = false;            // shade by the triangles' own normals
-  // Of N > 0 without `adaptive`, imposters apart: of narrow highlights on curved surfaces whose normals turn by more than the lobe is wide from sample to
-  // sample: the mean of the lobe over that turn, not its value at a point (docs/sampling.md).
+  // Of N > 0 without `adaptive`, imposters apart: where the normals of a curved surface turn by more from
+  // sample to sample than a lobe is wide, the mean of the lobe over that turn, not its value at a point
+  // (docs/sampling.md).
   bool specular_filter = true;
   unsigned shadow_side = 2048;  // texels a side of the maps of what the Sun sees, 16 to 16384 (or
                                 // what the context takes); 0: nothing casts shadows

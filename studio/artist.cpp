@@ -259,8 +259,17 @@ void Artist::trace(Easel& easel, const Order& order, const Job& job) {
   options.samples = kPasses[traced_];
   options.bounces = *order.reference_bounces;
   auto image = easel.reference.render(easel.shown, view->camera, options, log, job);
-  if (!image || job.cancelled()) return;
+  if (job.cancelled()) return;
   auto picture = std::make_shared<Picture>(*easel.exact);
+  if (!image) {
+    // said beside the exact image, which stays
+    const std::vector<Message> more = messages_of(log);
+    picture->messages.insert(picture->messages.end(), more.begin(), more.end());
+    const std::lock_guard lock(mutex_);
+    traced_ = kPasses.size();
+    if (!ending_ && !wanted_) done_ = std::move(picture);
+    return;
+  }
   picture->reference_samples = options.samples;
   picture->reference_seconds = std::chrono::duration<double>(Clock::now() - start).count();
   picture->comparison = compared(picture->image, *image);

@@ -87,7 +87,9 @@ void Desk::comparison() {
   if (compare_ == "flicker" && shown_ && shown_->reference)
     ImGui::TextUnformatted(shows_reference() ? "now: reference" : "now: preview");
   if (!shown_ || !shown_->reference) {
-    ImGui::TextDisabled("%s", shown_ && shown_->exact ? "under way" : "once the image is exact");
+    ImGui::TextDisabled("%s", !shown_ || !shown_->exact           ? "once the image is exact"
+                              : artist_.status().comparing ? "under way"
+                                                           : "there is none: see the messages below the image");
     return;
   }
   const Comparison& c = shown_->comparison;

@@ -107,7 +107,7 @@ void add_bumps(inout Surface surface, vec3 bumps, vec3 normal) {
 #ifdef BRUSHED
 // A normal that turns from sample to sample (turning.glsl).
 void add_turning(inout Surface surface, vec3 squares, float lobe, vec3 to_sun, vec3 to_viewer, vec3 normal) {
-  // both cosines are to the viewer: here, and where the normal is the bisector
+  // both cosines are to the viewer: here, and where the normal is the half vector
   float mirroring = max(0.5 * length(to_sun + to_viewer), 1e-3);
   float ratio = max(dot(normal, to_viewer), 0.0) / mirroring;
   vec3 slopes = turning_slopes(squares, min(ratio * ratio, kMostTurning), mirroring, lobe);

@@ -33,6 +33,16 @@ std::uint32_t rgb(const Pixels& pixels, std::size_t i) {
   return std::uint32_t{pixels.rgba[4 * i]} << 16 | std::uint32_t{pixels.rgba[4 * i + 1]} << 8 | pixels.rgba[4 * i + 2];
 }
 
+pan::Model model_of(const std::string& body) {
+  const std::vector<pxn::MemoryFile> files = {{"a.pxn", "<pangu_model ver=\"1\">" + body + "</pangu_model>"}};
+  DiagnosticLog log;
+  const auto scene = pxn::read_memory(files, {}, log);
+  const auto bytes = scene ? compiler::compiled(*scene, {}, log) : Result<std::vector<std::byte>>(failed);
+  auto model = bytes ? pan::Model::from_bytes(*bytes, "a", log) : Result<pan::Model>(failed);
+  EXPECT_TRUE(model && model->check(log)) << to_text(log);
+  return std::move(*model);
+}
+
 TEST(Layers, FalseColoursAreFourDecades) {
   preview::Image image = image_of(5, 1);
   const float light[] = {0, 1e-5f, 1e-4f, 1e-2f, 1};
@@ -160,16 +170,9 @@ TEST(Samples, OfALambertMaterial) {
 
 // Edges of a box seen along an axis and aslant, against where its corners are; what is behind is not drawn.
 TEST(Edges, OfABox) {
-  const std::vector<pxn::MemoryFile> files = {{"a.pxn", "<pangu_model ver=\"1\"><box size=\"2 2 2\"/></pangu_model>"}};
   DiagnosticLog log;
-  const auto scene = pxn::read_memory(files, {}, log);
-  ASSERT_TRUE(scene) << to_text(log);
-  const auto bytes = compiler::compiled(*scene, {}, log);
-  ASSERT_TRUE(bytes) << to_text(log);
-  auto model = pan::Model::from_bytes(*bytes, "a", log);
-  ASSERT_TRUE(model && model->check(log)) << to_text(log);
   world::World world;
-  ASSERT_TRUE(world.add("box", std::make_shared<const pan::Model>(*std::move(model)), log));
+  ASSERT_TRUE(world.add("box", std::make_shared<const pan::Model>(model_of("<box size=\"2 2 2\"/>")), log));
   for (const bool ortho : {false, true}) {
     world::Camera camera;
     if (ortho)
@@ -205,22 +208,14 @@ TEST(Edges, OfABox) {
 
 // Slopes of facets, against what the compiler measured of them.
 TEST(Samples, SlopesOfFoil) {
-  const std::vector<pxn::MemoryFile> files = {
-      {"a.pxn", "<pangu_model ver=\"1\"><mli name=\"door\" type=\"flat\" seed=\"3\"><mli_settings><width>0.5</width><height>0.4</height>"
-                "<xgrid>100</xgrid></mli_settings><mli_operations><random>1mm</random><smooth>3</smooth><slope_rms>0.2</slope_rms>"
-                "</mli_operations></mli></pangu_model>"}};
-  DiagnosticLog log;
-  const auto scene = pxn::read_memory(files, {}, log);
-  ASSERT_TRUE(scene) << to_text(log);
-  const auto bytes = compiler::compiled(*scene, {}, log);
-  ASSERT_TRUE(bytes) << to_text(log);
-  auto model = pan::Model::from_bytes(*bytes, "a", log);
-  ASSERT_TRUE(model && model->check(log)) << to_text(log);
-  ASSERT_EQ(model->sheets().size(), 1u);
-  const SheetSlopes slopes = slopes_of(*model, "door");
+  const pan::Model model = model_of(
+      "<mli name=\"door\" type=\"flat\" seed=\"3\"><mli_settings><width>0.5</width><height>0.4</height><xgrid>100</xgrid>"
+      "</mli_settings><mli_operations><random>1mm</random><smooth>3</smooth><slope_rms>0.2</slope_rms></mli_operations></mli>");
+  ASSERT_EQ(model.sheets().size(), 1u);
+  const SheetSlopes slopes = slopes_of(model, "door");
   ASSERT_EQ(slopes.sheets.size(), 1u);
   EXPECT_NE(slopes.sheets[0].find("flat 0.5 x 0.4 m, 100 x 80 cells, seed 3"), std::string::npos) << slopes.sheets[0];
-  const auto& sheet = model->sheets()[0];
+  const auto& sheet = model.sheets()[0];
   const double expected = 0.5 * (sheet.facet_slope_covariance[0] + sheet.facet_slope_covariance[2]);
   EXPECT_NEAR(slopes.rms * slopes.rms, expected, 0.01 * expected);
   for (const auto& density : slopes.density) {
@@ -234,8 +229,8 @@ TEST(Samples, SlopesOfFoil) {
     EXPECT_NEAR(all, 1, 2e-3);
     EXPECT_NEAR(square, expected, 0.1 * expected);
   }
-  EXPECT_TRUE(slopes_of(*model, "nobody").sheets.empty());
-  EXPECT_EQ(slopes_of(*model, "").sheets.size(), 1u);
+  EXPECT_TRUE(slopes_of(model, "nobody").sheets.empty());
+  EXPECT_EQ(slopes_of(model, "").sheets.size(), 1u);
 }
 
 // The last of several that are asked for at once comes, whatever came before it.
