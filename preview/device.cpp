@@ -111,7 +111,10 @@ Result<std::shared_ptr<const ModelResources>> Device::resources(const world::Mod
   impl->list = draw_list(*model);
   for (const DrawItem& item : impl->list) {
     impl->triangles += model->meshes()[item.mesh].triangle_count;
-    impl->layers |= layers_of(item.variant);
+    impl->filter_layers |= layers_of(item.variant);
+    Variant points = item.variant;
+    points.curved = false;
+    impl->layers |= layers_of(points);
   }
   impl->brdf_models = families_of(*model);
   bool good = false;
@@ -123,7 +126,8 @@ Result<std::shared_ptr<const ModelResources>> Device::resources(const world::Mod
   impl_->model_bytes += impl->gpu.bytes();
   if (!good || !impl_->went_well(log)) return failed;
   ++impl_->models_uploaded;
-  if (!impl->gpu.decals().empty()) impl->layers |= 1u << kAlbedoLayer;
+  if (!impl->gpu.decals().empty())
+    for (LayerSet* set : {&impl->layers, &impl->filter_layers}) *set |= 1u << kAlbedoLayer;
   auto shared = std::make_shared<const ModelResources>(std::move(impl));
   impl_->models[model.get()] = shared;
   return shared;

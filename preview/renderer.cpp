@@ -231,7 +231,7 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
   const std::uint32_t height = std::min(tile_side, image.height) * options.samples;
   LayerSet layers = 0;
   for (std::size_t v = 0; v < scene.visible.targets.size(); ++v)
-    layers |= scene.state(v).model().layers;
+    layers |= scene.state(v).model().layers_for(scene.specular_filter);
   const bool shadows = options.shadow_side > 0;
   const auto formats = layer_formats(layers, shadows);
   const bool adaptive = options.samples == 0 || (options.adaptive && options.samples > 1);

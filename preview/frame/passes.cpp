@@ -119,13 +119,16 @@ Passes::Passes(Device::Impl& device)
       view_stride_(block_stride(gl_, sizeof(ViewBlock))),
       draw_stride_(block_stride(gl_, sizeof(DrawBlock))) {}
 
-GLuint Passes::program(const ModelResources::Impl& model, const Variant& variant, Pass pass,
-                       bool shadows, bool instanced) {
+GLuint Passes::program(const FrameScene& scene, const ModelResources::Impl& model, Variant variant,
+                       Pass pass, bool instanced) {
+  const bool shadows = scene.shadows != nullptr;
+  const LayerSet layers = model.layers_for(scene.specular_filter);
+  variant.curved = variant.curved && scene.specular_filter;
   switch (pass) {
     case Pass::geometry:
-      return device_.programs.geometry(variant, false, model.layers, shadows, instanced);
+      return device_.programs.geometry(variant, false, layers, shadows, instanced);
     case Pass::flat_geometry:
-      return device_.programs.geometry(variant, true, model.layers, shadows, instanced);
+      return device_.programs.geometry(variant, true, layers, shadows, instanced);
     case Pass::ids:
       return device_.programs.ids(variant.cutout, instanced);
     case Pass::bare:
@@ -160,10 +163,10 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
       if (last && is_drawn_alike(*last, item)) continue;
       const bool same = last && item.variant == last->variant && item.material == last->material;
       last = &item;
-      program(model, item.variant, pass, shadows, false);
+      program(scene, model, item.variant, pass, false);
       // those of a tile may be fewer, and are drawn one by one then
       if (pass != Pass::bare && drawn_at_once(k, items.size(), item_at) > 1)
-        program(model, item.variant, pass, shadows, true);
+        program(scene, model, item.variant, pass, true);
       if (same) continue;
       if (is_shaded(pass)) {
         if (!model.gpu.decals().empty()) device_.programs.decal();
@@ -172,7 +175,7 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
         device_.programs.classes();
         const bool one =
             model.brdf_models.materials[model.brdf_models.of_material[item.material]] == 1;
-        device_.programs.shading(shading.brdf, model.layers, one, shadows,
+        device_.programs.shading(shading.brdf, model.layers_for(scene.specular_filter), one, shadows,
                                  shading.wide && is_far(scene.world.sun()));
         if (shadows)
           for (const bool instanced : {false, true})
@@ -281,9 +284,8 @@ bool Passes::draw(const FrameScene& scene, const TileScene& tile, unsigned sampl
 
 namespace {
 
-// What the Sun's disc adds to the squared slope of a lobe; without the filter none is narrow.
+// What the Sun's disc adds to the squared slope of a lobe.
 float disc_width(const FrameScene& scene) {
-  if (!scene.specular_filter) return HUGE_VALF;
   const double distance = scene.world.sun().distance;
   return static_cast<float>(materials::kSunAlpha2 / (distance * distance));
 }
@@ -310,8 +312,8 @@ bool Passes::draw_items(const FrameScene& scene, const TileTarget& target, Pass 
     const DrawItem& item = item_at(k);
     const pan::layout::Mesh& mesh = model.model->meshes()[item.mesh];
     const bool other_program = !last || item.variant != last->variant || instanced != were_instanced;
-    if (other_program) gl_.UseProgram(program(model, item.variant, pass, shadows, instanced));
-    if (pass == Pass::geometry && item.variant.curved && (other_program || item.material != last->material))
+    if (other_program) gl_.UseProgram(program(scene, model, item.variant, pass, instanced));
+    if (pass == Pass::geometry && scene.specular_filter && item.variant.curved && (other_program || item.material != last->material))
       gl_.Uniform2f(kLobeLocation, static_cast<float>(item.lobe), disc_width(scene));
     if (!last || item.sides != last->sides) cull(gl_, item.sides);
     // note: rows grow downwards in the window, which turns every triangle round once
@@ -428,7 +430,7 @@ void Passes::shade(const FrameScene& scene, const TileScene& tile, unsigned samp
     for (const TileTarget::ShadingClass& one : target.classes) {
       if (one.one_material) model.gpu.bind_one_material(one.material);
       const ShadingModel& shading = model.brdf_models.all[one.brdf_model];
-      gl_.UseProgram(device_.programs.shading(shading.brdf, model.layers, one.one_material,
+      gl_.UseProgram(device_.programs.shading(shading.brdf, model.layers_for(scene.specular_filter), one.one_material,
                                               scene.shadows != nullptr,
                                               shading.wide && is_far(scene.world.sun())));
       gl_.Uniform4ui(kRangeLocation, scene.visible.targets[target.visible].first_id, 0, 0, 0);

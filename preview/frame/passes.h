@@ -83,7 +83,7 @@ class Passes {
   GLuint screen() const { return screen_.id(); }
 
  private:
-  GLuint program(const ModelResources::Impl& model, const Variant& variant, Pass pass, bool shadows,
+  GLuint program(const FrameScene& scene, const ModelResources::Impl& model, Variant variant, Pass pass,
                  bool instanced);
   bool draw_items(const FrameScene& scene, const TileTarget& target, Pass pass, const Job& job);
   void bind_blocks(std::size_t first, std::size_t instances) const;

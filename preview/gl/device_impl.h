@@ -23,6 +23,8 @@ struct ModelResources::Impl {
   std::vector<DrawItem> list;  // as the model stands by itself
   Families brdf_models;        // shading classes
   LayerSet layers = 0;         // that its items need
+  LayerSet filter_layers = 0;  // and with RenderOptions::specular_filter
+  LayerSet layers_for(bool filter) const { return filter ? filter_layers : layers; }
   GpuModel gpu;
   std::uint64_t triangles = 0;
 };
