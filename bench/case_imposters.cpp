@@ -348,7 +348,7 @@ std::optional<Target> spacecraft_target(Context& context, double range, double e
 }
 
 // The flux that the pixels of a camera should see: of an image of a thousand pixels, 16 samples
-// each, the finest levels.
+// each, the finest levels and shadows.
 double flux_of(preview::Renderer& renderer, const Target& target, double diagonal_px, Vec2& centre,
                DiagnosticLog& log) {
   world::Camera camera = target.camera;
@@ -357,6 +357,8 @@ double flux_of(preview::Renderer& renderer, const Target& target, double diagona
   preview::RenderOptions options;
   options.samples = 4;
   options.levels = false;
+  options.shadow_side = 8192;
+  options.max_shadow_bytes = 1ull << 30;
   const auto image = renderer.render(target.world, camera, options, log);
   if (!image) return 0;
   const Sums sums = sums_of(*image);

@@ -21,6 +21,10 @@ constexpr std::uint32_t kMaxSide = 16384;
 // items are told apart by floats, which count exactly to 2^24
 constexpr std::uint64_t kMostItems = (1u << 24) - 1;
 
+[[maybe_unused]] bool is_shadow_side(unsigned texels) {
+  return texels == 0 || (texels >= 16 && texels <= kMaxSide);
+}
+
 [[maybe_unused]] bool is_sound(const world::Camera& camera, const RenderOptions& options) {
   const auto unit = [](const Quat& q) { return std::fabs(glm::dot(q, q) - 1) < 1e-6; };
   return camera.width > 0 && camera.height > 0 && camera.focal.x > 0 && camera.focal.y > 0 &&
@@ -30,8 +34,7 @@ constexpr std::uint64_t kMostItems = (1u << 24) - 1;
          options.psf_sigma >= 0 && options.psf_sigma <= 64 &&
          (options.samples > 0 || (options.pixel_error > 0 && options.tile_side >= 64)) &&
          options.sun_points >= 2 && options.sun_points <= kMostSunPoints &&
-         (options.shadow_side == 0 ||
-          (options.shadow_side >= 16 && options.shadow_side <= kMaxSide));
+         is_shadow_side(options.shadow_side) && is_shadow_side(options.imposter_shadow_side);
 }
 
 // of a framebuffer that images of several shapes share
@@ -242,7 +245,9 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
   if (shadows) scene.shadows = &shadow_maps;
   if (!passes->prepare(scene, pass, log)) return false;
   if (shadows &&
-      !shadow_maps.update(shared, scene, {options.shadow_side, options.max_shadow_bytes, sun_disc},
+      !shadow_maps.update(shared, scene,
+                          {options.shadow_side, std::min(options.shadow_side, scene.soft_side),
+                           options.max_shadow_bytes, sun_disc},
                           log, job))
     return false;
   if (shadows) add_shadows(shadow_maps, frames[frame].report);

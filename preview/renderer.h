@@ -94,6 +94,9 @@ struct RenderOptions {
   bool specular_filter = true;
   unsigned shadow_side = 2048;  // texels a side of the maps of what the Sun sees, 16 to 16384 (or
                                 // what the context takes); 0: nothing casts shadows
+  // The same of imposters; 0: five for each of the texels along their longer side, 256 to 2896
+  // (2048 where the Sun has several points): docs/imposters.md
+  unsigned imposter_shadow_side = 0;
   Shadows shadows = Shadows::automatic;
   // 2 to 256. Of automatic ones at most: as many as pixel_error asks for, half as many where no
   // penumbra is wider than two pixels

@@ -102,7 +102,8 @@ void add_engine(const DrawOptions& draw, Json& view) {
     if (!draw.gl.specular_filter) view["specular-filter"] = "off";
     if (draw.gl.shadow_side == 0)
       view["no-shadows"] = true;
-    else
+    else if (draw.gl.imposter_shadow_side > 0 ||
+             draw.gl.shadow_side != preview::RenderOptions{}.shadow_side)
       view["shadow-side"] = draw.gl.shadow_side;
     if (draw.gl.shadow_side > 0 && draw.gl.shadows != preview::Shadows::automatic)
       view["shadows"] = draw.gl.shadows == preview::Shadows::hard ? "hard" : "soft";

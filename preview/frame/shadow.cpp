@@ -119,11 +119,12 @@ void light_space_sample(const SunPlace& place, const pan::layout::Mesh& mesh, co
 }
 
 bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map& map,
-                      DiagnosticLog& log) const {
+                      DiagnosticLog& log) {
   map.depths = {};  // first, so that memory need not hold both
   map.slopes = {};
-  const GLsizei width = texture_side(map.columns * side_, limits.framebuffer_side);
-  const GLsizei height = texture_side(map.rows * side_, limits.framebuffer_side);
+  const unsigned side = map.layout.tiles.side;
+  const GLsizei width = texture_side(map.columns * side, limits.framebuffer_side);
+  const GLsizei height = texture_side(map.rows * side, limits.framebuffer_side);
   const auto layers = static_cast<GLsizei>(map.layout.points);
   map.depths = make_texture_array(gl, GL_DEPTH_COMPONENT32F, width, height, layers);
   map.slopes = make_texture_array(gl, GL_RG16F, width, height, layers);
@@ -150,8 +151,9 @@ bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map&
   return false;
 }
 
-std::uint64_t ShadowMaps::texels_of(const Layout& layout) const {
-  return std::uint64_t{layout.tiles.cells()} * side_ * side_ * layout.points;
+std::uint64_t ShadowMaps::texels_of(const Layout& layout) {
+  const std::uint64_t side = layout.tiles.side;
+  return std::uint64_t{layout.tiles.cells()} * side * side * layout.points;
 }
 
 std::uint64_t ShadowMaps::stored_texels() const {
@@ -168,6 +170,7 @@ bool ShadowMaps::assign(const ContextLimits& limits, const GladGLContext& gl, st
   };
   const auto has_room = [](const Group& group, const Map& map) {
     return map.columns == group.layout.tiles.columns && map.rows == group.layout.tiles.rows &&
+           map.layout.tiles.side == group.layout.tiles.side &&
            map.layout.points == group.layout.points;
   };
   for (Group& group : groups_)
@@ -271,13 +274,14 @@ bool ShadowMaps::update(Device::Impl& device, const FrameScene& scene, const Lim
   const GladGLContext& gl = device.context->gl();
   const ContextLimits& context = device.context->limits();
   const unsigned side = std::min(limits.side, context.framebuffer_side);
+  const unsigned soft_side = std::min(limits.soft_side, side);
   const std::uint64_t cell = std::uint64_t{side} * side;
   const auto cells =
       static_cast<std::size_t>(std::max<std::uint64_t>(limits.bytes / (kTexelBytes * cell), 1));
   // points of the disc take up to four times the memory
-  const std::uint64_t most = (limits.disc.points > 1 ? 4 : 1) * cells * cell;
-  if (side != side_ || disc_ != limits.disc || stored_texels() > most) maps_.clear();
-  side_ = side;
+  const std::uint64_t most =
+      (limits.disc.points > 1 ? 4 : 1) * std::max(limits.bytes / kTexelBytes, cell);
+  if (disc_ != limits.disc || stored_texels() > most) maps_.clear();
   disc_ = limits.disc;
   ++update_;
   if (!stream_) {
@@ -285,7 +289,7 @@ bool ShadowMaps::update(Device::Impl& device, const FrameScene& scene, const Lim
     stream_.emplace(gl);
   }
   group(scene, cells);
-  lay_out_all(scene, {side, cells, context.framebuffer_side / side, 0}, most, log);
+  lay_out_all(scene, {side, cells, context.framebuffer_side / side, 0}, soft_side, most, log);
   places_.assign(scene.visible.targets.size(), {});
   if (!assign(context, gl, most, log)) return false;
   for (Group& group : groups_) {
@@ -343,10 +347,11 @@ void ShadowMaps::set_limits(const GladGLContext& gl, const Map& map) const {
   ShadowBlock limits{};
   const ShadowTiles& tiles = map.layout.tiles;
   const Vec3& extent = map.layout.whole.extent;
-  const double texel = std::max(extent.x, extent.y) / side_;
+  const unsigned side = tiles.side;
+  const double texel = std::max(extent.x, extent.y) / side;
   limits.texel_depth = static_cast<float>(tiles.tiles.empty() ? texel / extent.z : 1 / tiles.depth);
-  limits.half_width = static_cast<float>(tiles.columns * side_) / 2;
-  limits.half_height = static_cast<float>(tiles.rows * side_) / 2;
+  limits.half_width = static_cast<float>(tiles.columns * side) / 2;
+  limits.half_height = static_cast<float>(tiles.rows * side) / 2;
   limits.tiles = static_cast<std::int32_t>(tiles.tiles.size());
   for (std::size_t t = 0; t < tiles.tiles.size(); ++t) {
     const Vec4 inside = inside_of_tile(tiles, t);
@@ -354,7 +359,7 @@ void ShadowMaps::set_limits(const GladGLContext& gl, const Map& map) const {
       limits.inside[4 * t + static_cast<std::size_t>(k)] = static_cast<float>(inside[k]);
   }
   const Vec3 size =
-      tiles.tiles.empty() ? extent : Vec3(tiles.columns * side_, tiles.rows * side_, tiles.depth);
+      tiles.tiles.empty() ? extent : Vec3(tiles.columns * side, tiles.rows * side, tiles.depth);
   limits.points = static_cast<std::int32_t>(map.layout.points);
   for (std::size_t k = 0; k < sun_places_.size(); ++k)
     for (int axis = 0; axis < 2; ++axis)
@@ -411,7 +416,7 @@ bool ShadowMaps::draw_layer(Device::Impl& device, const Map& map, const TargetSt
     if (draws_[k].tile != last_tile) {
       last_tile = draws_[k].tile;
       const ShadowTile tile =
-          tiles.empty() ? ShadowTile{Vec3(0), 0, 0, 0, side_} : tiles[last_tile];
+          tiles.empty() ? ShadowTile{Vec3(0), 0, 0, 0, map.layout.tiles.side} : tiles[last_tile];
       gl.Viewport(static_cast<GLint>(tile.x), static_cast<GLint>(tile.y),
                   static_cast<GLsizei>(tile.side), static_cast<GLsizei>(tile.side));
     }

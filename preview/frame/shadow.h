@@ -64,6 +64,7 @@ class ShadowMaps {
   // Reports: W5012. Fails: E0001; E5003; E5001 when the driver refuses a shader.
   struct Limits {
     unsigned side = 2048;  // texels of a map or a cell of one, > 4; the context may have less
+    unsigned soft_side = 2048;  // the same where the Sun has several points
     std::uint64_t bytes = 0;
     SunDisc disc;
   };
@@ -111,6 +112,8 @@ class ShadowMaps {
     Vec2 size{0};  // pixels
     world::Projection projection = world::Projection::perspective;
     std::size_t cells = 0;  // at most
+    unsigned side = 0;      // texels of one
+    unsigned soft_side = 0;
     bool operator==(const ViewKey&) const = default;
   };
   // How a map is laid out.
@@ -168,17 +171,17 @@ class ShadowMaps {
   Group& add_group(std::size_t index);
   void add_to(Group& group, const FrameScene& scene, std::uint32_t receiver) const;
   double throw_in(const Group& group, const FrameScene& scene, const LightSpace& whole) const;
-  void lay_out(Group& group, const FrameScene& scene, const TileLimits& limits);
-  void lay_out_all(const FrameScene& scene, const TileLimits& limits, std::uint64_t most,
-                   DiagnosticLog& log);
-  std::uint64_t texels_of(const Layout& layout) const;
+  void lay_out(Group& group, const FrameScene& scene, const TileLimits& limits, unsigned soft_side);
+  void lay_out_all(const FrameScene& scene, const TileLimits& limits, unsigned soft_side,
+                   std::uint64_t most, DiagnosticLog& log);
+  static std::uint64_t texels_of(const Layout& layout);
   std::uint64_t stored_texels() const;
   bool assign(const ContextLimits& limits, const GladGLContext& gl, std::uint64_t most,
               DiagnosticLog& log);
   bool refresh(Device::Impl& device, const FrameScene& scene, Group& group, DiagnosticLog& log,
                const Job& job);
-  bool make(const ContextLimits& limits, const GladGLContext& gl, Map& map,
-            DiagnosticLog& log) const;
+  static bool make(const ContextLimits& limits, const GladGLContext& gl, Map& map,
+                   DiagnosticLog& log);
   void add_casters(const FrameScene& scene, std::span<const Drawn> receivers, bool soft);
   void set_limits(const GladGLContext& gl, const Map& map) const;
   bool draw(Device::Impl& device, const Map& map, const TargetStates& states, const Job& job);
@@ -189,7 +192,6 @@ class ShadowMaps {
 
   std::vector<Map> maps_;
   std::vector<Place> places_;
-  unsigned side_ = 0;       // texels
   std::size_t stride_ = 0;  // bytes, of blocks_
   std::optional<StreamBuffer> stream_;
   std::uint64_t update_ = 0;

@@ -159,7 +159,8 @@ double ShadowMaps::throw_in(const Group& group, const FrameScene& scene,
 }
 
 // Sets group.layout, as a map has it or anew, but for the points of the Sun's disc: 1 or more.
-void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits& limits) {
+void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits& limits,
+                         unsigned soft_side) {
   const Map* kept = nullptr;
   const world::Camera& camera = scene.camera;
   const ViewKey view{camera_from(camera, scene.world[group.targets.front().target].pose().matrix()),
@@ -167,9 +168,12 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
                      camera.principal,
                      Vec2(camera.width, camera.height),
                      camera.projection,
-                     limits.cells};
+                     limits.cells,
+                     limits.side,
+                     soft_side};
   for (const Map& map : maps_)
-    if (map.drawn && map.to_sun == group.to_sun && map.receivers == group.members) {
+    if (map.drawn && map.to_sun == group.to_sun && map.receivers == group.members &&
+        map.layout.view.side == view.side && map.layout.view.soft_side == soft_side) {
       kept = &map;
       if (map.layout.view == view) break;
     }
@@ -184,7 +188,7 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
         if (!one.anchor) placed_.back().model_from_mesh = anchor_from_model * item.model_from_mesh;
       }
     }
-    group.layout.bare = fitted_light_space(placed_, group.to_sun, side_);
+    group.layout.bare = fitted_light_space(placed_, group.to_sun, soft_side);
   }
   Layout& layout = group.layout;
   const double pixel = nearest_pixel(camera, scene, group.receivers);
@@ -208,6 +212,7 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
   }
   layout.view = view;
   TileLimits own = limits;
+  if (soft) own.side = soft_side;
   own.sun_tangent = soft ? disc_.tangent : 0;
   layout.tiles = finder_.find(camera, view.camera_from_model, layout.whole, shown_, own);
   shown_.clear();  // which hold models
@@ -216,15 +221,15 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
   layout.finest = finder_.finest();
 }
 
-void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, std::uint64_t most,
-                             DiagnosticLog& log) {
+void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, unsigned soft_side,
+                             std::uint64_t most, DiagnosticLog& log) {
   std::size_t spare = limits.cells - std::min(limits.cells, groups_.size());
   std::size_t left = groups_.size();
   std::uint64_t hard_texels = 0;
   std::uint64_t soft_texels = 0;  // of one point
   for (Group& group : groups_) {
     // what one leaves goes to those behind it
-    lay_out(group, scene, {limits.side, 1 + spare / left--, limits.cells_a_row, 0});
+    lay_out(group, scene, {limits.side, 1 + spare / left--, limits.cells_a_row, 0}, soft_side);
     spare -= group.layout.tiles.cells() - 1;
     const bool soft = group.layout.points > 1;
     group.layout.points = 1;

@@ -125,7 +125,9 @@ TEST(SpecularFilter, LeavesAloneWhatSamplesResolve) {
       peak = std::max(peak, static_cast<double>(without.radiance[i]));
     }
     EXPECT_LE(worst, one.slope == 0.1 ? 1e-6 * peak : 0.0) << one.slope;
-    if (one.mesh.triangles.size() > 100) EXPECT_GT(peak, 0);
+    if (one.mesh.triangles.size() > 100) {
+      EXPECT_GT(peak, 0);
+    }
   }
 }
 
