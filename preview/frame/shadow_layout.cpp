@@ -34,11 +34,9 @@ double nearest_pixel(const world::Camera& camera, const FrameScene& scene,
 }
 
 // As many points of the Sun's disc as are asked for, half of them where pixels are too large to
-// show the steps between them, or as there is room for.
-unsigned points_for(double penumbra, const SunDisc& disc, double room) {
-  double points = disc.points;
-  if (!disc.always && penumbra <= 2) points = std::ceil(0.5 * points);
-  return static_cast<unsigned>(std::max(std::min(points, std::floor(room)), 2.0));
+// show the steps between them.
+unsigned points_for(double penumbra, const SunDisc& disc) {
+  return !disc.always && penumbra <= 2 ? (disc.points + 1) / 2 : disc.points;
 }
 
 }  // namespace
@@ -239,6 +237,10 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, 
   edge_error_ = 0;
   penumbra_ = 0;
   disc_points_ = 1;
+  struct {
+    unsigned points = ~0u;
+    unsigned asked = 0;
+  } missed;
   const Group* worst = nullptr;
   double coarsest = kMostPixelsATexel;
   for (Group& group : groups_) {
@@ -247,7 +249,9 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, 
     if (layout.points > 1) {
       const auto room = static_cast<double>(most - std::min(most, hard_texels)) /
                         static_cast<double>(soft_texels);
-      layout.points = points_for(layout.penumbra, disc_, room);
+      const unsigned asked = points_for(layout.penumbra, disc_);
+      layout.points = static_cast<unsigned>(std::clamp(std::floor(room), 2.0, 1.0 * asked));
+      if (layout.points < missed.points) missed = {layout.points, asked};
       disc_points_ = disc_points_ > 1 ? std::min(disc_points_, layout.points) : layout.points;
     }
     const double coarse = layout.texel / layout.pixel;
@@ -257,6 +261,15 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, 
     coarsest = coarse;
     worst = &group;
   }
+  if (missed.points < missed.asked)
+    log.report_file(
+        Code::W5012, {},
+        fmt::format(
+            "there is memory for shadows of {} points of the Sun's disc, not of {}: penumbrae have "
+            "steps of {:.2g} of the Sun's light, expected {:.2g} (RMS; a smaller --shadow-side "
+            "leaves room for more)",
+            missed.points, missed.asked, error_of_sun_points(missed.points),
+            error_of_sun_points(missed.asked)));
   if (!worst) return;
   log.report_file(
       Code::W5012, {},

@@ -175,6 +175,25 @@ TEST(Penumbra, OnlyWhereItShows) {
   EXPECT_EQ(points(2, 1, Shadows::soft), 64u);
 }
 
+// Maps of two targets share the memory: where that is too little for all points, fewer are said.
+TEST(Penumbra, FewerPointsThanAskedAreSaid) {
+  pan::Contents contents = single(plate(2, 2), lambert(1));
+  add(contents, plate(0.4, 0.4), Vec3(0, 0, 1));
+  const pan::Model model = model_of(contents);
+  support::ModelRenderer renderer(shared_device(), model);
+  for (const unsigned fitting : {64u, 24u}) {
+    RenderOptions options;
+    options.shadow_side = 64;
+    options.shadows = Shadows::soft;
+    options.max_shadow_bytes =
+        std::uint64_t{fitting} * 64 * 64 * 8 / 4;  // four times that is taken
+    DiagnosticLog log;
+    EXPECT_TRUE(renderer.render(above(100, 2), options, log)) << to_text(log);
+    EXPECT_EQ(renderer.renderer().sampling().sun_points, fitting);
+    EXPECT_EQ(log.contains(Code::W5012), fitting < 64) << to_text(log);
+  }
+}
+
 // The penumbra of another target far towards the Sun is as wide as its throw makes it, and the same
 // with all of it far from the world's origin.
 TEST(Penumbra, OfATargetFarAway) {
