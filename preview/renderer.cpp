@@ -34,7 +34,7 @@ constexpr std::uint64_t kMostItems = (1u << 24) - 1;
          options.psf_sigma >= 0 && options.psf_sigma <= 64 &&
          (options.samples > 0 || (options.pixel_error > 0 && options.tile_side >= 64)) &&
          options.sun_points >= 2 && options.sun_points <= kMostSunPoints &&
-         is_shadow_side(options.shadow_side) && is_shadow_side(options.imposter_shadow_side);
+         is_shadow_side(options.shadow_side.value_or(0));
 }
 
 // of a framebuffer that images of several shapes share
@@ -49,6 +49,19 @@ std::array<GLenum, kLayers> layer_formats(LayerSet layers, bool shadows) {
     formats[layer] = has(layers, Layer{layer}) ? GL_RGBA32F : GL_NONE;
   formats[kSunLayer] = shadows ? GL_RGBA32UI : GL_NONE;
   return formats;
+}
+
+constexpr unsigned kShadowSide = 2048;  // where a pixel is few samples, or the Sun has many points
+
+// What coarse texels lose of the light of foil and trusses is said in docs/shadows.md. Imposters'
+// come in steps of a half octave, so that one map serves draws that differ little.
+unsigned shadow_side_for(std::uint32_t texels, unsigned samples) {
+  constexpr double kOfTexels = 5;
+  constexpr double kLeast = 256;
+  constexpr double kMost = 2896;
+  if (texels == 0) return samples > 0 ? kShadowSide : static_cast<unsigned>(kMost);
+  const double step = std::round(2 * std::log2(kOfTexels * texels)) / 2;
+  return static_cast<unsigned>(std::clamp(std::exp2(step), kLeast, kMost)) / 16 * 16;
 }
 
 void add_shadows(const ShadowMaps& maps, SamplingReport& report) {
@@ -235,7 +248,9 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
   LayerSet layers = 0;
   for (std::size_t v = 0; v < scene.visible.targets.size(); ++v)
     layers |= scene.state(v).model().layers_for(scene.specular_filter);
-  const bool shadows = options.shadow_side > 0;
+  const unsigned map_side =
+      options.shadow_side.value_or(shadow_side_for(scene.texels, options.samples));
+  const bool shadows = map_side > 0;
   const auto formats = layer_formats(layers, shadows);
   const bool adaptive = options.samples == 0 || (options.adaptive && options.samples > 1);
   if (!adaptive && (!ensure_target(g_buffer, formats, true, width, height, log) ||
@@ -246,7 +261,7 @@ bool Renderer::Impl::submit_radiance(FrameScene scene, const RenderOptions& opti
   if (!passes->prepare(scene, pass, log)) return false;
   if (shadows &&
       !shadow_maps.update(shared, scene,
-                          {options.shadow_side, std::min(options.shadow_side, scene.soft_side),
+                          {map_side, options.shadow_side.value_or(std::min(map_side, kShadowSide)),
                            options.max_shadow_bytes, sun_disc},
                           log, job))
     return false;

@@ -92,11 +92,11 @@ struct RenderOptions {
   // sample to sample than a lobe is wide, the mean of the lobe over that turn, not its value at a point
   // (docs/sampling.md).
   bool specular_filter = true;
-  unsigned shadow_side = 2048;  // texels a side of the maps of what the Sun sees, 16 to 16384 (or
-                                // what the context takes); 0: nothing casts shadows
-  // The same of imposters; 0: five for each of the texels along their longer side, 256 to 2896
-  // (2048 where the Sun has several points): docs/imposters.md
-  unsigned imposter_shadow_side = 0;
+  // Texels a side of the maps of what the Sun sees, 16 to 16384 (or what the context takes); 0:
+  // nothing casts shadows. None: 2048; where samples = 0, 2896; of imposters five for each of the
+  // texels along their longer side, 256 to 2896; 2048 at most where the Sun has more than 8 points
+  // (docs/shadows.md).
+  std::optional<unsigned> shadow_side;
   Shadows shadows = Shadows::automatic;
   // 2 to 256. Of automatic ones at most: as many as pixel_error asks for, half as many where no
   // penumbra is wider than two pixels

@@ -138,8 +138,8 @@ void declare_all(Arguments& arguments, Options& options) {
                                              "Let the Sun shine through everything: --shadows off");
   arguments
       .add("--shadow-side", options.shadow_side,
-           "Texels a side of a model's shadow map, or of each part of it (default 2048; imposters: "
-           "five for each texel of theirs)")
+           "Texels a side of every model's shadow map, or of each part of it (default 2048; "
+           "auto: 2896 for hard shadows; imposters: five for each texel of theirs)")
       .range(16u, 16384u)
       .excludes(no_shadows)
       .type("N");

@@ -141,8 +141,8 @@ void read_shadows(const ViewText& text, Reader& reader, preview::RenderOptions& 
   reader.flag("no-shadows", text.no_shadows, no_shadows);
   if (no_shadows && text.shadows) reader.fail("--shadows cannot be combined with --no-shadows");
   if (text.shadows) no_shadows = *text.shadows == "off";
-  reader.whole("shadow-side", text.shadow_side, 16u, 16384u, gl.shadow_side);
-  if (text.shadow_side) gl.imposter_shadow_side = gl.shadow_side;
+  if (text.shadow_side)
+    reader.whole("shadow-side", text.shadow_side, 16u, 16384u, gl.shadow_side.emplace());
   reader.whole("sun-points", text.sun_points, 2u, 256u, gl.sun_points);
   if (no_shadows && text.shadow_side)
     reader.fail("--shadow-side cannot be combined with --no-shadows");

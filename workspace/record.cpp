@@ -100,14 +100,14 @@ void add_engine(const DrawOptions& draw, Json& view) {
     if (draw.gl.adaptive && samples > 0) view["adaptive"] = true;
     if (draw.gl.flat) view["flat"] = true;
     if (!draw.gl.specular_filter) view["specular-filter"] = "off";
-    if (draw.gl.shadow_side == 0)
+    const bool shadows = draw.gl.shadow_side != 0u;
+    if (!shadows)
       view["no-shadows"] = true;
-    else if (draw.gl.imposter_shadow_side > 0 ||
-             draw.gl.shadow_side != preview::RenderOptions{}.shadow_side)
-      view["shadow-side"] = draw.gl.shadow_side;
-    if (draw.gl.shadow_side > 0 && draw.gl.shadows != preview::Shadows::automatic)
+    else if (draw.gl.shadow_side)
+      view["shadow-side"] = *draw.gl.shadow_side;
+    if (shadows && draw.gl.shadows != preview::Shadows::automatic)
       view["shadows"] = draw.gl.shadows == preview::Shadows::hard ? "hard" : "soft";
-    if (draw.gl.shadow_side > 0 && draw.gl.shadows != preview::Shadows::hard)
+    if (shadows && draw.gl.shadows != preview::Shadows::hard)
       view["sun-points"] = draw.gl.sun_points;
     if (!draw.gl.levels)
       view["levels"] = "off";

@@ -69,7 +69,9 @@ void describe(const world::World& world, const world::Camera& camera, const Draw
   const unsigned samples = options.samples > 0 ? options.samples : own;
   add("panwright.samples", samples > 0 ? fmt::format("{}", samples) : "auto");
   if (samples == 0) add("panwright.pixel_error", fmt::format("{}", options.gl.pixel_error));
-  if (!traced) add("panwright.shadow_side", fmt::format("{}", options.gl.shadow_side));
+  if (!traced)
+    add("panwright.shadow_side",
+        options.gl.shadow_side ? fmt::format("{}", *options.gl.shadow_side) : "auto");
   if (!traced && options.gl.shadows != preview::Shadows::automatic)
     add("panwright.shadows", options.gl.shadows == preview::Shadows::hard ? "hard" : "soft");
   add(preview::kRecordName, std::move(record));

@@ -19,7 +19,7 @@ struct FrameScene {
   const VisibleSet& visible;
   const ShadowMaps* shadows = nullptr;  // of the visible targets; null: none
   double pixel = 1;  // of the image, in those of the camera: of imposters, texels
-  unsigned soft_side = ~0u;     // texels, most of shadow maps of several points of the Sun's disc
+  std::uint32_t texels = 0;     // of an imposter, along its longer side; 0: of an image
   bool specular_filter = true;  // RenderOptions
 
   const TargetState& state(std::size_t visible_target) const {

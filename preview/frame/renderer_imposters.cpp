@@ -16,21 +16,10 @@ bool Renderer::Impl::draw_texels(const world::World& world, const RenderOptions&
   reset(frames[frame].image, imposter.camera, false);
   FrameScene scene{world, imposter.camera, states, *shown};
   scene.pixel = imposter.rate();
-  // the mean over points of the Sun's disc is as smooth as a finer map of one
-  if (options.imposter_shadow_side == 0) scene.soft_side = 2048;
+  scene.texels = imposter.texels;
   if (submit_radiance(scene, options, frame, log) && take_all(frame, log)) return true;
   abandon(frame);
   return false;
-}
-
-// Of an imposter's shadow map: in steps of a half octave, so that one map serves draws that differ
-// little. What coarse texels lose of the light is said in docs/imposters.md.
-static unsigned shadow_side_for(const Imposter& imposter) {
-  constexpr double kOfTexels = 5;
-  constexpr double kLeast = 256;
-  constexpr double kMost = 2896;
-  const double step = std::round(2 * std::log2(kOfTexels * imposter.texels)) / 2;
-  return static_cast<unsigned>(std::clamp(std::exp2(step), kLeast, kMost)) / 16 * 16;
 }
 
 // Adds to the frame's patches and report; hides what is in an imposter.
@@ -66,9 +55,6 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
     double flux_error = 0;
     for (int draw = 0; draw < 2; ++draw) {
       place_imposter(camera, imposter);
-      if (options.shadow_side > 0)
-        own.shadow_side = options.imposter_shadow_side > 0 ? options.imposter_shadow_side
-                                                           : shadow_side_for(imposter);
       if (!draw_texels(world, own, levels, imposter, index, log)) return false;
       flux_error = flux_error_of(frame.image);
       if (flux_error <= kEnough * options.flux_error || imposter.texels >= most_side) break;

@@ -64,7 +64,7 @@ class ShadowMaps {
   // Reports: W5012. Fails: E0001; E5003; E5001 when the driver refuses a shader.
   struct Limits {
     unsigned side = 2048;  // texels of a map or a cell of one, > 4; the context may have less
-    unsigned soft_side = 2048;  // the same where the Sun has several points
+    unsigned soft_side = 2048;  // the same where the Sun has more than 8 points
     std::uint64_t bytes = 0;
     SunDisc disc;
   };

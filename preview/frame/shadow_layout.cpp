@@ -33,6 +33,8 @@ double nearest_pixel(const world::Camera& camera, const FrameScene& scene,
   return std::max(near, far * 0x1p-20) / focal * scene.pixel;
 }
 
+constexpr unsigned kFewPoints = 8;  // of the Sun's disc
+
 // As many points of the Sun's disc as are asked for, half of them where pixels are too large to
 // show the steps between them.
 unsigned points_for(double penumbra, const SunDisc& disc) {
@@ -197,7 +199,10 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
                                glm::length(Vec2(camera.width, camera.height)) / scene.pixel);
   const bool soft = disc_.points > 1 && (disc_.always || layout.penumbra > kShownPenumbra);
   const bool was_soft = kept && kept->layout.points > 1;
-  if (kept && kept->layout.view == view && soft == was_soft) return;
+  // as much memory for many points as for few with finer texels
+  const bool many = soft && points_for(layout.penumbra, disc_) > kFewPoints;
+  const unsigned side = many ? soft_side : limits.side;
+  if (kept && kept->layout.view == view && soft == was_soft && layout.tiles.side == side) return;
   layout.points = soft ? 2 : 1;
   layout.whole = soft ? widened(layout.bare, disc_.tangent) : layout.bare;
   shown_.clear();
@@ -210,7 +215,7 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
   }
   layout.view = view;
   TileLimits own = limits;
-  if (soft) own.side = soft_side;
+  own.side = side;
   own.sun_tangent = soft ? disc_.tangent : 0;
   layout.tiles = finder_.find(camera, view.camera_from_model, layout.whole, shown_, own);
   shown_.clear();  // which hold models

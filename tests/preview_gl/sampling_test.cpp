@@ -268,7 +268,7 @@ TEST(Sampling, EdgesOfShadowsAreSaid) {
     const auto said = [&](unsigned side) {
       RenderOptions options;
       options.samples = samples;
-      options.shadow_side = options.imposter_shadow_side = side;
+      options.shadow_side = side;
       DiagnosticLog log;
       EXPECT_TRUE(renderer.render(view, options, log));
       return renderer.renderer().sampling().shadow_edge;
