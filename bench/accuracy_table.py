@@ -186,11 +186,11 @@ def far_curves():
     ways = spheres()
     out = {"far-flux.svg": curves.chart(
         "Flux of a Lambert sphere, phase 60°", "radius, pixels", "relative error of the flux, rms",
-        [(way, [(radius, error) for radius, error, _ in points]) for way, points in ways.items()],
+        [(way, [(radius, error) for radius, error, _ in points]) for way, points in ways.items() if way != "imposter, cropped"],
         (0.01, 100), (1e-5, 10), [("asked: 5e-4", 5e-4)])}
     out["far-speed.svg"] = curves.chart(
         "Error and time of the sphere at 1 pixel", "milliseconds an image", "relative error of the flux, rms",
-        [(way, [(ms, error) for radius, error, ms in points if radius == 1]) for way, points in ways.items()],
+        [(way, [(ms, error) for radius, error, ms in points if radius == 1]) for way, points in ways.items() if way != "imposter, cropped"],
         (1, 1e3), (1e-4, 1), [("asked: 5e-4", 5e-4)])
     ranges = {"imposter": [], "samples, auto": []}
     for row in rows("h100/imposters_craft"):

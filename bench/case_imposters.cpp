@@ -33,6 +33,7 @@ constexpr Way kWays[] = {{"imposter", 0, preview::Imposters::automatic, 200},
                          {"4x4", 4, preview::Imposters::off, 100},
                          {"8x8", 8, preview::Imposters::off, 60},
                          {"16x16", 16, preview::Imposters::off, 40},
+                         {"imposter, cropped", 0, preview::Imposters::automatic, 40, true},
                          {"auto, no imposters", 0, preview::Imposters::off, 40},
                          {"16x16, cropped", 16, preview::Imposters::off, 40, true},
                          {"64x64, cropped", 64, preview::Imposters::off, 40, true}};
@@ -245,6 +246,24 @@ Target sphere_target(const world::ModelPtr& model, double radius, DiagnosticLog&
   return target;
 }
 
+// What samples of a crop take for the error of an imposter of the same crop, by their law: the
+// error of a disc's area falls as samples^(-3/4).
+void add_equal_error(Context& context, double radius, const Spread& imposter, const Spread& samples,
+                     const char* name) {
+  const double more = std::pow(samples.flux_rms / imposter.flux_rms, 4.0 / 3.0);
+  Row row{.case_name = "imposters",
+          .setting = fmt::format("Lambert sphere r={}px: {} at the imposter's error", radius, name),
+          .speed = more * samples.timing.median / imposter.timing.median,
+          .speed_unit = "times the imposter's time",
+          .error = imposter.flux_rms,
+          .error_unit = "relative flux, rms",
+          .reference = "closed form, box image",
+          .reference_error = 4e-5,
+          .runs = imposter.timing.runs,
+          .must = 1};
+  context.add(row);
+}
+
 void run_spheres(Context& context, preview::Renderer& renderer, DiagnosticLog& log) {
   const auto model = compiled_model(sphere_scene({200, 400}, lambert_material(1)), log);
   if (!model) return context.note("the sphere could not be compiled");
@@ -263,6 +282,7 @@ void run_spheres(Context& context, preview::Renderer& renderer, DiagnosticLog& l
     const auto truth = [&](const world::Camera& camera) {
       return camera.principal + Vec2(radius * oracles::lambert_sphere_photocentre(kPhase), 0);
     };
+    std::optional<Spread> by_imposter;
     for (const Way& way : kWays) {
       const bool own = way.imposters != preview::Imposters::off;
       if (context.quick() && !own && way.samples != 8) continue;
@@ -272,9 +292,13 @@ void run_spheres(Context& context, preview::Renderer& renderer, DiagnosticLog& l
       const Target seen = way.cropped ? cropped(target, radius) : target;
       const auto spread = spread_of(renderer, seen, options_of(way), effort, box, log);
       if (!spread) return context.note("a sphere could not be drawn");
-      add_rows(context, "imposters", fmt::format("Lambert sphere r={}px {}", radius, way.name), *spread,
-               own ? 5e-4 : 0, own ? 1e-5 : 0, own ? 0.02 : 0, "closed form, box image", 4e-5);
-      if (!own) continue;
+      add_rows(context, "imposters", fmt::format("Lambert sphere r={}px {}", radius, way.name),
+               *spread, own ? 5e-4 : 0, own ? 1e-5 : 0, own && !way.cropped ? 0.02 : 0,
+               "closed form, box image", 4e-5);
+      if (own && way.cropped) by_imposter = *spread;
+      if (!own && way.cropped && by_imposter)
+        add_equal_error(context, radius, *by_imposter, *spread, way.name);
+      if (!own || way.cropped) continue;
       preview::RenderOptions options = options_of(way);
       options.psf_sigma = 0.5;
       const auto blurred = spread_of(renderer, target, options, effort, truth, log);
@@ -306,7 +330,7 @@ void run_glossy(Context& context, preview::Renderer& renderer, DiagnosticLog& lo
     target.flux = radius * radius * 0.250049990;
     for (const Way& way : kWays) {
       const bool own = way.imposters != preview::Imposters::off;
-      if (!own && way.samples != 8) continue;
+      if (way.cropped || (!own && way.samples != 8)) continue;
       const auto middle = [](const world::Camera& camera) { return camera.principal; };
       const auto spread = spread_of(renderer, target, options_of(way), {context.quick() ? 4 : 40, 5},
                                     middle, log);
