@@ -17,6 +17,11 @@ constexpr Vec2 kCentre(0.31, 0.13);
 // pixel's side there, which leave 5 % of a pixel's light (RMS) and 0.1 % of the flux; samples to that
 // error take two to five times as long, and leave 0.3 % of the flux.
 constexpr double kSmall = 100;
+// The largest that is tried, what it has of texels a pixel, and the most instances: spacecraft of
+// many parts have as many edges as need samples.
+constexpr double kTried = 350;
+constexpr double kTriedRate = 3;
+constexpr std::size_t kTriedItems = 16;
 // So many times the texels of a disc's side are along the side of the box about a round target; a
 // little more, so that few are drawn twice.
 constexpr double kBoxOfDisc = 2;
@@ -45,6 +50,11 @@ bool add_box(const world::Camera& camera, const PlacedBox& box, PlaneRect& rect)
     rect.add({at, at});
   }
   return true;
+}
+
+std::uint32_t texels_of(double extent, const RenderOptions& options, double rate) {
+  return std::max(texels_for(options.flux_error),
+                  static_cast<std::uint32_t>(std::ceil(rate * extent)));
 }
 
 double pixels_of(const world::Camera& camera) { return std::max(camera.focal.x, camera.focal.y); }
@@ -106,10 +116,27 @@ bool ImposterFinder::merge_some(double pixels) {
   return any;
 }
 
+// Expects: imposters_ and others_ are complete.
+void ImposterFinder::add_tried(const RenderOptions& options) {
+  const std::size_t settled = imposters_.size();
+  for (Imposter& one : too_large_) {
+    const auto overlaps = [&](const PlaneRect& rect) { return rect.overlaps(one.rect); };
+    // it is one of the others itself
+    if (std::count_if(others_.begin(), others_.end(), overlaps) > 1 ||
+        std::any_of(imposters_.begin(), imposters_.begin() + static_cast<std::ptrdiff_t>(settled),
+                    [&](const Imposter& other) { return overlaps(other.rect); }))
+      continue;
+    one.tried = true;
+    one.texels = texels_of(one.extent, options, kTriedRate);
+    imposters_.push_back(std::move(one));
+  }
+}
+
 std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const VisibleSet& visible,
                                          const RenderOptions& options, std::uint32_t most_side) {
   imposters_.clear();
   others_.clear();
+  too_large_.clear();
   if (options.imposters == Imposters::off) return {};
   const double pixels = pixels_of(camera);
   const double limit = (most_side - 4) / kLeastRate;
@@ -123,13 +150,15 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
       before = before && add_box(camera, box, one.rect);
     one.extent = before ? pixels * one.rect.longer_side() : INFINITY;
     if (!before) one.rect = {Vec2(-INFINITY), Vec2(INFINITY)};
+    one.targets.push_back(v);
     if (!(one.extent > 0 && one.extent <= largest)) {
       others_.push_back(one.rect);
+      if (one.extent > 0 && one.extent <= std::min(kTried, limit) &&
+          visible.targets[v].items.size() <= kTriedItems)
+        too_large_.push_back(one);
       continue;
     }
-    one.targets.push_back(v);
-    one.texels = std::max(texels_for(options.flux_error),
-                          static_cast<std::uint32_t>(std::ceil(kLeastRate * one.extent)));
+    one.texels = texels_of(one.extent, options, kLeastRate);
     imposters_.push_back(std::move(one));
   }
   do std::sort(imposters_.begin(), imposters_.end(), [](const Imposter& a, const Imposter& b) {
@@ -142,6 +171,7 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
     others_.push_back(one.rect);
     return true;
   });
+  if (options.imposters == Imposters::automatic && !options.imposter_pixels) add_tried(options);
   std::sort(imposters_.begin(), imposters_.end(), [](const Imposter& a, const Imposter& b) {
     return a.extent != b.extent ? a.extent > b.extent : a.targets < b.targets;
   });
@@ -153,11 +183,13 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
   }
   const double share = std::sqrt(std::min(1.0, kMostTexels / std::max(all, 1.0)));
   for (Imposter& one : imposters_) {
-    const double least = std::max<double>(kFewest, kLeastRate * one.extent);
+    const double rate = one.tried ? kTriedRate : kLeastRate;
+    const double least = std::max<double>(kFewest, rate * one.extent);
     one.texels = static_cast<std::uint32_t>(
         std::ceil(std::max(share * one.texels, std::min<double>(least, one.texels))));
-    one.alone = std::none_of(others_.begin(), others_.end(),
-                             [&](const PlaneRect& rect) { return rect.overlaps(one.rect); });
+    one.alone =
+        one.tried || std::none_of(others_.begin(), others_.end(),
+                                  [&](const PlaneRect& rect) { return rect.overlaps(one.rect); });
   }
   return imposters_;
 }

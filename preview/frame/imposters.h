@@ -41,6 +41,8 @@ struct Imposter {
   std::uint32_t texels = 0;            // along it
   // Whether no target that has no imposter may be seen in the rectangle.
   bool alone = true;
+  // Whether it is one only if its pixels are as right as is asked (pixel_error_of()).
+  bool tried = false;
 
   // as place_imposter() sets them
   world::Camera camera;  // its pixels are texels
@@ -66,7 +68,8 @@ std::uint32_t texels_for(double flux_error);
 //
 // Targets whose rectangles overlap share an imposter, so that what hides what is told texel by
 // texel. One that is much smaller than the other has its own, which takes the place of the larger
-// one's texels. A target that reaches behind the camera has none.
+// one's texels. A target that reaches behind the camera has none. A larger target that overlaps
+// nothing is tried: smooth ones are righter and sooner there by texels, foil by samples.
 class ImposterFinder {
  public:
   // Returns them from the largest to the smallest, unplaced; they stay until the next call.
@@ -78,8 +81,10 @@ class ImposterFinder {
 
  private:
   bool merge_some(double pixels);
+  void add_tried(const RenderOptions& options);
   std::vector<Imposter> imposters_;
-  std::vector<PlaneRect> others_;  // of targets that have none
+  std::vector<PlaneRect> others_;    // of targets that have none
+  std::vector<Imposter> too_large_;  // those of them that may be tried
 };
 
 }  // namespace panwright::preview

@@ -57,12 +57,18 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
       place_imposter(camera, imposter);
       if (!draw_texels(world, own, levels, imposter, index, log)) return false;
       flux_error = flux_error_of(frame.image);
+      if (imposter.tried &&
+          pixel_error_of(frame.image, flux_error, imposter.rate()) > options.pixel_error) {
+        imposter.targets.clear();
+        break;
+      }
       if (flux_error <= kEnough * options.flux_error || imposter.texels >= most_side) break;
       if (draw > 0) break;
       const double more = std::pow(flux_error / (kAim * options.flux_error), 2.0 / 3.0);
       imposter.texels = static_cast<std::uint32_t>(
           std::min<double>(most_side, std::ceil(more * imposter.texels)));
     }
+    if (imposter.targets.empty()) continue;  // samples show it
     double texels = static_cast<double>(frame.image.pixels());
     if (!imposter.alone) {
       // what it stands before or behind is in the image already

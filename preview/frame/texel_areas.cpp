@@ -401,6 +401,19 @@ double flux_error_of(const Image& texels) {
   return sum > 0 ? kStep * std::sqrt(squares) / sum : 0;
 }
 
+double pixel_error_of(const Image& texels, double flux_error, double rate) {
+  double sum = 0;
+  double squares = 0;
+  for (std::size_t i = 0; i < texels.radiance.size(); i += 3) {
+    const float* c = texels.radiance.data() + i;
+    const double light =
+        static_cast<double>(c[0]) + static_cast<double>(c[1]) + static_cast<double>(c[2]);
+    sum += light;
+    squares += light * light;
+  }
+  return squares > 0 ? flux_error * sum / (std::sqrt(squares) * rate) : 0;
+}
+
 void convolve(double sigma, Image& image) {
   const std::vector<double> kernel = kernel_of(sigma);
   convolve_layer(kernel, 3, image.width, image.height, image.radiance);

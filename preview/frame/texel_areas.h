@@ -35,6 +35,11 @@ ImposterPatch patch_of(const Imposter& imposter, const Image& texels, const Imag
 // discs, where this is 0.29 times the radius to -3/2. 0 for an image without light.
 double flux_error_of(const Image& texels);
 
+// The same of the pixels, RMSE over RMS radiance: where errors of pixels are independent.
+//
+//   rate  texels a pixel, along a side
+double pixel_error_of(const Image& texels, double flux_error, double rate);
+
 // From pixels without to pixels with a Gaussian PSF: the discrete kernel that has its variance and
 // adds up to 1. Light from beyond the border is missing.
 void convolve(double sigma, Image& image);

@@ -130,6 +130,65 @@ TEST(Imposters, PsfShowsWhereTheyAre) {
   }
 }
 
+// Up to 350 pixels a target is an imposter where that leaves pixels as right as is asked: a smooth
+// sphere is, a field of facets whose glints are finer than texels is not.
+TEST(Imposters, LargeOnesWherePixelsAreRight) {
+  Studio studio;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> offset(-0.5, 0.5);
+  constexpr double kRadius = 100;
+  View view = far_view(kRadius, 256, kPhase);
+  const world::World world = world_of(ball(), view);
+  RenderOptions options = automatic();
+  options.psf_sigma = 0.5;
+  const double expected = oracles::lambert_sphere_intensity(kPhase) * kRadius * kRadius;
+  double low = INFINITY;
+  double high = 0;
+  for (int run = 0; run < 6; ++run) {
+    view.camera.principal = Vec2(128 + offset(random), 128 + offset(random));
+    const Sums sums = measured(studio.draw(world, view.camera, options));
+    EXPECT_EQ(studio.renderer().sampling().imposters.size(), 1u);
+    EXPECT_NEAR(sums.flux, expected, 5e-4 * expected);
+    const Vec2 centre =
+        view.camera.principal + Vec2(kRadius * oracles::lambert_sphere_photocentre(kPhase), 0);
+    // measured: 4.4e-3, and 2.2e-4 of the flux: the mesh's
+    EXPECT_NEAR(sums.centre.x, centre.x, 8e-3);
+    EXPECT_NEAR(sums.centre.y, centre.y, 8e-3);
+    low = std::min(low, sums.flux);
+    high = std::max(high, sums.flux);
+  }
+  EXPECT_LE(high - low, 1e-6 * high);  // measured: 2e-9
+
+  geometry::Mesh facets;
+  std::normal_distribution<double> slope(0, 0.3);
+  constexpr std::uint32_t kCells = 300;
+  for (std::uint32_t i = 0; i < kCells * kCells; ++i) {
+    const auto first = static_cast<std::uint32_t>(facets.positions.size());
+    const Vec3 normal = glm::normalize(Vec3(slope(random), slope(random), 1));
+    const Vec3 corner(2.0 * (i % kCells) / kCells - 1, 2.0 * (i / kCells) / kCells - 1, 0);
+    for (const Vec3& at : {Vec3(0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)}) {
+      facets.positions.push_back(corner + 2.0 / kCells * at);
+      facets.normals.push_back(normal);
+    }
+    facets.triangles.push_back({first, first + 1, first + 2});
+    facets.triangles.push_back({first, first + 2, first + 3});
+  }
+  materials::Material glossy = lambert(0);
+  glossy.weights = {0, 1, 0};
+  glossy.specular = Vec3(1);
+  glossy.specular_brdf = materials::with_slopes(materials::SpecularModel::ggx, Vec2(0.05));
+  materials::fit(glossy);
+  View above = looking_from(Vec3(0, 0, 1), 1e4, 1e-3, 256);
+  above.camera.focal = Vec2(80 * 1e4);
+  above.to_sun = Vec3(0, 0, 1);
+  const world::World foil = world_of(shared(single(facets, glossy)), above);
+  const Image image = studio.draw(foil, above.camera, automatic());
+  EXPECT_TRUE(studio.renderer().sampling().imposters.empty());
+  RenderOptions samples = automatic();
+  samples.imposters = Imposters::off;
+  EXPECT_EQ(image.radiance, studio.draw(foil, above.camera, samples).radiance);
+}
+
 // A plate of any turn about the boresight, its edges along pixels among them.
 TEST(Imposters, PlatesOfAnyTurn) {
   Studio studio;
@@ -222,10 +281,12 @@ TEST(Imposters, BesideLargeOnes) {
   world.set_sun(sun);
   view.camera.principal = Vec2(80.37, 80.37);
   world.set_visible(1, false);
-  const Sums without = measured(studio.draw(world, view.camera, automatic()));
+  RenderOptions options = automatic();
+  options.imposter_pixels = 50;  // the wall has none, whatever is beside it
+  const Sums without = measured(studio.draw(world, view.camera, options));
   world.set_visible(1, true);
   world.set_pose(1, {Vec3(50.1, 3, 0), Quat(1, 0, 0, 0)});
-  const Sums with = measured(studio.draw(world, view.camera, automatic()));
+  const Sums with = measured(studio.draw(world, view.camera, options));
   EXPECT_NEAR(with.coverage - without.coverage, 0.01, 1e-4);
   EXPECT_NEAR(with.flux - without.flux, 0.01 / kPi, 5e-5);
 }
