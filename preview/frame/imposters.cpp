@@ -20,7 +20,7 @@ constexpr double kSmall = 100;
 // The largest that is tried, what it has of texels a pixel, and the most instances: spacecraft of
 // many parts have as many edges as need samples.
 constexpr double kTried = 350;
-constexpr double kTriedRate = 3;
+constexpr double kTriedRate = 2;
 constexpr std::size_t kTriedItems = 16;
 // So many times the texels of a disc's side are along the side of the box about a round target; a
 // little more, so that few are drawn twice.

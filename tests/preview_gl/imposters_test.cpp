@@ -151,7 +151,7 @@ TEST(Imposters, LargeOnesWherePixelsAreRight) {
     EXPECT_NEAR(sums.flux, expected, 5e-4 * expected);
     const Vec2 centre =
         view.camera.principal + Vec2(kRadius * oracles::lambert_sphere_photocentre(kPhase), 0);
-    // measured: 4.4e-3, and 2.2e-4 of the flux: the mesh's
+    // measured: 6e-3, and 2.4e-4 of the flux: most of it the mesh's
     EXPECT_NEAR(sums.centre.x, centre.x, 8e-3);
     EXPECT_NEAR(sums.centre.y, centre.y, 8e-3);
     low = std::min(low, sums.flux);
@@ -161,7 +161,7 @@ TEST(Imposters, LargeOnesWherePixelsAreRight) {
 
   geometry::Mesh facets;
   std::normal_distribution<double> slope(0, 0.3);
-  constexpr std::uint32_t kCells = 300;
+  constexpr std::uint32_t kCells = 120;
   for (std::uint32_t i = 0; i < kCells * kCells; ++i) {
     const auto first = static_cast<std::uint32_t>(facets.positions.size());
     const Vec3 normal = glm::normalize(Vec3(slope(random), slope(random), 1));
