@@ -239,7 +239,13 @@ COMMANDS = {
     "view": {
         "frames?": "integer: of the window",
         "ui_ms?": ("once the window is closed", {"median": "number: of the work for a frame, on the window's own thread", "p99": "number: 99 of 100 take no longer", "most": "number"}),
-        "following?": ("once the window is closed", {"images": "integer: drawn while something moved", "ms": "number: that one took, a running mean", "scale": "number: its pixels, in parts of the exact image's, a side"}),
+        "following?": ("once the window is closed", {"images": "integer: drawn while something moved", "ms": "number: that one took, a running mean", "scale": "number: its pixels, in parts of the exact image's, a side",
+            "coarser": "number: its levels of detail are those of pixels so many times as wide", "rate": "number: of them, a second, while one follows the other"}),
+        "first_image_ms?": "number: from the start to the first image on the screen; 0: there was none",
+        "save_to_image_ms?": ("where a file was saved: from its time of modification to the image of it on the screen", {
+            "count": "integer: of them", "median": "number", "most": "number",
+            "last": ("the last one, each from the file's time", {"noticed": "number: the change was seen", "read": "number: the model was made", "shown": "number: its image was on the screen"})}),
+        "memory?": ("of scripts", {"every": "integer: frames from one to the next", "mib": "number[]: of the process, resident"}),
         "exact?": "integer: exact images drawn", "readings?": "integer: of the models",
         "renderer?": "string: by the driver; of what draws images", "render?": "string: the command line that makes the last image",
     },

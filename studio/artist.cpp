@@ -16,10 +16,21 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Of images that follow the mouse: the time they may take, and pixels in parts of the exact
-// image's, a side.
+// Of images that follow the mouse: the time they may take, and what is left out for that.
 constexpr double kFollowSeconds = 0.04;
-constexpr std::array<double, 4> kScales = {1, 0.7, 0.5, 0.35};
+struct Effort {
+  double
+      scale;  // pixels in parts of the exact image's, a side; few sizes: buffers are made for each
+  double coarser;  // levels of detail as for pixels so many times as wide
+  unsigned shadow_side;
+};
+constexpr std::array<Effort, 7> kEfforts = {{{1, 1, 2048},
+                                             {0.7, 1, 2048},
+                                             {0.5, 1, 1024},
+                                             {0.5, 4, 1024},
+                                             {0.35, 4, 512},
+                                             {0.25, 4, 512},
+                                             {0.25, 16, 256}}};
 // without orders for so long the image is drawn exactly
 constexpr auto kStill = std::chrono::milliseconds(120);
 // of the reference, for each pixel
@@ -27,7 +38,7 @@ constexpr std::array<std::uint32_t, 5> kPasses = {8, 32, 128, 512, 2048};
 
 // What levels of detail go by while images follow the mouse: metres that a pixel sees, in steps
 // between those where levels fade into each other, which draws both.
-double steady_level(const Eye& eye, std::uint32_t width) {
+double steady_level(const Eye& eye, double width) {
   const double pixel = 2 * eye.range * std::tan(eye.fov * kDegree / 2) / width;
   return std::exp2(std::floor(std::log2(pixel)) + 0.25);
 }
@@ -87,7 +98,8 @@ struct Artist::Easel {
   }
 };
 
-Artist::Artist(preview::ContextKind context) : context_(context) {
+Artist::Artist(preview::ContextKind context, std::function<void()> news)
+    : context_(context), news_(std::move(news)) {
   thread_ = std::thread([this] { work(); });
 }
 
@@ -125,12 +137,12 @@ Artist::Status Artist::status() const {
 
 void Artist::adapt(double seconds) {
   status_.frame_seconds += (seconds - status_.frame_seconds) * (status_.quick > 1 ? 0.3 : 1);
-  // few sizes: buffers are made for each
-  const auto at = std::find(kScales.begin(), kScales.end(), status_.scale);
-  if (seconds > kFollowSeconds && at + 1 != kScales.end())
-    status_.scale = at[1];
-  else if (seconds < 0.4 * kFollowSeconds && at != kScales.begin())
-    status_.scale = at[-1];
+  if (seconds > kFollowSeconds && effort_ + 1 < kEfforts.size())
+    effort_ = std::min(effort_ + (seconds > 2 * kFollowSeconds ? 2 : 1), kEfforts.size() - 1);
+  else if (seconds < 0.4 * kFollowSeconds && effort_ > 0)
+    --effort_;
+  status_.scale = kEfforts[effort_].scale;
+  status_.coarser = kEfforts[effort_].coarser;
 }
 
 void Artist::work() {
@@ -170,17 +182,17 @@ void Artist::work() {
     job_ = Job(JobOptions{});
     const Job job = job_;
     lock.unlock();
-    paint(easel, order, stage, job);
+    const bool whole = paint(easel, order, stage, job);
     lock.lock();
     job_ = Job();
-    // following images that have all pixels are whole
-    stage_ = stage == Picture::Stage::following && status_.scale == 1 ? Picture::Stage::whole : stage;
+    stage_ = stage == Picture::Stage::following && whole ? Picture::Stage::whole : stage;
     status_.exact = false;
     status_.drawing = wanted_ || stage_ != Picture::Stage::exact;
   }
 }
 
-void Artist::paint(Easel& easel, const Order& order, Picture::Stage stage, const Job& job) {
+// Whether nothing was left out of an image that follows.
+bool Artist::paint(Easel& easel, const Order& order, Picture::Stage stage, const Job& job) {
   const bool exact = stage == Picture::Stage::exact;
   const auto start = Clock::now();
   auto picture = std::make_shared<Picture>();
@@ -188,11 +200,13 @@ void Artist::paint(Easel& easel, const Order& order, Picture::Stage stage, const
   picture->stage = stage;
   picture->exact = exact;
   DiagnosticLog log;
-  double scale = 1;
+  Effort effort = kEfforts[0];
   if (stage == Picture::Stage::following) {
     const std::lock_guard lock(mutex_);
-    scale = status_.scale;
+    effort = kEfforts[effort_];
+    picture->coarser = effort.coarser;
   }
+  const double scale = effort.scale;
   const auto side = [&](std::uint32_t whole) {
     return std::max(1u, static_cast<std::uint32_t>(std::lround(whole * scale)));
   };
@@ -216,16 +230,22 @@ void Artist::paint(Easel& easel, const Order& order, Picture::Stage stage, const
       options->samples = 1;
       options->gl.shadows = preview::Shadows::hard;
       options->gl.imposters = preview::Imposters::off;
-      options->gl.level_pixel = steady_level(order.eye, side(order.width));
+      options->gl.shadow_side = std::min(options->gl.shadow_side, effort.shadow_side);
+      options->gl.level_pixel = picture->coarser * steady_level(order.eye, side(order.width));
     }
     easel.drawer->set_options(*options);
     workspace::show(*view, *order.world, easel.shown);
     if (auto result = easel.drawer->draw(easel.shown, view->camera, exact, log, job))
       drawn = *std::move(result);
   }
-  if (job.cancelled()) return;
+  const bool whole = scale == 1 && picture->coarser == 1;
+  if (job.cancelled()) return whole;
   picture->failed = !drawn;
+  // what an image that follows warns of is what it left out
   picture->messages = messages_of(log);
+  if (!exact)
+    std::erase_if(picture->messages,
+                  [](const Message& each) { return each.severity != Severity::error; });
   if (drawn) {
     picture->image = std::move(drawn->image);
     if (drawn->sampling) picture->sampling = *drawn->sampling;
@@ -242,10 +262,24 @@ void Artist::paint(Easel& easel, const Order& order, Picture::Stage stage, const
   if (stage == Picture::Stage::following) {
     ++status_.quick;
     adapt(picture->seconds);
+    count_follower();
+  } else {
+    followed_ = {};
   }
-  if (ending_) return;
+  if (ending_) return whole;
   if (exact) easel.exact = picture;
   done_ = std::move(picture);
+  if (news_) news_();
+  return whole;
+}
+
+void Artist::count_follower() {
+  const Clock::time_point now = Clock::now();
+  if (followed_ != Clock::time_point{}) {
+    following_seconds_ += std::chrono::duration<double>(now - followed_).count();
+    status_.rate = static_cast<double>(++followers_) / following_seconds_;
+  }
+  followed_ = now;
 }
 
 // One more pass over the last exact image.
@@ -275,7 +309,9 @@ void Artist::trace(Easel& easel, const Order& order, const Job& job) {
   picture->comparison = compared(picture->image, *image);
   picture->reference = std::make_shared<const preview::ReferenceImage>(*std::move(image));
   const std::lock_guard lock(mutex_);
-  if (!ending_ && !wanted_) done_ = std::move(picture);
+  if (ending_ || wanted_) return;
+  done_ = std::move(picture);
+  if (news_) news_();
 }
 
 }  // namespace panwright::studio

@@ -1,8 +1,10 @@
 // Draws images on a thread of its own, with the renderer of `panwright render`.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -46,6 +48,8 @@ struct Picture {
   };
   Stage stage = Stage::following;
   bool exact = false;
+  double coarser =
+      1;  // of one that follows: its levels of detail are those of pixels so many times as wide
   preview::Image image;            // of radiance
   std::vector<std::uint8_t> rgba;  // 4*H*W of the image, sRGB
   double ev = 0;                   // that these are shown with
@@ -66,7 +70,8 @@ struct Picture {
 // asks for that, by the reference renderer, with four times as many samples each time.
 class Artist {
  public:
-  explicit Artist(preview::ContextKind context);
+  // news: called by its thread when take() has something
+  explicit Artist(preview::ContextKind context, std::function<void()> news = {});
   ~Artist();
   Artist(const Artist&) = delete;
   Artist& operator=(const Artist&) = delete;
@@ -83,6 +88,8 @@ class Artist {
     std::string renderer;  // of the OpenGL context
     double frame_seconds = 0;  // of images that follow the mouse, a running mean
     double scale = 1;          // their pixels, in parts of the exact one's, a side
+    double coarser = 1;        // their levels of detail are those of pixels so many times as wide
+    double rate = 0;           // of them, a second, while one follows the other
     std::uint64_t quick = 0;   // drawn so far
     std::uint64_t exact_count = 0;
     std::string problem;  // no OpenGL
@@ -92,11 +99,13 @@ class Artist {
  private:
   struct Easel;
   void work();
-  void paint(Easel& easel, const Order& order, Picture::Stage stage, const Job& job);
+  bool paint(Easel& easel, const Order& order, Picture::Stage stage, const Job& job);
   void trace(Easel& easel, const Order& order, const Job& job);
   void adapt(double seconds);
+  void count_follower();
 
   preview::ContextKind context_;
+  std::function<void()> news_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::optional<Order> wanted_;  // newer than what was drawn
@@ -105,6 +114,10 @@ class Artist {
   std::size_t traced_ = 0;  // passes of the reference over the last exact image
   std::shared_ptr<const Picture> done_;
   Status status_;
+  std::size_t effort_ = 0;                          // of images that follow
+  std::chrono::steady_clock::time_point followed_;  // the last image that follows came then, or 0
+  double following_seconds_ = 0;                    // from one of them to the next, in all
+  std::uint64_t followers_ = 0;
   Job job_;  // of what is being drawn
   bool ending_ = false;
   std::thread thread_;

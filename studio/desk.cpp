@@ -29,7 +29,9 @@ void begin(const char* name, const Vec2& at, const Vec2& size, ImGuiWindowFlags 
 }  // namespace
 
 Desk::Desk(const Options& options)
-    : options_(options), project_(options.files, options.open), artist_(options.context) {}
+    : options_(options),
+      project_(options.files, options.open, glfwPostEmptyEvent),
+      artist_(options.context, glfwPostEmptyEvent) {}
 
 void Desk::frame(const Vec2& size, double scale, const Textures& textures) {
   sample_texture_ = textures.sample;
@@ -93,9 +95,13 @@ void Desk::bar(const Vec2& at, const Vec2& size) {
   else if (shown_ && shown_->exact)
     words = "drawing";
   else if (shown_)
-    words = fmt::format("following: {} of {} pixels, one sample each, {:.0f} ms{}",
-                        shown_->image.pixels(), shown_->order.width * shown_->order.height,
-                        1e3 * shown_->seconds, status.exact ? "; exact image under way" : "");
+    words = fmt::format(
+        "following: {:.0f} % of the pixels, one sample each, {}hard shadows, {:.0f} ms{}",
+        100.0 * static_cast<double>(shown_->image.pixels()) /
+            (shown_->order.width * shown_->order.height),
+        shown_->coarser > 1 ? fmt::format("levels of detail {:g} x coarser, ", shown_->coarser)
+                            : "",
+        1e3 * shown_->seconds, status.exact ? "; exact image under way" : "");
   ImGui::TextDisabled("%s", words.c_str());
   ImGui::End();
 }

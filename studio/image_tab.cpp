@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "studio/window.h"
@@ -109,6 +110,7 @@ void Desk::paint_canvas() {
   const Picture& picture = *shown_;
   canvas_.width = picture.image.width;
   canvas_.height = picture.image.height;
+  canvas_.smooth = canvas_.width < picture.order.width;
   scale_ = {};
   if (compare_ == "difference" && picture.reference) {
     scale_ = difference_pixels(picture.image, picture.reference->image, picture.comparison.rms, difference_);
@@ -168,6 +170,16 @@ const Desk::Canvas* Desk::new_canvas() {
   shown_as_ = as;
   paint_canvas();
   return &canvas_;
+}
+
+std::optional<SavedToImage> Desk::saved_to_image() {
+  if (models_.saved == measured_ || !shown_ || shown_->order.world != models_.world) return {};
+  measured_ = models_.saved;
+  if (models_.saved == 0) return {};
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto later =
+      std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() - models_.saved;
+  return SavedToImage{models_.noticed, models_.read, 1e-9 * static_cast<double>(later)};
 }
 
 }  // namespace panwright::studio

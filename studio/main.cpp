@@ -1,4 +1,5 @@
 // panwright-studio: the window. `panwright view` starts it.
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -17,12 +18,29 @@ void print(const studio::Report& report, int code, const DiagnosticLog& log) {
   out["schema"] = 1;
   out["schema_id"] = "panwright/view/1";
   out["command"] = "view";
-  out["frames"] = report.frames;
-  out["ui_ms"] = {
-      {"median", report.ui_ms[0]}, {"p99", report.ui_ms[1]}, {"most", report.ui_ms[2]}};
+  out["frames"] = report.spent.count();
+  out["ui_ms"] = {{"median", report.spent.at(0.5)},
+                  {"p99", report.spent.at(0.99)},
+                  {"most", report.spent.largest()}};
+  out["first_image_ms"] = 1e3 * report.first_image;
   out["following"] = {{"images", report.drawing.quick},
                       {"ms", 1e3 * report.drawing.frame_seconds},
-                      {"scale", report.drawing.scale}};
+                      {"scale", report.drawing.scale},
+                      {"coarser", report.drawing.coarser},
+                      {"rate", report.drawing.rate}};
+  if (report.saved.count() > 0)
+    out["save_to_image_ms"] = {{"count", report.saved.count()},
+                               {"median", 1e3 * report.saved.at(0.5)},
+                               {"most", 1e3 * report.saved.largest()},
+                               {"last",
+                                {{"noticed", 1e3 * report.last_saved.noticed},
+                                 {"read", 1e3 * report.last_saved.read},
+                                 {"shown", 1e3 * report.last_saved.shown}}}};
+  if (report.resident.count() > 0) {
+    out["memory"] = {{"every", report.resident.every()}, {"mib", nlohmann::ordered_json::array()}};
+    for (const double bytes : report.resident.kept())
+      out["memory"]["mib"].push_back(std::round(bytes / (1 << 20) * 10) / 10);
+  }
   out["exact"] = report.drawing.exact_count;
   out["readings"] = report.readings;
   out["renderer"] = report.drawing.renderer;

@@ -13,7 +13,6 @@
 namespace panwright::studio {
 namespace {
 
-constexpr int kWayFrames = 12;    // of a drag
 constexpr int kPatience = 40000;  // frames that are waited for what does not come: minutes
 constexpr int kLook = 60;         // frames in which a widget has to be there
 
@@ -145,10 +144,11 @@ bool Player::move(const Step& step, Desk& desk) {
     if (frame_ == 1) hand_.wheel = step.amount;
     return frame_ == 3;
   }
-  const double share = std::clamp((frame_ - 2) / double{kWayFrames}, 0.0, 1.0);
+  const int way = static_cast<int>(step.amount);
+  const double share = std::clamp((frame_ - 2) / step.amount, 0.0, 1.0);
   hand_.mouse = on_picture(step.from + share * (step.to - step.from), desk);
-  hand_.buttons[step.button] = frame_ >= 2 && frame_ <= kWayFrames + 3;
-  return frame_ == kWayFrames + 6;
+  hand_.buttons[step.button] = frame_ >= 2 && frame_ <= way + 3;
+  return frame_ == way + 6;
 }
 
 bool Player::replace(const Step& step) {

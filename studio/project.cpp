@@ -14,10 +14,22 @@ namespace {
 using namespace std::chrono_literals;
 
 // how often files are looked at
-constexpr auto kLook = 30ms;
+constexpr auto kLook = 10ms;
+// What is wrong counts once the files have stayed as they are for so long: editors write in several
+// steps.
+constexpr auto kSettle = 30ms;
+// Larger files are read once they have stayed as they are for so long, too.
+constexpr std::int64_t kSmall = 4 << 20;  // bytes
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// nanoseconds, of the system's clock
+double seconds_since(std::int64_t saved) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return 1e-9 * static_cast<double>(
+                    std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() - saved);
 }
 
 }  // namespace
@@ -49,8 +61,9 @@ std::vector<Message> messages_of(const DiagnosticLog& log) {
   return out;
 }
 
-Project::Project(std::vector<std::string> files, workspace::OpenOptions open)
-    : files_(std::move(files)), open_(std::move(open)) {
+Project::Project(std::vector<std::string> files, workspace::OpenOptions open,
+                 std::function<void()> news)
+    : files_(std::move(files)), open_(std::move(open)), news_(std::move(news)) {
   state_.reading = true;
   reader_ = std::thread([this] { read(); });
   watcher_ = std::thread([this] { watch(); });
@@ -75,11 +88,18 @@ Project::State Project::state() const {
 void Project::read_again() {
   {
     const std::lock_guard lock(mutex_);
-    wanted_ = true;
-    state_.reading = true;
-    if (job_.state()) job_.cancel();
+    notice(0);
   }
   wake_.notify_all();
+}
+
+// Expects: the lock.
+void Project::notice(std::int64_t saved) {
+  saved_ = saved;
+  noticed_ = saved == 0 ? 0 : seconds_since(saved);
+  wanted_ = true;
+  state_.reading = true;
+  if (job_.state()) job_.cancel();
 }
 
 void Project::add(const std::string& file) {
@@ -108,15 +128,26 @@ void Project::watch() {
   while (!wake_.wait_for(lock, kLook, [&] { return ending_; })) {
     const std::vector<workspace::FileStamp> known = watched_;
     lock.unlock();
-    std::vector<workspace::FileStamp> now = known;
-    const bool changed = workspace::have_changed(now);
+    std::vector<workspace::FileStamp> now = workspace::stamps_of(known);
+    if (now == known) {
+      lock.lock();
+      continue;
+    }
+    std::int64_t saved = 0;
+    bool large = false;
+    for (std::size_t i = 0; i < now.size(); ++i)
+      if (now[i] != known[i]) {
+        saved = std::max(saved, now[i].time);
+        large = large || now[i].size > kSmall;
+      }
+    if (large) workspace::wait_until_still(now);
     lock.lock();
-    if (!changed || watched_ != known) continue;
+    if (watched_ != known) continue;
     watched_ = std::move(now);
-    wanted_ = true;
-    state_.reading = true;
-    if (job_.state()) job_.cancel();
+    changed_ = Clock::now();
+    notice(saved);
     wake_.notify_all();
+    if (news_) news_();
   }
 }
 
@@ -136,6 +167,7 @@ void Project::read() {
     lock.lock();
     job_ = Job();
     state_.reading = wanted_;
+    if (news_) news_();
   }
 }
 
@@ -182,12 +214,18 @@ void Project::read_once(const std::vector<std::string>& files,
   for (const std::filesystem::path& path : more)
     if (paths.insert(path).second) stamps.push_back(workspace::stamp_of(path));
 
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
+  const bool bad = !world || log.has_errors();
+  // half written? the watcher goes on with what it has seen
+  if (bad) wake_.wait_until(lock, changed_ + kSettle, [&] { return wanted_ || ending_; });
+  if (job.cancelled() || (bad && wanted_)) return;
   watched_ = std::move(stamps);
-  if (job.cancelled()) return;
   state_.messages = messages_of(log);
-  state_.failed = !world || log.has_errors();
-  if (!state_.failed) {
+  state_.failed = bad;
+  if (!bad) {
+    state_.saved = saved_;
+    state_.noticed = noticed_;
+    state_.read = saved_ == 0 ? 0 : seconds_since(saved_);
     state_.world = std::make_shared<const world::World>(*std::move(world));
     state_.partial = false;
   } else if (some) {

@@ -1,10 +1,11 @@
 // The models of the window: read on a thread of their own, and again when one of their files changes.
 #pragma once
 
-#include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -34,8 +35,10 @@ std::vector<Message> messages_of(const DiagnosticLog& log);
 // The targets as they were read last without an error.
 class Project {
  public:
-  // files: FILE or NAME=FILE. Reading begins at once.
-  Project(std::vector<std::string> files, workspace::OpenOptions open);
+  // files: FILE or NAME=FILE. Reading begins at once. news: called by its threads when state() is
+  // another one
+  Project(std::vector<std::string> files, workspace::OpenOptions open,
+          std::function<void()> news = {});
   ~Project();
   Project(const Project&) = delete;
   Project& operator=(const Project&) = delete;
@@ -48,6 +51,10 @@ class Project {
     bool failed = false;   // the last reading: `world` is of an earlier one
     bool partial = false;  // or of those targets that can be read: there was none before
     double seconds = 0;    // of the last reading
+    // of the change of a file that led to `world`; of the first one, and of others than files: 0
+    std::int64_t saved = 0;  // when the file was written, ns of the system's clock
+    double noticed = 0;      // seconds later
+    double read = 0;         // seconds later than `saved` the world was there
     std::vector<std::filesystem::path> watched;
   };
   State state() const;
@@ -59,8 +66,10 @@ class Project {
   void set_unsaved(decltype(workspace::OpenOptions::unsaved) texts);
 
  private:
+  using Clock = std::chrono::steady_clock;
   void watch();
   void read();
+  void notice(std::int64_t saved);
   void read_once(const std::vector<std::string>& files, const workspace::OpenOptions& open,
                  const Job& job);
 
@@ -70,6 +79,10 @@ class Project {
   std::condition_variable_any wake_;
   State state_;
   std::vector<workspace::FileStamp> watched_;
+  std::int64_t saved_ = 0;  // of the change that is to be read, or is being read
+  double noticed_ = 0;
+  Clock::time_point changed_;  // when the watcher saw the last change
+  std::function<void()> news_;
   Job job_;  // of the reading that is under way
   bool wanted_ = true;
   bool ending_ = false;

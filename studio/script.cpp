@@ -15,6 +15,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::uint64_t kMostBytes = 1 << 20;
+constexpr int kDeepest = 8;
+constexpr std::size_t kMostSteps = 100000;  // repeated ones counted each time
 
 struct Wrong {
   std::string what;
@@ -62,6 +64,13 @@ Step step_of(const std::string& kind, const Json& json) {
         throw Wrong{"'button' is left, right or middle"};
       step.button = button == "left" ? 0 : button == "right" ? 1 : 2;
     }
+    step.amount = 12;
+    if (json.contains("frames")) {
+      const Json& frames = json["frames"];
+      if (!frames.is_number_integer() || frames < 1 || frames > 100000)
+        throw Wrong{"'frames' is 1 to 100000"};
+      step.amount = frames.get<double>();
+    }
   } else if (kind == "scroll") {
     step.kind = Step::Kind::scroll;
     if (!json.is_number()) throw Wrong{"'scroll' takes the wheel's steps, as 3 or -3"};
@@ -86,11 +95,43 @@ Step step_of(const std::string& kind, const Json& json) {
     step.value = text_of(member(json, "text"), "'text'");
     step.with = text_of(member(json, "with"), "'with'");
   } else {
-    throw Wrong{fmt::format("{} is no step; known are click, type, drag, scroll, key, wait, resize, "
-                            "replace, screenshot, expect",
-                            in_quotes(kind))};
+    throw Wrong{
+        fmt::format("{} is no step; known are click, type, drag, scroll, key, wait, resize, "
+                    "replace, screenshot, expect, repeat",
+                    in_quotes(kind))};
   }
   return step;
+}
+
+// where: "step", or that of the repeated ones with " step" behind it
+void add_steps(const Json& list, const std::string& where, std::vector<Step>& out, int depth = 0) {
+  std::size_t number = 0;
+  for (const Json& each : list) {
+    const std::string here = fmt::format("{} {}", where, ++number);
+    if (!each.is_object() || each.size() != 1)
+      throw Wrong{here + " is not an object of one member, as {\"click\": \"tab/Sun\"}"};
+    const std::string& kind = each.begin().key();
+    const Json& json = each.begin().value();
+    if (kind != "repeat") {
+      if (out.size() >= kMostSteps)
+        throw Wrong{fmt::format("there are more than {} steps", kMostSteps)};
+      try {
+        out.push_back(step_of(kind, json));
+      } catch (const Wrong& what) {
+        throw Wrong{here + ": " + what.what};
+      }
+      continue;
+    }
+    if (depth == kDeepest)
+      throw Wrong{fmt::format("{}: steps are repeated {} deep at most", here, kDeepest)};
+    if (!json.is_object() || !json.contains("times") || !json["times"].is_number_integer() ||
+        json["times"] < 1 || json["times"] > kMostSteps || !json.contains("steps") ||
+        !json["steps"].is_array() || json["steps"].empty())
+      throw Wrong{fmt::format("{}: 'repeat' takes 'times', 1 to {}, and 'steps', a list", here,
+                              kMostSteps)};
+    for (auto left = json["times"].get<std::size_t>(); left > 0; --left)
+      add_steps(json["steps"], here + ", step", out, depth + 1);
+  }
 }
 
 }  // namespace
@@ -107,15 +148,10 @@ Result<std::vector<Step>> read_script(const std::filesystem::path& path, Diagnos
   const Json& list = json.is_object() && json.contains("steps") ? json["steps"] : json;
   if (!list.is_array()) return wrong("a script is a list of steps, or an object with 'steps'");
   std::vector<Step> out;
-  for (const Json& each : list) {
-    if (!each.is_object() || each.size() != 1)
-      return wrong(fmt::format("step {} is not an object of one member, as {{\"click\": \"tab/Sun\"}}",
-                               out.size() + 1));
-    try {
-      out.push_back(step_of(each.begin().key(), each.begin().value()));
-    } catch (const Wrong& what) {
-      return wrong(fmt::format("step {}: {}", out.size() + 1, what.what));
-    }
+  try {
+    add_steps(list, "step", out);
+  } catch (const Wrong& what) {
+    return wrong(what.what);
   }
   return out;
 }

@@ -33,10 +33,11 @@ struct Step {
   std::string with;   // what it is replaced with
   Vec2 from{0}, to{0};  // parts of the image's sides from its upper left; of resize: pixels
   int button = 0;       // 0: left, 1: right, 2: middle
-  double amount = 0;    // of the wheel; frames
+  double amount = 0;    // of the wheel; frames, of a drag those of its way
 };
 
-// Reads a script: a JSON list of objects of one member each.
+// Reads a script: a JSON list of objects of one member each. Steps of `repeat` stand there as often
+// as they are done.
 //
 // Fails: E0101, E0102, E0104, E0203.
 Result<std::vector<Step>> read_script(const std::filesystem::path& path, DiagnosticLog& log);

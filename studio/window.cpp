@@ -24,8 +24,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Frames a second while nothing moves: models and images are asked for so often.
-constexpr double kIdleWait = 0.02;
+// Seconds, while nothing moves: models and images wake the window.
+constexpr double kIdleWait = 0.1;
 // frames that are drawn after the last input, as ImGui needs some to settle
 constexpr int kFramesAfter = 4;
 constexpr const char* kFonts[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
@@ -116,7 +116,7 @@ class Screen {
                    static_cast<GLsizei>(canvas.height), 0, GL_RGBA, GL_UNSIGNED_BYTE,
                    canvas.rgba.data());
     for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-      gl_.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+      gl_.TexParameteri(GL_TEXTURE_2D, filter, canvas.smooth ? GL_LINEAR : GL_NEAREST);
     for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
       gl_.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
     shows_[sample] = true;
@@ -185,31 +185,28 @@ class Loop {
     while (glfwWindowShouldClose(screen_.window()) == 0) {
       wait();
       const auto start = Clock::now();
+      bool other = false;
       if (const Desk::Canvas* canvas = desk_.new_canvas()) {
         screen_.show(*canvas, false);
         left_ = kFramesAfter;
+        other = true;
       }
       if (const Desk::Canvas* canvas = desk_.new_sample_canvas()) {
         screen_.show(*canvas, true);
         left_ = kFramesAfter;
       }
       frame();
-      spent_.push_back(std::chrono::duration<float, std::milli>(Clock::now() - start).count());
-      if (spent_.size() > (1 << 20)) spent_.erase(spent_.begin(), spent_.begin() + (1 << 19));
+      report_.spent.add(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
       if (options_.with_script && !follow(log)) break;
       screen_.swap();
+      if (other) measure();
+      if (options_.with_script) report_.resident.add(static_cast<double>(resident_bytes()));
     }
     return player_.good();
   }
 
   Report report() const {
-    Report out;
-    std::vector<float> times = spent_;
-    std::sort(times.begin(), times.end());
-    out.frames = times.size();
-    const double shares[] = {0.5, 0.99, 1};
-    for (std::size_t k = 0; k < 3 && !times.empty(); ++k)
-      out.ui_ms[k] = double{times[static_cast<std::size_t>(shares[k] * double(times.size() - 1))]};
+    Report out = report_;
     out.drawing = desk_.artist().status();
     out.readings = desk_.project().state().readings;
     out.command = desk_.command();
@@ -217,6 +214,16 @@ class Loop {
   }
 
  private:
+  // An image is on the screen.
+  void measure() {
+    if (report_.first_image == 0)
+      report_.first_image = std::chrono::duration<double>(Clock::now() - begin_).count();
+    if (const auto saved = desk_.saved_to_image()) {
+      report_.saved.add(saved->shown);
+      report_.last_saved = *saved;
+    }
+  }
+
   // Nothing is drawn while nothing happens.
   void wait() {
     if (options_.with_script) return glfwPollEvents();
@@ -259,7 +266,8 @@ class Loop {
   Desk& desk_;
   const Options& options_;
   Player player_;
-  std::vector<float> spent_;  // ms
+  const Clock::time_point begin_ = Clock::now();
+  Report report_;
   std::uint64_t readings_ = 0;
   int left_ = kFramesAfter;
 };

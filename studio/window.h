@@ -15,6 +15,7 @@
 #include "studio/artist.h"
 #include "studio/edits.h"
 #include "studio/eye.h"
+#include "studio/measure.h"
 #include "studio/project.h"
 #include "studio/samples.h"
 #include "studio/script.h"
@@ -36,8 +37,12 @@ struct Options {
 
 // What happened in the window.
 struct Report {
-  std::uint64_t frames = 0;
-  double ui_ms[3] = {};  // of a frame's work on the window's thread: median, 99 of 100, most
+  Series spent{1 << 20};  // ms of each frame's work on the window's thread
+  double first_image =
+      0;             // seconds from the start to the first image on the screen; 0: there was none
+  Series saved{64};  // seconds from a file's time of modification to the image of it on the screen
+  SavedToImage last_saved;
+  Series resident{64};  // bytes, after each frame of a script
   Artist::Status drawing;
   std::uint64_t readings = 0;  // of the models
   std::string command;         // that makes the last image
@@ -64,9 +69,13 @@ class Desk {
   struct Canvas {
     std::uint32_t width = 0, height = 0;
     std::vector<std::uint8_t> rgba;
+    bool smooth = false;  // fewer pixels than the screen has: they are interpolated
   };
   const Canvas* new_canvas();
   const Canvas* new_sample_canvas();  // of the material's samples
+  // Of a file that was saved, once for each, when the canvas is that of the models as they are
+  // since then; `shown` is that moment.
+  std::optional<SavedToImage> saved_to_image();
 
   Widgets& widgets() { return widgets_; }
   // What scripts expect: words by name.
@@ -134,6 +143,7 @@ class Desk {
   double difference_ = 0.1;     // at the ends of its colours, of the RMS radiance
   bool bounces_ = true;         // light between surfaces, of the reference
   Canvas canvas_;
+  std::int64_t measured_ = 0;   // Project::State::saved of the last one
   Pixels scale_;                // of the canvas, without pixels
   std::string shown_as_;        // what the canvas was painted with
   Place picture_place_;

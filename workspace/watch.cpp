@@ -28,14 +28,18 @@ std::vector<FileStamp> stamps_of(const std::vector<FileStamp>& files) {
 bool have_changed(std::vector<FileStamp>& known) {
   std::vector<FileStamp> now = stamps_of(known);
   if (now == known) return false;
+  wait_until_still(now);
+  known = std::move(now);
+  return true;
+}
+
+void wait_until_still(std::vector<FileStamp>& known) {
   for (;;) {
     std::this_thread::sleep_for(std::chrono::milliseconds(30));
     std::vector<FileStamp> later = stamps_of(known);
-    if (later == now) break;
-    now = std::move(later);
+    if (later == known) return;
+    known = std::move(later);
   }
-  known = std::move(now);
-  return true;
 }
 
 void add_inputs(const pan::Model& model, const std::filesystem::path& path, std::set<std::filesystem::path>& files) {

@@ -25,6 +25,7 @@ std::vector<FileStamp> stamps_of(const std::vector<FileStamp>& files);
 // Whether a file is another one than it was. Then it waits until all stay as they are for 30 ms, as editors
 // write in several steps, and `known` is how they are now.
 bool have_changed(std::vector<FileStamp>& known);
+void wait_until_still(std::vector<FileStamp>& known);  // the second half of it
 
 // Adds what a model was made from, beside the file `path`; and what diagnostics speak of.
 void add_inputs(const pan::Model& model, const std::filesystem::path& path, std::set<std::filesystem::path>& files);

@@ -31,6 +31,19 @@ TEST(Script, AllKindsOfSteps) {
   EXPECT_EQ((*steps)[8].with, "y");
 }
 
+TEST(Script, Repeats) {
+  const support::TemporaryFolder folder;
+  DiagnosticLog log;
+  const auto steps = read_script(
+      folder.write("s.json", R"([{"wait": 1}, {"repeat": {"times": 3, "steps": [{"wait": 2},
+        {"repeat": {"times": 2, "steps": [{"wait": 3}]}}]}}, {"drag": {"from": [0, 0], "to": [1, 0], "frames": 90}}])"),
+      log);
+  ASSERT_TRUE(steps) << to_text(log);
+  std::string frames;
+  for (const Step& each : *steps) frames += std::to_string(static_cast<int>(each.amount)) + " ";
+  EXPECT_EQ(frames, "1 2 3 3 2 3 3 2 3 3 90 ");
+}
+
 TEST(Script, MistakesSayWhichStep) {
   const support::TemporaryFolder folder;
   for (const auto& [text, what] : {
@@ -47,6 +60,14 @@ TEST(Script, MistakesSayWhichStep) {
            std::pair{R"([{"wait": "long"}])", "exact, compared"},
            std::pair{R"([{"resize": [1, 1]}])", "320"},
            std::pair{R"([{"replace": {"file": "a", "text": "b"}}])", "'with' is missing"},
+           std::pair{R"([{"repeat": 3}])", "'repeat' takes 'times'"},
+           std::pair{R"([{"repeat": {"times": 0, "steps": [{"wait": 1}]}}])",
+                     "'repeat' takes 'times'"},
+           std::pair{R"([{"repeat": {"times": 3, "steps": [{"wait": 1}, {"clik": 1}]}}])",
+                     "step 1, step 2: 'clik'"},
+           std::pair{R"([{"repeat": {"times": 90000, "steps": [{"wait": 1}, {"wait": 1}]}}])",
+                     "more than 100000"},
+           std::pair{R"([{"drag": {"from": [0, 0], "to": [0, 1], "frames": 0}}])", "'frames'"},
        }) {
     DiagnosticLog log;
     EXPECT_FALSE(read_script(folder.write("s.json", text), log)) << text;
