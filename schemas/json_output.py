@@ -238,7 +238,7 @@ COMMANDS = {
     "new": {"folder": "string: that was made", "files": "string[]: that were written"},
     "view": {
         "frames?": "integer: of the window",
-        "ui_ms?": ("once the window is closed", {"median": "number: of the work for a frame, on the window's own thread", "p99": "number: 99 of 100 take no longer", "most": "number"}),
+        "ui_ms?": ("once the window is closed", {"median": "number: of the work for a frame, on the window's own thread", "p99": "number: 99 of 100 take no longer", "most": "number", "most_cpu": "number: of a processor, whatever else the machine does"}),
         "following?": ("once the window is closed", {"images": "integer: drawn while something moved", "ms": "number: that one took, a running mean", "scale": "number: its pixels, in parts of the exact image's, a side",
             "coarser": "number: its levels of detail are those of pixels so many times as wide", "rate": "number: of them, a second, while one follows the other"}),
         "first_image_ms?": "number: from the start to the first image on the screen; 0: there was none",

@@ -83,7 +83,7 @@ struct Artist::Easel {
   std::vector<std::pair<std::size_t, std::uint32_t>> hidden;
   std::optional<double> ev;  // of the last exact image that found it
   preview::Reference reference;
-  std::shared_ptr<const Picture> exact;  // the last one
+  std::shared_ptr<const DrawnImage> exact;  // the last one
 
   void take(const Order& order) {
     if (of != order.world) {
@@ -125,7 +125,7 @@ void Artist::draw(Order order) {
   wake_.notify_all();
 }
 
-std::shared_ptr<const Picture> Artist::take() {
+std::shared_ptr<const DrawnImage> Artist::take() {
   const std::lock_guard lock(mutex_);
   return std::exchange(done_, nullptr);
 }
@@ -150,7 +150,7 @@ void Artist::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
     const auto anything = [&] { return wanted_ || ending_; };
-    const bool still = !drawn_ || stage_ == Picture::Stage::exact;
+    const bool still = !drawn_ || stage_ == DrawnImage::Stage::exact;
     const bool compares = still && drawn_ && drawn_->reference_bounces && traced_ < kPasses.size();
     status_.comparing = compares;
     if (still && !compares)
@@ -171,13 +171,13 @@ void Artist::work() {
     }
     traced_ = 0;
     status_.comparing = false;
-    Picture::Stage stage = Picture::Stage::following;
+    DrawnImage::Stage stage = DrawnImage::Stage::following;
     if (wanted_)
       drawn_ = std::exchange(wanted_, std::nullopt);
     else
-      stage = static_cast<Picture::Stage>(static_cast<int>(stage_) + 1);
+      stage = static_cast<DrawnImage::Stage>(static_cast<int>(stage_) + 1);
     const Order order = *drawn_;
-    status_.exact = stage == Picture::Stage::exact;
+    status_.exact = stage == DrawnImage::Stage::exact;
     status_.drawing = true;
     job_ = Job(JobOptions{});
     const Job job = job_;
@@ -185,26 +185,26 @@ void Artist::work() {
     const bool whole = paint(easel, order, stage, job);
     lock.lock();
     job_ = Job();
-    stage_ = stage == Picture::Stage::following && whole ? Picture::Stage::whole : stage;
+    stage_ = stage == DrawnImage::Stage::following && whole ? DrawnImage::Stage::whole : stage;
     status_.exact = false;
-    status_.drawing = wanted_ || stage_ != Picture::Stage::exact;
+    status_.drawing = wanted_ || stage_ != DrawnImage::Stage::exact;
   }
 }
 
 // Whether nothing was left out of an image that follows.
-bool Artist::paint(Easel& easel, const Order& order, Picture::Stage stage, const Job& job) {
-  const bool exact = stage == Picture::Stage::exact;
+bool Artist::paint(Easel& easel, const Order& order, DrawnImage::Stage stage, const Job& job) {
+  const bool exact = stage == DrawnImage::Stage::exact;
   const auto start = Clock::now();
-  auto picture = std::make_shared<Picture>();
-  picture->order = order;
-  picture->stage = stage;
-  picture->exact = exact;
+  auto finished = std::make_shared<DrawnImage>();
+  finished->order = order;
+  finished->stage = stage;
+  finished->exact = exact;
   DiagnosticLog log;
   Effort effort = kEfforts[0];
-  if (stage == Picture::Stage::following) {
+  if (stage == DrawnImage::Stage::following) {
     const std::lock_guard lock(mutex_);
     effort = kEfforts[effort_];
-    picture->coarser = effort.coarser;
+    finished->coarser = effort.coarser;
   }
   const double scale = effort.scale;
   const auto side = [&](std::uint32_t whole) {
@@ -231,44 +231,48 @@ bool Artist::paint(Easel& easel, const Order& order, Picture::Stage stage, const
       options->gl.shadows = preview::Shadows::hard;
       options->gl.imposters = preview::Imposters::off;
       options->gl.shadow_side = std::min(options->gl.shadow_side, effort.shadow_side);
-      options->gl.level_pixel = picture->coarser * steady_level(order.eye, side(order.width));
+      options->gl.level_pixel = finished->coarser * steady_level(order.eye, side(order.width));
     }
     easel.drawer->set_options(*options);
     workspace::show(*view, *order.world, easel.shown);
     if (auto result = easel.drawer->draw(easel.shown, view->camera, exact, log, job))
       drawn = *std::move(result);
   }
-  const bool whole = scale == 1 && picture->coarser == 1;
+  const bool whole = scale == 1 && finished->coarser == 1;
   if (job.cancelled()) return whole;
-  picture->failed = !drawn;
+  finished->failed = !drawn;
+  // a context that was lost takes nothing any more: the next image has another one
+  if (!drawn && log.contains(Code::E5001)) easel.drawer.reset();
   // what an image that follows warns of is what it left out
-  picture->messages = messages_of(log);
+  finished->messages = messages_of(log);
   if (!exact)
-    std::erase_if(picture->messages,
+    std::erase_if(finished->messages,
                   [](const Message& each) { return each.severity != Severity::error; });
   if (drawn) {
-    picture->image = std::move(drawn->image);
-    if (drawn->sampling) picture->sampling = *drawn->sampling;
+    finished->image = std::move(drawn->image);
+    if (drawn->sampling) finished->sampling = *drawn->sampling;
     if (order.eye.auto_ev && (exact || !easel.ev))
-      easel.ev = workspace::auto_exposure(picture->image, 0);
-    picture->ev = order.eye.auto_ev ? *easel.ev : order.eye.ev;
-    picture->rgba = shown_pixels(picture->image, picture->ev);
-    if (exact && order.edges) picture->edges = edges_of(easel.shown, view->camera, picture->image, job);
+      easel.ev = workspace::auto_exposure(finished->image, 0);
+    finished->ev = order.eye.auto_ev ? *easel.ev : order.eye.ev;
+    finished->rgba = shown_pixels(finished->image, finished->ev);
+    if (exact) finished->details = details_of(easel.shown, view->camera);
+    if (exact && order.edges)
+      finished->edges = edges_of(easel.shown, view->camera, finished->image, job);
   }
-  picture->seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  finished->seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const std::lock_guard lock(mutex_);
   if (exact)
     ++status_.exact_count;
-  if (stage == Picture::Stage::following) {
+  if (stage == DrawnImage::Stage::following) {
     ++status_.quick;
-    adapt(picture->seconds);
+    adapt(finished->seconds);
     count_follower();
   } else {
     followed_ = {};
   }
   if (ending_) return whole;
-  if (exact) easel.exact = picture;
-  done_ = std::move(picture);
+  if (exact) easel.exact = finished;
+  done_ = std::move(finished);
   if (news_) news_();
   return whole;
 }
@@ -294,23 +298,23 @@ void Artist::trace(Easel& easel, const Order& order, const Job& job) {
   options.bounces = *order.reference_bounces;
   auto image = easel.reference.render(easel.shown, view->camera, options, log, job);
   if (job.cancelled()) return;
-  auto picture = std::make_shared<Picture>(*easel.exact);
+  auto finished = std::make_shared<DrawnImage>(*easel.exact);
   if (!image) {
     // said beside the exact image, which stays
     const std::vector<Message> more = messages_of(log);
-    picture->messages.insert(picture->messages.end(), more.begin(), more.end());
+    finished->messages.insert(finished->messages.end(), more.begin(), more.end());
     const std::lock_guard lock(mutex_);
     traced_ = kPasses.size();
-    if (!ending_ && !wanted_) done_ = std::move(picture);
+    if (!ending_ && !wanted_) done_ = std::move(finished);
     return;
   }
-  picture->reference_samples = options.samples;
-  picture->reference_seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  picture->comparison = compared(picture->image, *image);
-  picture->reference = std::make_shared<const preview::ReferenceImage>(*std::move(image));
+  finished->reference_samples = options.samples;
+  finished->reference_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  finished->comparison = compared(finished->image, *image);
+  finished->reference = std::make_shared<const preview::ReferenceImage>(*std::move(image));
   const std::lock_guard lock(mutex_);
   if (ending_ || wanted_) return;
-  done_ = std::move(picture);
+  done_ = std::move(finished);
   if (news_) news_();
 }
 

@@ -17,6 +17,7 @@
 #include "preview/context.h"
 #include "preview/image.h"
 #include "preview/renderer.h"
+#include "studio/details.h"
 #include "studio/eye.h"
 #include "studio/layers.h"
 #include "studio/project.h"
@@ -39,7 +40,7 @@ struct Order {
 };
 
 // What was drawn.
-struct Picture {
+struct DrawnImage {
   Order order;
   enum class Stage {
     following,  // pixels with one sample each, and fewer of them
@@ -54,6 +55,7 @@ struct Picture {
   std::vector<std::uint8_t> rgba;  // 4*H*W of the image, sRGB
   double ev = 0;                   // that these are shown with
   std::vector<std::uint8_t> edges;  // edges_of(), where the order asks for them
+  std::vector<Detail> details;      // of an exact image
   preview::SamplingReport sampling;
   double seconds = 0;
   std::vector<Message> messages;
@@ -79,7 +81,7 @@ class Artist {
   // The newest order; those before it are given up. One that is being drawn exactly stops.
   void draw(Order order);
   // What was drawn last; null: nothing new.
-  std::shared_ptr<const Picture> take();
+  std::shared_ptr<const DrawnImage> take();
 
   struct Status {
     bool drawing = false;  // or about to
@@ -99,7 +101,7 @@ class Artist {
  private:
   struct Easel;
   void work();
-  bool paint(Easel& easel, const Order& order, Picture::Stage stage, const Job& job);
+  bool paint(Easel& easel, const Order& order, DrawnImage::Stage stage, const Job& job);
   void trace(Easel& easel, const Order& order, const Job& job);
   void adapt(double seconds);
   void count_follower();
@@ -110,9 +112,9 @@ class Artist {
   std::condition_variable wake_;
   std::optional<Order> wanted_;  // newer than what was drawn
   std::optional<Order> drawn_;   // the last one, up to `stage_`
-  Picture::Stage stage_ = Picture::Stage::exact;
+  DrawnImage::Stage stage_ = DrawnImage::Stage::exact;
   std::size_t traced_ = 0;  // passes of the reference over the last exact image
-  std::shared_ptr<const Picture> done_;
+  std::shared_ptr<const DrawnImage> done_;
   Status status_;
   std::size_t effort_ = 0;                          // of images that follow
   std::chrono::steady_clock::time_point followed_;  // the last image that follows came then, or 0

@@ -20,6 +20,9 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFla
 
 ImVec2 im(const Vec2& v) { return {static_cast<float>(v.x), static_cast<float>(v.y)}; }
 
+constexpr double kMostOfPanel = 0.5;  // of the window's width
+constexpr double kLeastPanel = 160;   // pixels at a scale of 1
+
 void begin(const char* name, const Vec2& at, const Vec2& size, ImGuiWindowFlags more = 0) {
   ImGui::SetNextWindowPos(im(at));
   ImGui::SetNextWindowSize(im(size));
@@ -30,20 +33,41 @@ void begin(const char* name, const Vec2& at, const Vec2& size, ImGuiWindowFlags 
 
 Desk::Desk(const Options& options)
     : options_(options),
+      layout_(options.layout),
       project_(options.files, options.open, glfwPostEmptyEvent),
-      artist_(options.context, glfwPostEmptyEvent) {}
+      artist_(options.context, glfwPostEmptyEvent),
+      layer_(options.layout.layer),
+      mark_white_(options.layout.mark_white),
+      show_labels_(options.layout.labels) {}
 
-void Desk::frame(const Vec2& size, double scale, const Textures& textures) {
+Layout Desk::layout() const {
+  Layout out = layout_;
+  out.layer = layer_;
+  out.mark_white = mark_white_;
+  out.labels = show_labels_;
+  return out;
+}
+
+void Desk::frame(const Vec2& size, double screen_scale, const Textures& textures) {
   sample_texture_ = textures.sample;
   widgets_.begin_frame();
   take_models();
-  const double left = std::min(384 * scale, 0.4 * size.x), top = 34 * scale;
+  layout_.width = static_cast<std::uint32_t>(size.x);
+  layout_.height = static_cast<std::uint32_t>(size.y);
+  ImGui::GetIO().FontGlobalScale = static_cast<float>(layout_.text);
+  const double scale = screen_scale * layout_.text;
+  const double left =
+      layout_.panel_shown ? std::min(layout_.panel * scale, kMostOfPanel * size.x) : 0;
+  const double top = 34 * scale;
   // the same with and without errors: the image stays as it is
-  const double low = std::min(104 * scale, 0.3 * size.y);
+  const double low = std::min(104 * scale, 0.2 * size.y);
   bar({0, 0}, {size.x, top});
-  panel({0, top}, {left, size.y - top});
+  if (layout_.panel_shown) {
+    panel({0, top}, {left, size.y - top});
+    border({left, top}, {size.x, size.y - top}, scale);
+  }
   messages({left, size.y - low}, {size.x - left, low});
-  picture({left, top}, {size.x - left, size.y - top - low}, textures.image);
+  image_view({left, top}, {size.x - left, size.y - top - low}, textures.image);
   keys();
   order();
   if (saving_.valid() &&
@@ -55,11 +79,11 @@ void Desk::take_models() {
   const Project::State now = project_.state();
   const bool other = now.world != models_.world;
   if (now.readings != models_.readings) edits_.look(now.watched);
+  if (now.world != models_.world && now.spheres) spheres_ = *now.spheres;
   models_ = now;
   if (!models_.world) return;
-  if (!framed_ && picture_size_.x > 0) {
-    workspace::BoundingSpheres spheres;
-    eye_.frame_all(spheres.of(*models_.world), picture_size_.y / picture_size_.x);
+  if (!framed_ && image_size_.x > 0) {
+    frame_all();
     framed_ = true;
   }
   if (!other) return;
@@ -68,14 +92,54 @@ void Desk::take_models() {
     DiagnosticLog ignored;
     return !workspace::find_joint(each.first, *models_.world, ignored);
   });
+  std::erase_if(eye_.poses, [&](const auto& each) { return !models_.world->find(each.first); });
+}
+
+world::World Desk::posed() const {
+  world::World out = *models_.world;
+  for (const auto& [name, place] : eye_.poses)
+    if (const auto target = out.find(name))
+      out.set_pose(*target, {place.position, place.rotation()});
+  workspace::JointSetter setter(out);
+  DiagnosticLog ignored;
+  for (const auto& [joint, value] : eye_.joints) setter.set({joint, value}, ignored);
+  return out;
+}
+
+void Desk::frame_all() {
+  if (!models_.world) return;
+  eye_.frame_all(spheres_.of(posed()), image_size_.y / std::max(image_size_.x, 1.0));
 }
 
 void Desk::bar(const Vec2& at, const Vec2& size) {
   begin("bar", at, size, ImGuiWindowFlags_NoScrollbar);
-  std::string names;
-  for (const std::string& file : project_.files()) names += (names.empty() ? "" : "  ") + file;
-  ImGui::TextUnformatted(names.c_str());
-  ImGui::SameLine(0, 24);
+  if (ImGui::ArrowButton("##panel", layout_.panel_shown ? ImGuiDir_Left : ImGuiDir_Right))
+    layout_.panel_shown = !layout_.panel_shown;
+  widgets_.seen("panel/shown");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Hides the panel, or shows it again. Key P");
+  ImGui::SameLine();
+  const std::string words = status_words();
+  std::string names, shown;
+  for (const std::string& file : project_.files()) {
+    names += (names.empty() ? "" : "  ") + file;
+    shown += (shown.empty() ? "" : "  ") + std::filesystem::path(file).filename().string();
+  }
+  // names give way to what happens
+  const float room = ImGui::GetContentRegionAvail().x - 24 - ImGui::CalcTextSize(words.c_str()).x;
+  if (ImGui::CalcTextSize(names.c_str()).x <= room) shown = names;
+  const float wide = ImGui::CalcTextSize(shown.c_str()).x;
+  if (wide <= room) {
+    ImGui::TextUnformatted(shown.c_str());
+    ImGui::SameLine(0, 24);
+  }
+  ImGui::TextDisabled("%s", words.c_str());
+  if ((shown != names || wide > room) && ImGui::IsItemHovered())
+    ImGui::SetTooltip("%s\n%s", names.c_str(), words.c_str());
+  ImGui::End();
+}
+
+// What is under way, or what the image is.
+std::string Desk::status_words() const {
   const Artist::Status status = artist_.status();
   std::string words;
   if (models_.reading)
@@ -102,8 +166,7 @@ void Desk::bar(const Vec2& at, const Vec2& size) {
         shown_->coarser > 1 ? fmt::format("levels of detail {:g} x coarser, ", shown_->coarser)
                             : "",
         1e3 * shown_->seconds, status.exact ? "; exact image under way" : "");
-  ImGui::TextDisabled("%s", words.c_str());
-  ImGui::End();
+  return words;
 }
 
 void Desk::panel(const Vec2& at, const Vec2& size) {
@@ -111,9 +174,12 @@ void Desk::panel(const Vec2& at, const Vec2& size) {
   ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.55f);
   if (ImGui::BeginTabBar("tabs")) {
     const auto tab = [&](const char* name, void (Desk::*body)()) {
-      const bool open = ImGui::BeginTabItem(name);
+      const bool remembered = first_frame_ && layout_.tab == name;
+      const bool open =
+          ImGui::BeginTabItem(name, nullptr, remembered ? ImGuiTabItemFlags_SetSelected : 0);
       widgets_.seen(std::string("tab/") + name);
       if (!open) return;
+      if (!first_frame_) layout_.tab = name;
       ImGui::BeginChild(name);
       ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.55f);
       (this->*body)();
@@ -129,9 +195,32 @@ void Desk::panel(const Vec2& at, const Vec2& size) {
     tab("Materials", &Desk::materials_tab);
     tab("Save", &Desk::save_tab);
     ImGui::EndTabBar();
+    first_frame_ = false;
   }
   ImGui::PopItemWidth();
   ImGui::End();
+}
+
+// Between panel and image: it is taken to make the panel wider. size: of the window below `at`
+void Desk::border(const Vec2& at, const Vec2& size, double scale) {
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const double reach = 4 * scale;
+  widgets_.seen("border", at - Vec2(reach, 0), {at.x + reach, at.y + size.y});
+  const bool over = std::fabs(mouse.x - at.x) < reach && mouse.y > at.y &&
+                    !ImGui::IsAnyItemActive() && !dragging_;
+  if (over && ImGui::IsMouseClicked(0)) bordering_ = true;
+  if (!ImGui::IsMouseDown(0)) bordering_ = false;
+  if (over || bordering_) {
+    ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+    ImGui::GetForegroundDrawList()->AddLine(
+        im(at), {static_cast<float>(at.x), static_cast<float>(at.y + size.y)},
+        IM_COL32(90, 150, 220, 255), 2);
+  }
+  if (bordering_)
+    layout_.panel =
+        std::clamp<double>(mouse.x, std::min(kLeastPanel * scale, kMostOfPanel * size.x),
+                           kMostOfPanel * size.x) /
+        scale;
 }
 
 void Desk::messages(const Vec2& at, const Vec2& size) {
@@ -142,16 +231,20 @@ void Desk::messages(const Vec2& at, const Vec2& size) {
         std::count_if(all.begin(), all.end(),
                       [&](const Message& each) { return each.severity == severity; }));
   };
-  if (models_.failed)
-    ImGui::TextColored({1, 0.6f, 0.2f, 1}, "%s",
-                       models_.partial ? "The image is of those targets that can be read."
-                       : models_.world ? "The image is of the last version without an error."
-                                     : "There is no version without an error yet.");
-  ImGui::TextDisabled("%s, %s, %s; read in %.0f ms, %s watched",
-                      counted(count(Severity::error), "error").c_str(),
-                      counted(count(Severity::warning), "warning").c_str(),
-                      counted(count(Severity::note), "note").c_str(), 1e3 * models_.seconds,
-                      counted(models_.watched.size(), "file").c_str());
+  if (models_.failed) {
+    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 0.6f, 0.2f, 1));
+    ImGui::TextWrapped("%s", models_.partial ? "The image is of what can be read."
+                             : models_.world ? "The image is of the last version without an error."
+                                             : "There is no version without an error yet.");
+    ImGui::PopStyleColor();
+  }
+  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+  ImGui::TextWrapped("%s, %s, %s; read in %.0f ms, %s watched",
+                     counted(count(Severity::error), "error").c_str(),
+                     counted(count(Severity::warning), "warning").c_str(),
+                     counted(count(Severity::note), "note").c_str(), 1e3 * models_.seconds,
+                     counted(models_.watched.size(), "file").c_str());
+  ImGui::PopStyleColor();
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Message& each = all[i];
     const char* word = each.severity == Severity::error     ? "error"
@@ -161,7 +254,8 @@ void Desk::messages(const Vec2& at, const Vec2& size) {
         each.file.empty() ? ""
         : each.line == 0  ? each.file + ": "
                           : fmt::format("{}:{}:{}: ", each.file, each.line, each.column);
-    const std::string line = fmt::format("{}{}: {} [{}]", where, word, each.text, each.code);
+    const std::string line = fmt::format("{}{}: {}{}", where, word, each.text,
+                                         each.code.empty() ? "" : " [" + each.code + "]");
     const ImVec2 start = ImGui::GetCursorPos();
     const float height =
         ImGui::CalcTextSize(line.c_str(), nullptr, false, ImGui::GetContentRegionAvail().x).y;
@@ -185,18 +279,22 @@ void Desk::messages(const Vec2& at, const Vec2& size) {
 
 std::vector<Message> Desk::all_messages() const {
   std::vector<Message> all = models_.messages;
+  if (!options_.layout_problem.empty())
+    all.push_back({Severity::note, "", options_.layout_problem, "", 0, 0});
+  if (!widgets_.limited().empty())
+    all.insert(all.begin(), {Severity::warning, "", widgets_.limited(), "", 0, 0});
   if (shown_ && !models_.reading)
     all.insert(all.end(), shown_->messages.begin(), shown_->messages.end());
   return all;
 }
 
-void Desk::picture(const Vec2& at, const Vec2& size, std::uintptr_t texture) {
+void Desk::image_view(const Vec2& at, const Vec2& size, std::uintptr_t texture) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
-  begin("picture", at, size, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+  begin("image", at, size, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   const Vec2 whole(std::floor(std::max(size.x, 16.0)), std::floor(std::max(size.y, 16.0)));
-  picture_size_ = whole;
-  widgets_.seen("picture", at, at + whole);
-  picture_place_ = *widgets_.find("picture");
+  image_size_ = whole;
+  widgets_.seen("image", at, at + whole);
+  image_place_ = *widgets_.find("image");
   if (shown_ && texture != 0) {
     ImGui::Image(reinterpret_cast<ImTextureID>(texture), im(whole));
     if (const std::string words = canvas_words(); !words.empty()) {
@@ -209,7 +307,7 @@ void Desk::picture(const Vec2& at, const Vec2& size, std::uintptr_t texture) {
     ImGui::SetCursorPos({24, 24});
     ImGui::TextDisabled("%s", models_.reading ? "reading" : models_.world ? "drawing" : "nothing to show");
   }
-  if (ImGui::IsWindowHovered() || dragging_) hand_on_picture(at, whole);
+  if (ImGui::IsWindowHovered() || dragging_) hand_on_image(at, whole);
   if (show_labels_) labels(at);
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   if (ImGui::IsWindowHovered() && !dragging_) readings({mouse.x, mouse.y}, at, texture);
@@ -217,11 +315,11 @@ void Desk::picture(const Vec2& at, const Vec2& size, std::uintptr_t texture) {
   ImGui::PopStyleVar();
 }
 
-void Desk::hand_on_picture(const Vec2& at, const Vec2& size) {
+void Desk::hand_on_image(const Vec2& at, const Vec2& size) {
   const ImGuiIO& io = ImGui::GetIO();
   const Vec2 way = Vec2(io.MouseDelta.x, io.MouseDelta.y) / size.y;
   const bool any = ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
-  if (ImGui::IsWindowHovered() && any) dragging_ = true;
+  if (ImGui::IsWindowHovered() && any && !bordering_) dragging_ = true;
   if (!any) {
     // a click without a way: what is there is selected
     const ImVec2 from = io.MouseClickedPos[0];
@@ -255,17 +353,23 @@ void Desk::hand_on_picture(const Vec2& at, const Vec2& size) {
 
 void Desk::keys() {
   const ImGuiIO& io = ImGui::GetIO();
+  if (io.KeyCtrl && !io.WantTextInput) {
+    const bool more = ImGui::IsKeyPressed(GLFW_KEY_EQUAL) || ImGui::IsKeyPressed(GLFW_KEY_KP_ADD);
+    const bool less =
+        ImGui::IsKeyPressed(GLFW_KEY_MINUS) || ImGui::IsKeyPressed(GLFW_KEY_KP_SUBTRACT);
+    if (more || less)
+      layout_.text = std::clamp(layout_.text + (more ? 0.1 : -0.1), kSmallestText, kLargestText);
+    if (ImGui::IsKeyPressed(GLFW_KEY_0)) layout_.text = 1;
+  }
   if (io.WantTextInput || io.KeyCtrl) return;
   const double step = 2.0 * std::min(io.DeltaTime, 0.05f);
   const auto down = [](int key) { return ImGui::IsKeyDown(key); };
   eye_.fly(step * (down(GLFW_KEY_W) - down(GLFW_KEY_S)),
            step * (down(GLFW_KEY_D) - down(GLFW_KEY_A)),
            step * (down(GLFW_KEY_E) - down(GLFW_KEY_Q)));
-  if (ImGui::IsKeyPressed(GLFW_KEY_F, false) && models_.world) {
-    workspace::BoundingSpheres spheres;
-    eye_.frame_all(spheres.of(*models_.world), picture_size_.y / picture_size_.x);
-  }
+  if (ImGui::IsKeyPressed(GLFW_KEY_F, false)) frame_all();
   if (ImGui::IsKeyPressed(GLFW_KEY_R, false)) project_.read_again();
+  if (ImGui::IsKeyPressed(GLFW_KEY_P, false)) layout_.panel_shown = !layout_.panel_shown;
   if (ImGui::IsKeyPressed(GLFW_KEY_L, false)) show_labels_ = !show_labels_;
   if (ImGui::IsKeyPressed(GLFW_KEY_H, false) && !selected_.empty())
     if (!hidden_.erase(selected_)) hidden_.insert(selected_);
@@ -287,9 +391,14 @@ void Desk::order() {
           workspace::exact_value(static_cast<geometry::JointKind>(joint.kind), values);
     }
   }
-  if (!models_.world || picture_size_.x < 1) return;
-  Order order{models_.world, eye_, static_cast<std::uint32_t>(picture_size_.x),
-              static_cast<std::uint32_t>(picture_size_.y), {}, {}, false};
+  if (!models_.world || image_size_.x < 1) return;
+  Order order{models_.world,
+              eye_,
+              static_cast<std::uint32_t>(image_size_.x),
+              static_cast<std::uint32_t>(image_size_.y),
+              {},
+              {},
+              false};
   for (std::size_t i = 0; i < models_.world->size() && !hidden_.empty(); ++i) {
     const world::Instance& target = (*models_.world)[i];
     for (std::uint32_t node = 0; node < target.model()->nodes().size(); ++node)
@@ -301,12 +410,12 @@ void Desk::order() {
   artist_.draw(std::move(order));
 }
 
-bool Desk::take_picture() {
-  std::shared_ptr<const Picture> made = artist_.take();
+bool Desk::take_image() {
+  std::shared_ptr<const DrawnImage> made = artist_.take();
   if (!made) return false;
   if (made->failed) {
     // what went wrong is said beside the image that there is
-    auto both = std::make_shared<Picture>(shown_ ? *shown_ : *made);
+    auto both = std::make_shared<DrawnImage>(shown_ ? *shown_ : *made);
     both->messages = made->messages;
     shown_ = both;
     return false;
@@ -332,7 +441,8 @@ bool Desk::settled() const {
 }
 
 bool Desk::idle() const {
-  return settled() && playing_.empty() && !saving_.valid() && !samples_.busy() && !artist_.status().comparing && compare_ != "flicker";
+  return settled() && playing_.empty() && !saving_.valid() && !filming() && !samples_.busy() &&
+         !artist_.status().comparing && compare_ != "flicker";
 }
 
 void Desk::drop(const std::vector<std::string>& files) {
@@ -354,9 +464,18 @@ std::string Desk::state(const std::string& name) const {
   if (name == "reference samples")
     return shown_ && shown_->reference ? std::to_string(shown_->reference_samples) : "";
   if (name == "sample") return samples_.last() ? samples_.last()->name : "";
+  if (name == "triangles") {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; shown_ && i < shown_->details.size(); ++i)
+      if (shown_->details[i].visible) sum += shown_->details[i].triangles;
+    return std::to_string(sum);
+  }
   if (name == "white") return std::to_string(saturated_);
+  if (name == "limited") return widgets_.limited();
+  if (name == "panel") return layout_.panel_shown ? fmt::format("{}", layout_.panel) : "hidden";
   if (name == "hidden") return std::to_string(hidden_.size());
   if (name == "saved") return saved_;
+  if (name == "video") return video_.status().words;
   if (name == "edits") return std::to_string(edits_.size());
   if (name == "problem") return status.problem;
   if (name == "targets")
@@ -366,7 +485,15 @@ std::string Desk::state(const std::string& name) const {
         std::count_if(models_.messages.begin(), models_.messages.end(),
                       [](const Message& each) { return each.severity == Severity::error; }));
   if (name == "pixels")
-    return shown_ ? fmt::format("{}x{}", shown_->image.width, shown_->image.height) : "";
+    return shown_ && shown_->image.width > 0
+               ? fmt::format("{}x{}", shown_->image.width, shown_->image.height)
+               : "";
+  if (name.starts_with("pose/")) {
+    const auto at = eye_.poses.find(name.substr(5));
+    if (at == eye_.poses.end()) return "";
+    const Vec3 &p = at->second.position, &t = at->second.turned;
+    return fmt::format("{} {} {} {} {} {}", p.x, p.y, p.z, t.x, t.y, t.z);
+  }
   if (name.starts_with("joint/")) {
     const auto at = eye_.joints.find(name.substr(6));
     return at == eye_.joints.end() ? "" : at->second;

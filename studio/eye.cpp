@@ -77,6 +77,15 @@ void Eye::frame_all(const workspace::BoundingSphere& sphere, double aspect) {
   frame.clear();
 }
 
+Quat Standing::rotation() const {
+  const Vec3 half = turned * (kDegree / 2);
+  const auto about = [](double angle, const Vec3& axis) {
+    return Quat(std::cos(angle), std::sin(angle) * axis);
+  };
+  return glm::normalize(about(half.z, {0, 0, 1}) * about(half.y, {0, 1, 0}) *
+                        about(half.x, {1, 0, 0}));
+}
+
 workspace::ViewText view_text(const Eye& eye, std::uint32_t width, std::uint32_t height) {
   workspace::ViewText text;
   if (eye.frame.empty()) {
@@ -92,6 +101,11 @@ workspace::ViewText view_text(const Eye& eye, std::uint32_t width, std::uint32_t
   text.ev = eye.auto_ev ? "auto" : words(eye.ev);
   if (eye.shadows != "auto") text.shadows = eye.shadows;
   if (eye.imposters != "auto") text.imposters = eye.imposters;
+  for (const auto& [target, place] : eye.poses) {
+    const Quat q = place.rotation();
+    text.poses.push_back({target, fmt::format("{} {:.12g} {:.12g} {:.12g} {:.12g}",
+                                              words(place.position), q.w, q.x, q.y, q.z)});
+  }
   for (const auto& [joint, value] : eye.joints) text.joints.push_back({joint, value});
   return text;
 }
@@ -115,6 +129,7 @@ std::string command_line(const Eye& eye, std::uint32_t width, std::uint32_t heig
   add("--ev", text.ev);
   add("--shadows", text.shadows);
   add("--imposters", text.imposters);
+  for (const workspace::PoseText& pose : text.poses) add("--pose", pose.target + "=" + pose.value);
   for (const workspace::JointText& joint : text.joints)
     add("--joint", joint.joint + "=" + joint.value);
   return out;

@@ -16,6 +16,14 @@ namespace panwright::studio {
 inline constexpr double kNearest = 1e-2;  // metres from the point that is looked at
 inline constexpr double kFarthest = 1e9;
 
+// Where a target stands: world_from_model.
+struct Standing {
+  Vec3 position{0};  // world, metres
+  Vec3 turned{0};    // degrees: first about x, then y, then z of the world (roll, pitch, yaw)
+  Quat rotation() const;
+  bool operator==(const Standing&) const = default;
+};
+
 // A camera on a sphere about the point that it looks at, and the Sun. Angles in degrees, as people
 // and options have them; azimuths from +x about +z, elevations from the plane of x and y.
 struct Eye {
@@ -32,6 +40,7 @@ struct Eye {
   bool auto_ev = true;          // found from the image, once it is exact
   std::string shadows = "auto";    // as --shadows
   std::string imposters = "auto";  // as --imposters
+  std::map<std::string, Standing> poses;      // of targets by name; others stand at the origin
   std::map<std::string, std::string> joints;  // "TARGET/JOINT": value as --joint takes it
 
   Vec3 direction() const;  // unit, from what is looked at to the camera

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 
+#include "base/text.h"
 #include "studio/window.h"
 
 namespace panwright::studio {
@@ -47,12 +49,44 @@ void legend(const Pixels& scale, bool of_difference) {
 
 }  // namespace
 
+// Colours of levels with what is drawn of each.
+void Desk::levels_legend() {
+  if (!shown_ || !shown_->exact) return;
+  struct Sum {
+    std::uint64_t parts = 0, triangles = 0;
+  };
+  std::map<int, Sum> sums;
+  for (const Detail& each : shown_->details) {
+    if (!each.visible) continue;
+    ++sums[std::min(each.level, 6)].parts;
+    sums[std::min(each.level, 6)].triangles += each.triangles;
+  }
+  for (const auto& [level, sum] : sums) {
+    std::uint8_t rgb[3];
+    level_color(level, rgb);
+    const float side = ImGui::GetFontSize();
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + side, at.y + side},
+                                              IM_COL32(rgb[0], rgb[1], rgb[2], 255));
+    ImGui::Dummy({side, side});
+    ImGui::SameLine();
+    ImGui::TextUnformatted(
+        fmt::format("{}: {}, {}",
+                    level < 0 ? "without levels"
+                    : level == 0
+                        ? "the finest"
+                        : fmt::format("level {}{}", level, level == 6 ? " and beyond" : ""),
+                    counted(sum.parts, "part"), counted(sum.triangles, "triangle"))
+            .c_str());
+  }
+}
+
 void Desk::image_tab() {
   ImGui::TextUnformatted("What is shown of each pixel");
   // of a layer and a comparison that do not go together the last one counts
   const auto of_light = [&] { return layer_ == "light" || layer_ == "false colours"; };
   if (widgets_.choice("layer", layer_, kLayers, std::size(kLayers),
-                      "Depth, normals, parts and materials are those of the exact image") &&
+                      "All but light and false colours are those of the exact image") &&
       (!of_light() || compare_ == "difference"))
     compare_ = "off";
   if (layer_ == "light") {
@@ -64,6 +98,7 @@ void Desk::image_tab() {
   if (layer_ != "light" && layer_ != "false colours" && shown_ && !shown_->exact)
     ImGui::TextDisabled("once the image is exact");
   if (compare_ == "off" || !shown_ || !shown_->reference) legend(scale_, false);
+  if (layer_ == "levels") levels_legend();
   ImGui::Separator();
   comparison();
 }
@@ -107,25 +142,28 @@ void Desk::comparison() {
 }
 
 void Desk::paint_canvas() {
-  const Picture& picture = *shown_;
-  canvas_.width = picture.image.width;
-  canvas_.height = picture.image.height;
-  canvas_.smooth = canvas_.width < picture.order.width;
+  const DrawnImage& finished = *shown_;
+  canvas_.width = finished.image.width;
+  canvas_.height = finished.image.height;
+  canvas_.smooth = canvas_.width < finished.order.width;
   scale_ = {};
-  if (compare_ == "difference" && picture.reference) {
-    scale_ = difference_pixels(picture.image, picture.reference->image, picture.comparison.rms, difference_);
+  if (compare_ == "difference" && finished.reference) {
+    scale_ = difference_pixels(finished.image, finished.reference->image, finished.comparison.rms,
+                               difference_);
     canvas_.rgba = std::move(scale_.rgba);
-  } else if (layer_ != "light" && (layer_ == "false colours" || picture.image.has_ground_truth())) {
-    scale_ = layer_pixels(picture.image, layer_);
+  } else if (layer_ != "light" &&
+             (layer_ == "false colours" || finished.image.has_ground_truth())) {
+    scale_ = layer_ == "levels" ? level_pixels(finished.image, finished.details)
+                                : layer_pixels(finished.image, layer_);
     canvas_.rgba = std::move(scale_.rgba);
   } else {
-    canvas_.rgba = picture.rgba;
+    canvas_.rgba = finished.rgba;
   }
-  const bool both = (compare_ == "split" || compare_ == "flicker") && picture.reference;
+  const bool both = (compare_ == "split" || compare_ == "flicker") && finished.reference;
   if (both && (layer_ == "light" || layer_ == "false colours")) {
-    const preview::Image& traced = picture.reference->image;
+    const preview::Image& traced = finished.reference->image;
     const std::vector<std::uint8_t> other =
-        layer_ == "light" ? shown_pixels(traced, picture.ev) : layer_pixels(traced, layer_).rgba;
+        layer_ == "light" ? shown_pixels(traced, finished.ev) : layer_pixels(traced, layer_).rgba;
     const std::size_t from = compare_ == "flicker" ? (shows_reference() ? 0 : canvas_.width)
                                                    : static_cast<std::size_t>(split_ * canvas_.width);
     for (std::size_t y = 0; y < canvas_.height; ++y) {
@@ -137,11 +175,11 @@ void Desk::paint_canvas() {
       }
     }
   }
-  if (picture.edges.size() == picture.image.pixels())
-    for (std::size_t i = 0; i < picture.edges.size(); ++i) {
+  if (finished.edges.size() == finished.image.pixels())
+    for (std::size_t i = 0; i < finished.edges.size(); ++i) {
       std::uint8_t* p = &canvas_.rgba[4 * i];
       constexpr std::uint8_t kLine[] = {0, 220, 220};
-      for (std::size_t k = 0; k < 3 && picture.edges[i] != 0; ++k)
+      for (std::size_t k = 0; k < 3 && finished.edges[i] != 0; ++k)
         p[k] = static_cast<std::uint8_t>((p[k] + kLine[k]) / 2);
     }
   if (mark_white_ && layer_ == "light" && compare_ != "difference") mark_white(canvas_.width, canvas_.rgba);
@@ -161,7 +199,7 @@ std::string Desk::canvas_words() const {
 }
 
 const Desk::Canvas* Desk::new_canvas() {
-  const bool other = take_picture();
+  const bool other = take_image();
   if (!shown_ || shown_->rgba.empty()) return nullptr;
   const std::string as =
       fmt::format("{} {} {} {} {} {}", layer_, mark_white_, compare_, split_, difference_,

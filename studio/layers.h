@@ -12,7 +12,8 @@
 namespace panwright::studio {
 
 // light apart, all but false colours need an image with ground truth
-inline constexpr const char* kLayers[] = {"light", "false colours", "depth", "normals", "parts", "materials"};
+inline constexpr const char* kLayers[] = {"light", "false colours", "depth", "normals",
+                                          "parts", "materials",     "levels"};
 inline constexpr const char* kComparisons[] = {"off", "split", "flicker", "difference"};
 
 // 4*H*W bytes, sRGB, and what the two ends of their colours stand for.
@@ -23,7 +24,7 @@ struct Pixels {
   std::string unit;
 };
 
-// layer: one of kLayers, but light
+// layer: one of kLayers, but light and levels (studio/details.h)
 Pixels layer_pixels(const preview::Image& image, const std::string& layer);
 
 // Stripes over pixels whose code is 255 in a channel.

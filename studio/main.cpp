@@ -2,8 +2,11 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
+#include <utility>
 
 #include "base/text.h"
 #include "studio/window.h"
@@ -21,7 +24,8 @@ void print(const studio::Report& report, int code, const DiagnosticLog& log) {
   out["frames"] = report.spent.count();
   out["ui_ms"] = {{"median", report.spent.at(0.5)},
                   {"p99", report.spent.at(0.99)},
-                  {"most", report.spent.largest()}};
+                  {"most", report.spent.largest()},
+                  {"most_cpu", report.busy}};
   out["first_image_ms"] = 1e3 * report.first_image;
   out["following"] = {{"images", report.drawing.quick},
                       {"ms", 1e3 * report.drawing.frame_seconds},
@@ -65,6 +69,7 @@ int main(int argc, char** argv) {
   };
   bool names = false;  // only files follow
   bool json = false;
+  std::optional<std::pair<std::uint32_t, std::uint32_t>> sized;
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
     const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
@@ -78,10 +83,11 @@ int main(int argc, char** argv) {
       script = value();
     else if (word == "--size") {
       const std::string size = value();
-      if (std::sscanf(size.c_str(), "%ux%u", &options.width, &options.height) != 2 ||
-          options.width < 320 || options.height < 240 || options.width > 16384 ||
-          options.height > 16384)
+      std::uint32_t wide = 0, high = 0;
+      if (std::sscanf(size.c_str(), "%ux%u", &wide, &high) != 2 || wide < 320 || high < 240 ||
+          wide > 16384 || high > 16384)
         wrong("--size is '" + size + "', expected 320x240 to 16384x16384");
+      sized = {wide, high};
     } else if (word == "--scale") {
       const std::string scale = value();
       options.scale = parse_double(scale).value_or(0);
@@ -114,6 +120,12 @@ int main(int argc, char** argv) {
     options.folder = std::filesystem::path(script).parent_path();
     options.with_script = true;
   }
+  // scripts find the same window each time
+  if (script.empty()) {
+    options.layout_file = studio::layout_file();
+    options.layout = studio::read_layout(options.layout_file, options.layout_problem);
+  }
+  if (sized) std::tie(options.layout.width, options.layout.height) = *sized;
   studio::Report report;
   good = good && studio::run(options, log, &report);
   const int code = exit_code(log);

@@ -1,5 +1,6 @@
 #include "studio/measure.h"
 
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -28,6 +29,12 @@ double Series::at(double share) const {
   const auto found = sorted.begin() + std::max<std::ptrdiff_t>(place, 0);
   std::nth_element(sorted.begin(), found, sorted.end());
   return *found;
+}
+
+double thread_seconds() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 std::uint64_t resident_bytes() {

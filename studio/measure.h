@@ -34,6 +34,9 @@ struct SavedToImage {
   double shown = 0;    // it was on the screen
 };
 
+// Of a processor, that this thread took so far.
+double thread_seconds();
+
 // Bytes of this process in memory; 0: not known.
 std::uint64_t resident_bytes();
 

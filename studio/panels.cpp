@@ -64,19 +64,17 @@ void Desk::camera_tab() {
   widgets_.slider("camera/elevation", eye_.elevation, -89.9, 89.9, "%.3f deg");
   widgets_.slider("camera/field of view", eye_.fov, 0.001, 170, "%.5g deg", true,
                       "Full horizontal angle");
-  double pixel = 2e3 * std::tan(eye_.fov * kDegree / 2) / std::max(picture_size_.x, 1.0);
+  double pixel = 2e3 * std::tan(eye_.fov * kDegree / 2) / std::max(image_size_.x, 1.0);
   if (widgets_.slider("camera/pixel", pixel, 1e-5, 20, "%.5g mrad", true,
                       "IFOV: the angle of the pixel on the axis"))
-    eye_.fov = 2 * std::atan(pixel * 1e-3 * picture_size_.x / 2) / kDegree;
-  ImGui::TextDisabled("a pixel covers %.4g m at the range",
-                      2 * eye_.range * std::tan(eye_.fov * kDegree / 2) / std::max(picture_size_.x, 1.0));
+    eye_.fov = 2 * std::atan(pixel * 1e-3 * image_size_.x / 2) / kDegree;
+  ImGui::TextDisabled(
+      "a pixel covers %.4g m at the range",
+      2 * eye_.range * std::tan(eye_.fov * kDegree / 2) / std::max(image_size_.x, 1.0));
   for (int k = 0; k < 3; ++k)
     widgets_.drag(fmt::format("camera/look at {}", "xyz"[k]), eye_.centre[k], 1e-3 * eye_.range,
                   "%.6g m", "World axes. Right or middle button over the image");
-  if (widgets_.button("camera/all of it", "Key F") && models_.world) {
-    workspace::BoundingSpheres spheres;
-    eye_.frame_all(spheres.of(*models_.world), picture_size_.y / std::max(picture_size_.x, 1.0));
-  }
+  if (widgets_.button("camera/all of it", "Key F")) frame_all();
   ImGui::Separator();
   ImGui::TextUnformatted("Camera in a frame of the model");
   if (eye_.frame.empty())
@@ -192,6 +190,14 @@ void Desk::parts_tab() {
   }
   if (widgets_.button("parts/show all")) hidden_.clear();
   widgets_.check("parts/labels of frames", show_labels_, "And of keypoints. Key L");
+  ImGui::SameLine();
+  widgets_.check("parts/triangles", show_costs_,
+                 "Triangles and errors by part, of the exact image, in place of the tree");
+  if (widgets_.check("parts/without hidden geometry", prune_,
+                     "Of CAD files, as import and compile leave it out: it takes a while. Images "
+                     "stay as they are"))
+    project_.set_prune(prune_);
+  if (show_costs_) return budget_table();
   std::vector<std::pair<std::size_t, std::uint32_t>> rows;
   for (std::size_t i = 0; i < models_.world->size(); ++i)
     for (std::uint32_t node = 0; node < (*models_.world)[i].model()->nodes().size(); ++node)
@@ -216,8 +222,10 @@ void Desk::joint_row(std::size_t target, std::size_t index, const geometry::Join
   const std::size_t count = geometry::value_count(kind);
   const std::string name = instance.name() + "/" + std::string(instance.model()->joint_name(index));
   if (count == 0 || joint.mimic >= 0) {
-    ImGui::TextDisabled("%s: %s%s", name.c_str(), std::string(geometry::kind_name(kind)).c_str(),
-                        joint.mimic >= 0 ? ", follows another one" : "");
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    ImGui::TextWrapped("%s: %s%s", name.c_str(), std::string(geometry::kind_name(kind)).c_str(),
+                       joint.mimic >= 0 ? ", follows another one" : "");
+    ImGui::PopStyleColor();
     return;
   }
   ImGui::TextUnformatted(name.c_str());
@@ -255,14 +263,58 @@ void Desk::joint_row(std::size_t target, std::size_t index, const geometry::Join
   ImGui::PopID();
 }
 
+// Where the targets stand.
+void Desk::poses() {
+  const bool several = models_.world->size() > 1;
+  ImGui::SetNextItemOpen(several, ImGuiCond_Once);
+  const bool open = ImGui::CollapsingHeader("Poses of targets");
+  widgets_.seen("poses");
+  if (!open) return;
+  for (const world::Instance& target : models_.world->instances()) {
+    const std::string& name = target.name();
+    Standing place;
+    if (const auto at = eye_.poses.find(name); at != eye_.poses.end()) place = at->second;
+    const Standing before = place;
+    ImGui::TextUnformatted(name.c_str());
+    ImGui::SameLine();
+    if (widgets_.button("reset/" + name + "/pose=reset", "To the origin")) place = {};
+    for (int k = 0; k < 3; ++k)
+      widgets_.drag(fmt::format("pose/{}/{}", name, "xyz"[k]), place.position[k], 2e-3 * eye_.range,
+                    "%.6g m", "World axes");
+    static constexpr const char* kTurns[] = {"roll", "pitch", "yaw"};
+    static constexpr const char* kHelp[] = {"About x of the world, first", "About y, second",
+                                            "About z, last"};
+    for (int k = 0; k < 3; ++k)
+      widgets_.slider(fmt::format("pose/{}/{}", name, kTurns[k]), place.turned[k], -180, 180,
+                      "%.4f deg", false, kHelp[k]);
+    if (place == before) continue;
+    if (place == Standing{})
+      eye_.poses.erase(name);
+    else
+      eye_.poses[name] = place;
+  }
+  if (several && widgets_.button("poses/side by side", "Along +y, a tenth of their sizes apart")) {
+    double edge = 0;
+    for (std::size_t i = 0; i < models_.world->size(); ++i) {
+      const world::Instance& target = (*models_.world)[i];
+      const workspace::BoundingSphere sphere = spheres_.of(target);
+      Standing& place = eye_.poses[target.name()];
+      place = {};
+      if (i > 0) place.position.y = edge + 1.1 * sphere.radius - sphere.centre.y;
+      edge = place.position.y + sphere.centre.y + 1.1 * sphere.radius;
+      if (i == 0) eye_.poses.erase(target.name());
+    }
+    frame_all();
+  }
+  ImGui::Separator();
+}
+
 void Desk::joints_tab() {
   if (!models_.world) return;
   std::size_t count = 0;
   // values as they are now: with those that follow, within limits
-  world::World posed = *models_.world;
-  workspace::JointSetter setter(posed);
-  DiagnosticLog ignored;
-  for (const auto& [joint, value] : eye_.joints) setter.set({joint, value}, ignored);
+  const world::World posed = this->posed();
+  poses();
   for (std::size_t i = 0; i < posed.size(); ++i) {
     const auto values = posed[i].joint_values();
     for (std::size_t k = 0; k < values.size(); ++k, ++count) joint_row(i, k, values[k]);
@@ -293,34 +345,85 @@ void Desk::save_tab() {
   const std::string command = this->command();
   if (widgets_.button("save/copy the command")) ImGui::SetClipboardText(command.c_str());
   ImGui::TextWrapped("%s", command.c_str());
+  ImGui::Separator();
+  video_controls();
+}
+
+void Desk::video_controls() {
+  const Video::Status status = video_.status();
+  const bool joins = !find_program("ffmpeg").empty();
+  ImGui::TextUnformatted("Video");
+  ImGui::BeginDisabled(status.busy);
+  widgets_.choice("video", video_plan_.kind, kVideoKinds, std::size(kVideoKinds),
+                  "Once around what is looked at, or to another range in even ratios");
+  widgets_.slider("video/frames", video_plan_.frames, 2, 5000, "%.0f");
+  widgets_.slider("video/frames a second", video_plan_.rate, 1, 120, "%.0f");
+  if (video_plan_.kind == kVideoKinds[1])
+    widgets_.slider("video/to range", video_plan_.range, kNearest, kFarthest, "%.6g m", true,
+                    "Of the last frame");
+  ImGui::TextUnformatted("Each frame");
+  widgets_.choice("video frame", video_plan_.frame, kVideoFrames, std::size(kVideoFrames),
+                  "As the exact image, or as it is while something moves, with all pixels");
+  widgets_.text("video/output", video_plan_.output, "video.mp4",
+                ".mp4, .webm, .mkv: as ffmpeg takes it");
+  ImGui::EndDisabled();
+  if (status.busy) {
+    if (widgets_.button("video/cancel")) video_.cancel();
+    ImGui::SameLine();
+    ImGui::ProgressBar(
+        status.of > 0 ? static_cast<float>(status.done) / static_cast<float>(status.of) : 0,
+        {-1, 0}, fmt::format("{} of {}", status.done, status.of).c_str());
+  } else {
+    const bool around = eye_.frame.empty();
+    ImGui::BeginDisabled(!models_.world || !shown_ || !around || video_plan_.output.empty());
+    if (widgets_.button(joins ? "video/make=make the video" : "video/make=draw the frames",
+                        "With the exposure of the image that is shown")) {
+      video_plan_.frames = std::round(video_plan_.frames);
+      const double ev = eye_.auto_ev ? shown_->ev : eye_.ev;
+      const std::filesystem::path path = options_.with_script
+                                             ? options_.folder / video_plan_.output
+                                             : std::filesystem::path(video_plan_.output);
+      video_.make(video_plan_, path, models_.world, video_eyes(eye_, video_plan_, ev),
+                  static_cast<std::uint32_t>(image_size_.x),
+                  static_cast<std::uint32_t>(image_size_.y), options_.context);
+    }
+    ImGui::EndDisabled();
+    if (!around) ImGui::TextWrapped("The camera is in a frame of the model: leave it for a video.");
+  }
+  if (!joins)
+    ImGui::TextWrapped("Install ffmpeg for a video; without it, frames are written as PNG files.");
+  ImGui::TextWrapped("%s", status.words.c_str());
 }
 
 std::string Desk::command() const {
-  return command_line(eye_, static_cast<std::uint32_t>(picture_size_.x),
-                      static_cast<std::uint32_t>(picture_size_.y), project_.files(), output_);
+  return command_line(eye_, static_cast<std::uint32_t>(image_size_.x),
+                      static_cast<std::uint32_t>(image_size_.y), project_.files(), output_);
 }
 
 void Desk::save(const std::string& file) {
   const std::filesystem::path path =
       options_.with_script ? options_.folder / file : std::filesystem::path(file);
-  workspace::ViewText text = view_text(eye_, static_cast<std::uint32_t>(picture_size_.x),
-                                       static_cast<std::uint32_t>(picture_size_.y));
+  workspace::ViewText text = view_text(eye_, static_cast<std::uint32_t>(image_size_.x),
+                                       static_cast<std::uint32_t>(image_size_.y));
   text.output = path.string();
-  saving_ = std::async(std::launch::async, [text, world = models_.world, path,
-                                            files = project_.files(), open = options_.open,
-                                            context = options_.context]() -> std::string {
-    DiagnosticLog log;
-    const auto view = workspace::ViewMaker(*world).view(text, log);
-    const auto draw = workspace::draw_options(text, context, log);
-    if (view && draw) {
-      workspace::RunOptions options{*draw, {}, {files, open}};
-      if (workspace::run_views(*world, std::span(&*view, 1), options, log))
-        return "saved " + path.string();
-    }
-    for (const Message& each : messages_of(log))
-      if (each.severity == Severity::error) return each.text;
-    return "not saved";
-  });
+  std::vector<std::string> files;
+  for (const std::string& each : project_.files())
+    files.push_back(workspace::target_file(each).file.string());
+  saving_ = std::async(std::launch::async,
+                       [text, world = models_.world, path, files = std::move(files),
+                        open = options_.open, context = options_.context]() -> std::string {
+                         DiagnosticLog log;
+                         const auto view = workspace::ViewMaker(*world).view(text, log);
+                         const auto draw = workspace::draw_options(text, context, log);
+                         if (view && draw) {
+                           workspace::RunOptions options{*draw, {}, {files, open}};
+                           if (workspace::run_views(*world, std::span(&*view, 1), options, log))
+                             return "saved " + path.string();
+                         }
+                         for (const Message& each : messages_of(log))
+                           if (each.severity == Severity::error) return each.text;
+                         return "not saved";
+                       });
 }
 
 void Desk::open_in_editor(const Message& message) {
@@ -343,7 +446,7 @@ void Desk::open_in_editor(const Message& message) {
 void Desk::readings(const Vec2& mouse, const Vec2& at, std::uintptr_t texture) {
   if (!shown_ || texture == 0) return;
   const preview::Image& image = shown_->image;
-  const Vec2 part = (mouse - at) / picture_size_;
+  const Vec2 part = (mouse - at) / image_size_;
   if (part.x < 0 || part.y < 0 || part.x >= 1 || part.y >= 1) return;
   const auto x = static_cast<std::uint32_t>(part.x * image.width);
   const auto y = static_cast<std::uint32_t>(part.y * image.height);
@@ -386,8 +489,8 @@ void Desk::labels(const Vec2& at) {
   if (!shown_ || !models_.world) return;
   DiagnosticLog ignored;
   const auto view = workspace::ViewMaker(*models_.world)
-                        .view(view_text(eye_, static_cast<std::uint32_t>(picture_size_.x),
-                                        static_cast<std::uint32_t>(picture_size_.y)),
+                        .view(view_text(eye_, static_cast<std::uint32_t>(image_size_.x),
+                                        static_cast<std::uint32_t>(image_size_.y)),
                               ignored);
   if (!view) return;
   world::World posed = *models_.world;
@@ -395,8 +498,8 @@ void Desk::labels(const Vec2& at) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const auto label = [&](const Vec3& point, std::string_view name, ImU32 color) {
     const auto pixel = world::project(view->camera, point);
-    if (!pixel || pixel->x < 0 || pixel->y < 0 || pixel->x > picture_size_.x ||
-        pixel->y > picture_size_.y)
+    if (!pixel || pixel->x < 0 || pixel->y < 0 || pixel->x > image_size_.x ||
+        pixel->y > image_size_.y)
       return;
     const ImVec2 place = im(at + *pixel);
     draw->AddCircle(place, 3, color);

@@ -26,8 +26,8 @@ int key_of(const std::string& name) {
 
 }  // namespace
 
-Vec2 Player::on_picture(const Vec2& part, const Desk& desk) const {
-  const Place& place = desk.picture_place();
+Vec2 Player::on_image(const Vec2& part, const Desk& desk) const {
+  const Place& place = desk.image_place();
   return place.low + part * (place.high - place.low);
 }
 
@@ -79,6 +79,11 @@ bool Player::go(const Step& step, Desk& desk, Wish& wish) {
         if (!desk.saving() && !desk.state("saved").starts_with("saved "))
           wrong(fmt::format("nothing was saved: {}", desk.state("saved")));
         return !desk.saving();
+      }
+      if (step.name == "video") {
+        if (!desk.filming() && desk.state("video").empty())
+          wrong("no video was made: see video/make");
+        return !desk.filming();
       }
       if (step.name == "sampled") {
         if (!desk.sampling() && desk.state("sample").empty()) wrong("no material's curves are on the screen");
@@ -140,13 +145,13 @@ bool Player::press(const Step& step, Desk& desk) {
 
 bool Player::move(const Step& step, Desk& desk) {
   if (step.kind == Step::Kind::scroll) {
-    hand_.mouse = on_picture({0.5, 0.5}, desk);
+    hand_.mouse = on_image({0.5, 0.5}, desk);
     if (frame_ == 1) hand_.wheel = step.amount;
     return frame_ == 3;
   }
   const int way = static_cast<int>(step.amount);
   const double share = std::clamp((frame_ - 2) / step.amount, 0.0, 1.0);
-  hand_.mouse = on_picture(step.from + share * (step.to - step.from), desk);
+  hand_.mouse = on_image(step.from + share * (step.to - step.from), desk);
   hand_.buttons[step.button] = frame_ >= 2 && frame_ <= way + 3;
   return frame_ == way + 6;
 }

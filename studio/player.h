@@ -18,6 +18,13 @@ class Player {
   // Of the frame that begins.
   const Hand& hand() const { return hand_; }
 
+  // Where no pointer is, whatever the display's own one does.
+  static Hand beside_it() {
+    Hand hand;
+    hand.mouse = Vec2(-1);
+    return hand;
+  }
+
   // What the window itself is to do after a frame.
   struct Wish {
     std::optional<Vec2> size;
@@ -36,7 +43,7 @@ class Player {
   bool replace(const Step& step);
   bool expect(const Step& step, Desk& desk);
   void wrong(const std::string& what) { problem_ = what; }
-  Vec2 on_picture(const Vec2& part, const Desk& desk) const;
+  Vec2 on_image(const Vec2& part, const Desk& desk) const;
 
   std::vector<Step> steps_;
   std::filesystem::path folder_;
@@ -44,7 +51,7 @@ class Player {
   int frame_ = 0;    // of the step
   int missing_ = 0;  // frames in which its widget was not there
   std::string problem_;
-  Hand hand_;
+  Hand hand_ = beside_it();
   bool good_ = true;
 };
 

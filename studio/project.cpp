@@ -34,6 +34,15 @@ double seconds_since(std::int64_t saved) {
 
 }  // namespace
 
+namespace {
+
+// What is wrong in a text is its author's to mend; CAD files are somebody else's.
+bool is_pxn(const workspace::TargetFile& target) {
+  return workspace::extension_of(target.file) == ".pxn";
+}
+
+}  // namespace
+
 std::vector<Message> messages_of(const DiagnosticLog& log) {
   std::vector<Message> out;
   for (const Diagnostic& each : log.entries()) {
@@ -106,6 +115,15 @@ void Project::add(const std::string& file) {
   {
     const std::lock_guard lock(mutex_);
     files_.push_back(file);
+  }
+  read_again();
+}
+
+void Project::set_prune(bool prune) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (open_.prune == prune) return;
+    open_.prune = prune;
   }
   read_again();
 }
@@ -190,6 +208,7 @@ void Project::read_once(const std::vector<std::string>& files,
   DiagnosticLog log(200);
   auto world = workspace::open_world(targets, open, log, job);
   log.sort_by_place();
+  const bool foreign = std::none_of(targets.begin(), targets.end(), is_pxn);
   // at first, what can be read stands for all
   std::optional<world::World> some;
   std::vector<workspace::TargetFile> good;
@@ -197,7 +216,8 @@ void Project::read_once(const std::vector<std::string>& files,
     for (const workspace::TargetFile& each : targets) {
       DiagnosticLog alone;
       const std::vector<workspace::TargetFile> one{each};
-      if (workspace::open_world(one, open, alone, job) && !alone.has_errors()) good.push_back(each);
+      if (workspace::open_world(one, open, alone, job) && (!alone.has_errors() || !is_pxn(each)))
+        good.push_back(each);
     }
     DiagnosticLog ignored;
     if (!good.empty())
@@ -214,8 +234,14 @@ void Project::read_once(const std::vector<std::string>& files,
   for (const std::filesystem::path& path : more)
     if (paths.insert(path).second) stamps.push_back(workspace::stamp_of(path));
 
-  std::unique_lock lock(mutex_);
   const bool bad = !world || log.has_errors();
+  // large models take their time
+  auto spheres = std::make_shared<workspace::BoundingSpheres>();
+  if (world)
+    spheres->of(*world);
+  else if (some)
+    spheres->of(*some);
+  std::unique_lock lock(mutex_);
   // half written? the watcher goes on with what it has seen
   if (bad) wake_.wait_until(lock, changed_ + kSettle, [&] { return wanted_ || ending_; });
   if (job.cancelled() || (bad && wanted_)) return;
@@ -228,10 +254,15 @@ void Project::read_once(const std::vector<std::string>& files,
     state_.read = saved_ == 0 ? 0 : seconds_since(saved_);
     state_.world = std::make_shared<const world::World>(*std::move(world));
     state_.partial = false;
+  } else if (world && foreign && (!state_.world || state_.partial)) {
+    // CAD files are drawn in spite of an error where they can be
+    state_.world = std::make_shared<const world::World>(*std::move(world));
+    state_.partial = true;
   } else if (some) {
     state_.world = std::make_shared<const world::World>(*std::move(some));
     state_.partial = true;
   }
+  if (world || some) state_.spheres = std::move(spheres);
   ++state_.readings;
   state_.seconds = seconds_since(start);
   state_.watched.clear();

@@ -45,11 +45,12 @@ class Project {
 
   struct State {
     std::shared_ptr<const world::World> world;  // the last good one; null: none yet
+    std::shared_ptr<const workspace::BoundingSpheres> spheres;  // of its targets, as they were read
     std::vector<Message> messages;              // of the last reading
     std::uint64_t readings = 0;                 // that came to an end
     bool reading = false;
     bool failed = false;   // the last reading: `world` is of an earlier one
-    bool partial = false;  // or of those targets that can be read: there was none before
+    bool partial = false;  // or of what can be read in spite of errors: there was none before
     double seconds = 0;    // of the last reading
     // of the change of a file that led to `world`; of the first one, and of others than files: 0
     std::int64_t saved = 0;  // when the file was written, ns of the system's clock
@@ -62,6 +63,7 @@ class Project {
 
   void read_again();  // whether anything changed or not
   void add(const std::string& file);  // another target
+  void set_prune(bool prune);         // workspace::OpenOptions::prune
   // Texts that are read in place of what files hold: workspace::OpenOptions::unsaved.
   void set_unsaved(decltype(workspace::OpenOptions::unsaved) texts);
 

@@ -81,9 +81,10 @@ Step step_of(const std::string& kind, const Json& json) {
       step.amount = json.get<double>();
     else
       step.name = text_of(json, "'wait'");
-    if (!step.name.empty() && step.name != "exact" && step.name != "read" &&
-        step.name != "saved" && step.name != "compared" && step.name != "sampled")
-      throw Wrong{"'wait' takes exact, compared, sampled, read, saved or a number of frames"};
+    if (!step.name.empty() && step.name != "exact" && step.name != "read" && step.name != "saved" &&
+        step.name != "compared" && step.name != "sampled" && step.name != "video")
+      throw Wrong{
+          "'wait' takes exact, compared, sampled, read, saved, video or a number of frames"};
   } else if (kind == "resize") {
     step.kind = Step::Kind::resize;
     step.to = pair_of(json, "'resize'");

@@ -1,8 +1,11 @@
 #include "studio/widgets.h"
 
+#include <fmt/format.h>
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -69,12 +72,18 @@ bool Widgets::check(const std::string& name, bool& value, const char* help) {
 
 bool Widgets::slider(const std::string& name, double& value, double low, double high,
                      const char* format, bool logarithmic, const char* help, bool bounded) {
-  const bool changed =
-      ImGui::SliderScalar(tag(name).c_str(), ImGuiDataType_Double, &value, &low, &high, format,
-                          (bounded ? ImGuiSliderFlags_AlwaysClamp : 0) |
-                              (logarithmic ? ImGuiSliderFlags_Logarithmic : 0));
+  const double before = value;
+  bool changed = ImGui::SliderScalar(tag(name).c_str(), ImGuiDataType_Double, &value, &low, &high,
+                                     format, logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
   explain(name, help);
-  return changed;
+  if (!changed) return false;
+  limited_.clear();
+  if (!bounded || (value >= low && value <= high)) return true;
+  const double typed = value;
+  value = std::isnan(typed) ? before : std::clamp(typed, low, high);
+  limited_ = fmt::format("{} takes {:.6g} to {:.6g}: {:.6g} was brought to {:.6g}", label_of(name),
+                         low, high, typed, value);
+  return value != before;
 }
 
 bool Widgets::drag(const std::string& name, double& value, double step, const char* format,

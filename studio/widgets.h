@@ -42,6 +42,10 @@ class Widgets {
   bool text(const std::string& name, std::string& value, const char* hint,
             const char* help = nullptr);
 
+  // What was typed last, where it was out of range; empty: it was not, or something else was
+  // changed since.
+  const std::string& limited() const { return limited_; }
+
   // Words beside the panel while the mouse is over what was drawn last.
   void tip(const char* help);
 
@@ -49,6 +53,7 @@ class Widgets {
   void explain(const std::string& name, const char* help);
   std::map<std::string, Place> places_;
   std::uint64_t frame_ = 0;
+  std::string limited_;
 };
 
 }  // namespace panwright::studio

@@ -59,8 +59,9 @@ class Screen {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    window_ = glfwCreateWindow(static_cast<int>(options.width), static_cast<int>(options.height),
-                               "Panwright", nullptr, nullptr);
+    window_ =
+        glfwCreateWindow(static_cast<int>(options.layout.width),
+                         static_cast<int>(options.layout.height), "Panwright", nullptr, nullptr);
     if (window_ == nullptr) return refused(glfw_problem);
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(options.with_script ? 0 : 1);
@@ -185,6 +186,7 @@ class Loop {
     while (glfwWindowShouldClose(screen_.window()) == 0) {
       wait();
       const auto start = Clock::now();
+      const double busy = thread_seconds();
       bool other = false;
       if (const Desk::Canvas* canvas = desk_.new_canvas()) {
         screen_.show(*canvas, false);
@@ -197,6 +199,7 @@ class Loop {
       }
       frame();
       report_.spent.add(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+      report_.busy = std::max(report_.busy, 1e3 * (thread_seconds() - busy));
       if (options_.with_script && !follow(log)) break;
       screen_.swap();
       if (other) measure();
@@ -282,6 +285,7 @@ bool run(const Options& options, DiagnosticLog& log, Report* report) {
   glfwSetDropCallback(screen.window(), dropped);
   Loop loop(screen, desk, options);
   const bool good = loop.run(log);
+  if (!options.layout_file.empty()) write_layout(options.layout_file, desk.layout());
   if (report != nullptr) *report = loop.report();
   return good;
 }

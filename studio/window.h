@@ -15,10 +15,12 @@
 #include "studio/artist.h"
 #include "studio/edits.h"
 #include "studio/eye.h"
+#include "studio/layout.h"
 #include "studio/measure.h"
 #include "studio/project.h"
 #include "studio/samples.h"
 #include "studio/script.h"
+#include "studio/video.h"
 #include "studio/widgets.h"
 
 namespace panwright::studio {
@@ -27,8 +29,9 @@ struct Options {
   std::vector<std::string> files;  // FILE or NAME=FILE
   workspace::OpenOptions open;
   preview::ContextKind context = preview::ContextKind::automatic;  // of what draws images
-  std::uint32_t width = 1280;   // pixels
-  std::uint32_t height = 720;
+  Layout layout;                                                   // of the window to begin with
+  std::filesystem::path layout_file;  // where it is remembered; empty: nowhere
+  std::string layout_problem;         // said in the window
   double scale = 0;  // of text and widgets; 0: that of the screen
   std::vector<Step> script;  // empty: a hand uses the window
   std::filesystem::path folder;  // of the script's files
@@ -38,6 +41,7 @@ struct Options {
 // What happened in the window.
 struct Report {
   Series spent{1 << 20};  // ms of each frame's work on the window's thread
+  double busy = 0;        // ms, the most that one of them took of a processor
   double first_image =
       0;             // seconds from the start to the first image on the screen; 0: there was none
   Series saved{64};  // seconds from a file's time of modification to the image of it on the screen
@@ -82,22 +86,27 @@ class Desk {
   std::string state(const std::string& name) const;
   bool settled() const;  // the image is exact, and of the models as they are
   bool saving() const { return saving_.valid(); }
+  bool filming() const { return video_.status().busy; }
   bool sampling() const { return samples_.busy(); }
   std::string command() const;  // as the Save tab shows it
+  Layout layout() const;        // as it is now
   bool idle() const;     // nothing happens unless a hand does something
   const Artist& artist() const { return artist_; }
   const Project& project() const { return project_; }
-  const Place& picture_place() const { return picture_place_; }
+  const Place& image_place() const { return image_place_; }
   void drop(const std::vector<std::string>& files);  // dropped onto the window
 
  private:
+  std::string status_words() const;
   void bar(const Vec2& at, const Vec2& size);
   void panel(const Vec2& at, const Vec2& size);
   void camera_tab();
   void sun_tab();
   void image_tab();
+  void levels_legend();
+  void budget_table();
   void comparison();
-  bool take_picture();
+  bool take_image();
   void paint_canvas();
   std::string canvas_words() const;
   void parts_tab();
@@ -112,28 +121,36 @@ class Desk {
   void material_numbers(const MaterialFile& file, const pxn::EditableMaterial& material);
   void unsaved_changes();
   void save_tab();
+  void border(const Vec2& at, const Vec2& size, double scale);
   void messages(const Vec2& at, const Vec2& size);
-  void picture(const Vec2& at, const Vec2& size, std::uintptr_t texture);
+  void image_view(const Vec2& at, const Vec2& size, std::uintptr_t texture);
   void readings(const Vec2& mouse, const Vec2& at, std::uintptr_t texture);
   void labels(const Vec2& at);
-  void hand_on_picture(const Vec2& at, const Vec2& size);
+  void hand_on_image(const Vec2& at, const Vec2& size);
   void keys();
   void node_row(std::size_t target, std::uint32_t node);
   void joint_row(std::size_t target, std::size_t joint, const geometry::JointValues& now);
+  void video_controls();
   void save(const std::string& file);
   void order();
   void take_models();
+  world::World posed() const;  // Expects: a world
+  void frame_all();
+  void poses();
   void open_in_editor(const Message& message);
   std::vector<Message> all_messages() const;
 
   Options options_;
+  Layout layout_;  // its layer, mark_white and labels are below
+  bool first_frame_ = true;
   Project project_;
   Artist artist_;
   Widgets widgets_;
   Project::State models_;
+  workspace::BoundingSpheres spheres_;
   Eye eye_;
   bool framed_ = false;  // the eye has looked at the first model
-  std::shared_ptr<const Picture> shown_;
+  std::shared_ptr<const DrawnImage> shown_;
   // what of it is shown
   std::string layer_ = "light";
   bool mark_white_ = false;
@@ -146,10 +163,12 @@ class Desk {
   std::int64_t measured_ = 0;   // Project::State::saved of the last one
   Pixels scale_;                // of the canvas, without pixels
   std::string shown_as_;        // what the canvas was painted with
-  Place picture_place_;
-  Vec2 picture_size_{0};
+  Place image_place_;
+  Vec2 image_size_{0};
   // parts
   std::string search_;
+  bool show_costs_ = false;       // in place of the tree
+  bool prune_ = false;            // hidden geometry of CAD files is left out, as `compile` does
   std::set<std::string> hidden_;  // "TARGET/path"
   std::string selected_;          // the same
   bool show_labels_ = false;
@@ -176,9 +195,12 @@ class Desk {
   std::string output_ = "image.png";
   std::future<std::string> saving_;
   std::string saved_;  // what came of it
+  VideoPlan video_plan_;
+  Video video_;
   std::vector<float> histogram_;
   std::uint64_t saturated_ = 0;  // pixels
-  bool dragging_ = false;
+  bool dragging_ = false;        // over the image
+  bool bordering_ = false;       // the panel's border
   double last_change_ = 0;
 };
 

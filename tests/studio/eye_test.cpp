@@ -63,7 +63,7 @@ TEST(Eye, ShiftFollowsTheMouse) {
   EXPECT_NEAR(after.y - before.y, -0.2 * kSide, 1e-9);
 }
 
-// A sphere fills the narrow side of the picture.
+// A sphere fills the narrow side of the image.
 TEST(Eye, FramesASphere) {
   for (const double aspect : {0.5, 1.0, 2.0})
     for (const double fov : {0.01, 30.0, 120.0}) {
@@ -91,6 +91,24 @@ TEST(Eye, CommandLineIsTheView) {
             "panwright render 'it'\\''s.pan' -o out.png --camera '10 0 0' --look-at '1 0 0' --fov 30 "
             "--sun '0.813797681 -0.296198133 0.5' --size 640x480 --ev -1.5 --shadows soft "
             "--joint 'a b/wing=10deg'");
+}
+
+// Roll, then pitch, then yaw, about the world's axes.
+TEST(Eye, PosesOfTargets) {
+  Standing place;
+  place.turned = {90, 0, 90};
+  const Vec3 up = place.rotation() * Vec3(0, 0, 1);  // to −y by the roll, to +x by the yaw
+  EXPECT_NEAR(glm::length(up - Vec3(1, 0, 0)), 0, 1e-15);
+  place.turned = {0, 90, 90};
+  EXPECT_NEAR(glm::length(place.rotation() * Vec3(0, 0, 1) - Vec3(0, 1, 0)), 0, 1e-15);
+  Eye eye;
+  eye.poses["client"] = {{1, -2.5, 0}, {0, 0, 180}};
+  const std::string command = command_line(eye, 64, 48, {"a.pan", "client=b.pan"}, "out.png");
+  const auto pose = command.find(" --pose 'client=1 -2.5 0 ");
+  ASSERT_NE(pose, std::string::npos) << command;
+  const workspace::ViewText text = view_text(eye, 64, 48);
+  ASSERT_EQ(text.poses.size(), 1u);
+  EXPECT_NE(command.find("'client=" + text.poses[0].value + "'"), std::string::npos) << command;
 }
 
 }  // namespace

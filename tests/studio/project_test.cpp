@@ -66,6 +66,33 @@ TEST(Project, ShowsThoseThatCanBeRead) {
   EXPECT_FALSE(project.state().partial);
 }
 
+// A CAD file with an error that can be drawn is, until there is one without.
+TEST(Project, ShowsCadFilesInSpiteOfErrors) {
+  const TemporaryFolder folder;
+  const auto gltf = [](const std::string& roughness) {
+    return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+      "materials": [{"pbrMetallicRoughness": {"roughnessFactor": )" +
+           roughness +
+           R"(}}], "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+        "min": [0, 0, 0], "max": [1, 1, 0]}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+      "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+  };
+  const std::string path = folder.write("a.gltf", gltf("-0.1"));
+  Project project({path}, {});
+  ASSERT_TRUE(comes(project, [](const auto& s) { return s.readings == 1; }));
+  EXPECT_TRUE(project.state().failed);
+  EXPECT_TRUE(project.state().partial);
+  const auto first = project.state().world;
+  ASSERT_TRUE(first);
+  folder.write("a.gltf", gltf("-0.25"));
+  ASSERT_TRUE(comes(project, [&](const auto& s) { return s.world != first; }));
+  EXPECT_TRUE(project.state().partial);
+  folder.write("a.gltf", gltf("0.5"));
+  ASSERT_TRUE(comes(project, [](const auto& s) { return !s.failed; }));
+  EXPECT_FALSE(project.state().partial);
+}
+
 // A broken edit keeps what there was and says what is wrong, until it is mended.
 TEST(Project, KeepsTheLastGoodOne) {
   const TemporaryFolder folder;
@@ -112,6 +139,78 @@ TEST(Project, NothingToBeginWith) {
   EXPECT_FALSE(project.state().world);
   folder.write("later.pxn", kPart);
   ASSERT_TRUE(comes(project, [](const auto& s) { return s.world != nullptr; }));
+}
+
+// What is written in two steps is not said to be broken in between, where they follow each other at
+// once; what stays half written is.
+TEST(Project, HalfWrittenFiles) {
+  const TemporaryFolder folder;
+  folder.write("part.pxn", kPart);
+  const std::string top = folder.write("model.pxn", model("1"));
+  Project project({top}, {});
+  ASSERT_TRUE(comes(project, [](const auto& s) { return s.world && !s.reading; }));
+  const std::string half = model("2").substr(0, 30);
+  bool broken = false;
+  for (int i = 2; i < 12; ++i) {
+    const auto before = project.state();
+    folder.write("model.pxn", half);
+    folder.write("model.pxn", model(std::to_string(i)));
+    ASSERT_TRUE(comes(project, [&](const auto& s) {
+      return broken = broken || s.failed, s.world != before.world;
+    }));
+  }
+  EXPECT_FALSE(broken);
+  folder.write("model.pxn", half);
+  ASSERT_TRUE(comes(project, [](const auto& s) { return s.failed; }));
+  EXPECT_TRUE(project.state().world);
+}
+
+// A change is measured from when the file was written.
+TEST(Project, SaysWhenWhatItReadWasSaved) {
+  const TemporaryFolder folder;
+  folder.write("part.pxn", kPart);
+  const std::string top = folder.write("model.pxn", model("1"));
+  Project project({top}, {});
+  ASSERT_TRUE(comes(project, [](const auto& s) { return s.world && !s.reading; }));
+  EXPECT_EQ(project.state().saved, 0);
+  folder.write("part.pxn", "<pangu_model ver=\"1\"><sphere radius=\"2\"/></pangu_model>\n");
+  const auto time = workspace::stamp_of(folder / "part.pxn").time;
+  ASSERT_TRUE(comes(project, [&](const auto& s) { return s.saved == time; }));
+  EXPECT_GE(project.state().noticed, 0);
+  EXPECT_GE(project.state().read, project.state().noticed);
+}
+
+// Two windows on one file: what one saves, both have; a file in the place of another is another
+// one.
+TEST(Project, TwoOfOneFile) {
+  const TemporaryFolder folder;
+  folder.write("part.pxn", kPart);
+  const std::string top = folder.write("model.pxn", model("1"));
+  Project one({top}, {}), other({top}, {});
+  for (Project* each : {&one, &other})
+    ASSERT_TRUE(comes(*each, [](const auto& s) { return s.world && !s.reading; }));
+  std::filesystem::rename(folder.write("model.pxn~", model("2")), top);
+  for (Project* each : {&one, &other})
+    ASSERT_TRUE(
+        comes(*each, [](const auto& s) { return s.readings > 1 && !s.reading && !s.failed; }));
+  EXPECT_EQ((*one.state().world)[0].model()->build_id(),
+            (*other.state().world)[0].model()->build_id());
+}
+
+// Files of more bytes than are taken are said, as holes that no disk holds.
+TEST(Project, AModelOfManyGigabytes) {
+  const TemporaryFolder folder;
+  for (const char* name : {"large.pxn", "large.wrl", "large.glb"}) {
+    const std::string path = folder.write(name, "");
+    std::error_code error;
+    std::filesystem::resize_file(path, 9ull << 30, error);
+    if (error) GTEST_SKIP() << error.message();
+    Project project({path}, {});
+    ASSERT_TRUE(comes(project, [](const auto& s) { return s.readings == 1; })) << name;
+    EXPECT_TRUE(project.state().failed) << name;
+    ASSERT_FALSE(project.state().messages.empty()) << name;
+    EXPECT_EQ(project.state().messages[0].severity, Severity::error) << name;
+  }
 }
 
 // It ends while it reads, and many errors are bounded.
