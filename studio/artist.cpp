@@ -139,7 +139,7 @@ void Artist::adapt(double seconds) {
   status_.frame_seconds += (seconds - status_.frame_seconds) * (status_.quick > 1 ? 0.3 : 1);
   if (seconds > kFollowSeconds && effort_ + 1 < kEfforts.size())
     effort_ = std::min(effort_ + (seconds > 2 * kFollowSeconds ? 2 : 1), kEfforts.size() - 1);
-  else if (seconds < 0.4 * kFollowSeconds && effort_ > 0)
+  else if (seconds < 0.5 * kFollowSeconds && effort_ > 0)
     --effort_;
   status_.scale = kEfforts[effort_].scale;
   status_.coarser = kEfforts[effort_].coarser;

@@ -6,12 +6,15 @@
 
 Exit code 77: Xvfb is not installed (scripts/setup installs it).
 """
+import ctypes
+import ctypes.util
 import json
 import os
 import shutil
 import struct
 import subprocess
 import sys
+import time
 import zlib
 
 MODEL = """<pangu_model ver="1">
@@ -47,6 +50,31 @@ def view(program, folder, steps, *files, code=0, size="1280x720", gl="osmesa", e
     return said
 
 
+def close_window():
+    """Tells the one window of the display that it is to close, as a window manager does."""
+    x11 = ctypes.CDLL(ctypes.util.find_library("X11") or "libX11.so.6")
+    x11.XOpenDisplay.restype = ctypes.c_void_p
+    x11.XDefaultRootWindow.restype = ctypes.c_ulong
+    x11.XInternAtom.restype = ctypes.c_ulong
+    display = ctypes.c_void_p(x11.XOpenDisplay(None))
+    ids, count = ctypes.POINTER(ctypes.c_ulong)(), ctypes.c_uint()
+    root, parent, name = ctypes.c_ulong(), ctypes.c_ulong(), ctypes.c_char_p()
+    for _ in range(600):
+        x11.XQueryTree(display, ctypes.c_ulong(x11.XDefaultRootWindow(display)), ctypes.byref(root),
+                       ctypes.byref(parent), ctypes.byref(ids), ctypes.byref(count))
+        for window in ids[:count.value]:
+            x11.XFetchName(display, ctypes.c_ulong(window), ctypes.byref(name))
+            if name.value == b"Panwright":
+                time.sleep(3)  # it has drawn
+                protocols, delete = (x11.XInternAtom(display, each, 0) for each in (b"WM_PROTOCOLS", b"WM_DELETE_WINDOW"))
+                # XClientMessageEvent
+                event = struct.pack("@iLiPLLi4x5l", 33, 0, 1, display.value, window, protocols, 32, delete, 0, 0, 0, 0)
+                x11.XSendEvent(display, ctypes.c_ulong(window), 0, ctypes.c_long(0), event.ljust(192, b"\0"))
+                x11.XFlush(display)
+                return
+        time.sleep(0.1)
+
+
 def colours(path):
     """The number of different colours of a PNG, and its size."""
     with open(path, "rb") as file:
@@ -63,6 +91,9 @@ def colours(path):
 
 
 def main():
+    if sys.argv[1:] == ["--close"]:
+        close_window()
+        return 0
     program, source, folder = sys.argv[1:4]
     if not shutil.which("xvfb-run"):
         print("xvfb-run is not installed: no window was opened")
@@ -172,6 +203,27 @@ def main():
         told = file.read()
     expect(told, told.count(".png") == 7 and "-framerate 25" in told and not os.path.exists(folder + "/video-frames"))
     os.environ["PATH"] = path
+
+    # what is remembered: used by a hand, that closes the window; scripts leave it alone
+    remembered = {"width": 900, "height": 640, "panel": 300.0, "panel_shown": True, "text": 1.2, "tab": "Parts",
+                  "layer": "depth", "mark_white": False, "labels": True}
+    state = os.path.join(folder, "state")
+    layout = os.path.join(state, "panwright", "window.json")
+    os.makedirs(os.path.dirname(layout))
+    with open(layout, "w", encoding="utf-8") as file:
+        json.dump({key: value for key, value in remembered.items() if value is not False}, file)
+    env = {**os.environ, "XDG_STATE_HOME": state}
+    hand = ('"$1" view --gl osmesa --scale 1 --json door.pxn >hand.json & "$2" "$3" --close; wait')
+    subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 1400x900x24", "sh", "-c", hand, "sh", program, sys.executable,
+                    os.path.abspath(__file__)], cwd=folder, env=env, timeout=300, check=False)
+    with open(layout, encoding="utf-8") as file:
+        is_now = json.load(file)
+    expect(f"{is_now}", is_now == remembered)
+    with open(os.path.join(folder, "hand.json"), encoding="utf-8") as file:
+        expect("a hand's window ends well", json.load(file)["exit_code"] == 0)
+    view(program, folder, [{"wait": "exact"}, {"click": "tab/Sun"}, {"expect": ["layer", "light"]}], "door.pxn", env=env)
+    with open(layout, encoding="utf-8") as file:
+        expect("scripts leave the layout alone", json.load(file) == remembered)
 
     # no OpenGL for images: the window says so and stays
     view(program, folder, [{"wait": "read"}, {"wait": 60}, {"expect": ["failed", "false"]}, {"expect": ["exact", "false"]},
