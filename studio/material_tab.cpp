@@ -90,9 +90,12 @@ void Desk::material_list() {
     widgets_.tip(where.c_str());
     ++count;
   };
+  std::error_code ignored;
+  const std::filesystem::path here = std::filesystem::current_path(ignored);
   for (const MaterialFile& file : edits_.files())
     for (const pxn::EditableMaterial& material : file.materials) {
-      row(material.name, place_of(file, material), fmt::format("{}:{}", file.path.string(), material.line));
+      row(material.name, place_of(file, material),
+          fmt::format("{}:{}", file.path.lexically_proximate(here).string(), material.line));
       in_texts.insert(material.name);
     }
   for (std::size_t i = 0; models_.world && i < models_.world->size(); ++i) {
