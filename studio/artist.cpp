@@ -230,7 +230,8 @@ bool Artist::paint(Easel& easel, const Order& order, DrawnImage::Stage stage, co
       options->samples = 1;
       options->gl.shadows = preview::Shadows::hard;
       options->gl.imposters = preview::Imposters::off;
-      options->gl.shadow_side = std::min(options->gl.shadow_side, effort.shadow_side);
+      options->gl.shadow_side =
+          std::min(options->gl.shadow_side.value_or(effort.shadow_side), effort.shadow_side);
       options->gl.level_pixel = finished->coarser * steady_level(order.eye, side(order.width));
     }
     easel.drawer->set_options(*options);
