@@ -21,6 +21,7 @@ constexpr double kSmall = 100;
 // many parts have as many edges as need samples.
 constexpr double kTried = 350;
 constexpr double kTriedRate = 2;
+constexpr double kTriedRateOfPsf = 4;  // whose photocentre is asked for
 constexpr std::size_t kTriedItems = 16;
 // So many times the texels of a disc's side are along the side of the box about a round target; a
 // little more, so that few are drawn twice.
@@ -55,6 +56,10 @@ bool add_box(const world::Camera& camera, const PlacedBox& box, PlaneRect& rect)
 std::uint32_t texels_of(double extent, const RenderOptions& options, double rate) {
   return std::max(texels_for(options.flux_error),
                   static_cast<std::uint32_t>(std::ceil(rate * extent)));
+}
+
+double tried_rate(const RenderOptions& options) {
+  return options.psf_sigma > 0 ? kTriedRateOfPsf : kTriedRate;
 }
 
 double pixels_of(const world::Camera& camera) { return std::max(camera.focal.x, camera.focal.y); }
@@ -127,7 +132,7 @@ void ImposterFinder::add_tried(const RenderOptions& options) {
                     [&](const Imposter& other) { return overlaps(other.rect); }))
       continue;
     one.tried = true;
-    one.texels = texels_of(one.extent, options, kTriedRate);
+    one.texels = texels_of(one.extent, options, tried_rate(options));
     imposters_.push_back(std::move(one));
   }
 }
@@ -183,7 +188,7 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
   }
   const double share = std::sqrt(std::min(1.0, kMostTexels / std::max(all, 1.0)));
   for (Imposter& one : imposters_) {
-    const double rate = one.tried ? kTriedRate : kLeastRate;
+    const double rate = one.tried ? tried_rate(options) : kLeastRate;
     const double least = std::max<double>(kFewest, rate * one.extent);
     one.texels = static_cast<std::uint32_t>(
         std::ceil(std::max(share * one.texels, std::min<double>(least, one.texels))));

@@ -27,10 +27,9 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
                                     const RenderOptions& options, const LevelState& levels,
                                     std::span<Imposter> imposters, std::size_t index,
                                     DiagnosticLog& log) {
-  // So much more than asked is worth another draw, which aims at that: the estimate is about twice
-  // what is left.
-  constexpr double kEnough = 2;
-  constexpr double kAim = 1.4;
+  // An estimate above what is asked is worth another draw, which aims below that. Of discs the
+  // estimate is twice what is left, of foil with its glints it is about that.
+  constexpr double kAim = 0.7;
   // where glints and foil would take ever more
   const std::uint32_t most_side = std::min(most_texels(), 1024u);
   Frame& frame = frames[index];
@@ -62,7 +61,7 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
         imposter.targets.clear();
         break;
       }
-      if (flux_error <= kEnough * options.flux_error || imposter.texels >= most_side) break;
+      if (flux_error <= options.flux_error || imposter.texels >= most_side) break;
       if (draw > 0) break;
       const double more = std::pow(flux_error / (kAim * options.flux_error), 2.0 / 3.0);
       imposter.texels = static_cast<std::uint32_t>(
