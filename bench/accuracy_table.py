@@ -46,8 +46,8 @@ that sees the sphere's own pixels alone. `panwright-bench imposters` and `impost
 """
 
 CRAFT = """
-The servicer with the finest foil, on an approach from 1,000 km to 20 m, against an image of a thousand pixels with 4 × 4 samples each (whose own error is about 1e-3: such an image of 16 × 16 samples
-differs from one of 24 × 24 by 0.1 to 1.1e-3, as glints of foil are narrower than a sample). Imposters end at 100 pixels. Measured on a GPU (`bench/results/h100/imposters_craft.csv`).
+The servicer with the finest foil, on an approach from 1,000 km to 20 m, against an image of a thousand pixels with 8 × 8 samples each and shadow maps of 8,192 texels (16 × 16 samples change less than 1e-4). Imposters end at 100 pixels,
+where samples to `--pixel-error 5%` take over: glints of foil are narrower than a sample, and its flux is as right as pixels are many.
 
 ![flux error over the range](images/far-range.svg)
 
@@ -193,7 +193,7 @@ def far_curves():
         [(way, [(ms, error) for radius, error, ms in points if radius == 1]) for way, points in ways.items() if way != "imposter, cropped"],
         (1, 1e3), (1e-4, 1), [("asked: 5e-4", 5e-4)])
     ranges = {"imposter": [], "samples, auto": []}
-    for row in rows("h100/imposters_craft"):
+    for row in rows("imposters_craft"):
         known = re.match(r"servicer at ([\d.e+]+) m, [\d.e+-]+ px(, samples)?$", row["setting"])
         if known:
             ranges["samples, auto" if known[2] else "imposter"].append((float(known[1]), float(row["error"])))
@@ -211,7 +211,7 @@ def far():
     for way, points in ways.items():
         cells = {radius: f"{error:.1e}, {ms:.0f} ms" for radius, error, ms in points}
         out += f"| {way} | " + " | ".join(cells.get(radius, "") for radius in shown) + " |\n"
-    steps = [row for row in rows("h100/imposters_craft") if "largest step" in row["setting"]]
+    steps = [row for row in rows("imposters_craft") if "largest step" in row["setting"]]
     return out + CRAFT + "".join(f"Largest step from one range to the next: {float(row['error']):.1e}.\n\n" for row in steps)
 
 

@@ -188,6 +188,8 @@ bool Passes::prepare(const FrameScene& scene, Pass pass, DiagnosticLog& log) {
 
 void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned samples, bool flat,
                     bool predicting) {
+  // texels of imposters are samples of their pixels
+  const unsigned parts = cell_parts(samples * static_cast<unsigned>(std::max(scene.pixel, 1.0)));
   const ViewBlock shared =
       view_block(scene.camera, scene.world.sun(), tile.tile, samples, predicting);
   blocks_.clear();
@@ -214,7 +216,7 @@ void Passes::upload(const FrameScene& scene, const TileScene& tile, unsigned sam
         block.id[1] = tile.tile.x * samples;
         block.id[2] = tile.tile.y * samples;
         copy_floats(item.diffuse, block.diffuse);
-        block.diffuse[3] = static_cast<float>(cell_parts(samples));
+        block.diffuse[3] = static_cast<float>(parts);
         copy_repeat(item, block);
         copy_cells(item.cells, model.materials()[item.material].coat_return, block);
         if (scene.shadows)

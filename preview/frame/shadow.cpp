@@ -289,7 +289,8 @@ bool ShadowMaps::update(Device::Impl& device, const FrameScene& scene, const Lim
     stream_.emplace(gl);
   }
   group(scene, cells);
-  lay_out_all(scene, {side, cells, context.framebuffer_side / side, 0}, soft_side, most, log);
+  lay_out_all(scene, {side, cells, context.framebuffer_side / side, scene.pixel, 0}, soft_side,
+              most, log);
   places_.assign(scene.visible.targets.size(), {});
   if (!assign(context, gl, most, log)) return false;
   for (Group& group : groups_) {

@@ -114,6 +114,7 @@ class ShadowMaps {
     std::size_t cells = 0;  // at most
     unsigned side = 0;      // texels of one
     unsigned soft_side = 0;
+    double pixel = 1;  // of the image, in those of the camera
     bool operator==(const ViewKey&) const = default;
   };
   // How a map is laid out.

@@ -170,7 +170,8 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
                      camera.projection,
                      limits.cells,
                      limits.side,
-                     soft_side};
+                     soft_side,
+                     scene.pixel};
   for (const Map& map : maps_)
     if (map.drawn && map.to_sun == group.to_sun && map.receivers == group.members &&
         map.layout.view.side == view.side && map.layout.view.soft_side == soft_side) {
@@ -220,7 +221,7 @@ void ShadowMaps::lay_out(Group& group, const FrameScene& scene, const TileLimits
   layout.tiles = finder_.find(camera, view.camera_from_model, layout.whole, shown_, own);
   shown_.clear();  // which hold models
   layout.texel = finder_.texel();
-  layout.pixel = finder_.pixel() * scene.pixel;
+  layout.pixel = finder_.pixel();
   layout.finest = finder_.finest();
 }
 
@@ -232,7 +233,8 @@ void ShadowMaps::lay_out_all(const FrameScene& scene, const TileLimits& limits, 
   std::uint64_t soft_texels = 0;  // of one point
   for (Group& group : groups_) {
     // what one leaves goes to those behind it
-    lay_out(group, scene, {limits.side, 1 + spare / left--, limits.cells_a_row, 0}, soft_side);
+    lay_out(group, scene, {limits.side, 1 + spare / left--, limits.cells_a_row, scene.pixel, 0},
+            soft_side);
     spare -= group.layout.tiles.cells() - 1;
     const bool soft = group.layout.points > 1;
     group.layout.points = 1;

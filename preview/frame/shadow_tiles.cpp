@@ -117,7 +117,7 @@ void ShadowTileFinder::Fit::add(const ShownPart& part, const Piece& piece) {
 double ShadowTileFinder::pixel_of(double depth) const {
   const world::Camera& camera = *frame_.camera;
   const double focal = std::max(camera.focal.x, camera.focal.y);
-  return (camera.projection == world::Projection::perspective ? depth : 1.0) / focal;
+  return (camera.projection == world::Projection::perspective ? depth : 1.0) * image_pixel_ / focal;
 }
 
 // what single precision allows, metres
@@ -367,6 +367,7 @@ const ShadowTiles& ShadowTileFinder::find(const world::Camera& camera,
   frame_.light_from_camera = Mat4(light_turn);
   frame_.light_from_camera[3] = Vec4(-(light_turn * Vec3(camera_from_model[3])), 1);
   side_ = limits.side;
+  image_pixel_ = limits.pixel;
   tiles_ = {{}, whole.axes_from_model, 0, side_, 1, 1, 0};
   texel_ = std::max(whole.extent.x, whole.extent.y) / side_;
   pixel_ = INFINITY;

@@ -71,6 +71,7 @@ struct TileLimits {
   unsigned side = 2048;         // texels of a cell
   std::size_t cells = 1;        // at most, of the map
   std::size_t cells_a_row = 1;  // at most
+  double pixel = 1;             // of the image, in those of the camera: of imposters, texels
   double sun_tangent = 0;       // of the angular radius of the Sun's disc; 0: a point
 };
 
@@ -146,6 +147,7 @@ class ShadowTileFinder {
 
   ViewFrame frame_;
   unsigned side_ = 0;
+  double image_pixel_ = 1;
   double margin_ = 0;  // texels
   double texel_ = 0;
   double pixel_ = 0;
