@@ -39,6 +39,10 @@ void Desk::budget_table() {
     if (!each.visible) continue;
     drawn += each.triangles;
     finest += each.finest;
+    const world::Instance& target = (*models_.world)[each.target];
+    if (!search_.empty() &&
+        !holds(target.name() + "/" + target.model()->node_path(each.node), search_))
+      continue;
     rows.push_back(&each);
   }
   for (const world::Instance& target : models_.world->instances()) {
@@ -70,8 +74,9 @@ void Desk::budget_table() {
       ImGui::TableNextColumn();
       const auto slash = path.rfind('/');
       ImGui::PushID(path.c_str());
-      if (ImGui::Selectable(path.substr(slash + 1).c_str(), selected_ == path,
-                            ImGuiSelectableFlags_SpanAllColumns))
+      const std::string own = path.substr(slash + 1);
+      const std::string shown = models_.world->size() > 1 ? target.name() + ": " + own : own;
+      if (ImGui::Selectable(shown.c_str(), selected_ == path, ImGuiSelectableFlags_SpanAllColumns))
         selected_ = path;
       widgets_.seen("cost/" + path);
       if (ImGui::IsItemHovered())

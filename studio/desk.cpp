@@ -449,7 +449,7 @@ void Desk::drop(const std::vector<std::string>& files) {
   for (const std::string& file : files) project_.add(file);
 }
 
-std::string Desk::state(const std::string& name) const {
+std::optional<std::string> Desk::state(const std::string& name) const {
   const Artist::Status status = artist_.status();
   if (name == "readings") return std::to_string(models_.readings);
   if (name == "failed") return models_.failed ? "true" : "false";
@@ -498,7 +498,7 @@ std::string Desk::state(const std::string& name) const {
     const auto at = eye_.joints.find(name.substr(6));
     return at == eye_.joints.end() ? "" : at->second;
   }
-  return "";
+  return std::nullopt;
 }
 
 }  // namespace panwright::studio

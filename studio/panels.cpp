@@ -22,11 +22,6 @@ namespace {
 
 ImVec2 im(const Vec2& v) { return {static_cast<float>(v.x), static_cast<float>(v.y)}; }
 
-bool holds(std::string_view name, std::string_view wanted) {
-  const auto same = [](char a, char b) { return std::tolower(a) == std::tolower(b); };
-  return std::search(name.begin(), name.end(), wanted.begin(), wanted.end(), same) != name.end();
-}
-
 // How a value of a joint is shown.
 struct Shown {
   double factor = 1;  // of what is stored
@@ -396,8 +391,13 @@ void Desk::video_controls() {
 }
 
 std::string Desk::command() const {
-  return command_line(eye_, static_cast<std::uint32_t>(image_size_.x),
-                      static_cast<std::uint32_t>(image_size_.y), project_.files(), output_);
+  std::string words =
+      command_line(eye_, static_cast<std::uint32_t>(image_size_.x),
+                   static_cast<std::uint32_t>(image_size_.y), project_.files(), output_);
+  // what draws it stands in the file
+  if (options_.context == preview::ContextKind::egl) words += " --gl egl";
+  if (options_.context == preview::ContextKind::osmesa) words += " --gl osmesa";
+  return words;
 }
 
 void Desk::save(const std::string& file) {

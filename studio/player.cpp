@@ -76,24 +76,25 @@ bool Player::go(const Step& step, Desk& desk, Wish& wish) {
       if (frame_ < 3) return false;
       if (step.name == "read") return !desk.project().state().reading;
       if (step.name == "saved") {
-        if (!desk.saving() && !desk.state("saved").starts_with("saved "))
-          wrong(fmt::format("nothing was saved: {}", desk.state("saved")));
+        if (!desk.saving() && !desk.state("saved")->starts_with("saved "))
+          wrong(fmt::format("nothing was saved: {}", *desk.state("saved")));
         return !desk.saving();
       }
       if (step.name == "video") {
-        if (!desk.filming() && desk.state("video").empty())
+        if (!desk.filming() && desk.state("video")->empty())
           wrong("no video was made: see video/make");
         return !desk.filming();
       }
       if (step.name == "sampled") {
-        if (!desk.sampling() && desk.state("sample").empty()) wrong("no material's curves are on the screen");
+        if (!desk.sampling() && desk.state("sample")->empty())
+          wrong("no material's curves are on the screen");
         return !desk.sampling();
       }
       if (step.name == "compared" && desk.settled()) {
         if (desk.state("compare") == "off") wrong("nothing is compared: see compare/split");
-        return !desk.state("reference samples").empty();
+        return !desk.state("reference samples")->empty();
       }
-      if (desk.settled() && desk.state("pixels").empty())
+      if (desk.settled() && desk.state("pixels")->empty())
         wrong("there is no image: no version of the models could be read");
       return desk.settled();
     case Step::Kind::resize:
@@ -171,7 +172,12 @@ bool Player::replace(const Step& step) {
 }
 
 bool Player::expect(const Step& step, Desk& desk) {
-  const std::string is = desk.state(step.name);
+  const std::optional<std::string> known = desk.state(step.name);
+  if (!known) {
+    wrong(fmt::format("nothing that can be expected is called {}", in_quotes(step.name)));
+    return true;
+  }
+  const std::string& is = *known;
   if (is == step.value) return true;
   // numbers may be typed otherwise, and be off by what sliders round
   const auto number = [](const std::string& text) -> std::optional<double> {

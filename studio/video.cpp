@@ -27,6 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view kExtensions[] = {".mp4", ".mkv", ".mov", ".webm", ".avi", ".gif"};
+
 // Runs a program without input and output. Whether it ended well; a job that is cancelled ends it.
 bool run_program(const std::vector<std::string>& words, const Job& job) {
   std::vector<char*> arguments;
@@ -162,6 +164,12 @@ bool Video::draw(const VideoPlan& plan, const std::vector<fs::path>& frames,
 void Video::work(const VideoPlan& plan, const fs::path& output, const world::World& world,
                  const std::vector<Eye>& eyes, std::uint32_t width, std::uint32_t height,
                  preview::ContextKind context, const Job& job) {
+  const fs::path program = find_program("ffmpeg");
+  const std::string extension = output.extension().string();
+  if (!program.empty() &&
+      std::find(std::begin(kExtensions), std::end(kExtensions), extension) == std::end(kExtensions))
+    return say(
+        fmt::format("videos are .mp4, .mkv, .mov, .webm, .avi or .gif, not '{}'", extension));
   fs::path folder = output;
   folder.replace_extension();
   folder += "-frames";
@@ -177,7 +185,6 @@ void Video::work(const VideoPlan& plan, const fs::path& output, const world::Wor
   };
   if (!draw(plan, frames, world, eyes, width, height, context, job)) return remove_frames();
   const std::string count = counted(frames.size(), "frame");
-  const fs::path program = find_program("ffmpeg");
   if (program.empty())
     return say(fmt::format("{} in {}; ffmpeg, which joins them, is not installed", count,
                            folder.string()));

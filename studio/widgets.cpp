@@ -12,6 +12,8 @@
 #include "base/diagnostic.h"
 
 namespace panwright::studio {
+
+constexpr double kMostDragged = 1e9;  // places, metres
 namespace {
 
 std::string label_of(const std::string& name) {
@@ -58,6 +60,11 @@ void Widgets::tip(const char* help) {
   ImGui::SetTooltip("%s", help);
 }
 
+bool holds(std::string_view name, std::string_view wanted) {
+  const auto same = [](char a, char b) { return std::tolower(a) == std::tolower(b); };
+  return std::search(name.begin(), name.end(), wanted.begin(), wanted.end(), same) != name.end();
+}
+
 bool Widgets::button(const std::string& name, const char* help) {
   const bool pressed = ImGui::Button(tag(name).c_str());
   explain(name, help);
@@ -88,10 +95,18 @@ bool Widgets::slider(const std::string& name, double& value, double low, double 
 
 bool Widgets::drag(const std::string& name, double& value, double step, const char* format,
                    const char* help) {
+  const double before = value;
   const bool changed = ImGui::DragScalar(tag(name).c_str(), ImGuiDataType_Double, &value,
                                          static_cast<float>(step), nullptr, nullptr, format);
   explain(name, help);
-  return changed;
+  if (!changed) return false;
+  limited_.clear();
+  if (std::fabs(value) <= kMostDragged) return true;
+  const double typed = value;
+  value = std::isnan(typed) ? before : std::clamp(typed, -kMostDragged, kMostDragged);
+  limited_ = fmt::format("{} takes {:.6g} to {:.6g}: {:.6g} was brought to {:.6g}", label_of(name),
+                         -kMostDragged, kMostDragged, typed, value);
+  return value != before;
 }
 
 bool Widgets::choice(const std::string& name, std::string& value, const char* const* words,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 
 #include "base/math.h"
 
@@ -17,6 +18,9 @@ struct Place {
   Vec2 high{0};
   std::uint64_t frame = 0;
 };
+
+// Whether a name has a text in it, in capitals or not.
+bool holds(std::string_view name, std::string_view wanted);
 
 class Widgets {
  public:

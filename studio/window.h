@@ -83,7 +83,7 @@ class Desk {
 
   Widgets& widgets() { return widgets_; }
   // What scripts expect: words by name.
-  std::string state(const std::string& name) const;
+  std::optional<std::string> state(const std::string& name) const;
   bool settled() const;  // the image is exact, and of the models as they are
   bool saving() const { return saving_.valid(); }
   bool filming() const { return video_.status().busy; }

@@ -100,8 +100,10 @@ Argument& Argument::one_of(std::initializer_list<const char*> values) {
   return *this;
 }
 Argument& Argument::range(double least, double most) {
-  const std::string words = fmt::format("{} from {} to {}", option_.value_words,
-                                        format_double(least), format_double(most));
+  // numbers that are kept as they were typed are numbers all the same
+  const std::string kind = option_.value_words == "a text" ? "a number" : option_.value_words;
+  const std::string words =
+      fmt::format("{} from {} to {}", kind, format_double(least), format_double(most));
   option_.checks.push_back([=](std::string& text) {
     const auto number = parse_double(text);
     return number && *number >= least && *number <= most ? std::string() : words;

@@ -139,7 +139,7 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("--shadow-side", options.shadow_side,
            "Texels a side of every model's shadow map, or of each part of it (default 2048; "
-           "auto: 2896; imposters: five for each texel of theirs)")
+           "with --samples auto 2896; imposters: five for each texel of theirs)")
       .range(16u, 16384u)
       .excludes(no_shadows)
       .type("N");
