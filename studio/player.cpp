@@ -5,8 +5,10 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <system_error>
 
 #include "base/text.h"
 
@@ -167,7 +169,12 @@ bool Player::replace(const Step& step) {
     return false;
   }
   text.replace(at, step.value.size(), step.with);
-  std::ofstream(path, std::ios::binary) << text;
+  // at once, as editors do: never half of it
+  const std::filesystem::path whole = path.string() + ".new";
+  std::ofstream(whole, std::ios::binary) << text;
+  std::error_code error;
+  std::filesystem::rename(whole, path, error);
+  if (error) wrong(fmt::format("{} cannot be written: {}", path.string(), error.message()));
   return true;
 }
 

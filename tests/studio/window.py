@@ -120,7 +120,7 @@ def main():
     same = os.path.join(folder, "same.png")
     words = said["render"]
     subprocess.run(["sh", "-c", words.replace("panwright", program, 1).replace(
-        "-o image.png", f"-o {same}") + " --gl osmesa --quiet"], cwd=folder, check=True)
+        "-o image.png", f"-o {same}") + " --quiet"], cwd=folder, check=True)
     with open(saved, "rb") as a, open(same, "rb") as b:
         expect("the file is that of the command", a.read() == b.read())
 
@@ -171,7 +171,7 @@ def main():
         {"click": "tab/Save"}, {"wait": "exact"}, {"click": "save/save"}, {"wait": 20}, {"wait": "saved"}],
         "door.pxn", "more=door.pxn")
     subprocess.run(["sh", "-c", said["render"].replace("panwright", program, 1).replace(
-        "-o image.png", f"-o {same}") + " --gl osmesa --quiet"], cwd=folder, check=True)
+        "-o image.png", f"-o {same}") + " --quiet"], cwd=folder, check=True)
     with open(saved, "rb") as a, open(same, "rb") as b:
         expect("the file of two targets is that of the command", a.read() == b.read())
 
