@@ -38,7 +38,7 @@ constexpr unsigned kFewPoints = 8;  // of the Sun's disc
 // As many points of the Sun's disc as are asked for, half of them where pixels are too large to
 // show the steps between them.
 unsigned points_for(double penumbra, const SunDisc& disc) {
-  return !disc.always && penumbra <= 2 ? (disc.points + 1) / 2 : disc.points;
+  return !disc.always && penumbra <= 2 ? std::max((disc.points + 1) / 2, 2u) : disc.points;
 }
 
 }  // namespace
