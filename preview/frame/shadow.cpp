@@ -21,6 +21,8 @@ struct alignas(16) ShadowBlock {
   float inside[4 * kMostShadowTiles];
   float sun[2 * kMostSunPoints];
   std::int32_t points;
+  float width_of_texel;  // in the texture, which may be larger than the map
+  float height_of_texel;
 };
 
 // Software contexts build every program again for textures whose sides are powers of two, and tiles
@@ -128,11 +130,15 @@ bool ShadowMaps::make(const ContextLimits& limits, const GladGLContext& gl, Map&
   const auto layers = static_cast<GLsizei>(map.layout.points);
   map.depths = make_texture_array(gl, GL_DEPTH_COMPONENT32F, width, height, layers);
   map.slopes = make_texture_array(gl, GL_RG16F, width, height, layers);
+  map.width = width;
+  map.height = height;
   map.limits = make_stream_buffer(gl);
   gl.NamedBufferStorage(map.limits.id(), sizeof(ShadowBlock), nullptr, GL_DYNAMIC_STORAGE_BIT);
   for (const GlTexture* texture : {&map.depths, &map.slopes}) {
     gl.TextureParameteri(texture->id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     gl.TextureParameteri(texture->id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl.TextureParameteri(texture->id(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl.TextureParameteri(texture->id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   }
   GLuint id = 0;
   gl.CreateFramebuffers(1, &id);
@@ -362,6 +368,8 @@ void ShadowMaps::set_limits(const GladGLContext& gl, const Map& map) const {
   const Vec3 size =
       tiles.tiles.empty() ? extent : Vec3(tiles.columns * side, tiles.rows * side, tiles.depth);
   limits.points = static_cast<std::int32_t>(map.layout.points);
+  limits.width_of_texel = 1 / static_cast<float>(map.width);
+  limits.height_of_texel = 1 / static_cast<float>(map.height);
   for (std::size_t k = 0; k < sun_places_.size(); ++k)
     for (int axis = 0; axis < 2; ++axis)
       limits.sun[2 * k + static_cast<std::size_t>(axis)] =

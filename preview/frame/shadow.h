@@ -140,6 +140,8 @@ class ShadowMaps {
     std::size_t columns = 0;     // cells of its textures; 0: there are none
     std::size_t rows = 0;
     std::uint64_t texels = 0;  // of these, all layers
+    int width = 0;             // of the same, texels
+    int height = 0;
     GlTexture depths;
     GlTexture slopes;
     GlFramebuffer framebuffer;

@@ -1,5 +1,8 @@
 #include <GL/osmesa.h>
 #include <dlfcn.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <array>
 #include <cstdint>
@@ -38,6 +41,15 @@ OsmesaLibrary opened() {
 const OsmesaLibrary& library() {
   static const OsmesaLibrary instance = opened();
   return instance;
+}
+
+// The context takes and frees tens of megabytes for each frame, which would go back to the system
+// and come as new pages each time: up to a tenth of a frame.
+void keep_freed_memory() {
+#ifdef M_TRIM_THRESHOLD
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // setting the one above would keep it at its least
+#endif
 }
 
 class OsmesaContext final : public Context {
@@ -92,6 +104,7 @@ ContextAttempt create_osmesa_context() {
   auto context = std::make_unique<OsmesaContext>();
   std::string reason = context->open();
   if (!reason.empty()) return {nullptr, std::move(reason)};
+  keep_freed_memory();
   return {std::move(context), {}};
 }
 

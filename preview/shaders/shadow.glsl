@@ -7,6 +7,8 @@ layout(std140, binding = 4) uniform Shadow {
   vec4 inside[12];
   vec4 sun[128];  // how x and y change along rays to points of the Sun's disc, two a row
   int points;     // of these; they are layers of the map
+  float width_of_texel;  // in the texture, which may be larger than the map
+  float height_of_texel;
 }
 shadow;
 
@@ -27,37 +29,35 @@ const float kTexelSlack = 1.0 / 16.0;
 // grazes lies something else.
 const float kMostDown = 16.0;
 
-// Whether what a point of the Sun sees at a texel hides a sample from it. Both are planes here: the texel's
-// must lie above the sample, and the texel above the sample's. Along an edge one of the two fails,
-// whichever way it bends, so no bias is needed that grows with the slope.
-bool hides(ivec3 texel, vec3 place, vec2 slope, vec2 half_size) {
-  float depth = texelFetch(shadow_depths, texel, 0).r;
-  // sunward of the box: above all that asks here, but for what is on no tile
-  if (depth >= 1.0) return place.z <= 1.0;
-  vec2 there = (vec2(texel.xy) + 0.5) / half_size - 1.0;
-  vec2 step = there - place.xy;
+// From 0 to 1: the share of the four texels around a sample that do not hide it, weighted by how near
+// they are. Whether one does: the texel and the sample are planes here; the texel's must lie above the
+// sample, and the texel above the sample's. Along an edge one of the two fails, whichever way it bends,
+// so no bias is needed that grows with the slope.
+float point_visibility(int layer, vec3 place, vec2 slope) {
+  vec2 half_size = vec2(shadow.half_width, shadow.half_height);
+  vec2 at = clamp((place.xy + 1.0) * half_size - 0.5, vec2(0.0), 2.0 * half_size - 1.001);
+  vec2 first = floor(at);
+  vec2 share = at - first;
+  // between the four, far from where rounding would take others
+  vec3 among = vec3((first + 1.0) * vec2(shadow.width_of_texel, shadow.height_of_texel), float(layer));
+  // texels here: below left, below right, above right, above left
+  vec4 depth = textureGather(shadow_depths, among);
+  vec4 its_slope_x = textureGather(shadow_slopes, among, 0);
+  vec4 its_slope_y = textureGather(shadow_slopes, among, 1);
+  vec4 step_x = (first.x + vec4(0.5, 1.5, 1.5, 0.5)) / half_size.x - 1.0 - place.x;
+  vec4 step_y = (first.y + vec4(1.5, 1.5, 0.5, 0.5)) / half_size.y - 1.0 - place.y;
   vec2 reach = kTexelSlack / half_size;
   float relief = kDepthSlack + kRelief * shadow.texel_depth;
   float slack = relief + dot(abs(slope), reach);
   // note: where nothing was drawn, depth 0, slopes are those of another map
-  if (!(depth > max(place.z + dot(slope, step) + slack, 0.0))) return false;
-  vec2 its_slope = texelFetch(shadow_slopes, texel, 0).xy;
-  float down = min(dot(its_slope, step), kMostDown * shadow.texel_depth);
-  return depth - down > place.z + relief + dot(abs(its_slope), reach);
-}
-
-// From 0 to 1: the share of four texels around the sample that do not hide it, weighted by how near
-// they are.
-float point_visibility(int layer, vec3 place, vec2 slope) {
-  vec2 half_size = vec2(shadow.half_width, shadow.half_height);
-  vec2 at = clamp((place.xy + 1.0) * half_size - 0.5, vec2(0.0), 2.0 * half_size - 1.001);
-  ivec2 first = ivec2(at);
-  vec2 share = at - vec2(first);
+  bvec4 above = greaterThan(depth, max(place.z + (slope.x * step_x + slope.y * step_y) + slack, vec4(0.0)));
+  vec4 down = min(its_slope_x * step_x + its_slope_y * step_y, vec4(kMostDown * shadow.texel_depth));
+  bvec4 below = greaterThan(depth - down, place.z + relief + (abs(its_slope_x) * reach.x + abs(its_slope_y) * reach.y));
   vec4 seen;
   for (int i = 0; i < 4; ++i)
-    seen[i] = hides(ivec3(first + ivec2(i & 1, i >> 1), layer), place, slope, half_size) ? 0.0 : 1.0;
+    seen[i] = (depth[i] >= 1.0 ? place.z <= 1.0 : above[i] && below[i]) ? 0.0 : 1.0;
   // note: a + (b - a)·t is exactly 1 where all four are
-  vec2 rows = seen.xz + (seen.yw - seen.xz) * share.x;
+  vec2 rows = seen.wx + (seen.zy - seen.wx) * share.x;
   return rows.x + (rows.y - rows.x) * share.y;
 }
 
