@@ -13,28 +13,22 @@ const double kTurn = std::atan((std::sqrt(5.0) - 1) / 2);
 // Where the centre lies among texels.
 constexpr Vec2 kCentre(0.31, 0.13);
 
-// Largest side of a target that has an imposter by itself, pixels. Glossy foil has ten texels in a
-// pixel's side there, which leave 5 % of a pixel's light (RMS) and 0.1 % of the flux; samples to that
-// error take two to five times as long, and leave 0.3 % of the flux.
+// Largest side of a target that has an imposter whatever its pixels' error is, pixels.
 constexpr double kSmall = 100;
-// The largest that is tried, what it has of texels a pixel, and the most instances: spacecraft of
-// many parts have as many edges as need samples.
-constexpr double kTried = 350;
-constexpr double kTriedRate = 2;
-constexpr double kTriedRateOfPsf = 4;  // whose photocentre is asked for
-constexpr std::size_t kTriedItems = 16;
+// What larger ones of few instances have of texels a pixel, where no photocentre is asked for.
+constexpr double kSmoothRate = 2;
+constexpr std::size_t kFewItems = 16;
+// So many times the texels that they start with, those of more instances end with (measured).
+constexpr std::uint32_t kMoreTexels = 7;
 // So many times the texels of a disc's side are along the side of the box about a round target; a
 // little more, so that few are drawn twice.
 constexpr double kBoxOfDisc = 2;
-// Texels a pixel, at least.
-constexpr double kLeastRate = 4;
 // Targets share an imposter unless one is so many times as large as the other.
 constexpr double kMuchLarger = 8;
 // What a disc's boundary leaves of its area, relative, times the radius in texels to 3/2
 // (reference: point lattices; measured by tests/preview/imposters_test.cpp).
 constexpr double kDiscError = 0.29;
-// Of all imposters of an image, and the fewest along a side where there are many.
-constexpr double kMostTexels = 1 << 23;
+// The fewest along a side where there are many.
 constexpr std::uint32_t kFewest = 32;
 
 // Where a box falls on the image plane; nothing where it reaches behind the camera.
@@ -58,8 +52,8 @@ std::uint32_t texels_of(double extent, const RenderOptions& options, double rate
                   static_cast<std::uint32_t>(std::ceil(rate * extent)));
 }
 
-double tried_rate(const RenderOptions& options) {
-  return options.psf_sigma > 0 ? kTriedRateOfPsf : kTriedRate;
+double tried_rate(const RenderOptions& options, std::size_t items) {
+  return options.psf_sigma > 0 || items > kFewItems ? kImposterRate : kSmoothRate;
 }
 
 double pixels_of(const world::Camera& camera) { return std::max(camera.focal.x, camera.focal.y); }
@@ -122,7 +116,7 @@ bool ImposterFinder::merge_some(double pixels) {
 }
 
 // Expects: imposters_ and others_ are complete.
-void ImposterFinder::add_tried(const RenderOptions& options) {
+void ImposterFinder::add_tried() {
   const std::size_t settled = imposters_.size();
   for (Imposter& one : too_large_) {
     const auto overlaps = [&](const PlaneRect& rect) { return rect.overlaps(one.rect); };
@@ -132,7 +126,6 @@ void ImposterFinder::add_tried(const RenderOptions& options) {
                     [&](const Imposter& other) { return overlaps(other.rect); }))
       continue;
     one.tried = true;
-    one.texels = texels_of(one.extent, options, tried_rate(options));
     imposters_.push_back(std::move(one));
   }
 }
@@ -144,7 +137,7 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
   too_large_.clear();
   if (options.imposters == Imposters::off) return {};
   const double pixels = pixels_of(camera);
-  const double limit = (most_side - 4) / kLeastRate;
+  const double limit = (most_side - 4) / kImposterRate;
   const double largest = options.imposters == Imposters::always
                              ? limit
                              : std::min(limit, options.imposter_pixels.value_or(kSmall));
@@ -158,12 +151,13 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
     one.targets.push_back(v);
     if (!(one.extent > 0 && one.extent <= largest)) {
       others_.push_back(one.rect);
-      if (one.extent > 0 && one.extent <= std::min(kTried, limit) &&
-          visible.targets[v].items.size() <= kTriedItems)
-        too_large_.push_back(one);
+      if (!(one.extent > 0 && one.extent <= limit)) continue;
+      one.least_rate = tried_rate(options, visible.targets[v].items.size());
+      one.texels = texels_of(one.extent, options, one.least_rate);
+      too_large_.push_back(one);
       continue;
     }
-    one.texels = texels_of(one.extent, options, kLeastRate);
+    one.texels = texels_of(one.extent, options, one.least_rate);
     imposters_.push_back(std::move(one));
   }
   do std::sort(imposters_.begin(), imposters_.end(), [](const Imposter& a, const Imposter& b) {
@@ -176,7 +170,7 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
     others_.push_back(one.rect);
     return true;
   });
-  if (options.imposters == Imposters::automatic && !options.imposter_pixels) add_tried(options);
+  if (options.imposters == Imposters::automatic && !options.imposter_pixels) add_tried();
   std::sort(imposters_.begin(), imposters_.end(), [](const Imposter& a, const Imposter& b) {
     return a.extent != b.extent ? a.extent > b.extent : a.targets < b.targets;
   });
@@ -188,10 +182,12 @@ std::span<Imposter> ImposterFinder::find(const world::Camera& camera, const Visi
   }
   const double share = std::sqrt(std::min(1.0, kMostTexels / std::max(all, 1.0)));
   for (Imposter& one : imposters_) {
-    const double rate = one.tried ? tried_rate(options) : kLeastRate;
-    const double least = std::max<double>(kFewest, rate * one.extent);
+    const double least = std::max<double>(kFewest, one.least_rate * one.extent);
     one.texels = static_cast<std::uint32_t>(
         std::ceil(std::max(share * one.texels, std::min<double>(least, one.texels))));
+    std::size_t items = 0;
+    for (const std::uint32_t v : one.targets) items += visible.targets[v].items.size();
+    one.shadow_texels = items > kFewItems ? kMoreTexels * one.texels : 0;
     one.alone =
         one.tried || std::none_of(others_.begin(), others_.end(),
                                   [&](const PlaneRect& rect) { return rect.overlaps(one.rect); });

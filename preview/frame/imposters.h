@@ -30,6 +30,12 @@ struct PlaneRect {
   }
 };
 
+// Texels a pixel that an imposter has at least, but for smooth ones.
+inline constexpr double kImposterRate = 4;
+
+// Texels that all imposters of an image start with, at most.
+inline constexpr double kMostTexels = 1 << 23;
+
 // One or several targets that are drawn by themselves: what a rectangle of the image plane shows,
 // in texels. Its camera has the eye and the image plane of the image's camera and is turned in that
 // plane, so that edges along rows, columns and diagonals of the image cross the texels at slopes
@@ -39,6 +45,10 @@ struct Imposter {
   PlaneRect rect;                      // that holds them
   double extent = 0;                   // its longer side, pixels
   std::uint32_t texels = 0;            // along it
+  double least_rate = kImposterRate;   // texels a pixel
+  // What shadow maps are to be right for, where more texels than it starts with are likely, so that
+  // its draws share one map; 0: its texels.
+  std::uint32_t shadow_texels = 0;
   // Whether no target that has no imposter may be seen in the rectangle.
   bool alone = true;
   // Whether it is one only if its pixels are as right as is asked (pixel_error_of()).
@@ -69,7 +79,8 @@ std::uint32_t texels_for(double flux_error);
 // Targets whose rectangles overlap share an imposter, so that what hides what is told texel by
 // texel. One that is much smaller than the other has its own, which takes the place of the larger
 // one's texels. A target that reaches behind the camera has none. A larger target that overlaps
-// nothing is tried: smooth ones are righter and sooner there by texels, foil by samples.
+// nothing is tried: the fluxes of glints and trusses are righter by texels than by samples that go
+// where the first ones saw something.
 class ImposterFinder {
  public:
   // Returns them from the largest to the smallest, unplaced; they stay until the next call.
@@ -81,7 +92,7 @@ class ImposterFinder {
 
  private:
   bool merge_some(double pixels);
-  void add_tried(const RenderOptions& options);
+  void add_tried();
   std::vector<Imposter> imposters_;
   std::vector<PlaneRect> others_;    // of targets that have none
   std::vector<Imposter> too_large_;  // those of them that may be tried

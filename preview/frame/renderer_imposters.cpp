@@ -16,7 +16,7 @@ bool Renderer::Impl::draw_texels(const world::World& world, const RenderOptions&
   reset(frames[frame].image, imposter.camera, false);
   FrameScene scene{world, imposter.camera, states, *shown};
   scene.pixel = imposter.rate();
-  scene.texels = imposter.texels;
+  scene.texels = imposter.shadow_texels > 0 ? imposter.shadow_texels : imposter.texels;
   if (submit_radiance(scene, options, frame, log) && take_all(frame, log)) return true;
   abandon(frame);
   return false;
@@ -27,11 +27,11 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
                                     const RenderOptions& options, const LevelState& levels,
                                     std::span<Imposter> imposters, std::size_t index,
                                     DiagnosticLog& log) {
-  // An estimate above what is asked is worth another draw, which aims below that. Of discs the
-  // estimate is twice what is left, of foil with its glints it is about that.
-  constexpr double kAim = 0.7;
-  // where glints and foil would take ever more
-  const std::uint32_t most_side = std::min(most_texels(), 1024u);
+  // An estimate above what is asked is worth another draw. Of discs the estimate is twice what is
+  // left; of foil with its glints it is the standard deviation of that, so half is aimed at.
+  constexpr double kAim = 0.5;
+  const auto most_side = static_cast<std::uint32_t>(std::min(
+      most_texels() - 4.0, std::sqrt(2 * kMostTexels / static_cast<double>(imposters.size()))));
   Frame& frame = frames[index];
   RenderOptions own = options;
   own.samples = 1;
@@ -52,20 +52,25 @@ bool Renderer::Impl::draw_imposters(const world::World& world, const world::Came
         hide(other, 1);
       }
     double flux_error = 0;
-    for (int draw = 0; draw < 2; ++draw) {
+    for (int draw = 0;; ++draw) {
       place_imposter(camera, imposter);
       if (!draw_texels(world, own, levels, imposter, index, log)) return false;
       flux_error = flux_error_of(frame.image);
-      if (imposter.tried &&
-          pixel_error_of(frame.image, flux_error, imposter.rate()) > options.pixel_error) {
-        imposter.targets.clear();
-        break;
+      // both fall with the texels to 3/2
+      double over = flux_error / options.flux_error;
+      if (imposter.tried) {
+        const double pixel_error = pixel_error_of(frame.image, flux_error, imposter.rate());
+        const double pixels_over = pixel_error / options.pixel_error;
+        if (pixels_over >
+            (draw > 0 ? 1 : std::pow(static_cast<double>(most_side) / imposter.texels, 1.5))) {
+          imposter.targets.clear();
+          break;
+        }
+        over = std::max(over, pixels_over);
       }
-      if (flux_error <= options.flux_error || imposter.texels >= most_side) break;
-      if (draw > 0) break;
-      const double more = std::pow(flux_error / (kAim * options.flux_error), 2.0 / 3.0);
-      imposter.texels = static_cast<std::uint32_t>(
-          std::min<double>(most_side, std::ceil(more * imposter.texels)));
+      if (over <= 1 || draw > 0 || imposter.texels >= most_side) break;
+      imposter.texels = static_cast<std::uint32_t>(std::min<double>(
+          most_side, std::ceil(std::pow(over / kAim, 2.0 / 3.0) * imposter.texels)));
     }
     if (imposter.targets.empty()) continue;  // samples show it
     double texels = static_cast<double>(frame.image.pixels());
