@@ -151,8 +151,9 @@ void declare_all(Arguments& arguments, Options& options) {
   arguments
       .add("--imposters", options.imposters,
            "Draw targets by themselves, finer than pixels, and add them by exact areas: auto "
-           "(default): those of up to 100 pixels, with --samples auto; off; always: all that are "
-           "not too large; or those of up to so many pixels")
+           "(default): with --samples auto those of up to 100 pixels, and of up to 511 whose pixels "
+           "come out right; off; always: all that are not too large; or those of up to so many "
+           "pixels")
       .type("auto|off|always|PIXELS");
   arguments
       .add("--flux-error", options.flux_error,
