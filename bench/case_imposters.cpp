@@ -246,22 +246,24 @@ Target sphere_target(const world::ModelPtr& model, double radius, DiagnosticLog&
   return target;
 }
 
-// What samples of a crop take for the error of an imposter of the same crop, by their law: the
-// error of a disc's area falls as samples^(-3/4).
+// What samples take for the error of an imposter, by their law: the error of a disc's area falls as
+// samples^(-3/4).
+//
+//   took  seconds, by the samples whose error is known
 void add_equal_error(Context& context, double radius, const Spread& imposter, const Spread& samples,
-                     const char* name) {
+                     double took, const std::string& name, double must) {
   if (samples.flux_rms < imposter.flux_rms) return;  // fewer of them do
   const double more = std::pow(samples.flux_rms / imposter.flux_rms, 4.0 / 3.0);
   Row row{.case_name = "imposters",
           .setting = fmt::format("Lambert sphere r={}px: {} at the imposter's error", radius, name),
-          .speed = more * samples.timing.median / imposter.timing.median,
+          .speed = more * took / imposter.timing.median,
           .speed_unit = "times the imposter's time",
           .error = imposter.flux_rms,
           .error_unit = "relative flux, rms",
           .reference = "closed form, box image",
           .reference_error = 4e-5,
           .runs = imposter.timing.runs,
-          .must = 1};
+          .must = must};
   context.add(row);
 }
 
@@ -283,25 +285,6 @@ std::optional<Timing> time_of_full_image(const Context& context, preview::Render
       },
       context.quick() ? 1 : 5);
   return good ? std::optional(timing) : std::nullopt;
-}
-
-// Samples of each pixel of the image instead, whose time goes with their number.
-void add_full_image(Context& context, double radius, const Spread& imposter, const Spread& samples,
-                    unsigned side, const Timing& of_4x4) {
-  const double more = std::pow(samples.flux_rms / imposter.flux_rms, 4.0 / 3.0);
-  const double all = more * side * side / 16.0;
-  Row row{.case_name = "imposters",
-          .setting = fmt::format(
-              "Lambert sphere r={}px: samples of the whole image at the imposter's error", radius),
-          .speed = all * of_4x4.median / imposter.timing.median,
-          .speed_unit = "times the imposter's time",
-          .error = imposter.flux_rms,
-          .error_unit = "relative flux, rms",
-          .reference = "closed form, box image",
-          .reference_error = 4e-5,
-          .runs = imposter.timing.runs,
-          .must = 50};
-  context.add(row);
 }
 
 void run_spheres(Context& context, preview::Renderer& renderer, DiagnosticLog& log) {
@@ -339,9 +322,11 @@ void run_spheres(Context& context, preview::Renderer& renderer, DiagnosticLog& l
                "closed form, box image", 4e-5);
       if (own) (way.cropped ? by_imposter : whole_imposter) = *spread;
       if (!own && way.cropped && by_imposter)
-        add_equal_error(context, radius, *by_imposter, *spread, way.name);
+        add_equal_error(context, radius, *by_imposter, *spread, spread->timing.median, way.name, 1);
+      // their time goes with their number
       if (way.samples == 16 && way.cropped && whole_imposter)
-        add_full_image(context, radius, *whole_imposter, *spread, way.samples, *full_image);
+        add_equal_error(context, radius, *whole_imposter, *spread,
+                        16 * 16 / (4 * 4) * full_image->median, "samples of the whole image", 50);
       if (!own || way.cropped) continue;
       preview::RenderOptions options = options_of(way);
       options.psf_sigma = 0.5;
