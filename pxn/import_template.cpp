@@ -6,8 +6,8 @@
 #include <set>
 
 #include "base/text.h"
-#include "pxn/build/pattern.h"
-#include "pxn/build/presets.h"
+#include "pxn/reader/pattern.h"
+#include "pxn/reader/presets.h"
 #include "pxn/material_guess.h"
 #include "pxn/text/reference.h"
 

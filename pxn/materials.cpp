@@ -6,9 +6,9 @@
 #include <span>
 
 #include "base/text.h"
-#include "pxn/build/files.h"
-#include "pxn/build/loader.h"
-#include "pxn/build/presets.h"
+#include "pxn/reader/files.h"
+#include "pxn/reader/loader.h"
+#include "pxn/reader/presets.h"
 
 namespace panwright::pxn {
 

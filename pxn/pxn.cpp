@@ -2,10 +2,10 @@
 
 #include <cassert>
 
-#include "pxn/build/assembler.h"
-#include "pxn/build/files.h"
-#include "pxn/build/loader.h"
-#include "pxn/build/read_from.h"
+#include "pxn/reader/assembler.h"
+#include "pxn/reader/files.h"
+#include "pxn/reader/loader.h"
+#include "pxn/reader/read_from.h"
 #include "pxn/text/reporter.h"
 
 namespace panwright::pxn {

@@ -10,8 +10,8 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "pxn/build/files.h"
-#include "pxn/build/read_from.h"
+#include "pxn/reader/files.h"
+#include "pxn/reader/read_from.h"
 #include "pxn/format.h"
 #include "pxn/text/grammar.h"
 #include "pxn/text/upgrade_text.h"

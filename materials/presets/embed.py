@@ -7,7 +7,7 @@ import sys
 
 def main():
     files = sorted((pathlib.Path(name) for name in sys.argv[2:]), key=lambda file: file.stem)
-    lines = ['#include "pxn/build/presets.h"', "", "namespace panwright::pxn {", "",
+    lines = ['#include "pxn/reader/presets.h"', "", "namespace panwright::pxn {", "",
              "const PresetText kPresetTexts[] = {"]
     for file in files:
         lines.append(f'    {{"{file.stem}", R"preset({file.read_text(encoding="utf-8")})preset"}},')

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "base/text.h"
-#include "pxn/build/loader.h"
+#include "pxn/reader/loader.h"
 #include "pxn/pxn.h"
 #include "pxn/text/grammar.h"
 #include "pxn/text/markup.h"

@@ -28,7 +28,7 @@ UNRESTRICTED = ["bench", "tests", "examples"]
 NEVER_INCLUDED = ["tools", "bench"]
 # Sub-folders that serve their folder alone; cmake/PanwrightInstall.cmake leaves them out too.
 OWN = ("importers/vrml/", "importers/gltf/", "importers/meshes/", "importers/step/", "importers/urdf/", "importers/mjcf/", "pxn/text/", "pxn/expression/",
-       "pxn/build/", "preview/gl/", "preview/image/", "preview/model/", "preview/frame/")
+       "pxn/reader/", "preview/gl/", "preview/image/", "preview/model/", "preview/frame/")
 # The reference renderer is an oracle of the preview: of what the two could share it includes these
 # alone, and calls none of what follows.
 REFERENCE = "preview/reference/"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "pxn/build/pattern.h"
+#include "pxn/reader/pattern.h"
 #include "pxn/import_template.h"
 #include "pxn/materials.h"
 #include "pxn/pxn.h"

@@ -1,6 +1,6 @@
 // Foil that earlier readings made: the same scene, and only what changed is made anew.
 
-#include "pxn/build/kept_foil.h"
+#include "pxn/reader/kept_foil.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

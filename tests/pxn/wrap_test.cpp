@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "geometry/ray/instances.h"
-#include "pxn/build/blankets.h"
+#include "pxn/reader/blankets.h"
 #include "tests/pxn/reading.h"
 
 namespace panwright::pxn {

@@ -1,0 +1,131 @@
+// Blankets of foil over shapes of a scene.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "base/job.h"
+#include "base/work_cache.h"
+#include "mli/corners.h"
+#include "mli/wrap.h"
+#include "pxn/reader/kept_foil.h"
+#include "pxn/reader/obstacles.h"
+#include "pxn/reader/part.h"
+#include "pxn/text/reporter.h"
+#include "scene/scene.h"
+
+namespace panwright::pxn {
+
+// What a text asks for: blankets over some instances.
+struct FoilWish {
+  std::vector<std::pair<std::int32_t, std::string>> on;  // and the names of their blankets
+  Blanket how;
+  Mat4 axes_from_world{1};  // the frame in which directions of faces are meant
+  std::string faces;        // these directions as they are written
+  scene::Instance blanket;  // material and source
+  // materials of what is taped, and of cut edges
+  std::int32_t tape = scene::kNone, edge = scene::kNone;
+  SourceSpan where;
+  const xml::Document* document = nullptr;
+  std::uint32_t element = 0;  // wishes of one element are reported as one
+};
+
+// What is to be said of an element's blankets of so many triangles, with cells of `cell` metres at
+// the finest; empty: nothing.
+std::string many_triangles(double triangles, double cell);
+
+// Makes blankets and hangs them beside what they cover, or below where that has joints, with nodes
+// and instances of their own. Wrinkles have their sizes in the world: shapes are wrapped as they
+// are stretched there, and the blanket is brought back, so that instances of the same shape and
+// stretch share one, unless other parts are in its way.
+class Blankets {
+ public:
+  // vertices: of all sheets so far; cache: null: none
+  Blankets(scene::Scene& scene, double crease_angle, double vertices, const WorkCache* cache,
+           const Job& job)
+      : scene_(scene), crease_angle_(crease_angle), vertices_(vertices), cache_(cache), job_(job) {}
+
+  void wish(FoilWish wish) { wishes_.push_back(std::move(wish)); }
+
+  // Fulfils all wishes, once the scene is there: what is covered gets a tolerance that keeps its
+  // facets below the blanket. Reports E7001, W7002, W1501. Throws Cancelled.
+  void make(std::uint64_t most_nodes, Reporter& reporter);
+
+ private:
+  using Key = std::tuple<std::int32_t, std::array<double, 6>, std::vector<double>,
+                         std::vector<std::uint32_t>>;  // shape, metric, blanket, faces
+  struct Made {
+    std::int32_t shape = scene::kNone;
+    // shapes of what is taped, and of cut edges
+    std::int32_t tape = scene::kNone, edge = scene::kNone;
+    double stand_off = 0;  // metres in the world
+    double cell = 0;       // above 0: larger than the preset's
+    double used_cell = 0;  // metres
+    std::size_t triangles = 0;
+    bool cornered = false;  // lower somewhere, beside another shape's blanket
+    mli::WrapTally tally;
+    std::string problem;
+    // where others may share it: its vertices and the places below them, in metres_of(metric)
+    struct Reach {
+      std::vector<Vec3> tops, roots;
+      Asked asked;
+    };
+    std::shared_ptr<const Reach> reach;
+  };
+  // What became of the wishes of one element.
+  struct Worn {
+    const FoilWish* wish = nullptr;
+    mli::WrapTally tally;
+    std::size_t asked = 0;      // instances
+    std::size_t instances = 0;  // with a face that was chosen
+    std::size_t coarsened = 0;  // whose cells are larger than the preset asks for
+    double largest_cell = 0;    // of those, metres
+    double triangles = 0;       // of blankets that nobody wore before
+    double finest_cell = 0;     // of all, metres
+    std::string problem;        // the first one; empty: none
+  };
+  // An instance that is being covered.
+  struct Place {
+    std::int32_t instance;
+    Mat4 world_from_shape, axes_from_shape;
+  };
+
+  Mat4 world_from(std::int32_t node) const;
+  void share_triangles();
+  void cover(std::int32_t instance, const std::string& name, const FoilWish& wish, Worn& worn);
+  std::optional<Made> made(const Place& place, const FoilWish& wish, bool& any);
+  Made woven(const Place& place, const Surroundings& around, const Mat3& in_metres,
+             const FoilWish& wish, double stand_off);
+  std::optional<WovenFoil> wrapped(const Place& place, const Surroundings& around,
+                                   const Mat3& in_metres, const mli::RecipeFor& recipe,
+                                   mli::WrapOptions options, DiagnosticLog& log);
+  mli::FreeRoom room_of(const Place& place, const Mat3& in_metres, double stand_off) const;
+  mli::OtherCorners corners_of(const Place& place, const Mat3& in_metres) const;
+  void find_corners();
+  bool is_clear(const Made& made, const Surroundings& around, const mli::FreeRoom& room,
+                const mli::OtherCorners& others);
+  void hang(std::int32_t node, std::string name, scene::Instance what);
+  std::int32_t add_shape(FoilMeshes::Part& part, scene::Foil foil);
+  static void tell(const Worn& worn, Reporter& reporter);
+
+  scene::Scene& scene_;
+  double crease_angle_;
+  double vertices_;
+  const WorkCache* cache_;
+  const Job job_;
+  std::vector<FoilWish> wishes_;
+  std::map<Key, Made> known_;      // what nothing is in the way of
+  std::vector<std::size_t> uses_;  // of shapes, by instances
+  std::optional<Obstacles> obstacles_;
+  mli::Corners corners_;   // faces that wear blankets, in the world, by instance
+  double least_cell_ = 0;  // metres, of blankets that say none
+};
+
+}  // namespace panwright::pxn

@@ -1,0 +1,13 @@
+// Reading with files from anywhere.
+#pragma once
+
+#include "pxn/reader/files.h"
+#include "pxn/pxn.h"
+
+namespace panwright::pxn {
+
+// As pxn::read.
+Result<scene::Scene> read_from(Files& files, const FoundFile& top, const Options& options,
+                               DiagnosticLog& log, const Job& job = {});
+
+}  // namespace panwright::pxn

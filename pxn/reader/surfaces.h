@@ -1,0 +1,67 @@
+// The materials of a scene, made from what nodes, shapes and rules say.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "pxn/reader/loader.h"
+
+namespace panwright::pxn {
+
+// What covers the shapes at a place of a model.
+struct Surface {
+  materials::Fields fields;
+  std::string name;   // of the named material, when nothing around changes it
+  BackMaterial back;  // of that material
+  SourceSpan place;   // the innermost appearance, for what is said about its material
+};
+
+// Materials with one name and one value are made once. They are numbered in the order in which they
+// are asked for.
+class Surfaces {
+ public:
+  Surfaces(const Loader& loader, const Options& options, Reporter& reporter, scene::Scene& scene)
+      : loader_(loader), options_(options), reporter_(reporter), scene_(scene) {}
+
+  // A named material, by its index in the loader.
+  Surface named(std::int32_t index) const;
+
+  // Indices into the scene's materials.
+  std::int32_t material(const Surface& surface);
+  std::int32_t named_material(std::int32_t index) { return material(named(index)); }
+  // One of the library. Expects: a name that it has.
+  static Surface library(std::string_view name);
+  // The one that a preset of foil is usual with.
+  std::int32_t usual_material(std::string_view foil_preset);
+  // A material of a CAD file, once for each file.
+  std::int32_t cad_material(std::uint32_t model_index, const ImportedModel& model,
+                            std::int32_t index);
+
+  // The material of a back, for a front of the scene, with the front's holes unless it has its own;
+  // kNone where both sides are alike or nobody sees the back: nothing else is named, the shape is
+  // closed and has no holes, or the two have different holes, W1410 at `where()`, once for each
+  // pair.
+  //
+  //   shape  null: an open one
+  std::int32_t back_of(const geometry::Shape* shape, std::int32_t front, const BackMaterial& back,
+                       const std::function<SourceSpan()>& where);
+
+ private:
+  const Loader& loader_;
+  const Options& options_;
+  Reporter& reporter_;
+  scene::Scene& scene_;
+  std::uint32_t unnamed_ = 0;
+  std::map<std::pair<std::string, std::vector<double>>, std::int32_t> by_fields_;
+  std::map<std::pair<std::string, std::vector<double>>, std::int32_t> by_value_;
+  std::map<std::pair<std::uint32_t, std::int32_t>, std::int32_t> cad_materials_;
+  std::set<std::pair<std::int32_t, std::int32_t>> unlike_;  // fronts and backs, said once
+};
+
+}  // namespace panwright::pxn
